@@ -1,0 +1,63 @@
+// How a world's states, outcomes and recordings are named in archives, and how their bytes are read.
+//
+// The archive and the services treat states as opaque bytes; a world (worker/worlds) gives this
+// description and one StateReader, and a program's main joins the two.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.h"
+
+namespace sleight::archive {
+
+struct Dimension {
+  std::string name;  ///< e.g. "collision"; one name has one size within a group
+  std::size_t size = 0;
+};
+
+/// A named array of doubles.
+struct Variable {
+  std::string name;             ///< with its unit as suffix, e.g. "normal_rad"
+  std::vector<Dimension> dims;  ///< none for a scalar
+  std::string unit;             ///< "rad", "m", "1" for a pure number
+  std::string meaning;          ///< one sentence, for `long_name`
+  std::size_t size() const {
+    std::size_t product = 1;
+    for (const Dimension& dim : dims) product *= dim.size;
+    return product;
+  }
+};
+
+struct WorldLayout {
+  std::string world;                         ///< "ball_2d"
+  std::vector<Variable> variables;           ///< of the state
+  std::vector<Variable> outcomes;            ///< scalars of each scan
+  std::vector<std::string> proposal_kinds;   ///< at least one
+  std::vector<Variable> segment_columns;     ///< of a recording; each row is one segment
+};
+
+/// The motion of one animation: segments in order, a row each.
+struct Recording {
+  std::size_t columns = 0;     ///< sum of the sizes of WorldLayout::segment_columns
+  std::vector<double> values;  ///< row-major
+  std::size_t rows() const { return columns == 0 ? 0 : values.size() / columns; }
+};
+
+/// Reads the opaque state bytes of one world with one request. Thread-safe.
+/// REQUIRES of every function: `state` came from this world's worker (a run store is ours).
+class StateReader {
+ public:
+  virtual ~StateReader() = default;
+  virtual const WorldLayout& layout() const = 0;
+  /// The values of all variables, in layout order, row-major each.
+  virtual std::vector<double> variables(base::BytesView state) const = 0;
+  /// How unlike two animations look, in the world's own stated unit: 0 for equal ones.
+  virtual double likeness_distance(base::BytesView a, base::BytesView b) const = 0;
+  /// The whole motion, simulated to its end.
+  virtual Recording record(base::BytesView state) const = 0;
+};
+
+}  // namespace sleight::archive

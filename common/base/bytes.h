@@ -1,0 +1,64 @@
+// Little-endian byte strings for what is stored or sent: chain states, outcomes, counts.
+//
+// A reader checks every length before it reads: bytes may come from a damaged or hostile file.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace sleight::base {
+
+static_assert(std::endian::native == std::endian::little, "stored bytes are little-endian");
+
+using Bytes = std::vector<std::byte>;
+using BytesView = std::span<const std::byte>;
+
+/// Appends scalars in order.
+class ByteWriter {
+ public:
+  template <class T>
+    requires std::is_arithmetic_v<T>
+  void put(T value) {
+    const auto* first = reinterpret_cast<const std::byte*>(&value);
+    bytes_.insert(bytes_.end(), first, first + sizeof(T));
+  }
+  Bytes take() { return std::move(bytes_); }
+
+ private:
+  Bytes bytes_;
+};
+
+/// Reads scalars in order; nothing once the bytes have run out.
+class ByteReader {
+ public:
+  explicit ByteReader(BytesView bytes) : rest_(bytes) {}
+
+  template <class T>
+    requires std::is_arithmetic_v<T>
+  std::optional<T> get() {
+    if (rest_.size() < sizeof(T)) return std::nullopt;
+    T value;
+    std::memcpy(&value, rest_.data(), sizeof(T));
+    rest_ = rest_.subspan(sizeof(T));
+    return value;
+  }
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  BytesView rest_;
+};
+
+/// The bytes of an array of scalars, in place.
+template <class T>
+  requires std::is_arithmetic_v<T>
+BytesView bytes_of(std::span<const T> values) {
+  return std::as_bytes(values);
+}
+
+}  // namespace sleight::base

@@ -1,0 +1,56 @@
+// Checks for bugs. They stay on in release, print both operands and stop the process: a state that
+// "can't happen" must not reach an archive. What can happen (bad input, full disk, a lost process)
+// is never a CHECK: see result.h and error.h.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <source_location>
+#include <string>
+#include <string_view>
+
+namespace sleight::base {
+
+/// Prints `file:line: check failed: condition (operands)` to stderr and aborts.
+[[noreturn]] void check_failed(std::string_view condition, std::string_view operands,
+                               const std::source_location& where = std::source_location::current());
+
+namespace detail {
+template <class T>
+std::string printed(const T& value) {
+  if constexpr (fmt::is_formattable<T>::value) {
+    return fmt::format("{}", value);
+  } else {
+    return "?";
+  }
+}
+template <class A, class B>
+[[noreturn]] void check_pair_failed(std::string_view condition, const A& a, const B& b,
+                                    const std::source_location& where) {
+  check_failed(condition, fmt::format("{} against {}", printed(a), printed(b)), where);
+}
+}  // namespace detail
+
+}  // namespace sleight::base
+
+#define CHECK(condition)                                  \
+  do {                                                    \
+    if (!(condition)) [[unlikely]]                        \
+      ::sleight::base::check_failed(#condition, "false"); \
+  } while (false)
+
+#define SLEIGHT_CHECK_PAIR(a, op, b)                                           \
+  do {                                                                         \
+    const auto& sleight_left = (a);                                            \
+    const auto& sleight_right = (b);                                           \
+    if (!(sleight_left op sleight_right)) [[unlikely]]                         \
+      ::sleight::base::detail::check_pair_failed(#a " " #op " " #b, sleight_left, sleight_right, \
+                                                 std::source_location::current()); \
+  } while (false)
+
+#define CHECK_EQ(a, b) SLEIGHT_CHECK_PAIR(a, ==, b)
+#define CHECK_NE(a, b) SLEIGHT_CHECK_PAIR(a, !=, b)
+#define CHECK_LT(a, b) SLEIGHT_CHECK_PAIR(a, <, b)
+#define CHECK_LE(a, b) SLEIGHT_CHECK_PAIR(a, <=, b)
+#define CHECK_GT(a, b) SLEIGHT_CHECK_PAIR(a, >, b)
+#define CHECK_GE(a, b) SLEIGHT_CHECK_PAIR(a, >=, b)

@@ -1,0 +1,36 @@
+// The environment failed: a file can't be written, the disk is full, another process holds a run.
+//
+// Thrown where it is noticed, caught only in shells (a program's main), which print what() and end
+// with exit_code. The message says what was tried, what happened and what to do.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace sleight::base {
+
+/// Exit codes of every Sleight program; docs and `sleight --help` list them.
+enum class ExitCode : int {
+  ok = 0,
+  bug = 1,            ///< an unexpected failure of ours
+  usage = 2,          ///< the command line can't be understood
+  bad_request = 3,    ///< the request file has errors, each printed with its place
+  conflict = 4,       ///< the output belongs to another request, or another process writes it
+  environment = 5,    ///< disk full, no permission, a missing file
+  bad_archive = 6,    ///< not a Sleight archive, damaged, or hostile
+  interrupted = 130,  ///< Ctrl-C or SIGTERM: everything done so far is stored
+};
+
+class Error : public std::runtime_error {
+ public:
+  Error(ExitCode exit_code, const std::string& message)
+      : std::runtime_error(message), exit_code_(exit_code) {}
+  explicit Error(const std::string& message) : Error(ExitCode::environment, message) {}
+
+  ExitCode exit_code() const { return exit_code_; }
+
+ private:
+  ExitCode exit_code_;
+};
+
+}  // namespace sleight::base

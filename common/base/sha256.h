@@ -1,0 +1,39 @@
+// SHA-256 (OpenSSL) of content given in pieces: run identities and archive digests.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace sleight::base {
+
+/// A resource: moves, does not copy. Not thread-safe.
+class Sha256 {
+ public:
+  using Value = std::array<std::byte, 32>;
+
+  Sha256();
+  ~Sha256();
+  Sha256(Sha256&&) noexcept;
+  Sha256& operator=(Sha256&&) noexcept;
+
+  void update(std::span<const std::byte> bytes);
+  void update(std::string_view text);
+  /// REQUIRES: not called before on this object.
+  Value finish();
+
+ private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+};
+
+/// Lower-case hexadecimal, 64 digits.
+std::string to_hex(const Sha256::Value& value);
+
+/// The hexadecimal SHA-256 of a text.
+std::string sha256_hex(std::string_view text);
+
+}  // namespace sleight::base

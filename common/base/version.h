@@ -1,0 +1,12 @@
+// The exact source version of this build, for `--version`, run stores and archives.
+#pragma once
+
+#include <string_view>
+
+namespace sleight::base {
+
+/// `release+g<commit>`, with `.dirty.<hash>` for a changed tree and `release+src.<hash>` outside
+/// git (deploy/version). Two builds with one version give the same bits for the same request.
+std::string_view version();
+
+}  // namespace sleight::base

@@ -1,0 +1,47 @@
+// A sampling method as a pure plan: which units can run, what follows from their results, when it
+// is over. It knows no worker, thread, clock or file. The serial loop, the thread pool and the
+// coordinator are executors of the same plan, so no second loop of any method exists.
+//
+// Invariants
+//   1. Units of one replica are handed out in scan order, one at a time.
+//   2. What a plan does next is a function of the results consumed, not of their order of arrival
+//      across replicas. Which ready unit is handed out first may depend on the executor's asking.
+//   3. Consuming the stored results of an earlier session brings a fresh plan to where it was.
+// Not thread-safe: one executor drives it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "common/plan/unit.h"
+
+namespace sleight::plan {
+
+class Plan {
+ public:
+  virtual ~Plan() = default;
+
+  /// The next unit that may run now, of at most `scans_max` scans, and never handed out before;
+  /// none when all that could run is handed out or done. The replica that is furthest behind
+  /// comes first. REQUIRES: scans_max >= 1.
+  virtual std::optional<Unit> next_unit(std::uint32_t scans_max) = 0;
+
+  /// Takes in the results of scans [first_scan, first_scan + records.size()) of one replica.
+  /// REQUIRES: they continue what was consumed of that replica, and lie in a unit handed out, or
+  /// (before the first next_unit) come from a run store.
+  virtual void consume(ReplicaKey replica, base::ScanIndex first_scan,
+                       std::span<const ScanRecord> records) = 0;
+
+  /// Whether the stop rule holds: nothing more will be handed out.
+  virtual bool finished() const = 0;
+
+  /// Scans that every chain has: where an archive written now is cut.
+  virtual std::uint64_t scans_common() const = 0;
+
+  /// Scans over all chains that are consumed, and in total when the stop rule tells.
+  virtual std::uint64_t scans_consumed() const = 0;
+  virtual std::optional<std::uint64_t> scans_total() const = 0;
+};
+
+}  // namespace sleight::plan

@@ -1,0 +1,37 @@
+# Language, warnings and the flags on which bit-equality rests (docs/DETERMINISM).
+option(SLEIGHT_TESTS "Build the tests and benchmarks" ON)
+option(SLEIGHT_FUZZ "Build the fuzz targets instead of the programs' tests (clang only)" OFF)
+set(SLEIGHT_SANITIZE "" CACHE STRING "Value for -fsanitize=, empty for none")
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+# CHECK stays on in release, so NDEBUG only silences the libraries' own asserts.
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -g1 -DNDEBUG")
+set(CMAKE_CXX_FLAGS_DEBUG "-O0 -g")
+
+# Everything of ours is built with these; INTERFACE so that each target opts in by linking.
+add_library(sleight_options INTERFACE)
+target_compile_options(sleight_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Werror
+  # A fused multiply-add rounds once where two instructions round twice: other bits on other CPUs.
+  -ffp-contract=off)
+target_include_directories(sleight_options INTERFACE ${CMAKE_SOURCE_DIR})
+if(SLEIGHT_SANITIZE)
+  target_compile_options(sleight_options INTERFACE
+    -fsanitize=${SLEIGHT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(sleight_options INTERFACE -fsanitize=${SLEIGHT_SANITIZE})
+  target_compile_definitions(sleight_options INTERFACE SLEIGHT_SANITIZED=1)
+endif()
+if(SLEIGHT_FUZZ)
+  target_compile_options(sleight_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+find_program(SLEIGHT_CCACHE ccache)
+if(SLEIGHT_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SLEIGHT_CCACHE})
+endif()

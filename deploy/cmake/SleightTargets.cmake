@@ -1,0 +1,48 @@
+# How a folder declares what it holds.
+#
+#   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen...)   one per folder
+#   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
+#   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds])
+#
+# A library's name is its folder with '/' as '_': common/math is common_math.
+
+function(sleight_folder_name out)
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REPLACE "/" "_" name ${folder})
+  set(${out} ${name} PARENT_SCOPE)
+endfunction()
+
+function(sleight_library)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  sleight_folder_name(name)
+  if(ARG_SOURCES)
+    add_library(${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(${name} PUBLIC sleight_options ${ARG_LINKS})
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE sleight_options ${ARG_LINKS})
+  endif()
+endfunction()
+
+function(sleight_program name)
+  cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE sleight_options ${ARG_LINKS})
+  if(NOT ARG_NO_INSTALL)
+    install(TARGETS ${name} RUNTIME)
+  endif()
+endfunction()
+
+function(sleight_test)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
+  sleight_folder_name(name)
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE sleight_options ${ARG_LINKS} GTest::gtest_main GTest::gmock)
+  set_target_properties(${name} PROPERTIES
+    RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+    PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()
