@@ -1,4 +1,5 @@
-// How a world's states, outcomes and recordings are named in archives, and how their bytes are read.
+// How a world's states, outcomes and recordings are named in archives, and how their bytes are
+// read.
 //
 // The archive and the services treat states as opaque bytes; a world (worker/worlds) gives this
 // description and one StateReader, and a program's main joins the two.
@@ -26,17 +27,18 @@ struct Variable {
   std::string meaning;          ///< one sentence, for `long_name`
   std::size_t size() const {
     std::size_t product = 1;
-    for (const Dimension& dim : dims) product *= dim.size;
+    for (const Dimension& dim : dims)
+      product *= dim.size;
     return product;
   }
 };
 
 struct WorldLayout {
-  std::string world;                         ///< "ball_2d"
-  std::vector<Variable> variables;           ///< of the state
-  std::vector<Variable> outcomes;            ///< scalars of each scan
-  std::vector<std::string> proposal_kinds;   ///< at least one
-  std::vector<Variable> segment_columns;     ///< of a recording; each row is one segment
+  std::string world;                        ///< "ball_2d"
+  std::vector<Variable> variables;          ///< of the state
+  std::vector<Variable> outcomes;           ///< scalars of each scan
+  std::vector<std::string> proposal_kinds;  ///< at least one
+  std::vector<Variable> segment_columns;    ///< of a recording; each row is one segment
 };
 
 /// The motion of one animation: segments in order, a row each.

@@ -23,7 +23,7 @@ using BytesView = std::span<const std::byte>;
 class ByteWriter {
  public:
   template <class T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void put(T value) {
     const auto* first = reinterpret_cast<const std::byte*>(&value);
     bytes_.insert(bytes_.end(), first, first + sizeof(T));
@@ -40,8 +40,7 @@ class ByteReader {
   explicit ByteReader(BytesView bytes) : rest_(bytes) {}
 
   template <class T>
-    requires std::is_arithmetic_v<T>
-  std::optional<T> get() {
+  requires std::is_arithmetic_v<T> std::optional<T> get() {
     if (rest_.size() < sizeof(T)) return std::nullopt;
     T value;
     std::memcpy(&value, rest_.data(), sizeof(T));
@@ -56,8 +55,7 @@ class ByteReader {
 
 /// The bytes of an array of scalars, in place.
 template <class T>
-  requires std::is_arithmetic_v<T>
-BytesView bytes_of(std::span<const T> values) {
+requires std::is_arithmetic_v<T> BytesView bytes_of(std::span<const T> values) {
   return std::as_bytes(values);
 }
 

@@ -5,11 +5,11 @@
 
 namespace sleight::base {
 
-void check_failed(std::string_view condition, std::string_view operands,
-                  const std::source_location& where) {
-  const std::string line = fmt::format("{}:{}: check failed: {} ({})\n", where.file_name(),
-                                       where.line(), condition, operands);
-  std::fputs(line.c_str(), stderr);
+void check_failed(std::string_view condition, std::string_view operands, const char* file,
+                  int line) {
+  const std::string message =
+      fmt::format("{}:{}: check failed: {} ({})\n", file, line, condition, operands);
+  std::fputs(message.c_str(), stderr);
   std::fflush(stderr);
   std::abort();
 }

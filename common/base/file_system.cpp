@@ -39,7 +39,9 @@ bool PosixFileSystem::exists(const std::string& path) const {
   fail("look for it", path);
 }
 
-void PosixFileSystem::sync_file(const std::string& path) { sync_path(path, O_RDONLY, "sync it"); }
+void PosixFileSystem::sync_file(const std::string& path) {
+  sync_path(path, O_RDONLY, "sync it");
+}
 
 void PosixFileSystem::sync_directory_of(const std::string& path) {
   sync_path(directory_of(path), O_RDONLY | O_DIRECTORY, "sync the folder");
@@ -67,8 +69,8 @@ std::string read_text_file(const std::string& path, std::size_t bytes_max) {
   text.resize(std::fread(text.data(), 1, text.size(), file.get()));
   if (std::ferror(file.get()) != 0) fail("read it", path);
   if (text.size() > bytes_max) {
-    throw Error(fmt::format("{}: larger than the {} bytes that such a file may have", path,
-                            bytes_max));
+    throw Error(
+        fmt::format("{}: larger than the {} bytes that such a file may have", path, bytes_max));
   }
   return text;
 }

@@ -22,7 +22,9 @@ void Sha256::update(std::span<const std::byte> bytes) {
   CHECK(EVP_DigestUpdate(context_->evp.get(), bytes.data(), bytes.size()) == 1);
 }
 
-void Sha256::update(std::string_view text) { update(std::as_bytes(std::span(text))); }
+void Sha256::update(std::string_view text) {
+  update(std::as_bytes(std::span(text)));
+}
 
 Sha256::Value Sha256::finish() {
   Value value;
@@ -33,7 +35,8 @@ Sha256::Value Sha256::finish() {
 
 std::string to_hex(const Sha256::Value& value) {
   std::string text;
-  for (const std::byte byte : value) text += fmt::format("{:02x}", static_cast<unsigned>(byte));
+  for (const std::byte byte : value)
+    text += fmt::format("{:02x}", static_cast<unsigned>(byte));
   return text;
 }
 

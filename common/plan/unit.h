@@ -24,8 +24,8 @@ struct ReplicaKey {
 
 struct Unit {
   ReplicaKey replica;
-  base::ScanIndex first_scan;    ///< scan 0 draws the start from the prior
-  std::uint32_t scans = 0;       ///< at least 1
+  base::ScanIndex first_scan;      ///< scan 0 draws the start from the prior
+  std::uint32_t scans = 0;         ///< at least 1
   double inverse_temperature = 1;  ///< beta of p_w p_c^beta, in [0, 1]
   friend bool operator==(const Unit&, const Unit&) = default;
 };

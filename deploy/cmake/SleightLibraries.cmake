@@ -26,3 +26,6 @@ find_path(EIGEN_INCLUDE Eigen/Core PATH_SUFFIXES eigen3 REQUIRED)
 add_library(sleight_eigen INTERFACE)
 target_include_directories(sleight_eigen SYSTEM INTERFACE ${EIGEN_INCLUDE})
 find_path(RANDOM123_INCLUDE Random123/philox.h REQUIRED)
+
+# The C interface alone: Open MPI's C++ bindings are gone from the standard and need a library.
+target_compile_definitions(MPI::MPI_C INTERFACE OMPI_SKIP_MPICXX=1)

@@ -9,10 +9,10 @@ namespace sleight::worlds::ball_2d {
 inline constexpr std::uint32_t k_collisions_max = 64;
 
 struct WorldParameters {
-  double diameter_m = 0.1;  ///< D; the thesis leaves it open: it scales the picture only
-  double gravity_mps2 = 9.81;  ///< likewise: it scales time only
+  double diameter_m = 0.1;             ///< D; the thesis leaves it open: it scales the picture only
+  double gravity_mps2 = 9.81;          ///< likewise: it scales time only
   double drop_height_diameters = 4.5;  ///< how far the ball falls before its first collision
-  std::uint32_t collisions = 5;        ///< collisions with a random normal; it lands on the next one
+  std::uint32_t collisions = 5;  ///< collisions with a random normal; it lands on the next one
   double normal_sd_rad = 0.17453292519943295;  ///< 10 degrees: of each normal from the vertical
   double restitution = 0.70710678118654752;    ///< 1/sqrt(2), on the normal component
 };

@@ -1,0 +1,166 @@
+#include "clients/cli/archive_commands.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "clients/cli/trace.h"
+#include "common/archive/csv.h"
+#include "common/archive/digest.h"
+#include "common/archive/format.h"
+#include "common/archive/hdf5/guarded.h"
+#include "common/archive/hdf5/reader.h"
+#include "common/archive/summary.h"
+#include "common/archive/verify.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
+constexpr int k_bad_archive = static_cast<int>(base::ExitCode::bad_archive);
+
+/// Scans read at a time for statistics over the whole run.
+constexpr std::uint64_t k_batch = 65536;
+
+/// Sum over a whole dataset of /sample_stats without holding it.
+double sum_of(const archive::Source& source, std::string_view dataset, std::uint64_t count) {
+  double sum = 0;
+  for (std::uint64_t first = 0; first < count; first += k_batch) {
+    const archive::Values values =
+        source.read(archive::k_sample_stats, dataset, first, std::min(k_batch, count - first));
+    if (const auto* doubles = std::get_if<std::vector<double>>(&values)) {
+      for (const double value : *doubles)
+        sum += std::isnan(value) ? 0 : value;
+    } else if (const auto* flags = std::get_if<std::vector<std::int8_t>>(&values)) {
+      for (const std::int8_t value : *flags)
+        sum += value;
+    }
+  }
+  return sum;
+}
+
+struct Facts {
+  archive::Summary summary;
+  double satisfied = 0;   ///< share of all scans
+  double acceptance = 0;  ///< mean over scans with proposals
+};
+
+Facts facts_of(const archive::Source& source) {
+  Facts facts{.summary = archive::summary_of(source)};
+  const std::uint64_t scans = facts.summary.chains * facts.summary.scans;
+  facts.satisfied = sum_of(source, "satisfied", scans) / static_cast<double>(scans);
+  const std::uint64_t moving = facts.summary.chains * (facts.summary.scans - 1);
+  if (moving > 0) {
+    facts.acceptance = sum_of(source, "acceptance_rate", scans) / static_cast<double>(moving);
+  }
+  return facts;
+}
+
+void print_for_people(const std::string& path, const Facts& facts) {
+  const archive::Summary& summary = facts.summary;
+  fmt::print("{}: {} samples\n\n", path, summary.world);
+  fmt::print("  chains       {}\n", summary.chains);
+  fmt::print("  scans        {} of each chain\n", summary.scans);
+  fmt::print("  states       {} of each chain (every {}. scan)\n", summary.states, summary.thin);
+  fmt::print("  satisfied    {:.1f}% of scans\n", 100 * facts.satisfied);
+  fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
+  fmt::print("  animations   {} kept, {} segments of motion\n", summary.animations,
+             summary.segments);
+  fmt::print("  written by   sleight {}\n", summary.inference_library_version);
+  fmt::print("  digest       {}\n\n", summary.content_digest);
+  fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
+}
+
+nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
+  const archive::Summary& summary = facts.summary;
+  return {{"archive", path},
+          {"world", summary.world},
+          {"format_version", summary.format_version},
+          {"chains", summary.chains},
+          {"scans", summary.scans},
+          {"states", summary.states},
+          {"thin", summary.thin},
+          {"satisfied_share", facts.satisfied},
+          {"acceptance_rate", facts.acceptance},
+          {"animations", summary.animations},
+          {"segments", summary.segments},
+          {"version", summary.inference_library_version},
+          {"digest", summary.content_digest},
+          {"request", summary.request_text}};
+}
+
+/// Runs `work` on the opened archive, in a child that may crash or hang.
+int with_archive(const std::string& path, const std::function<int(const archive::Source&)>& work) {
+  return archive::hdf5::guarded(path, {}, [&] {
+    const int code = work(*archive::hdf5::open_file(path));
+    std::cout.flush();
+    std::fflush(stdout);
+    return code;
+  });
+}
+
+}  // namespace
+
+int archive_info(const std::string& path, bool json) {
+  return with_archive(path, [&](const archive::Source& source) {
+    const Facts facts = facts_of(source);
+    if (json) {
+      fmt::print("{}\n", as_json(path, facts).dump(2));
+    } else {
+      print_for_people(path, facts);
+    }
+    return k_ok;
+  });
+}
+
+int archive_digest(const std::string& path, bool json) {
+  return with_archive(path, [&](const archive::Source& source) {
+    const std::string digest = archive::digest(source);
+    if (json) {
+      fmt::print("{}\n", nlohmann::ordered_json{{"archive", path}, {"digest", digest}}.dump(2));
+    } else {
+      fmt::print("{}\n", digest);
+    }
+    return k_ok;
+  });
+}
+
+int archive_verify(const std::string& path, bool json) {
+  return with_archive(path, [&](const archive::Source& source) {
+    const std::vector<std::string> findings = archive::verify(source);
+    if (json) {
+      fmt::print("{}\n",
+                 nlohmann::ordered_json{
+                     {"archive", path}, {"ok", findings.empty()}, {"findings", findings}}
+                     .dump(2));
+    } else {
+      for (const std::string& finding : findings)
+        fmt::print("{}: {}\n", path, finding);
+      if (findings.empty()) fmt::print("{}: ok\n", path);
+    }
+    return findings.empty() ? k_ok : k_bad_archive;
+  });
+}
+
+int archive_export_csv(const ExportOptions& options) {
+  return with_archive(options.path, [&](const archive::Source& source) {
+    if (options.output.empty() || options.output == "-") {
+      archive::export_csv(source, options.table, std::cout);
+      return k_ok;
+    }
+    std::ofstream file(options.output);
+    archive::export_csv(source, options.table, file);
+    file.close();
+    if (!file) {
+      throw base::Error(fmt::format("{}: can't write it; is the disk full?", options.output));
+    }
+    return k_ok;
+  });
+}
+
+}  // namespace sleight::cli

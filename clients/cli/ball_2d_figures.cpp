@@ -1,0 +1,176 @@
+#include "clients/cli/ball_2d_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "clients/cli/request_numbers.h"
+#include "clients/cli/trace.h"
+#include "common/archive/format.h"
+#include "common/archive/summary.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr std::size_t k_chains_drawn_max = 6;
+constexpr int k_points_per_hop = 40;
+
+struct Asked {
+  double diameter_m;
+  double target;  ///< in diameters, as all that follows
+  double tolerance;
+  double gravity_mps2;
+};
+
+Asked asked_of(const archive::Source& source) {
+  const RequestNumbers numbers(archive::summary_of(source).request_text, source.name());
+  return {.diameter_m = numbers.at("world", "diameter_m"),
+          .target = numbers.at("constraint", "target_diameters"),
+          .tolerance = numbers.at("constraint", "tolerance_diameters"),
+          .gravity_mps2 = numbers.at("world", "gravity_mps2")};
+}
+
+/// The segments of one animation, in columns.
+struct Segments {
+  std::vector<double> duration_s;
+  std::vector<double> position_m;    ///< x, z pairs
+  std::vector<double> velocity_mps;  ///< x, z pairs
+  std::vector<double> normal_rad;
+};
+
+Segments read_segments(const archive::Source& source) {
+  return {.duration_s = read_numbers(source, archive::k_animations, "duration_s"),
+          .position_m = read_numbers(source, archive::k_animations, "position_m"),
+          .velocity_mps = read_numbers(source, archive::k_animations, "velocity_mps"),
+          .normal_rad = read_numbers(source, archive::k_animations, "hop_normal_rad")};
+}
+
+/// One hop as points of its parabola, in diameters.
+void append_hop(const Segments& segments, std::size_t row, const Asked& asked,
+                std::vector<plot::Point>& path) {
+  for (int i = 0; i <= k_points_per_hop; ++i) {
+    const double t = segments.duration_s[row] * i / k_points_per_hop;
+    const double x_m = segments.position_m[2 * row] + segments.velocity_mps[2 * row] * t;
+    const double z_m = segments.position_m[2 * row + 1] + segments.velocity_mps[2 * row + 1] * t -
+                       0.5 * asked.gravity_mps2 * t * t;
+    path.push_back({x_m / asked.diameter_m, z_m / asked.diameter_m});
+  }
+}
+
+/// Which animations to draw: the first of each lineage, then the others, in the archive's order.
+std::vector<std::size_t> choose(const archive::Source& source, std::size_t count) {
+  const std::vector<double> chain = read_numbers(source, archive::k_animations, "chain");
+  const std::vector<double> lineage = read_numbers(source, archive::k_animations, "lineage");
+  std::set<std::pair<double, double>> seen;
+  std::vector<std::size_t> first;
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    (seen.emplace(chain[i], lineage[i]).second ? first : others).push_back(i);
+  }
+  first.insert(first.end(), others.begin(), others.end());
+  first.resize(std::min(first.size(), count));
+  return first;
+}
+
+plot::Panel path_panel(const Segments& segments, std::size_t begin, std::size_t end,
+                       const Asked& asked) {
+  plot::Panel panel{
+      .x_label = "x (ball diameters)", .y_label = "height (diameters)", .equal_aspect = true};
+  // The target is a flat disc on the table, the table the line on which the ball's centre bounces.
+  panel.series.push_back(
+      plot::HorizontalLine{.y = 0, .color = plot::palette::k_grey, .dashed = false});
+  panel.series.push_back(plot::Disc{.center = {asked.target, 0},
+                                    .radius_x = std::max(asked.tolerance, 0.02),
+                                    .radius_y = 0.06,
+                                    .label = "target"});
+  std::vector<plot::Point> path;
+  std::vector<plot::Series> arrows;
+  for (std::size_t row = begin; row < end; ++row) {
+    append_hop(segments, row, asked, path);
+    const double tilt = segments.normal_rad[row];
+    if (std::isnan(tilt)) continue;
+    const plot::Point foot{segments.position_m[2 * row] / asked.diameter_m, 0};
+    const double length = 0.6;
+    arrows.push_back(
+        plot::Arrow{.from = foot,
+                    .to = {foot.x + length * std::sin(tilt), foot.y + length * std::cos(tilt)},
+                    .label = "normal"});
+  }
+  panel.series.push_back(plot::Line{.points = std::move(path), .label = "ball's centre"});
+  panel.series.insert(panel.series.end(), arrows.begin(), arrows.end());
+  return panel;
+}
+
+}  // namespace
+
+plot::Figure ball_2d_trace(const archive::Source& source, std::int64_t chain, std::uint64_t draws) {
+  const Asked asked = asked_of(source);
+  plot::Panel landing{.title = "Where the ball lands",
+                      .x_label = "iteration",
+                      .y_label = "x (ball diameters)",
+                      .height_share = 1.6};
+  landing.series.push_back(plot::HorizontalBand{.low = asked.target - asked.tolerance,
+                                                .high = asked.target + asked.tolerance,
+                                                .label = "satisfied"});
+  plot::Panel log_p{.title = "log p", .x_label = "iteration", .y_label = "log p"};
+
+  std::vector<std::uint64_t> chains;
+  if (chain >= 0) {
+    chains.push_back(static_cast<std::uint64_t>(chain));
+  } else {
+    const std::uint64_t all = stats_size(source, "chain");
+    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(all, k_chains_drawn_max); ++i) {
+      chains.push_back(i);
+    }
+  }
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    const TraceRange range{.chain = chains[i], .draws = draws};
+    const std::string label = fmt::format("chain {}", chains[i]);
+    landing.series.push_back(
+        plot::Steps{.points = trace(source, "landing_x_m", range, 1 / asked.diameter_m),
+                    .color = plot::palette::series(i),
+                    .label = label,
+                    .width_px = 1});
+    log_p.series.push_back(plot::Steps{
+        .points = trace(source, "lp", range, 1), .color = plot::palette::series(i), .width_px = 1});
+  }
+  return {.title = "2D ball",
+          .width_px = 900,
+          .height_px = 560,
+          .panels = {std::move(landing), std::move(log_p)}};
+}
+
+plot::Figure ball_2d_paths(const archive::Source& source, std::size_t count) {
+  const Asked asked = asked_of(source);
+  const std::vector<std::size_t> chosen = choose(source, count);
+  if (chosen.empty()) {
+    throw base::Error(base::ExitCode::environment,
+                      source.name() + ": it holds no satisfying animation to draw; run more scans");
+  }
+  const Segments segments = read_segments(source);
+  const std::vector<double> start = read_numbers(source, archive::k_animations, "segment_start");
+  const std::vector<double> hops = read_numbers(source, archive::k_animations, "segment_count");
+  plot::Figure figure{.title = "2D ball: paths that land at the target",
+                      .width_px = 360.0 * static_cast<double>(chosen.size()),
+                      .height_px = 520,
+                      .columns = chosen.size(),
+                      .panels = {}};
+  const std::vector<double> chains = read_numbers(source, archive::k_animations, "chain");
+  const std::vector<double> scans = read_numbers(source, archive::k_animations, "draw");
+  for (const std::size_t i : chosen) {
+    const auto begin = static_cast<std::size_t>(start[i]);
+    const std::size_t end = begin + static_cast<std::size_t>(hops[i]);
+    plot::Panel panel = path_panel(segments, begin, end, asked);
+    panel.title = fmt::format("chain {}, draw {}", chains[i], scans[i]);
+    panel.legend = i == chosen.front();
+    figure.panels.push_back(std::move(panel));
+  }
+  return figure;
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,19 @@
+// Pictures of 2D ball archives: the thesis's figures 2.3 and 2.4.
+#pragma once
+
+#include <cstdint>
+
+#include "clients/plot/figure.h"
+#include "common/archive/model.h"
+
+namespace sleight::cli {
+
+/// Figure 2.4: where the ball lands along chains, in diameters, with the band of the tolerance; and
+/// log p below. Of one chain, or of the first six when `chain` is negative.
+plot::Figure ball_2d_trace(const archive::Source& source, std::int64_t chain, std::uint64_t draws);
+
+/// Figure 2.3: paths of the ball's centre in up to `count` kept animations, one of each lineage
+/// first, with an arrow along each collision's normal and the target on the table.
+plot::Figure ball_2d_paths(const archive::Source& source, std::size_t count);
+
+}  // namespace sleight::cli

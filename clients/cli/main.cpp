@@ -1,0 +1,157 @@
+// The command line `sleight`: parses arguments and hands over to one function a subcommand.
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "clients/cli/archive_commands.h"
+#include "clients/cli/main_direct.h"
+#include "clients/cli/plot_command.h"
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/base/version.h"
+
+namespace sleight::programs {
+namespace {
+
+/// What a parsed command line asks for.
+using Action = std::function<int()>;
+
+void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
+  CLI::App* command = app.add_subcommand("direct", "Run a direction request on this machine");
+  add_run_options(*command, arguments);
+  command->add_option("-j,--threads", arguments.threads, "Threads; one a core if not given")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N");
+  command->footer(
+      "The run goes on where it stopped when the same command is given again, after Ctrl-C, a\n"
+      "time limit, kill -9 or loss of power. Neither threads nor interruptions change the "
+      "archive.\n\n"
+      "Examples:\n"
+      "  sleight direct requests/ball_2d.toml -o ball.h5\n"
+      "  sleight direct requests/ball_2d.toml -o ball.h5 --time-limit 20s\n"
+      "  sleight direct requests/ball_2d.toml -o other.h5 --seed 7 --json");
+  command->callback([&] { action = [&] { return direct(arguments); }; });
+}
+
+void add_request_help(CLI::App& app, std::string& path, std::string& world, Action& action) {
+  CLI::App* check = app.add_subcommand("check", "Check a request; print it with every key");
+  check->add_option("request", path, "The direction request")
+      ->required()
+      ->type_name("REQUEST.toml");
+  check->footer("Example:\n  sleight check requests/ball_2d.toml");
+  check->callback([&] { action = [&] { return check_request(path); }; });
+
+  CLI::App* keys = app.add_subcommand("keys", "List the worlds, or every request key of one");
+  keys->add_option("world", world, "The world's name")->type_name("WORLD");
+  keys->footer("Examples:\n  sleight keys\n  sleight keys ball_2d");
+  keys->callback([&] { action = [&] { return print_keys(world); }; });
+}
+
+struct ArchiveArguments {
+  cli::ExportOptions export_options;
+  bool json = false;
+  bool csv = false;
+};
+
+void add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action) {
+  CLI::App* archive = app.add_subcommand("archive", "Look into a sample archive");
+  archive->require_subcommand(1);
+  std::string& path = arguments.export_options.path;
+  const auto add = [&](const char* name, const char* help, bool with_json,
+                       std::function<int()> run) {
+    CLI::App* command = archive->add_subcommand(name, help);
+    command->add_option("archive", path, "The archive")->required()->type_name("ARCHIVE.h5");
+    if (with_json) command->add_flag("--json", arguments.json, "As JSON");
+    command->callback([&action, run = std::move(run)] { action = run; });
+    return command;
+  };
+  add("info", "What it holds", true, [&] {
+    return cli::archive_info(path, arguments.json);
+  })->footer("Examples:\n  sleight archive info ball.h5\n  sleight archive info ball.h5 --json");
+  add("digest", "Hash of its content: equal for equal content", true, [&] {
+    return cli::archive_digest(path, arguments.json);
+  })->footer("Example:\n  sleight archive digest ball.h5");
+  add("verify", "Check structure, invariants and digest", true,
+      [&] { return cli::archive_verify(path, arguments.json); })
+      ->footer(
+          "Exits with 6 and prints every finding when something is wrong.\n\nExample:\n"
+          "  sleight archive verify ball.h5");
+  CLI::App* exported = add("export", "A table as CSV", false,
+                           [&] { return cli::archive_export_csv(arguments.export_options); });
+  exported->add_flag("--csv", arguments.csv, "Comma-separated values, the only format yet")
+      ->required();
+  exported
+      ->add_option("--table", arguments.export_options.table,
+                   "posterior, sample_stats, animations or segments")
+      ->capture_default_str()
+      ->type_name("TABLE");
+  exported->add_option("-o,--output", arguments.export_options.output, "stdout if not given")
+      ->type_name("FILE.csv");
+  exported->footer(
+      "Examples:\n"
+      "  sleight archive export ball.h5 --csv > stats.csv\n"
+      "  sleight archive export ball.h5 --csv --table posterior -o normals.csv");
+}
+
+void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand("plot", "Draw an archive: on the terminal, SVG or PNG");
+  command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
+  command->add_option("-o,--output", options.output, "A picture; the terminal if not given")
+      ->type_name("FILE.svg|FILE.png");
+  command->add_option("--what", options.what, "trace: outcome and log p; paths: the motion")
+      ->check(CLI::IsMember({"trace", "paths"}))
+      ->capture_default_str();
+  command->add_option("--chain", options.chain, "Only this chain")->check(CLI::NonNegativeNumber);
+  command->add_option("--draws", options.draws, "Only the first so many draws");
+  command->add_option("--count", options.count, "Paths to draw")->check(CLI::Range(1, 12));
+  command->footer(
+      "Examples:\n"
+      "  sleight plot ball.h5\n"
+      "  sleight plot ball.h5 --chain 0 --draws 1000 -o figure_2_4.svg\n"
+      "  sleight plot ball.h5 --what paths -o figure_2_3.png");
+  command->callback([&] { action = [&] { return cli::plot_archive(options); }; });
+}
+
+int main_of(int argc, char** argv) {
+  CLI::App app{
+      "Sleight directs physical simulations: say how a chaotic motion must end, get many "
+      "different\n"
+      "plausible animations that end so."};
+  app.name("sleight");
+  app.set_version_flag("--version", "sleight " + std::string(base::version()));
+  app.require_subcommand(1);
+  app.footer(std::string("`sleight COMMAND --help` has examples.\n\n") + k_exit_codes);
+  bool verbose = false;
+  app.add_flag("-v,--verbose", verbose, "More on stderr");
+
+  Action action;
+  DirectArguments direct_arguments;
+  std::string check_path;
+  std::string world;
+  ArchiveArguments archive_arguments;
+  cli::PlotOptions plot_options;
+  add_direct(app, direct_arguments, action);
+  add_request_help(app, check_path, world, action);
+  add_archive(app, archive_arguments, action);
+  add_plot(app, plot_options, action);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
+  }
+  base::log_to_stderr("sleight", verbose);
+  try {
+    return action();
+  } catch (...) {
+    return report_failure("sleight");
+  }
+}
+
+}  // namespace
+}  // namespace sleight::programs
+
+int main(int argc, char** argv) {
+  return sleight::programs::main_of(argc, argv);
+}

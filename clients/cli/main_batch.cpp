@@ -1,0 +1,123 @@
+// The batch program `sleight-batch`: one request over the ranks of an MPI job. Rank 0 coordinates
+// and computes, the other ranks compute. Without mpirun it is one rank, and MPI is not started.
+#include <fmt/format.h>
+#include <mpi.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <string>
+
+#include "clients/cli/main_run.h"
+#include "common/base/clock.h"
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/base/version.h"
+#include "service/coordinator/local_executor.h"
+#include "service/coordinator/mpi/mpi_executor.h"
+#include "service/coordinator/stop_signal.h"
+#include "worker/run/mpi/mpi_worker.h"
+
+namespace sleight::programs {
+namespace {
+
+bool started_by_mpirun() {
+  return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr || std::getenv("PMIX_RANK") != nullptr;
+}
+
+schema::Hello hello_of(const request::DirectionRequest& request) {
+  return {.program_version = std::string(base::version()),
+          .identity = coordinator::run_identity(request)};
+}
+
+int run_rank_0(const DirectArguments& arguments, bool with_mpi) {
+  coordinator::catch_stop_signals();
+  run::Catalogue catalogue;
+  const auto request = read_request_file(catalogue, arguments);
+  if (!request) return static_cast<int>(base::ExitCode::bad_request);
+  const base::SteadyClock clock;
+  const auto worker = catalogue.world(request->world).make_worker(*request);
+  if (!with_mpi) {
+    coordinator::LocalExecutor executor(*worker, clock, 1);
+    return run_and_report(*request, catalogue, arguments, executor);
+  }
+  coordinator::MpiExecutor executor(*worker, clock, 1, hello_of(*request));
+  return run_and_report(*request, catalogue, arguments, executor);
+}
+
+void run_other_rank(const DirectArguments& arguments) {
+  // The terminal's Ctrl-C reaches every rank; only rank 0 decides what to make of it.
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGTERM, SIG_IGN);
+  run::Catalogue catalogue;
+  const base::SteadyClock clock;
+  const auto request = read_request_file(catalogue, arguments);
+  if (!request) {
+    run::refuse(arguments.request_path + " has errors there");
+    return;
+  }
+  const auto worker = catalogue.world(request->world).make_worker(*request);
+  run::serve(*worker, clock, hello_of(*request));
+}
+
+/// Runs this rank and returns the job's exit code; never lets an exception past MPI.
+int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
+  int provided = 0;
+  MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank != 0) {
+    run_other_rank(arguments);
+    MPI_Finalize();
+    return 0;
+  }
+  try {
+    const int code = run_rank_0(arguments, true);
+    if (code == static_cast<int>(base::ExitCode::bad_request)) MPI_Abort(MPI_COMM_WORLD, code);
+    MPI_Finalize();
+    return code;
+  } catch (...) {
+    const int code = report_failure("sleight-batch");
+    std::fflush(nullptr);
+    MPI_Abort(MPI_COMM_WORLD, code);
+    return code;
+  }
+}
+
+int main_of(int argc, char** argv) {
+  CLI::App app{
+      "Runs a direction request over the ranks of an MPI job; the archive is the same for any\n"
+      "number of ranks."};
+  app.name("sleight-batch");
+  app.set_version_flag("--version", "sleight " + std::string(base::version()));
+  DirectArguments arguments;
+  add_run_options(app, arguments);
+  app.footer(std::string("Examples:\n"
+                         "  sleight-batch requests/ball_2d.toml -o ball.h5\n"
+                         "  mpirun -n 3 sleight-batch requests/ball_2d.toml -o ball.h5\n\n") +
+             k_exit_codes);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
+  }
+  base::log_to_stderr("sleight-batch", false);
+  if (started_by_mpirun()) return run_ranks(arguments, &argc, &argv);
+  try {
+    return run_rank_0(arguments, false);
+  } catch (...) {
+    return report_failure("sleight-batch");
+  }
+}
+
+}  // namespace
+}  // namespace sleight::programs
+
+int main(int argc, char** argv) {
+  // A rank must not outlive the mpirun that started it.
+  if (sleight::programs::started_by_mpirun()) prctl(PR_SET_PDEATHSIG, SIGKILL);
+  return sleight::programs::main_of(argc, argv);
+}

@@ -1,0 +1,58 @@
+#include "clients/cli/main_direct.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "common/base/clock.h"
+#include "common/base/error.h"
+#include "service/coordinator/local_executor.h"
+#include "service/coordinator/stop_signal.h"
+
+namespace sleight::programs {
+namespace {
+
+constexpr int k_bad_request = static_cast<int>(base::ExitCode::bad_request);
+
+}  // namespace
+
+int direct(const DirectArguments& arguments) {
+  coordinator::catch_stop_signals();
+  run::Catalogue catalogue;
+  const auto request = read_request_file(catalogue, arguments);
+  if (!request) return k_bad_request;
+  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+  const base::SteadyClock clock;
+  const auto worker = catalogue.world(request->world).make_worker(*request);
+  coordinator::LocalExecutor executor(*worker, clock,
+                                      arguments.threads > 0 ? arguments.threads : cores);
+  return run_and_report(*request, catalogue, arguments, executor);
+}
+
+int check_request(const std::string& path) {
+  run::Catalogue catalogue;
+  DirectArguments arguments;
+  arguments.request_path = path;
+  const auto request = read_request_file(catalogue, arguments);
+  if (!request) return k_bad_request;
+  fmt::print("{}", request::normalised_text(*request));
+  return static_cast<int>(base::ExitCode::ok);
+}
+
+int print_keys(const std::string& world) {
+  run::Catalogue catalogue;
+  for (const request::WorldBinding& binding : catalogue.bindings()) {
+    if (world.empty()) {
+      fmt::print("{}  {}\n", binding.name, binding.summary);
+    } else if (binding.name == world) {
+      fmt::print("{}", request::key_table(binding));
+      return static_cast<int>(base::ExitCode::ok);
+    }
+  }
+  if (world.empty()) return static_cast<int>(base::ExitCode::ok);
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("no world '{}'; `sleight keys` lists them", world));
+}
+
+}  // namespace sleight::programs

@@ -1,0 +1,19 @@
+// `sleight direct`, `check` and `keys`: the subcommands that need the worlds.
+#pragma once
+
+#include <string>
+
+#include "clients/cli/main_run.h"
+
+namespace sleight::programs {
+
+/// Runs a request here, in this process.
+int direct(const DirectArguments& arguments);
+
+/// Prints the normalised request, or its errors.
+int check_request(const std::string& path);
+
+/// Prints all keys of a world, or the worlds when none is named.
+int print_keys(const std::string& world);
+
+}  // namespace sleight::programs

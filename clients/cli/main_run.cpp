@@ -1,0 +1,153 @@
+#include "clients/cli/main_run.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdio>
+#include <exception>
+#include <nlohmann/json.hpp>
+
+#include "common/base/clock.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+#include "common/base/version.h"
+#include "service/coordinator/progress.h"
+#include "service/coordinator/stop_signal.h"
+
+namespace sleight::programs {
+namespace {
+
+constexpr std::size_t k_request_file_bytes_max = 1U << 20U;
+
+const char* name_of(coordinator::DriveEnd end) {
+  switch (end) {
+    case coordinator::DriveEnd::finished:
+      return "finished";
+    case coordinator::DriveEnd::time_limit:
+      return "time_limit";
+    case coordinator::DriveEnd::stop_requested:
+      return "interrupted";
+  }
+  return "?";
+}
+
+void print_summary(const DirectArguments& arguments, const request::DirectionRequest& request,
+                   const coordinator::RunSummary& summary) {
+  if (arguments.json) {
+    const nlohmann::ordered_json json{{"archive", summary.scans > 0 ? arguments.output : ""},
+                                      {"end", name_of(summary.end)},
+                                      {"world", request.world},
+                                      {"chains", request.sampler.chains},
+                                      {"seed", request.sampler.seed},
+                                      {"scans", summary.scans},
+                                      {"session", summary.epoch},
+                                      {"session_scans", summary.progress.session_scans},
+                                      {"session_satisfied", summary.progress.session_satisfied},
+                                      {"session_seconds", summary.progress.elapsed_s},
+                                      {"version", base::version()},
+                                      {"digest", summary.digest}};
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  if (summary.scans == 0) {
+    fmt::print("Stopped before every chain had its first scan: no archive yet.\n");
+  } else {
+    fmt::print("{}: {} chains of {} scans, seed {}, digest {}\n", arguments.output,
+               request.sampler.chains, coordinator::grouped(summary.scans), request.sampler.seed,
+               summary.digest);
+  }
+  if (summary.end != coordinator::DriveEnd::finished) {
+    fmt::print("Stopped early; the same command goes on from here.\n");
+  }
+}
+
+}  // namespace
+
+const char* const k_exit_codes =
+    "Exit codes: 0 done (also at a time limit); 1 a bug; 2 wrong usage; 3 errors in the request;\n"
+    "4 the output belongs to another run; 5 the environment (disk, files); 6 a bad archive;\n"
+    "130 interrupted, with everything stored.";
+
+void add_run_options(CLI::App& app, DirectArguments& arguments) {
+  app.add_option("request", arguments.request_path, "The direction request, a TOML file")
+      ->required()
+      ->type_name("REQUEST.toml");
+  app.add_option("-o,--output", arguments.output,
+                 "The archive; the run store is the folder OUTPUT.run beside it")
+      ->required()
+      ->type_name("OUTPUT.h5");
+  app.add_flag("--fresh", arguments.fresh, "Start over: give up an earlier run of this output");
+  app.add_option("--time-limit", arguments.time_limit,
+                 "Stop in order after so long (20s, 5m, 1.5h); the same command goes on")
+      ->type_name("TIME");
+  app.add_option("--seed", arguments.seed, "Replaces the request's seed")
+      ->check(CLI::Range(std::uint64_t{0}, request::k_seed_max))
+      ->type_name("N");
+  app.add_flag("--json", arguments.json, "The summary on stdout as JSON");
+  app.add_flag("-q,--quiet", arguments.quiet, "No progress on stderr");
+}
+
+double parse_duration_s(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, failure] = std::from_chars(text.data(), end, value);
+  const std::string_view unit(rest, static_cast<std::size_t>(end - rest));
+  const double factor = unit.empty() || unit == "s" ? 1 : unit == "m" ? 60 : unit == "h" ? 3600 : 0;
+  if (failure != std::errc() || factor == 0 || !(value > 0 && value < 1e9)) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("--time-limit: '{}' is no time; say 20s, 5m or 1.5h", text));
+  }
+  return value * factor;
+}
+
+std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
+                                                           const DirectArguments& arguments) {
+  const std::string text = base::read_text_file(arguments.request_path, k_request_file_bytes_max);
+  auto read = request::read_request(text, arguments.request_path, catalogue.bindings());
+  if (!read) {
+    for (const request::Diagnostic& error : read.error()) {
+      fmt::print(stderr, "{}\n", request::to_string(error));
+    }
+    return std::nullopt;
+  }
+  request::DirectionRequest request = std::move(read).value();
+  if (arguments.seed) request = request::with_seed(std::move(request), *arguments.seed);
+  return request;
+}
+
+int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
+                   const DirectArguments& arguments, coordinator::Executor& executor) {
+  const base::SteadyClock clock;
+  const auto reader = catalogue.world(request.world).make_reader();
+  const auto plan = run::make_plan(request);
+  coordinator::ProgressPrinter printer(request.world, stderr);
+  coordinator::RunOptions options{.output = arguments.output,
+                                  .fresh = arguments.fresh,
+                                  .stop_requested = &coordinator::stop_requested,
+                                  .report = {}};
+  if (!arguments.time_limit.empty()) options.time_limit_s = parse_duration_s(arguments.time_limit);
+  if (!arguments.quiet) {
+    options.report = [&](const coordinator::Progress& progress) { printer.show(progress); };
+  }
+  const coordinator::RunSummary summary = coordinator::run_request(
+      {.request = request, .reader = *reader, .plan = *plan, .executor = executor, .clock = clock},
+      options);
+  printer.finish();
+  print_summary(arguments, request, summary);
+  const bool interrupted = summary.end == coordinator::DriveEnd::stop_requested;
+  return static_cast<int>(interrupted ? base::ExitCode::interrupted : base::ExitCode::ok);
+}
+
+int report_failure(const std::string& program) {
+  try {
+    throw;
+  } catch (const base::Error& error) {
+    fmt::print(stderr, "{}: {}\n", program, error.what());
+    return static_cast<int>(error.exit_code());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: unexpected: {}\n", program, error.what());
+    return static_cast<int>(base::ExitCode::bug);
+  }
+}
+
+}  // namespace sleight::programs

@@ -1,0 +1,46 @@
+// What the two programs that run requests share: options of a run, reading the request, and the
+// summary at the end. Part of the programs' mains, where the sides are joined.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "common/request/direction_request.h"
+#include "service/coordinator/run.h"
+#include "worker/run/catalogue.h"
+
+namespace sleight::programs {
+
+/// As the command line gives them.
+struct DirectArguments {
+  std::string request_path;
+  std::string output;
+  bool fresh = false;
+  bool json = false;
+  bool quiet = false;
+  std::string time_limit;  ///< "20s", "5m", "1h"; empty for none
+  std::optional<std::uint64_t> seed;
+  std::size_t threads = 0;  ///< 0: one a core
+};
+
+void add_run_options(CLI::App& app, DirectArguments& arguments);
+
+/// Seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for anything else.
+double parse_duration_s(const std::string& text);
+
+/// Reads and checks the request; prints every error to stderr. None when there were any.
+std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
+                                                           const DirectArguments& arguments);
+
+/// Runs a read request with the given executor, with progress on stderr and a summary on stdout.
+/// Returns the exit code.
+int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
+                   const DirectArguments& arguments, coordinator::Executor& executor);
+
+/// Prints a base::Error or any other exception as "program: message" and gives its exit code.
+int report_failure(const std::string& program);
+
+extern const char* const k_exit_codes;
+
+}  // namespace sleight::programs

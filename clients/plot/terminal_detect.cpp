@@ -1,0 +1,50 @@
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+
+#include "clients/plot/terminal.h"
+
+namespace sleight::plot {
+
+namespace {
+
+std::string_view environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+// The variables in their order of precedence (POSIX): the first that is not empty decides.
+std::string_view locale_name() {
+  for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
+    if (!environment(name).empty()) return environment(name);
+  }
+  return "";
+}
+
+}  // namespace
+
+bool names_utf8(std::string_view locale) {
+  std::string lower(locale);
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower.find(".utf-8") != std::string::npos || lower.find(".utf8") != std::string::npos;
+}
+
+TerminalOptions detect_terminal(int file_descriptor) {
+  TerminalOptions options;
+  options.unicode = names_utf8(locale_name());
+  if (isatty(file_descriptor) == 0) return options;
+  winsize size{};
+  if (ioctl(file_descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 1) {
+    options.columns = size.ws_col;
+    // One row is left for the prompt that follows.
+    options.rows = size.ws_row - 1U;
+  }
+  options.color = environment("NO_COLOR").empty() && environment("TERM") != "dumb";
+  return options;
+}
+
+}  // namespace sleight::plot

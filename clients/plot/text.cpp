@@ -1,0 +1,162 @@
+#include "clients/plot/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+
+namespace sleight::plot {
+
+namespace {
+
+constexpr std::string_view k_replacement = "\uFFFD";
+constexpr std::string_view k_ellipsis = "…";
+
+// Advance widths of DejaVu Sans for the characters from ' ' to '~', in thousandths of the size.
+constexpr std::array<std::uint16_t, 95> k_advance = {
+    317, 400, 459, 837, 636, 950, 779, 274, 390, 390, 500, 837, 317, 360,  317, 336, 636, 636, 636,
+    636, 636, 636, 636, 636, 636, 636, 336, 336, 837, 837, 837, 530, 1000, 684, 686, 698, 770, 631,
+    575, 774, 751, 294, 294, 655, 557, 862, 748, 787, 603, 787, 694, 634,  610, 731, 684, 988, 685,
+    610, 685, 390, 336, 390, 837, 500, 500, 612, 634, 549, 634, 615, 352,  634, 633, 277, 277, 579,
+    277, 974, 633, 611, 634, 634, 411, 520, 392, 633, 591, 817, 591, 591,  524, 636, 336, 636, 837};
+constexpr double k_advance_other = 0.84;
+constexpr double k_bold = 1.12;  // DejaVu Sans Bold against the normal weight, on average
+
+bool is_continuation(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
+}
+
+// Length of the valid, shortest-form UTF-8 sequence at the front of `text`; 0 where there is none.
+std::size_t sequence_length(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text[0]);
+  const std::size_t length = lead < 0x80   ? 1
+                             : lead < 0xC2 ? 0
+                             : lead < 0xE0 ? 2
+                             : lead < 0xF0 ? 3
+                             : lead < 0xF5 ? 4
+                                           : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if (!is_continuation(text[i])) return 0;
+  }
+  if (length < 3) return length;
+  // Left out: overlong forms, surrogates, beyond U+10FFFF, and the two that XML forbids.
+  const auto second = static_cast<unsigned char>(text[1]);
+  if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
+      (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F)) {
+    return 0;
+  }
+  if (text.starts_with("\xEF\xBF\xBE") || text.starts_with("\xEF\xBF\xBF")) return 0;
+  return length;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t length = sequence_length(text);
+    const char c = text[0];
+    const bool c1_control =
+        length == 2 && c == '\xC2' && static_cast<unsigned char>(text[1]) < 0xA0;
+    if (c == '\t' || c == '\n' || c == '\r') {
+      out += ' ';
+    } else if (length == 0 || c1_control || (length == 1 && (c < ' ' || c == '\x7F'))) {
+      out += k_replacement;
+    } else {
+      out += text.substr(0, length);
+    }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return out;
+}
+
+std::size_t length_of(std::string_view text) {
+  return text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_continuation));
+}
+
+std::string_view first_of(std::string_view text, std::size_t count) {
+  std::size_t end = 0;
+  while (end < text.size() && (count > 0 || is_continuation(text[end]))) {
+    if (!is_continuation(text[end])) --count;
+    ++end;
+  }
+  return text.substr(0, end);
+}
+
+double text_width_px(std::string_view text, double size_px, Weight weight) {
+  double ems = 0;
+  for (const char c : text) {
+    if (is_continuation(c)) continue;
+    ems += c >= ' ' && c <= '~' ? k_advance[static_cast<std::size_t>(c - ' ')] / 1000.0
+                                : k_advance_other;
+  }
+  return ems * size_px * (weight == Weight::bold ? k_bold : 1);
+}
+
+std::string fitted(std::string_view text, double size_px, double width_px, Weight weight) {
+  if (text_width_px(text, size_px, weight) <= width_px) return std::string(text);
+  for (std::size_t count = length_of(text); count-- > 1;) {
+    const std::string shorter = std::string(first_of(text, count)) + std::string(k_ellipsis);
+    if (text_width_px(shorter, size_px, weight) <= width_px) return shorter;
+  }
+  return std::string(k_ellipsis);
+}
+
+std::string xml_escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string to_ascii(std::string_view text) {
+  static constexpr std::pair<std::string_view, std::string_view> k_nearest[] = {
+      {"−", "-"},     {"×", "x"},  {"±", "+-"},     {"·", "."},     {"…", "..."},   {"°", "deg"},
+      {"≤", "<="},    {"≥", ">="}, {"√", "sqrt "},  {"∞", "inf"},   {"α", "alpha"}, {"β", "beta"},
+      {"σ", "sigma"}, {"μ", "mu"}, {"λ", "lambda"}, {"θ", "theta"}, {"π", "pi"},    {"–", "-"},
+      {"—", "-"},     {"⁻", "-"},  {"⁰", "0"},      {"¹", "1"},     {"²", "2"},     {"³", "3"},
+      {"⁴", "4"},     {"⁵", "5"},  {"⁶", "6"},      {"⁷", "7"},     {"⁸", "8"},     {"⁹", "9"},
+  };
+  std::string out;
+  while (!text.empty()) {
+    // Without raised digits, a power of ten is written as a computer would: 1.5e6.
+    constexpr std::string_view k_power = "×10";
+    if (text.starts_with(k_power) && text.size() > k_power.size()) {
+      out += 'e';
+      text.remove_prefix(k_power.size());
+      continue;
+    }
+    const std::string_view character = first_of(text, 1);
+    const auto* nearest = std::ranges::find(k_nearest, character,
+                                            &std::pair<std::string_view, std::string_view>::first);
+    if (character.size() == 1) {
+      out += character;
+    } else {
+      out += nearest != std::end(k_nearest) ? nearest->second : "?";
+    }
+    text.remove_prefix(character.size());
+  }
+  return out;
+}
+
+}  // namespace sleight::plot

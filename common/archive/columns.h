@@ -1,0 +1,87 @@
+// Buffers between a layout that thinks in records and a Sink that wants long runs of elements.
+//
+// Each column is one dataset. It collects elements and hands them on in batches of fixed size, so
+// that the calls into a sink, and with them a file's bytes, depend on the content alone.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/archive/format.h"
+#include "common/archive/model.h"
+#include "common/base/check.h"
+
+namespace sleight::archive {
+
+/// One dataset of Element (double, int64_t, int32_t or int8_t for booleans). The sink must outlive
+/// it; flush() before the archive is finished. Not thread-safe.
+template <class Element>
+class Column {
+ public:
+  Column(Sink& sink, std::string_view group, const DatasetSpec& spec)
+      : sink_(&sink), dataset_(sink.create_dataset(group, spec)) {
+    waiting_.reserve(k_batch_elements);
+  }
+
+  void push(Element value) {
+    // One NaN for all, so that equal content has equal bytes.
+    if constexpr (std::is_same_v<Element, double>) {
+      if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
+    }
+    waiting_.push_back(value);
+    if (waiting_.size() == k_batch_elements) flush();
+  }
+
+  void flush() {
+    if (waiting_.empty()) return;
+    sink_->append(dataset_, std::span<const Element>(waiting_));
+    waiting_.clear();
+  }
+
+ private:
+  Sink* sink_;
+  Sink::DatasetHandle dataset_;
+  std::vector<Element> waiting_;
+};
+
+/// A list of a world's variables, each over some leading dimensions: one dataset each.
+class VariableColumns {
+ public:
+  VariableColumns(Sink& sink, std::string_view group, const std::vector<Dimension>& leading,
+                  const std::vector<Variable>& variables) {
+    for (const Variable& variable : variables) {
+      DatasetSpec spec{.name = variable.name, .type = ElementType::f64, .dims = leading};
+      spec.dims.insert(spec.dims.end(), variable.dims.begin(), variable.dims.end());
+      spec.attributes = {{"long_name", variable.meaning}, {"units", variable.unit}};
+      columns_.emplace_back(Column<double>(sink, group, spec), variable.size());
+      width_ += variable.size();
+    }
+  }
+
+  /// The values of all variables, one after another. REQUIRES: width() of them.
+  void push(std::span<const double> values) {
+    CHECK_EQ(values.size(), width_);
+    for (auto& [column, size] : columns_) {
+      for (const double value : values.first(size))
+        column.push(value);
+      values = values.subspan(size);
+    }
+  }
+
+  void flush() {
+    for (auto& [column, size] : columns_)
+      column.flush();
+  }
+
+  std::size_t width() const { return width_; }
+
+ private:
+  std::vector<std::pair<Column<double>, std::size_t>> columns_;  ///< with the elements of a row
+  std::size_t width_ = 0;
+};
+
+}  // namespace sleight::archive

@@ -1,0 +1,31 @@
+// Archives as CSV, for people and for programs that read nothing else.
+//
+// A table is wide: one row for each index, one column for each scalar or element.
+//   posterior, sample_stats   a row for each (chain, draw)
+//   replicas                  a row for each (chain, replica)
+//   animations                a row for each animation
+//   segments                  a row for each segment of the kept animations
+// The first columns are the index, by its coordinates. An element of an array is `name[i,j]`, in
+// double quotes where the name holds a comma (RFC 4180); along a dimension whose coordinate is
+// text the word stands for the number: `accepted[all]`. Doubles are the shortest decimal that
+// reads back to the same bits; nan, inf and -inf are spelled so; booleans are 0 and 1.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/archive/model.h"
+
+namespace sleight::archive {
+
+/// "posterior", "sample_stats", "replicas", "animations", "segments".
+std::vector<std::string> csv_tables();
+
+/// Writes one table, in batches. The caller checks the stream's state at the end.
+/// REQUIRES: `table` is one of csv_tables(). Throws base::Error with ExitCode::bad_archive when the
+/// archive has no such group or is damaged.
+void export_csv(const Source& source, std::string_view table, std::ostream& out);
+
+}  // namespace sleight::archive

@@ -1,0 +1,40 @@
+// Names, version and limits of the sample archive: docs/ARCHIVE_FORMAT.md says what they mean.
+//
+// The writer (layout.h), the checker (verify.h) and the HDF5 reader share these words and nothing
+// else, so that the checker is a second opinion and no echo of the writer.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace sleight::archive {
+
+inline constexpr std::string_view k_format_name = "sleight-archive";
+/// Raised when a reader of the older version would misread the newer file.
+inline constexpr std::int64_t k_format_version = 1;
+inline constexpr std::string_view k_inference_library = "sleight";
+
+inline constexpr std::string_view k_root = "/";
+inline constexpr std::string_view k_posterior = "/posterior";
+inline constexpr std::string_view k_sample_stats = "/sample_stats";
+inline constexpr std::string_view k_replicas = "/replicas";
+inline constexpr std::string_view k_animations = "/animations";
+inline constexpr std::string_view k_request = "request";
+
+/// Root attributes that the digest leaves out: the digest itself, and the program's version, so
+/// that two versions which compute the same results have the same digest.
+inline constexpr std::string_view k_content_digest = "content_digest";
+inline constexpr std::string_view k_inference_library_version = "inference_library_version";
+
+/// Elements that one pass over a dataset holds at a time, in every writer and reader: 128 KiB of
+/// doubles. More buys no speed; much less makes the calls into HDF5 show.
+inline constexpr std::size_t k_batch_elements = 16384;
+
+/// Longest name of a group, dataset, dimension or attribute. Names are letters, digits, '_', '.'
+/// and '-', so they need no quoting in the digest's manifest, in CSV or in a shell.
+inline constexpr std::size_t k_name_bytes_max = 128;
+/// Most dimensions of a dataset: chain, draw and those of the variable.
+inline constexpr std::size_t k_rank_max = 8;
+
+}  // namespace sleight::archive

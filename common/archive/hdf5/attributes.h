@@ -1,0 +1,30 @@
+// Attributes of an untrusted HDF5 object: ours, and those of dimension scales (reader.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/archive/hdf5/handle.h"
+#include "common/archive/model.h"
+
+namespace sleight::archive::hdf5 {
+
+/// One line of a scale's REFERENCE_LIST: the scale measures this dimension of that dataset.
+struct ScaleUse {
+  haddr_t dataset = HADDR_UNDEF;  ///< address of the dataset's header
+  std::uint32_t dimension = 0;
+};
+
+struct ObjectAttributes {
+  std::vector<Attribute> content;  ///< what the model sees
+  bool is_bool = false;            ///< dtype = "bool"
+  bool is_scale = false;           ///< CLASS = "DIMENSION_SCALE"
+  bool is_bare_dimension = false;  ///< a scale that only stands for a size
+  std::vector<ScaleUse> uses;      ///< of a scale
+};
+
+/// `path` names the object in messages. Throws the refusals of reader.h.
+ObjectAttributes read_attributes(const Api& api, hid_t object, const std::string& path);
+
+}  // namespace sleight::archive::hdf5

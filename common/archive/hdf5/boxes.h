@@ -1,0 +1,43 @@
+// A run of elements in row-major order, cut into boxes that HDF5's hyperslabs can name.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/check.h"
+
+namespace sleight::archive::hdf5 {
+
+/// `start` and `count` by dimension, as H5Sselect_hyperslab takes them; empty for a scalar.
+struct Box {
+  std::vector<std::uint64_t> start;
+  std::vector<std::uint64_t> count;
+  std::uint64_t elements = 1;
+};
+
+/// The largest box that begins at element `first` and is itself a run of at most `count` elements
+/// of an array of size `dims`. REQUIRES: count >= 1; first lies within the array.
+inline Box box_at(const std::vector<std::uint64_t>& dims, std::uint64_t first,
+                  std::uint64_t count) {
+  CHECK_GE(count, 1U);
+  const std::size_t rank = dims.size();
+  Box box{.start = std::vector<std::uint64_t>(rank, 0),
+          .count = std::vector<std::uint64_t>(rank, 1),
+          .elements = 1};
+  for (std::size_t d = rank; d-- > 0;) {
+    box.start[d] = first % dims[d];
+    first /= dims[d];
+  }
+  // Take whole inner dimensions as long as the run starts at their beginning and covers them.
+  for (std::size_t d = rank; d-- > 0;) {
+    const std::uint64_t left = dims[d] - box.start[d];
+    box.count[d] = left < count ? left : count;
+    box.elements *= box.count[d];
+    if (box.count[d] != dims[d]) break;
+    count /= dims[d];
+  }
+  return box;
+}
+
+}  // namespace sleight::archive::hdf5

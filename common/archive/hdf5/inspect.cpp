@@ -1,0 +1,347 @@
+#include "common/archive/hdf5/inspect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "common/archive/format.h"
+#include "common/archive/hdf5/attributes.h"
+#include "common/archive/hdf5/reader.h"
+#include "common/base/check.h"
+
+namespace sleight::archive::hdf5 {
+namespace {
+
+/// A dataset during the walk, before its dimensions have names.
+struct FoundDataset {
+  std::string name;
+  haddr_t address = HADDR_UNDEF;
+  ObjectAttributes attributes;
+  StoredDataset stored;
+};
+
+struct FoundLink {
+  std::string name;
+  H5O_info_t info;
+};
+
+class Walk {
+ public:
+  Walk(const Api& api, hid_t file, std::uint64_t file_bytes)
+      : api_(api), file_(file), file_bytes_(file_bytes) {}
+
+  Contents run() {
+    const Handle root = api_.id(H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, k_root, "open it");
+    H5O_info_t info{};
+    api_.ok(H5Oget_info2(root.get(), &info, H5O_INFO_BASIC), k_root, "describe it");
+    seen_.insert(info.addr);
+    walk_group(root.get(), std::string(k_root), 0);
+    return std::move(contents_);
+  }
+
+ private:
+  void walk_group(hid_t id, const std::string& name, int depth) {
+    Group group{.name = name};
+    group.attributes = read_attributes(api_, id, name).content;
+    if (depth == 0) check_format(group);
+    std::vector<FoundDataset> datasets;
+    std::vector<std::string> groups;
+    for (FoundLink& link : links_of(id, name)) {
+      const std::string path = path_of(name, link.name);
+      check_object(link, path);
+      if (link.info.type == H5O_TYPE_DATASET) {
+        datasets.push_back(open_dataset(id, link, path));
+      } else if (link.info.type == H5O_TYPE_GROUP && depth == 0) {
+        groups.push_back(link.name);
+      } else {
+        api_.fail(path, depth == 0 ? "it is neither a group nor a dataset"
+                                   : "only datasets are expected in a group below the root");
+      }
+    }
+    name_dimensions(datasets, group);
+    contents_.groups.push_back(std::move(group));
+    for (const std::string& below : groups) {
+      const std::string path = path_of(name, below);
+      const Handle child =
+          api_.id(H5Gopen2(id, below.c_str(), H5P_DEFAULT), H5Gclose, path, "open it");
+      walk_group(child.get(), path, depth + 1);
+    }
+  }
+
+  void check_format(const Group& root) const {
+    const Attribute* format = find_attribute(root.attributes, "format");
+    const auto* text = format ? std::get_if<std::string>(&format->value) : nullptr;
+    if (text == nullptr || *text != k_format_name) {
+      api_.fail("", fmt::format("not a Sleight archive: there is no root attribute format = {}",
+                                k_format_name));
+    }
+    const Attribute* version = find_attribute(root.attributes, "format_version");
+    const auto* number = version ? std::get_if<std::int64_t>(&version->value) : nullptr;
+    if (number == nullptr || *number < 1) api_.fail("", "it has no format_version");
+    if (*number > k_format_version) {
+      api_.fail("", fmt::format("format_version is {}: this program reads versions up to {}; take "
+                                "a newer one",
+                                *number, k_format_version));
+    }
+  }
+
+  /// In the order of creation where the file tracks it, else by name.
+  std::vector<FoundLink> links_of(hid_t group, const std::string& path) {
+    H5G_info_t info{};
+    api_.ok(H5Gget_info(group, &info), path, "list it");
+    if (info.nlinks > k_objects_max) {
+      api_.fail(path, fmt::format("it holds {} objects: expected at most {}", info.nlinks,
+                                  k_objects_max));
+    }
+    const Handle list = api_.id(H5Gget_create_plist(group), H5Pclose, path, "ask for its list");
+    unsigned order = 0;
+    api_.ok(H5Pget_link_creation_order(list.get(), &order), path, "ask for its order");
+    const H5_index_t index =
+        (order & H5P_CRT_ORDER_INDEXED) != 0 ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
+    std::vector<FoundLink> links;
+    for (std::uint64_t i = 0; i < info.nlinks; ++i) {
+      links.push_back(link_at(group, path, index, i));
+    }
+    return links;
+  }
+
+  FoundLink link_at(hid_t group, const std::string& path, H5_index_t index, std::uint64_t i) {
+    std::array<char, k_name_bytes_max + 1> name{};
+    const std::uint64_t length =
+        api_.count(H5Lget_name_by_idx(group, ".", index, H5_ITER_INC, i, name.data(), name.size(),
+                                      H5P_DEFAULT),
+                   path, "name an object in it");
+    if (length > k_name_bytes_max || !is_plain_name(name.data())) {
+      api_.fail(path, "the name of an object in it is no plain word");
+    }
+    FoundLink link{.name = name.data(), .info = {}};
+    H5L_info_t link_info{};
+    api_.ok(H5Lget_info(group, name.data(), &link_info, H5P_DEFAULT), path_of(path, link.name),
+            "describe its link");
+    if (link_info.type != H5L_TYPE_HARD) {
+      api_.fail(path_of(path, link.name), link_info.type == H5L_TYPE_SOFT
+                                              ? "it is a soft link"
+                                              : "it is an external or user-defined link");
+    }
+    api_.ok(H5Oget_info_by_name2(group, name.data(), &link.info, H5O_INFO_BASIC, H5P_DEFAULT),
+            path_of(path, link.name), "describe it");
+    return link;
+  }
+
+  void check_object(const FoundLink& link, const std::string& path) {
+    if (link.info.rc != 1 || !seen_.insert(link.info.addr).second) {
+      api_.fail(path, "it has several names");
+    }
+    if (seen_.size() > k_objects_max) {
+      api_.fail(path, fmt::format("the file holds more than {} objects", k_objects_max));
+    }
+  }
+
+  FoundDataset open_dataset(hid_t group, const FoundLink& link, const std::string& path) {
+    FoundDataset found{
+        .name = link.name, .address = link.info.addr, .attributes = {}, .stored = {}};
+    found.stored.id =
+        api_.id(H5Dopen2(group, link.name.c_str(), H5P_DEFAULT), H5Dclose, path, "open it");
+    const hid_t id = found.stored.id.get();
+    // The storage first: a virtual dataset's space already reaches for other files.
+    const Handle list = api_.id(H5Dget_create_plist(id), H5Pclose, path, "ask for its list");
+    check_storage(list.get(), path);
+    found.attributes = read_attributes(api_, id, path);
+    const std::vector<std::uint64_t> file_dims = dims_of(id, path);
+    if (found.attributes.is_bare_dimension) {
+      found.stored.dims = file_dims;
+      return found;
+    }
+    const std::size_t size = set_type(found, file_dims, path);
+    check_size(id, list.get(), file_dims, size, path);
+    return found;
+  }
+
+  void check_storage(hid_t list, const std::string& path) const {
+    const H5D_layout_t layout = H5Pget_layout(list);
+    if (layout == H5D_VIRTUAL) api_.fail(path, "it is a virtual dataset");
+    if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT) {
+      api_.fail(path, "its storage layout is unknown");
+    }
+    if (api_.count(H5Pget_external_count(list), path, "ask for its storage") != 0) {
+      api_.fail(path, "its values are stored in another file");
+    }
+    std::set<H5Z_filter_t> filters;
+    const std::uint64_t count = api_.count(H5Pget_nfilters(list), path, "count its filters");
+    for (unsigned i = 0; i < count; ++i) {
+      unsigned flags = 0;
+      std::size_t values = 0;
+      const H5Z_filter_t filter =
+          H5Pget_filter2(list, i, &flags, &values, nullptr, 0, nullptr, nullptr);
+      const bool known = filter == H5Z_FILTER_SHUFFLE || filter == H5Z_FILTER_DEFLATE ||
+                         filter == H5Z_FILTER_FLETCHER32;
+      if (!known) api_.fail(path, fmt::format("its filter {} is unknown", filter));
+      if (!filters.insert(filter).second) {
+        api_.fail(path, fmt::format("its filter {} is applied twice", filter));
+      }
+    }
+  }
+
+  std::vector<std::uint64_t> dims_of(hid_t id, const std::string& path) const {
+    const Handle space = api_.id(H5Dget_space(id), H5Sclose, path, "ask for its space");
+    const H5S_class_t kind = H5Sget_simple_extent_type(space.get());
+    if (kind == H5S_SCALAR) return {};
+    const int rank = H5Sget_simple_extent_ndims(space.get());
+    // A text array has one dimension more than the model sees.
+    if (kind != H5S_SIMPLE || rank < 1 || rank > static_cast<int>(k_rank_max) + 1) {
+      api_.fail(path, fmt::format("it has {} dimensions: expected at most {}", rank, k_rank_max));
+    }
+    std::vector<hsize_t> dims(static_cast<std::size_t>(rank));
+    api_.ok(H5Sget_simple_extent_dims(space.get(), dims.data(), nullptr), path,
+            "ask for its dimensions");
+    return {dims.begin(), dims.end()};
+  }
+
+  /// Sets the model's type and dimensions; gives the bytes of one element of the file.
+  std::size_t set_type(FoundDataset& found, const std::vector<std::uint64_t>& file_dims,
+                       const std::string& path) const {
+    const Handle type =
+        api_.id(H5Dget_type(found.stored.id.get()), H5Tclose, path, "ask for its type");
+    if (H5Tcommitted(type.get()) != 0) api_.fail(path, "it has a committed type");
+    StoredDataset& stored = found.stored;
+    stored.dims = file_dims;
+    const auto is = [&type](hid_t expected) { return H5Tequal(type.get(), expected) > 0; };
+    if (is(H5T_IEEE_F64LE)) {
+      stored.type = ElementType::f64;
+    } else if (is(H5T_STD_I64LE)) {
+      stored.type = ElementType::i64;
+    } else if (is(H5T_STD_I32LE)) {
+      stored.type = ElementType::i32;
+    } else if (is(H5T_STD_I8LE) && found.attributes.is_bool) {
+      stored.type = ElementType::boolean;
+    } else if (H5Tget_class(type.get()) == H5T_STRING && H5Tis_variable_str(type.get()) == 0) {
+      set_text_type(stored, H5Tget_size(type.get()), path);
+    } else {
+      api_.fail(path, "its type is none that an archive has");
+    }
+    if (stored.dims.size() > k_rank_max) {
+      api_.fail(path, fmt::format("it has {} dimensions: expected at most {}", stored.dims.size(),
+                                  k_rank_max));
+    }
+    return H5Tget_size(type.get());
+  }
+
+  void set_text_type(StoredDataset& stored, std::size_t bytes, const std::string& path) const {
+    stored.type = ElementType::text;
+    stored.text_bytes = bytes;
+    if (!stored.dims.empty()) {
+      if (bytes != 1) api_.fail(path, "text arrays are arrays of single characters");
+      stored.text_bytes = stored.dims.back();
+      stored.dims.pop_back();
+      if (stored.dims.empty()) api_.fail(path, "it is a character array without a text's index");
+    }
+    if (stored.text_bytes == 0 || stored.text_bytes > k_text_bytes_max) {
+      api_.fail(path, fmt::format("its texts have {} bytes: expected 1 to {}", stored.text_bytes,
+                                  k_text_bytes_max));
+    }
+  }
+
+  void check_size(hid_t id, hid_t list, const std::vector<std::uint64_t>& dims,
+                  std::size_t element_bytes, const std::string& path) const {
+    std::uint64_t bytes = element_bytes;
+    for (const std::uint64_t dim : dims) {
+      if (__builtin_mul_overflow(bytes, dim, &bytes)) bytes = ~std::uint64_t{0};
+    }
+    if (std::ranges::find(dims, 0U) != dims.end()) bytes = 0;
+    if (bytes > k_dataset_bytes_max) {
+      api_.fail(path, fmt::format("its values take {} bytes: expected at most {}", bytes,
+                                  k_dataset_bytes_max));
+    }
+    if (bytes == 0) return;
+    const std::uint64_t stored = H5Dget_storage_size(id);
+    if (stored > file_bytes_) api_.fail(path, "it claims more bytes than the file has");
+    std::uint64_t held = stored;
+    if (H5Pget_layout(list) == H5D_CHUNKED) {
+      check_chunks(id, list, dims, element_bytes, path);
+      held = stored * k_deflate_ratio_max;
+    }
+    if (bytes > held) {
+      api_.fail(path, fmt::format("its values take {} bytes: {} stored bytes can't hold them",
+                                  bytes, stored));
+    }
+  }
+
+  void check_chunks(hid_t id, hid_t list, const std::vector<std::uint64_t>& dims,
+                    std::size_t element_bytes, const std::string& path) const {
+    std::array<hsize_t, k_rank_max + 1> chunk{};
+    const std::uint64_t rank =
+        api_.count(H5Pget_chunk(list, static_cast<int>(chunk.size()), chunk.data()), path,
+                   "ask for its chunks");
+    if (rank != dims.size()) api_.fail(path, "its chunks have another number of dimensions");
+    std::uint64_t bytes = element_bytes;
+    std::uint64_t expected = 1;
+    for (std::size_t d = 0; d < dims.size(); ++d) {
+      if (chunk[d] == 0 || __builtin_mul_overflow(bytes, chunk[d], &bytes) ||
+          bytes > k_chunk_bytes_max) {
+        api_.fail(path, fmt::format("its chunks are larger than {} bytes", k_chunk_bytes_max));
+      }
+      expected *= (dims[d] - 1) / chunk[d] + 1;
+    }
+    const Handle space = api_.id(H5Dget_space(id), H5Sclose, path, "ask for its space");
+    hsize_t count = 0;
+    api_.ok(H5Dget_num_chunks(id, space.get(), &count), path, "count its chunks");
+    if (count != expected) {
+      api_.fail(path, fmt::format("{} of its {} chunks are there", count, expected));
+    }
+  }
+
+  /// Turns the datasets of a group into the model's, with the names that the scales give.
+  void name_dimensions(std::vector<FoundDataset>& datasets, Group& group) {
+    for (FoundDataset& found : datasets) {
+      if (found.attributes.is_bare_dimension) continue;
+      const std::string path = path_of(group.name, found.name);
+      DatasetSpec spec{.name = found.name,
+                       .type = found.stored.type,
+                       .dims = {},
+                       .attributes = std::move(found.attributes.content),
+                       .text_bytes = found.stored.text_bytes};
+      for (std::size_t d = 0; d < found.stored.dims.size(); ++d) {
+        spec.dims.push_back({dimension_name(datasets, found, d, path), found.stored.dims[d]});
+      }
+      group.datasets.push_back(std::move(spec));
+      contents_.datasets.emplace(path, std::move(found.stored));
+    }
+  }
+
+  std::string dimension_name(const std::vector<FoundDataset>& datasets, const FoundDataset& found,
+                             std::size_t d, const std::string& path) const {
+    if (found.attributes.is_scale) {
+      if (found.stored.dims.size() != 1) {
+        api_.fail(path, "it is a dimension scale of more than one dimension");
+      }
+      return found.name;
+    }
+    std::string name;
+    for (const FoundDataset& scale : datasets) {
+      if (!scale.attributes.is_scale || scale.attributes.is_bare_dimension) continue;
+      for (const ScaleUse& use : scale.attributes.uses) {
+        if (use.dataset != found.address || use.dimension != d) continue;
+        if (!name.empty()) api_.fail(path, fmt::format("its dimension {} has two scales", d));
+        name = scale.name;
+      }
+    }
+    if (name.empty()) api_.fail(path, fmt::format("its dimension {} has no scale", d));
+    return name;
+  }
+
+  const Api& api_;
+  hid_t file_;
+  std::uint64_t file_bytes_;
+  std::set<haddr_t> seen_;
+  Contents contents_;
+};
+
+}  // namespace
+
+Contents inspect(const Api& api, hid_t file, std::uint64_t file_bytes) {
+  return Walk(api, file, file_bytes).run();
+}
+
+}  // namespace sleight::archive::hdf5

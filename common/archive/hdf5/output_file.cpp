@@ -1,0 +1,175 @@
+#include "common/archive/hdf5/output_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "common/base/error.h"
+
+namespace sleight::archive::hdf5 {
+namespace {
+
+using State = OutputFile::State;
+
+/// HDF5's view of an open file: its own fields first, then ours.
+struct DriverFile {
+  H5FD_t base;
+  State* state;
+};
+
+/// The driver's part of a file-access list, which HDF5 copies as bytes.
+struct DriverInfo {
+  State* state;
+};
+
+State& state_of(H5FD_t* file) {
+  return *reinterpret_cast<DriverFile*>(file)->state;
+}
+const State& state_of(const H5FD_t* file) {
+  return *reinterpret_cast<const DriverFile*>(file)->state;
+}
+
+H5FD_t* open_file(const char*, unsigned, hid_t list, haddr_t) {
+  const auto* info = static_cast<const DriverInfo*>(H5Pget_driver_info(list));
+  if (info == nullptr) return nullptr;
+  auto* file = new DriverFile{};
+  file->state = info->state;
+  return &file->base;
+}
+
+herr_t close_file(H5FD_t* file) {
+  delete reinterpret_cast<DriverFile*>(file);
+  return 0;
+}
+
+herr_t query(const H5FD_t*, unsigned long* flags) {
+  // Few large writes: HDF5 gathers metadata and small data before it calls write.
+  *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
+           H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
+  return 0;
+}
+
+haddr_t get_eoa(const H5FD_t* file, H5FD_mem_t) {
+  return state_of(file).allocated;
+}
+
+herr_t set_eoa(H5FD_t* file, H5FD_mem_t, haddr_t address) {
+  state_of(file).allocated = address;
+  return 0;
+}
+
+haddr_t get_eof(const H5FD_t* file, H5FD_mem_t) {
+  return state_of(file).written;
+}
+
+/// Reads what was written; zeros beyond the end and after a failure, whose outcome nobody sees.
+herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
+                  void* buffer) {
+  State& state = state_of(file);
+  auto* out = static_cast<char*>(buffer);
+  while (size > 0) {
+    const ssize_t got =
+        state.failure != 0 ? 0 : ::pread(state.descriptor, out, size, static_cast<off_t>(address));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) state.failure = errno;
+    if (got <= 0) break;
+    out += got;
+    address += static_cast<haddr_t>(got);
+    size -= static_cast<std::size_t>(got);
+  }
+  std::memset(out, 0, size);
+  return 0;
+}
+
+herr_t write_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
+                   const void* buffer) {
+  State& state = state_of(file);
+  state.written = std::max<std::uint64_t>(state.written, address + size);
+  const auto* in = static_cast<const char*>(buffer);
+  while (size > 0 && state.failure == 0) {
+    const ssize_t put = ::pwrite(state.descriptor, in, size, static_cast<off_t>(address));
+    if (put < 0 && errno == EINTR) continue;
+    // A write of nothing would be tried for ever.
+    if (put <= 0) {
+      state.failure = put < 0 ? errno : ENOSPC;
+      break;
+    }
+    in += put;
+    address += static_cast<haddr_t>(put);
+    size -= static_cast<std::size_t>(put);
+  }
+  return 0;
+}
+
+/// Gives the file the length that HDF5 has allocated.
+herr_t truncate_file(H5FD_t* file, hid_t, hbool_t) {
+  State& state = state_of(file);
+  if (state.written == state.allocated) return 0;
+  if (state.failure == 0 &&
+      ::ftruncate(state.descriptor, static_cast<off_t>(state.allocated)) != 0) {
+    state.failure = errno;
+  }
+  state.written = state.allocated;
+  return 0;
+}
+
+H5FD_class_t driver_class() {
+  H5FD_class_t driver{};
+  driver.name = "sleight_output";
+  driver.maxaddr = (haddr_t{1} << 62) - 1;
+  driver.fc_degree = H5F_CLOSE_STRONG;
+  driver.fapl_size = sizeof(DriverInfo);
+  driver.open = open_file;
+  driver.close = close_file;
+  driver.query = query;
+  driver.get_eoa = get_eoa;
+  driver.set_eoa = set_eoa;
+  driver.get_eof = get_eof;
+  driver.read = read_bytes;
+  driver.write = write_bytes;
+  driver.truncate = truncate_file;
+  const H5FD_mem_t map[H5FD_MEM_NTYPES] = H5FD_FLMAP_DICHOTOMY;
+  std::copy(std::begin(map), std::end(map), std::begin(driver.fl_map));
+  return driver;
+}
+
+}  // namespace
+
+OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  state_.descriptor =
+      ::open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (state_.descriptor < 0) {
+    throw base::Error(fmt::format("{}: can't create it: {}", path_, std::strerror(errno)));
+  }
+}
+
+OutputFile::~OutputFile() {
+  if (state_.descriptor >= 0) ::close(state_.descriptor);
+}
+
+void OutputFile::close() {
+  const int outcome = ::close(std::exchange(state_.descriptor, -1));
+  if (outcome != 0 && state_.failure == 0) state_.failure = errno;
+  throw_failure();
+}
+
+herr_t OutputFile::use_in(hid_t file_access_list) {
+  static const H5FD_class_t driver = driver_class();
+  static const hid_t driver_id = H5FDregister(&driver);
+  if (driver_id < 0) return -1;
+  const DriverInfo info{&state_};
+  return H5Pset_driver(file_access_list, driver_id, &info);
+}
+
+void OutputFile::throw_failure() const {
+  if (state_.failure != 0) {
+    throw base::Error(fmt::format("{}: can't write it: {}", path_, std::strerror(state_.failure)));
+  }
+}
+
+}  // namespace sleight::archive::hdf5

@@ -1,0 +1,402 @@
+#include "common/archive/layout.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/archive/columns.h"
+#include "common/archive/distinct.h"
+#include "common/archive/format.h"
+#include "common/base/check.h"
+
+namespace sleight::archive {
+namespace {
+
+using Dims = std::vector<Dimension>;
+
+std::int64_t signed_of(std::uint64_t value) {
+  CHECK_LE(value, static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()));
+  return static_cast<std::int64_t>(value);
+}
+
+std::int32_t count_of_proposals(std::uint32_t value) {
+  CHECK_LE(value, static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()));
+  return static_cast<std::int32_t>(value);
+}
+
+DatasetSpec spec_of(std::string name, ElementType type, Dims dims, std::string long_name,
+                    std::string units = "1") {
+  DatasetSpec spec{.name = std::move(name), .type = type, .dims = std::move(dims)};
+  spec.attributes = {{"long_name", std::move(long_name)}, {"units", std::move(units)}};
+  return spec;
+}
+
+/// The coordinate 0, step, 2 step, ... of a dimension.
+void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
+                      std::string long_name, std::uint64_t step = 1) {
+  Column<std::int64_t> column(sink, group,
+                              spec_of(dim.name, ElementType::i64, {dim}, std::move(long_name)));
+  for (std::size_t i = 0; i < dim.size; ++i)
+    column.push(signed_of(i * step));
+  column.flush();
+}
+
+/// Coordinates 0, 1, ... of the dimensions that a world's variables bring along, once each.
+void write_own_coordinates(Sink& sink, std::string_view group,
+                           const std::vector<Variable>& variables, Dims& written) {
+  for (const Variable& variable : variables) {
+    for (const Dimension& dim : variable.dims) {
+      const auto same = std::ranges::find(written, dim.name, &Dimension::name);
+      if (same != written.end()) {
+        CHECK_EQ(same->size, dim.size);
+        continue;
+      }
+      written.push_back(dim);
+      write_coordinate(sink, group, dim, "index of the " + dim.name);
+    }
+  }
+}
+
+std::uint64_t archived_states(const RunView& view, const ArchiveOptions& options) {
+  return (view.scans() - 1) / options.thin + 1;
+}
+
+/// /posterior: the state of every thin-th scan.
+class PosteriorWriter {
+ public:
+  PosteriorWriter(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
+                  Sink& sink)
+      : reader_(reader), thin_(options.thin) {
+    sink.create_group(k_posterior);
+    sink.set_attribute(k_posterior, {"thin", signed_of(options.thin)});
+    Dims dims{{"chain", view.chains()}, {"draw", archived_states(view, options)}};
+    write_coordinate(sink, k_posterior, dims[0], "independent chain");
+    write_coordinate(sink, k_posterior, dims[1], "scan after which the state was taken",
+                     options.thin);
+    const Dims leading = dims;
+    write_own_coordinates(sink, k_posterior, reader.layout().variables, dims);
+    states_.emplace(sink, k_posterior, leading, reader.layout().variables);
+  }
+
+  void push(base::ScanIndex scan, const plan::ScanRecord& record) {
+    if (scan.value % thin_ != 0) return;
+    CHECK(!record.state.empty());
+    states_->push(reader_.variables(record.state));
+  }
+
+  void flush() { states_->flush(); }
+
+ private:
+  const StateReader& reader_;
+  std::uint64_t thin_;
+  std::optional<VariableColumns> states_;
+};
+
+/// The columns that /sample_stats, /replicas and /animations have in common.
+class DensityColumns {
+ public:
+  DensityColumns(Sink& sink, std::string_view group, const Dims& leading)
+      : log_prior_(sink, group,
+                   spec_of("log_prior", ElementType::f64, leading,
+                           "log density of the state under the world's own probability")),
+        log_constraint_(sink, group,
+                        spec_of("log_constraint", ElementType::f64, leading,
+                                "log of the constraint's density at the outcome")) {}
+
+  void push(const plan::ScanRecord& record) {
+    log_prior_.push(record.log_prior);
+    log_constraint_.push(record.log_constraint);
+  }
+
+  void flush() {
+    log_prior_.flush();
+    log_constraint_.flush();
+  }
+
+ private:
+  Column<double> log_prior_;
+  Column<double> log_constraint_;
+};
+
+Column<std::int64_t> lineage_column(Sink& sink, std::string_view group, const Dims& dims) {
+  return {sink, group,
+          spec_of("lineage", ElementType::i64, dims,
+                  "visit of the chain to the prior from which the state descends")};
+}
+
+/// Proposals and acceptances of every scan, by kind.
+class ProposalColumns {
+ public:
+  ProposalColumns(Sink& sink, const Dims& leading, const std::vector<std::string>& kinds) {
+    const Dimension kind{"proposal_kind", kinds.size()};
+    write_kinds(sink, kind, kinds);
+    Dims dims = leading;
+    dims.push_back(kind);
+    proposed_.emplace(sink, k_sample_stats,
+                      spec_of("proposed", ElementType::i32, dims, "proposals made in the scan"));
+    accepted_.emplace(
+        sink, k_sample_stats,
+        spec_of("accepted", ElementType::i32, dims, "proposals of the scan that were accepted"));
+    rate_.emplace(sink, k_sample_stats,
+                  spec_of("acceptance_rate", ElementType::f64, leading,
+                          "accepted over proposed of all kinds; NaN where none was proposed"));
+    kinds_ = kinds.size();
+  }
+
+  void push(const plan::ScanRecord& record) {
+    CHECK_EQ(record.proposed.size(), kinds_);
+    CHECK_EQ(record.accepted.size(), kinds_);
+    std::uint64_t proposed = 0;
+    std::uint64_t accepted = 0;
+    for (std::size_t kind = 0; kind < kinds_; ++kind) {
+      proposed_->push(count_of_proposals(record.proposed[kind]));
+      accepted_->push(count_of_proposals(record.accepted[kind]));
+      proposed += record.proposed[kind];
+      accepted += record.accepted[kind];
+    }
+    // Without proposals: 0 / 0, the NaN that says "does not apply".
+    rate_->push(static_cast<double>(accepted) / static_cast<double>(proposed));
+  }
+
+  void flush() {
+    proposed_->flush();
+    accepted_->flush();
+    rate_->flush();
+  }
+
+ private:
+  static void write_kinds(Sink& sink, const Dimension& dim, const std::vector<std::string>& kinds) {
+    DatasetSpec spec{.name = dim.name, .type = ElementType::text, .dims = {dim}};
+    spec.attributes = {{"long_name", std::string("kind of proposal")}};
+    for (const std::string& kind : kinds) {
+      CHECK(is_plain_name(kind));
+      spec.text_bytes = std::max(spec.text_bytes, kind.size());
+    }
+    const Sink::DatasetHandle dataset = sink.create_dataset(k_sample_stats, spec);
+    sink.append(dataset, std::span<const std::string>(kinds));
+  }
+
+  std::optional<Column<std::int32_t>> proposed_;
+  std::optional<Column<std::int32_t>> accepted_;
+  std::optional<Column<double>> rate_;
+  std::size_t kinds_ = 0;
+};
+
+/// /sample_stats: scalars of every scan.
+class SampleStatsWriter {
+ public:
+  SampleStatsWriter(const RunView& view, const WorldLayout& layout, Sink& sink) {
+    sink.create_group(k_sample_stats);
+    const Dims dims{{"chain", view.chains()}, {"draw", view.scans()}};
+    write_coordinate(sink, k_sample_stats, dims[0], "independent chain");
+    write_coordinate(sink, k_sample_stats, dims[1], "scan");
+    lp_.emplace(sink, k_sample_stats,
+                spec_of("lp", ElementType::f64, dims, "log_prior + log_constraint"));
+    densities_.emplace(sink, k_sample_stats, dims);
+    satisfied_.emplace(sink, k_sample_stats,
+                       spec_of("satisfied", ElementType::boolean, dims,
+                               "whether the outcome satisfies the constraint"));
+    lineage_ = lineage_column(sink, k_sample_stats, dims);
+    proposals_.emplace(sink, dims, layout.proposal_kinds);
+    outcomes_.emplace(sink, k_sample_stats, dims, layout.outcomes);
+  }
+
+  void push(const plan::ScanRecord& record) {
+    lp_->push(record.log_prior + record.log_constraint);
+    densities_->push(record);
+    satisfied_->push(record.satisfied ? 1 : 0);
+    lineage_->push(signed_of(record.lineage));
+    proposals_->push(record);
+    outcomes_->push(record.outcome);
+  }
+
+  void flush() {
+    lp_->flush();
+    densities_->flush();
+    satisfied_->flush();
+    lineage_->flush();
+    proposals_->flush();
+    outcomes_->flush();
+  }
+
+ private:
+  std::optional<Column<double>> lp_;
+  std::optional<DensityColumns> densities_;
+  std::optional<Column<std::int8_t>> satisfied_;
+  std::optional<Column<std::int64_t>> lineage_;
+  std::optional<ProposalColumns> proposals_;
+  std::optional<VariableColumns> outcomes_;
+};
+
+/// /replicas: the newest archived state of each chain's replicas. `newest` is by chain; a run view
+/// gives the replica at inverse temperature 1, so each chain has one.
+void write_replicas(const std::vector<KeptAnimation>& newest, const StateReader& reader,
+                    Sink& sink) {
+  sink.create_group(k_replicas);
+  Dims dims{{"chain", newest.size()}, {"replica", 1}};
+  write_coordinate(sink, k_replicas, dims[0], "independent chain");
+  write_coordinate(sink, k_replicas, dims[1], "replica of the chain");
+  const Dims leading = dims;
+  write_own_coordinates(sink, k_replicas, reader.layout().variables, dims);
+  Column<std::int64_t> scan(
+      sink, k_replicas,
+      spec_of("scan", ElementType::i64, leading, "scan after which the state was taken"));
+  Column<double> beta(sink, k_replicas,
+                      spec_of("inverse_temperature", ElementType::f64, leading,
+                              "power of the constraint's density in the sampled distribution"));
+  DensityColumns densities(sink, k_replicas, leading);
+  VariableColumns states(sink, k_replicas, leading, reader.layout().variables);
+  for (const KeptAnimation& replica : newest) {
+    scan.push(signed_of(replica.scan.value));
+    beta.push(1);
+    densities.push(replica.record);
+    states.push(reader.variables(replica.record.state));
+  }
+  scan.flush();
+  beta.flush();
+  densities.flush();
+  states.flush();
+}
+
+/// /animations: the kept animations and their segments.
+class AnimationsWriter {
+ public:
+  AnimationsWriter(const StateReader& reader, const ArchiveOptions& options, Sink& sink)
+      : reader_(reader) {
+    sink.create_group(k_animations);
+    sink.set_attribute(k_animations, {"keep_max", signed_of(options.keep_max)});
+    sink.set_attribute(k_animations, {"keep_per_lineage", signed_of(options.keep_per_lineage)});
+    sink.set_attribute(k_animations, {"min_distance", options.min_distance});
+    const Dims animation{{"animation", k_growing}};
+    const Dims segment{{"segment", k_growing}};
+    animation_ = integers(sink, "animation", animation, "kept animation, by (draw, chain)");
+    chain_ = integers(sink, "chain", animation, "chain that found it");
+    draw_ = integers(sink, "draw", animation, "scan that found it");
+    lineage_ = lineage_column(sink, k_animations, animation);
+    densities_.emplace(sink, k_animations, animation);
+    segment_start_ =
+        integers(sink, "segment_start", animation, "the animation's first row over segment");
+    segment_count_ =
+        integers(sink, "segment_count", animation, "the animation's rows over segment");
+    segment_ = integers(sink, "segment", segment, "segment of a motion, animation by animation");
+    const WorldLayout& layout = reader.layout();
+    Dims written;
+    write_own_coordinates(sink, k_animations, layout.variables, written);
+    write_own_coordinates(sink, k_animations, layout.segment_columns, written);
+    outcomes_.emplace(sink, k_animations, animation, layout.outcomes);
+    states_.emplace(sink, k_animations, animation, layout.variables);
+    segments_.emplace(sink, k_animations, segment, layout.segment_columns);
+  }
+
+  void push(const KeptAnimation& kept) {
+    animation_->push(animations_++);
+    chain_->push(kept.chain.value);
+    draw_->push(signed_of(kept.scan.value));
+    lineage_->push(signed_of(kept.record.lineage));
+    densities_->push(kept.record);
+    outcomes_->push(kept.record.outcome);
+    states_->push(reader_.variables(kept.record.state));
+    push_segments(kept);
+  }
+
+  void flush() {
+    for (auto* column :
+         {&animation_, &chain_, &draw_, &lineage_, &segment_start_, &segment_count_, &segment_}) {
+      (*column)->flush();
+    }
+    densities_->flush();
+    outcomes_->flush();
+    states_->flush();
+    segments_->flush();
+  }
+
+ private:
+  static Column<std::int64_t> integers(Sink& sink, const char* name, const Dims& dims,
+                                       const char* long_name) {
+    return {sink, k_animations, spec_of(name, ElementType::i64, dims, long_name)};
+  }
+
+  void push_segments(const KeptAnimation& kept) {
+    segment_start_->push(rows_);
+    const std::size_t width = segments_->width();
+    std::size_t rows = 0;
+    if (width != 0) {
+      const Recording recording = reader_.record(kept.record.state);
+      CHECK_EQ(recording.columns, width);
+      CHECK_EQ(recording.values.size() % width, 0U);
+      rows = recording.rows();
+      const std::span<const double> values(recording.values);
+      for (std::size_t row = 0; row < rows; ++row) {
+        segment_->push(rows_++);
+        segments_->push(values.subspan(row * width, width));
+      }
+    }
+    segment_count_->push(signed_of(rows));
+  }
+
+  const StateReader& reader_;
+  std::int64_t animations_ = 0;
+  std::int64_t rows_ = 0;
+  std::optional<Column<std::int64_t>> animation_, chain_, draw_, lineage_;
+  std::optional<Column<std::int64_t>> segment_start_, segment_count_, segment_;
+  std::optional<DensityColumns> densities_;
+  std::optional<VariableColumns> outcomes_, states_, segments_;
+};
+
+void write_root(const WorldLayout& layout, const ArchiveOptions& options, Sink& sink) {
+  sink.set_attribute(k_root, {"format", std::string(k_format_name)});
+  sink.set_attribute(k_root, {"format_version", k_format_version});
+  sink.set_attribute(k_root, {"world", layout.world});
+  sink.set_attribute(k_root, {"inference_library", std::string(k_inference_library)});
+  sink.set_attribute(k_root,
+                     {std::string(k_inference_library_version), options.inference_library_version});
+  DatasetSpec request{.name = std::string(k_request), .type = ElementType::text};
+  request.attributes = {{"long_name", std::string("request that reproduces this archive, TOML")}};
+  request.text_bytes = options.request_text.size();
+  const Sink::DatasetHandle dataset = sink.create_dataset(k_root, request);
+  sink.append(dataset, std::span<const std::string>(&options.request_text, 1));
+}
+
+}  // namespace
+
+void write_archive(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
+                   Sink& sink) {
+  CHECK_GE(view.chains(), 1U);
+  CHECK_GE(view.scans(), 1U);
+  CHECK_GE(options.thin, 1U);
+  CHECK(!options.request_text.empty());
+  write_root(reader.layout(), options, sink);
+
+  // One walk over the run, chain by chain: scalars, states and candidates for the animations.
+  PosteriorWriter posterior(view, reader, options, sink);
+  SampleStatsWriter sample_stats(view, reader.layout(), sink);
+  DistinctSelector selector(reader,
+                            {options.keep_max, options.keep_per_lineage, options.min_distance});
+  std::vector<KeptAnimation> newest;
+  const std::uint64_t newest_scan = (archived_states(view, options) - 1) * options.thin;
+  for (std::uint32_t i = 0; i < view.chains(); ++i) {
+    const base::ChainId chain{i};
+    std::uint64_t scans = 0;
+    view.for_each_scan(chain, [&](base::ScanIndex scan, const plan::ScanRecord& record) {
+      CHECK_EQ(scan.value, scans++);
+      posterior.push(scan, record);
+      sample_stats.push(record);
+      selector.offer(chain, scan, record);
+      if (scan.value == newest_scan) newest.push_back({scan, chain, record});
+    });
+    CHECK_EQ(scans, view.scans());
+  }
+  posterior.flush();
+  sample_stats.flush();
+
+  write_replicas(newest, reader, sink);
+
+  // Each kept animation is simulated once more, for its motion.
+  AnimationsWriter animations(reader, options, sink);
+  for (const KeptAnimation& kept : selector.finish())
+    animations.push(kept);
+  animations.flush();
+}
+
+}  // namespace sleight::archive

@@ -1,0 +1,194 @@
+#include "common/archive/structure.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "common/archive/format.h"
+
+namespace sleight::archive {
+namespace {
+
+using Findings = std::vector<std::string>;
+using Names = std::vector<std::string>;
+
+struct Expected {
+  std::string_view group;
+  std::string_view name;
+  ElementType type;
+  Names dims;
+};
+
+std::vector<Expected> expected_datasets() {
+  using enum ElementType;
+  const Names draws{"chain", "draw"};
+  const Names kinds{"chain", "draw", "proposal_kind"};
+  const Names replicas{"chain", "replica"};
+  const Names animations{"animation"};
+  return {
+      {k_root, k_request, text, {}},
+      {k_posterior, "chain", i64, {"chain"}},
+      {k_posterior, "draw", i64, {"draw"}},
+      {k_sample_stats, "chain", i64, {"chain"}},
+      {k_sample_stats, "draw", i64, {"draw"}},
+      {k_sample_stats, "proposal_kind", text, {"proposal_kind"}},
+      {k_sample_stats, "lp", f64, draws},
+      {k_sample_stats, "log_prior", f64, draws},
+      {k_sample_stats, "log_constraint", f64, draws},
+      {k_sample_stats, "satisfied", boolean, draws},
+      {k_sample_stats, "lineage", i64, draws},
+      {k_sample_stats, "acceptance_rate", f64, draws},
+      {k_sample_stats, "proposed", i32, kinds},
+      {k_sample_stats, "accepted", i32, kinds},
+      {k_replicas, "chain", i64, {"chain"}},
+      {k_replicas, "replica", i64, {"replica"}},
+      {k_replicas, "scan", i64, replicas},
+      {k_replicas, "inverse_temperature", f64, replicas},
+      {k_replicas, "log_prior", f64, replicas},
+      {k_replicas, "log_constraint", f64, replicas},
+      {k_animations, "animation", i64, animations},
+      {k_animations, "segment", i64, {"segment"}},
+      {k_animations, "chain", i64, animations},
+      {k_animations, "draw", i64, animations},
+      {k_animations, "lineage", i64, animations},
+      {k_animations, "log_prior", f64, animations},
+      {k_animations, "log_constraint", f64, animations},
+      {k_animations, "segment_start", i64, animations},
+      {k_animations, "segment_count", i64, animations},
+  };
+}
+
+Names dim_names(const DatasetSpec& spec) {
+  Names names;
+  for (const Dimension& dim : spec.dims)
+    names.push_back(dim.name);
+  return names;
+}
+
+std::string shown(ElementType type, const Names& dims) {
+  return fmt::format("{} over ({})", name_of(type), fmt::join(dims, ", "));
+}
+
+void check_expected(const Source& source, const Expected& expected, Findings& findings) {
+  const Group* group = find_group(source, expected.group);
+  if (group == nullptr) return;  // reported once, for the group
+  const std::string path = path_of(expected.group, expected.name);
+  const DatasetSpec* spec = find_dataset(*group, expected.name);
+  if (spec == nullptr) {
+    findings.push_back(fmt::format("{} is missing", path));
+  } else if (spec->type != expected.type || dim_names(*spec) != expected.dims) {
+    findings.push_back(fmt::format("{} is {}: expected {}", path,
+                                   shown(spec->type, dim_names(*spec)),
+                                   shown(expected.type, expected.dims)));
+  }
+}
+
+template <class T>
+void check_attribute(const Source& source, std::string_view group_name, std::string_view name,
+                     Findings& findings) {
+  const Group* group = find_group(source, group_name);
+  if (group == nullptr) return;
+  const Attribute* attribute = find_attribute(group->attributes, name);
+  if (attribute == nullptr || !std::holds_alternative<T>(attribute->value)) {
+    findings.push_back(
+        fmt::format("{}: the attribute {} is missing or of another type", group_name, name));
+  }
+}
+
+/// A root attribute with the one value that it may have.
+template <class T>
+void check_value(const Source& source, std::string_view name, const T& expected,
+                 Findings& findings) {
+  const Group* root = find_group(source, k_root);
+  const Attribute* attribute = find_attribute(root->attributes, name);
+  const T* value = attribute == nullptr ? nullptr : std::get_if<T>(&attribute->value);
+  if (value == nullptr || *value != expected) {
+    findings.push_back(fmt::format("/: the attribute {} is not {}", name, expected));
+  }
+}
+
+/// The dimensions that a world's variable of a group may begin with.
+std::vector<Names> leading_dims(std::string_view group) {
+  if (group == k_posterior || group == k_sample_stats) return {{"chain", "draw"}};
+  if (group == k_replicas) return {{"chain", "replica"}};
+  if (group == k_animations) return {{"animation"}, {"segment"}};
+  return {};
+}
+
+bool is_coordinate(const DatasetSpec& spec) {
+  return spec.dims.size() == 1 && spec.dims[0].name == spec.name;
+}
+
+void check_coordinates(const Group& group, const DatasetSpec& spec, Findings& findings) {
+  for (const Dimension& dim : spec.dims) {
+    const DatasetSpec* coordinate = find_dataset(group, dim.name);
+    if (coordinate == nullptr || !is_coordinate(*coordinate) ||
+        coordinate->dims[0].size != dim.size) {
+      findings.push_back(fmt::format("{}: its dimension {} has no coordinate of its size",
+                                     path_of(group.name, spec.name), dim.name));
+    }
+  }
+}
+
+/// What is not in the list of expected datasets must be a world's variable or its coordinate.
+void check_other(const Group& group, const DatasetSpec& spec, Findings& findings) {
+  const std::string path = path_of(group.name, spec.name);
+  if (is_coordinate(spec)) {
+    if (spec.type != ElementType::i64) {
+      findings.push_back(fmt::format("{} is {}: expected i64", path, name_of(spec.type)));
+    }
+    return;
+  }
+  const Names dims = dim_names(spec);
+  const std::vector<Names> allowed = leading_dims(group.name);
+  const bool fits = std::ranges::any_of(allowed, [&dims](const Names& leading) {
+    return dims.size() >= leading.size() &&
+           std::equal(leading.begin(), leading.end(), dims.begin());
+  });
+  if (spec.type != ElementType::f64 || !fits) {
+    findings.push_back(
+        fmt::format("{} is {}: no variable of a world looks so", path, shown(spec.type, dims)));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> check_structure(const Source& source) {
+  Findings findings;
+  if (find_group(source, k_root) == nullptr) return {"there is no root group"};
+  check_value(source, "format", std::string(k_format_name), findings);
+  check_value(source, "format_version", k_format_version, findings);
+  check_value(source, "inference_library", std::string(k_inference_library), findings);
+  check_attribute<std::string>(source, k_root, "world", findings);
+  check_attribute<std::string>(source, k_root, k_inference_library_version, findings);
+  check_attribute<std::string>(source, k_root, k_content_digest, findings);
+  for (const std::string_view name : {k_posterior, k_sample_stats, k_replicas, k_animations}) {
+    if (find_group(source, name) == nullptr) {
+      findings.push_back(fmt::format("the group {} is missing", name));
+    }
+  }
+  check_attribute<std::int64_t>(source, k_posterior, "thin", findings);
+  check_attribute<std::int64_t>(source, k_animations, "keep_max", findings);
+  check_attribute<std::int64_t>(source, k_animations, "keep_per_lineage", findings);
+  check_attribute<double>(source, k_animations, "min_distance", findings);
+
+  const std::vector<Expected> all = expected_datasets();
+  for (const Expected& expected : all)
+    check_expected(source, expected, findings);
+  for (const Group& group : source.groups()) {
+    if (group.name != k_root && leading_dims(group.name).empty()) {
+      findings.push_back(fmt::format("the group {} is not part of the format", group.name));
+    }
+    for (const DatasetSpec& spec : group.datasets) {
+      check_coordinates(group, spec, findings);
+      const bool known = std::ranges::any_of(all, [&](const Expected& expected) {
+        return expected.group == group.name && expected.name == spec.name;
+      });
+      if (!known) check_other(group, spec, findings);
+    }
+  }
+  return findings;
+}
+
+}  // namespace sleight::archive

@@ -1,0 +1,66 @@
+#include "common/archive/summary.h"
+
+#include <fmt/format.h>
+
+#include "common/archive/format.h"
+#include "common/base/error.h"
+
+namespace sleight::archive {
+namespace {
+
+[[noreturn]] void refuse(const Source& source, const std::string& reason) {
+  throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", source.name(), reason));
+}
+
+const Group& group_of(const Source& source, std::string_view name) {
+  const Group* group = find_group(source, name);
+  if (group == nullptr) refuse(source, fmt::format("there is no group {}", name));
+  return *group;
+}
+
+template <class T>
+T attribute_of(const Source& source, std::string_view group, std::string_view name) {
+  const Attribute* attribute = find_attribute(group_of(source, group).attributes, name);
+  const T* value = attribute == nullptr ? nullptr : std::get_if<T>(&attribute->value);
+  if (value == nullptr) {
+    refuse(source, fmt::format("{}: the attribute {} is missing or of another type", group, name));
+  }
+  return *value;
+}
+
+std::uint64_t size_of(const Source& source, std::string_view group, std::string_view dim) {
+  const DatasetSpec* coordinate = find_dataset(group_of(source, group), dim);
+  if (coordinate == nullptr || coordinate->dims.size() != 1) {
+    refuse(source, fmt::format("{}: there is no coordinate {}", group, dim));
+  }
+  return coordinate->dims[0].size;
+}
+
+std::string request_of(const Source& source) {
+  const DatasetSpec* request = find_dataset(group_of(source, k_root), k_request);
+  if (request == nullptr || request->type != ElementType::text || !request->dims.empty()) {
+    refuse(source, "/request is missing or no scalar text");
+  }
+  return std::get<std::vector<std::string>>(source.read(k_root, k_request, 0, 1)).at(0);
+}
+
+}  // namespace
+
+Summary summary_of(const Source& source) {
+  return {
+      .format_version = attribute_of<std::int64_t>(source, k_root, "format_version"),
+      .world = attribute_of<std::string>(source, k_root, "world"),
+      .inference_library_version =
+          attribute_of<std::string>(source, k_root, k_inference_library_version),
+      .content_digest = attribute_of<std::string>(source, k_root, k_content_digest),
+      .request_text = request_of(source),
+      .chains = size_of(source, k_sample_stats, "chain"),
+      .scans = size_of(source, k_sample_stats, "draw"),
+      .states = size_of(source, k_posterior, "draw"),
+      .thin = attribute_of<std::int64_t>(source, k_posterior, "thin"),
+      .animations = size_of(source, k_animations, "animation"),
+      .segments = size_of(source, k_animations, "segment"),
+  };
+}
+
+}  // namespace sleight::archive

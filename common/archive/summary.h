@@ -1,0 +1,28 @@
+// What an archive says about itself: its root attributes, its request and its sizes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/archive/model.h"
+
+namespace sleight::archive {
+
+struct Summary {
+  std::int64_t format_version = 0;
+  std::string world;
+  std::string inference_library_version;
+  std::string content_digest;  ///< as stored, not recomputed
+  std::string request_text;    ///< normalised TOML that reproduces the archive
+  std::uint64_t chains = 0;
+  std::uint64_t scans = 0;   ///< of each chain
+  std::uint64_t states = 0;  ///< of each chain, in /posterior
+  std::int64_t thin = 0;
+  std::uint64_t animations = 0;
+  std::uint64_t segments = 0;
+};
+
+/// Throws base::Error with ExitCode::bad_archive that names what is missing or of another type.
+Summary summary_of(const Source& source);
+
+}  // namespace sleight::archive

@@ -1,0 +1,110 @@
+// Vectors of the plane and of space, as fixed-size Eigen types with our own reductions.
+//
+// Idea. Eigen's types carry the storage and the arithmetic that works component by component: a
+// sum, a difference or a scaling rounds once per component, whatever the instruction set. What adds
+// several components together is different: Eigen picks the order of the additions, and whether
+// multiplication and addition are fused, by size, alignment and build flags (a sum of three is
+// a + (b + c) in plain code; a sum of four goes pairwise under SSE and otherwise under AVX; a
+// quaternion product has its own SSE code). So the functions below write every such sum out, from
+// left to right, and products of rotations are in rotation.h.
+//
+// Invariants
+//   1. Every function gives the same bits for the same arguments whether compiled for SSE2 or for
+//      AVX2, given -ffp-contract=off (which all our targets have) and no FMA (elementary.h refuses
+//      it): tests/determinism/arithmetic builds both and compares.
+//   2. Results never come from these members of Eigen: dot, norm, squaredNorm, normalized, cross,
+//      sum, prod, products of matrices or quaternions, inverse, and from Eigen/Geometry AngleAxis,
+//      Rotation2D and slerp (these call libm's sine); nor from vectors of run-time size, whose
+//      order of summation follows alignment.
+// No scaling guards against overflow: components beyond 1e150 overflow when squared.
+// Thread safety: pure functions.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <concepts>
+
+#include "common/base/check.h"
+#include "common/math/elementary.h"
+
+namespace sleight::math {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+
+/// An expression for a column of two or three doubles: a Vec2, a Vec3, or sums, differences and
+/// scalings of them. The functions below evaluate it once.
+template <class T>
+concept VectorExpression = std::same_as<typename T::Scalar, double> && T::ColsAtCompileTime == 1 &&
+                           (T::RowsAtCompileTime == 2 || T::RowsAtCompileTime == 3);
+
+template <class T, class U>
+concept SameSize = int{T::RowsAtCompileTime} == int{U::RowsAtCompileTime};
+
+/// The vector that an expression evaluates to.
+template <VectorExpression T>
+using Evaluated = Eigen::Matrix<double, T::RowsAtCompileTime, 1>;
+
+/// a.x b.x + a.y b.y [+ a.z b.z], added in this order.
+template <VectorExpression A, VectorExpression B>
+requires SameSize<A, B>
+double dot(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
+  const Evaluated<A> u = a;
+  const Evaluated<B> v = b;
+  double sum = u[0] * v[0];
+  for (Eigen::Index i = 1; i < u.size(); ++i)
+    sum += u[i] * v[i];
+  return sum;
+}
+
+/// Length, in the unit of the components.
+template <VectorExpression A>
+double norm(const Eigen::MatrixBase<A>& a) {
+  const Evaluated<A> v = a;
+  return std::sqrt(dot(v, v));
+}
+
+/// The unit vector along a; its length is 1 to within 2^-51.
+/// REQUIRES: the norm is neither 0 nor infinite nor NaN.
+template <VectorExpression A>
+Evaluated<A> normalized(const Eigen::MatrixBase<A>& a) {
+  const Evaluated<A> v = a;
+  const double length = norm(v);
+  CHECK(length > 0 && std::isfinite(length));
+  return v / length;
+}
+
+/// In the plane, the third component of the product: positive when b lies to the left of a.
+template <VectorExpression A, VectorExpression B>
+requires(SameSize<A, B>&& SameSize<A, Vec2>) double cross(const Eigen::MatrixBase<A>& a,
+                                                          const Eigen::MatrixBase<B>& b) {
+  const Vec2 u = a;
+  const Vec2 v = b;
+  return u.x() * v.y() - u.y() * v.x();
+}
+
+/// In space, right-handed.
+template <VectorExpression A, VectorExpression B>
+requires(SameSize<A, B>&& SameSize<A, Vec3>) Vec3
+    cross(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
+  const Vec3 u = a;
+  const Vec3 v = b;
+  return {u.y() * v.z() - u.z() * v.y(), u.z() * v.x() - u.x() * v.z(),
+          u.x() * v.y() - u.y() * v.x()};
+}
+
+/// Matrix times column vector.
+inline Vec3 product(const Mat3& m, const Vec3& v) {
+  return {(m(0, 0) * v.x() + m(0, 1) * v.y()) + m(0, 2) * v.z(),
+          (m(1, 0) * v.x() + m(1, 1) * v.y()) + m(1, 2) * v.z(),
+          (m(2, 0) * v.x() + m(2, 1) * v.y()) + m(2, 2) * v.z()};
+}
+
+/// v turned by the angle, anticlockwise (from x towards y).
+inline Vec2 rotated(const Vec2& v, double angle_rad) {
+  const SinCos turn = sincos(angle_rad);
+  return {turn.cos * v.x() - turn.sin * v.y(), turn.sin * v.x() + turn.cos * v.y()};
+}
+
+}  // namespace sleight::math

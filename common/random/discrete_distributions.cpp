@@ -1,0 +1,52 @@
+#include "common/random/discrete_distributions.h"
+
+#include <limits>
+
+#include "common/base/check.h"
+#include "common/math/elementary.h"
+
+namespace sleight::random {
+
+namespace {
+
+// Not standard C++, but both compilers that we support have it.
+__extension__ using Wide = unsigned __int128;
+
+}  // namespace
+
+bool Bernoulli::draw(Stream& stream) const {
+  CHECK(p >= 0 && p <= 1);
+  return stream.uniform() < p;
+}
+
+double Bernoulli::log_density(bool x) const {
+  CHECK(p >= 0 && p <= 1);
+  return x ? math::log(p) : math::log1p(-p);
+}
+
+std::uint64_t UniformInteger::draw(Stream& stream) const {
+  CHECK_GT(count, 0U);
+  // The high half of word * count is the draw; its low half tells whether the word lies in the
+  // incomplete last part of the 2^64 words, which would make some draws more likely.
+  Wide product = Wide{stream.bits()} * count;
+  if (static_cast<std::uint64_t>(product) < count) {
+    const std::uint64_t refused_below = (0 - count) % count;  // 2^64 mod count
+    // Fewer than half of all words are refused: 1000 in a row don't happen.
+    constexpr int k_words_max = 1000;
+    int words = 1;
+    while (static_cast<std::uint64_t>(product) < refused_below) {
+      CHECK_LT(words, k_words_max);
+      product = Wide{stream.bits()} * count;
+      ++words;
+    }
+  }
+  return static_cast<std::uint64_t>(product >> 64);
+}
+
+double UniformInteger::log_density(std::uint64_t x) const {
+  CHECK_GT(count, 0U);
+  if (x >= count) return -std::numeric_limits<double>::infinity();
+  return -math::log(static_cast<double>(count));
+}
+
+}  // namespace sleight::random

@@ -1,0 +1,77 @@
+#include "common/random/linear_distributions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+#include "common/math/angle.h"
+#include "common/math/elementary.h"
+
+namespace sleight::random {
+
+namespace {
+
+constexpr double k_outside = -std::numeric_limits<double>::infinity();
+constexpr double k_half_log_two_pi = 0x1.d67f1c864beb5p-1;  // 0.91893853320467274
+
+void check(const Uniform& d) {
+  CHECK_LT(d.low, d.high);
+  CHECK(std::isfinite(d.high - d.low));
+}
+
+void check(const Normal& d) {
+  CHECK(std::isfinite(d.mean));
+  CHECK(d.sd > 0 && std::isfinite(d.sd));
+}
+
+void check(const Exponential& d) {
+  CHECK(d.rate > 0 && std::isfinite(d.rate));
+  CHECK(std::isfinite(1 / d.rate));
+}
+
+}  // namespace
+
+double Uniform::draw(Stream& stream) const {
+  check(*this);
+  // low + (high - low) may round to just beyond high.
+  return std::min(low + (high - low) * stream.uniform(), high);
+}
+
+double Uniform::log_density(double x) const {
+  check(*this);
+  CHECK(!std::isnan(x));
+  return x >= low && x <= high ? -math::log(high - low) : k_outside;
+}
+
+double standard_normal(Stream& stream) {
+  // Sequenced: the order in which words are taken is part of the format.
+  const double u = stream.uniform();
+  const double v = stream.uniform();
+  return std::sqrt(-2 * math::log(u)) * math::cos(math::k_two_pi * v);
+}
+
+double Normal::draw(Stream& stream) const {
+  check(*this);
+  return mean + sd * standard_normal(stream);
+}
+
+double Normal::log_density(double x) const {
+  check(*this);
+  CHECK(!std::isnan(x));
+  const double z = (x - mean) / sd;
+  return (-0.5 * z * z - math::log(sd)) - k_half_log_two_pi;
+}
+
+double Exponential::draw(Stream& stream) const {
+  check(*this);
+  return -math::log(stream.uniform()) / rate;
+}
+
+double Exponential::log_density(double x) const {
+  check(*this);
+  CHECK(!std::isnan(x));
+  return x >= 0 ? math::log(rate) - rate * x : k_outside;
+}
+
+}  // namespace sleight::random

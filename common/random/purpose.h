@@ -1,0 +1,19 @@
+// What random numbers are drawn for: the one list, so that two uses never share a stream.
+//
+// The numbers are part of the archive's meaning (the same seed gives the same animations): a number
+// is never changed and never reused; a new purpose takes the next one. 0 is no purpose, so a key
+// that forgot to name one is refused by Stream.
+#pragma once
+
+#include <cstdint>
+
+namespace sleight::random {
+
+enum class Purpose : std::uint32_t {
+  prior = 1,       ///< a state drawn from the world model
+  proposal = 2,    ///< the choice of a kind of proposal, and the candidate itself
+  acceptance = 3,  ///< the uniform number of a Metropolis-Hastings decision
+  swap = 4,        ///< the uniform number of a decision to swap two neighbours of a ladder
+};
+
+}  // namespace sleight::random

@@ -1,0 +1,196 @@
+// One declaration of a key serves reading, normalising and help.
+//
+// A bind function names each key of a section once:
+//
+//   void bind_world(Binder& world, WorldParameters& p) {
+//     world.number("restitution", p.restitution,
+//                  {.minimum = 0, .above_minimum = true, .maximum = 1,
+//                   .help = "normal speed after a collision, relative to before"});
+//   }
+//
+// Run over a section of a file it reads: given values go into the members, errors into the
+// diagnostics. Run with no section it changes nothing. Either way keys() then tells, for each key
+// in the order of declaration, what it is (for help) and what it is now (for the normalised text).
+//
+// Invariants
+//   1. A member's value before the call is the key's default; a member without a usable given
+//      value keeps it. So after any run every member is in range, if its default was.
+//   2. Defaults do not depend on other keys, and a bind function declares the same keys every time.
+//   3. keys() of a run without errors, written as TOML and read again, gives the same members and
+//      the same keys().
+// Errors of the file are diagnostics (diagnostic.h says where each is placed); a default out of
+// range or a key declared twice is a bug and stops the process. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/request/diagnostic.h"
+#include "common/request/document.h"
+
+namespace sleight::request {
+
+/// Whether a file may leave the key out.
+enum class Presence {
+  defaulted,  ///< yes: the default holds
+  optional,   ///< yes: nothing holds, and the normalised text leaves it out too
+  required,   ///< no: there is no default
+};
+
+/// What a key is, in words for people.
+struct KeySpec {
+  std::string key = {};
+  std::string unit = {};      ///< "D", "m/s2", "degrees"; empty for a pure number
+  std::string range = {};     ///< short: "(0, 1]", "1 .. 64", "true or false", "a | b"
+  std::string expected = {};  ///< as after "expected": "a number above 0 and at most 1"
+  std::string fallback = {};  ///< the default as TOML; empty unless defaulted
+  Presence presence = Presence::defaulted;
+  std::string help = {};  ///< one line
+};
+
+struct BoundKey {
+  KeySpec spec;
+  std::string value;  ///< as TOML; empty where an optional or required key is not given
+};
+
+/// A finite number; an integer will do in the file. -0 is read as 0.
+struct NumberOptions {
+  double minimum = std::numeric_limits<double>::lowest();
+  bool above_minimum = false;  ///< the range is open there
+  double maximum = std::numeric_limits<double>::max();
+  bool below_maximum = false;
+  std::string_view unit = "";
+  std::string_view help = "";
+};
+
+struct IntegerOptions {
+  std::int64_t minimum = std::numeric_limits<std::int64_t>::min();
+  std::int64_t maximum = std::numeric_limits<std::int64_t>::max();
+  std::string_view unit = "";
+  std::string_view help = "";
+};
+
+struct TextOptions {
+  std::size_t characters_max = 256;
+  std::string_view help = "";
+};
+
+/// One of a key's choices: its name in the file and what it stands for.
+template <class T>
+struct Named {
+  std::string_view name;
+  T value;
+};
+
+class Binder {
+ public:
+  /// Reads `section`; with null there is nothing to read, and keys() lists the defaults.
+  /// Both are borrowed for the binder's life.
+  Binder(std::string section_name, const Section* section, Diagnostics& diagnostics);
+
+  void number(std::string_view key, double& value, const NumberOptions& options);
+
+  /// In the file in degrees, in `options` too; `value_rad` in radians. The normalised text has the
+  /// degrees as they were given, so no digits are made up by converting there and back.
+  void angle_deg(std::string_view key, double& value_rad, const NumberOptions& options);
+
+  /// REQUIRES: the range fits T.
+  template <class T>
+  requires std::is_integral_v<T>
+  void integer(std::string_view key, T& value, const IntegerOptions& options) {
+    check_fits<T>(options);
+    value = static_cast<T>(
+        *read_integer(key, static_cast<std::int64_t>(value), Presence::defaulted, options));
+  }
+
+  /// An integer that is there or not. REQUIRES: `value` is empty; the range fits T.
+  template <class T>
+  requires std::is_integral_v<T>
+  void optional_integer(std::string_view key, std::optional<T>& value,
+                        const IntegerOptions& options) {
+    check_fits<T>(options);
+    CHECK(!value.has_value());
+    const auto given = read_integer(key, std::nullopt, Presence::optional, options);
+    if (given) value = static_cast<T>(*given);
+  }
+
+  void boolean(std::string_view key, bool& value, std::string_view help);
+
+  /// UTF-8 text of at most options.characters_max characters (code points).
+  void text(std::string_view key, std::string& value, const TextOptions& options);
+
+  /// One of `choices` by name. REQUIRES: `value` is among them.
+  template <class T>
+  void choice(std::string_view key, T& value, std::span<const Named<T>> choices,
+              std::string_view help) {
+    std::size_t now = 0;
+    while (now < choices.size() && !(choices[now].value == value))
+      ++now;
+    CHECK_LT(now, choices.size());
+    value = choices[*read_choice(key, now, names_of(choices), Presence::defaulted, help)].value;
+  }
+
+  /// One of `choices` by name, which a file must give. `value` is left alone where it does not.
+  template <class T>
+  void required_choice(std::string_view key, T& value, std::span<const Named<T>> choices,
+                       std::string_view help) {
+    const auto chosen = read_choice(key, std::nullopt, names_of(choices), Presence::required, help);
+    if (chosen) value = choices[*chosen].value;
+  }
+
+  /// Whether the file gives the key, rightly or wrongly.
+  bool given(std::string_view key) const;
+
+  /// Whether the key is declared and its value free of errors: what a check of several keys asks
+  /// first, so that one slip is not reported twice.
+  bool valid(std::string_view key) const;
+
+  /// An error of this key against others, placed at the key, or at the section if only its default
+  /// is at odds. The message follows `'key' in [section]: `.
+  void error(std::string_view key, std::string_view message);
+
+  const std::string& section_name() const { return section_name_; }
+  const std::vector<BoundKey>& keys() const { return keys_; }
+
+ private:
+  template <class T>
+  static void check_fits(const IntegerOptions& options) {
+    CHECK(std::in_range<T>(options.minimum) && std::in_range<T>(options.maximum));
+  }
+  template <class T>
+  static std::vector<std::string> names_of(std::span<const Named<T>> choices) {
+    std::vector<std::string> names;
+    for (const auto& choice : choices)
+      names.emplace_back(choice.name);
+    return names;
+  }
+
+  double read_number(std::string_view key, double fallback, const NumberOptions& options);
+  std::optional<std::int64_t> read_integer(std::string_view key,
+                                           std::optional<std::int64_t> fallback, Presence presence,
+                                           const IntegerOptions& options);
+  std::optional<std::size_t> read_choice(std::string_view key, std::optional<std::size_t> fallback,
+                                         const std::vector<std::string>& names, Presence presence,
+                                         std::string_view help);
+
+  /// Adds the key and looks its value up: null if the file does not give it.
+  const Value* declare(KeySpec spec);
+  void refuse(const Value& value, std::string_view hint = "");
+  void fail(std::string_view key, Place place, std::string_view message);
+
+  std::string section_name_;
+  const Section* section_;
+  Diagnostics& diagnostics_;
+  std::vector<BoundKey> keys_;
+  std::vector<std::string> invalid_;
+};
+
+}  // namespace sleight::request

@@ -1,0 +1,110 @@
+#include "common/request/common_sections.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+namespace sleight::request {
+namespace {
+
+void bind_sampler(Binder& sampler, SamplerParameters& p) {
+  static constexpr std::array k_methods{
+      Named<Method>{"metropolis_hastings", Method::metropolis_hastings}};
+  sampler.choice("method", p.method, std::span<const Named<Method>>(k_methods),
+                 "how animations are drawn");
+  sampler.integer(
+      "chains", p.chains,
+      {.minimum = 1, .maximum = k_chains_max, .help = "chains, independent of each other"});
+  sampler.integer("seed", p.seed,
+                  {.minimum = 0,
+                   .maximum = static_cast<std::int64_t>(k_seed_max),
+                   .help = "another seed, another run; the same seed, the same bits"});
+  sampler.integer("iterations_per_scan", p.iterations_per_scan,
+                  {.minimum = 1,
+                   .maximum = 1000000,
+                   .unit = "proposals",
+                   .help = "proposals that make a scan"});
+  sampler.integer("round_scans", p.round_scans,
+                  {.minimum = 1,
+                   .maximum = k_round_scans_max,
+                   .unit = "scans",
+                   .help = "length of the first round; each later one is twice as long"});
+}
+
+void bind_stop(Binder& stop, StopRule& p) {
+  stop.optional_integer("scans", p.scans,
+                        {.minimum = 1,
+                         .maximum = static_cast<std::int64_t>(k_scans_max),
+                         .unit = "scans",
+                         .help = "ends after so many scans of each chain"});
+  stop.optional_integer("rounds", p.rounds,
+                        {.minimum = 1,
+                         .maximum = k_rounds_max,
+                         .unit = "rounds",
+                         .help = "ends after so many rounds of each chain"});
+  stop.optional_integer("independent_solutions", p.independent_solutions,
+                        {.minimum = 1,
+                         .maximum = k_independent_solutions_max,
+                         .help = "ends when so many lineages have a satisfying animation"});
+}
+
+void bind_output(Binder& output, OutputParameters& p) {
+  output.integer("thin", p.thin,
+                 {.minimum = 1,
+                  .maximum = 1000000000,
+                  .unit = "scans",
+                  .help = "1 keeps every scan's state, 10 every tenth"});
+  output.integer("keep_max", p.keep_max,
+                 {.minimum = 0,
+                  .maximum = 1000000,
+                  .unit = "animations",
+                  .help = "at most so many satisfying animations are kept"});
+  output.integer("keep_per_lineage", p.keep_per_lineage,
+                 {.minimum = 0,
+                  .maximum = 1000,
+                  .unit = "animations",
+                  .help = "of these, at most so many from one lineage"});
+  output.number("min_distance", p.min_distance,
+                {.minimum = 0,
+                 .maximum = 1e6,
+                 .unit = "units of likeness",
+                 .help = "least distance of two that are kept, as the world measures likeness"});
+}
+
+}  // namespace
+
+SectionBinders::SectionBinders(const Document& document, Diagnostics& diagnostics)
+    : world("world", document.find("world"), diagnostics),
+      constraint("constraint", document.find("constraint"), diagnostics),
+      sampler("sampler", document.find("sampler"), diagnostics),
+      stop("stop", document.find("stop"), diagnostics),
+      output("output", document.find("output"), diagnostics) {}
+
+const WorldBinding* bind_sections(SectionBinders& sections, std::span<const WorldBinding> worlds,
+                                  DirectionRequest& request) {
+  CHECK(!worlds.empty());
+  std::vector<Named<const WorldBinding*>> names;
+  for (const WorldBinding& world : worlds)
+    names.push_back({world.name, &world});
+  const WorldBinding* chosen = nullptr;
+  sections.world.required_choice("name", chosen, std::span<const Named<const WorldBinding*>>(names),
+                                 "the world to simulate");
+  bind_sampler(sections.sampler, request.sampler);
+  bind_stop(sections.stop, request.stop);
+  bind_output(sections.output, request.output);
+  if (chosen == nullptr) return nullptr;
+  request.world = chosen->name;
+  chosen->bind(sections.world, sections.constraint, sections.sampler);
+  return chosen;
+}
+
+bool is_command_line_option(std::string_view key) {
+  static constexpr std::array<std::string_view, 22> k_options{
+      "thread",      "threads",   "thread_count", "num_threads", "rank",       "ranks",
+      "workers",     "processes", "cores",        "jobs",        "cache",      "cache_size",
+      "cache_bytes", "cache_mb",  "simulator",    "broad_phase", "time_limit", "timeout",
+      "fresh",       "resume",    "verbose",      "progress"};
+  return std::find(k_options.begin(), k_options.end(), key) != k_options.end();
+}
+
+}  // namespace sleight::request

@@ -1,0 +1,131 @@
+// A direction request: what a person asks for, as a TOML file.
+//
+//   [world]       which world, and its model's numbers
+//   [constraint]  where its animations shall end
+//   [sampler]     how animations are drawn: method, chains, seed, and the world's proposals
+//   [stop]        when it is enough: the first of the given rules that holds ends the run
+//   [output]      what is kept
+//
+// The keys of a world (in [world], [constraint] and, for its proposals, [sampler]) are bound by the
+// world itself, which this module knows as a WorldBinding only; a program's main passes the worlds
+// that it has.
+//
+// Invariants
+//   1. A key is here because it may change results; what may not (ranks, threads, cache,
+//      simulator) is an option of the command line, and as a key it is an error that says so.
+//   2. Every error of a file is reported, in the order of places; a file that is not TOML has one.
+//   3. normalised_text is canonical: every key with its value, in a fixed order; reading it again
+//      gives an equal request and the same text. It depends on values alone, not on how the file
+//      wrote them, nor on its comments and order.
+// Values; thread-safe as such. read_request is not while it writes into the worlds' parameters.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/request/binder.h"
+#include "common/request/diagnostic.h"
+
+namespace sleight::request {
+
+/// A world as a request sees it.
+struct WorldBinding {
+  std::string name;     ///< of `name` in [world]
+  std::string summary;  ///< one line for help
+  /// Sets the world's parameters, which the function refers to, to their defaults, then binds its
+  /// keys to them. Afterwards they hold the request's values.
+  std::function<void(Binder& world, Binder& constraint, Binder& sampler)> bind;
+};
+
+enum class Method { metropolis_hastings };
+
+struct SamplerParameters {
+  Method method = Method::metropolis_hastings;
+  std::uint32_t chains = 4;               ///< independent of each other
+  std::uint64_t seed = 1;                 ///< of all random draws; at most k_seed_max
+  std::uint32_t iterations_per_scan = 1;  ///< proposals between two recorded states
+  std::uint32_t round_scans = 64;         ///< round r, from 1, has round_scans * 2^(r-1) scans
+  friend bool operator==(const SamplerParameters&, const SamplerParameters&) = default;
+};
+
+/// At least one is given. Each is judged logically, never by a clock. The scans of `rounds` rounds,
+/// round_scans * (2^rounds - 1), are at most k_scans_max too.
+struct StopRule {
+  std::optional<std::uint64_t> scans;   ///< of each chain, scan 0 not counted
+  std::optional<std::uint32_t> rounds;  ///< of each chain
+  /// Lineages with a satisfying animation, over all chains, judged at the ends of rounds.
+  std::optional<std::uint32_t> independent_solutions;
+  friend bool operator==(const StopRule&, const StopRule&) = default;
+};
+
+struct OutputParameters {
+  std::uint32_t thin = 1;              ///< every thin-th scan's state is kept
+  std::uint32_t keep_max = 5000;       ///< satisfying animations that are kept; 0 keeps none
+  std::uint32_t keep_per_lineage = 3;  ///< of these, from one lineage
+  double min_distance = 0.5;           ///< of two that are kept, in the world's likeness distance
+  friend bool operator==(const OutputParameters&, const OutputParameters&) = default;
+};
+
+/// A section's keys in their fixed order, each value as TOML.
+struct NormalisedSection {
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> keys;
+  friend bool operator==(const NormalisedSection&, const NormalisedSection&) = default;
+};
+
+struct DirectionRequest {
+  std::string world;  ///< the name of its WorldBinding
+  SamplerParameters sampler;
+  StopRule stop;
+  OutputParameters output;
+  std::vector<NormalisedSection> sections;  ///< all five, the world's keys included
+  friend bool operator==(const DirectionRequest&, const DirectionRequest&) = default;
+};
+
+inline constexpr std::uint32_t k_chains_max = 65536;
+inline constexpr std::uint64_t k_seed_max = 9223372036854775807U;  // TOML integers end there
+inline constexpr std::uint64_t k_scans_max = 1000000000000U;
+inline constexpr std::uint32_t k_rounds_max = 40;
+inline constexpr std::uint32_t k_round_scans_max = 1000000;
+inline constexpr std::uint32_t k_independent_solutions_max = 1000000;
+
+/// Reads a request. `file` is named in the errors and not opened. The chosen world's parameters
+/// then hold the request's values; on errors they hold some of them.
+/// REQUIRES: worlds is not empty, its names are distinct.
+base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
+    std::string_view text, std::string_view file, std::span<const WorldBinding> worlds);
+
+/// The whole request, canonically: what an archive stores of a run that ended by its own rule.
+std::string normalised_text(const DirectionRequest& request);
+
+/// As normalised_text with `scans = N` for [stop]: the request that reproduces exactly the scans
+/// that an archive holds. REQUIRES: 1 <= scans <= k_scans_max.
+std::string normalised_text_of_scans(const DirectionRequest& request, std::uint64_t scans);
+
+/// [world], [constraint] and [sampler] of the normalised text. Requests for which it is equal walk
+/// the same chains, so the run of one may be continued for the other.
+std::string identity_text(const DirectionRequest& request);
+
+/// The request with another seed, as if its file had it. REQUIRES: seed <= k_seed_max.
+DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
+
+/// A section and what its keys are.
+struct SectionKeys {
+  std::string name;
+  std::vector<KeySpec> keys;
+};
+
+/// Every key of a request for this world. Its parameters are set to their defaults.
+std::vector<SectionKeys> request_keys(const WorldBinding& world);
+
+/// request_keys as an aligned table for a terminal: key, unit, range, default, help.
+std::string key_table(const WorldBinding& world);
+
+}  // namespace sleight::request

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/request/direction_request.h"
+
+namespace sleight::request {
+namespace {
+
+std::string text_of(std::span<const NormalisedSection> sections) {
+  std::string text;
+  for (const NormalisedSection& section : sections) {
+    if (!text.empty()) text += '\n';
+    text += fmt::format("[{}]\n", section.name);
+    for (const auto& [key, value] : section.keys)
+      text += fmt::format("{} = {}\n", key, value);
+  }
+  return text;
+}
+
+NormalisedSection& section_of(DirectionRequest& request, std::string_view name) {
+  const auto at = std::find_if(request.sections.begin(), request.sections.end(),
+                               [&](const NormalisedSection& s) { return s.name == name; });
+  CHECK(at != request.sections.end());
+  return *at;
+}
+
+}  // namespace
+
+std::string normalised_text(const DirectionRequest& request) {
+  return text_of(request.sections);
+}
+
+std::string normalised_text_of_scans(const DirectionRequest& request, std::uint64_t scans) {
+  CHECK_GE(scans, 1U);
+  CHECK_LE(scans, k_scans_max);
+  DirectionRequest stopped = request;
+  section_of(stopped, "stop").keys = {{"scans", fmt::format("{}", scans)}};
+  return normalised_text(stopped);
+}
+
+std::string identity_text(const DirectionRequest& request) {
+  std::vector<NormalisedSection> walked;
+  for (const NormalisedSection& section : request.sections) {
+    if (section.name != "stop" && section.name != "output") walked.push_back(section);
+  }
+  return text_of(walked);
+}
+
+DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed) {
+  CHECK_LE(seed, k_seed_max);
+  request.sampler.seed = seed;
+  for (auto& [key, value] : section_of(request, "sampler").keys) {
+    if (key == "seed") value = fmt::format("{}", seed);
+  }
+  return request;
+}
+
+}  // namespace sleight::request

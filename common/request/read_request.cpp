@@ -1,0 +1,234 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "common/request/common_sections.h"
+#include "common/request/direction_request.h"
+#include "common/request/document.h"
+#include "common/request/nearest.h"
+#include "common/request/text.h"
+
+namespace sleight::request {
+namespace {
+
+constexpr std::size_t k_name_characters_max = 60;
+
+std::string shown(std::string_view name) {
+  return printable(name, k_name_characters_max);
+}
+
+std::vector<std::string> names_of(const Binder& section) {
+  std::vector<std::string> names;
+  for (const BoundKey& bound : section.keys())
+    names.push_back(bound.spec.key);
+  return names;
+}
+
+/// Tells why a key that no section declares is wrong, and what was probably meant.
+class UnknownKeys {
+ public:
+  UnknownKeys(const SectionBinders& sections, Diagnostics& diagnostics)
+      : sections_(sections.all()), diagnostics_(diagnostics) {
+    for (const Binder* section : sections_) {
+      section_names_.push_back(section->section_name());
+      keys_.push_back(names_of(*section));
+    }
+  }
+
+  void section(const Section& section) {
+    diagnostics_.add(section.place, fmt::format("unknown section [{}]; {}", shown(section.name),
+                                                meant_section(section.name)));
+  }
+
+  /// `section_known` is whether all keys that the section may have are declared.
+  void key(const Entry& entry, const std::string& section, bool section_known) {
+    const std::size_t index = static_cast<std::size_t>(
+        std::find(section_names_.begin(), section_names_.end(), section) - section_names_.begin());
+    const std::vector<std::string>& known = keys_[index];
+    if (std::find(known.begin(), known.end(), entry.key) != known.end()) return;
+    if (is_command_line_option(entry.key)) return command_line_option(entry);
+    if (!section_known) return;
+    diagnostics_.add(entry.place, fmt::format("unknown key '{}' in [{}]; {}", shown(entry.key),
+                                              section, meant_key(entry, known)));
+  }
+
+  void loose(const Entry& entry) {
+    if (is_command_line_option(entry.key)) return command_line_option(entry);
+    std::string why;
+    if (is_section(entry.key)) {
+      why =
+          fmt::format("'{0}' must be a section, written [{0}] once, with its keys below; found {1}",
+                      entry.key, description(entry.value));
+    } else if (const std::string* home = home_of(entry.key)) {
+      why = fmt::format("key '{}' stands outside every section; it belongs in [{}]", entry.key,
+                        *home);
+    } else {
+      why = fmt::format("key '{}' stands outside every section; {}", shown(entry.key),
+                        meant_section(entry.key));
+    }
+    diagnostics_.add(entry.place, why);
+  }
+
+ private:
+  void command_line_option(const Entry& entry) {
+    diagnostics_.add(entry.place,
+                     fmt::format("'{}' is a command-line option, not a request key, since it may "
+                                 "not change results",
+                                 entry.key));
+  }
+
+  bool is_section(std::string_view name) const {
+    return std::find(section_names_.begin(), section_names_.end(), name) != section_names_.end();
+  }
+
+  std::string meant_section(std::string_view name) const {
+    if (const auto near = nearest(name, section_names_)) {
+      return fmt::format("did you mean [{}]?", *near);
+    }
+    return fmt::format("a request has [{}]", fmt::join(section_names_, "], ["));
+  }
+
+  std::string meant_key(const Entry& entry, const std::vector<std::string>& known) const {
+    if (const std::string* home = home_of(entry.key)) {
+      return fmt::format("it belongs in [{}]", *home);
+    }
+    if (const auto near = nearest(entry.key, known)) {
+      return fmt::format("did you mean '{}'?", *near);
+    }
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      if (const auto near = nearest(entry.key, keys_[i])) {
+        return fmt::format("did you mean '{}' in [{}]?", *near, section_names_[i]);
+      }
+    }
+    if (const auto* unwanted = std::get_if<Unwanted>(&entry.value.held);
+        unwanted != nullptr && *unwanted == Unwanted::table) {
+      return "sections do not nest";
+    }
+    return fmt::format("it has '{}'", fmt::join(known, "', '"));
+  }
+
+  const std::string* home_of(std::string_view key) const {
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      if (std::find(keys_[i].begin(), keys_[i].end(), key) != keys_[i].end()) {
+        return &section_names_[i];
+      }
+    }
+    return nullptr;
+  }
+
+  std::array<const Binder*, 5> sections_;
+  Diagnostics& diagnostics_;
+  std::vector<std::string> section_names_;
+  std::vector<std::vector<std::string>> keys_;
+};
+
+void report_unknown(const Document& document, const SectionBinders& sections, bool world_known,
+                    Diagnostics& diagnostics) {
+  UnknownKeys unknown(sections, diagnostics);
+  for (const Entry& entry : document.loose)
+    unknown.loose(entry);
+  for (const Section& section : document.sections) {
+    const auto all = sections.all();
+    const auto at = std::find_if(all.begin(), all.end(), [&](const Binder* binder) {
+      return binder->section_name() == section.name;
+    });
+    if (at == all.end()) {
+      unknown.section(section);
+      continue;
+    }
+    const bool is_common = *at == &sections.stop || *at == &sections.output;
+    for (const Entry& entry : section.entries) {
+      unknown.key(entry, section.name, world_known || is_common);
+    }
+  }
+}
+
+/// Whether a section is there in the right form or in a wrong one, of which report_unknown tells.
+bool is_mentioned(const Document& document, std::string_view section) {
+  return document.find(section) != nullptr ||
+         std::any_of(document.loose.begin(), document.loose.end(),
+                     [&](const Entry& entry) { return entry.key == section; });
+}
+
+void check_stop(const Document& document, Binder& stop, const Binder& sampler,
+                const DirectionRequest& request, Diagnostics& diagnostics) {
+  // Some rule ends the run.
+  const Section* section = document.find("stop");
+  const bool some =
+      stop.given("scans") || stop.given("rounds") || stop.given("independent_solutions");
+  if (!some && (section != nullptr || !is_mentioned(document, "stop"))) {
+    diagnostics.add(section == nullptr ? Place{} : section->place,
+                    section == nullptr
+                        ? "missing section [stop]; it needs 'scans', 'rounds' or "
+                          "'independent_solutions', for instance scans = 1000"
+                        : "[stop] needs at least one of 'scans', 'rounds' and "
+                          "'independent_solutions'; the first that holds ends the run");
+  }
+
+  // The rounds are not longer than any run may be.
+  if (request.stop.rounds && sampler.valid("round_scans")) {
+    const std::uint64_t scans =
+        request.sampler.round_scans * ((std::uint64_t{1} << *request.stop.rounds) - 1);
+    if (scans > k_scans_max) {
+      stop.error(
+          "rounds",
+          fmt::format("{} rounds, each twice as long as the one before and the first of {} "
+                      "scans, are {} scans of each chain, of at most {}; ask for fewer",
+                      *request.stop.rounds, request.sampler.round_scans, scans, k_scans_max));
+    }
+  }
+
+  // So many lineages can exist.
+  const bool plain_chains = request.sampler.method == Method::metropolis_hastings;
+  if (request.stop.independent_solutions && plain_chains && sampler.valid("method") &&
+      sampler.valid("chains") && *request.stop.independent_solutions > request.sampler.chains) {
+    stop.error("independent_solutions",
+               fmt::format("expected at most {}, the number of chains, found {}: with method "
+                           "\"metropolis_hastings\" each chain is one lineage and gives one "
+                           "independent solution; set chains = {} in [sampler], or ask for fewer",
+                           request.sampler.chains, *request.stop.independent_solutions,
+                           *request.stop.independent_solutions));
+  }
+}
+
+std::vector<NormalisedSection> normalised_sections(const SectionBinders& sections) {
+  std::vector<NormalisedSection> normalised;
+  for (const Binder* section : sections.all()) {
+    NormalisedSection keys{section->section_name(), {}};
+    for (const BoundKey& bound : section->keys()) {
+      if (!bound.value.empty()) keys.keys.emplace_back(bound.spec.key, bound.value);
+    }
+    normalised.push_back(std::move(keys));
+  }
+  return normalised;
+}
+
+}  // namespace
+
+base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
+    std::string_view text, std::string_view file, std::span<const WorldBinding> worlds) {
+  const auto document = parse_document(text, file);
+  if (!document) return std::vector{document.error()};
+
+  // Every key that is declared takes its value from the file.
+  Diagnostics diagnostics(file);
+  DirectionRequest request;
+  SectionBinders sections(document.value(), diagnostics);
+  const WorldBinding* world = bind_sections(sections, worlds, request);
+
+  // What is left over, missing or at odds is an error too.
+  report_unknown(document.value(), sections, world != nullptr, diagnostics);
+  if (!is_mentioned(document.value(), "world")) {
+    diagnostics.add({}, fmt::format("missing section [world]; it needs 'name', for instance "
+                                    "name = \"{}\"",
+                                    worlds.front().name));
+  }
+  check_stop(document.value(), sections.stop, sections.sampler, request, diagnostics);
+
+  if (!diagnostics.empty()) return diagnostics.sorted();
+  request.sections = normalised_sections(sections);
+  return request;
+}
+
+}  // namespace sleight::request

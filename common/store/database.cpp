@@ -1,0 +1,139 @@
+#include "common/store/database.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+
+namespace sleight::store {
+namespace {
+
+constexpr int k_busy_timeout_ms = 10'000;
+
+[[noreturn]] void fail(sqlite3* connection, const std::string& path, int code) {
+  const int basic = code & 0xff;
+  std::string advice;
+  if (basic == SQLITE_FULL) advice = "; make space and run the same command again to go on";
+  if (basic == SQLITE_IOERR) advice = "; check the disk, then run the same command again to go on";
+  if (basic == SQLITE_CANTOPEN) advice = "; check that the folder exists and can be written";
+  if (basic == SQLITE_NOTADB || basic == SQLITE_CORRUPT) {
+    advice = "; it is not a run store or is damaged: use --fresh, or another output";
+  }
+  const char* reason = connection != nullptr ? sqlite3_errmsg(connection) : sqlite3_errstr(code);
+  throw base::Error(fmt::format("{}: {}{}", path, reason, advice));
+}
+
+}  // namespace
+
+Statement::Statement(sqlite3* connection, const std::string& path, std::string_view sql)
+    : connection_(connection), path_(path), statement_(nullptr, &sqlite3_finalize) {
+  sqlite3_stmt* statement = nullptr;
+  check(sqlite3_prepare_v2(connection, sql.data(), static_cast<int>(sql.size()), &statement,
+                           nullptr));
+  statement_.reset(statement);
+}
+
+void Statement::check(int code) const {
+  if (code != SQLITE_OK) fail(connection_, path_, code);
+}
+
+Statement& Statement::bind(int index, std::int64_t value) {
+  check(sqlite3_bind_int64(statement_.get(), index, value));
+  return *this;
+}
+
+Statement& Statement::bind(int index, double value) {
+  CHECK(value == value);
+  check(sqlite3_bind_double(statement_.get(), index, value));
+  return *this;
+}
+
+Statement& Statement::bind(int index, std::string_view value) {
+  check(sqlite3_bind_text64(statement_.get(), index, value.data(), value.size(), SQLITE_TRANSIENT,
+                            SQLITE_UTF8));
+  return *this;
+}
+
+Statement& Statement::bind(int index, base::BytesView value) {
+  // A null pointer would bind NULL: an empty blob needs an address of its own.
+  const void* data = value.empty() ? static_cast<const void*>("") : value.data();
+  check(sqlite3_bind_blob64(statement_.get(), index, data, value.size(), SQLITE_STATIC));
+  return *this;
+}
+
+Statement& Statement::bind_null(int index) {
+  check(sqlite3_bind_null(statement_.get(), index));
+  return *this;
+}
+
+bool Statement::step() {
+  const int code = sqlite3_step(statement_.get());
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  fail(connection_, path_, code);
+}
+
+void Statement::run() {
+  const int code = sqlite3_step(statement_.get());
+  const int reset_code = sqlite3_reset(statement_.get());
+  if (code != SQLITE_DONE) fail(connection_, path_, code);
+  check(reset_code);
+}
+
+void Statement::reset() {
+  check(sqlite3_reset(statement_.get()));
+}
+
+std::int64_t Statement::integer(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
+
+double Statement::real(int column) const {
+  return sqlite3_column_double(statement_.get(), column);
+}
+
+std::string Statement::text(int column) const {
+  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  return text == nullptr ? std::string() : std::string(text, size);
+}
+
+base::BytesView Statement::blob(int column) const {
+  const auto* bytes = static_cast<const std::byte*>(sqlite3_column_blob(statement_.get(), column));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  return bytes == nullptr ? base::BytesView() : base::BytesView(bytes, size);
+}
+
+Database::Database(const std::string& path, Access access)
+    : path_(path), connection_(nullptr, &sqlite3_close_v2) {
+  const int flags = access == Access::read_only ? SQLITE_OPEN_READONLY
+                                                : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  sqlite3* connection = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), &connection, flags, nullptr);
+  connection_.reset(connection);
+  if (code != SQLITE_OK) fail(connection, path, code);
+  sqlite3_extended_result_codes(connection, 1);
+  sqlite3_busy_timeout(connection, k_busy_timeout_ms);
+  // What a hostile schema could do in views and triggers is not ours to run.
+  sqlite3_db_config(connection, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  if (access == Access::read_write) {
+    execute("PRAGMA journal_mode=WAL");
+    execute("PRAGMA synchronous=FULL");
+    // Rewriting pages in place costs seeks: do it in larger steps than the default 1,000 pages.
+    execute("PRAGMA wal_autocheckpoint=4000");
+  }
+}
+
+void Database::execute(const std::string& sql) {
+  if (const int code = sqlite3_exec(connection_.get(), sql.c_str(), nullptr, nullptr, nullptr);
+      code != SQLITE_OK) {
+    fail(connection_.get(), path_, code);
+  }
+}
+
+Statement Database::prepare(std::string_view sql) {
+  return Statement(connection_.get(), path_, sql);
+}
+
+}  // namespace sleight::store

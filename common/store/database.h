@@ -1,0 +1,70 @@
+// A small RAII shell over SQLite's C interface: every return value is looked at, every failure is
+// a base::Error naming the file, the reason and what to do.
+//
+// Thread safety: one connection is used by one thread at a time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/base/bytes.h"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace sleight::store {
+
+/// A prepared statement; borrowed from its Database, which must outlive it.
+class Statement {
+ public:
+  Statement(sqlite3* connection, const std::string& path, std::string_view sql);
+
+  Statement& bind(int index, std::int64_t value);
+  Statement& bind(int index, double value);  ///< not NaN, which SQLite turns into NULL
+  Statement& bind(int index, std::string_view value);
+  /// The bytes must live until the statement is stepped or reset; nothing is copied.
+  Statement& bind(int index, base::BytesView value);
+  Statement& bind_null(int index);
+
+  /// Whether there is a row to read.
+  bool step();
+  /// For statements that return nothing: steps once and resets, also when it throws.
+  void run();
+  void reset();
+
+  std::int64_t integer(int column) const;
+  double real(int column) const;
+  std::string text(int column) const;
+  /// Valid until the next step or reset.
+  base::BytesView blob(int column) const;
+
+ private:
+  void check(int code) const;
+
+  sqlite3* connection_;
+  std::string path_;
+  std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)> statement_;
+};
+
+enum class Access { read_only, read_write };
+
+class Database {
+ public:
+  /// Opens a file, and with read_write makes it if need be, in WAL mode with synchronous=FULL:
+  /// after COMMIT returns, the rows survive kill -9 and loss of power.
+  Database(const std::string& path, Access access);
+
+  void execute(const std::string& sql);
+  Statement prepare(std::string_view sql);
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  std::unique_ptr<sqlite3, int (*)(sqlite3*)> connection_;
+};
+
+}  // namespace sleight::store

@@ -1,0 +1,93 @@
+#include "common/store/group_commit.h"
+
+#include <chrono>
+#include <utility>
+
+namespace sleight::store {
+namespace {
+
+/// What a result takes in the queue, near enough to bound memory and group sizes.
+std::size_t bytes_of(const plan::UnitResult& result) {
+  std::size_t bytes = sizeof(result) + result.state_after.size();
+  for (const plan::ScanRecord& scan : result.scans) {
+    bytes += sizeof(scan) + scan.state.size() + 8 * scan.outcome.size() +
+             4 * (scan.proposed.size() + scan.accepted.size());
+  }
+  return bytes;
+}
+
+}  // namespace
+
+GroupCommit::GroupCommit(Commit commit) : commit_(std::move(commit)), thread_([this] { work(); }) {}
+
+GroupCommit::~GroupCommit() {
+  {
+    const std::scoped_lock lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void GroupCommit::rethrow_failure() const {
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void GroupCommit::put(plan::UnitResult result) {
+  const std::size_t bytes = bytes_of(result);
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return failure_ || queue_bytes_ < k_queue_bytes_max; });
+  rethrow_failure();
+  queue_.push_back(std::move(result));
+  queue_bytes_ += bytes;
+  // The writer is woken for a group's first result, which starts the wait, and for its last.
+  if (queue_.size() == 1 || queue_bytes_ >= k_group_bytes) changed_.notify_all();
+}
+
+void GroupCommit::flush() {
+  std::unique_lock lock(mutex_);
+  hurry_ = true;
+  changed_.notify_all();
+  changed_.wait(lock, [&] { return failure_ || (queue_.empty() && !committing_); });
+  hurry_ = false;
+  rethrow_failure();
+}
+
+std::uint64_t GroupCommit::committed() const {
+  const std::scoped_lock lock(mutex_);
+  return committed_scans_;
+}
+
+void GroupCommit::work() {
+  std::unique_lock lock(mutex_);
+  while (!failure_) {
+    changed_.wait(lock, [&] { return ending_ || !queue_.empty(); });
+    if (queue_.empty()) return;
+
+    // Wait for company, unless somebody waits for us.
+    changed_.wait_for(lock, std::chrono::duration<double>(k_group_wait_s),
+                      [&] { return ending_ || hurry_ || queue_bytes_ >= k_group_bytes; });
+    std::vector<plan::UnitResult> group = std::exchange(queue_, {});
+    queue_bytes_ = 0;
+    committing_ = true;
+    lock.unlock();
+
+    // Make the group durable.
+    std::exception_ptr failure;
+    std::uint64_t scans = 0;
+    try {
+      commit_(group);
+      for (const plan::UnitResult& result : group)
+        scans += result.scans.size();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    committing_ = false;
+    committed_scans_ += scans;
+    failure_ = failure;
+    changed_.notify_all();
+  }
+}
+
+}  // namespace sleight::store

@@ -1,0 +1,67 @@
+// Commits results in groups on a thread of its own, so that whoever computes never waits for the
+// disk: a group is closed after 50 ms or 4 MB, whichever comes first.
+//
+// Invariants
+//   1. Results are committed in the order in which they were put.
+//   2. committed() counts scans whose commit has returned: only these may be reported as done.
+//   3. After a commit has failed nothing more is written; the failure comes out of the next put or
+//      flush, in the caller's thread.
+// Thread-safe. A result lost before its commit is computed again, to the same bits.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "common/plan/unit.h"
+
+namespace sleight::store {
+
+/// A group waits this long for company.
+inline constexpr double k_group_wait_s = 0.050;
+/// A group of this size is committed at once.
+inline constexpr std::size_t k_group_bytes = 4U << 20U;
+/// put blocks while this much waits for the disk: a stalled disk must not fill the memory.
+inline constexpr std::size_t k_queue_bytes_max = 64U << 20U;
+
+class GroupCommit {
+ public:
+  using Commit = std::function<void(std::span<const plan::UnitResult>)>;
+
+  /// `commit` makes a group durable or throws; it is called from one thread.
+  explicit GroupCommit(Commit commit);
+  /// Commits what was put, but can't report a failure: call flush before.
+  ~GroupCommit();
+  GroupCommit(const GroupCommit&) = delete;
+  GroupCommit& operator=(const GroupCommit&) = delete;
+
+  void put(plan::UnitResult result);
+  /// Returns when everything put so far is committed.
+  void flush();
+  /// Scans committed since construction.
+  std::uint64_t committed() const;
+
+ private:
+  void work();
+  void rethrow_failure() const;
+
+  Commit commit_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<plan::UnitResult> queue_;
+  std::size_t queue_bytes_ = 0;
+  bool hurry_ = false;
+  bool committing_ = false;
+  bool ending_ = false;
+  std::uint64_t committed_scans_ = 0;
+  std::exception_ptr failure_;
+  std::thread thread_;
+};
+
+}  // namespace sleight::store

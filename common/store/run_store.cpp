@@ -1,0 +1,269 @@
+#include "common/store/run_store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+
+namespace sleight::store {
+namespace {
+
+constexpr std::int64_t k_format_version = 1;
+constexpr std::size_t k_replay_batch = 4096;
+
+constexpr const char* k_schema = R"(
+  CREATE TABLE IF NOT EXISTS run(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
+  CREATE TABLE IF NOT EXISTS scan(
+    chain INTEGER, replica INTEGER, scan INTEGER,
+    log_prior REAL NOT NULL, log_constraint REAL NOT NULL,
+    satisfied INTEGER NOT NULL, lineage INTEGER NOT NULL,
+    proposed BLOB NOT NULL, accepted BLOB NOT NULL, outcome BLOB NOT NULL,
+    state BLOB,
+    PRIMARY KEY(chain, replica, scan)) WITHOUT ROWID;
+  CREATE TABLE IF NOT EXISTS replica(
+    chain INTEGER, replica INTEGER, next_scan INTEGER NOT NULL, state BLOB NOT NULL,
+    PRIMARY KEY(chain, replica)) WITHOUT ROWID;
+)";
+
+}  // namespace
+
+RunLock::RunLock(const std::string& folder) : descriptor_(-1) {
+  if (::mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST) {
+    throw base::Error(
+        fmt::format("{}: can't make the run's folder: {}", folder, std::strerror(errno)));
+  }
+  const std::string path = folder + "/lock";
+  descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) {
+    throw base::Error(fmt::format("{}: can't open it: {}", path, std::strerror(errno)));
+  }
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    std::array<char, 32> holder{};
+    const ssize_t size = ::read(descriptor_, holder.data(), holder.size() - 1);
+    ::close(descriptor_);
+    const long process = size > 0 ? std::strtol(holder.data(), nullptr, 10) : 0;
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: another process{} is writing this run; wait for it, or stop it first",
+                    folder, process > 0 ? fmt::format(" ({})", process) : std::string()));
+  }
+  const std::string holder = fmt::format("{}\n", ::getpid());
+  if (::ftruncate(descriptor_, 0) != 0 ||
+      ::pwrite(descriptor_, holder.data(), holder.size(), 0) < 0) {
+    const int reason = errno;
+    ::close(descriptor_);
+    throw base::Error(fmt::format("{}: can't write it: {}", path, std::strerror(reason)));
+  }
+}
+
+RunLock::~RunLock() {
+  ::close(descriptor_);
+}
+
+struct RunStore::Writer {
+  Writer(Database& database, GroupCommit::Commit commit)
+      : insert_scan(database.prepare(
+            "INSERT OR IGNORE INTO scan VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11)")),
+        advance_replica(
+            database.prepare("INSERT INTO replica VALUES(?1,?2,?3,?4) ON CONFLICT DO UPDATE "
+                             "SET next_scan=excluded.next_scan, state=excluded.state "
+                             "WHERE excluded.next_scan > next_scan")),
+        next_scan(database.prepare("SELECT next_scan FROM replica WHERE chain=?1 AND replica=?2")),
+        current_epoch(database.prepare("SELECT value FROM run WHERE key='epoch'")),
+        group_commit(std::move(commit)) {}
+
+  Statement insert_scan;
+  Statement advance_replica;
+  Statement next_scan;
+  Statement current_epoch;
+  GroupCommit group_commit;  // last: its thread uses the statements
+};
+
+RunStore::RunStore(const std::string& folder, const RunIdentity& identity)
+    : database_(database_path(folder), Access::read_write) {
+  create_or_check(identity);
+  // A new file's name is durable only when its folder is synced.
+  base::PosixFileSystem file_system;
+  file_system.sync_directory_of(database_path(folder));
+  file_system.sync_directory_of(folder);
+  writer_ = std::make_unique<Writer>(
+      database_, [this](std::span<const plan::UnitResult> group) { commit(group); });
+}
+
+RunStore::~RunStore() = default;
+
+void RunStore::create_or_check(const RunIdentity& identity) {
+  database_.execute("BEGIN IMMEDIATE");
+  database_.execute(k_schema);
+  Statement find = database_.prepare("SELECT value FROM run WHERE key=?1");
+  const auto stored_text = [&](std::string_view key) -> std::optional<std::string> {
+    find.bind(1, key);
+    std::optional<std::string> value;
+    if (find.step()) value = find.text(0);
+    find.reset();
+    return value;
+  };
+
+  // Refuse a store that is somebody else's.
+  const std::string& path = database_.path();
+  if (const auto format = stored_text("format_version");
+      format && *format != std::to_string(k_format_version)) {
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: run store of format {}, this program writes {}; use --fresh "
+                                  "to start over or another output",
+                                  path, *format, k_format_version));
+  }
+  if (const auto text = stored_text("identity"); text && *text != identity.identity_text) {
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: holds the run of another request ([world], [constraint] or "
+                                  "[sampler] differ); choose another output, or --fresh to give "
+                                  "that run up",
+                                  path));
+  }
+  if (const auto version = stored_text("program_version");
+      version && *version != identity.program_version) {
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: begun by version {}, this is {}: one run must not mix two versions' "
+                    "results; go on with that version, or --fresh to start over",
+                    path, *version, identity.program_version));
+  }
+
+  // Take the next epoch.
+  const auto epoch = stored_text("epoch");
+  epoch_ = epoch ? std::stoull(*epoch) + 1 : 1;
+  Statement set = database_.prepare("INSERT OR REPLACE INTO run VALUES(?1,?2)");
+  set.bind(1, "format_version").bind(2, k_format_version).run();
+  set.bind(1, "identity").bind(2, identity.identity_text).run();
+  set.bind(1, "request").bind(2, identity.request_text).run();
+  set.bind(1, "program_version").bind(2, identity.program_version).run();
+  set.bind(1, "chains").bind(2, std::int64_t{identity.chains}).run();
+  set.bind(1, "replicas").bind(2, std::int64_t{identity.replicas}).run();
+  set.bind(1, "epoch").bind(2, static_cast<std::int64_t>(epoch_)).run();
+  database_.execute("COMMIT");
+}
+
+std::vector<ReplicaProgress> RunStore::progress() {
+  Statement select = database_.prepare(
+      "SELECT chain, replica, next_scan, state FROM replica ORDER BY chain, replica");
+  std::vector<ReplicaProgress> all;
+  while (select.step()) {
+    const base::BytesView state = select.blob(3);
+    all.push_back({.replica = {base::ChainId{static_cast<std::uint32_t>(select.integer(0))},
+                               base::ReplicaId{static_cast<std::uint32_t>(select.integer(1))}},
+                   .next_scan = static_cast<std::uint64_t>(select.integer(2)),
+                   .state = {state.begin(), state.end()}});
+  }
+  return all;
+}
+
+void RunStore::replay(
+    plan::ReplicaKey replica,
+    const std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>& visit) {
+  Statement select = database_.prepare(
+      "SELECT satisfied, lineage FROM scan WHERE chain=?1 AND replica=?2 ORDER BY scan");
+  select.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
+  std::vector<plan::ScanRecord> batch;
+  std::uint64_t first = 0;
+  const auto hand_on = [&] {
+    if (batch.empty()) return;
+    visit(base::ScanIndex{first}, batch);
+    first += batch.size();
+    batch.clear();
+  };
+  while (select.step()) {
+    plan::ScanRecord record;
+    record.satisfied = select.integer(0) != 0;
+    record.lineage = static_cast<std::uint64_t>(select.integer(1));
+    batch.push_back(std::move(record));
+    if (batch.size() == k_replay_batch) hand_on();
+  }
+  hand_on();
+}
+
+void RunStore::put(plan::UnitResult result) {
+  writer_->group_commit.put(std::move(result));
+}
+
+void RunStore::flush() {
+  writer_->group_commit.flush();
+}
+
+std::uint64_t RunStore::committed() const {
+  return writer_->group_commit.committed();
+}
+
+void RunStore::commit(std::span<const plan::UnitResult> group) {
+  database_.execute("BEGIN IMMEDIATE");
+  try {
+    // Fence: a session that was taken for dead must not write beside its successor.
+    Statement& current = writer_->current_epoch;
+    CHECK(current.step());
+    const auto epoch = static_cast<std::uint64_t>(current.integer(0));
+    current.reset();
+    if (epoch != epoch_) {
+      throw base::Error(base::ExitCode::conflict,
+                        fmt::format("{}: a newer session (epoch {}) has taken over this run; this "
+                                    "one (epoch {}) stops",
+                                    database_.path(), epoch, epoch_));
+    }
+    for (const plan::UnitResult& result : group)
+      insert(result);
+    database_.execute("COMMIT");
+  } catch (...) {
+    // SQLite may have rolled back on its own; a second rollback's complaint is of no interest.
+    try {
+      database_.execute("ROLLBACK");
+    } catch (const base::Error&) {
+    }
+    throw;
+  }
+}
+
+void RunStore::insert(const plan::UnitResult& result) {
+  const auto chain = std::int64_t{result.unit.replica.chain.value};
+  const auto replica = std::int64_t{result.unit.replica.replica.value};
+
+  // Refuse a gap: a unit continues what is stored or repeats part of it.
+  Statement& next = writer_->next_scan;
+  next.bind(1, chain).bind(2, replica);
+  const std::int64_t next_scan = next.step() ? next.integer(0) : 0;
+  next.reset();
+  CHECK_LE(result.unit.first_scan.value, static_cast<std::uint64_t>(next_scan));
+
+  auto scan = static_cast<std::int64_t>(result.unit.first_scan.value);
+  Statement& row = writer_->insert_scan;
+  for (const plan::ScanRecord& record : result.scans) {
+    row.bind(1, chain).bind(2, replica).bind(3, scan++);
+    row.bind(4, record.log_prior).bind(5, record.log_constraint);
+    row.bind(6, std::int64_t{record.satisfied ? 1 : 0});
+    row.bind(7, static_cast<std::int64_t>(record.lineage));
+    row.bind(8, base::bytes_of(std::span(record.proposed)));
+    row.bind(9, base::bytes_of(std::span(record.accepted)));
+    row.bind(10, base::bytes_of(std::span(record.outcome)));
+    if (record.state.empty()) {
+      row.bind_null(11);
+    } else {
+      row.bind(11, base::BytesView(record.state));
+    }
+    row.run();
+  }
+  writer_->advance_replica.bind(1, chain)
+      .bind(2, replica)
+      .bind(3, scan)
+      .bind(4, base::BytesView(result.state_after))
+      .run();
+}
+
+}  // namespace sleight::store

@@ -1,0 +1,94 @@
+// The run store: the truth of a run (DESIGN C2). A SQLite database into which every scan's result
+// goes once, under its logical key (chain, replica, scan); archives are derived from it.
+//
+// On disk it is the folder `<archive>.run`, with `store.sqlite` and a `lock` file in it.
+//
+// Invariants
+//   1. What committed() has counted survives kill -9 of any process and loss of power.
+//   2. A key's first result stays: a doubled or late one changes nothing.
+//   3. A store belongs to one request and one program version; every session that writes takes a
+//      new epoch, and a writer of an older epoch is refused (fencing).
+//   4. Of each replica, scans 0 .. next_scan-1 are present without a gap, and the state after the
+//      last of them; all of a unit becomes visible in one transaction.
+// Thread safety: put, flush and committed may be called from any thread; the rest from one.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/plan/unit.h"
+#include "common/store/database.h"
+#include "common/store/group_commit.h"
+
+namespace sleight::store {
+
+/// Whose results a store holds.
+struct RunIdentity {
+  std::string identity_text;    ///< the part of the normalised request that decides the chains
+  std::string request_text;     ///< the whole normalised request of this session
+  std::string program_version;  ///< base::version()
+  std::uint32_t chains = 0;
+  std::uint32_t replicas = 1;  ///< of each chain
+};
+
+/// Where a replica goes on.
+struct ReplicaProgress {
+  plan::ReplicaKey replica;
+  std::uint64_t next_scan = 0;
+  base::Bytes state;  ///< before next_scan
+};
+
+/// Holds `<folder>/lock` for the life of the object: one process writes a run.
+class RunLock {
+ public:
+  /// Makes the folder if need be. Throws base::Error(conflict), naming the other process, when it
+  /// is taken.
+  explicit RunLock(const std::string& folder);
+  ~RunLock();
+  RunLock(const RunLock&) = delete;
+  RunLock& operator=(const RunLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+class RunStore {
+ public:
+  /// Opens or makes the store in a folder, under a new epoch. Throws base::Error(conflict) when it
+  /// belongs to another request or version. REQUIRES: the caller holds the folder's RunLock.
+  RunStore(const std::string& folder, const RunIdentity& identity);
+  ~RunStore();
+
+  std::uint64_t epoch() const { return epoch_; }
+
+  /// What earlier sessions stored, by replica in order; empty for a new run.
+  std::vector<ReplicaProgress> progress();
+  /// Visits every stored scan of a replica in order, in batches, for a plan to catch up:
+  /// `satisfied` and `lineage` are filled in, the rest is left empty.
+  void replay(plan::ReplicaKey replica,
+              const std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>& visit);
+
+  /// Takes a result to be committed soon; throws the failure of an earlier commit.
+  void put(plan::UnitResult result);
+  /// Returns when all that was put is committed.
+  void flush();
+  /// Scans committed in this session.
+  std::uint64_t committed() const;
+
+  static std::string database_path(const std::string& folder) { return folder + "/store.sqlite"; }
+
+ private:
+  void create_or_check(const RunIdentity& identity);
+  void commit(std::span<const plan::UnitResult> group);
+  void insert(const plan::UnitResult& result);
+
+  Database database_;
+  std::uint64_t epoch_ = 0;
+  struct Writer;
+  std::unique_ptr<Writer> writer_;
+};
+
+}  // namespace sleight::store

@@ -1,0 +1,49 @@
+#include "common/store/stored_run.h"
+
+#include <cstring>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/store/run_store.h"
+
+namespace sleight::store {
+namespace {
+
+template <class T>
+void assign(std::vector<T>& values, base::BytesView bytes) {
+  CHECK_EQ(bytes.size() % sizeof(T), 0U);
+  values.resize(bytes.size() / sizeof(T));
+  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+}
+
+}  // namespace
+
+StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans)
+    : database_(RunStore::database_path(folder), Access::read_only),
+      chains_(chains),
+      scans_(scans) {}
+
+void StoredRun::for_each_scan(
+    base::ChainId chain,
+    const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
+  Statement select = database_.prepare(
+      "SELECT log_prior, log_constraint, satisfied, lineage, proposed, accepted, outcome, state "
+      "FROM scan WHERE chain=?1 AND replica=0 AND scan<?2 ORDER BY scan");
+  select.bind(1, std::int64_t{chain.value}).bind(2, static_cast<std::int64_t>(scans_));
+  plan::ScanRecord record;
+  std::uint64_t scan = 0;
+  for (; select.step(); ++scan) {
+    record.log_prior = select.real(0);
+    record.log_constraint = select.real(1);
+    record.satisfied = select.integer(2) != 0;
+    record.lineage = static_cast<std::uint64_t>(select.integer(3));
+    assign(record.proposed, select.blob(4));
+    assign(record.accepted, select.blob(5));
+    assign(record.outcome, select.blob(6));
+    assign(record.state, select.blob(7));
+    visit(base::ScanIndex{scan}, record);
+  }
+  CHECK_EQ(scan, scans_);
+}
+
+}  // namespace sleight::store

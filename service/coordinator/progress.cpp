@@ -1,0 +1,80 @@
+#include "service/coordinator/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <utility>
+
+namespace sleight::coordinator {
+namespace {
+
+double percent(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
+std::string grouped(std::uint64_t count) {
+  const std::string digits = std::to_string(count);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
+    text += digits[i];
+  }
+  return text;
+}
+
+std::string clock_time(double seconds) {
+  const auto whole = static_cast<std::uint64_t>(std::max(0.0, std::ceil(seconds)));
+  const std::uint64_t hours = whole / 3600;
+  const std::uint64_t minutes = whole / 60 % 60;
+  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
+  return fmt::format("{}:{:02}", minutes, whole % 60);
+}
+
+std::string progress_line(const std::string& name, const Progress& progress) {
+  std::string line = fmt::format("{}  {}", name, grouped(progress.scans_done));
+  const double rate =
+      progress.elapsed_s > 0 ? static_cast<double>(progress.session_scans) / progress.elapsed_s : 0;
+  if (progress.scans_total > 0) {
+    line += fmt::format(" of {} scans ({:.0f}%)", grouped(progress.scans_total),
+                        std::floor(percent(progress.scans_done, progress.scans_total)));
+  } else {
+    line += " scans";
+  }
+  line += fmt::format("  {}/s", grouped(static_cast<std::uint64_t>(rate)));
+  if (progress.scans_total > progress.scans_done && rate > 0) {
+    const auto left = static_cast<double>(progress.scans_total - progress.scans_done);
+    line += fmt::format("  {} left", clock_time(left / rate));
+  }
+  line += fmt::format("  accepted {:.0f}%",
+                      percent(progress.session_accepted, progress.session_proposed));
+  line += fmt::format("  satisfied {} ({:.0f}%)", grouped(progress.session_satisfied),
+                      percent(progress.session_satisfied, progress.session_scans));
+  line += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
+  return line;
+}
+
+ProgressPrinter::ProgressPrinter(std::string name, std::FILE* stream)
+    : name_(std::move(name)), stream_(stream), terminal_(::isatty(::fileno(stream)) == 1) {}
+
+void ProgressPrinter::show(const Progress& progress) {
+  if (terminal_) {
+    // Carriage return, then clear to the end of the line.
+    fmt::print(stream_, "\r{}\x1b[K", progress_line(name_, progress));
+    std::fflush(stream_);
+    line_open_ = true;
+    return;
+  }
+  if (progress.elapsed_s - shown_s_ < k_plain_line_every_s) return;
+  shown_s_ = progress.elapsed_s;
+  fmt::print(stream_, "{}\n", progress_line(name_, progress));
+}
+
+void ProgressPrinter::finish() {
+  if (line_open_) fmt::print(stream_, "\n");
+  line_open_ = false;
+}
+
+}  // namespace sleight::coordinator

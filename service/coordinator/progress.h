@@ -1,0 +1,39 @@
+// How a run goes, for people: one line that renews itself on a terminal, plain lines elsewhere.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+#include "service/coordinator/drive.h"
+
+namespace sleight::coordinator {
+
+/// A plain line every so often when the output is no terminal.
+inline constexpr double k_plain_line_every_s = 5;
+
+/// "ball_2d  12,400 of 40,000 scans (31%)  85,200/s  0:04 left  accepted 41%  satisfied 52%".
+std::string progress_line(const std::string& name, const Progress& progress);
+
+/// 1234567 as "1,234,567".
+std::string grouped(std::uint64_t count);
+
+/// Seconds as "0:04", "12:30" or "3:05:00".
+std::string clock_time(double seconds);
+
+/// Writes to a stream (stderr in programs). Not thread-safe.
+class ProgressPrinter {
+ public:
+  ProgressPrinter(std::string name, std::FILE* stream);
+  void show(const Progress& progress);
+  /// Ends the renewed line, so that what follows begins on a new one.
+  void finish();
+
+ private:
+  std::string name_;
+  std::FILE* stream_;
+  bool terminal_;
+  bool line_open_ = false;
+  double shown_s_ = 0;
+};
+
+}  // namespace sleight::coordinator

@@ -1,0 +1,104 @@
+#include "service/coordinator/run.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/archive/hdf5/writer.h"
+#include "common/archive/layout.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+#include "common/base/version.h"
+#include "common/store/run_store.h"
+#include "common/store/stored_run.h"
+
+namespace sleight::coordinator {
+namespace {
+
+/// Refuses an output that no run of ours explains, and gives up an earlier run when asked to.
+/// REQUIRES: the folder's lock is held.
+void claim_output(const std::string& output, const std::string& folder, bool fresh,
+                  base::FileSystem& files) {
+  const std::string database = store::RunStore::database_path(folder);
+  const bool has_run = files.exists(database);
+  if (files.exists(output) && !has_run) {
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: exists, but its run store {} does not, so it can't be gone on "
+                    "with and is not overwritten; move it away, or choose another "
+                    "output",
+                    output, database));
+  }
+  if (!fresh || !has_run) return;
+  spdlog::info("--fresh: giving up the earlier run of {}", output);
+  // The archive goes first: an archive without its store would be refused above.
+  files.remove(output);
+  for (const char* suffix : {"-wal", "-shm", ""})
+    files.remove(database + suffix);
+}
+
+std::string write_archive_of_run(const RunInputs& inputs, const std::string& output,
+                                 const std::string& folder, std::uint64_t scans,
+                                 base::FileSystem& files) {
+  const request::OutputParameters& keep = inputs.request.output;
+  const archive::ArchiveOptions options{
+      .request_text = request::normalised_text_of_scans(inputs.request, scans),
+      .thin = keep.thin,
+      .keep_max = keep.keep_max,
+      .keep_per_lineage = keep.keep_per_lineage,
+      .min_distance = keep.min_distance,
+      .inference_library_version = std::string(base::version())};
+  const store::StoredRun view(folder, inputs.request.sampler.chains, scans);
+  return archive::hdf5::write_file(output, files, [&](archive::Sink& sink) {
+    archive::write_archive(view, inputs.reader, options, sink);
+  });
+}
+
+}  // namespace
+
+std::string run_identity(const request::DirectionRequest& request) {
+  return fmt::format("{}\n[output]\nthin = {}\n", request::identity_text(request),
+                     request.output.thin);
+}
+
+std::string run_folder(const std::string& output) {
+  return output + ".run";
+}
+
+RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
+  base::PosixFileSystem files;
+  const std::string folder = run_folder(options.output);
+
+  // Take the output for this process and this request.
+  if (files.exists(options.output) && !files.exists(folder)) {
+    claim_output(options.output, folder, options.fresh, files);  // refuses, and makes no folder
+  }
+  const store::RunLock lock(folder);
+  claim_output(options.output, folder, options.fresh, files);
+  store::RunStore run_store(folder, {.identity_text = run_identity(inputs.request),
+                                     .request_text = request::normalised_text(inputs.request),
+                                     .program_version = std::string(base::version()),
+                                     .chains = inputs.request.sampler.chains});
+
+  // Drive the plan from where it stands.
+  const auto archive_of = [&](std::uint64_t scans) {
+    return write_archive_of_run(inputs, options.output, folder, scans, files);
+  };
+  const DriveOptions drive_options{.time_limit_s = options.time_limit_s,
+                                   .stop_requested = options.stop_requested,
+                                   .report = options.report,
+                                   .checkpoint = [&](std::uint64_t scans) { archive_of(scans); },
+                                   .checkpoint_every_s = options.checkpoint_every_s};
+  const DriveOutcome outcome =
+      drive(inputs.plan, run_store, inputs.executor, inputs.clock, drive_options);
+
+  // Derive the archive of the scans that all chains have.
+  RunSummary summary{.end = outcome.end,
+                     .scans = outcome.scans_common,
+                     .digest = {},
+                     .epoch = run_store.epoch(),
+                     .progress = outcome.progress};
+  if (summary.scans > 0) summary.digest = archive_of(summary.scans);
+  return summary;
+}
+
+}  // namespace sleight::coordinator

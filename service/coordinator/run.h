@@ -1,0 +1,61 @@
+// One run from request to archive on this machine: take the output, go on where an earlier session
+// stopped, drive the plan, derive the archive.
+//
+// Files of a run with output `ball.h5`: the archive `ball.h5` (derived, replaced whole) and the
+// folder `ball.h5.run` with the run store (the truth). The archive can be deleted and made again;
+// deleting the folder gives up what isn't in the archive and the means to go on.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/archive/world_layout.h"
+#include "common/base/clock.h"
+#include "common/plan/plan.h"
+#include "common/request/direction_request.h"
+#include "service/coordinator/drive.h"
+#include "service/coordinator/executor.h"
+
+namespace sleight::coordinator {
+
+/// What a program's main brings together. Everything is borrowed for the call.
+struct RunInputs {
+  const request::DirectionRequest& request;
+  const archive::StateReader& reader;
+  plan::Plan& plan;  ///< fresh
+  Executor& executor;
+  const base::Clock& clock;
+};
+
+struct RunOptions {
+  std::string output;       ///< path of the archive
+  bool fresh = false;       ///< give up an earlier run of this output
+  double time_limit_s = 0;  ///< 0 for none
+  std::function<bool()> stop_requested;
+  std::function<void(const Progress&)> report;
+  double checkpoint_every_s = 60;  ///< an archive of the run so far, for people who watch
+};
+
+struct RunSummary {
+  DriveEnd end = DriveEnd::finished;
+  std::uint64_t scans = 0;  ///< of every chain in the archive; 0: no archive could be written
+  std::string digest;       ///< of the archive's content
+  std::uint64_t epoch = 0;  ///< 1 for a run's first session
+  Progress progress;
+};
+
+/// Throws base::Error: conflict where the output belongs to another request, to another program
+/// version, to a running process or to nobody known; environment where the disk fails.
+RunSummary run_request(const RunInputs& inputs, const RunOptions& options);
+
+/// What decides the stored results of a run: two requests with one identity can share a run store,
+/// so that one goes on where the other stopped. [stop] and what is kept in the archive may differ;
+/// `thin` may not, since only every thin-th scan's state is stored.
+std::string run_identity(const request::DirectionRequest& request);
+
+/// The folder of an output's run store.
+std::string run_folder(const std::string& output);
+
+}  // namespace sleight::coordinator

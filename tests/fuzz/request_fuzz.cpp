@@ -1,0 +1,111 @@
+// Goal: no file, however hostile, makes the request reader crash, hang or report nonsense. Method:
+// libFuzzer; every input is read as a request, and beyond "no crash" it is checked that
+//   - a request that reads has a normalised text that reads back to the same request, parameters
+//     and text, and so does the one that is stopped elsewhere;
+//   - a request that does not read has errors, each placed within the file, sorted, on one line
+//     and without control characters.
+// CMakeLists.txt beside this file says how to replay a failure.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/request/text.h"
+#include "tests/unit/common/request/toy_world.h"
+#include "worker/worlds/ball_2d/request.h"
+
+namespace sleight {
+namespace {
+
+/// A request together with what the worlds read of it.
+struct Reading {
+  worlds::ball_2d::Parameters ball_2d;
+  request::toy::Parameters toy;
+  std::vector<request::DirectionRequest> request;  ///< one, or none
+  std::vector<request::Diagnostic> errors;
+};
+
+Reading read(std::string_view text) {
+  Reading reading;
+  const std::array worlds{worlds::ball_2d::request_binding(reading.ball_2d),
+                          request::toy::binding(reading.toy)};
+  auto request = request::read_request(text, "fuzz.toml", worlds);
+  if (request) {
+    reading.request.push_back(std::move(request).value());
+  } else {
+    reading.errors = request.error();
+  }
+  return reading;
+}
+
+bool same_ball(const worlds::ball_2d::Parameters& a, const worlds::ball_2d::Parameters& b) {
+  return a.world.diameter_m == b.world.diameter_m && a.world.gravity_mps2 == b.world.gravity_mps2 &&
+         a.world.drop_height_diameters == b.world.drop_height_diameters &&
+         a.world.collisions == b.world.collisions &&
+         a.world.normal_sd_rad == b.world.normal_sd_rad &&
+         a.world.restitution == b.world.restitution &&
+         a.constraint.target_diameters == b.constraint.target_diameters &&
+         a.constraint.sigma_diameters == b.constraint.sigma_diameters &&
+         a.constraint.tolerance_diameters == b.constraint.tolerance_diameters &&
+         a.proposal.change_probability == b.proposal.change_probability &&
+         a.proposal.change_half_width_rad == b.proposal.change_half_width_rad;
+}
+
+void check_round_trip(const Reading& given) {
+  const request::DirectionRequest& request = given.request.front();
+  const std::string normal = normalised_text(request);
+  const Reading again = read(normal);
+  CHECK_EQ(again.request.size(), 1U);
+  CHECK(again.request.front() == request);
+  CHECK_EQ(normalised_text(again.request.front()), normal);
+  CHECK(same_ball(again.ball_2d, given.ball_2d));
+  CHECK(again.toy == given.toy);
+
+  const std::string stopped = normalised_text_of_scans(request, 1000);
+  const Reading stopped_again = read(stopped);
+  CHECK_EQ(stopped_again.request.size(), 1U);
+  CHECK_EQ(normalised_text(stopped_again.request.front()), stopped);
+  CHECK_EQ(identity_text(stopped_again.request.front()), identity_text(request));
+}
+
+void check_errors(std::string_view text, const std::vector<request::Diagnostic>& errors) {
+  CHECK(!errors.empty());
+  CHECK_LE(errors.size(), request::k_diagnostics_max + 1);
+  request::Place last;
+  for (const request::Diagnostic& error : errors) {
+    // Errors come in the order of places, each in the file or just behind a line's end.
+    CHECK(last <= error.place);
+    last = error.place;
+    const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
+    CHECK_LE(error.place.line, lines);
+    std::size_t begin = 0;
+    for (std::uint32_t line = 1; line < error.place.line; ++line)
+      begin = text.find('\n', begin) + 1;
+    const std::size_t length = std::min(text.find('\n', begin), text.size()) - begin;
+    CHECK_GE(error.place.column, 1U);
+    CHECK_LE(error.place.column, length + 1);
+
+    const std::string line = to_string(error);
+    CHECK_EQ(request::printable(line, line.size()), line);
+  }
+}
+
+}  // namespace
+}  // namespace sleight
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const sleight::Reading reading = sleight::read(text);
+  if (reading.request.empty()) {
+    sleight::check_errors(text, reading.errors);
+  } else {
+    sleight::check_round_trip(reading);
+  }
+  return 0;
+}

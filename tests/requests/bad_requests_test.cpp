@@ -1,0 +1,146 @@
+// Goal: every kind of bad request gets exactly its errors, each at its place, and the requests that
+// we ship get none. Method: a corpus; bad/<name>.toml is read as a ball_2d request and its errors
+// are compared with bad/<name>.expected, a line each.
+//
+// After a change of wording, SLEIGHT_ACCEPT_ERRORS=1 writes the .expected files anew; git diff then
+// shows what there is to review.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "worker/worlds/ball_2d/request.h"
+
+namespace sleight {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void write(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+std::vector<fs::path> files_with(const fs::path& folder, const std::string& extension) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == extension) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The errors as the command line prints them; empty for a good request.
+std::string errors_of(const fs::path& request_file) {
+  worlds::ball_2d::Parameters parameters;
+  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(parameters)};
+  const auto request =
+      request::read_request(contents(request_file), request_file.filename().string(), known);
+  std::string lines;
+  if (!request) {
+    for (const auto& diagnostic : request.error())
+      lines += to_string(diagnostic) + '\n';
+  }
+  return lines;
+}
+
+/// What is wrong with one entry of the corpus; none if it behaves as expected.
+std::optional<std::string> complaint_about(const fs::path& request_file) {
+  const std::string errors = errors_of(request_file);
+  if (errors.empty()) return "it was read without errors";
+  const fs::path expected_file = fs::path(request_file).replace_extension(".expected");
+  if (!fs::exists(expected_file)) return "it has no .expected file; its errors are:\n" + errors;
+  const std::string expected = contents(expected_file);
+  if (errors != expected) return "expected:\n" + expected + "found:\n" + errors;
+  return std::nullopt;
+}
+
+class BadRequest : public testing::TestWithParam<fs::path> {};
+
+TEST_P(BadRequest, GetsItsErrors) {
+  if (std::getenv("SLEIGHT_ACCEPT_ERRORS") != nullptr) {
+    write(fs::path(GetParam()).replace_extension(".expected"), errors_of(GetParam()));
+  }
+  const auto complaint = complaint_about(GetParam());
+  EXPECT_FALSE(complaint.has_value()) << GetParam() << ": " << *complaint;
+}
+
+INSTANTIATE_TEST_SUITE_P(Corpus, BadRequest,
+                         testing::ValuesIn(files_with(SLEIGHT_BAD_REQUESTS, ".toml")),
+                         [](const auto& entry) { return entry.param.stem().string(); });
+
+TEST(Corpus, HasEnoughRequestsAndNoStrayExpectations) {
+  EXPECT_GE(files_with(SLEIGHT_BAD_REQUESTS, ".toml").size(), 50U);
+  for (const fs::path& expected : files_with(SLEIGHT_BAD_REQUESTS, ".expected")) {
+    EXPECT_TRUE(fs::exists(fs::path(expected).replace_extension(".toml"))) << expected;
+  }
+}
+
+// The check itself fails where it should: no expectation, another expectation, nothing wrong.
+TEST(Corpus, CheckFailsWhereItShould) {
+  const fs::path folder = fs::path(testing::TempDir()) / "sleight_bad_requests";
+  fs::create_directories(folder);
+  const fs::path bad = folder / "bad.toml";
+  const fs::path expected = folder / "bad.expected";
+
+  fs::remove(expected);
+  write(bad, "[world]\nname = \"ball_2d\"\nlamda = 1\n[stop]\nscans = 1\n");
+  EXPECT_THAT(complaint_about(bad).value_or(""), testing::HasSubstr("no .expected file"));
+  write(expected, "bad.toml:3:2: unknown key\n");
+  EXPECT_THAT(complaint_about(bad).value_or(""), testing::HasSubstr("found:\nbad.toml:3:1: "));
+  write(expected, errors_of(bad));
+  EXPECT_EQ(complaint_about(bad), std::nullopt);
+
+  write(bad, "[world]\nname = \"ball_2d\"\n[stop]\nscans = 1\n");
+  EXPECT_THAT(complaint_about(bad).value_or(""), testing::HasSubstr("without errors"));
+  fs::remove_all(folder);
+}
+
+TEST(ShippedRequests, AreReadWithoutErrors) {
+  const auto files = files_with(SLEIGHT_REQUESTS, ".toml");
+  EXPECT_FALSE(files.empty());
+  for (const fs::path& file : files)
+    EXPECT_EQ(errors_of(file), "");
+}
+
+// requests/ball_2d.toml spells out the thesis's numbers: they are the defaults, bit for bit.
+TEST(ShippedRequests, Ball2dSpellsOutTheDefaults) {
+  worlds::ball_2d::Parameters spelled_out;
+  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(spelled_out)};
+  const auto request = request::read_request(contents(fs::path(SLEIGHT_REQUESTS) / "ball_2d.toml"),
+                                             "ball_2d.toml", known);
+  ASSERT_TRUE(request);
+  const worlds::ball_2d::Parameters defaults;
+  EXPECT_EQ(spelled_out.world.diameter_m, defaults.world.diameter_m);
+  EXPECT_EQ(spelled_out.world.gravity_mps2, defaults.world.gravity_mps2);
+  EXPECT_EQ(spelled_out.world.drop_height_diameters, defaults.world.drop_height_diameters);
+  EXPECT_EQ(spelled_out.world.collisions, defaults.world.collisions);
+  EXPECT_EQ(spelled_out.world.normal_sd_rad, defaults.world.normal_sd_rad);
+  EXPECT_EQ(spelled_out.world.restitution, defaults.world.restitution);
+  EXPECT_EQ(spelled_out.constraint.target_diameters, defaults.constraint.target_diameters);
+  EXPECT_EQ(spelled_out.constraint.sigma_diameters, defaults.constraint.sigma_diameters);
+  EXPECT_EQ(spelled_out.constraint.tolerance_diameters, defaults.constraint.tolerance_diameters);
+  EXPECT_EQ(spelled_out.proposal.change_probability, defaults.proposal.change_probability);
+  EXPECT_EQ(spelled_out.proposal.change_half_width_rad, defaults.proposal.change_half_width_rad);
+
+  const auto bare = request::read_request("[world]\nname = \"ball_2d\"\n[stop]\nscans = 1000\n",
+                                          "bare.toml", known);
+  ASSERT_TRUE(bare);
+  EXPECT_EQ(normalised_text(bare.value()), normalised_text(request.value()));
+}
+
+}  // namespace
+}  // namespace sleight

@@ -1,0 +1,97 @@
+// Contract C3: Metropolis-Hastings leaves p_w p_c^beta invariant, and a kernel with a bug doesn't.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tests/statistical/support/ball_fixture.h"
+#include "tests/statistical/support/broken_kernels.h"
+#include "tests/statistical/support/rank_tests.h"
+
+namespace sleight::statistical {
+namespace {
+
+constexpr std::uint64_t k_seed = 415926;
+
+using Columns = std::array<std::vector<double>, k_ball_functions>;
+
+void append(Columns& columns, const BallSample& sample) {
+  const auto values = ball_functions(sample);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    columns[i].push_back(values[i]);
+}
+
+/// The p-values, one a function, of "exact draws moved by `steps` iterations" against "fresh exact
+/// draws", `size` of each. `repeat` chooses the random numbers.
+std::array<double, k_ball_functions> p_values(Bug bug, double beta, std::uint64_t steps,
+                                              std::size_t size, std::uint32_t repeat) {
+  const Ball ball{worlds::ball_2d::Parameters{}};
+  Columns moved;
+  Columns fresh;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto chain = static_cast<std::uint32_t>(2 * (repeat * size + i));
+    random::Stream start = streams_of(k_seed, chain).at(random::Purpose::prior, 0);
+    BallSample sample = exact_draw(ball, beta, start);
+    for (std::uint64_t iteration = 1; iteration <= steps; ++iteration) {
+      step(ball, bug, beta, streams_of(k_seed, chain), iteration, sample);
+    }
+    append(moved, sample);
+    random::Stream other = streams_of(k_seed, chain + 1).at(random::Purpose::prior, 0);
+    append(fresh, exact_draw(ball, beta, other));
+  }
+  std::array<double, k_ball_functions> p{};
+  for (std::size_t i = 0; i < p.size(); ++i)
+    p[i] = kolmogorov_smirnov_p(moved[i], fresh[i]);
+  return p;
+}
+
+class Invariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
+
+TEST_P(Invariance, ExactDrawsStayExact) {
+  // Goal: the kernel leaves its target invariant. Method: exact draws by rejection, moved, against
+  // fresh ones; 8 functions, and a p-value below 1e-5 / 8 fails: once in 10^5 runs by chance.
+  const auto [beta, steps] = GetParam();
+  const auto p = p_values(Bug::none, beta, steps, 30000, 0);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    EXPECT_GT(p[i], 1e-5 / k_ball_functions) << k_ball_function_names[i] << ", seed " << k_seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Betas, Invariance,
+                         testing::Combine(testing::Values(0.0, 0.2, 1.0),
+                                          testing::Values(std::uint64_t{1}, std::uint64_t{10},
+                                                          std::uint64_t{100})));
+
+TEST(InvarianceRepeats, PValuesAreUniform) {
+  // Goal: no small bias hides under the single test's threshold. Method: 400 repeats with 300
+  // draws; for each function the p-values against uniform. The suite's chance of failing is 8e-5.
+  std::array<std::vector<double>, k_ball_functions> collected;
+  for (std::uint32_t repeat = 1; repeat <= 400; ++repeat) {
+    const auto p = p_values(Bug::none, 1.0, 10, 300, repeat);
+    for (std::size_t i = 0; i < p.size(); ++i)
+      collected[i].push_back(p[i]);
+  }
+  for (std::size_t i = 0; i < k_ball_functions; ++i) {
+    EXPECT_GT(uniformity_p(collected[i]), 1e-5) << k_ball_function_names[i] << ", seed " << k_seed;
+  }
+}
+
+class BrokenKernel : public testing::TestWithParam<Bug> {};
+
+TEST_P(BrokenKernel, IsCaught) {
+  // Goal: the test above can fail. Method: the same test on a kernel with a known bug, at 100
+  // steps; at least one function's p-value must be below the threshold at which the test fails.
+  const auto p = p_values(GetParam(), 1.0, 100, 30000, 0);
+  EXPECT_LT(*std::min_element(p.begin(), p.end()), 1e-5 / k_ball_functions) << name_of(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Bugs, BrokenKernel, testing::ValuesIn(k_bugs), [](const auto& instance) {
+  std::string name = name_of(instance.param);
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+});
+
+}  // namespace
+}  // namespace sleight::statistical

@@ -1,0 +1,65 @@
+#include "tests/statistical/support/rank_tests.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "common/random/distributions.h"
+#include "tests/statistical/support/ball_fixture.h"
+
+namespace sleight::statistical {
+namespace {
+
+constexpr std::uint64_t k_seed = 20261120;
+
+std::vector<double> normals(std::uint32_t chain, std::size_t count, double mean) {
+  random::Stream stream = streams_of(k_seed, chain).at(random::Purpose::prior, 0);
+  const random::Normal normal{.mean = mean, .sd = 1};
+  std::vector<double> draws(count);
+  for (double& draw : draws)
+    draw = normal.draw(stream);
+  return draws;
+}
+
+TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
+  // Goal: the checker itself is calibrated. Method: 500 pairs of equal distributions; their
+  // p-values against uniform, whose own p-value must not be tiny.
+  std::vector<double> p_values;
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    p_values.push_back(kolmogorov_smirnov_p(normals(2 * i, 400, 0), normals(2 * i + 1, 300, 0)));
+  }
+  EXPECT_GT(uniformity_p(p_values), 1e-3);
+}
+
+TEST(KolmogorovSmirnov, RejectsASmallShift) {
+  // Goal: the checker can fail. Method: a shift of a tenth of a standard deviation, which 10,000
+  // draws show at about seven standard errors.
+  EXPECT_LT(kolmogorov_smirnov_p(normals(0, 10000, 0), normals(1, 10000, 0.1)), 1e-6);
+}
+
+TEST(KolmogorovSmirnov, HasTheKnownTail) {
+  // Goal: the series is Kolmogorov's. Method: its tabulated 5% point, 1.3581, reached with equally
+  // spaced values moved by d, at a size where the small-sample correction is below 1e-3.
+  const std::size_t n = 1000000;
+  const double d = 1.3581 / std::sqrt(static_cast<double>(n));
+  std::vector<double> values(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    values[i] = (static_cast<double>(i) + 1) / static_cast<double>(n) * (1 - d);
+  }
+  EXPECT_NEAR(uniformity_p(values), 0.05, 1e-3);
+}
+
+TEST(EffectiveSampleSize, IsThatOfAnAutoregression) {
+  // Goal: errors allow for autocorrelation. Method: x' = 0.9 x + noise, whose integrated
+  // autocorrelation time is (1 + 0.9) / (1 - 0.9) = 19; 200,000 steps give it to a few percent.
+  const std::vector<double> noise = normals(7, 200000, 0);
+  std::vector<double> series(noise.size());
+  double x = 0;
+  for (std::size_t i = 0; i < noise.size(); ++i)
+    series[i] = x = 0.9 * x + noise[i];
+  EXPECT_NEAR(static_cast<double>(series.size()) / effective_sample_size(series), 19, 2);
+}
+
+}  // namespace
+}  // namespace sleight::statistical

@@ -1,0 +1,100 @@
+"""The libraries and programs that the folders' CMakeLists.txt declare (deploy/cmake/SleightTargets)."""
+
+import dataclasses
+import posixpath
+import re
+
+SIDES = ("common", "worker", "service", "clients")
+_KEYWORDS = {"SOURCES", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL"}
+_DECLARATION = re.compile(r"\bsleight_(library|program)\s*\(")
+
+
+@dataclasses.dataclass
+class Target:
+    """A library (its name is its folder, '/' as '_') or a program."""
+    kind: str
+    name: str
+    folder: str
+    cmake: str   # path of the CMakeLists.txt
+    line: int
+    sources: list = dataclasses.field(default_factory=list)  # paths from the root
+    links: list = dataclasses.field(default_factory=list)    # (name, line)
+
+
+def without_comments(text):
+    """The same lines without what follows a '#' outside quotes."""
+    return "\n".join(re.match(r'(?:"(?:\\.|[^"\\])*"|[^#"]|")*', line).group(0)
+                     for line in text.split("\n"))
+
+
+def library_name(folder):
+    return folder.replace("/", "_")
+
+
+class Project:
+    """All targets of the four sides; tests are free to link what they test."""
+
+    def __init__(self, tree):
+        self.libraries = {}  # by name
+        self.programs = []
+        for path in tree.files:
+            if posixpath.basename(path) == "CMakeLists.txt" and path.split("/")[0] in SIDES:
+                for target in _targets(tree.text(path), path):
+                    if target.kind == "library":
+                        self.libraries[target.name] = target
+                    else:
+                        self.programs.append(target)
+        self.by_folder = {library.folder: library for library in self.libraries.values()}
+        self.programs_by_source = {}
+        for program in self.programs:
+            for source in program.sources:
+                self.programs_by_source.setdefault(source, []).append(program)
+
+    def library_of(self, path):
+        """The library of the nearest folder above a path that has one, or None."""
+        folder = posixpath.dirname(path)
+        while folder:
+            if folder in self.by_folder:
+                return self.by_folder[folder]
+            folder = posixpath.dirname(folder)
+        return None
+
+    def is_main(self, path):
+        """Whether a file is a main: a program's source named main*.cpp."""
+        name = posixpath.basename(path)
+        return path in self.programs_by_source and re.fullmatch(r"main\w*\.cpp", name) is not None
+
+    def closure(self, target):
+        """Names of everything linked, directly or not, without the target itself."""
+        seen = set()
+        waiting = [name for name, _ in target.links]
+        while waiting:
+            name = waiting.pop()
+            if name in seen:
+                continue
+            seen.add(name)
+            if name in self.libraries:
+                waiting.extend(link for link, _ in self.libraries[name].links)
+        return seen
+
+
+def _targets(text, path):
+    text = without_comments(text)
+    folder = posixpath.dirname(path)
+    for match in _DECLARATION.finditer(text):
+        end = text.find(")", match.end())
+        line = text.count("\n", 0, match.start()) + 1
+        target = Target(match.group(1), library_name(folder), folder, path, line)
+        section = None
+        for token in re.finditer(r"[^\s\"]+", text[match.end():end]):
+            word = token.group(0)
+            word_line = text.count("\n", 0, match.end() + token.start()) + 1
+            if word in _KEYWORDS:
+                section = word
+            elif section is None and target.kind == "program":
+                target.name = word
+            elif section == "SOURCES":
+                target.sources.append(posixpath.join(folder, word))
+            elif section == "LINKS":
+                target.links.append((word, word_line))
+        yield target

@@ -1,0 +1,76 @@
+"""Shells: MPI, HDF5, Cap'n Proto, SQLite, files and clocks stay where they belong.
+
+Physics, sampling and worlds compile without any of them, directly or through what they link.
+"""
+
+import re
+
+from .cmake import SIDES, Project
+from .tree import Finding, includes, is_cpp, is_in
+
+PURE = ("worker/physics", "worker/sampling", "worker/worlds")
+PURE_TESTS = tuple("tests/unit/" + folder for folder in PURE)
+
+# name, its headers, its link names, the folders that may use it (None: all but the pure ones),
+# whether a program's main may too.
+LIBRARIES = (
+    ("MPI", r"mpi\.h", r"MPI::.*", ("worker/run", "service/coordinator"), True),
+    ("HDF5", r"(hdf5\w*|H5\w+)\.h", r"sleight_hdf5|PkgConfig::HDF5\w*|hdf5.*",
+     ("common/archive/hdf5",), False),
+    ("SQLite", r"sqlite3(ext)?\.h", r"SQLite::.*|sqlite3", ("common/store",), False),
+    ("Cap'n Proto", r"(capnp|kj)/.*|.*\.capnp\.h", r"CapnProto::.*|capnp.*|kj.*", None, True),
+)
+
+# What else pure code must not touch: the wall clock, files, sockets.
+EFFECTS = (
+    ("the clock", r"chrono|ctime|time\.h|sys/time\.h"),
+    ("files", r"fstream|filesystem|fcntl\.h|unistd\.h|sys/stat\.h|cstdio|stdio\.h"),
+    ("sockets", r"sys/socket\.h|sys/un\.h|netinet/.*|arpa/.*|netdb\.h|poll\.h|sys/epoll\.h"),
+)
+
+
+def check(tree):
+    project = Project(tree)
+    for path in tree.files:
+        if is_cpp(path):
+            yield from _includes(tree, project, path)
+    for target in [*project.libraries.values(), *project.programs]:
+        yield from _links(project, target)
+
+
+def _includes(tree, project, path):
+    shipped = path.split("/")[0] in SIDES
+    for line, name, _ in includes(tree, path):
+        for library, headers, _, folders, mains in LIBRARIES:
+            if not re.fullmatch(headers, name):
+                continue
+            if is_in(path, PURE + PURE_TESTS):
+                yield Finding(path, line, f"physics, sampling and worlds do without {library}: "
+                                          f"<{name}>")
+            elif shipped and folders and not is_in(path, folders) and not (
+                    mains and project.is_main(path)):
+                yield Finding(path, line, f"{library} belongs to {' and '.join(folders)}: <{name}>")
+        if is_in(path, PURE):
+            for effect, headers in EFFECTS:
+                if re.fullmatch(headers, name):
+                    yield Finding(path, line, f"only shells touch {effect}: <{name}>")
+
+
+def _links(project, target):
+    pure = is_in(target.folder, PURE) and target.kind == "library"
+    for name, line in target.links:
+        linked = project.libraries.get(name)
+        reached = {name} | (project.closure(linked) if linked and pure else set())
+        for library, _, links, folders, mains in LIBRARIES:
+            through = sorted(n for n in reached
+                             if n not in project.libraries and re.fullmatch(links, n))
+            if not through:
+                continue
+            if pure:
+                way = through[0] if through[0] == name else f"{through[0]} through {name}"
+                yield Finding(target.cmake, line,
+                              f"physics, sampling and worlds do without {library}: links {way}")
+            elif folders and not is_in(target.folder, folders) and not (
+                    mains and target.kind == "program"):
+                yield Finding(target.cmake, line,
+                              f"{library} belongs to {' and '.join(folders)}: links {name}")

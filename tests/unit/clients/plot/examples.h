@@ -1,0 +1,40 @@
+// Figures like those that Sleight draws, of made-up data, for the tests and for looking at.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "clients/plot/figure.h"
+
+namespace sleight::plot {
+
+/// Numbers that look random: a linear congruential generator, the same on every machine.
+class MadeUp {
+ public:
+  explicit MadeUp(std::uint64_t seed) : state_(seed) {}
+  double uniform() {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return static_cast<double>(state_ >> 11) * 0x1p-53;
+  }
+  /// Roughly normal: a sum of twelve uniforms.
+  double normal() {
+    double sum = -6;
+    for (int i = 0; i < 12; ++i)
+      sum += uniform();
+    return sum;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Landing position over iterations with its band, above log p, as the thesis's figure 2.4.
+Figure landing_figure();
+
+/// Three bouncing paths with normals and a target, as the thesis's figure 2.3.
+Figure paths_figure();
+
+/// Hostile input: gaps, infinities, huge and constant values, markup in labels.
+Figure hostile_figure();
+
+}  // namespace sleight::plot

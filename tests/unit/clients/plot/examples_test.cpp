@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "clients/plot/png.h"
+#include "clients/plot/save.h"
+#include "clients/plot/svg.h"
+#include "common/base/error.h"
+#include "tests/unit/clients/plot/examples.h"
+
+namespace sleight::plot {
+namespace {
+
+// Pictures to look at land in the folder that SLEIGHT_PICTURES names, otherwise in a temporary one.
+std::string picture_path(const std::string& name) {
+  const char* folder = std::getenv("SLEIGHT_PICTURES");
+  return (folder != nullptr ? std::string(folder) + "/" : testing::TempDir()) + name;
+}
+
+std::uint32_t big_endian(const base::Bytes& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    value = value << 8 | std::to_integer<std::uint32_t>(bytes[at + i]);
+  return value;
+}
+
+TEST(Examples, AreDrawnToFiles) {
+  // Goal: the figures that the project needs come out as SVG and PNG files. Method: made-up data
+  // of the same form, saved; the files are there and not empty, and nothing half-written is left.
+  const std::pair<const char*, Figure> k_figures[] = {
+      {"landing", landing_figure()}, {"paths", paths_figure()}, {"hostile", hostile_figure()}};
+  for (const auto& [name, figure] : k_figures) {
+    for (const char* ending : {".svg", ".png"}) {
+      const std::string path = picture_path(std::string(name) + ending);
+      save(figure, path);
+      EXPECT_GT(std::filesystem::file_size(path), 1000U) << path;
+      EXPECT_FALSE(std::filesystem::exists(path + ".part")) << path;
+    }
+  }
+}
+
+TEST(Png, HasSignatureAndScaledSize) {
+  // Goal: the bytes are a PNG of the figure's size times the scale. Method: the signature and the
+  // IHDR chunk, read as the PNG specification lays them out (5.2 and 11.2.2).
+  const Figure figure{.width_px = 300, .height_px = 200, .panels = {Panel{}}};
+  const base::Bytes bytes = to_png(figure, 1.5);
+  const unsigned char k_signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  ASSERT_GT(bytes.size(), 24U);
+  for (std::size_t i = 0; i < std::size(k_signature); ++i) {
+    EXPECT_EQ(std::to_integer<unsigned char>(bytes[i]), k_signature[i]);
+  }
+  EXPECT_EQ(big_endian(bytes, 16), 450U);
+  EXPECT_EQ(big_endian(bytes, 20), 300U);
+}
+
+TEST(Png, RefusesWhatIsNoPicture) {
+  // Goal: bad SVG and absurd sizes are errors with a reason, not crashes. Method: broken documents
+  // and a scale that would need gigabytes.
+  EXPECT_THROW(svg_to_png("", 1), base::Error);
+  EXPECT_THROW(svg_to_png("<svg", 1), base::Error);
+  EXPECT_THROW(svg_to_png("<html/>", 1), base::Error);
+  EXPECT_THROW(to_png(landing_figure(), 1e6), base::Error);
+}
+
+TEST(Save, ExplainsWhatIsWrong) {
+  // Goal: a wrong ending and a folder that does not exist are told apart by exit code, name the
+  // path and leave nothing behind. Method: both, caught.
+  const Figure figure{.panels = {Panel{}}};
+  try {
+    save(figure, "trace.jpeg");
+    FAIL() << "an unknown ending was taken";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::usage);
+    EXPECT_NE(std::string(error.what()).find("trace.jpeg"), std::string::npos);
+  }
+  const std::string nowhere = testing::TempDir() + "no/such/folder/trace.svg";
+  try {
+    save(figure, nowhere);
+    FAIL() << "a folder that does not exist was written to";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::environment);
+    EXPECT_NE(std::string(error.what()).find(nowhere + ": "), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("No such file"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Save, TellsOfAFullDisk) {
+  // Goal: a short write is an error, never a cut picture. Method: Linux's /dev/full behind the name
+  // of the part file; skipped where the system has none.
+  const std::string path = testing::TempDir() + "full.svg";
+  std::error_code failure;
+  std::filesystem::remove(path + ".part", failure);
+  std::filesystem::create_symlink("/dev/full", path + ".part", failure);
+  if (failure || !std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  EXPECT_THROW(save(landing_figure(), path), base::Error);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_FALSE(std::filesystem::is_symlink(path + ".part"));
+}
+
+}  // namespace
+}  // namespace sleight::plot

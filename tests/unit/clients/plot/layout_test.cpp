@@ -1,0 +1,90 @@
+#include "clients/plot/layout.h"
+
+#include <gtest/gtest.h>
+
+#include "clients/plot/text.h"
+#include "tests/unit/clients/plot/examples.h"
+
+namespace sleight::plot {
+namespace {
+
+TEST(Layout, KeepsFramesApartAndInside) {
+  // Goal: no panel leaves the page or meets another, for pages from tiny to large. Method: the
+  // example figures at several sizes; at ordinary sizes, all labels lie inside their cell.
+  for (Figure figure : {landing_figure(), paths_figure(), hostile_figure()}) {
+    for (const double scale : {0.05, 0.5, 1.0, 3.0}) {
+      Figure sized = figure;
+      sized.width_px *= scale;
+      sized.height_px *= scale;
+      const FigureLayout layout = layout_of(sized);
+      ASSERT_EQ(layout.panels.size(), figure.panels.size());
+      for (const PanelLayout& panel : layout.panels) {
+        ASSERT_GE(panel.frame.width, 8) << scale;
+        ASSERT_GE(panel.frame.height, 8) << scale;
+        if (scale < 0.5) continue;
+        ASSERT_LE(panel.cell.right(), sized.width_px + 1e-9);
+        ASSERT_LE(panel.cell.bottom(), sized.height_px + 1e-9);
+        ASSERT_GE(panel.frame.left, panel.cell.left);
+        ASSERT_LE(panel.frame.right(), panel.cell.right() + 1e-9);
+        ASSERT_LT(panel.frame.bottom(), panel.cell.bottom());
+        for (const std::string& label : panel.y_ticks.labels) {
+          ASSERT_GE(panel.frame.left - 8 - text_width_px(label, style::k_tick_label),
+                    panel.cell.left - 1e-9)
+              << label;
+        }
+      }
+    }
+  }
+}
+
+TEST(Layout, SeparatesTickLabels) {
+  // Goal: neighbouring labels on the x axis never touch. Method: positions and measured widths for
+  // the example figures and for wide labels.
+  Figure wide{.width_px = 360,
+              .panels = {Panel{.x_range = Range{100000, 100001}}, Panel{.x_range = Range{0, 9e9}}}};
+  for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure(), wide}) {
+    for (const PanelLayout& panel : layout_of(figure).panels) {
+      double free_from = -1e9;
+      for (std::size_t i = 0; i < panel.x_ticks.values.size(); ++i) {
+        const double middle = panel.to_pixels({panel.x_ticks.values[i], 0}).x;
+        const double half = text_width_px(panel.x_ticks.labels[i], style::k_tick_label) / 2;
+        EXPECT_GT(middle - half, free_from) << panel.x_ticks.labels[i];
+        free_from = middle + half;
+      }
+    }
+  }
+}
+
+TEST(Layout, LinesUpPanelsOfAColumn) {
+  // Goal: stacked panels share their x axis by eye. Method: labels of very different widths.
+  const Figure figure{
+      .panels = {Panel{.y_range = Range{0, 1}}, Panel{.y_range = Range{0, 123456}}}};
+  const FigureLayout layout = layout_of(figure);
+  EXPECT_DOUBLE_EQ(layout.panels[0].frame.left, layout.panels[1].frame.left);
+  EXPECT_DOUBLE_EQ(layout.panels[0].frame.right(), layout.panels[1].frame.right());
+}
+
+TEST(Layout, LegendNamesEachLabelOnceAndWraps) {
+  // Goal: three arrows of one label are one entry, and entries that do not fit a row open another,
+  // none beyond the frame. Method: many labels in a narrow figure.
+  Panel panel;
+  for (int i = 0; i < 3; ++i)
+    panel.series.push_back(Arrow{.label = "normal"});
+  EXPECT_EQ(legend_entries(panel).size(), 1U);
+  for (int i = 0; i < 12; ++i) {
+    panel.series.push_back(Line{.label = "chain number " + std::to_string(i)});
+  }
+  const PanelLayout layout = layout_of({.width_px = 400, .panels = {panel}}).panels[0];
+  ASSERT_EQ(layout.legend.size(), 13U);
+  for (const LegendEntry& entry : layout.legend) {
+    const double right =
+        entry.left + style::k_legend_swatch + 6 + text_width_px(entry.label, style::k_legend);
+    EXPECT_LE(right, layout.frame.right() + 1e-9) << entry.label;
+    EXPECT_LT(entry.baseline, layout.frame.top);
+  }
+  panel.legend = false;
+  EXPECT_TRUE(layout_of({.panels = {panel}}).panels[0].legend.empty());
+}
+
+}  // namespace
+}  // namespace sleight::plot

@@ -1,0 +1,118 @@
+#include "clients/plot/svg.h"
+
+#include <glib.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/clients/plot/examples.h"
+
+namespace sleight::plot {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_inf = std::numeric_limits<double>::infinity();
+
+// Empty where the text is well-formed, otherwise GLib's complaint.
+std::string xml_complaint(const std::string& text) {
+  const GMarkupParser parser{};
+  GMarkupParseContext* context =
+      g_markup_parse_context_new(&parser, G_MARKUP_DEFAULT_FLAGS, nullptr, nullptr);
+  GError* error = nullptr;
+  std::string complaint;
+  if (g_markup_parse_context_parse(context, text.data(), static_cast<gssize>(text.size()),
+                                   &error) == FALSE ||
+      g_markup_parse_context_end_parse(context, &error) == FALSE) {
+    complaint = error->message;
+  }
+  g_clear_error(&error);
+  g_markup_parse_context_free(context);
+  return complaint;
+}
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+std::string svg_of(Series series) {
+  return to_svg({.panels = {Panel{.grid = false, .series = {std::move(series)}}}});
+}
+
+TEST(Svg, IsWellFormedXml) {
+  // Goal: any figure is an XML document without "nan" or "inf" in it. Method: GLib's parser on the
+  // examples, an empty figure and a panel of nothing; and the parser does complain of a broken one.
+  for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure(), Figure{},
+                               Figure{.panels = {Panel{}}}}) {
+    const std::string svg = to_svg(figure);
+    EXPECT_EQ(xml_complaint(svg), "");
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_EQ(svg.find("=\"inf"), std::string::npos);
+  }
+  EXPECT_NE(xml_complaint("<svg><g></svg>"), "");
+}
+
+TEST(Svg, EscapesWhatPeopleWrite) {
+  // Goal: labels can't become markup. Method: markup in every place that takes text.
+  const std::string evil = "</text><script>x</script>&\"'";
+  const Panel panel{.title = evil,
+                    .x_label = evil,
+                    .y_label = evil,
+                    .series = {Line{.label = evil}, Text{.text = evil}}};
+  const std::string svg = to_svg({.title = evil, .panels = {panel}});
+  EXPECT_EQ(svg.find("<script"), std::string::npos);
+  EXPECT_EQ(xml_complaint(svg), "");
+}
+
+TEST(Svg, IsTheSameEveryTime) {
+  // Goal: the same figure gives the same bytes. Method: twice.
+  EXPECT_EQ(to_svg(hostile_figure()), to_svg(hostile_figure()));
+}
+
+TEST(Svg, StaysSmallForAMillionPoints) {
+  // Goal: a long chain makes a small file that still shows its one spike. Method: a million noisy
+  // points; the file's size, and the spike's height among the coordinates.
+  MadeUp made_up(2);
+  Line line;
+  for (int i = 0; i < 1'000'000; ++i)
+    line.points.push_back({static_cast<double>(i), made_up.uniform()});
+  line.points[500'123].y = 50;
+  const std::string svg = to_svg({.panels = {Panel{.y_range = Range{0, 50}, .series = {line}}}});
+  EXPECT_LT(svg.size(), 80'000U);
+  // The spike reaches the frame's top, where the y axis begins.
+  const auto axis = svg.find("<polyline points=\"", svg.find("</g>"));
+  const auto comma = svg.find(',', axis);
+  const std::string top = svg.substr(comma, svg.find(' ', comma) - comma + 1);
+  EXPECT_NE(svg.substr(0, axis).find(top), std::string::npos) << top;
+}
+
+TEST(Svg, LeavesGapsAndMarksInfinities) {
+  // Goal: NaN splits a line, a lone point is a dot, minus infinity a triangle. Method: elements
+  // counted in small figures; each has one axis line of its own.
+  EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, 1}, {2, k_nan}, {3, 1}, {4, 0}}}),
+                        "<polyline"),
+            3U);
+  EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}}}), "<circle"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, -k_inf}, {2, 0}}}), "<polygon"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, 1}}}), "<polygon"), 0U);
+}
+
+TEST(Svg, DrawsEachKindOfSeries) {
+  // Goal: every kind leaves its own element. Method: one panel each; labels appear in the legend.
+  EXPECT_EQ(occurrences(svg_of(Steps{.points = {{0, 0}, {1, 1}}}), "<polyline"), 2U);
+  EXPECT_EQ(occurrences(svg_of(Markers{.points = {{0, 0}, {1, 1}}}), "h0"), 2U);
+  EXPECT_EQ(occurrences(svg_of(HorizontalBand{.low = 1, .high = 2}), "fill-opacity"), 1U);
+  EXPECT_EQ(occurrences(svg_of(HorizontalLine{.y = 1}), "stroke-dasharray"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Arrow{.from = {0, 0}, .to = {1, 1}}), "<polygon"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Arrow{}), "<polygon"), 0U);
+  EXPECT_EQ(occurrences(svg_of(Disc{}), "<ellipse"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Disc{.filled = false}), "<ellipse"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Text{.text = "words"}), ">words<"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Line{.label = "legend"}), ">legend<"), 1U);
+}
+
+}  // namespace
+}  // namespace sleight::plot

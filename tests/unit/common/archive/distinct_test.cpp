@@ -1,0 +1,102 @@
+// Goal: the kept animations are those of the definition in distinct.h, and memory is bounded.
+// Method: random runs, the selector's answer against a reference that walks by (scan, chain) and
+// applies the four conditions word by word.
+#include "common/archive/distinct.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/unit/common/archive/fake_world.h"
+
+namespace sleight::archive {
+namespace {
+
+using testing::FakeReader;
+using testing::FakeRun;
+using testing::FakeRunOptions;
+using testing::mixed;
+
+using Address = std::pair<std::uint64_t, std::uint32_t>;
+
+std::vector<Address> reference(const FakeRun& run, const FakeReader& reader,
+                               const DistinctOptions& options) {
+  std::vector<Address> kept;
+  std::map<std::pair<std::uint32_t, std::uint64_t>, std::vector<base::Bytes>> of_lineage;
+  for (std::uint64_t scan = 0; scan < run.scans(); ++scan) {
+    for (std::uint32_t chain = 0; chain < run.chains(); ++chain) {
+      const plan::ScanRecord record = run.record({chain}, scan);
+      auto& others = of_lineage[{chain, record.lineage}];
+      bool keep = record.satisfied && others.size() < options.keep_per_lineage &&
+                  kept.size() < options.keep_max;
+      for (const base::Bytes& other : others) {
+        keep = keep && reader.likeness_distance(other, record.state) > options.min_distance;
+      }
+      if (!keep) continue;
+      others.push_back(record.state);
+      kept.push_back({scan, chain});
+    }
+  }
+  return kept;
+}
+
+std::vector<Address> selected(const FakeRun& run, const FakeReader& reader,
+                              const DistinctOptions& options) {
+  DistinctSelector selector(reader, options);
+  for (std::uint32_t chain = 0; chain < run.chains(); ++chain) {
+    run.for_each_scan({chain}, [&](base::ScanIndex scan, const plan::ScanRecord& record) {
+      selector.offer({chain}, scan, record);
+    });
+  }
+  std::vector<Address> kept;
+  for (const KeptAnimation& animation : selector.finish()) {
+    EXPECT_EQ(animation.record, run.record(animation.chain, animation.scan.value));
+    kept.push_back({animation.scan.value, animation.chain.value});
+  }
+  return kept;
+}
+
+TEST(Distinct, EqualsTheDefinitionOnRandomRuns) {
+  const FakeReader reader;
+  std::size_t truncated = 0;
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    const auto draw = [seed](std::uint64_t what, std::uint64_t below) {
+      return mixed(seed * 16 + what) % below;
+    };
+    const FakeRun run({.seed = seed,
+                       .chains = static_cast<std::uint32_t>(1 + draw(0, 5)),
+                       .scans = 1 + draw(1, 60),
+                       .thin = 1 + draw(2, 9),
+                       .satisfied_share = testing::unit_of(seed * 16 + 3),
+                       .lineages = 1 + draw(4, 12)});
+    const DistinctOptions options{
+        .keep_max = draw(5, 40),
+        .keep_per_lineage = draw(6, 5),
+        .min_distance = draw(7, 3) == 0 ? 0 : 0.1 * testing::unit_of(seed)};
+    const auto expected = reference(run, reader, options);
+    truncated += expected.size() == options.keep_max;
+    ASSERT_EQ(selected(run, reader, options), expected) << "seed " << seed;
+  }
+  EXPECT_GT(truncated, 100U) << "the runs hardly ever meet keep_max";
+}
+
+TEST(Distinct, EqualStatesAreKeptOnceWhenTheDistanceIsZero) {
+  const FakeReader reader;
+  DistinctSelector selector(reader, {.keep_max = 10, .keep_per_lineage = 3, .min_distance = 0});
+  const plan::ScanRecord record{.satisfied = true,
+                                .lineage = 4,
+                                .proposed = {},
+                                .accepted = {},
+                                .outcome = {},
+                                .state = FakeReader::state_of(9)};
+  for (std::uint64_t scan = 0; scan < 5; ++scan)
+    selector.offer({0}, {scan}, record);
+  selector.offer({1}, {2}, record);  // the same lineage number in another chain is another lineage
+  const std::vector<KeptAnimation> kept = selector.finish();
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[0].scan.value, 0U);
+  EXPECT_EQ(kept[1].chain.value, 1U);
+}
+
+}  // namespace
+}  // namespace sleight::archive

@@ -1,0 +1,163 @@
+// A world and a run for the archive's tests: every value is a function of (seed, chain, scan), so
+// that tests, processes and file formats can be compared value by value.
+//
+// The state is an 8-byte key; its variables, likeness and recording are computed from the key. One
+// of three variables has no dimension, one has one and one has two; some entries are NaN.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/archive/layout.h"
+#include "common/archive/run_view.h"
+#include "common/archive/world_layout.h"
+#include "common/base/check.h"
+
+namespace sleight::archive::testing {
+
+/// Mixes its argument (the finaliser of SplitMix64): our own source of arbitrary numbers.
+inline std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+  return x ^ (x >> 31);
+}
+
+/// In [0, 1).
+inline double unit_of(std::uint64_t x) {
+  return static_cast<double>(mixed(x) >> 11) * 0x1p-53;
+}
+
+class FakeReader final : public StateReader {
+ public:
+  FakeReader() {
+    const Dimension collision{"collision", 3};
+    const Dimension axis{"axis", 2};
+    layout_ = {.world = "fake",
+               .variables = {{"height_m", {}, "m", "height of the release"},
+                             {"normal_rad", {collision}, "rad", "turn of the normal"},
+                             {"spin_radps", {collision, axis}, "rad/s", "spin after a collision"}},
+               .outcomes = {{"landing_m", {}, "m", "where it lands"},
+                            {"bounces", {}, "1", "how often it bounces"}},
+               .proposal_kinds = {"all", "one_normal"},
+               .segment_columns = {{"start_s", {}, "s", "time at which the segment starts"},
+                                   {"position_m", {axis}, "m", "place at which it starts"}}};
+  }
+
+  const WorldLayout& layout() const override { return layout_; }
+
+  std::vector<double> variables(base::BytesView state) const override {
+    const std::uint64_t key = key_of(state);
+    std::vector<double> values;
+    for (std::uint64_t i = 0; i < 10; ++i) {
+      const bool inactive = i == 3 && key % 4 == 0;
+      values.push_back(inactive ? std::numeric_limits<double>::quiet_NaN() : unit_of(key + i));
+    }
+    return values;
+  }
+
+  double likeness_distance(base::BytesView a, base::BytesView b) const override {
+    return std::abs(unit_of(key_of(a)) - unit_of(key_of(b)));
+  }
+
+  Recording record(base::BytesView state) const override {
+    const std::uint64_t key = key_of(state);
+    Recording recording{.columns = 3, .values = {}};
+    for (std::uint64_t i = 0; i < 3 * (key % 5); ++i) {
+      recording.values.push_back(unit_of(key ^ (i << 32)));
+    }
+    return recording;
+  }
+
+  static base::Bytes state_of(std::uint64_t key) {
+    base::ByteWriter writer;
+    writer.put(key);
+    return writer.take();
+  }
+
+ private:
+  static std::uint64_t key_of(base::BytesView state) {
+    const auto key = base::ByteReader(state).get<std::uint64_t>();
+    CHECK(key.has_value());
+    return *key;
+  }
+
+  WorldLayout layout_;
+};
+
+struct FakeRunOptions {
+  std::uint64_t seed = 1;
+  std::uint32_t chains = 3;
+  std::uint64_t scans = 101;
+  std::uint64_t thin = 10;
+  double satisfied_share = 0.3;
+  std::uint64_t lineages = 7;  ///< small: lineages return, as replicas do under tempering
+};
+
+class FakeRun final : public RunView {
+ public:
+  explicit FakeRun(const FakeRunOptions& options) : options_(options) {}
+
+  std::uint32_t chains() const override { return options_.chains; }
+  std::uint64_t scans() const override { return options_.scans; }
+
+  void for_each_scan(
+      base::ChainId chain,
+      const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const override {
+    plan::ScanRecord record;
+    for (std::uint64_t scan = 0; scan < options_.scans; ++scan) {
+      fill(chain, scan, record);
+      visit({scan}, record);
+    }
+  }
+
+  plan::ScanRecord record(base::ChainId chain, std::uint64_t scan) const {
+    plan::ScanRecord record;
+    fill(chain, scan, record);
+    return record;
+  }
+
+ private:
+  void fill(base::ChainId chain, std::uint64_t scan, plan::ScanRecord& record) const {
+    const std::uint64_t key =
+        mixed(mixed(options_.seed + (std::uint64_t{chain.value} << 40)) + scan);
+    record.satisfied = unit_of(key + 1) < options_.satisfied_share;
+    record.log_prior = -10 * unit_of(key + 2);
+    record.log_constraint =
+        key % 16 == 0 ? -std::numeric_limits<double>::infinity() : -5 * unit_of(key + 3);
+    record.lineage = mixed(key) % options_.lineages;
+    const auto proposals = static_cast<std::uint32_t>(key % 3);
+    record.proposed = {scan == 0 ? 0 : proposals, scan == 0 ? 0 : 4 - proposals};
+    record.accepted = {record.proposed[0] / 2, record.proposed[1] / 2};
+    record.outcome = {unit_of(key + 4), static_cast<double>(key % 9)};
+    record.state.clear();
+    // Few different keys, so that some animations are equal and some only look alike.
+    if (record.satisfied || scan % options_.thin == 0) {
+      record.state = FakeReader::state_of(mixed(key) % 64);
+    }
+  }
+
+  FakeRunOptions options_;
+};
+
+inline ArchiveOptions options_for(const FakeRunOptions& run) {
+  return {.request_text =
+              "# a request, with a letter beyond ASCII: \xc3\xa9\n[world]\nkind = \"fake\"\n",
+          .thin = run.thin,
+          .keep_max = 20,
+          .keep_per_lineage = 3,
+          .min_distance = 0.05,
+          .inference_library_version = "0.0.0+test"};
+}
+
+/// Writes the run's archive into a sink: the usual `fill` of the tests.
+inline std::function<void(Sink&)> filler(const FakeRunOptions& run) {
+  return [run](Sink& sink) { write_archive(FakeRun(run), FakeReader(), options_for(run), sink); };
+}
+
+}  // namespace sleight::archive::testing

@@ -1,0 +1,197 @@
+// Goal: a file holds what the memory twin holds; equal content is equal bytes; a failed write
+// leaves the old file and nothing else.
+// Method: digests of both twins; bytes of files from separate processes whose heaps are filled
+// with different garbage; limits on file size at many places, and file-system calls that fail.
+#include "common/archive/hdf5/writer.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+
+#include "common/archive/digest.h"
+#include "common/archive/hdf5/guarded.h"
+#include "common/archive/hdf5/reader.h"
+#include "common/archive/memory_archive.h"
+#include "common/archive/verify.h"
+#include "common/base/error.h"
+#include "tests/unit/common/archive/fake_world.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::archive::hdf5 {
+namespace {
+
+using archive::testing::FakeRunOptions;
+using archive::testing::filler;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class Writer : public archive::testing::Scratch {
+ protected:
+  base::PosixFileSystem files_;
+};
+
+TEST_F(Writer, FilesAndMemoryHaveOneDigest) {
+  // The last two are longer than a batch: chunks, with a rest in the last one.
+  const std::vector<FakeRunOptions> runs{{},
+                                         {.chains = 1, .scans = 1, .satisfied_share = 0},
+                                         {.chains = 1, .scans = 1, .satisfied_share = 1},
+                                         {.chains = 5, .scans = 2, .thin = 100},
+                                         {.chains = 2, .scans = 40000, .thin = 1},
+                                         {.chains = 3, .scans = 16384, .thin = 2}};
+  for (const FakeRunOptions& run : runs) {
+    MemoryArchive memory;
+    const std::string expected = write_digested(memory, filler(run));
+    EXPECT_EQ(write_file(path("a.h5"), files_, filler(run)), expected);
+    const auto source = open_file(path("a.h5"));
+    EXPECT_EQ(manifest(*source), manifest(memory));
+    EXPECT_EQ(digest(*source), expected);
+    EXPECT_THAT(verify(*source), ::testing::IsEmpty());
+  }
+  EXPECT_THAT(names(), ElementsAre("a.h5"));
+}
+
+TEST_F(Writer, ReadsAnyRangeOfElements) {
+  const FakeRunOptions run{.chains = 3, .scans = 700, .thin = 1};
+  MemoryArchive memory;
+  write_digested(memory, filler(run));
+  write_file(path("a.h5"), files_, filler(run));
+  const auto source = open_file(path("a.h5"));
+  const std::uint64_t total = 3 * 700 * 6;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const std::uint64_t first = archive::testing::mixed(seed) % total;
+    const std::uint64_t count = archive::testing::mixed(seed + 1000) % (total - first + 1);
+    ASSERT_EQ(source->read("/posterior", "spin_radps", first, count),
+              memory.read("/posterior", "spin_radps", first, count))
+        << first << " " << count;
+  }
+}
+
+TEST_F(Writer, EqualContentIsEqualBytesInEveryProcess) {
+  // MALLOC_PERTURB_ fills fresh and freed memory with a byte: what a file took from
+  // uninitialised memory would differ.
+  std::string first;
+  for (const char* byte : {"0", "165", "90", "255"}) {
+    const std::string file = path("sample.h5");
+    const std::string command = fmt::format("MALLOC_PERTURB_={} '{}' '{}' 20000 > /dev/null", byte,
+                                            SLEIGHT_SAMPLE_ARCHIVE, file);
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+    const std::string bytes = bytes_of(file);
+    ASSERT_GT(bytes.size(), 100'000U);
+    if (first.empty()) first = bytes;
+    EXPECT_TRUE(bytes == first) << "MALLOC_PERTURB_=" << byte;
+  }
+  // A second archive in one process, after other use of the library, has the same bytes.
+  const FakeRunOptions run{.scans = 20000};
+  write_file(path("x.h5"), files_, filler({.chains = 1}));
+  write_file(path("y.h5"), files_, filler(run));
+  const std::string once = bytes_of(path("y.h5"));
+  write_file(path("y.h5"), files_, filler(run));
+  EXPECT_TRUE(bytes_of(path("y.h5")) == once);
+}
+
+TEST_F(Writer, FoldersThatCannotBeWrittenAreNamed) {
+  for (const std::string& place : {path("missing/a.h5"), std::string("/proc/self/a.h5")}) {
+    try {
+      write_file(place, files_, filler({}));
+      FAIL() << place;
+    } catch (const base::Error& error) {
+      EXPECT_EQ(error.exit_code(), base::ExitCode::environment);
+      EXPECT_THAT(error.what(), HasSubstr(place));
+    }
+  }
+}
+
+TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
+  const FakeRunOptions run{.scans = 5000};
+  write_file(path("a.h5"), files_, filler({.chains = 1}));
+  const std::string old = bytes_of(path("a.h5"));
+  write_file(path("b.h5"), files_, filler(run));
+  const std::string whole = bytes_of(path("b.h5"));
+
+  // Every failure in one process: none may harm the next try.
+  guarded("full disk", {}, [&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const auto try_with = [&](rlim_t bytes) {
+      struct rlimit limit {};
+      ::getrlimit(RLIMIT_FSIZE, &limit);
+      limit.rlim_cur = bytes;
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      write_file(path("a.h5"), files_, filler(run));
+    };
+    for (rlim_t bytes = 0; bytes < whole.size(); bytes += whole.size() / 60 + 1) {
+      try {
+        try_with(bytes);
+        throw std::runtime_error(fmt::format("written within {} bytes", bytes));
+      } catch (const base::Error& error) {
+        if (std::string(error.what()).find("File too large") == std::string::npos) throw;
+      }
+      if (bytes_of(path("a.h5")) != old) throw std::runtime_error("the old file has changed");
+      if (names().size() != 2) throw std::runtime_error("something was left behind");
+    }
+    try_with(whole.size());
+    return 0;
+  });
+  EXPECT_TRUE(bytes_of(path("a.h5")) == whole);
+}
+
+/// Fails at one of its calls.
+class FailingFileSystem final : public base::FileSystem {
+ public:
+  explicit FailingFileSystem(std::string failing) : failing_(std::move(failing)) {}
+  bool exists(const std::string& path) const override { return real_.exists(path); }
+  void sync_file(const std::string& path) override {
+    fail_if("sync_file");
+    real_.sync_file(path);
+  }
+  void sync_directory_of(const std::string& path) override {
+    fail_if("sync_directory_of");
+    real_.sync_directory_of(path);
+  }
+  void rename(const std::string& from, const std::string& to) override {
+    fail_if("rename");
+    real_.rename(from, to);
+  }
+  void remove(const std::string& path) override { real_.remove(path); }
+
+ private:
+  void fail_if(const std::string& call) const {
+    if (call == failing_) throw base::Error("no " + call + " today");
+  }
+  std::string failing_;
+  base::PosixFileSystem real_;
+};
+
+TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
+  write_file(path("a.h5"), files_, filler({.chains = 1}));
+  const std::string old = bytes_of(path("a.h5"));
+  for (const char* call : {"sync_file", "rename", "sync_directory_of"}) {
+    FailingFileSystem failing(call);
+    EXPECT_THROW(write_file(path("a.h5"), failing, filler({})), base::Error) << call;
+    EXPECT_THAT(names(), ElementsAre("a.h5")) << call;
+    // Only the last call comes after the new file has its place.
+    EXPECT_EQ(bytes_of(path("a.h5")) == old, std::string(call) != "sync_directory_of");
+    EXPECT_THAT(verify(*open_file(path("a.h5"))), ::testing::IsEmpty());
+  }
+}
+
+TEST_F(Writer, WhatFillThrowsComesThrough) {
+  const auto fill = [](Sink& sink) {
+    sink.create_group("/posterior");
+    throw base::Error(base::ExitCode::conflict, "from fill");
+  };
+  try {
+    write_file(path("a.h5"), files_, fill);
+    FAIL();
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::conflict);
+  }
+  EXPECT_TRUE(names().empty());
+}
+
+}  // namespace
+}  // namespace sleight::archive::hdf5

@@ -1,0 +1,192 @@
+// Goal: the archive holds the run's values at their places, and its digest is a function of the
+// content alone. Method: write a fake run into the memory twin and look every value up.
+#include "common/archive/layout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/archive/digest.h"
+#include "common/archive/format.h"
+#include "common/archive/memory_archive.h"
+#include "common/archive/summary.h"
+#include "tests/unit/common/archive/fake_world.h"
+
+namespace sleight::archive {
+namespace {
+
+using testing::FakeReader;
+using testing::FakeRun;
+using testing::FakeRunOptions;
+using testing::filler;
+using testing::options_for;
+
+bool same(double a, double b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+template <class Element>
+Element one(const Source& source, std::string_view group, std::string_view name,
+            std::uint64_t place) {
+  return std::get<std::vector<Element>>(source.read(group, name, place, 1)).at(0);
+}
+
+std::vector<std::string> dims_of(const Source& source, std::string_view group,
+                                 std::string_view name) {
+  std::vector<std::string> names;
+  for (const Dimension& dim : find_dataset(*find_group(source, group), name)->dims) {
+    names.push_back(dim.name + "=" + std::to_string(dim.size));
+  }
+  return names;
+}
+
+TEST(Layout, HoldsEveryScanAndEveryThinnedState) {
+  const FakeRunOptions options;
+  MemoryArchive archive;
+  write_digested(archive, filler(options));
+  const FakeRun run(options);
+  const FakeReader reader;
+  EXPECT_THAT(dims_of(archive, k_posterior, "spin_radps"),
+              ::testing::ElementsAre("chain=3", "draw=11", "collision=3", "axis=2"));
+  EXPECT_THAT(dims_of(archive, k_sample_stats, "proposed"),
+              ::testing::ElementsAre("chain=3", "draw=101", "proposal_kind=2"));
+  for (std::uint32_t chain = 0; chain < 3; ++chain) {
+    for (std::uint64_t scan = 0; scan < 101; ++scan) {
+      const plan::ScanRecord record = run.record({chain}, scan);
+      const std::uint64_t place = chain * 101 + scan;
+      EXPECT_EQ(one<double>(archive, k_sample_stats, "lp", place),
+                record.log_prior + record.log_constraint);
+      EXPECT_EQ(one<std::int8_t>(archive, k_sample_stats, "satisfied", place), record.satisfied);
+      EXPECT_EQ(one<double>(archive, k_sample_stats, "bounces", place), record.outcome[1]);
+      EXPECT_EQ(one<std::int32_t>(archive, k_sample_stats, "accepted", 2 * place + 1),
+                static_cast<std::int32_t>(record.accepted[1]));
+      EXPECT_EQ(std::isnan(one<double>(archive, k_sample_stats, "acceptance_rate", place)),
+                scan == 0);
+      if (scan % 10 != 0) continue;
+      const std::vector<double> values = reader.variables(record.state);
+      const std::uint64_t draw = chain * 11 + scan / 10;
+      EXPECT_EQ(one<std::int64_t>(archive, k_posterior, "draw", scan / 10),
+                static_cast<std::int64_t>(scan));
+      EXPECT_TRUE(same(one<double>(archive, k_posterior, "height_m", draw), values[0]));
+      EXPECT_TRUE(same(one<double>(archive, k_posterior, "normal_rad", 3 * draw + 2), values[3]));
+      EXPECT_TRUE(same(one<double>(archive, k_posterior, "spin_radps", 6 * draw + 5), values[9]));
+    }
+  }
+}
+
+TEST(Layout, ReplicasAreTheLastArchivedStates) {
+  FakeRunOptions options;
+  options.scans = 95;  // the last multiple of thin = 10 is 90
+  MemoryArchive archive;
+  write_digested(archive, filler(options));
+  for (std::uint32_t chain = 0; chain < 3; ++chain) {
+    EXPECT_EQ(one<std::int64_t>(archive, k_replicas, "scan", chain), 90);
+    EXPECT_EQ(one<double>(archive, k_replicas, "log_prior", chain),
+              FakeRun(options).record({chain}, 90).log_prior);
+  }
+}
+
+TEST(Layout, AnimationsCarryTheirMotion) {
+  const FakeRunOptions options;
+  MemoryArchive archive;
+  write_digested(archive, filler(options));
+  const FakeRun run(options);
+  const FakeReader reader;
+  const std::uint64_t animations =
+      find_dataset(*find_group(archive, k_animations), "animation")->dims[0].size;
+  ASSERT_EQ(animations, 20U);
+  for (std::uint64_t i = 0; i < animations; ++i) {
+    const auto chain = one<std::int64_t>(archive, k_animations, "chain", i);
+    const auto draw = one<std::int64_t>(archive, k_animations, "draw", i);
+    const plan::ScanRecord record =
+        run.record({static_cast<std::uint32_t>(chain)}, static_cast<std::uint64_t>(draw));
+    const Recording recording = reader.record(record.state);
+    const auto start =
+        static_cast<std::uint64_t>(one<std::int64_t>(archive, k_animations, "segment_start", i));
+    ASSERT_EQ(one<std::int64_t>(archive, k_animations, "segment_count", i),
+              static_cast<std::int64_t>(recording.rows()));
+    for (std::uint64_t row = 0; row < recording.rows(); ++row) {
+      EXPECT_EQ(one<double>(archive, k_animations, "start_s", start + row),
+                recording.values[3 * row]);
+      EXPECT_EQ(one<double>(archive, k_animations, "position_m", 2 * (start + row) + 1),
+                recording.values[3 * row + 2]);
+    }
+  }
+}
+
+TEST(Layout, SmallestRuns) {
+  for (const double share : {0.0, 1.0}) {
+    MemoryArchive archive;
+    const FakeRunOptions options{.chains = 1, .scans = 1, .thin = 7, .satisfied_share = share};
+    const std::string digest_written = write_digested(archive, filler(options));
+    EXPECT_EQ(digest(archive), digest_written);
+    const Summary summary = summary_of(archive);
+    EXPECT_EQ(summary.scans, 1U);
+    EXPECT_EQ(summary.states, 1U);
+    EXPECT_EQ(summary.animations, share > 0 ? 1U : 0U);
+    EXPECT_EQ(summary.content_digest, digest_written);
+    EXPECT_EQ(summary.request_text, options_for(options).request_text);
+    EXPECT_EQ(summary.thin, 7);
+  }
+}
+
+TEST(Digest, CoversContentAndLeavesOutTheVersion) {
+  const FakeRunOptions options;
+  MemoryArchive archive;
+  const std::string before = write_digested(archive, filler(options));
+  std::get<std::string>(archive.group(k_root).attributes[4].value) = "another version";
+  ASSERT_EQ(archive.group(k_root).attributes[4].name, k_inference_library_version);
+  EXPECT_EQ(digest(archive), before);
+
+  // Each kind of change is noticed, and undone gives the old digest back.
+  const auto changed = [&](auto&& change, auto&& undo) {
+    change();
+    EXPECT_NE(digest(archive), before);
+    undo();
+    EXPECT_EQ(digest(archive), before);
+  };
+  auto& lp = std::get<std::vector<double>>(archive.values(k_sample_stats, "lp"));
+  changed([&] { std::swap(lp[3], lp[4]); }, [&] { std::swap(lp[3], lp[4]); });
+  Group& posterior = archive.group(k_posterior);
+  changed([&] { posterior.attributes[0].name = "thinned"; },
+          [&] { posterior.attributes[0].name = "thin"; });
+  DatasetSpec& normal = posterior.datasets.back();
+  changed([&] { normal.attributes[1].value = "deg"; },
+          [&] { normal.attributes[1].value = "rad/s"; });
+  changed([&] { normal.dims[3].name = "side"; }, [&] { normal.dims[3].name = "axis"; });
+}
+
+TEST(Digest, IgnoresOrderOfCreationAndNanPayloads) {
+  const auto fill = [](bool swapped, double nan) {
+    return [swapped, nan](Sink& sink) {
+      const auto put = [&](const char* name) {
+        const auto handle = sink.create_dataset(k_root, {.name = name, .type = ElementType::f64});
+        sink.append(handle, std::span<const double>(&nan, 1));
+      };
+      put(swapped ? "b" : "a");
+      put(swapped ? "a" : "b");
+    };
+  };
+  MemoryArchive first;
+  MemoryArchive second;
+  const double other_nan = std::bit_cast<double>(std::uint64_t{0xfff0000000000123});
+  EXPECT_EQ(write_digested(first, fill(false, std::nan(""))),
+            write_digested(second, fill(true, other_nan)));
+  EXPECT_EQ(manifest(first), manifest(second));
+}
+
+TEST(DigestDeathTest, IncompleteArchivesAreBugs) {
+  MemoryArchive archive;
+  const auto incomplete = [](Sink& sink) {
+    sink.create_dataset(k_root, {.name = "x", .dims = {{"x", 2}}});
+  };
+  EXPECT_DEATH(write_digested(archive, incomplete), "check failed");
+  const auto without_coordinate = [](Sink& sink) {
+    const auto handle = sink.create_dataset(k_root, {.name = "x", .dims = {{"y", 1}}});
+    const double value = 1;
+    sink.append(handle, std::span<const double>(&value, 1));
+  };
+  EXPECT_DEATH(write_digested(archive, without_coordinate), "coordinate");
+}
+
+}  // namespace
+}  // namespace sleight::archive

@@ -1,0 +1,276 @@
+// Goal: the error bounds that elementary.h promises hold.
+// Method: compare with MPFR over random arguments from ranges that cover the whole domain
+// (denormals, huge angles, neighbourhoods of zeros and thresholds) and over single arguments known
+// to be hard. The generator is std::mt19937_64, fully specified by the standard, with the seed
+// below.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/math/angle.h"
+#include "common/math/elementary.h"
+#include "tests/unit/common/math/mpfr_oracle.h"
+
+namespace sleight::math {
+namespace {
+
+constexpr std::uint64_t k_seed = 20000;
+constexpr int k_arguments_per_range = 20000;
+constexpr int k_arguments_for_slow_oracle = 1000;  // MPFR takes a millisecond for erfc's tail
+constexpr double k_largest = std::numeric_limits<double>::max();
+
+double unit(std::mt19937_64& engine) {
+  return static_cast<double>(engine() >> 11) * 0x1p-53;
+}
+
+/// Magnitudes from 2^exponent_min to 2^exponent_max, every power of two as likely.
+struct Magnitudes {
+  int exponent_min = 0;
+  int exponent_max = 0;
+  bool both_signs = false;
+
+  double operator()(std::mt19937_64& engine) const {
+    const auto span = static_cast<std::uint64_t>(exponent_max - exponent_min);
+    const int exponent = exponent_min + static_cast<int>(engine() % span);
+    const double magnitude = std::ldexp(1 + unit(engine), exponent);
+    return both_signs && (engine() & 1) != 0 ? -magnitude : magnitude;
+  }
+};
+
+struct Interval {
+  double low = 0;
+  double high = 0;
+
+  double operator()(std::mt19937_64& engine) const { return low + (high - low) * unit(engine); }
+};
+
+using Generator = std::function<double(std::mt19937_64&)>;
+using Ours = std::function<double(double)>;
+using Oracle = int (*)(mpfr_t, const mpfr_t, mpfr_rnd_t);
+
+struct Range {
+  std::string name;
+  Generator generator;
+};
+
+struct Case {
+  std::string name;
+  Ours ours;
+  Oracle oracle;
+  double k = 1;
+  std::vector<Range> ranges;
+  std::vector<double> hard;
+  int arguments_per_range = k_arguments_per_range;
+};
+
+// For failure messages.
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+double error_at(const Case& c, double x) {
+  Exact argument(x);
+  Exact exact;
+  c.oracle(exact.get(), argument.get(), MPFR_RNDN);
+  return error_in_bounds(c.ours(x), exact, c.k);
+}
+
+std::vector<Range> all_reals() {
+  return {{"denormal", Magnitudes{-1074, -1022, true}}, {"tiny", Magnitudes{-1022, -40, true}},
+          {"middle", Magnitudes{-40, 40, true}},        {"large", Magnitudes{40, 990, true}},
+          {"huge", Magnitudes{990, 1024, true}},        {"ten", Interval{-10, 10}}};
+}
+
+// Doubles near multiples of pi/2, where sine, cosine or tangent nearly vanish; among them the
+// double that lies closest of all to one (J.-M. Muller, "Elementary functions", 2006, chapter 11).
+std::vector<double> near_quarter_turns() {
+  std::vector<double> result = {std::ldexp(6381956970095103, 797),
+                                std::ldexp(-6381956970095103, 797)};
+  for (int power = 0; power < 1000; power += 7) {
+    for (const double k : {1.0, 3.0, 5.0, 7.0}) {
+      const double x = std::ldexp(k * (k_pi / 2), power);
+      result.insert(result.end(), {x, std::nextafter(x, 0), std::nextafter(x, INFINITY)});
+    }
+  }
+  result.insert(result.end(), {k_largest, -k_largest, 0x1p-1074, -0x1p-1074, 0x1p-1022});
+  return result;
+}
+
+std::vector<double> around(std::vector<double> centres) {
+  std::vector<double> result;
+  for (const double centre : centres) {
+    double below = centre;
+    double above = centre;
+    for (int step = 0; step < 200; ++step) {
+      result.insert(result.end(), {below, above});
+      below = std::nextafter(below, -INFINITY);
+      above = std::nextafter(above, INFINITY);
+    }
+  }
+  return result;
+}
+
+std::vector<Case> cases() {
+  const std::vector<Range> unit_interval = {{"inner", Interval{-1, 1}},
+                                            {"tiny", Magnitudes{-1022, 0, true}},
+                                            {"denormal", Magnitudes{-1074, -1022, true}}};
+  const std::vector<Range> log_ranges = {{"all", Magnitudes{-1022, 1024}},
+                                         {"denormal", Magnitudes{-1074, -1022}},
+                                         {"around 1", Interval{0.5, 2}}};
+  return {
+      {"sin", sin, mpfr_sin, 1, all_reals(), near_quarter_turns()},
+      {"cos", cos, mpfr_cos, 1, all_reals(), near_quarter_turns()},
+      {"tan", tan, mpfr_tan, 1, all_reals(), near_quarter_turns()},
+      {"sincos_sin", [](double x) { return sincos(x).sin; }, mpfr_sin, 1, all_reals(),
+       near_quarter_turns()},
+      {"sincos_cos", [](double x) { return sincos(x).cos; }, mpfr_cos, 1, all_reals(),
+       near_quarter_turns()},
+      {"exp",
+       exp,
+       mpfr_exp,
+       1,
+       {{"normal", Interval{-709, 710}},
+        {"to denormal", Interval{-746, -707}},
+        {"tiny", Magnitudes{-1074, 3, true}}},
+       around({-745.13321910194122, -708.39641853226408, 709.78271, 709.783, 0, -1000, 1000})},
+      {"expm1",
+       expm1,
+       mpfr_expm1,
+       1,
+       {{"normal", Interval{-60, 710}},
+        {"negative", Interval{-1000, -30}},
+        {"tiny", Magnitudes{-1022, 3, true}},
+        {"denormal", Magnitudes{-1074, -1022, true}}},
+       around({-37.42994775023705, 709.78271289338397, 0})},
+      {"log", log, mpfr_log, 1, log_ranges, around({1, 0x1p-1022, 2, 0.5})},
+      {"log1p",
+       log1p,
+       mpfr_log1p,
+       1,
+       {{"inner", Interval{-1, 1}},
+        {"large", Magnitudes{0, 1024}},
+        {"tiny", Magnitudes{-1022, 0, true}},
+        {"denormal", Magnitudes{-1074, -1022, true}}},
+       around({0x1p60, 0x1p-60, -0x1p-60, -0.5, 1e307})},
+      {"asin", asin, mpfr_asin, 1, unit_interval, {1, -1, std::nextafter(1, 0), 0.5, -0.5}},
+      {"acos", acos, mpfr_acos, 1, unit_interval, {1, -1, std::nextafter(1, 0), 0.5, -0.5}},
+      {"erf",
+       erf,
+       mpfr_erf,
+       1,
+       {{"middle", Interval{-7, 7}},
+        {"tiny", Magnitudes{-1022, 2, true}},
+        {"denormal", Magnitudes{-1074, -1022, true}}},
+       {30, -30, 1e300}},
+      {"erfc",
+       erfc,
+       mpfr_erfc,
+       1.5,
+       {{"middle", Interval{-7, 7}},
+        {"tail", Interval{5, 26.6}},
+        {"to zero", Interval{26.5, 27.3}}},
+       {27.226017111108362, 27.226017111108366, 28, -30, 1e300},
+       k_arguments_for_slow_oracle},
+  };
+}
+
+class ElementaryAccuracy : public testing::TestWithParam<Case> {};
+
+TEST_P(ElementaryAccuracy, errors_stay_within_the_documented_bound) {
+  const Case& c = GetParam();
+  for (const Range& range : c.ranges) {
+    std::mt19937_64 engine(k_seed);
+    double worst = 0;
+    double worst_argument = 0;
+    for (int i = 0; i < c.arguments_per_range; ++i) {
+      const double x = range.generator(engine);
+      const double error = error_at(c, x);
+      if (error > worst) {
+        worst = error;
+        worst_argument = x;
+      }
+    }
+    EXPECT_LE(worst, 1) << c.name << ", range " << range.name << ", at " << std::hexfloat
+                        << worst_argument << ", seed " << std::dec << k_seed;
+    RecordProperty(c.name + " " + range.name, std::to_string(worst));
+  }
+  for (const double x : c.hard)
+    EXPECT_LE(error_at(c, x), 1) << c.name << " at " << std::hexfloat << x;
+}
+
+INSTANTIATE_TEST_SUITE_P(functions, ElementaryAccuracy, testing::ValuesIn(cases()),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST(ElementaryAccuracyOfTwo, atan2_in_all_quadrants_and_at_all_ratios) {
+  std::mt19937_64 engine(k_seed);
+  for (const int spread : {1, 40, 1000}) {
+    const Magnitudes magnitudes{-spread, spread, true};
+    double worst = 0;
+    for (int i = 0; i < 2 * k_arguments_per_range; ++i) {
+      const double y = magnitudes(engine);
+      const double x = magnitudes(engine);
+      Exact exact_y(y);
+      Exact exact_x(x);
+      Exact exact;
+      mpfr_atan2(exact.get(), exact_y.get(), exact_x.get(), MPFR_RNDN);
+      const double error = error_in_bounds(atan2(y, x), exact, 1);
+      worst = std::max(worst, error);
+      EXPECT_LE(error, 1) << std::hexfloat << y << ", " << x;
+    }
+    RecordProperty("atan2 spread " + std::to_string(spread), std::to_string(worst));
+  }
+}
+
+TEST(ElementaryAccuracyOfTwo, pow_for_any_base_and_any_size_of_result) {
+  std::mt19937_64 engine(k_seed);
+  double worst = 0;
+  const auto judge = [&](double x, double y) {
+    Exact exact_x(x);
+    Exact exact_y(y);
+    Exact exact;
+    mpfr_pow(exact.get(), exact_x.get(), exact_y.get(), MPFR_RNDN);
+    const double error = error_in_bounds(pow(x, y), exact, 1);
+    worst = std::max(worst, error);
+    EXPECT_LE(error, 1) << std::hexfloat << x << ", " << y;
+  };
+  for (int i = 0; i < 2 * k_arguments_per_range; ++i) {
+    // The exponent is chosen so that the result's own exponent is uniform, denormals included.
+    const double x = Magnitudes{-1074, 1024}(engine);
+    judge(x, Interval{-1080, 1030}(engine) / std::log2(x));
+    // Bases near 1 with huge exponents lose most when the logarithm is too short.
+    const double near_one = 1 + Magnitudes{-50, -2, true}(engine);
+    judge(near_one, Interval{-1080, 1030}(engine) / std::log2(near_one));
+    const double whole = std::floor(Interval{-40, 40}(engine));
+    judge(-Magnitudes{-20, 20}(engine), whole);
+  }
+  RecordProperty("pow", std::to_string(worst));
+}
+
+// Goal: the checker can fail. Method: results off by two ulp, a wrong sign, a NaN and an early
+// infinity must exceed the bound; a correctly rounded result must not.
+TEST(ErrorInBounds, notices_wrong_results) {
+  Exact argument(0.7);
+  Exact exact;
+  mpfr_sin(exact.get(), argument.get(), MPFR_RNDN);
+  const double right = mpfr_get_d(exact.get(), MPFR_RNDN);
+  const double off = std::nextafter(std::nextafter(right, 1), 1);
+  EXPECT_LE(error_in_bounds(right, exact, 1), 0.5);
+  EXPECT_GT(error_in_bounds(off, exact, 1), 1);
+  EXPECT_GT(error_in_bounds(-right, exact, 1), 1);
+  EXPECT_EQ(error_in_bounds(NAN, exact, 1), INFINITY);
+  EXPECT_GT(error_in_bounds(INFINITY, exact, 1), 1);
+  Exact denormal(0x1p-1060);
+  EXPECT_GT(error_in_bounds(0x1p-1060 + 4 * 0x1p-1074, denormal, 1), 1);
+  Exact beyond(1);
+  mpfr_mul_2si(beyond.get(), beyond.get(), 2000, MPFR_RNDN);
+  EXPECT_EQ(error_in_bounds(INFINITY, beyond, 1), 0);
+  EXPECT_GT(error_in_bounds(-INFINITY, beyond, 1), 1);
+}
+
+}  // namespace
+}  // namespace sleight::math

@@ -1,0 +1,53 @@
+// How far a double is from the exact value of a function, by MPFR at 256 bits.
+#pragma once
+
+#include <mpfr.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sleight::math {
+
+/// A resource: one MPFR number of 256 bits. Does not copy.
+class Exact {
+ public:
+  Exact() { mpfr_init2(value_, 256); }
+  explicit Exact(double x) : Exact() { mpfr_set_d(value_, x, MPFR_RNDN); }
+  ~Exact() { mpfr_clear(value_); }
+  Exact(const Exact&) = delete;
+  Exact& operator=(const Exact&) = delete;
+
+  mpfr_ptr get() { return value_; }
+
+ private:
+  mpfr_t value_;
+};
+
+/// |result - exact| in units of `k` ulp + 2 * 2^-1074 (elementary.h, invariant 2): 1 is the bound.
+/// An infinite result counts as 2^1024, the first number that is not a double. NaN for NaN is 0,
+/// NaN against a number is infinity.
+inline double error_in_bounds(double result, Exact& exact, double k) {
+  if (std::isnan(result) || mpfr_nan_p(exact.get())) {
+    return std::isnan(result) && mpfr_nan_p(exact.get()) ? 0 : INFINITY;
+  }
+  if (mpfr_inf_p(exact.get())) return result == mpfr_get_d(exact.get(), MPFR_RNDN) ? 0 : INFINITY;
+  constexpr mpfr_exp_t k_smallest = -1074;
+  Exact difference(std::isinf(result) ? std::copysign(1.0, result) : result);
+  if (std::isinf(result)) {
+    mpfr_mul_2si(difference.get(), difference.get(), 1024, MPFR_RNDN);
+    // Beyond 2^1024 infinity is the right answer, however far.
+    if (mpfr_cmpabs(exact.get(), difference.get()) >= 0 &&
+        mpfr_signbit(exact.get()) == static_cast<int>(std::signbit(result))) {
+      return 0;
+    }
+  }
+  mpfr_sub(difference.get(), difference.get(), exact.get(), MPFR_RNDN);
+  // Both the error and the bound are scaled by 2^-(exponent of an ulp) so that neither underflows.
+  const mpfr_exp_t ulp_exponent =
+      mpfr_zero_p(exact.get()) ? k_smallest : std::max(mpfr_get_exp(exact.get()) - 53, k_smallest);
+  mpfr_mul_2si(difference.get(), difference.get(), -ulp_exponent, MPFR_RNDN);
+  const double error_ulp = std::fabs(mpfr_get_d(difference.get(), MPFR_RNDN));
+  return error_ulp / (k + std::ldexp(2, static_cast<int>(k_smallest - ulp_exponent)));
+}
+
+}  // namespace sleight::math

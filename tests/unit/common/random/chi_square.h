@@ -1,0 +1,100 @@
+// Pearson's chi-square test of draws against exact probabilities, and how the tests use it.
+//
+// A test draws k_draws values from a printed seed and counts them in cells. For a continuous
+// distribution the cells' edges are sample quantiles of a pilot run with another seed, so that
+// every cell is about as likely whatever the distribution's shape; their probabilities come from an
+// oracle that shares nothing with the sampler.
+//
+// Bounds: p is uniform on (0, 1) for a right sampler, and the tests of this folder compute fewer
+// than 200 of them. k_p_min = 1e-6 on either side therefore has a chance below 4e-4 of refusing a
+// right sampler when the seeds are first chosen (they are fixed from then on), while a mean off by
+// a fiftieth of the sd, or an sd off by a fiftieth, gives p below 1e-12 (chi_square_test.cpp shows
+// it). A p too near 1 means draws more regular than chance, such as a grid: refused too.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/random/stream.h"
+
+namespace sleight::random {
+
+constexpr int k_draws = 1000000;
+constexpr int k_cells = 64;
+constexpr double k_p_min = 1e-6;
+constexpr std::uint64_t k_test_seed = 19990817;
+constexpr std::uint64_t k_pilot_seed = 31415926;
+
+inline Stream test_stream(std::uint64_t seed = k_test_seed) {
+  return Stream({.seed = seed, .purpose = Purpose::prior}, 0);
+}
+
+/// The probability that a right sampler deviates as much or more.
+/// REQUIRES: as many probabilities as counts, adding up to 1, each expected 10 times or more.
+inline double chi_square_p_value(const std::vector<int>& counts,
+                                 const std::vector<double>& probabilities) {
+  double total = 0;
+  for (const int count : counts)
+    total += count;
+  double statistic = 0;
+  double mass = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const double expected = total * probabilities.at(i);
+    EXPECT_GE(expected, 10) << "cell " << i;
+    statistic += (counts[i] - expected) * (counts[i] - expected) / expected;
+    mass += probabilities[i];
+  }
+  EXPECT_NEAR(mass, 1, 1e-9);
+  const auto freedom = static_cast<double>(counts.size() - 1);
+  return boost::math::gamma_q(freedom / 2, statistic / 2);
+}
+
+inline double chi_square_p_value(const std::vector<int>& counts) {
+  const auto cells = static_cast<double>(counts.size());
+  return chi_square_p_value(counts, std::vector<double>(counts.size(), 1 / cells));
+}
+
+inline void expect_plausible(double p_value, const std::string& what) {
+  EXPECT_GT(p_value, k_p_min) << what << ", seed " << k_test_seed;
+  EXPECT_LT(p_value, 1 - k_p_min) << what << ", seed " << k_test_seed;
+}
+
+/// p of draws of a continuous distribution on the line. `mass(a, b)` is the oracle's probability of
+/// the interval; the outermost edges are infinite.
+inline double p_value_of_draws(const std::function<double(Stream&)>& draw,
+                               const std::function<double(double, double)>& mass) {
+  // Edges from the pilot run.
+  Stream pilot_stream = test_stream(k_pilot_seed);
+  std::vector<double> pilot(static_cast<std::size_t>(100 * k_cells));
+  for (double& x : pilot)
+    x = draw(pilot_stream);
+  std::sort(pilot.begin(), pilot.end());
+  std::vector<double> edges;
+  for (std::size_t i = 100; i < pilot.size(); i += 100)
+    edges.push_back(pilot[i]);
+
+  // Counts: cell i holds edges[i-1] <= x < edges[i].
+  Stream stream = test_stream();
+  std::vector<int> counts(edges.size() + 1);
+  for (int i = 0; i < k_draws; ++i) {
+    const auto above = std::upper_bound(edges.begin(), edges.end(), draw(stream));
+    ++counts[static_cast<std::size_t>(above - edges.begin())];
+  }
+
+  std::vector<double> probabilities;
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i <= edges.size(); ++i) {
+    probabilities.push_back(
+        mass(i == 0 ? -k_infinity : edges[i - 1], i == edges.size() ? k_infinity : edges[i]));
+  }
+  return chi_square_p_value(counts, probabilities);
+}
+
+}  // namespace sleight::random

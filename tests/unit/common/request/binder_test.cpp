@@ -1,0 +1,214 @@
+// Goal: each kind of key is read, refused, described and written as its declaration says. Method:
+// bind one key over small sections, with and without a file.
+#include "common/request/binder.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace sleight::request {
+namespace {
+
+/// Runs `bind` over [s] of `text` and tells what came of it: the errors, or the normalised keys.
+std::string bound(std::string_view text, const std::function<void(Binder&)>& bind) {
+  const auto document = parse_document(text, "f");
+  EXPECT_TRUE(document);
+  Diagnostics diagnostics("f");
+  Binder binder("s", document.value().find("s"), diagnostics);
+  bind(binder);
+  std::string told;
+  for (const Diagnostic& d : diagnostics.sorted())
+    told += to_string(d) + "\n";
+  if (!told.empty()) return told;
+  for (const BoundKey& key : binder.keys())
+    told += key.spec.key + " = " + key.value + "\n";
+  return told;
+}
+
+std::string number(std::string_view text, const NumberOptions& options, double fallback = 1) {
+  return bound(text, [&](Binder& b) { b.number("x", fallback, options); });
+}
+
+TEST(BinderNumber, ReadsFloatsIntegersAndDefaults) {
+  EXPECT_EQ(number("[s]\nx = 2.5", {}), "x = 2.5\n");
+  EXPECT_EQ(number("[s]\nx = 2", {}), "x = 2.0\n");
+  EXPECT_EQ(number("[s]\nx = -0.0", {}), "x = 0.0\n");
+  EXPECT_EQ(number("[s]", {}), "x = 1.0\n");
+  EXPECT_EQ(number("", {}), "x = 1.0\n");
+}
+
+TEST(BinderNumber, EndsOfTheRangeAreOpenOrClosed) {
+  const NumberOptions closed{.minimum = 0, .maximum = 2};
+  const NumberOptions open{
+      .minimum = 0, .above_minimum = true, .maximum = 2, .below_maximum = true, .unit = "D"};
+  EXPECT_EQ(number("[s]\nx = 0", closed), "x = 0.0\n");
+  EXPECT_EQ(number("[s]\nx = 2", closed), "x = 2.0\n");
+  EXPECT_EQ(number("[s]\nx = 2.1", closed),
+            "f:2:5: 'x' in [s]: expected a number from 0 to 2, found 2.1\n");
+  EXPECT_EQ(number("[s]\nx = 0", open),
+            "f:2:5: 'x' in [s]: expected a number above 0 and below 2 D, found 0\n");
+  EXPECT_EQ(number("[s]\nx = 2.0", open),
+            "f:2:5: 'x' in [s]: expected a number above 0 and below 2 D, found 2.0\n");
+}
+
+TEST(BinderNumber, NamesHalfOpenRanges) {
+  EXPECT_EQ(number("[s]\nx = -1", {.minimum = 0}),
+            "f:2:5: 'x' in [s]: expected a number of at least 0, found -1\n");
+  EXPECT_EQ(number("[s]\nx = 2", {.maximum = 1}),
+            "f:2:5: 'x' in [s]: expected a number at most 1, found 2\n");
+  EXPECT_EQ(number("[s]\nx = nan", {}), "f:2:5: 'x' in [s]: expected a finite number, found nan\n");
+}
+
+TEST(BinderNumber, AnErrorLeavesTheDefault) {
+  const auto document = parse_document("[s]\nx = 'a'", "f");
+  Diagnostics diagnostics("f");
+  Binder binder("s", document.value().find("s"), diagnostics);
+  double x = 7;
+  binder.number("x", x, {});
+  EXPECT_EQ(x, 7);
+  EXPECT_TRUE(binder.given("x"));
+  EXPECT_FALSE(binder.valid("x"));
+  EXPECT_FALSE(binder.valid("y"));
+}
+
+TEST(BinderAngle, IsDegreesOutsideAndRadiansInside) {
+  double angle = 0.17453292519943295;
+  const auto bind = [&](Binder& b) { b.angle_deg("a", angle, {.minimum = 0, .maximum = 90}); };
+  EXPECT_EQ(bound("[s]", bind), "a = 10.0\n");
+  EXPECT_EQ(angle, 0.17453292519943295);
+  EXPECT_EQ(bound("[s]\na = 30", bind), "a = 30.0\n");
+  EXPECT_EQ(angle, 30 * 0.017453292519943295);
+  EXPECT_EQ(bound("[s]\na = 91", bind),
+            "f:2:5: 'a' in [s]: expected a number from 0 to 90 degrees, found 91\n");
+  // Kept as it was written, to the last bit.
+  EXPECT_EQ(bound("[s]\na = 10.000000000000002", bind), "a = 10.000000000000002\n");
+}
+
+TEST(BinderInteger, ReadsItsRangeAndNothingElse) {
+  std::uint64_t n = 3;
+  const auto bind = [&](Binder& b) {
+    b.integer("n", n, {.minimum = 0, .maximum = 9223372036854775807, .unit = "scans"});
+  };
+  EXPECT_EQ(bound("[s]", bind), "n = 3\n");
+  EXPECT_EQ(bound("[s]\nn = 9223372036854775807", bind), "n = 9223372036854775807\n");
+  EXPECT_EQ(n, 9223372036854775807U);
+  EXPECT_EQ(bound("[s]\nn = 0x1F", bind), "n = 31\n");
+  EXPECT_EQ(bound("[s]\nn = -1", bind),
+            "f:2:5: 'n' in [s]: expected an integer from 0 to 9223372036854775807 scans, found "
+            "-1\n");
+  EXPECT_EQ(bound("[s]\nn = 2.0", bind),
+            "f:2:5: 'n' in [s]: expected an integer from 0 to 9223372036854775807 scans, found "
+            "2.0; an integer has no '.' and no exponent\n");
+}
+
+TEST(BinderInteger, MayBeThereOrNot) {
+  std::optional<std::uint32_t> n;
+  const auto bind = [&](Binder& b) { b.optional_integer("n", n, {.minimum = 1, .maximum = 5}); };
+  EXPECT_EQ(bound("[s]", bind), "n = \n");
+  EXPECT_EQ(n, std::nullopt);
+  EXPECT_EQ(bound("[s]\nn = 6", bind),
+            "f:2:5: 'n' in [s]: expected an integer from 1 to 5, found 6\n");
+  EXPECT_EQ(n, std::nullopt);
+  EXPECT_EQ(bound("[s]\nn = 5", bind), "n = 5\n");
+  EXPECT_EQ(n, 5U);
+}
+
+TEST(BinderBoolean, IsTrueOrFalse) {
+  bool flag = true;
+  const auto bind = [&](Binder& b) { b.boolean("flag", flag, "help"); };
+  EXPECT_EQ(bound("", bind), "flag = true\n");
+  EXPECT_EQ(bound("[s]\nflag = false", bind), "flag = false\n");
+  EXPECT_EQ(bound("[s]\nflag = 1", bind),
+            "f:2:8: 'flag' in [s]: expected true or false, found 1\n");
+}
+
+TEST(BinderText, CountsCharactersNotBytes) {
+  std::string word = "A\"";
+  const auto bind = [&](Binder& b) { b.text("word", word, {.characters_max = 3}); };
+  EXPECT_EQ(bound("", bind), "word = \"A\\\"\"\n");
+  EXPECT_EQ(bound("[s]\nword = '\xc3\xa4\xc3\xa4\xc3\xa4'", bind),
+            "word = \"\xc3\xa4\xc3\xa4\xc3\xa4\"\n");
+  EXPECT_EQ(bound("[s]\nword = 'four'", bind),
+            "f:2:8: 'word' in [s]: expected a string of at most 3 characters, found the string "
+            "\"four\", which has 4 characters\n");
+  EXPECT_EQ(bound("[s]\nword = 4", bind),
+            "f:2:8: 'word' in [s]: expected a string of at most 3 characters, found 4\n");
+}
+
+enum class Colour { red, green };
+
+TEST(BinderChoice, NamesItsChoicesAndTheNearest) {
+  static constexpr std::array k_colours{Named<Colour>{"red", Colour::red},
+                                        Named<Colour>{"green", Colour::green}};
+  const std::span<const Named<Colour>> colours(k_colours);
+  Colour colour = Colour::green;
+  const auto bind = [&](Binder& b) { b.choice("c", colour, colours, ""); };
+  EXPECT_EQ(bound("", bind), "c = \"green\"\n");
+  EXPECT_EQ(bound("[s]\nc = 'red'", bind), "c = \"red\"\n");
+  EXPECT_EQ(colour, Colour::red);
+  EXPECT_EQ(bound("[s]\nc = 'gren'", bind),
+            "f:2:5: 'c' in [s]: expected one of \"red\", \"green\", found the string \"gren\"; did "
+            "you mean \"green\"?\n");
+  EXPECT_EQ(bound("[s]\nc = 1", bind),
+            "f:2:5: 'c' in [s]: expected one of \"red\", \"green\", found 1\n");
+
+  const auto required = [&](Binder& b) { b.required_choice("c", colour, colours, ""); };
+  EXPECT_EQ(bound("[s]", required),
+            "f:1:2: 'c' in [s]: missing; expected one of \"red\", \"green\"\n");
+  EXPECT_EQ(bound("[s]\nc = 'green'", required), "c = \"green\"\n");
+  EXPECT_EQ(colour, Colour::green);
+}
+
+TEST(BinderError, IsPlacedAtTheKeyOrItsSection) {
+  const auto bind = [](Binder& b) { b.error("k", "at odds with 'j'"); };
+  EXPECT_EQ(bound("[s]\n  k = 1", bind), "f:2:3: 'k' in [s]: at odds with 'j'\n");
+  EXPECT_EQ(bound("\n[s]", bind), "f:2:2: 'k' in [s]: at odds with 'j'\n");
+  EXPECT_EQ(bound("", bind), "f:1:1: 'k' in [s]: at odds with 'j'\n");
+}
+
+TEST(BinderKeys, TellWhatAKeyIs) {
+  Diagnostics diagnostics("f");
+  Binder binder("s", nullptr, diagnostics);
+  double x = 0.5;
+  std::optional<std::uint32_t> n;
+  binder.number("x", x,
+                {.minimum = 0, .above_minimum = true, .maximum = 1, .unit = "m", .help = "h"});
+  binder.number("y", x, {});
+  binder.optional_integer("n", n, {.minimum = 1, .maximum = 5});
+  ASSERT_EQ(binder.keys().size(), 3U);
+  const KeySpec& spec = binder.keys()[0].spec;
+  EXPECT_EQ(spec.key, "x");
+  EXPECT_EQ(spec.unit, "m");
+  EXPECT_EQ(spec.range, "(0, 1]");
+  EXPECT_EQ(spec.fallback, "0.5");
+  EXPECT_EQ(spec.help, "h");
+  EXPECT_EQ(binder.keys()[1].spec.range, "(-inf, inf)");
+  EXPECT_EQ(binder.keys()[2].spec.range, "1 .. 5");
+  EXPECT_EQ(binder.keys()[2].spec.presence, Presence::optional);
+  EXPECT_EQ(x, 0.5);
+}
+
+TEST(BinderDeathTest, BugsInABindFunctionStopTheProcess) {
+  Diagnostics diagnostics("f");
+  double x = 5;
+  const auto twice = [&] {
+    Binder binder("s", nullptr, diagnostics);
+    binder.number("x", x, {});
+    binder.number("x", x, {});
+  };
+  EXPECT_DEATH(twice(), "check failed");
+  const auto default_out_of_range = [&] {
+    Binder binder("s", nullptr, diagnostics);
+    binder.number("x", x, {.maximum = 1});
+  };
+  EXPECT_DEATH(default_out_of_range(), "check failed");
+  const auto range_too_wide = [&] {
+    Binder binder("s", nullptr, diagnostics);
+    std::uint8_t small = 0;
+    binder.integer("x", small, {.minimum = 0, .maximum = 256});
+  };
+  EXPECT_DEATH(range_too_wide(), "check failed");
+}
+
+}  // namespace
+}  // namespace sleight::request

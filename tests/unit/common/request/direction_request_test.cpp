@@ -1,0 +1,252 @@
+// Goal: the rules of a request that no single key knows. Method: small files over a toy world; the
+// whole list of errors is compared, so nothing is reported twice or out of order.
+// tests/requests holds the corpus of bad requests.
+#include "common/request/direction_request.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/common/request/toy_world.h"
+
+namespace sleight::request {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+DirectionRequest read(std::string_view text, toy::Parameters& parameters) {
+  const std::array worlds{toy::binding(parameters)};
+  auto request = read_request(text, "r.toml", worlds);
+  if (!request) {
+    for (const auto& d : request.error())
+      ADD_FAILURE() << to_string(d);
+    return {};
+  }
+  return std::move(request).value();
+}
+
+DirectionRequest read(std::string_view text) {
+  toy::Parameters parameters;
+  return read(text, parameters);
+}
+
+constexpr std::string_view k_least = "[world]\nname = 'toy'\n[stop]\nscans = 10\n";
+
+constexpr std::string_view k_least_normalised = R"([world]
+name = "toy"
+height_m = 2.0
+tilt_deg = 10.0
+balls = 3
+spinning = true
+surface = "felt"
+
+[constraint]
+word = "HI"
+lambda = 0.25
+
+[sampler]
+method = "metropolis_hastings"
+chains = 4
+seed = 1
+iterations_per_scan = 1
+round_scans = 64
+step = 0.1
+
+[stop]
+scans = 10
+
+[output]
+thin = 1
+keep_max = 5000
+keep_per_lineage = 3
+min_distance = 0.5
+)";
+
+TEST(ReadRequest, FillsInDefaults) {
+  toy::Parameters parameters;
+  const DirectionRequest request = read(k_least, parameters);
+  EXPECT_EQ(request.world, "toy");
+  EXPECT_EQ(request.sampler, SamplerParameters{});
+  EXPECT_EQ(request.stop.scans, 10U);
+  EXPECT_EQ(request.stop.rounds, std::nullopt);
+  EXPECT_EQ(request.output, OutputParameters{});
+  EXPECT_EQ(parameters, toy::Parameters{});
+}
+
+TEST(ReadRequest, SetsWhatIsGiven) {
+  toy::Parameters parameters;
+  const DirectionRequest request = read(
+      "[world]\nname='toy'\nballs=9\nspinning=false\nsurface='wood'\ntilt_deg=-90\n"
+      "[constraint]\nword='OK'\n[sampler]\nchains=65536\nseed=9223372036854775807\nstep=0\n"
+      "iterations_per_scan=7\nround_scans=8\n[stop]\nscans=1_000_000_000_000\nrounds=3\n"
+      "independent_solutions=65536\n[output]\nthin=2\nkeep_max=0\nkeep_per_lineage=0\n"
+      "min_distance=1\n",
+      parameters);
+  EXPECT_EQ(parameters.balls, 9U);
+  EXPECT_FALSE(parameters.spinning);
+  EXPECT_EQ(parameters.surface, toy::Surface::wood);
+  EXPECT_EQ(parameters.word, "OK");
+  EXPECT_EQ(request.sampler,
+            (SamplerParameters{Method::metropolis_hastings, 65536, k_seed_max, 7, 8}));
+  EXPECT_EQ(request.stop, (StopRule{k_scans_max, 3, 65536}));
+  EXPECT_EQ(request.output, (OutputParameters{2, 0, 0, 1.0}));
+}
+
+TEST(ReadRequest, DoesNotCarryValuesFromOneFileToTheNext) {
+  toy::Parameters parameters;
+  read("[world]\nname='toy'\nballs=9\n[stop]\nscans=1", parameters);
+  EXPECT_EQ(parameters.balls, 9U);
+  read(k_least, parameters);
+  EXPECT_EQ(parameters.balls, 3U);
+}
+
+TEST(ReadRequest, ReportsEveryErrorInFileOrder) {
+  EXPECT_THAT(
+      toy::errors_of(
+          "[constraint]\n  lamda = 1\nword = 'HELLO'\n[stop]\nrounds = 0\n[world]\nname = "
+          "'toy'\nbals = 1\nballs = 10\n"),
+      ElementsAre(
+          "r.toml:2:3: unknown key 'lamda' in [constraint]; did you mean 'lambda'?",
+          "r.toml:3:8: 'word' in [constraint]: expected a string of at most 4 characters, found "
+          "the string \"HELLO\", which has 5 characters",
+          "r.toml:5:10: 'rounds' in [stop]: expected an integer from 1 to 40 rounds, found 0",
+          "r.toml:8:1: unknown key 'bals' in [world]; did you mean 'balls'?",
+          "r.toml:9:9: 'balls' in [world]: expected an integer from 1 to 9, found 10"));
+}
+
+TEST(ReadRequest, NamesTheWorlds) {
+  EXPECT_THAT(
+      toy::errors_of("[world]\nname = 'toi'\nany = 1\n[constraint]\nthing = 2\n[sampler]\n"
+                     "chains = 0\nx = 1\n[stop]\nscans = 1\nscan = 2"),
+      ElementsAre("r.toml:2:8: 'name' in [world]: expected one of \"toy\", \"toy_2\", found "
+                  "the string \"toi\"; did you mean \"toy\"?",
+                  "r.toml:7:10: 'chains' in [sampler]: expected an integer from 1 to 65536, "
+                  "found 0",
+                  "r.toml:11:1: unknown key 'scan' in [stop]; did you mean 'scans'?"));
+}
+
+TEST(ReadRequest, ChecksOfSeveralKeysAreAnchoredAtAKey) {
+  EXPECT_THAT(toy::errors_of("[world]\nname = 'toy'\n[constraint]\n word = ''\n[stop]\nscans = 1"),
+              ElementsAre("r.toml:4:2: 'word' in [constraint]: nothing to spell"));
+}
+
+TEST(ReadRequest, StopNeedsARule) {
+  EXPECT_THAT(toy::errors_of("[world]\nname = 'toy'\n"),
+              ElementsAre(HasSubstr("1:1: missing section [stop]")));
+  EXPECT_THAT(toy::errors_of("[world]\nname = 'toy'\n[stop]\n"),
+              ElementsAre(HasSubstr("3:2: [stop] needs at least one of")));
+  for (const std::string rule : {"scans = 1", "rounds = 1", "independent_solutions = 1"}) {
+    EXPECT_THAT(toy::errors_of("[world]\nname = 'toy'\n[stop]\n" + rule), IsEmpty());
+  }
+}
+
+TEST(ReadRequest, PlainChainsGiveOneSolutionEach) {
+  const std::string text = "[world]\nname = 'toy'\n[stop]\nindependent_solutions = 5\n[sampler]\n";
+  EXPECT_THAT(toy::errors_of(text + "chains = 5"), IsEmpty());
+  EXPECT_THAT(toy::errors_of(text + "chains = 4"),
+              ElementsAre(HasSubstr("4:1: 'independent_solutions' in [stop]: expected at most 4, "
+                                    "the number of chains, found 5: ")));
+  EXPECT_THAT(toy::errors_of(text), ElementsAre(HasSubstr("set chains = 5 in [sampler]")));
+}
+
+TEST(ReadRequest, RoundsAreNoLongerThanAnyRun) {
+  const std::string text = "[world]\nname = 'toy'\n[stop]\nrounds = 40\n[sampler]\nround_scans = ";
+  EXPECT_THAT(toy::errors_of(text + "1"), ElementsAre(HasSubstr("4:1: 'rounds' in [stop]: 40")));
+  EXPECT_THAT(toy::errors_of(text + "0"), ElementsAre(HasSubstr("6:15: 'round_scans'")));
+  EXPECT_THAT(toy::errors_of("[world]\nname='toy'\n[stop]\nrounds = 33"), IsEmpty());
+}
+
+TEST(ReadRequest, OptionsOfTheCommandLineAreNamedAsSuch) {
+  for (const std::string option : {"threads", "ranks", "cache", "simulator", "broad_phase"}) {
+    EXPECT_THAT(toy::errors_of(std::string(k_least) + option + " = 1"),
+                ElementsAre("r.toml:5:1: '" + option +
+                            "' is a command-line option, not a request key, since it may not "
+                            "change results"));
+  }
+}
+
+TEST(ReadRequest, ShowsAtMostSoManyErrors) {
+  std::string text(k_least);
+  for (int i = 0; i < 20000; ++i)
+    text += fmt::format("k{} = 1\n", i);
+  const auto errors = toy::errors_of(text);
+  ASSERT_EQ(errors.size(), k_diagnostics_max + 1);
+  EXPECT_THAT(errors.back(), HasSubstr("19800 more errors are not shown"));
+}
+
+TEST(NormalisedText, HasEveryKeyInAFixedOrder) {
+  EXPECT_EQ(normalised_text(read(k_least)), k_least_normalised);
+}
+
+TEST(NormalisedText, DoesNotDependOnHowTheFileWroteIt) {
+  EXPECT_EQ(
+      normalised_text(read("# hi\nstop = { scans = 0xA }\n[sampler]\nseed = +1\n[world]\nballs "
+                           "= 3\n'name' = \"\"\"toy\"\"\"\nheight_m = 2e0\n")),
+      k_least_normalised);
+}
+
+TEST(NormalisedText, CanBeStoppedElsewhere) {
+  const DirectionRequest request =
+      read("[world]\nname='toy'\n[stop]\nrounds = 3\nindependent_solutions = 2\n");
+  EXPECT_THAT(normalised_text(request),
+              HasSubstr("[stop]\nrounds = 3\nindependent_solutions = 2\n\n"));
+  std::string expected(k_least_normalised);
+  expected.replace(expected.find("scans = 10"), 10, "scans = 77");
+  EXPECT_EQ(normalised_text_of_scans(request, 77), expected);
+  EXPECT_EQ(normalised_text(read(expected)), expected);
+}
+
+TEST(IdentityText, IsWhatTheChainsDependOn) {
+  const auto identity = [](std::string_view more) {
+    return identity_text(read("[world]\nname='toy'\n" + std::string(more)));
+  };
+  const std::string same = identity("[stop]\nscans=1");
+  EXPECT_THAT(std::string(k_least_normalised), testing::StartsWith(same));
+  EXPECT_EQ(identity("[stop]\nrounds=9\n[output]\nthin=3\nkeep_max=1"), same);
+  EXPECT_NE(identity("balls=4\n[stop]\nscans=1"), same);
+  EXPECT_NE(identity("[constraint]\nlambda=4\n[stop]\nscans=1"), same);
+  EXPECT_NE(identity("[sampler]\nseed=4\n[stop]\nscans=1"), same);
+  EXPECT_NE(identity("[sampler]\nstep=0.2\n[stop]\nscans=1"), same);
+}
+
+TEST(WithSeed, IsAsIfTheFileHadIt) {
+  const DirectionRequest request = with_seed(read(k_least), k_seed_max);
+  EXPECT_EQ(request, read(std::string(k_least) + "[sampler]\nseed = 9223372036854775807"));
+}
+
+TEST(RequestKeys, ListEveryKeyOnce) {
+  toy::Parameters parameters;
+  std::string keys;
+  for (const SectionKeys& section : request_keys(toy::binding(parameters))) {
+    keys += section.name + ":";
+    for (const KeySpec& spec : section.keys)
+      keys += " " + spec.key;
+    keys += "\n";
+  }
+  EXPECT_EQ(keys,
+            "world: name height_m tilt_deg balls spinning surface\n"
+            "constraint: word lambda\n"
+            "sampler: method chains seed iterations_per_scan round_scans step\n"
+            "stop: scans rounds independent_solutions\n"
+            "output: thin keep_max keep_per_lineage min_distance\n");
+}
+
+TEST(KeyTable, IsAligned) {
+  toy::Parameters parameters;
+  const std::string table = key_table(toy::binding(parameters));
+  EXPECT_THAT(table, testing::StartsWith("toy: a world for tests\n\n[world]\n"));
+  std::size_t help_column = std::string::npos;
+  for (const std::string help : {"the world to simulate", "how many", "whether they spin",
+                                 "chains, independent", "at most so many satisfying"}) {
+    const std::size_t at = table.find(help);
+    ASSERT_NE(at, std::string::npos) << help;
+    const std::size_t column = at - table.rfind('\n', at);
+    if (help_column == std::string::npos) help_column = column;
+    EXPECT_EQ(column, help_column) << table;
+  }
+}
+
+}  // namespace
+}  // namespace sleight::request

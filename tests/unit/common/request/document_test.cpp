@@ -1,0 +1,142 @@
+// Goal: TOML of every form becomes sections of keys with their places, and files that could harm
+// the parser never reach it. Method: worked examples; hostile files at and beyond each limit.
+#include "common/request/document.h"
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+namespace sleight::request {
+namespace {
+
+Document parsed(std::string_view text) {
+  auto document = parse_document(text, "f.toml");
+  EXPECT_TRUE(document) << to_string(document.error());
+  return std::move(document).value();
+}
+
+std::string error_of(std::string_view text) {
+  const auto document = parse_document(text, "f.toml");
+  return document ? "" : to_string(document.error());
+}
+
+TEST(Document, KeepsSectionsAndKeysInFileOrderWithPlaces) {
+  const Document document = parsed("top = 1\n[b]\n  z = 'q'\na = 2.5\n[a]\n");
+  ASSERT_EQ(document.sections.size(), 2U);
+  ASSERT_EQ(document.loose.size(), 1U);
+  EXPECT_EQ(document.loose[0].key, "top");
+  const Section& b = document.sections[0];
+  EXPECT_EQ(b.name, "b");
+  EXPECT_EQ(b.place, (Place{2, 2}));
+  ASSERT_EQ(b.entries.size(), 2U);
+  EXPECT_EQ(b.entries[0].key, "z");
+  EXPECT_EQ(b.entries[0].place, (Place{3, 3}));
+  EXPECT_EQ(b.entries[0].value.place, (Place{3, 7}));
+  EXPECT_EQ(std::get<std::string>(b.entries[0].value.held), "q");
+  EXPECT_EQ(std::get<double>(b.find("a")->value.held), 2.5);
+  EXPECT_EQ(b.find("top"), nullptr);
+  EXPECT_EQ(document.find("a")->place, (Place{5, 2}));
+  EXPECT_EQ(document.find("c"), nullptr);
+}
+
+TEST(Document, DescribesEveryKindOfValue) {
+  const Document document = parsed(
+      "[s]\na = 'x\\u'\nb = 0x10\nc = 1e3\nd = true\ne = [1]\nf = {}\ng = 07:32:00\nh = -inf\n"
+      "i = 'a long string, of which forty characters are shown and no more'\nj = 1979-05-27\n");
+  std::string described;
+  for (const Entry& entry : document.sections[0].entries) {
+    described += description(entry.value) + "\n";
+  }
+  EXPECT_EQ(described,
+            "the string \"x\\u\"\n16\n1000.0\ntrue\nan array\na table\na date or time\n-inf\n"
+            "the string \"a long string, of which forty characters...\"\na date or time\n");
+}
+
+TEST(Document, ReadsNumbersWhateverTheLocaleAndHoweverSmall) {
+  const Document document =
+      parsed("[s]\na = 4.9406564584124654e-324\nb = +1_000.5\nc = 1e-05\nd = 1e+22\n");
+  const Section& s = document.sections[0];
+  EXPECT_EQ(std::get<double>(s.find("a")->value.held), 4.9406564584124654e-324);
+  EXPECT_EQ(std::get<double>(s.find("b")->value.held), 1000.5);
+  EXPECT_EQ(std::get<double>(s.find("c")->value.held), 1e-5);
+  EXPECT_EQ(std::get<double>(s.find("d")->value.held), 1e22);
+}
+
+TEST(Document, RefusesMoreThanAMegabyte) {
+  EXPECT_EQ(error_of(std::string(k_request_bytes_max, '\n')), "");
+  EXPECT_EQ(error_of(std::string(k_request_bytes_max + 1, '\n')),
+            "f.toml:1:1: the file has 1048577 bytes; a request has at most 1048576 (1 MiB)");
+}
+
+std::string repeated(std::string_view piece, std::size_t times) {
+  std::string all;
+  for (std::size_t i = 0; i < times; ++i)
+    all += piece;
+  return all;
+}
+
+TEST(Document, RefusesDeepKeysInEveryDisguise) {
+  EXPECT_EQ(error_of("a" + repeated(".a", k_dots_per_line_max) + " = 1"), "");
+  EXPECT_EQ(error_of("a" + repeated(".a", k_dots_per_line_max + 1) + " = 1"),
+            "f.toml:1:202: more than 100 dots on one line; keys of a request do not nest");
+  for (const std::string& deep :
+       {"[a" + repeated(".a", 200000) + "]", "a" + repeated(" . \"a\"", 100000) + " = 1",
+        "a = { a" + repeated(".a", 200000) + " = 1 }"}) {
+    EXPECT_NE(error_of(deep).find("do not nest"), std::string::npos);
+  }
+  for (const std::string& deep : {"a = " + repeated("[", 500000), "a = " + repeated("{a=", 300000),
+                                  "a = " + repeated("[{a.a.a.a=", 100000)}) {
+    EXPECT_NE(error_of(deep), "");
+  }
+}
+
+TEST(Document, HoldsTheDeepestFileThatIsAllowed) {
+  // Eight inline tables one in another, a line each, every line with as many dots as it may have.
+  std::string deep = "a" + repeated(".a", k_dots_per_line_max) + " = ";
+  for (int i = 0; i < 4; ++i)
+    deep += "[\n{ a" + repeated(".a", k_dots_per_line_max) + " = ";
+  EXPECT_NE(error_of(deep + "1"), "");
+  deep += "1";
+  for (int i = 0; i < 4; ++i)
+    deep += " } ]";
+  EXPECT_NE(error_of(deep), "");
+  deep = "a" + repeated(".a", k_dots_per_line_max) + " = ";
+  for (int i = 0; i < 3; ++i)
+    deep += "[\n{ a" + repeated(".a", k_dots_per_line_max) + " = ";
+  deep += "1";
+  for (int i = 0; i < 3; ++i)
+    deep += " } ]";
+  EXPECT_EQ(error_of(deep), "");
+}
+
+TEST(Document, SurvivesManyKeys) {
+  std::string many = "[s]\n";
+  for (int i = 0; i < 50000; ++i)
+    many += fmt::format("k{} = {}\n", i, i);
+  EXPECT_EQ(parsed(many).sections[0].entries.size(), 50000U);
+}
+
+TEST(Diagnostics, AreSortedAndCounted) {
+  Diagnostics diagnostics("f\x1b.toml");
+  EXPECT_TRUE(diagnostics.empty());
+  diagnostics.add({2, 1}, "c");
+  diagnostics.add({1, 9}, "a");
+  diagnostics.add({2, 1}, "d");
+  diagnostics.add({1, 10}, "b");
+  std::string lines;
+  for (const Diagnostic& d : diagnostics.sorted())
+    lines += to_string(d) + "\n";
+  EXPECT_EQ(lines,
+            "f\\u{1b}.toml:1:9: a\nf\\u{1b}.toml:1:10: b\nf\\u{1b}.toml:2:1: c\n"
+            "f\\u{1b}.toml:2:1: d\n");
+
+  Diagnostics many("f");
+  for (std::uint32_t i = 1; i <= k_diagnostics_max + 5; ++i)
+    many.add({i, 1}, "m");
+  const auto sorted = many.sorted();
+  ASSERT_EQ(sorted.size(), k_diagnostics_max + 1);
+  EXPECT_EQ(to_string(sorted.back()), "f:201:1: from here on 5 more errors are not shown");
+}
+
+}  // namespace
+}  // namespace sleight::request

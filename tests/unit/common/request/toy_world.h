@@ -1,0 +1,62 @@
+// A world for these tests: every kind of key, and nothing to simulate.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "common/request/direction_request.h"
+
+namespace sleight::request::toy {
+
+enum class Surface { felt, wood };
+
+struct Parameters {
+  double height_m = 2;
+  double tilt_rad = 0.17453292519943295;  // 10 degrees
+  std::uint32_t balls = 3;
+  bool spinning = true;
+  std::string word = "HI";
+  Surface surface = Surface::felt;
+  double lambda = 0.25;
+  double step = 0.1;
+  friend bool operator==(const Parameters&, const Parameters&) = default;
+};
+
+inline constexpr std::array k_surfaces{Named<Surface>{"felt", Surface::felt},
+                                       Named<Surface>{"wood", Surface::wood}};
+
+inline WorldBinding binding(Parameters& p, std::string name = "toy") {
+  return {std::move(name), "a world for tests",
+          [&p](Binder& world, Binder& constraint, Binder& sampler) {
+            p = Parameters{};
+            world.number("height_m", p.height_m,
+                         {.minimum = 0, .above_minimum = true, .maximum = 100, .unit = "m"});
+            world.angle_deg("tilt_deg", p.tilt_rad, {.minimum = -90, .maximum = 90});
+            world.integer("balls", p.balls, {.minimum = 1, .maximum = 9, .help = "how many"});
+            world.boolean("spinning", p.spinning, "whether they spin");
+            world.choice("surface", p.surface, std::span<const Named<Surface>>(k_surfaces),
+                         "what they roll on");
+            constraint.text("word", p.word, {.characters_max = 4, .help = "what they spell"});
+            constraint.number("lambda", p.lambda, {});
+            sampler.number("step", p.step, {.minimum = 0, .maximum = 1, .below_maximum = true});
+            if (p.word.empty() && constraint.valid("word")) {
+              constraint.error("word", "nothing to spell");
+            }
+          }};
+}
+
+/// Errors as the command line prints them, one in each element; empty for a good request.
+inline std::vector<std::string> errors_of(std::string_view text) {
+  Parameters parameters;
+  const std::array worlds{binding(parameters), binding(parameters, "toy_2")};
+  const auto request = read_request(text, "r.toml", worlds);
+  std::vector<std::string> errors;
+  if (!request) {
+    for (const Diagnostic& diagnostic : request.error())
+      errors.push_back(to_string(diagnostic));
+  }
+  return errors;
+}
+
+}  // namespace sleight::request::toy

@@ -1,0 +1,48 @@
+// The worlds that this program has, each with what a run needs of it: its request keys, a worker
+// that computes its units, and a reader of its states.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/archive/world_layout.h"
+#include "common/plan/plan.h"
+#include "common/plan/unit.h"
+#include "common/request/direction_request.h"
+
+namespace sleight::run {
+
+/// One world; its parameters are those of the request read last through binding().
+/// Not thread-safe; what make_worker and make_reader return is.
+class WorldEntry {
+ public:
+  virtual ~WorldEntry() = default;
+  virtual request::WorldBinding binding() = 0;
+  virtual std::unique_ptr<plan::UnitWorker> make_worker(
+      const request::DirectionRequest& request) const = 0;
+  virtual std::unique_ptr<archive::StateReader> make_reader() const = 0;
+};
+
+/// All worlds, in alphabetical order.
+class Catalogue {
+ public:
+  Catalogue();
+  /// Bindings of all worlds, for read_request and help; they write into this catalogue.
+  std::vector<request::WorldBinding> bindings();
+  /// REQUIRES: a world of that name.
+  const WorldEntry& world(std::string_view name) const;
+
+ private:
+  struct Named {
+    std::string name;
+    std::unique_ptr<WorldEntry> entry;
+  };
+  std::vector<Named> worlds_;
+};
+
+/// The plan of a request's sampling method.
+std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request);
+
+}  // namespace sleight::run

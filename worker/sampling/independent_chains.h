@@ -1,0 +1,73 @@
+// Plain Metropolis-Hastings chains that never meet, as a Plan: each starts from its own prior draw
+// and makes scan after scan at inverse temperature 1. The baseline of every other method.
+//
+// Rounds double: round r (from 1) has round_scans * 2^(r-1) scans of every chain. The number of
+// independent solutions is judged at round ends only, so there all chains wait for the last one;
+// the other stop rules need no barrier.
+//
+// Invariant: the scan at which the run stops is a function of the results up to that scan.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/plan/plan.h"
+
+namespace sleight::sampling {
+
+/// The first rule that holds ends the run. At least one is set.
+struct StopRule {
+  std::optional<std::uint64_t> scans;  ///< of each chain, the start (scan 0) included
+  std::optional<std::uint32_t> rounds;
+  std::optional<std::uint64_t> independent_solutions;  ///< lineages with a satisfied scan
+};
+
+struct IndependentChainsOptions {
+  std::uint32_t chains = 1;
+  std::uint64_t round_scans = 64;  ///< length of the first round
+  StopRule stop;
+};
+
+/// The scans of one chain in rounds 1 .. rounds, saturating at the largest count.
+std::uint64_t scans_through_round(std::uint64_t round_scans, std::uint32_t rounds);
+
+class IndependentChains final : public plan::Plan {
+ public:
+  /// REQUIRES: chains and round_scans at least 1, one stop rule at least.
+  explicit IndependentChains(const IndependentChainsOptions& options);
+
+  std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
+  void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
+               std::span<const plan::ScanRecord> records) override;
+  bool finished() const override;
+  std::uint64_t scans_common() const override;
+  std::uint64_t scans_consumed() const override;
+  std::optional<std::uint64_t> scans_total() const override;
+
+ private:
+  struct Chain {
+    std::uint64_t consumed = 0;
+    bool running = false;  ///< a unit of it is handed out
+    /// The scan at which each of its lineages first satisfied, in order.
+    std::vector<std::uint64_t> first_satisfied;
+    std::optional<std::uint64_t> newest_satisfied_lineage;
+  };
+
+  std::uint64_t common_consumed() const;
+  /// Moves on over every round end that all chains have reached, and judges there.
+  void judge_rounds();
+
+  IndependentChainsOptions options_;
+  std::vector<Chain> chains_;
+  std::set<std::pair<std::uint64_t, std::uint32_t>>
+      by_progress_;  ///< (consumed, chain), all chains
+  std::uint32_t round_ = 1;
+  std::uint64_t horizon_ = 0;  ///< scans that may be handed out now
+  std::uint64_t end_ = 0;      ///< scans at which the run stops, as far as the rules tell yet
+};
+
+}  // namespace sleight::sampling

@@ -1,0 +1,81 @@
+// Metropolis-Hastings: Algorithm 2.1 of the thesis, for any target and inverse temperature.
+//
+// Draws are addressed by (seed, chain, replica, purpose, iteration), so an iteration's outcome is a
+// pure function of the state before it. The proposal and the acceptance have streams of their own:
+// a proposal that draws more or fewer numbers doesn't shift anything else.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "common/math/elementary.h"
+#include "common/random/stream.h"
+#include "worker/sampling/target.h"
+
+namespace sleight::sampling {
+
+/// Which chain's random numbers to use: everything of a stream's address but purpose and iteration.
+struct ChainStreams {
+  std::uint64_t seed = 0;
+  base::ChainId chain;
+  base::ReplicaId replica;
+
+  random::Stream at(random::Purpose purpose, std::uint64_t iteration) const {
+    return random::Stream({.seed = seed, .chain = chain, .replica = replica, .purpose = purpose},
+                          iteration);
+  }
+};
+
+/// What happened in one iteration.
+struct StepReport {
+  std::uint32_t kind = 0;  ///< of the proposal
+  bool accepted = false;
+};
+
+/// Lines 1 and 2 of Algorithm 2.1: the start, an exact draw from the prior, simulated.
+template <Target T>
+Sample<T> initialize(const T& target, const ChainStreams& streams) {
+  random::Stream prior = streams.at(random::Purpose::prior, 0);
+  return evaluate(target, target.draw_prior(prior));
+}
+
+/// log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)), line 7. A candidate of zero density is never
+/// accepted; out of a current state of zero density (a start that breaks a hard constraint), every
+/// candidate is weighed by the prior alone, so that the chain walks on until it finds support.
+inline double log_acceptance_ratio(double current_log_prior, double current_log_constraint,
+                                   double candidate_log_prior, double candidate_log_constraint,
+                                   double inverse_temperature, double log_q_ratio) {
+  constexpr double k_zero_density = -std::numeric_limits<double>::infinity();
+  const double current =
+      tempered_log_density(current_log_prior, current_log_constraint, inverse_temperature);
+  const double candidate =
+      tempered_log_density(candidate_log_prior, candidate_log_constraint, inverse_temperature);
+  if (current == k_zero_density) return candidate_log_prior - current_log_prior + log_q_ratio;
+  return candidate - current + log_q_ratio;
+}
+
+/// Lines 4 to 10 of Algorithm 2.1: one iteration, which replaces `current` or keeps it.
+/// REQUIRES: iteration >= 1, used once per chain (0 is the start's).
+template <Target T>
+StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
+                                    const ChainStreams& streams, std::uint64_t iteration,
+                                    Sample<T>& current) {
+  // Propose a candidate from the current state.
+  random::Stream proposal_stream = streams.at(random::Purpose::proposal, iteration);
+  auto proposal = target.propose(current.state, proposal_stream);
+
+  // Simulate it.
+  Sample<T> candidate = evaluate(target, std::move(proposal.candidate));
+
+  // Accept it with probability min(1, ratio).
+  const double log_ratio =
+      log_acceptance_ratio(current.log_prior, current.log_constraint, candidate.log_prior,
+                           candidate.log_constraint, inverse_temperature, proposal.log_q_ratio);
+  const double u = streams.at(random::Purpose::acceptance, iteration).uniform();
+  const bool accepted = math::log(u) < log_ratio;
+  if (accepted) current = std::move(candidate);
+  return {.kind = proposal.kind, .accepted = accepted};
+}
+
+}  // namespace sleight::sampling

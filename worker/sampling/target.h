@@ -1,0 +1,72 @@
+// What a sampler needs to know of a world, and nothing more: a prior that can be drawn from, a
+// simulation, the constraint on its outcome, and a proposal.
+//
+// The distribution that is sampled is p_beta(A) proportional to p_w(A) p_c(A)^beta (thesis equation
+// 2.1 at beta = 1). p_w is the world model over the random variables (State); p_c judges only what
+// the simulation made of them (Outcome).
+//
+// Invariants of a target
+//   1. draw_prior is exact: its density is exp(log_prior), normalised.
+//   2. propose's log_q_ratio is log q(current|candidate) - log q(candidate|current), so that
+//      Algorithm 2.1's acceptance is right for the mixture over all kinds.
+//   3. Every function is a pure function of its arguments; all randomness comes from the stream.
+// Thread safety: const functions may be called from several threads at once.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "common/random/stream.h"
+
+namespace sleight::sampling {
+
+/// A candidate state, and what acceptance needs of how it came about.
+template <class State>
+struct Proposal {
+  State candidate;
+  double log_q_ratio = 0;  ///< log q(current|candidate) - log q(candidate|current)
+  std::uint32_t kind = 0;  ///< which of the target's proposal kinds made it
+};
+
+template <class T>
+concept Target = std::copyable<typename T::State> && std::copyable<typename T::Outcome> &&
+    requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome,
+             random::Stream& stream) {
+  { target.draw_prior(stream) } -> std::same_as<typename T::State>;
+  { target.log_prior(state) } -> std::same_as<double>;
+  { target.simulate(state) } -> std::same_as<typename T::Outcome>;
+  { target.log_constraint(outcome) } -> std::same_as<double>;
+  { target.satisfied(outcome) } -> std::same_as<bool>;
+  { target.propose(state, stream) } -> std::same_as<Proposal<typename T::State>>;
+  { target.proposal_kinds() } -> std::convertible_to<std::uint32_t>;
+};
+
+/// A state together with everything that was computed from it. log_prior and log_constraint always
+/// belong to this state: they travel together, so that no old density outlives an acceptance.
+template <Target T>
+struct Sample {
+  typename T::State state;
+  typename T::Outcome outcome;
+  double log_prior = 0;
+  double log_constraint = 0;
+};
+
+/// Simulates a state and evaluates both densities.
+template <Target T>
+Sample<T> evaluate(const T& target, typename T::State state) {
+  const double log_prior = target.log_prior(state);
+  typename T::Outcome outcome = target.simulate(state);
+  const double log_constraint = target.log_constraint(outcome);
+  return {std::move(state), std::move(outcome), log_prior, log_constraint};
+}
+
+/// log p_w + beta log p_c, with p_c^0 = 1 also where p_c = 0.
+inline double tempered_log_density(double log_prior, double log_constraint,
+                                   double inverse_temperature) {
+  if (inverse_temperature == 0) return log_prior;
+  return log_prior + inverse_temperature * log_constraint;
+}
+
+}  // namespace sleight::sampling

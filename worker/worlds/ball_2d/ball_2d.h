@@ -1,0 +1,63 @@
+// The world of the 2D ball (thesis 2.2, 2.4.1): which normals make a dropped ball land near a
+// place?
+//
+//   random variables  normals theta_1 .. theta_n, independent N(0, sd) tilts from the vertical
+//   log p_w           sum of their log densities, normalised
+//   outcome           where and when the ball lands on collision n + 1
+//   log p_c           -1/2 ((x - target) / sigma)^2, so p_c is at most 1
+//   satisfied         |x - target| <= tolerance
+//   proposal          Algorithm 2.2: each normal, with a probability, plus uniform(-w, w);
+//   symmetric
+//
+// Thread-safe: immutable after construction.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/archive/world_layout.h"
+#include "common/base/bytes.h"
+#include "common/random/stream.h"
+#include "worker/sampling/target.h"
+#include "worker/worlds/ball_2d/motion.h"
+#include "worker/worlds/ball_2d/parameters.h"
+
+namespace sleight::worlds::ball_2d {
+
+class Ball2d {
+ public:
+  using State = NormalAngles;
+  using Outcome = Landing;
+
+  explicit Ball2d(const Parameters& parameters) : parameters_(parameters) {}
+
+  const Parameters& parameters() const { return parameters_; }
+
+  State draw_prior(random::Stream& stream) const;
+  double log_prior(const State& normals) const;
+  Landing simulate(const State& normals) const;
+  double log_constraint(const Landing& landing) const;
+  bool satisfied(const Landing& landing) const;
+  sampling::Proposal<State> propose(const State& normals, random::Stream& stream) const;
+  std::uint32_t proposal_kinds() const { return 1; }
+
+  /// A state as bytes: one double a collision. Decoding refuses any other length.
+  base::Bytes encode(const State& normals) const;
+  std::optional<State> decode(base::BytesView bytes) const;
+
+  /// In the order of layout().outcomes.
+  std::vector<double> outcome_values(const Landing& landing) const;
+
+ private:
+  Parameters parameters_;
+};
+
+static_assert(sampling::Target<Ball2d>);
+
+/// How its archives name things. Likeness distance: the largest difference between the places of
+/// equal-numbered collisions, landing included, in ball diameters.
+std::unique_ptr<archive::StateReader> make_state_reader(const Parameters& parameters);
+
+}  // namespace sleight::worlds::ball_2d

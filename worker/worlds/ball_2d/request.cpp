@@ -1,0 +1,79 @@
+#include "worker/worlds/ball_2d/request.h"
+
+namespace sleight::worlds::ball_2d {
+namespace {
+
+void bind_world(request::Binder& world, WorldParameters& p) {
+  world.number("diameter_m", p.diameter_m,
+               {.minimum = 0.001,
+                .maximum = 1000,
+                .unit = "m",
+                .help = "the ball's diameter D; scales the picture only"});
+  world.number(
+      "gravity_mps2", p.gravity_mps2,
+      {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "gravity; scales time only"});
+  world.number("drop_height_diameters", p.drop_height_diameters,
+               {.minimum = 0.01,
+                .maximum = 10000,
+                .unit = "D",
+                .help = "how far the ball falls before its first collision"});
+  world.integer("collisions", p.collisions,
+                {.minimum = 1,
+                 .maximum = k_collisions_max,
+                 .help = "collisions with a random normal; the ball lands on the next one"});
+  // A standard deviation near 0 would leave nothing to direct, and of 0 no density.
+  world.angle_deg("normal_sd_deg", p.normal_sd_rad,
+                  {.minimum = 0.001,
+                   .maximum = 45,
+                   .help = "standard deviation of each normal from the vertical"});
+  world.number("restitution", p.restitution,
+               {.minimum = 0,
+                .above_minimum = true,
+                .maximum = 1,
+                .help = "speed along the normal after a collision, relative to before"});
+}
+
+void bind_constraint(request::Binder& constraint, ConstraintParameters& p) {
+  constraint.number("target_diameters", p.target_diameters,
+                    {.minimum = -10000,
+                     .maximum = 10000,
+                     .unit = "D",
+                     .help = "where the ball should land, from below its start"});
+  constraint.number("sigma_diameters", p.sigma_diameters,
+                    {.minimum = 1e-6,
+                     .maximum = 10000,
+                     .unit = "D",
+                     .help = "standard deviation of the landing about the target"});
+  constraint.number("tolerance_diameters", p.tolerance_diameters,
+                    {.minimum = 1e-6,
+                     .maximum = 10000,
+                     .unit = "D",
+                     .help = "an animation that lands within it of the target is satisfied"});
+}
+
+void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
+  sampler.number("change_probability", p.change_probability,
+                 {.minimum = 0,
+                  .above_minimum = true,
+                  .maximum = 1,
+                  .help = "a proposal changes each normal with this probability"});
+  sampler.angle_deg("change_half_width_deg", p.change_half_width_rad,
+                    {.minimum = 0.001,
+                     .maximum = 180,
+                     .help = "and by an angle uniform between minus and plus this"});
+}
+
+}  // namespace
+
+request::WorldBinding request_binding(Parameters& parameters) {
+  return {
+      "ball_2d", "a ball that bounces on a table in two dimensions and lands near a target",
+      [&parameters](request::Binder& world, request::Binder& constraint, request::Binder& sampler) {
+        parameters = Parameters{};
+        bind_world(world, parameters.world);
+        bind_constraint(constraint, parameters.constraint);
+        bind_proposal(sampler, parameters.proposal);
+      }};
+}
+
+}  // namespace sleight::worlds::ball_2d
