@@ -58,7 +58,7 @@ struct SamplerParameters {
 /// At least one is given. Each is judged logically, never by a clock. The scans of `rounds` rounds,
 /// round_scans * (2^rounds - 1), are at most k_scans_max too.
 struct StopRule {
-  std::optional<std::uint64_t> scans;   ///< of each chain, scan 0 not counted
+  std::optional<std::uint64_t> scans;   ///< of each chain, its start (scan 0) included
   std::optional<std::uint32_t> rounds;  ///< of each chain
   /// Lineages with a satisfying animation, over all chains, judged at the ends of rounds.
   std::optional<std::uint32_t> independent_solutions;

@@ -13,7 +13,6 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 # CHECK stays on in release, so NDEBUG only silences the libraries' own asserts.
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -g1 -DNDEBUG")
-set(CMAKE_CXX_FLAGS_DEBUG "-O0 -g")
 
 # Everything of ours is built with these; INTERFACE so that each target opts in by linking.
 add_library(sleight_options INTERFACE)

@@ -38,10 +38,16 @@ std::size_t width_in_file(std::size_t bytes) {
   return std::max<std::size_t>(1, bytes);
 }
 
-Handle fixed_text_type(const Api& api, std::size_t bytes) {
+/// Bytes of one element of text. A scalar keeps its NUL: netCDF-C 4.9.0 reads on until it finds
+/// one.
+std::size_t width_in_file(const DatasetSpec& spec) {
+  return spec.dims.empty() ? spec.text_bytes + 1 : width_in_file(spec.text_bytes);
+}
+
+Handle fixed_text_type(const Api& api, std::size_t bytes, H5T_str_t padding) {
   Handle type = api.id(H5Tcopy(H5T_C_S1), H5Tclose, "", "make a text type");
-  api.ok(H5Tset_size(type.get(), width_in_file(bytes)), "", "size a text type");
-  api.ok(H5Tset_strpad(type.get(), H5T_STR_NULLPAD), "", "pad a text type");
+  api.ok(H5Tset_size(type.get(), bytes), "", "size a text type");
+  api.ok(H5Tset_strpad(type.get(), padding), "", "pad a text type");
   api.ok(H5Tset_cset(type.get(), H5T_CSET_UTF8), "", "encode a text type");
   return type;
 }
@@ -69,7 +75,9 @@ hid_t plain_file_type(ElementType type) {
 
 Handle file_type(const Api& api, const DatasetSpec& spec) {
   if (is_text_array(spec)) return character_type(api);
-  if (spec.type == ElementType::text) return fixed_text_type(api, spec.text_bytes);
+  if (spec.type == ElementType::text) {
+    return fixed_text_type(api, width_in_file(spec), H5T_STR_NULLTERM);
+  }
   return api.id(H5Tcopy(plain_file_type(spec.type)), H5Tclose, spec.name, "make its type");
 }
 
@@ -122,7 +130,7 @@ Handle dataspace(const Api& api, const DatasetSpec& spec, std::vector<std::uint6
     most[0] = H5S_UNLIMITED;
   }
   if (is_text_array(spec)) {
-    size.push_back(width_in_file(spec.text_bytes));
+    size.push_back(width_in_file(spec));
     most.push_back(size.back());
   }
   return api.id(H5Screate_simple(static_cast<int>(size.size()), size.data(), most.data()), H5Sclose,
@@ -190,7 +198,7 @@ void FileSink::create_group(std::string_view group) {
 
 void FileSink::put_text(hid_t object, const std::string& path, const char* name,
                         const std::string& text) {
-  const Handle type = fixed_text_type(api_, text.size());
+  const Handle type = fixed_text_type(api_, width_in_file(text.size()), H5T_STR_NULLPAD);
   const Handle space = api_.id(H5Screate(H5S_SCALAR), H5Sclose, path, "make a space");
   Handle id = api_.id(H5Acreate2(object, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
                       H5Aclose, path, "create an attribute");
@@ -287,7 +295,7 @@ void FileSink::write_box(Dataset& dataset, const ValuesView& values, std::uint64
   hsize_t in_memory = box.elements;
   std::string text;
   if (const auto* texts = std::get_if<std::span<const std::string>>(&values)) {
-    const std::size_t width = width_in_file(dataset.spec.text_bytes);
+    const std::size_t width = width_in_file(dataset.spec);
     text = padded(texts->subspan(offset, box.elements), width);
     if (is_text_array(dataset.spec)) {
       box.start.push_back(0);

@@ -1,0 +1,119 @@
+"""What the tests of the programs share: where the programs are, how to run and kill them."""
+
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+arguments = None
+
+# On one machine, as root, with more ranks than cores, over loopback alone.
+MPIRUN = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "plm", "isolated",
+          "--mca", "btl", "self,vader", "--mca", "oob_tcp_if_include", "lo"]
+
+
+def program(name):
+    return str(pathlib.Path(arguments.bin) / name)
+
+
+def sleight(*args, **options):
+    """Runs `sleight` to its end; text output, no exception for exit codes."""
+    return run([program("sleight"), *args], **options)
+
+
+def run(command, env=None, **options):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True,
+                          env={**environment(), **(env or {})}, timeout=300, **options)
+
+
+def environment():
+    return {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+            # Open MPI and pango leak at exit; leaks of ours show in the unit tests.
+            "ASAN_OPTIONS": "detect_leaks=0"}
+
+
+def batch(ranks, request, output, *args, folder=None):
+    """The command line of a batch job whose files of Open MPI's lie in `folder`."""
+    own = [] if folder is None else ["--mca", "orte_tmpdir_base", str(folder),
+                                     "--mca", "btl_vader_backing_directory", str(folder)]
+    return [*MPIRUN, *own, "-n", str(ranks), program("sleight-batch"), str(request), "-o",
+            str(output), *args]
+
+
+def request_text(**changes):
+    """The thesis's request with other sampler and stop values."""
+    values = {"chains": 4, "seed": 1, "scans": 1000, "iterations_per_scan": 1, "thin": 1,
+              **changes}
+    return f"""
+[world]
+name = "ball_2d"
+[sampler]
+chains = {values["chains"]}
+seed = {values["seed"]}
+iterations_per_scan = {values["iterations_per_scan"]}
+[stop]
+scans = {values["scans"]}
+[output]
+thin = {values["thin"]}
+"""
+
+
+class ProgramTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="sleight-test-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, name):
+        return self.folder / name
+
+    def write_request(self, name="request.toml", **changes):
+        path = self.path(name)
+        path.write_text(request_text(**changes))
+        return path
+
+    def succeed(self, result):
+        self.assertEqual(result.returncode, 0, result.stderr + result.stdout)
+        return result
+
+    def direct(self, request, output, *args, **options):
+        return self.succeed(sleight("direct", request, "-o", output, "-q", *args, **options))
+
+    def digest(self, archive):
+        return self.succeed(sleight("archive", "digest", archive)).stdout.strip()
+
+    def info(self, archive):
+        return json.loads(self.succeed(sleight("archive", "info", archive, "--json")).stdout)
+
+
+def start(command, **options):
+    """Starts a program in a process group of its own."""
+    return subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL,
+                            stderr=subprocess.PIPE, text=True, env=environment(),
+                            start_new_session=True, **options)
+
+
+def kill_group(process, number=signal.SIGKILL):
+    try:
+        os.killpg(process.pid, number)
+    except ProcessLookupError:
+        pass
+    process.communicate()
+
+
+def main():
+    global arguments
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--bin", required=True, help="folder of the built programs")
+    parser.add_argument("--source", required=True, help="folder of the sources")
+    parser.add_argument("--kills", type=int, default=20, help="for test_kill")
+    parser.add_argument("--seed", type=int, default=1, help="for random moments")
+    arguments, rest = parser.parse_known_args()
+    # The tests import this file as a module of its own: they look there.
+    sys.modules["harness"].arguments = arguments
+    unittest.main(module="__main__", argv=[sys.argv[0], *rest], verbosity=2)

@@ -1,0 +1,100 @@
+"""Goal: kill -9 at any moment loses nothing that was reported, and the resumed run has the same
+digest (DESIGN C1, C2). Method: a run of at least 20 seconds of work, killed at random moments of it
+and started again by the same command until it is done; the moments come from a printed seed."""
+
+import random
+import re
+import sqlite3
+import subprocess
+import time
+
+import harness
+from harness import ProgramTest
+
+SECONDS_MIN = 20
+CHAINS = 3
+ITERATIONS_PER_SCAN = 200
+
+
+class Kill(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.scans = None
+
+    def scans_for(self, seconds):
+        """How many scans take so long here, from a short run."""
+        probe = self.write_request("probe.toml", chains=CHAINS, scans=100000000,
+                                   iterations_per_scan=ITERATIONS_PER_SCAN, thin=50)
+        self.direct(probe, self.path("probe.h5"), "--time-limit", "3s")
+        return int(self.info(self.path("probe.h5"))["scans"] / 3 * seconds)
+
+    def reported(self, errors):
+        """The last number of scans that a dead run's progress lines called done."""
+        found = re.findall(r"^ball_2d  ([\d,]+) of", errors, re.MULTILINE)
+        return int(found[-1].replace(",", "")) if found else 0
+
+    def stored(self, output):
+        store = sqlite3.connect(f"{output}.run/store.sqlite")
+        count, = store.execute("SELECT count(*) FROM scan").fetchone()
+        store.close()
+        return count
+
+    def run_with_kills(self, command, output, moments, total_s):
+        """Runs to the end, killing when the time spent computing passes each moment. Returns the
+        number of kills that hit a running program and the seconds computed."""
+        spent = 0.0
+        kills = 0
+        for moment in [*moments, None]:
+            process = harness.start(command)
+            begin = time.monotonic()
+            try:
+                wait = None if moment is None else max(0.02, moment * total_s - spent)
+                _, errors = process.communicate(timeout=wait)
+                self.assertEqual(process.returncode, 0, errors)
+                spent += time.monotonic() - begin
+                break
+            except subprocess.TimeoutExpired:
+                process.kill()
+                _, errors = process.communicate()
+                harness.kill_group(process)
+                spent += time.monotonic() - begin
+                kills += 1
+                if (self.folder / f"{output.name}.run/store.sqlite").exists():
+                    self.assertGreaterEqual(self.stored(output), self.reported(errors))
+        return kills, spent
+
+    def check(self, commands_of):
+        seed = harness.arguments.seed
+        print(f"\nmoments from --seed {seed}, --kills {harness.arguments.kills}")
+        scans = self.scans_for(1.25 * SECONDS_MIN)
+        request = self.write_request(chains=CHAINS, scans=scans,
+                                     iterations_per_scan=ITERATIONS_PER_SCAN, thin=50)
+        begin = time.monotonic()
+        self.direct(request, self.path("whole.h5"))
+        whole_s = time.monotonic() - begin
+        self.assertGreaterEqual(whole_s, SECONDS_MIN)
+        digest = self.digest(self.path("whole.h5"))
+        for name, command_of, share in commands_of:
+            kills_wanted = max(1, int(harness.arguments.kills * share))
+            generator = random.Random(f"{seed} {name}")
+            moments = sorted(generator.random() for _ in range(kills_wanted))
+            output = self.path(f"{name}.h5")
+            kills, spent = self.run_with_kills(command_of(request, output), output, moments,
+                                               whole_s)
+            print(f"{name}: {kills} kills in {spent:.0f} s of work, whole run {whole_s:.0f} s")
+            self.assertGreaterEqual(kills, kills_wanted // 2)
+            self.assertEqual(self.digest(output), digest, name)
+            leftover = subprocess.run(["pgrep", "-f", str(output)], capture_output=True, text=True)
+            self.assertEqual(leftover.stdout, "", "processes left behind")
+
+    def test_killed_and_resumed(self):
+        direct = harness.program("sleight")
+        self.check([
+            ("direct", lambda request, output: [direct, "direct", request, "-o", output], 1.0),
+            ("batch", lambda request, output: harness.batch(2, request, output,
+                                                            folder=self.folder), 0.25),
+        ])
+
+
+if __name__ == "__main__":
+    harness.main()

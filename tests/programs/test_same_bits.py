@@ -1,0 +1,85 @@
+"""Goal: the archive is a function of request, seed and version alone (DESIGN C1). Method: the same
+request by other means, archives compared byte for byte and digest by digest."""
+
+import pathlib
+
+import harness
+from harness import ProgramTest
+
+K_GOLDEN = pathlib.Path(__file__).parent / "golden_digests.txt"
+
+
+class SameBits(ProgramTest):
+    def test_threads(self):
+        request = self.write_request(scans=5000)
+        self.direct(request, self.path("one.h5"), "--threads", "1")
+        for threads in ["2", "3", "7"]:
+            output = self.path(f"threads{threads}.h5")
+            self.direct(request, output, "--threads", threads)
+            self.assertEqual(output.read_bytes(), self.path("one.h5").read_bytes(), threads)
+
+    def test_ranks(self):
+        request = self.write_request(scans=5000, chains=5)
+        self.direct(request, self.path("direct.h5"))
+        without = self.path("without.h5")
+        self.succeed(harness.run([harness.program("sleight-batch"), request, "-o", without, "-q"]))
+        self.assertEqual(without.read_bytes(), self.path("direct.h5").read_bytes())
+        for ranks in [1, 2, 3]:
+            output = self.path(f"ranks{ranks}.h5")
+            self.succeed(harness.run(harness.batch(ranks, request, output, "-q",
+                                                   folder=self.folder)))
+            self.assertEqual(output.read_bytes(), self.path("direct.h5").read_bytes(), ranks)
+
+    def test_processors_without_avx2_and_fma(self):
+        # tests/determinism shows that libm's own sums do change under this setting.
+        request = self.write_request(scans=5000)
+        self.direct(request, self.path("with.h5"))
+        self.direct(request, self.path("without.h5"),
+                    env={"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA"})
+        self.assertEqual(self.path("with.h5").read_bytes(), self.path("without.h5").read_bytes())
+
+    def test_a_time_limited_run_is_the_run_asked_for_as_many_scans(self):
+        request = self.write_request(scans=100000000, chains=3)
+        self.direct(request, self.path("cut.h5"), "--time-limit", "1.5s")
+        cut = self.info(self.path("cut.h5"))["scans"]
+        self.assertGreater(cut, 100)
+        self.assertLess(cut, 100000000)
+        self.direct(self.write_request("whole.toml", scans=cut, chains=3), self.path("whole.h5"))
+        self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
+
+    def test_a_run_in_many_sittings(self):
+        request = self.write_request(scans=200000, chains=3)
+        sittings = 0
+        while True:
+            self.direct(request, self.path("cut.h5"), "--time-limit", "0.4s")
+            sittings += 1
+            if self.path("cut.h5").exists() and self.info(self.path("cut.h5"))["scans"] == 200000:
+                break
+        self.assertGreater(sittings, 1)
+        self.direct(request, self.path("whole.h5"))
+        self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
+
+    def test_what_is_asked_for_does_change_the_archive(self):
+        # The comparison can fail: seed, chains and scans change the digest.
+        self.direct(self.write_request(scans=200), self.path("base.h5"))
+        for name, changes in [("seed", {"seed": 2}), ("chains", {"chains": 5}),
+                              ("scans", {"scans": 201}), ("thin", {"thin": 2}),
+                              ("iterations", {"iterations_per_scan": 2})]:
+            output = self.path(f"{name}.h5")
+            self.direct(self.write_request(f"{name}.toml", **{"scans": 200, **changes}), output)
+            self.assertNotEqual(self.digest(output), self.digest(self.path("base.h5")), name)
+
+    def test_golden_digests(self):
+        # Other bits than last month's are a change that its commit must explain: update the file
+        # there and name the cause.
+        for line in K_GOLDEN.read_text().splitlines():
+            if not line.strip() or line.startswith("#"):
+                continue
+            name, digest = line.split()
+            output = self.path(pathlib.Path(name).stem + ".h5")
+            self.direct(pathlib.Path(harness.arguments.source) / name, output)
+            self.assertEqual(self.digest(output), digest, name)
+
+
+if __name__ == "__main__":
+    harness.main()
