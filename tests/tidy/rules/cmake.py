@@ -60,9 +60,13 @@ class Project:
         return None
 
     def is_main(self, path):
-        """Whether a file is a main: a program's source named main*.cpp."""
+        """Whether a file is a main: a program's source named main*.cpp, or its own header."""
         name = posixpath.basename(path)
-        return path in self.programs_by_source and re.fullmatch(r"main\w*\.cpp", name) is not None
+        return bool(self.programs_of(path)) and re.fullmatch(r"main\w*\.(cpp|h)", name) is not None
+
+    def programs_of(self, path):
+        """The programs that a source, or a header with a source beside it, belongs to."""
+        return self.programs_by_source.get(re.sub(r"\.h$", ".cpp", path), [])
 
     def closure(self, target):
         """Names of everything linked, directly or not, without the target itself."""

@@ -54,7 +54,7 @@ def _cycles(project):
 
 def _includes(tree, project, path):
     own = project.library_of(path)
-    programs = project.programs_by_source.get(path, [])
+    programs = project.programs_of(path)
     is_main = project.is_main(path)
     if own is None and not programs:
         yield Finding(path, 1, "no sleight_library or sleight_program in a CMakeLists.txt holds "

@@ -1,19 +1,18 @@
 // Goal: the error bounds that elementary.h promises hold.
 // Method: compare with MPFR over random arguments from ranges that cover the whole domain
 // (denormals, huge angles, neighbourhoods of zeros and thresholds) and over single arguments known
-// to be hard. The generator is std::mt19937_64, fully specified by the standard, with the seed
-// below.
+// to be hard. Bits come from a counter-based stream with the seed below.
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "common/math/angle.h"
 #include "common/math/elementary.h"
+#include "common/random/stream.h"
 #include "tests/unit/common/math/mpfr_oracle.h"
 
 namespace sleight::math {
@@ -24,8 +23,9 @@ constexpr int k_arguments_per_range = 20000;
 constexpr int k_arguments_for_slow_oracle = 1000;  // MPFR takes a millisecond for erfc's tail
 constexpr double k_largest = std::numeric_limits<double>::max();
 
-double unit(std::mt19937_64& engine) {
-  return static_cast<double>(engine() >> 11) * 0x1p-53;
+random::Stream arguments() {
+  return random::Stream(
+      {.seed = k_seed, .chain = {}, .replica = {}, .purpose = random::Purpose::prior}, 0);
 }
 
 /// Magnitudes from 2^exponent_min to 2^exponent_max, every power of two as likely.
@@ -34,11 +34,11 @@ struct Magnitudes {
   int exponent_max = 0;
   bool both_signs = false;
 
-  double operator()(std::mt19937_64& engine) const {
+  double operator()(random::Stream& stream) const {
     const auto span = static_cast<std::uint64_t>(exponent_max - exponent_min);
-    const int exponent = exponent_min + static_cast<int>(engine() % span);
-    const double magnitude = std::ldexp(1 + unit(engine), exponent);
-    return both_signs && (engine() & 1) != 0 ? -magnitude : magnitude;
+    const int exponent = exponent_min + static_cast<int>(stream.bits() % span);
+    const double magnitude = std::ldexp(1 + stream.uniform(), exponent);
+    return both_signs && (stream.bits() & 1) != 0 ? -magnitude : magnitude;
   }
 };
 
@@ -46,10 +46,10 @@ struct Interval {
   double low = 0;
   double high = 0;
 
-  double operator()(std::mt19937_64& engine) const { return low + (high - low) * unit(engine); }
+  double operator()(random::Stream& stream) const { return low + (high - low) * stream.uniform(); }
 };
 
-using Generator = std::function<double(std::mt19937_64&)>;
+using Generator = std::function<double(random::Stream&)>;
 using Ours = std::function<double(double)>;
 using Oracle = int (*)(mpfr_t, const mpfr_t, mpfr_rnd_t);
 
@@ -184,11 +184,11 @@ class ElementaryAccuracy : public testing::TestWithParam<Case> {};
 TEST_P(ElementaryAccuracy, errors_stay_within_the_documented_bound) {
   const Case& c = GetParam();
   for (const Range& range : c.ranges) {
-    std::mt19937_64 engine(k_seed);
+    random::Stream stream = arguments();
     double worst = 0;
     double worst_argument = 0;
     for (int i = 0; i < c.arguments_per_range; ++i) {
-      const double x = range.generator(engine);
+      const double x = range.generator(stream);
       const double error = error_at(c, x);
       if (error > worst) {
         worst = error;
@@ -207,13 +207,13 @@ INSTANTIATE_TEST_SUITE_P(functions, ElementaryAccuracy, testing::ValuesIn(cases(
                          [](const auto& instance) { return instance.param.name; });
 
 TEST(ElementaryAccuracyOfTwo, atan2_in_all_quadrants_and_at_all_ratios) {
-  std::mt19937_64 engine(k_seed);
+  random::Stream stream = arguments();
   for (const int spread : {1, 40, 1000}) {
     const Magnitudes magnitudes{-spread, spread, true};
     double worst = 0;
     for (int i = 0; i < 2 * k_arguments_per_range; ++i) {
-      const double y = magnitudes(engine);
-      const double x = magnitudes(engine);
+      const double y = magnitudes(stream);
+      const double x = magnitudes(stream);
       Exact exact_y(y);
       Exact exact_x(x);
       Exact exact;
@@ -227,7 +227,7 @@ TEST(ElementaryAccuracyOfTwo, atan2_in_all_quadrants_and_at_all_ratios) {
 }
 
 TEST(ElementaryAccuracyOfTwo, pow_for_any_base_and_any_size_of_result) {
-  std::mt19937_64 engine(k_seed);
+  random::Stream stream = arguments();
   double worst = 0;
   const auto judge = [&](double x, double y) {
     Exact exact_x(x);
@@ -240,13 +240,13 @@ TEST(ElementaryAccuracyOfTwo, pow_for_any_base_and_any_size_of_result) {
   };
   for (int i = 0; i < 2 * k_arguments_per_range; ++i) {
     // The exponent is chosen so that the result's own exponent is uniform, denormals included.
-    const double x = Magnitudes{-1074, 1024}(engine);
-    judge(x, Interval{-1080, 1030}(engine) / std::log2(x));
+    const double x = Magnitudes{-1074, 1024}(stream);
+    judge(x, Interval{-1080, 1030}(stream) / std::log2(x));
     // Bases near 1 with huge exponents lose most when the logarithm is too short.
-    const double near_one = 1 + Magnitudes{-50, -2, true}(engine);
-    judge(near_one, Interval{-1080, 1030}(engine) / std::log2(near_one));
-    const double whole = std::floor(Interval{-40, 40}(engine));
-    judge(-Magnitudes{-20, 20}(engine), whole);
+    const double near_one = 1 + Magnitudes{-50, -2, true}(stream);
+    judge(near_one, Interval{-1080, 1030}(stream) / std::log2(near_one));
+    const double whole = std::floor(Interval{-40, 40}(stream));
+    judge(-Magnitudes{-20, 20}(stream), whole);
   }
   RecordProperty("pow", std::to_string(worst));
 }
