@@ -77,6 +77,26 @@ std::vector<std::size_t> choose(const archive::Source& source, std::size_t count
   return first;
 }
 
+/// The range of nearly all values, so that the few of a chain's way from its start don't flatten
+/// the rest; it includes `least`. Values outside are cut, as in the thesis's figure.
+plot::Range range_of_most(std::vector<double> values, const plot::Range& least) {
+  plot::Range range = least;
+  if (!values.empty()) {
+    std::sort(values.begin(), values.end());
+    const std::size_t tail = values.size() / 20;
+    range.low = std::min(range.low, values[tail]);
+    range.high = std::max(range.high, values[values.size() - 1 - tail]);
+  }
+  const double margin = 0.3 * (range.high - range.low);
+  return {.low = range.low - margin, .high = range.high + margin};
+}
+
+void append_values(const std::vector<plot::Point>& points, std::vector<double>& values) {
+  for (const plot::Point& point : points) {
+    if (std::isfinite(point.y)) values.push_back(point.y);
+  }
+}
+
 plot::Panel path_panel(const Segments& segments, std::size_t begin, std::size_t end,
                        const Asked& asked) {
   plot::Panel panel{
@@ -128,17 +148,25 @@ plot::Figure ball_2d_trace(const archive::Source& source, std::int64_t chain, st
       chains.push_back(i);
     }
   }
+  std::vector<double> all_landings;
+  std::vector<double> all_log_p;
   for (std::size_t i = 0; i < chains.size(); ++i) {
     const TraceRange range{.chain = chains[i], .draws = draws};
     const std::string label = fmt::format("chain {}", chains[i]);
-    landing.series.push_back(
-        plot::Steps{.points = trace(source, "landing_x_m", range, 1 / asked.diameter_m),
-                    .color = plot::palette::series(i),
-                    .label = label,
-                    .width_px = 1});
-    log_p.series.push_back(plot::Steps{
-        .points = trace(source, "lp", range, 1), .color = plot::palette::series(i), .width_px = 1});
+    std::vector<plot::Point> x = trace(source, "landing_x_m", range, 1 / asked.diameter_m);
+    std::vector<plot::Point> lp = trace(source, "lp", range, 1);
+    append_values(x, all_landings);
+    append_values(lp, all_log_p);
+    landing.series.push_back(plot::Steps{
+        .points = std::move(x), .color = plot::palette::series(i), .label = label, .width_px = 1});
+    log_p.series.push_back(
+        plot::Steps{.points = std::move(lp), .color = plot::palette::series(i), .width_px = 1});
   }
+  landing.y_range = range_of_most(
+      std::move(all_landings),
+      {.low = asked.target - asked.tolerance, .high = asked.target + asked.tolerance});
+  const double best = all_log_p.empty() ? 0 : *std::max_element(all_log_p.begin(), all_log_p.end());
+  log_p.y_range = range_of_most(std::move(all_log_p), {.low = best - 1, .high = best});
   return {.title = "2D ball",
           .width_px = 900,
           .height_px = 560,

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace sleight::base {
@@ -25,8 +26,9 @@ class ByteWriter {
   template <class T>
   requires std::is_arithmetic_v<T>
   void put(T value) {
-    const auto* first = reinterpret_cast<const std::byte*>(&value);
-    bytes_.insert(bytes_.end(), first, first + sizeof(T));
+    const std::size_t size = bytes_.size();
+    bytes_.resize(size + sizeof(T));
+    std::memcpy(bytes_.data() + size, &value, sizeof(T));
   }
   Bytes take() { return std::move(bytes_); }
 

@@ -22,6 +22,15 @@ base::Bytes as_bytes(capnp::Data::Reader data) {
   return {first, first + data.size()};
 }
 
+capnp::Text::Reader as_text(const std::string& text) {
+  return {text.c_str(), text.size()};
+}
+
+/// All of a text: cStr() alone would end at a zero within.
+std::string as_string(capnp::Text::Reader text) {
+  return {text.begin(), text.end()};
+}
+
 template <class T, class Builder>
 void put_list(Builder list, const std::vector<T>& values) {
   for (unsigned i = 0; i < values.size(); ++i)
@@ -89,8 +98,8 @@ struct Put {
 
   void operator()(const Hello& hello) {
     auto builder = out.initHello();
-    builder.setProgramVersion(hello.program_version);
-    builder.setIdentity(hello.identity);
+    builder.setProgramVersion(as_text(hello.program_version));
+    builder.setIdentity(as_text(hello.identity));
   }
   void operator()(const Assignment& assignment) {
     auto builder = out.initAssignment();
@@ -99,7 +108,7 @@ struct Put {
   }
   void operator()(const Stop&) { out.setStop(); }
   void operator()(const plan::UnitResult& result) { put_result(result, out.initResult()); }
-  void operator()(const Failure& failure) { out.setFailure(failure.reason); }
+  void operator()(const Failure& failure) { out.setFailure(as_text(failure.reason)); }
 };
 
 /// A result, when its length fits its unit.
@@ -120,8 +129,8 @@ base::Result<Message, std::string> get_result(wire::Result::Reader in) {
 base::Result<Message, std::string> get_message(wire::Message::Reader in) {
   switch (in.which()) {
     case wire::Message::HELLO:
-      return Message(Hello{.program_version = in.getHello().getProgramVersion().cStr(),
-                           .identity = in.getHello().getIdentity().cStr()});
+      return Message(Hello{.program_version = as_string(in.getHello().getProgramVersion()),
+                           .identity = as_string(in.getHello().getIdentity())});
     case wire::Message::ASSIGNMENT: {
       Assignment assignment{.unit = get_unit(in.getAssignment().getUnit()),
                             .state = as_bytes(in.getAssignment().getState())};
@@ -133,7 +142,7 @@ base::Result<Message, std::string> get_message(wire::Message::Reader in) {
     case wire::Message::RESULT:
       return get_result(in.getResult());
     case wire::Message::FAILURE:
-      return Message(Failure{.reason = in.getFailure().cStr()});
+      return Message(Failure{.reason = as_string(in.getFailure())});
   }
   return std::string("a message of an unknown kind");
 }

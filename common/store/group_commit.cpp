@@ -40,16 +40,19 @@ void GroupCommit::put(plan::UnitResult result) {
   rethrow_failure();
   queue_.push_back(std::move(result));
   queue_bytes_ += bytes;
+  ++put_results_;
   // The writer is woken for a group's first result, which starts the wait, and for its last.
   if (queue_.size() == 1 || queue_bytes_ >= k_group_bytes) changed_.notify_all();
 }
 
 void GroupCommit::flush() {
   std::unique_lock lock(mutex_);
-  hurry_ = true;
+  // What others put meanwhile is not waited for: they might never stop.
+  const std::uint64_t wanted = put_results_;
+  ++flushing_;
   changed_.notify_all();
-  changed_.wait(lock, [&] { return failure_ || (queue_.empty() && !committing_); });
-  hurry_ = false;
+  changed_.wait(lock, [&] { return failure_ || committed_results_ >= wanted; });
+  --flushing_;
   rethrow_failure();
 }
 
@@ -66,10 +69,9 @@ void GroupCommit::work() {
 
     // Wait for company, unless somebody waits for us.
     changed_.wait_for(lock, std::chrono::duration<double>(k_group_wait_s),
-                      [&] { return ending_ || hurry_ || queue_bytes_ >= k_group_bytes; });
+                      [&] { return ending_ || flushing_ > 0 || queue_bytes_ >= k_group_bytes; });
     std::vector<plan::UnitResult> group = std::exchange(queue_, {});
     queue_bytes_ = 0;
-    committing_ = true;
     lock.unlock();
 
     // Make the group durable.
@@ -83,8 +85,8 @@ void GroupCommit::work() {
       failure = std::current_exception();
     }
     lock.lock();
-    committing_ = false;
     committed_scans_ += scans;
+    if (!failure) committed_results_ += group.size();
     failure_ = failure;
     changed_.notify_all();
   }

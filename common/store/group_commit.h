@@ -56,10 +56,11 @@ class GroupCommit {
   std::condition_variable changed_;
   std::vector<plan::UnitResult> queue_;
   std::size_t queue_bytes_ = 0;
-  bool hurry_ = false;
-  bool committing_ = false;
-  bool ending_ = false;
+  std::uint64_t put_results_ = 0;
+  std::uint64_t committed_results_ = 0;
   std::uint64_t committed_scans_ = 0;
+  std::size_t flushing_ = 0;  ///< callers that wait in flush
+  bool ending_ = false;
   std::exception_ptr failure_;
   std::thread thread_;
 };

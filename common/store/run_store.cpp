@@ -22,11 +22,12 @@ namespace {
 constexpr std::int64_t k_format_version = 1;
 constexpr std::size_t k_replay_batch = 4096;
 
+// The densities have no type: a REAL column would give a stored -0 back as 0.
 constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS run(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
   CREATE TABLE IF NOT EXISTS scan(
     chain INTEGER, replica INTEGER, scan INTEGER,
-    log_prior REAL NOT NULL, log_constraint REAL NOT NULL,
+    log_prior NOT NULL, log_constraint NOT NULL,
     satisfied INTEGER NOT NULL, lineage INTEGER NOT NULL,
     proposed BLOB NOT NULL, accepted BLOB NOT NULL, outcome BLOB NOT NULL,
     state BLOB,

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
 #include "common/archive/hdf5/writer.h"
 #include "common/archive/layout.h"
 #include "common/base/error.h"
@@ -34,6 +38,19 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   files.remove(output);
   for (const char* suffix : {"-wal", "-shm", ""})
     files.remove(database + suffix);
+}
+
+/// Archives half written by processes that were killed; nobody else writes while the lock is held.
+void remove_leftovers(const std::string& output) {
+  const std::filesystem::path path(output);
+  const std::string beginning = path.filename().string() + ".tmp.";
+  std::error_code ignored;
+  std::filesystem::directory_iterator entries(base::directory_of(output), ignored);
+  for (const std::filesystem::directory_entry& entry : entries) {
+    if (entry.path().filename().string().starts_with(beginning)) {
+      std::filesystem::remove(entry.path(), ignored);
+    }
+  }
 }
 
 std::string write_archive_of_run(const RunInputs& inputs, const std::string& output,
@@ -74,6 +91,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   }
   const store::RunLock lock(folder);
   claim_output(options.output, folder, options.fresh, files);
+  remove_leftovers(options.output);
   store::RunStore run_store(folder, {.identity_text = run_identity(inputs.request),
                                      .request_text = request::normalised_text(inputs.request),
                                      .program_version = std::string(base::version()),

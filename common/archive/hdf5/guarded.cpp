@@ -25,6 +25,9 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
+/// What a shell reports of a process that a broken pipe ended.
+constexpr int k_exit_code_of_broken_pipe = 128 + SIGPIPE;
+
 /// Longest message that a child hands up.
 constexpr std::size_t k_message_bytes_max = 64 * 1024;
 /// Pause between two looks at a child that has closed its pipe but not ended.
@@ -160,6 +163,8 @@ int outcome_of(const std::string& subject, const GuardLimits& limits, const std:
     if (signal == SIGINT || signal == SIGTERM) {
       throw base::Error(base::ExitCode::interrupted, fmt::format("{}: interrupted", subject));
     }
+    // Whoever read our stdout has enough, as `head` does: end as any filter would.
+    if (signal == SIGPIPE) return k_exit_code_of_broken_pipe;
     if (signal == SIGXCPU) {
       refuse(subject, fmt::format("reading it takes more than {} s of processor time: the file is "
                                   "damaged or hostile",

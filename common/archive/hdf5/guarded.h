@@ -25,7 +25,8 @@ struct GuardLimits {
 /// Throws what `work` throws, as a base::Error with its exit code and message; a base::Error with
 /// ExitCode::bad_archive naming `subject` (the archive's path) when the child crashes, exceeds a
 /// limit or runs out of memory; with ExitCode::interrupted when the child is ended by Ctrl-C or
-/// SIGTERM. REQUIRES: no other thread holds a lock that `work` needs (a fork copies one thread).
+/// SIGTERM. Returns 141 when the reader of our stdout went away. REQUIRES: no other thread holds a
+/// lock that `work` needs (a fork copies one thread).
 int guarded(const std::string& subject, const GuardLimits& limits,
             const std::function<int()>& work);
 

@@ -1,0 +1,96 @@
+#include "common/base/bytes.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace sleight::base {
+namespace {
+
+template <class T>
+std::optional<T> read_one(BytesView bytes) {
+  ByteReader reader(bytes);
+  return reader.get<T>();
+}
+
+TEST(Bytes, ComeBackAsTheyWerePut) {
+  // Goal: scalars of every size come back in order, doubles bit for bit.
+  // Method: one of each, with the doubles whose bits are easily lost.
+  const double payload = std::bit_cast<double>(std::uint64_t{0x7ff4'0000'dead'beef});
+  ByteWriter writer;
+  writer.put(std::uint8_t{200});
+  writer.put(std::int32_t{-7});
+  writer.put(std::numeric_limits<std::uint64_t>::max());
+  writer.put(payload);
+  writer.put(-0.0);
+  writer.put(-std::numeric_limits<double>::infinity());
+  const Bytes bytes = writer.take();
+  ASSERT_EQ(bytes.size(), 1U + 4 + 8 + 3 * 8);
+
+  ByteReader reader(bytes);
+  EXPECT_EQ(reader.get<std::uint8_t>(), 200);
+  EXPECT_EQ(reader.get<std::int32_t>(), -7);
+  EXPECT_EQ(reader.get<std::uint64_t>(), std::numeric_limits<std::uint64_t>::max());
+  for (const double expected : {payload, -0.0, -std::numeric_limits<double>::infinity()}) {
+    EXPECT_FALSE(reader.at_end());
+    const std::optional<double> value = reader.get<double>();
+    ASSERT_TRUE(value.has_value());
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(*value), std::bit_cast<std::uint64_t>(expected));
+  }
+  EXPECT_TRUE(reader.at_end());
+}
+
+TEST(Bytes, AreLittleEndian) {
+  // Goal: stored bytes are the same on every machine. Method: a number whose bytes all differ.
+  ByteWriter writer;
+  writer.put(std::uint32_t{0x04030201});
+  EXPECT_EQ(writer.take(), (Bytes{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}}));
+}
+
+TEST(Bytes, EndWithoutAValue) {
+  // Goal: no read passes the end, and a failed one takes nothing. Method: every length up to two
+  // words, read as words; what is left is then read byte by byte.
+  for (std::size_t size = 0; size <= 16; ++size) {
+    const Bytes bytes(size, std::byte{9});
+    ByteReader reader(bytes);
+    std::size_t words = 0;
+    while (reader.get<std::uint64_t>())
+      ++words;
+    EXPECT_EQ(words, size / 8);
+    EXPECT_EQ(reader.get<std::uint64_t>(), std::nullopt);
+    std::size_t rest = 0;
+    while (reader.get<std::uint8_t>())
+      ++rest;
+    EXPECT_EQ(rest, size % 8);
+    EXPECT_TRUE(reader.at_end());
+  }
+  EXPECT_EQ(read_one<double>({}), std::nullopt);
+  EXPECT_EQ(read_one<std::uint8_t>({}), std::nullopt);
+}
+
+TEST(Bytes, AreReadAtAnyAddress) {
+  // Goal: values need no alignment. Method: one double at eight neighbouring addresses.
+  for (std::size_t offset = 0; offset < 8; ++offset) {
+    ByteWriter writer;
+    for (std::size_t i = 0; i < offset; ++i)
+      writer.put(std::uint8_t{0});
+    writer.put(0.1);
+    const Bytes bytes = writer.take();
+    EXPECT_EQ(read_one<double>(BytesView(bytes).subspan(offset)), 0.1);
+  }
+}
+
+TEST(Bytes, OfArraysAreTheirContent) {
+  // Goal: bytes_of gives all elements, and nothing of none. Method: read them back.
+  const std::vector<std::uint32_t> values{1, 0xffffffffU, 3};
+  ByteReader reader(bytes_of(std::span(values)));
+  for (const std::uint32_t value : values)
+    EXPECT_EQ(reader.get<std::uint32_t>(), value);
+  EXPECT_TRUE(reader.at_end());
+  EXPECT_TRUE(bytes_of(std::span<const double>()).empty());
+}
+
+}  // namespace
+}  // namespace sleight::base

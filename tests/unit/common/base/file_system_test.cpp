@@ -1,0 +1,108 @@
+#include "common/base/file_system.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "common/base/error.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::base {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FileSystemOfPosix : public archive::testing::Scratch {
+ protected:
+  /// The message of the base::Error that `act` throws.
+  static std::string failure_of(const std::function<void()>& act) {
+    try {
+      act();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code(), ExitCode::environment);
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+
+  PosixFileSystem files_;
+};
+
+TEST_F(FileSystemOfPosix, KnowsWhatExists) {
+  // Goal: yes and no are right, and what can't be known is an error. Method: a file, a folder,
+  // nothing, a path through a file, and a name longer than any system allows.
+  put_bytes(path("file"), "x");
+  EXPECT_TRUE(files_.exists(path("file")));
+  EXPECT_TRUE(files_.exists(path("")));
+  EXPECT_FALSE(files_.exists(path("nothing")));
+  EXPECT_FALSE(files_.exists(path("file/below")));
+  const std::string long_name = path(std::string(5000, 'n'));
+  EXPECT_THAT(failure_of([&] { (void)files_.exists(long_name); }), HasSubstr(long_name));
+}
+
+TEST_F(FileSystemOfPosix, SyncsAndReplacesInOneStep) {
+  // Goal: the order that callers use works. Method: write beside, sync, rename over, sync folder.
+  put_bytes(path("old"), "old");
+  put_bytes(path("new"), "new");
+  files_.sync_file(path("new"));
+  files_.rename(path("new"), path("old"));
+  files_.sync_directory_of(path("old"));
+  EXPECT_EQ(bytes_of(path("old")), "new");
+  EXPECT_FALSE(files_.exists(path("new")));
+}
+
+TEST_F(FileSystemOfPosix, RemovesWhatIsThere) {
+  // Goal: afterwards there is no such file, had it been there or not. Method: remove twice.
+  put_bytes(path("file"), "x");
+  files_.remove(path("file"));
+  EXPECT_FALSE(files_.exists(path("file")));
+  files_.remove(path("file"));
+}
+
+TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
+  // Goal: a person can act on the message. Method: each function on a path that fails it.
+  const std::string missing = path("missing");
+  const std::string below = path("nowhere/file");
+  std::filesystem::create_directory(path("folder"));
+  const auto expect = [](const std::string& message, const std::string& subject) {
+    EXPECT_THAT(message, HasSubstr(subject + ": can't "));
+  };
+  expect(failure_of([&] { files_.sync_file(missing); }), missing);
+  expect(failure_of([&] { files_.sync_directory_of(below); }), path("nowhere"));
+  expect(failure_of([&] { files_.rename(missing, path("to")); }), path("to"));
+  expect(failure_of([&] { files_.remove(path("folder")); }), path("folder"));
+  EXPECT_THAT(failure_of([&] { files_.sync_file(missing); }), HasSubstr("No such file"));
+}
+
+TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
+  // Goal: the whole file or an error, never a part. Method: sizes around the limit, zero bytes
+  // within, a folder, nothing.
+  const std::string text("a\0b\n", 4);
+  put_bytes(path("text"), text);
+  put_bytes(path("empty"), "");
+  EXPECT_EQ(read_text_file(path("text"), 4), text);
+  EXPECT_EQ(read_text_file(path("text"), 1000), text);
+  EXPECT_EQ(read_text_file(path("empty"), 0), "");
+  EXPECT_THAT(failure_of([&] { (void)read_text_file(path("text"), 3); }),
+              AllOf(HasSubstr(path("text")), HasSubstr("3 bytes")));
+  EXPECT_THAT(failure_of([&] { (void)read_text_file(path("none"), 9); }),
+              AllOf(HasSubstr(path("none")), HasSubstr("No such file")));
+  EXPECT_THAT(failure_of([&] { (void)read_text_file(path(""), 9); }),
+              AllOf(HasSubstr(path("")), HasSubstr("Is a directory")));
+}
+
+TEST(DirectoryOf, IsTheFolderPart) {
+  // Goal: the folder that must be synced after a rename. Method: every form of path.
+  EXPECT_EQ(directory_of("file"), ".");
+  EXPECT_EQ(directory_of("/file"), "/");
+  EXPECT_EQ(directory_of("a/file"), "a");
+  EXPECT_EQ(directory_of("/a/b/file"), "/a/b");
+  EXPECT_EQ(directory_of("a/b/"), "a/b");
+}
+
+}  // namespace
+}  // namespace sleight::base

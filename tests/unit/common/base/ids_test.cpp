@@ -1,0 +1,40 @@
+#include "common/base/ids.h"
+
+#include <gtest/gtest.h>
+
+#include <concepts>
+#include <limits>
+#include <type_traits>
+
+namespace sleight::base {
+namespace {
+
+// A chain is not a replica, a number is not an id, and neither turns into the other by itself.
+static_assert(!std::same_as<ChainId, ReplicaId>);
+static_assert(!std::convertible_to<ChainId, ReplicaId>);
+static_assert(!std::constructible_from<ReplicaId, ChainId>);
+static_assert(!std::equality_comparable_with<ChainId, ReplicaId>);
+static_assert(!std::convertible_to<ChainId, std::uint32_t>);
+static_assert(!std::convertible_to<std::uint32_t, ChainId>);
+static_assert(std::same_as<ScanIndex::representation, std::uint64_t>);
+static_assert(std::is_trivially_copyable_v<ScanIndex>);
+
+TEST(Ids, AreOrderedByValue) {
+  // Goal: ids sort as their numbers do. Method: every comparison of a pair, and the default.
+  EXPECT_LT(ChainId{1}, ChainId{2});
+  EXPECT_GT(ChainId{2}, ChainId{1});
+  EXPECT_EQ(ChainId{2}, ChainId{2});
+  EXPECT_NE(ChainId{2}, ChainId{3});
+  EXPECT_EQ(ScanIndex{}.value, 0U);
+}
+
+TEST(Ids, PrintAsTheirNumber) {
+  // Goal: messages show the number, with the number's format options. Method: the largest of each.
+  EXPECT_EQ(fmt::format("{}", ChainId{std::numeric_limits<std::uint32_t>::max()}), "4294967295");
+  EXPECT_EQ(fmt::format("{}", ScanIndex{std::numeric_limits<std::uint64_t>::max()}),
+            "18446744073709551615");
+  EXPECT_EQ(fmt::format("{:04}", ReplicaId{7}), "0007");
+}
+
+}  // namespace
+}  // namespace sleight::base

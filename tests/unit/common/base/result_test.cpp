@@ -1,0 +1,56 @@
+#include "common/base/result.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <type_traits>
+
+namespace sleight::base {
+namespace {
+
+using Number = Result<int, std::string>;
+
+TEST(Result, HoldsAValueOrAReason) {
+  // Goal: each side reads as what was put in. Method: one of each.
+  const Number good(7);
+  EXPECT_TRUE(good.ok());
+  EXPECT_TRUE(static_cast<bool>(good));
+  EXPECT_EQ(good.value(), 7);
+  const Number bad(std::string("no number"));
+  EXPECT_FALSE(bad.ok());
+  EXPECT_FALSE(static_cast<bool>(bad));
+  EXPECT_EQ(bad.error(), "no number");
+  static_assert(!std::is_convertible_v<Number, bool>);
+}
+
+TEST(Result, GivesItsValueAway) {
+  // Goal: values that only move can be taken out. Method: a unique_ptr.
+  Result<std::unique_ptr<int>, std::string> result(std::make_unique<int>(3));
+  const std::unique_ptr<int> value = std::move(result).value();
+  ASSERT_NE(value, nullptr);
+  EXPECT_EQ(*value, 3);
+}
+
+TEST(Result, KeepsSidesApartWhenTypesAreClose) {
+  // Goal: a value and a reason of related types aren't mixed up. Method: a reason that is itself
+  // convertible to the value's type.
+  struct Reason {
+    operator int() const { return 5; }
+  };
+  const Result<int, Reason> bad{Reason{}};
+  EXPECT_FALSE(bad.ok());
+}
+
+TEST(ResultDeathTest, ReadingTheOtherSideIsABug) {
+  // Goal: nobody reads what isn't there. Method: each of the three readers on the wrong side.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const Number good(7);
+  EXPECT_DEATH((void)good.error(), "check failed: .*\\(0 against 1\\)");
+  const Number bad(std::string("no number"));
+  EXPECT_DEATH((void)bad.value(), "check failed: .*\\(1 against 0\\)");
+  EXPECT_DEATH((void)Number(std::string("x")).value(), "check failed: ok\\(\\)");
+}
+
+}  // namespace
+}  // namespace sleight::base

@@ -1,0 +1,123 @@
+// Goal: no bytes crash decode; each is refused with a reason or gives a message that could have
+// been sent. Method: messages cut, with bits or words changed, spliced from two, and noise, from a
+// printed seed; what is accepted is encoded and decoded again, to the same bits.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "common/random/discrete_distributions.h"
+#include "common/random/stream.h"
+#include "common/schema/messages.h"
+#include "tests/unit/common/schema/examples.h"
+
+namespace sleight::schema {
+namespace {
+
+constexpr std::uint64_t k_seed = 20240611;
+constexpr std::uint64_t k_inputs = 20'000;
+
+std::size_t below(std::size_t count, random::Stream& stream) {
+  return random::UniformInteger{.count = count}.draw(stream);
+}
+
+/// Messages short enough that a change hits structure as often as content.
+std::vector<base::Bytes> short_messages() {
+  std::vector<base::Bytes> all;
+  for (const Message& message : testing::examples()) {
+    base::Bytes bytes = encode(message);
+    if (bytes.size() < 4000) all.push_back(std::move(bytes));
+  }
+  return all;
+}
+
+base::Bytes mutated(const std::vector<base::Bytes>& good, random::Stream& stream) {
+  base::Bytes bytes = good[below(good.size(), stream)];
+  switch (below(5, stream)) {
+    case 0:  // cut, mostly at a whole number of words
+      bytes.resize(below(bytes.size() + 1, stream) & ~(below(4, stream) == 0 ? 0U : 7U));
+      break;
+    case 1:  // a few bits
+      for (std::size_t i = below(4, stream) + 1; i > 0; --i) {
+        bytes[below(bytes.size(), stream)] ^= std::byte{1} << below(8, stream);
+      }
+      break;
+    case 2: {  // a word of noise, zeros or ones
+      const std::size_t at = below(bytes.size() / 8, stream) * 8;
+      const std::size_t kind = below(3, stream);
+      const std::uint64_t word = kind == 0 ? stream.bits() : kind == 1 ? 0 : ~std::uint64_t{0};
+      std::memcpy(bytes.data() + at, &word, 8);
+      break;
+    }
+    case 3: {  // the head of one, the tail of another
+      const base::Bytes& other = good[below(good.size(), stream)];
+      const std::size_t at = below(std::min(bytes.size(), other.size()) / 8, stream) * 8;
+      bytes.resize(at);
+      bytes.insert(bytes.end(), other.begin() + static_cast<std::ptrdiff_t>(at), other.end());
+      break;
+    }
+    default:  // noise behind a plausible head: one segment of the right length
+      for (std::size_t i = 8; i < bytes.size(); ++i)
+        bytes[i] = static_cast<std::byte>(stream.bits());
+  }
+  return bytes;
+}
+
+void expect_well_formed(const Message& message) {
+  if (const auto* result = std::get_if<plan::UnitResult>(&message)) {
+    EXPECT_EQ(result->scans.size(), result->unit.scans);
+  }
+  if (const auto* assignment = std::get_if<Assignment>(&message)) {
+    EXPECT_GE(assignment->unit.scans, 1U);
+  }
+  const auto back = decode(encode(message));
+  ASSERT_TRUE(back.ok()) << back.error();
+  EXPECT_TRUE(testing::same_bits(back.value(), message));
+}
+
+TEST(HostileMessages, AreRefusedOrWellFormed) {
+  // Goal and method: above.
+  const std::vector<base::Bytes> good = short_messages();
+  std::uint64_t accepted = 0;
+  for (std::uint64_t input = 0; input < k_inputs; ++input) {
+    SCOPED_TRACE(fmt::format("seed {}, input {}", k_seed, input));
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, input);
+    const auto message = decode(mutated(good, stream));
+    if (message.ok()) {
+      ++accepted;
+      expect_well_formed(message.value());
+    } else {
+      EXPECT_FALSE(message.error().empty());
+    }
+    if (::testing::Test::HasFailure()) return;
+  }
+  // Both ends of the test must have been reached.
+  EXPECT_GT(accepted, k_inputs / 100);
+  EXPECT_LT(accepted, k_inputs - k_inputs / 100);
+}
+
+TEST(HostileMessages, EveryCutIsRefused) {
+  // Goal: no part of a message passes for a whole one. Method: every proper prefix of each.
+  for (const base::Bytes& whole : short_messages()) {
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+      EXPECT_FALSE(decode(base::BytesView(whole).first(size)).ok()) << size;
+    }
+  }
+}
+
+TEST(HostileMessages, ListsOfNothingCostLittle) {
+  // Goal: a few bytes can't claim a list of hundreds of millions of empty scans. Method: a result
+  // whose list pointers are replaced, one word after another, by such a claim.
+  const base::Bytes good = encode(testing::example_result(1));
+  for (std::size_t at = 8; at + 8 <= good.size(); at += 8) {
+    for (const std::uint64_t element_size : {0U, 7U}) {
+      base::Bytes bytes = good;
+      // A list pointer: kind 1, offset 0, element size, element count.
+      const std::uint64_t pointer = 1U | (element_size << 32U) | (std::uint64_t{0x1fffffff} << 35U);
+      std::memcpy(bytes.data() + at, &pointer, 8);
+      const auto message = decode(bytes);
+      if (message.ok()) expect_well_formed(message.value());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sleight::schema

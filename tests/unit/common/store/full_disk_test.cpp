@@ -1,0 +1,141 @@
+// A disk that fills up or fails, at every place where it can.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <csignal>
+
+#include "common/base/error.h"
+#include "common/store/run_store.h"
+#include "tests/unit/common/store/examples.h"
+#include "tests/unit/common/store/faulty_disk.h"
+
+namespace sleight::store {
+namespace {
+
+using testing::example_identity;
+using testing::expect_stored;
+using ::testing::HasSubstr;
+using testing::result_of;
+
+class FullDisk : public testing::RunFolder {};
+
+/// Scans stored of chain 0, which must be without a gap and end with the right state.
+std::uint64_t stored_scans(const std::string& folder) {
+  RunStore store(folder, example_identity(1));
+  const std::vector<ReplicaProgress> progress = store.progress();
+  const std::uint64_t scans = progress.empty() ? 0 : progress.at(0).next_scan;
+  expect_stored(folder, store, 0, scans);
+  return scans;
+}
+
+TEST_F(FullDisk, AnyCallMayFail) {
+  // Goal: whichever write or sync fails, the error is clear, what was committed stays, nothing is
+  // torn, and the run goes on. Method: the k-th call of a session fails, with all later ones, for
+  // every k until a session gets through (as a full disk; for every third k as a broken one); then
+  // reopen.
+  testing::FaultyDisk disk;
+  struct Fault {
+    int code;
+    std::uint64_t step;
+    std::string advice;
+  };
+  for (const auto& [code, step, advice] :
+       {Fault{SQLITE_FULL, 1, "make space"}, Fault{SQLITE_IOERR_WRITE, 3, "check the disk"}}) {
+    bool got_through = false;
+    std::uint64_t call = 0;
+    for (; !got_through; call += step) {
+      SCOPED_TRACE(fmt::format("code {}, call {}", code, call));
+      const std::string folder = path(fmt::format("run-{}-{}", code, call));
+      std::filesystem::create_directory(folder);
+      { RunStore(folder, example_identity(1)).put(result_of(0, 0, 3)); }
+      disk.fail_after(call, code);
+      std::uint64_t committed = 3;
+      try {
+        RunStore store(folder, example_identity(1));
+        for (std::uint64_t scan = 3; scan < 40; scan += 19) {
+          store.put(result_of(0, scan, 19));
+          store.flush();
+          committed = 3 + store.committed();
+        }
+        got_through = disk.failures() == 0;
+      } catch (const base::Error& error) {
+        EXPECT_EQ(error.exit_code(), base::ExitCode::environment);
+        EXPECT_THAT(error.what(), AllOf(HasSubstr(folder), HasSubstr(advice)));
+      }
+      disk.repair();
+      const std::uint64_t found = stored_scans(folder);
+      EXPECT_GE(found, committed);
+      EXPECT_EQ((found - 3) % 19, 0U);
+      if (HasFailure()) return;
+      {
+        RunStore store(folder, example_identity(1));
+        store.put(result_of(0, found, 5));
+        store.flush();
+        expect_stored(folder, store, 0, found + 5);
+      }
+    }
+    EXPECT_GT(call, 10U);
+  }
+}
+
+TEST_F(FullDisk, FailureStopsTheSession) {
+  // Goal: after a failure the session writes nothing, even when there is room again: its results
+  // would have a gap. Method: fail once, repair, put more.
+  testing::FaultyDisk disk;
+  {
+    RunStore store(folder(), example_identity(1));
+    store.put(result_of(0, 0, 3));
+    store.flush();
+    disk.fail_after(0, SQLITE_FULL);
+    store.put(result_of(0, 3, 3));
+    EXPECT_THROW(store.flush(), base::Error);
+    disk.repair();
+    EXPECT_THROW(store.put(result_of(0, 6, 3)), base::Error);
+    EXPECT_THROW(store.flush(), base::Error);
+    EXPECT_EQ(store.committed(), 3U);
+  }
+  EXPECT_EQ(stored_scans(folder()), 3U);
+}
+
+TEST_F(FullDisk, FileSizeLimit) {
+  // Goal: the same with the operating system's own refusal. Method: a child process with a limit
+  // on the size of its files stores until it fails, and reports what it was told is committed.
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit limit{.rlim_cur = 600'000, .rlim_max = 600'000};
+    std::signal(SIGXFSZ, SIG_IGN);
+    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) ::_exit(2);
+    try {
+      RunStore store(folder(), example_identity(1));
+      for (std::uint64_t scan = 0; scan < 1'000'000; scan += 50) {
+        store.put(result_of(0, scan, 50));
+        store.flush();
+        const std::uint64_t committed = store.committed();
+        if (::write(ends[1], &committed, sizeof committed) != sizeof committed) ::_exit(3);
+      }
+    } catch (const base::Error& error) {
+      ::_exit(std::string(error.what()).find("run the same command again") == std::string::npos);
+    }
+    ::_exit(4);
+  }
+  ::close(ends[1]);
+  std::uint64_t committed = 0;
+  while (::read(ends[0], &committed, sizeof committed) == sizeof committed) {
+  }
+  ::close(ends[0]);
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_GT(committed, 100U);
+  EXPECT_EQ(stored_scans(folder()), committed);
+}
+
+}  // namespace
+}  // namespace sleight::store

@@ -1,0 +1,297 @@
+#include "common/store/group_commit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <stdexcept>
+#include <string>
+
+#include "tests/unit/common/store/examples.h"
+
+namespace sleight::store {
+namespace {
+
+using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""s;
+
+/// A commit function that notes what it gets, and can be held up or made to fail.
+class Recorder {
+ public:
+  GroupCommit::Commit commit() {
+    return [this](std::span<const plan::UnitResult> group) {
+      std::unique_lock lock(mutex_);
+      ++calls_;
+      changed_.notify_all();
+      changed_.wait(lock, [&] { return open_; });
+      if (calls_ == fail_at_) throw std::runtime_error("the disk is gone");
+      for (const plan::UnitResult& result : group)
+        first_scans_.push_back(result.unit.first_scan.value);
+    };
+  }
+
+  void hold() { set(open_, false); }
+  void release() { set(open_, true); }
+  void fail_at(int call) { set(fail_at_, call); }
+  void await_call(int call) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return calls_ >= call; });
+  }
+  int calls() {
+    const std::scoped_lock lock(mutex_);
+    return calls_;
+  }
+  std::vector<std::uint64_t> first_scans() {
+    const std::scoped_lock lock(mutex_);
+    return first_scans_;
+  }
+
+ private:
+  template <class T>
+  void set(T& field, T value) {
+    const std::scoped_lock lock(mutex_);
+    field = value;
+    changed_.notify_all();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = true;
+  int fail_at_ = 0;
+  int calls_ = 0;
+  std::vector<std::uint64_t> first_scans_;
+};
+
+plan::UnitResult small(std::uint64_t first_scan, std::uint32_t scans = 1) {
+  return testing::result_of(0, first_scan, scans);
+}
+
+plan::UnitResult large(std::uint64_t first_scan, std::size_t bytes) {
+  plan::UnitResult result = small(first_scan);
+  result.state_after.resize(bytes);
+  return result;
+}
+
+std::vector<std::uint64_t> numbers_to(std::uint64_t count) {
+  std::vector<std::uint64_t> all;
+  for (std::uint64_t i = 0; i < count; ++i)
+    all.push_back(i);
+  return all;
+}
+
+TEST(GroupCommit, KeepsOrderInFewCommits) {
+  // Goal: results are committed in the order of put, many at a time. Method: a thousand puts, then
+  // a flush; far fewer calls than results.
+  Recorder recorder;
+  GroupCommit group_commit(recorder.commit());
+  for (std::uint64_t i = 0; i < 1000; ++i)
+    group_commit.put(small(i));
+  group_commit.flush();
+  EXPECT_EQ(recorder.first_scans(), numbers_to(1000));
+  EXPECT_LT(recorder.calls(), 500);
+  EXPECT_EQ(group_commit.committed(), 1000U);
+}
+
+TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
+  // Goal: committed() says nothing before a commit has returned, then all scans of it. Method: a
+  // commit that is held up.
+  Recorder recorder;
+  recorder.hold();
+  GroupCommit group_commit(recorder.commit());
+  group_commit.put(small(0, 7));
+  recorder.await_call(1);
+  EXPECT_EQ(group_commit.committed(), 0U);
+  recorder.release();
+  group_commit.flush();
+  EXPECT_EQ(group_commit.committed(), 7U);
+}
+
+TEST(GroupCommit, CommitsWithoutBeingAsked) {
+  // Goal: a lone result doesn't wait for company for ever, a large one not at all. Method: one of
+  // each without a flush; the call comes (a broken one would run into the test's time limit).
+  Recorder recorder;
+  GroupCommit group_commit(recorder.commit());
+  group_commit.put(small(0));
+  recorder.await_call(1);
+  group_commit.put(large(1, 2 * k_group_bytes));
+  recorder.await_call(2);
+}
+
+TEST(GroupCommit, FlushOfNothingReturns) {
+  // Goal: there is nothing to wait for. Method: flush before and after a put, twice.
+  Recorder recorder;
+  GroupCommit group_commit(recorder.commit());
+  group_commit.flush();
+  group_commit.put(small(0));
+  group_commit.flush();
+  group_commit.flush();
+  EXPECT_EQ(recorder.calls(), 1);
+}
+
+TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
+  // Goal: flush returns once what was put before it is committed, also while others go on putting.
+  // Method: every commit puts another result, so that the queue is never seen empty.
+  std::atomic<bool> stop{false};
+  GroupCommit* self = nullptr;
+  GroupCommit group_commit([&](std::span<const plan::UnitResult> group) {
+    if (!stop) self->put(small(group.back().unit.first_scan.value + 1));
+  });
+  self = &group_commit;
+  group_commit.put(small(0));
+  std::future<void> flushed = std::async(std::launch::async, [&] { group_commit.flush(); });
+  EXPECT_EQ(flushed.wait_for(10s), std::future_status::ready);
+  EXPECT_GE(group_commit.committed(), 1U);
+  stop = true;
+  flushed.get();
+}
+
+TEST(GroupCommit, FailureComesOutAndNothingFollows) {
+  // Goal: after a failed commit nothing more is written, and everybody hears of it. Method: the
+  // second commit fails; then puts and flushes, all of which must throw.
+  Recorder recorder;
+  recorder.fail_at(2);
+  GroupCommit group_commit(recorder.commit());
+  group_commit.put(small(0, 3));
+  group_commit.flush();
+  group_commit.put(small(3));
+  EXPECT_THROW(group_commit.flush(), std::runtime_error);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THROW(group_commit.put(small(4)), std::runtime_error);
+    EXPECT_THROW(group_commit.flush(), std::runtime_error);
+  }
+  EXPECT_EQ(recorder.calls(), 2);
+  EXPECT_EQ(recorder.first_scans(), std::vector<std::uint64_t>{0});
+  EXPECT_EQ(group_commit.committed(), 3U);
+}
+
+TEST(GroupCommit, FailureComesOutOfPutAlone) {
+  // Goal: a caller that never flushes hears of it too. Method: put until it throws.
+  Recorder recorder;
+  recorder.fail_at(1);
+  GroupCommit group_commit(recorder.commit());
+  std::string reason;
+  for (std::uint64_t i = 0; reason.empty(); ++i) {
+    try {
+      group_commit.put(small(i));
+    } catch (const std::runtime_error& failure) {
+      reason = failure.what();
+    }
+  }
+  EXPECT_EQ(reason, "the disk is gone");
+  EXPECT_EQ(group_commit.committed(), 0U);
+}
+
+/// Puts `count` large results from a thread of its own and counts those that were taken.
+class Putter {
+ public:
+  Putter(GroupCommit& group_commit, std::uint64_t count)
+      : outcome_(std::async(std::launch::async, [this, &group_commit, count] {
+          for (std::uint64_t i = 0; i < count; ++i) {
+            group_commit.put(large(i, k_queue_bytes_max / 8));
+            ++taken_;
+          }
+        })) {}
+
+  /// How many were taken when none has been for a while.
+  std::uint64_t taken_when_stuck() const {
+    std::uint64_t before = 0;
+    do {
+      before = taken_;
+      std::this_thread::sleep_for(300ms);
+    } while (before != taken_);
+    return before;
+  }
+  bool stuck() const { return outcome_.wait_for(0ms) == std::future_status::timeout; }
+  void finish() { outcome_.get(); }
+
+ private:
+  std::atomic<std::uint64_t> taken_{0};
+  std::future<void> outcome_;  // last: uses the count
+};
+
+TEST(GroupCommit, StalledDiskHoldsPutsUp) {
+  // Goal: no more than k_queue_bytes_max waits in memory behind the group being written. Method:
+  // a commit that is held up, results of an eighth of the limit: one group of a few, eight more,
+  // then put blocks until the disk works again; nothing is lost.
+  Recorder recorder;
+  recorder.hold();
+  GroupCommit group_commit(recorder.commit());
+  Putter putter(group_commit, 40);
+  recorder.await_call(1);
+  const std::uint64_t taken = putter.taken_when_stuck();
+  EXPECT_TRUE(putter.stuck());
+  EXPECT_GE(taken, 8U);
+  EXPECT_LE(taken, 16U);
+  recorder.release();
+  putter.finish();
+  group_commit.flush();
+  EXPECT_EQ(recorder.first_scans(), numbers_to(40));
+}
+
+TEST(GroupCommit, FailureFreesWhoIsHeldUp) {
+  // Goal: a put that waits for the disk ends when the disk fails. Method: as above, then fail.
+  Recorder recorder;
+  recorder.hold();
+  recorder.fail_at(1);
+  GroupCommit group_commit(recorder.commit());
+  Putter putter(group_commit, 40);
+  recorder.await_call(1);
+  (void)putter.taken_when_stuck();
+  recorder.release();
+  EXPECT_THROW(putter.finish(), std::runtime_error);
+}
+
+TEST(GroupCommit, DestructorCommits) {
+  // Goal: leaving a scope in order loses nothing. Method: no flush; also right after a failure,
+  // when there is nothing that it could do.
+  Recorder recorder;
+  {
+    GroupCommit group_commit(recorder.commit());
+    for (std::uint64_t i = 0; i < 50; ++i)
+      group_commit.put(small(i));
+  }
+  EXPECT_EQ(recorder.first_scans(), numbers_to(50));
+  Recorder failing;
+  failing.fail_at(1);
+  {
+    GroupCommit group_commit(failing.commit());
+    group_commit.put(small(0));
+  }
+  EXPECT_EQ(failing.calls(), 1);
+}
+
+TEST(GroupCommit, TakesFromManyThreads) {
+  // Goal: each thread's results are committed, in that thread's order. Method: four threads with
+  // chains of their own, flushing now and then while a fifth watches the count grow.
+  constexpr std::uint32_t k_threads = 4;
+  constexpr std::uint64_t k_each = 500;
+  std::vector<std::vector<std::uint64_t>> seen(k_threads);
+  GroupCommit group_commit([&](std::span<const plan::UnitResult> group) {
+    for (const plan::UnitResult& result : group)
+      seen[result.unit.replica.chain.value].push_back(result.unit.first_scan.value);
+  });
+  std::vector<std::thread> threads;
+  for (std::uint32_t chain = 0; chain < k_threads; ++chain) {
+    threads.emplace_back([&, chain] {
+      for (std::uint64_t i = 0; i < k_each; ++i) {
+        group_commit.put(testing::result_of(chain, i, 1));
+        if (i % 100 == 0) group_commit.flush();
+      }
+      group_commit.flush();
+    });
+  }
+  std::uint64_t last = 0;
+  while (last < k_threads * k_each) {
+    const std::uint64_t now = group_commit.committed();
+    ASSERT_GE(now, last);
+    last = now;
+  }
+  for (std::thread& thread : threads)
+    thread.join();
+  for (const std::vector<std::uint64_t>& chain : seen)
+    EXPECT_EQ(chain, numbers_to(k_each));
+}
+
+}  // namespace
+}  // namespace sleight::store

@@ -1,0 +1,146 @@
+// Whose results a store holds, and which session may write them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "common/base/error.h"
+#include "common/store/run_store.h"
+#include "tests/unit/common/store/examples.h"
+
+namespace sleight::store {
+namespace {
+
+using testing::example_identity;
+using testing::expect_stored;
+using ::testing::HasSubstr;
+using testing::result_of;
+
+class RunStoreSessions : public testing::RunFolder {
+ protected:
+  static std::string failure_of(base::ExitCode code, const std::function<void()>& act) {
+    try {
+      act();
+    } catch (const base::Error& error) {
+      EXPECT_EQ(error.exit_code(), code) << error.what();
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+  std::string conflict_of(const RunIdentity& identity) const {
+    return failure_of(base::ExitCode::conflict, [&] { RunStore(folder(), identity); });
+  }
+  void execute(const std::string& sql) const {
+    Database(RunStore::database_path(folder()), Access::read_write).execute(sql);
+  }
+};
+
+TEST_F(RunStoreSessions, BelongToOneRequestAndOneVersion) {
+  // Goal: no store mixes two requests, versions or formats (invariant 3), and the refusal says what
+  // to do. Method: open with each of the three changed; afterwards the owner finds all as it was.
+  {
+    RunStore store(folder(), example_identity(1));
+    store.put(result_of(0, 0, 4));
+  }
+  RunIdentity other_request = example_identity(1);
+  other_request.identity_text += " ";
+  EXPECT_THAT(conflict_of(other_request),
+              AllOf(HasSubstr(folder()), HasSubstr("another request"), HasSubstr("--fresh")));
+  RunIdentity other_version = example_identity(1);
+  other_version.program_version = "1.1";
+  EXPECT_THAT(conflict_of(other_version),
+              AllOf(HasSubstr("version 1.0"), HasSubstr("this is 1.1"), HasSubstr("--fresh")));
+  execute("UPDATE run SET value=2 WHERE key='format_version'");
+  EXPECT_THAT(conflict_of(example_identity(1)),
+              AllOf(HasSubstr("format 2"), HasSubstr("writes 1")));
+  execute("UPDATE run SET value=1 WHERE key='format_version'");
+
+  RunStore store(folder(), example_identity(1));
+  EXPECT_EQ(store.epoch(), 2U);
+  expect_stored(folder(), store, 0, 4);
+}
+
+TEST_F(RunStoreSessions, MayStopElsewhere) {
+  // Goal: the whole request may change where its identity does not ([stop], what is kept). Method:
+  // reopen with another request text; the newest is on record.
+  { RunStore(folder(), example_identity(1)); }
+  RunIdentity longer = example_identity(1);
+  longer.request_text += "# more\n";
+  { RunStore(folder(), longer); }
+  Database database(RunStore::database_path(folder()), Access::read_only);
+  Statement select = database.prepare("SELECT value FROM run WHERE key='request'");
+  ASSERT_TRUE(select.step());
+  EXPECT_EQ(select.text(0), longer.request_text);
+}
+
+TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
+  // Goal: a session that was taken for dead stores nothing beside its successor. Method: open a
+  // second store; the first's next commit fails with conflict, whole, for good, and its later puts
+  // too, while the second goes on.
+  RunStore first(folder(), example_identity(2));
+  first.put(result_of(0, 0, 5));
+  first.flush();
+  RunStore second(folder(), example_identity(2));
+  EXPECT_EQ(second.epoch(), first.epoch() + 1);
+  first.put(result_of(0, 5, 5));
+  first.put(result_of(1, 0, 5));
+  EXPECT_THAT(failure_of(base::ExitCode::conflict, [&] { first.flush(); }),
+              AllOf(HasSubstr(folder()), HasSubstr("epoch 2"), HasSubstr("epoch 1")));
+  (void)failure_of(base::ExitCode::conflict, [&] { first.put(result_of(0, 10, 5)); });
+  EXPECT_EQ(first.committed(), 5U);
+  expect_stored(folder(), second, 0, 5);
+  expect_stored(folder(), second, 1, 0);
+
+  second.put(result_of(0, 5, 3));
+  second.flush();
+  expect_stored(folder(), second, 0, 8);
+  expect_stored(folder(), second, 1, 0);
+}
+
+TEST_F(RunStoreSessions, RefusedOneFencesNobody) {
+  // Goal: an attempt with another request doesn't stop a running session. Method: be refused while
+  // a session runs, then let it commit.
+  RunStore running(folder(), example_identity(1));
+  RunIdentity other = example_identity(1);
+  other.identity_text = "another";
+  (void)conflict_of(other);
+  running.put(result_of(0, 0, 5));
+  running.flush();
+  expect_stored(folder(), running, 0, 5);
+}
+
+TEST_F(RunStoreSessions, SeeNoHalfOfAUnit) {
+  // Goal: a unit becomes visible in one step. Method: a reader looks all the while that units of
+  // 40 scans are committed; it never sees a number of scans that 40 doesn't divide, nor one that
+  // differs from the progress.
+  RunStore store(folder(), example_identity(1));
+  Database reader(RunStore::database_path(folder()), Access::read_only);
+  Statement count = reader.prepare(
+      "SELECT (SELECT count(*) FROM scan), (SELECT coalesce(max(next_scan), 0) FROM replica)");
+  for (std::uint64_t scan = 0; scan < 4000; scan += 40) {
+    store.put(result_of(0, scan, 40));
+    if (scan % 400 == 0) store.flush();
+    ASSERT_TRUE(count.step());
+    EXPECT_EQ(count.integer(0) % 40, 0);
+    EXPECT_EQ(count.integer(0), count.integer(1));
+    count.reset();
+  }
+}
+
+TEST_F(RunStoreSessions, NeedAFolderAndADatabase) {
+  // Goal: what is no run store is refused and not written to. Method: a missing folder, and a
+  // file of text where the store would be.
+  EXPECT_THAT(failure_of(base::ExitCode::environment,
+                         [&] { RunStore(path("missing"), example_identity(1)); }),
+              HasSubstr(path("missing")));
+  const std::string text(8192, 't');
+  put_bytes(RunStore::database_path(folder()), text);
+  EXPECT_THAT(
+      failure_of(base::ExitCode::environment, [&] { RunStore(folder(), example_identity(1)); }),
+      HasSubstr("not a run store"));
+  EXPECT_EQ(bytes_of(RunStore::database_path(folder())), text);
+}
+
+}  // namespace
+}  // namespace sleight::store

@@ -1,0 +1,206 @@
+#include "common/store/run_store.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <thread>
+
+#include "common/base/error.h"
+#include "common/random/discrete_distributions.h"
+#include "common/random/stream.h"
+#include "tests/unit/common/store/examples.h"
+
+namespace sleight::store {
+namespace {
+
+using testing::expect_stored;
+using testing::forged;
+using testing::result_of;
+
+class RunStoreOf : public testing::RunFolder {
+ protected:
+  void open(std::uint32_t chains = 2) {
+    store_.reset();
+    store_.emplace(folder(), testing::example_identity(chains));
+  }
+
+  std::optional<RunStore> store_;
+};
+
+TEST_F(RunStoreOf, NewRunIsEmpty) {
+  // Goal: a new run has nothing. Method: open, ask, open again.
+  open();
+  EXPECT_EQ(store_->epoch(), 1U);
+  EXPECT_TRUE(store_->progress().empty());
+  expect_stored(folder(), *store_, 0, 0);
+  store_->flush();
+  EXPECT_EQ(store_->committed(), 0U);
+  open();
+  EXPECT_EQ(store_->epoch(), 2U);
+  EXPECT_TRUE(store_->progress().empty());
+}
+
+TEST_F(RunStoreOf, GivesBackWhatWasPut) {
+  // Goal: results are there after a flush, for other readers too, and after reopening. Method: two
+  // chains in units of several sizes, longer together than a batch of a replay.
+  open();
+  std::uint64_t next = 0;
+  for (const std::uint32_t scans : {1U, 2U, 100U, 4096U, 7U, 1000U}) {
+    store_->put(result_of(1, next, scans));
+    next += scans;
+  }
+  store_->put(result_of(0, 0, 5));
+  store_->flush();
+  EXPECT_EQ(store_->committed(), next + 5);
+  for (int session = 0; session < 2; ++session) {
+    expect_stored(folder(), *store_, 0, 5);
+    expect_stored(folder(), *store_, 1, next);
+    open();
+  }
+  EXPECT_EQ(store_->committed(), 0U);
+}
+
+TEST_F(RunStoreOf, ProgressIsInOrder) {
+  // Goal: replicas come by chain, then replica. Method: put out of order, ids far apart.
+  open();
+  for (const auto& [chain, replica] :
+       {std::pair{70'000U, 1U}, {3U, 0U}, {0xffffffffU, 0U}, {3U, 0xffffffffU}, {70'000U, 0U}}) {
+    plan::UnitResult result = result_of(chain, 0, 2);
+    result.unit.replica.replica = base::ReplicaId{replica};
+    store_->put(result);
+  }
+  store_->flush();
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+  for (const ReplicaProgress& progress : store_->progress()) {
+    found.emplace_back(progress.replica.chain.value, progress.replica.replica.value);
+    EXPECT_EQ(progress.next_scan, 2U);
+  }
+  EXPECT_THAT(found, ::testing::ElementsAre(std::pair{3U, 0U}, std::pair{3U, 0xffffffffU},
+                                            std::pair{70'000U, 0U}, std::pair{70'000U, 1U},
+                                            std::pair{0xffffffffU, 0U}));
+}
+
+TEST_F(RunStoreOf, DoubledResultChangesNothing) {
+  // Goal: a key's first result stays (invariant 2). Method: put a result again with every field
+  // changed, in the same group, in a later one and in a later session.
+  open();
+  store_->put(result_of(0, 0, 6));
+  store_->put(forged(result_of(0, 0, 6)));
+  store_->flush();
+  expect_stored(folder(), *store_, 0, 6);
+  store_->put(forged(result_of(0, 0, 6)));
+  store_->flush();
+  expect_stored(folder(), *store_, 0, 6);
+  open();
+  store_->put(forged(result_of(0, 0, 6)));
+  store_->flush();
+  expect_stored(folder(), *store_, 0, 6);
+}
+
+TEST_F(RunStoreOf, LateResultChangesNothing) {
+  // Goal: a result from before does not take a replica back. Method: changed copies of the first,
+  // of a middle and of the last part of what is stored.
+  open();
+  store_->put(result_of(0, 0, 10));
+  store_->put(result_of(0, 10, 10));
+  for (const auto& [first, scans] : {std::pair{0U, 1U}, {0U, 10U}, {5U, 9U}, {12U, 8U}})
+    store_->put(forged(result_of(0, first, scans)));
+  store_->flush();
+  expect_stored(folder(), *store_, 0, 20);
+}
+
+TEST_F(RunStoreOf, OverlappingUnitAddsItsNewScans) {
+  // Goal: a unit that was cut elsewhere adds what is new, and repeats nothing. Method: the part
+  // that overlaps is changed; the first results and the later state count.
+  open();
+  store_->put(result_of(0, 0, 10));
+  plan::UnitResult overlapping = result_of(0, 6, 9);
+  const plan::UnitResult changed = forged(overlapping);
+  for (std::size_t i = 0; i < 4; ++i)
+    overlapping.scans[i] = changed.scans[i];
+  store_->put(overlapping);
+  store_->flush();
+  expect_stored(folder(), *store_, 0, 15);
+}
+
+TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
+  // Goal: invariants 2 and 4 for any history. Method: random units that continue, repeat or
+  // overlap, cut at random, with flushes and new sessions among them; the parts that are stored
+  // already are changed.
+  constexpr std::uint64_t k_seed = 4711;
+  SCOPED_TRACE(fmt::format("seed {}", k_seed));
+  random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 0);
+  const auto below = [&](std::uint64_t count) {
+    return random::UniformInteger{.count = count}.draw(stream);
+  };
+  open(3);
+  std::vector<std::uint64_t> next(3, 0);
+  for (int i = 0; i < 400; ++i) {
+    const auto chain = static_cast<std::uint32_t>(below(3));
+    const std::uint64_t first = next[chain] - std::min(next[chain], below(20));
+    const auto scans = static_cast<std::uint32_t>(1 + below(25));
+    plan::UnitResult result = result_of(chain, first, scans);
+    const plan::UnitResult changed = forged(result);
+    for (std::uint64_t scan = first; scan < std::min(first + scans, next[chain]); ++scan)
+      result.scans[scan - first] = changed.scans[scan - first];
+    if (first + scans <= next[chain]) result.state_after = changed.state_after;
+    next[chain] = std::max(next[chain], first + scans);
+    store_->put(std::move(result));
+    if (below(10) == 0) store_->flush();
+    if (below(40) == 0) open(3);
+  }
+  open(3);
+  for (std::uint32_t chain = 0; chain < 3; ++chain)
+    expect_stored(folder(), *store_, chain, next[chain]);
+}
+
+TEST_F(RunStoreOf, TakesFromManyThreads) {
+  // Goal: put, flush and committed may be called from any thread. Method: four threads with chains
+  // of their own.
+  open(4);
+  std::vector<std::thread> threads;
+  for (std::uint32_t chain = 0; chain < 4; ++chain) {
+    threads.emplace_back([this, chain] {
+      for (std::uint64_t scan = 0; scan < 300; scan += 3) {
+        store_->put(result_of(chain, scan, 3));
+        if (scan % 60 == 0) store_->flush();
+      }
+      store_->flush();
+      EXPECT_GE(store_->committed(), 300U);
+    });
+  }
+  for (std::thread& thread : threads)
+    thread.join();
+  EXPECT_EQ(store_->committed(), 1200U);
+  for (std::uint32_t chain = 0; chain < 4; ++chain)
+    expect_stored(folder(), *store_, chain, 300);
+}
+
+TEST_F(RunStoreOf, ClosingCommits) {
+  // Goal: a session that ends without a flush loses nothing. Method: put and close.
+  open();
+  for (std::uint64_t scan = 0; scan < 200; ++scan)
+    store_->put(result_of(0, scan, 1));
+  open();
+  expect_stored(folder(), *store_, 0, 200);
+}
+
+using RunStoreOfDeathTest = RunStoreOf;
+
+TEST_F(RunStoreOfDeathTest, GapIsABug) {
+  // Goal: no store ever has a hole in a replica (invariant 4). Method: put scans 3.. of an empty
+  // replica.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(
+      {
+        RunStore store(folder(), testing::example_identity(1));
+        store.put(result_of(0, 3, 2));
+        store.flush();
+      },
+      "check failed: .*first_scan.*3 against 0");
+}
+
+}  // namespace
+}  // namespace sleight::store

@@ -1,0 +1,129 @@
+#include "common/store/stored_run.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+
+#include "common/base/error.h"
+#include "tests/unit/common/store/examples.h"
+
+namespace sleight::store {
+namespace {
+
+using testing::example_identity;
+using testing::result_of;
+
+class StoredRunOf : public testing::RunFolder {
+ protected:
+  /// Stores one record and reads it back.
+  plan::ScanRecord through_store(const plan::ScanRecord& record) const {
+    RunStore store(folder(), example_identity(1));
+    plan::UnitResult result = result_of(0, 0, 1);
+    result.scans = {record};
+    store.put(result);
+    store.flush();
+    return testing::stored(folder(), 0, 1).at(0);
+  }
+};
+
+TEST_F(StoredRunOf, KeepsEveryBit) {
+  // Goal: an archive gets the bits that a worker computed. Method: one record of extremes: NaNs
+  // with payloads as outcomes, densities of minus infinity, empty lists, the largest lineage.
+  plan::ScanRecord record;
+  record.log_prior = std::numeric_limits<double>::denorm_min();
+  record.log_constraint = -std::numeric_limits<double>::infinity();
+  record.lineage = std::numeric_limits<std::uint64_t>::max();
+  record.proposed = {0xffffffffU, 0};
+  for (const std::uint64_t bits : {0x7ff0000000000001U, 0xfff8dead00000000U, 0x8000000000000000U})
+    record.outcome.push_back(std::bit_cast<double>(bits));
+  EXPECT_TRUE(testing::same_bits(through_store(record), record));
+}
+
+TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
+  // Goal: as above for the two densities, which are columns of their own. Method: doubles that a
+  // database might store in another form: whole numbers, zeros of both signs, the largest.
+  const std::vector<double> values{-0.0,
+                                   0.0,
+                                   1.0,
+                                   -3.0,
+                                   4503599627370497.0,
+                                   9007199254740993.0,
+                                   1e300,
+                                   0.1,
+                                   -0.1,
+                                   std::numeric_limits<double>::max(),
+                                   -std::numeric_limits<double>::infinity(),
+                                   std::numeric_limits<double>::infinity()};
+  RunStore store(folder(), example_identity(1));
+  plan::UnitResult result = result_of(0, 0, static_cast<std::uint32_t>(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    result.scans[i].log_prior = values[i];
+    result.scans[i].log_constraint = values[values.size() - 1 - i];
+  }
+  store.put(result);
+  store.flush();
+  const std::vector<plan::ScanRecord> back = testing::stored(folder(), 0, values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    EXPECT_TRUE(testing::same_bits(back[i], result.scans[i])) << values[i];
+}
+
+TEST_F(StoredRunOf, CutsWhereItIsTold) {
+  // Goal: later scans don't show. Method: read fewer than are stored, none included, beside a
+  // writer that goes on.
+  RunStore store(folder(), example_identity(2));
+  store.put(result_of(0, 0, 9));
+  store.put(result_of(1, 0, 7));
+  store.flush();
+  const StoredRun run(folder(), 2, 7);
+  EXPECT_EQ(run.chains(), 2U);
+  EXPECT_EQ(run.scans(), 7U);
+  for (const std::uint32_t chain : {0U, 1U}) {
+    std::uint64_t next = 0;
+    run.for_each_scan(base::ChainId{chain}, [&](base::ScanIndex scan, const auto& record) {
+      EXPECT_EQ(scan.value, next);
+      EXPECT_TRUE(testing::same_bits(record, testing::record_of(chain, next++)));
+    });
+    EXPECT_EQ(next, 7U);
+  }
+  store.put(result_of(0, 9, 1));
+  store.flush();
+  EXPECT_TRUE(testing::stored(folder(), 1, 0).empty());
+}
+
+TEST_F(StoredRunOf, ReadsOneReplicaOfSeveral) {
+  // Goal: an archive holds replica 0 alone. Method: replicas 0 and 1 with different records.
+  RunStore store(folder(), example_identity(1));
+  plan::UnitResult other = testing::forged(result_of(0, 0, 5));
+  other.unit.replica.replica = base::ReplicaId{1};
+  store.put(other);
+  store.put(result_of(0, 0, 5));
+  store.flush();
+  const std::vector<plan::ScanRecord> back = testing::stored(folder(), 0, 5);
+  for (std::uint64_t scan = 0; scan < 5; ++scan)
+    EXPECT_TRUE(testing::same_bits(back[scan], testing::record_of(0, scan)));
+}
+
+TEST_F(StoredRunOf, MissingStoreIsAnError) {
+  // Goal: reading makes no file. Method: a folder without a store.
+  EXPECT_THROW(StoredRun(folder(), 1, 1), base::Error);
+  EXPECT_TRUE(std::filesystem::is_empty(folder()));
+}
+
+using StoredRunOfDeathTest = StoredRunOf;
+
+TEST_F(StoredRunOfDeathTest, MissingScansAreABug) {
+  // Goal: an archive is never cut short in silence. Method: ask for more scans than there are.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(
+      {
+        RunStore store(folder(), example_identity(1));
+        store.put(result_of(0, 0, 3));
+        store.flush();
+        (void)testing::stored(folder(), 0, 4);
+      },
+      "check failed: .*3 against 4");
+}
+
+}  // namespace
+}  // namespace sleight::store
