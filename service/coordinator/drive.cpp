@@ -1,6 +1,7 @@
 #include "service/coordinator/drive.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -18,6 +19,8 @@ class UnitSize {
   std::uint32_t scans() const { return scans_; }
   void measured(const plan::UnitResult& result) {
     const double cost_s = result.cost_s / result.unit.scans;
+    // Another rank measured it: what is no time tells nothing.
+    if (!std::isfinite(cost_s) || cost_s < 0) return;
     scan_cost_s_ = scan_cost_s_ == 0 ? cost_s : 0.8 * scan_cost_s_ + 0.2 * cost_s;
     const double wanted = k_unit_target_s / std::max(scan_cost_s_, 1e-9);
     const double most = std::min<double>(k_unit_scans_max, 4.0 * scans_);

@@ -36,11 +36,11 @@ struct Progress {
 struct DriveOptions {
   double time_limit_s = 0;  ///< 0 for none
   double report_every_s = 0.1;
-  std::function<bool()> stop_requested;         ///< asked often; may be empty
-  std::function<void(const Progress&)> report;  ///< may be empty
+  std::function<bool()> stop_requested{};         ///< asked often; may be empty
+  std::function<void(const Progress&)> report{};  ///< may be empty
   /// Called now and then between units when everything is committed up to `scans_common`, so that
   /// people who watch have a recent archive; may be empty.
-  std::function<void(std::uint64_t scans_common)> checkpoint;
+  std::function<void(std::uint64_t scans_common)> checkpoint{};
   double checkpoint_every_s = 60;
 };
 
@@ -49,7 +49,7 @@ enum class DriveEnd { finished, time_limit, stop_requested };
 struct DriveOutcome {
   DriveEnd end = DriveEnd::finished;
   std::uint64_t scans_common = 0;  ///< committed for every chain: where the archive is cut
-  Progress progress;
+  Progress progress{};
 };
 
 /// Runs the plan from where the store stands until it is finished or asked to stop; on return all

@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace sleight::coordinator {
 namespace {
+
+/// Longer times are shown as this: a slow start can promise ages that no integer holds.
+constexpr double k_seconds_max = 1e12;
 
 double percent(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
@@ -26,7 +30,8 @@ std::string grouped(std::uint64_t count) {
 }
 
 std::string clock_time(double seconds) {
-  const auto whole = static_cast<std::uint64_t>(std::max(0.0, std::ceil(seconds)));
+  const double bounded = std::min(std::max(0.0, std::ceil(seconds)), k_seconds_max);
+  const auto whole = static_cast<std::uint64_t>(bounded);
   const std::uint64_t hours = whole / 3600;
   const std::uint64_t minutes = whole / 60 % 60;
   if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);

@@ -36,7 +36,9 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   spdlog::info("--fresh: giving up the earlier run of {}", output);
   // The archive goes first: an archive without its store would be refused above.
   files.remove(output);
-  for (const char* suffix : {"-wal", "-shm", ""})
+  // Then the database, then its log: a log alone is ignored, a database without its log may be
+  // torn.
+  for (const char* suffix : {"", "-wal", "-shm"})
     files.remove(database + suffix);
 }
 

@@ -33,17 +33,17 @@ struct RunOptions {
   std::string output;       ///< path of the archive
   bool fresh = false;       ///< give up an earlier run of this output
   double time_limit_s = 0;  ///< 0 for none
-  std::function<bool()> stop_requested;
-  std::function<void(const Progress&)> report;
+  std::function<bool()> stop_requested{};
+  std::function<void(const Progress&)> report{};
   double checkpoint_every_s = 60;  ///< an archive of the run so far, for people who watch
 };
 
 struct RunSummary {
   DriveEnd end = DriveEnd::finished;
   std::uint64_t scans = 0;  ///< of every chain in the archive; 0: no archive could be written
-  std::string digest;       ///< of the archive's content
+  std::string digest{};     ///< of the archive's content
   std::uint64_t epoch = 0;  ///< 1 for a run's first session
-  Progress progress;
+  Progress progress{};
 };
 
 /// Throws base::Error: conflict where the output belongs to another request, to another program

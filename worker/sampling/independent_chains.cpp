@@ -13,7 +13,7 @@ constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
 }  // namespace
 
 std::uint64_t scans_through_round(std::uint64_t round_scans, std::uint32_t rounds) {
-  if (rounds >= 63) return k_no_end;
+  if (rounds >= 64) return k_no_end;
   const std::uint64_t lengths = (std::uint64_t{1} << rounds) - 1;
   if (round_scans > k_no_end / std::max<std::uint64_t>(lengths, 1)) return k_no_end;
   return round_scans * lengths;
@@ -28,7 +28,8 @@ IndependentChains::IndependentChains(const IndependentChainsOptions& options)
   if (stop.scans) end_ = *stop.scans;
   if (stop.rounds) end_ = std::min(end_, scans_through_round(options.round_scans, *stop.rounds));
   for (std::uint32_t id = 0; id < options.chains; ++id)
-    by_progress_.emplace(0, id);
+    by_progress_.emplace_hint(by_progress_.end(), 0, id);
+  idle_ = by_progress_;
   judge_rounds();
 }
 
@@ -57,18 +58,15 @@ void IndependentChains::judge_rounds() {
 std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
   // Choose the idle chain that is furthest behind, the lowest id among equals.
-  for (const auto& [consumed, id] : by_progress_) {
-    if (consumed >= horizon_) break;
-    Chain& chain = chains_[id];
-    if (chain.running) continue;
-    chain.running = true;
-    return plan::Unit{.replica = {base::ChainId{id}, base::ReplicaId{0}},
-                      .first_scan = base::ScanIndex{consumed},
-                      .scans = static_cast<std::uint32_t>(
-                          std::min<std::uint64_t>(horizon_ - consumed, scans_max)),
-                      .inverse_temperature = 1};
-  }
-  return std::nullopt;
+  if (idle_.empty()) return std::nullopt;
+  const auto [consumed, id] = *idle_.begin();
+  if (consumed >= horizon_) return std::nullopt;
+  idle_.erase(idle_.begin());
+  return plan::Unit{
+      .replica = {base::ChainId{id}, base::ReplicaId{0}},
+      .first_scan = base::ScanIndex{consumed},
+      .scans = static_cast<std::uint32_t>(std::min<std::uint64_t>(horizon_ - consumed, scans_max)),
+      .inverse_temperature = 1};
 }
 
 void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
@@ -78,6 +76,7 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
   Chain& chain = chains_[replica.chain.value];
   CHECK_EQ(first_scan.value, chain.consumed);
   by_progress_.erase({chain.consumed, replica.chain.value});
+  idle_.erase({chain.consumed, replica.chain.value});  // there when it comes from a run store
   for (const plan::ScanRecord& record : records) {
     if (record.satisfied && chain.newest_satisfied_lineage != record.lineage) {
       chain.newest_satisfied_lineage = record.lineage;
@@ -85,8 +84,8 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
     }
     ++chain.consumed;
   }
-  chain.running = false;
   by_progress_.emplace(chain.consumed, replica.chain.value);
+  idle_.emplace(chain.consumed, replica.chain.value);
   judge_rounds();
 }
 

@@ -51,7 +51,6 @@ class IndependentChains final : public plan::Plan {
  private:
   struct Chain {
     std::uint64_t consumed = 0;
-    bool running = false;  ///< a unit of it is handed out
     /// The scan at which each of its lineages first satisfied, in order.
     std::vector<std::uint64_t> first_satisfied;
     std::optional<std::uint64_t> newest_satisfied_lineage;
@@ -63,8 +62,9 @@ class IndependentChains final : public plan::Plan {
 
   IndependentChainsOptions options_;
   std::vector<Chain> chains_;
-  std::set<std::pair<std::uint64_t, std::uint32_t>>
-      by_progress_;  ///< (consumed, chain), all chains
+  using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed, chain)
+  std::set<Progress> by_progress_;                           ///< all chains
+  std::set<Progress> idle_;                                  ///< those with no unit handed out
   std::uint32_t round_ = 1;
   std::uint64_t horizon_ = 0;  ///< scans that may be handed out now
   std::uint64_t end_ = 0;      ///< scans at which the run stops, as far as the rules tell yet

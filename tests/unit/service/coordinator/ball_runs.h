@@ -1,0 +1,52 @@
+// Whole runs of the real 2D ball in a scratch folder, each session as a program's main joins it.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "common/base/clock.h"
+#include "service/coordinator/local_executor.h"
+#include "service/coordinator/run.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+#include "worker/run/catalogue.h"
+
+namespace sleight::coordinator::testing {
+
+class BallRuns : public archive::testing::Scratch {
+ protected:
+  /// For request_text: scans that take long enough for a session to be stopped between two units.
+  static constexpr const char* k_slow = "iterations_per_scan = 200\n";
+
+  /// A request of three chains. `stop` is the content of [stop]; `more` is put before it.
+  static std::string request_text(const std::string& stop, const std::string& more = {}) {
+    return "[world]\nname = \"ball_2d\"\n[sampler]\nchains = 3\nseed = 17\nround_scans = 20\n" +
+           more + "[stop]\n" + stop + "\n[output]\nthin = 3\nkeep_max = 50\n";
+  }
+
+  static RunSummary session(const std::string& request_text, const RunOptions& options,
+                            std::size_t threads = 1) {
+    run::Catalogue catalogue;
+    auto request = request::read_request(request_text, "request.toml", catalogue.bindings());
+    EXPECT_TRUE(request.ok());
+    const run::WorldEntry& world = catalogue.world(request.value().world);
+    const auto worker = world.make_worker(request.value());
+    const auto reader = world.make_reader();
+    const auto plan = run::make_plan(request.value());
+    const base::SteadyClock clock;
+    LocalExecutor executor(*worker, clock, threads);
+    return run_request({.request = request.value(),
+                        .reader = *reader,
+                        .plan = *plan,
+                        .executor = executor,
+                        .clock = clock},
+                       options);
+  }
+
+  /// Asks to stop at the n-th question.
+  static std::function<bool()> stop_at(std::uint64_t question) {
+    return [question, asked = std::uint64_t{0}]() mutable { return ++asked >= question; };
+  }
+};
+
+}  // namespace sleight::coordinator::testing

@@ -1,0 +1,88 @@
+// Any executor, any stops: one result.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "common/random/discrete_distributions.h"
+#include "common/random/stream.h"
+#include "service/coordinator/drive.h"
+#include "tests/unit/service/coordinator/fakes.h"
+#include "worker/sampling/independent_chains.h"
+
+namespace sleight::coordinator {
+namespace {
+
+constexpr std::uint64_t k_seed = 1618;
+constexpr std::uint32_t k_chains = 4;
+constexpr std::uint64_t k_round_scans = 10;
+constexpr std::uint64_t k_solutions = 40;
+
+/// Where a run that asks for k_solutions must stop, from the example records.
+std::uint64_t scans_at_stop() {
+  std::uint64_t end = 0;
+  for (std::uint64_t length = k_round_scans;; length *= 2) {
+    end += length;
+    std::set<std::pair<std::uint32_t, std::uint64_t>> solved;
+    for (std::uint32_t chain = 0; chain < k_chains; ++chain) {
+      for (std::uint64_t scan = 0; scan < end; ++scan) {
+        const plan::ScanRecord record = store::testing::record_of(chain, scan);
+        if (record.satisfied) solved.emplace(chain, record.lineage);
+      }
+    }
+    if (solved.size() >= k_solutions) return end;
+  }
+}
+
+class DriveProperty : public store::testing::RunFolder {};
+
+TEST_F(DriveProperty, AnyExecutorAndAnyStopsGiveOneResult) {
+  // Goal: which units complete when, what they cost, and where sessions stop or fail change
+  // nothing. Method: runs of random sessions, each with an executor of random room, order and
+  // costs, and a random end; the final stop and every stored bit are those of the reference.
+  const std::uint64_t end = scans_at_stop();
+  EXPECT_GT(end, 2 * k_round_scans);
+  for (std::uint64_t run = 0; run < 15; ++run) {
+    SCOPED_TRACE(fmt::format("seed {}, run {}", k_seed, run));
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, run);
+    const auto below = [&](std::uint64_t count) {
+      return random::UniformInteger{.count = count}.draw(stream);
+    };
+    const std::string folder = path(fmt::format("run-{}", run));
+    std::filesystem::create_directory(folder);
+    base::ManualClock clock;
+    DriveOutcome outcome{.end = DriveEnd::stop_requested};
+    for (int session = 0; outcome.end != DriveEnd::finished; ++session) {
+      sampling::IndependentChains plan(
+          {.chains = k_chains,
+           .round_scans = k_round_scans,
+           .stop = {.scans = {}, .rounds = {}, .independent_solutions = k_solutions}});
+      std::uint64_t units_left = 1 + below(30);
+      const bool fails = below(3) == 0;
+      testing::FakeExecutor executor(
+          clock,
+          {.room = 1 + below(9),
+           .cost_s = [&](const plan::Unit&) { return 1e-4 * static_cast<double>(below(99)); },
+           .choose = [&](std::size_t waiting) { return below(waiting); },
+           .before =
+               [&](const plan::Unit&) {
+                 if (fails && --units_left == 0) throw session;
+               }});
+      store::RunStore store(folder, store::testing::example_identity(k_chains));
+      try {
+        outcome = drive(plan, store, executor, clock,
+                        {.stop_requested = [&] { return !fails && --units_left == 0; }});
+      } catch (int failed_session) {
+        ASSERT_EQ(failed_session, session);
+      }
+    }
+    EXPECT_EQ(outcome.scans_common, end);
+    store::RunStore store(folder, store::testing::example_identity(k_chains));
+    for (std::uint32_t chain = 0; chain < k_chains; ++chain)
+      store::testing::expect_stored(folder, store, chain, end);
+    if (HasFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace sleight::coordinator

@@ -1,0 +1,91 @@
+#include "service/coordinator/progress.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+
+namespace sleight::coordinator {
+namespace {
+
+TEST(Grouped, GroupsByThousands) {
+  // Goal: large counts are readable. Method: every number of digits around the commas.
+  EXPECT_EQ(grouped(0), "0");
+  EXPECT_EQ(grouped(999), "999");
+  EXPECT_EQ(grouped(1000), "1,000");
+  EXPECT_EQ(grouped(12345), "12,345");
+  EXPECT_EQ(grouped(123456), "123,456");
+  EXPECT_EQ(grouped(1234567), "1,234,567");
+  EXPECT_EQ(grouped(std::numeric_limits<std::uint64_t>::max()), "18,446,744,073,709,551,615");
+}
+
+TEST(ClockTime, ShowsMinutesAndHours) {
+  // Goal: times as people write them, rounded up, so that 0:00 means done. Method: both sides of
+  // each boundary; what is no time of a run shows as something harmless.
+  EXPECT_EQ(clock_time(0), "0:00");
+  EXPECT_EQ(clock_time(0.2), "0:01");
+  EXPECT_EQ(clock_time(4), "0:04");
+  EXPECT_EQ(clock_time(59.5), "1:00");
+  EXPECT_EQ(clock_time(750), "12:30");
+  EXPECT_EQ(clock_time(3599), "59:59");
+  EXPECT_EQ(clock_time(3600), "1:00:00");
+  EXPECT_EQ(clock_time(11100), "3:05:00");
+  EXPECT_EQ(clock_time(-5), "0:00");
+  EXPECT_EQ(clock_time(std::numeric_limits<double>::quiet_NaN()), "0:00");
+  EXPECT_EQ(clock_time(1e30), clock_time(std::numeric_limits<double>::infinity()));
+}
+
+TEST(ProgressLine, IsAsItsHeaderShows) {
+  // Goal: the line of the header's example. Method: the numbers behind it.
+  const Progress progress{.scans_done = 12400,
+                          .scans_total = 40000,
+                          .session_scans = 8520,
+                          .session_satisfied = 4431,
+                          .session_proposed = 8500,
+                          .session_accepted = 3485,
+                          .workers = 4,
+                          .elapsed_s = 0.1};
+  EXPECT_EQ(progress_line("ball_2d", progress),
+            "ball_2d  12,400 of 40,000 scans (31%)  85,200/s  0:01 left  accepted 41%  satisfied "
+            "4,431 (52%)  4 workers");
+}
+
+TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
+  // Goal: no made-up numbers. Method: at the very start; without a total; finished.
+  EXPECT_EQ(progress_line("x", {}), "x  0 scans  0/s  accepted 0%  satisfied 0 (0%)  0 workers");
+  EXPECT_EQ(
+      progress_line("x", {.scans_done = 1500, .session_scans = 1000, .workers = 1, .elapsed_s = 2}),
+      "x  1,500 scans  500/s  accepted 0%  satisfied 0 (0%)  1 worker");
+  EXPECT_EQ(progress_line(
+                "x", {.scans_done = 100, .scans_total = 100, .session_scans = 100, .elapsed_s = 1}),
+            "x  100 of 100 scans (100%)  100/s  accepted 0%  satisfied 0 (0%)  0 workers");
+  EXPECT_EQ(progress_line("x", {.scans_done = 50, .scans_total = 100, .elapsed_s = 1}),
+            "x  50 of 100 scans (50%)  0/s  accepted 0%  satisfied 0 (0%)  0 workers");
+}
+
+TEST(ProgressLine, HundredPercentMeansDone) {
+  // Goal: 100% isn't shown before the end. Method: one scan short of many.
+  const std::string line =
+      progress_line("x", {.scans_done = 99'999'999, .scans_total = 100'000'000});
+  EXPECT_NE(line.find("(99%)"), std::string::npos) << line;
+}
+
+TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
+  // Goal: a log file gets a line every k_plain_line_every_s, without control characters. Method: a
+  // file in place of a terminal, a report every 0.1 s for 20 s.
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+  ASSERT_NE(file, nullptr);
+  ProgressPrinter printer("x", file.get());
+  for (int i = 0; i <= 200; ++i)
+    printer.show({.scans_done = static_cast<std::uint64_t>(i), .elapsed_s = 0.1 * i});
+  printer.finish();
+  std::rewind(file.get());
+  std::string text(10'000, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4) << text;
+  EXPECT_EQ(text.find('\x1b'), std::string::npos);
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sleight::coordinator

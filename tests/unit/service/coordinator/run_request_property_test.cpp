@@ -1,0 +1,55 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+
+#include "common/random/discrete_distributions.h"
+#include "common/random/stream.h"
+#include "tests/unit/service/coordinator/ball_runs.h"
+
+namespace sleight::coordinator {
+namespace {
+
+constexpr std::uint64_t k_seed = 141421;
+constexpr std::uint64_t k_runs = 20;
+
+class RunRequestProperty : public testing::BallRuns {};
+
+TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
+  // Goal: the archive's bytes are a function of the request alone (C1): not of threads, nor of
+  // where sessions stop. Method: 20 runs of random sessions with 1, 2 or 5 threads each, stopped at
+  // random questions, against a straight run; by scans, by rounds and by independent solutions;
+  // from a printed seed.
+  std::uint64_t sessions = 0;
+  for (const std::string& stop : {std::string("scans = 400"), std::string("rounds = 5"),
+                                  std::string("independent_solutions = 3\nscans = 1000")}) {
+    const std::string request = request_text(stop, k_slow);
+    const std::string straight = path("straight.h5");
+    const RunSummary expected = session(request, {.output = straight, .fresh = true});
+    for (std::uint64_t run = 0; run < k_runs / 3 + 1; ++run) {
+      SCOPED_TRACE(fmt::format("{}, seed {}, run {}", stop, k_seed, run));
+      random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, run);
+      const auto below = [&](std::uint64_t count) {
+        return random::UniformInteger{.count = count}.draw(stream);
+      };
+      const std::string output = path("run.h5");
+      RunSummary summary{.end = DriveEnd::stop_requested};
+      for (bool fresh = true; summary.end != DriveEnd::finished; fresh = false) {
+        constexpr std::array<std::size_t, 3> k_threads{1, 2, 5};
+        ++sessions;
+        summary = session(
+            request, {.output = output, .fresh = fresh, .stop_requested = stop_at(1 + below(12))},
+            k_threads[below(3)]);
+      }
+      ASSERT_EQ(summary.scans, expected.scans);
+      ASSERT_EQ(summary.digest, expected.digest);
+      ASSERT_EQ(bytes_of(output), bytes_of(straight));
+    }
+  }
+  // Negative control: sessions were indeed cut.
+  EXPECT_GT(sessions, 2 * k_runs);
+}
+
+}  // namespace
+}  // namespace sleight::coordinator

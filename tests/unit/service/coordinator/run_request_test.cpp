@@ -1,0 +1,229 @@
+#include "service/coordinator/run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/archive/digest.h"
+#include "common/archive/hdf5/reader.h"
+#include "common/archive/verify.h"
+#include "common/base/error.h"
+#include "common/store/run_store.h"
+#include "tests/unit/service/coordinator/ball_runs.h"
+
+namespace sleight::coordinator {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class RunRequest : public testing::BallRuns {
+ protected:
+  std::string output() const { return path("ball.h5"); }
+
+  std::string conflict_of(const std::string& request, bool fresh = false) const {
+    try {
+      (void)session(request, {.output = output(), .fresh = fresh});
+    } catch (const base::Error& error) {
+      EXPECT_EQ(error.exit_code(), base::ExitCode::conflict) << error.what();
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+};
+
+TEST_F(RunRequest, FromRequestToArchive) {
+  // Goal: one session makes an archive that is right and whole. Method: run, verify, compare the
+  // digest with the file's; only the archive and the run's folder are left behind.
+  const RunSummary summary = session(request_text("scans = 200"), {.output = output()}, 2);
+  EXPECT_EQ(summary.end, DriveEnd::finished);
+  EXPECT_EQ(summary.scans, 200U);
+  EXPECT_EQ(summary.epoch, 1U);
+  EXPECT_EQ(summary.progress.scans_done, 600U);
+  EXPECT_EQ(summary.progress.session_proposed, 3U * 199U);
+  const auto archive = archive::hdf5::open_file(output());
+  EXPECT_EQ(archive::digest(*archive), summary.digest);
+  EXPECT_THAT(archive::verify(*archive), IsEmpty());
+  EXPECT_THAT(names(), ::testing::UnorderedElementsAre("ball.h5", "ball.h5.run"));
+}
+
+TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
+  // Goal: a finished run that is run again gives the same bytes. Method: twice; the second session
+  // computes nothing; the archive comes back when it was deleted.
+  const RunSummary first = session(request_text("scans = 150"), {.output = output()});
+  const std::string bytes = bytes_of(output());
+  std::filesystem::remove(output());
+  const RunSummary second = session(request_text("scans = 150"), {.output = output()});
+  EXPECT_EQ(second.epoch, 2U);
+  EXPECT_EQ(second.progress.session_scans, 0U);
+  EXPECT_EQ(second.digest, first.digest);
+  EXPECT_EQ(bytes_of(output()), bytes);
+}
+
+TEST_F(RunRequest, GoesOnWhereItStopped) {
+  // Goal: a stopped run continues, and a longer request continues a shorter one, to the bits of a
+  // straight run. Method: stop early, finish, ask for more.
+  const std::string shorter = request_text("scans = 300", k_slow);
+  const std::string longer = request_text("scans = 500", k_slow);
+  const RunSummary stopped = session(shorter, {.output = output(), .stop_requested = stop_at(6)});
+  EXPECT_EQ(stopped.end, DriveEnd::stop_requested);
+  EXPECT_LT(stopped.scans, 300U);
+  const RunSummary finished = session(shorter, {.output = output()});
+  EXPECT_EQ(finished.end, DriveEnd::finished);
+  EXPECT_EQ(finished.epoch, 2U);
+  const RunSummary more = session(longer, {.output = output()});
+  EXPECT_EQ(more.progress.session_scans, 3U * 200U);
+  EXPECT_EQ(session(shorter, {.output = path("a.h5")}).digest, finished.digest);
+  EXPECT_EQ(session(longer, {.output = path("b.h5")}).digest, more.digest);
+}
+
+TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
+  // Goal: a run cut by a stop equals the run asked for so many scans (C1), also when the store
+  // holds more. Method: stop, then ask for exactly that many elsewhere, and for fewer here.
+  const RunSummary stopped = session(request_text("independent_solutions = 3\nscans = 100000"),
+                                     {.output = output(), .stop_requested = stop_at(3)}, 2);
+  ASSERT_GT(stopped.scans, 0U);
+  const std::string exact = request_text("scans = " + std::to_string(stopped.scans));
+  EXPECT_EQ(session(exact, {.output = path("exact.h5")}).digest, stopped.digest);
+
+  const RunSummary whole = session(request_text("scans = 400"), {.output = path("w.h5")});
+  EXPECT_EQ(whole.scans, 400U);
+  const RunSummary cut = session(request_text("scans = 123"), {.output = path("w.h5")});
+  EXPECT_EQ(cut.scans, 123U);
+  EXPECT_EQ(cut.progress.session_scans, 0U);
+  EXPECT_EQ(session(request_text("scans = 123"), {.output = path("c.h5")}).digest, cut.digest);
+}
+
+TEST_F(RunRequest, StoppedBeforeAnythingWritesNoArchive) {
+  // Goal: no archive of nothing. Method: stop at once; then go on.
+  const RunSummary summary =
+      session(request_text("scans = 50"), {.output = output(), .stop_requested = stop_at(1)});
+  EXPECT_EQ(summary.scans, 0U);
+  EXPECT_EQ(summary.digest, "");
+  EXPECT_FALSE(std::filesystem::exists(output()));
+  EXPECT_EQ(session(request_text("scans = 50"), {.output = output()}).scans, 50U);
+}
+
+TEST_F(RunRequest, AnotherRequestIsRefused) {
+  // Goal: an output is never overwritten by another request's. Method: another seed, world value,
+  // thin; the archive stays as it was, and so does the run.
+  const RunSummary first = session(request_text("scans = 60"), {.output = output()});
+  const std::string bytes = bytes_of(output());
+  for (const std::string& other :
+       {request_text("scans = 60", "iterations_per_scan = 2\n"),
+        request_text("scans = 60") + "[constraint]\ntarget_diameters = 2\n",
+        request_text("scans = 60", "change_probability = 0.25\n")}) {
+    EXPECT_THAT(conflict_of(other), AllOf(HasSubstr(output()), HasSubstr("another request")));
+    EXPECT_EQ(bytes_of(output()), bytes);
+  }
+  EXPECT_EQ(session(request_text("scans = 60"), {.output = output()}).digest, first.digest);
+}
+
+TEST_F(RunRequest, FreshStartsOver) {
+  // Goal: --fresh gives an earlier run up, of any request, and is harmless on a new output. Method:
+  // fresh on nothing, on another request's run, and on the same.
+  const std::string other = request_text("scans = 40", "change_probability = 0.25\n");
+  EXPECT_EQ(session(other, {.output = output(), .fresh = true}).epoch, 1U);
+  const RunSummary fresh = session(request_text("scans = 60"), {.output = output(), .fresh = true});
+  EXPECT_EQ(fresh.epoch, 1U);
+  EXPECT_EQ(fresh.progress.session_scans, 180U);
+  EXPECT_EQ(session(request_text("scans = 60"), {.output = path("a.h5")}).digest, fresh.digest);
+  const RunSummary again = session(request_text("scans = 60"), {.output = output(), .fresh = true});
+  EXPECT_EQ(again.progress.session_scans, 180U);
+  EXPECT_EQ(again.digest, fresh.digest);
+}
+
+TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
+  // Goal: no page of a store that was given up comes back, even if the process ends between two
+  // removals. Method: a log and its index from another run lie beside no database.
+  (void)session(request_text("scans = 200"), {.output = path("other.h5")});
+  std::filesystem::create_directory(path("ball.h5.run"));
+  const std::string target = store::RunStore::database_path(path("ball.h5.run"));
+  {
+    const store::RunLock lock(path("other.h5.run"));
+    store::Database open(store::RunStore::database_path(path("other.h5.run")),
+                         store::Access::read_write);
+    open.execute("UPDATE run SET value=7 WHERE key='epoch'");
+    for (const char* suffix : {"-wal", "-shm"}) {
+      put_bytes(target + suffix,
+                bytes_of(store::RunStore::database_path(path("other.h5.run")) + suffix));
+    }
+  }
+  ASSERT_GT(std::filesystem::file_size(target + "-wal"), 0U);
+  const RunSummary summary = session(request_text("scans = 60"), {.output = output()});
+  EXPECT_EQ(summary.epoch, 1U);
+  EXPECT_EQ(summary.progress.session_scans, 180U);
+}
+
+TEST_F(RunRequest, ForeignFileIsNotTouched) {
+  // Goal: a file that no run of ours explains stays, with --fresh too, and nothing is made beside
+  // it. Method: a text file as the output; then the same with an empty folder in the run's place.
+  put_bytes(output(), "my thesis");
+  for (const bool fresh : {false, true}) {
+    EXPECT_THAT(conflict_of(request_text("scans = 5"), fresh),
+                AllOf(HasSubstr(output()), HasSubstr("not overwritten")));
+  }
+  EXPECT_THAT(names(), ::testing::ElementsAre("ball.h5"));
+  std::filesystem::create_directory(run_folder(output()));
+  (void)conflict_of(request_text("scans = 5"), true);
+  EXPECT_EQ(bytes_of(output()), "my thesis");
+}
+
+TEST_F(RunRequest, RunningRunIsNotDisturbed) {
+  // Goal: one process writes a run; another is refused, with --fresh too, before it removes
+  // anything. Method: hold the lock.
+  (void)session(request_text("scans = 30"), {.output = output()});
+  const std::string bytes = bytes_of(output());
+  const store::RunLock lock(run_folder(output()));
+  for (const bool fresh : {false, true}) {
+    EXPECT_THAT(conflict_of(request_text("scans = 30"), fresh), HasSubstr("another process"));
+  }
+  EXPECT_EQ(bytes_of(output()), bytes);
+  EXPECT_TRUE(std::filesystem::exists(store::RunStore::database_path(run_folder(output()))));
+}
+
+TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
+  // Goal: an archive is there while the run goes on, and the last is the run's. Method: a
+  // checkpoint as often as possible; look at the file at each question; compare the digest with
+  // that of a run without checkpoints.
+  int archives = 0;
+  const RunSummary summary = session(request_text("scans = 3000"),
+                                     {.output = output(),
+                                      .stop_requested =
+                                          [&] {
+                                            if (!std::filesystem::exists(output())) return false;
+                                            if (++archives % 40 != 1) return false;
+                                            const auto open = archive::hdf5::open_file(output());
+                                            EXPECT_THAT(archive::verify(*open), IsEmpty());
+                                            return false;
+                                          },
+                                      .checkpoint_every_s = 1e-3});
+  EXPECT_GT(archives, 0);
+  EXPECT_EQ(session(request_text("scans = 3000"), {.output = path("a.h5")}).digest, summary.digest);
+}
+
+TEST_F(RunRequest, IdentityIsWhatDecidesTheStoredResults) {
+  // Goal: requests share a run exactly when their stored results agree. Method: change one key at a
+  // time.
+  const auto identity = [](const std::string& text) {
+    run::Catalogue catalogue;
+    return run_identity(request::read_request(text, "r", catalogue.bindings()).value());
+  };
+  const std::string base = identity(request_text("scans = 5"));
+  EXPECT_EQ(identity(request_text("rounds = 3")), base);
+  std::string kept = request_text("scans = 5");
+  kept.replace(kept.find("keep_max = 50"), 13, "keep_max = 7 ");
+  EXPECT_EQ(identity(kept), base);
+  std::string thin = request_text("scans = 5");
+  thin.replace(thin.find("thin = 3"), 8, "thin = 4");
+  EXPECT_NE(identity(thin), base);
+  std::string seed = request_text("scans = 5");
+  seed.replace(seed.find("seed = 17"), 9, "seed = 18");
+  EXPECT_NE(identity(seed), base);
+  EXPECT_NE(identity(request_text("scans = 5", "iterations_per_scan = 2\n")), base);
+}
+
+}  // namespace
+}  // namespace sleight::coordinator

@@ -1,0 +1,86 @@
+#include "worker/run/catalogue.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/request/direction_request.h"
+#include "worker/run/chain_worker.h"
+#include "worker/worlds/ball_2d/ball_2d.h"
+
+namespace sleight::run {
+namespace {
+
+constexpr const char* k_request = R"(
+  [world]
+  name = "ball_2d"
+  restitution = 0.5
+  [sampler]
+  chains = 3
+  seed = 9
+  iterations_per_scan = 2
+  round_scans = 10
+  [stop]
+  rounds = 2
+  [output]
+  thin = 4
+)";
+
+request::DirectionRequest read(Catalogue& catalogue, const std::string& text) {
+  auto request = request::read_request(text, "r.toml", catalogue.bindings());
+  EXPECT_TRUE(request.ok());
+  return std::move(request).value();
+}
+
+TEST(Catalogue, ListsItsWorldsInOrder) {
+  // Goal: help and errors list worlds alphabetically, each with a line about it. Method: sorted.
+  Catalogue catalogue;
+  const std::vector<request::WorldBinding> worlds = catalogue.bindings();
+  ASSERT_FALSE(worlds.empty());
+  EXPECT_TRUE(std::is_sorted(worlds.begin(), worlds.end(),
+                             [](const auto& a, const auto& b) { return a.name < b.name; }));
+  for (const request::WorldBinding& world : worlds) {
+    EXPECT_FALSE(world.summary.empty());
+    EXPECT_EQ(catalogue.world(world.name).make_reader()->layout().world, world.name);
+  }
+}
+
+TEST(Catalogue, WorkerFollowsTheRequest) {
+  // Goal: every key that decides results reaches the worker. Method: the catalogue's worker and one
+  // made by hand give the same; with another value of any key it would differ.
+  Catalogue catalogue;
+  const request::DirectionRequest request = read(catalogue, k_request);
+  const auto worker = catalogue.world("ball_2d").make_worker(request);
+  worlds::ball_2d::Parameters parameters;
+  parameters.world.restitution = 0.5;
+  const ChainWorkerOptions options{.seed = 9, .iterations_per_scan = 2, .thin = 4};
+  const plan::Unit unit{
+      .replica = {base::ChainId{1}, base::ReplicaId{0}}, .first_scan = {}, .scans = 50};
+  const auto run_with = [&](const worlds::ball_2d::Parameters& p, const ChainWorkerOptions& o) {
+    return ChainWorker<worlds::ball_2d::Ball2d>(worlds::ball_2d::Ball2d(p), o).run(unit, {}).scans;
+  };
+  const auto scans = worker->run(unit, {}).scans;
+  EXPECT_EQ(scans, run_with(parameters, options));
+  EXPECT_NE(scans, run_with({}, options));
+  EXPECT_NE(scans, run_with(parameters, {.seed = 8, .iterations_per_scan = 2, .thin = 4}));
+  EXPECT_NE(scans, run_with(parameters, {.seed = 9, .iterations_per_scan = 1, .thin = 4}));
+  EXPECT_NE(scans, run_with(parameters, {.seed = 9, .iterations_per_scan = 2, .thin = 3}));
+}
+
+TEST(Catalogue, PlanFollowsTheRequest) {
+  // Goal: chains, rounds and all three stop rules reach the plan. Method: totals, and the first
+  // unit of a plan that must wait for a round's end.
+  Catalogue catalogue;
+  request::DirectionRequest request = read(catalogue, k_request);
+  EXPECT_EQ(make_plan(request)->scans_total(), 3U * 30U);
+  request.stop.scans = 7;
+  EXPECT_EQ(make_plan(request)->scans_total(), 3U * 7U);
+  request.stop = {};
+  request.stop.independent_solutions = 2;
+  const auto plan = make_plan(request);
+  EXPECT_EQ(plan->scans_total(), std::nullopt);
+  EXPECT_EQ(plan->next_unit(1000)->scans, 10U);
+}
+
+}  // namespace
+}  // namespace sleight::run

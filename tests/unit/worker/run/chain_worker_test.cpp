@@ -1,0 +1,269 @@
+#include "worker/run/chain_worker.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+#include <thread>
+
+#include "common/random/discrete_distributions.h"
+#include "worker/worlds/ball_2d/ball_2d.h"
+
+namespace sleight::run {
+namespace {
+
+using worlds::ball_2d::Ball2d;
+using BallWorker = ChainWorker<Ball2d>;
+
+/// A target whose states can't travel.
+struct Unnamed : Ball2d {
+  using Ball2d::Ball2d;
+  base::Bytes encode(const State&) const = delete;
+};
+
+static_assert(World<Ball2d>);
+static_assert(sampling::Target<Unnamed> && !World<Unnamed>);
+static_assert(!World<int>);
+
+/// A world in which every other state is forbidden: what -inf does on the way to a record.
+struct Counter {
+  using State = std::uint64_t;
+  using Outcome = std::uint64_t;
+  State draw_prior(random::Stream& stream) const { return stream.bits() % 100; }
+  double log_prior(const State&) const { return 0; }
+  Outcome simulate(const State& state) const { return state; }
+  double log_constraint(const Outcome& outcome) const {
+    return outcome % 2 == 0 ? 0 : -std::numeric_limits<double>::infinity();
+  }
+  bool satisfied(const Outcome& outcome) const { return outcome % 3 == 0; }
+  sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
+    const std::uint64_t step = stream.bits() % 3;
+    return {.candidate = state + step, .log_q_ratio = 0, .kind = step == 2 ? 1U : 0U};
+  }
+  std::uint32_t proposal_kinds() const { return 2; }
+  base::Bytes encode(const State& state) const {
+    base::ByteWriter writer;
+    writer.put(state);
+    return writer.take();
+  }
+  std::optional<State> decode(base::BytesView bytes) const {
+    return base::ByteReader(bytes).get<std::uint64_t>();
+  }
+  std::vector<double> outcome_values(const Outcome& outcome) const {
+    return {static_cast<double>(outcome)};
+  }
+};
+static_assert(World<Counter>);
+
+plan::Unit unit(std::uint32_t chain, std::uint64_t first, std::uint32_t scans, double beta = 1) {
+  return {.replica = {base::ChainId{chain}, base::ReplicaId{0}},
+          .first_scan = base::ScanIndex{first},
+          .scans = scans,
+          .inverse_temperature = beta};
+}
+
+/// A run of one chain from its start, in units of the given sizes.
+template <class Worker>
+plan::UnitResult run_in_units(const Worker& worker, std::uint32_t chain,
+                              const std::vector<std::uint32_t>& sizes) {
+  plan::UnitResult all;
+  for (const std::uint32_t scans : sizes) {
+    const plan::UnitResult part = worker.run(unit(chain, all.scans.size(), scans), all.state_after);
+    EXPECT_EQ(part.unit, unit(chain, all.scans.size(), scans));
+    EXPECT_EQ(part.scans.size(), scans);
+    all.scans.insert(all.scans.end(), part.scans.begin(), part.scans.end());
+    all.state_after = part.state_after;
+  }
+  return all;
+}
+
+/// Equal records and states. There are no NaNs in these worlds, so == compares bits but for the
+/// sign of zero, which the outcome's bytes would show.
+void expect_equal(const plan::UnitResult& a, const plan::UnitResult& b) {
+  ASSERT_EQ(a.scans.size(), b.scans.size());
+  for (std::size_t i = 0; i < a.scans.size(); ++i) {
+    ASSERT_EQ(a.scans[i], b.scans[i]) << "scan " << i;
+    for (std::size_t j = 0; j < a.scans[i].outcome.size(); ++j) {
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(a.scans[i].outcome[j]),
+                std::bit_cast<std::uint64_t>(b.scans[i].outcome[j]));
+    }
+  }
+  EXPECT_EQ(a.state_after, b.state_after);
+}
+
+BallWorker ball_worker(std::uint32_t iterations_per_scan = 1, std::uint64_t thin = 1) {
+  return BallWorker(Ball2d({}),
+                    {.seed = 11, .iterations_per_scan = iterations_per_scan, .thin = thin});
+}
+
+TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
+  // Goal: the stored results of a chain are the same for any cuts. Method: 200 random cuts of 300
+  // scans, against one unit, for two worlds and several options.
+  constexpr std::uint64_t k_seed = 5;
+  constexpr std::uint32_t k_scans = 300;
+  const auto check = [&](const auto& worker) {
+    const plan::UnitResult whole = run_in_units(worker, 3, {k_scans});
+    for (std::uint64_t trial = 0; trial < 50; ++trial) {
+      SCOPED_TRACE(fmt::format("seed {}, trial {}", k_seed, trial));
+      random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, trial);
+      const std::uint64_t longest = random::UniformInteger{.count = 80}.draw(stream) + 1;
+      std::vector<std::uint32_t> sizes;
+      std::uint32_t left = k_scans;
+      while (left > 0) {
+        const auto scans = static_cast<std::uint32_t>(
+            1 +
+            random::UniformInteger{.count = std::min<std::uint64_t>(longest, left)}.draw(stream));
+        sizes.push_back(scans);
+        left -= scans;
+      }
+      expect_equal(run_in_units(worker, 3, sizes), whole);
+      if (::testing::Test::HasFailure()) return;
+    }
+  };
+  check(ball_worker());
+  check(ball_worker(3, 7));
+  check(ChainWorker<Counter>(Counter{}, {.seed = 2, .thin = 5}));
+  check(ChainWorker<Counter>(Counter{}, {.seed = 2, .iterations_per_scan = 4}));
+}
+
+TEST(ChainWorker, IsPure) {
+  // Goal: the same unit gives the same result, also from several threads at once, and leaves no
+  // trace. Method: four threads run units of different chains, each twice, in different orders.
+  const BallWorker worker = ball_worker();
+  std::vector<plan::UnitResult> reference;
+  for (std::uint32_t chain = 0; chain < 6; ++chain)
+    reference.push_back(run_in_units(worker, chain, {40, 60}));
+  std::vector<std::thread> threads;
+  for (std::uint32_t thread = 0; thread < 4; ++thread) {
+    threads.emplace_back([&, thread] {
+      for (std::uint32_t i = 0; i < 12; ++i) {
+        const std::uint32_t chain = (5 * i + thread) % 6;
+        expect_equal(run_in_units(worker, chain, {40, 60}), reference[chain]);
+      }
+    });
+  }
+  for (std::thread& thread : threads)
+    thread.join();
+}
+
+TEST(ChainWorker, ScanZeroIsThePriorDraw) {
+  // Goal: a chain starts from an exact draw, on record as scan 0 without proposals. Method: compare
+  // with initialize for several chains.
+  const Ball2d ball({});
+  for (std::uint32_t chain = 0; chain < 20; ++chain) {
+    const plan::UnitResult result = ball_worker(5).run(unit(chain, 0, 1), {});
+    const auto start = sampling::initialize(
+        ball, {.seed = 11, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}});
+    ASSERT_EQ(result.scans.size(), 1U);
+    const plan::ScanRecord& scan = result.scans[0];
+    EXPECT_EQ(scan.log_prior, start.log_prior);
+    EXPECT_EQ(scan.log_constraint, start.log_constraint);
+    EXPECT_EQ(scan.outcome, ball.outcome_values(start.outcome));
+    EXPECT_EQ(scan.state, ball.encode(start.state));
+    EXPECT_EQ(result.state_after, ball.encode(start.state));
+    EXPECT_EQ(scan.proposed, std::vector<std::uint32_t>{0});
+    EXPECT_EQ(scan.accepted, std::vector<std::uint32_t>{0});
+    EXPECT_EQ(scan.lineage, 0U);
+  }
+}
+
+TEST(ChainWorker, ScansAreEveryKthIteration) {
+  // Goal: iterations_per_scan changes what is recorded, not the walk. Method: scan s of k
+  // iterations is scan k s of one iteration; its counts are the sums over its iterations.
+  constexpr std::uint32_t k_scans = 60;
+  for (const std::uint32_t k : {2U, 3U, 10U}) {
+    SCOPED_TRACE(k);
+    const plan::UnitResult coarse = ball_worker(k).run(unit(1, 0, k_scans), {});
+    const plan::UnitResult fine = ball_worker(1).run(unit(1, 0, k * (k_scans - 1) + 1), {});
+    EXPECT_EQ(coarse.state_after, fine.state_after);
+    for (std::uint32_t scan = 0; scan < k_scans; ++scan) {
+      const plan::ScanRecord& a = coarse.scans[scan];
+      const plan::ScanRecord& b = fine.scans[scan * k];
+      EXPECT_EQ(a.state, b.state);
+      EXPECT_EQ(a.outcome, b.outcome);
+      EXPECT_EQ(a.log_prior, b.log_prior);
+      EXPECT_EQ(a.log_constraint, b.log_constraint);
+      EXPECT_EQ(a.satisfied, b.satisfied);
+      std::uint32_t accepted = 0;
+      for (std::uint32_t i = scan == 0 ? 0 : (scan - 1) * k + 1; i <= scan * k; ++i)
+        accepted += fine.scans[i].accepted[0];
+      EXPECT_EQ(a.proposed[0], scan == 0 ? 0 : k);
+      EXPECT_EQ(a.accepted[0], accepted);
+    }
+  }
+}
+
+TEST(ChainWorker, KeepsStatesThatAreThinnedOrSatisfied) {
+  // Goal: a state is there exactly at multiples of thin and at satisfied scans. Method: the same
+  // chain with several thins; where there is a state it is that of thin = 1.
+  const plan::UnitResult all = ball_worker(1, 1).run(unit(0, 0, 400), {});
+  std::size_t satisfied = 0;
+  for (const std::uint64_t thin : {1U, 2U, 7U, 1000U}) {
+    const plan::UnitResult thinned = ball_worker(1, thin).run(unit(0, 0, 400), {});
+    for (std::size_t scan = 0; scan < 400; ++scan) {
+      const plan::ScanRecord& record = thinned.scans[scan];
+      const bool expected = scan % thin == 0 || record.satisfied;
+      EXPECT_EQ(record.state, expected ? all.scans[scan].state : base::Bytes{}) << scan;
+      if (record.satisfied && scan % thin != 0) ++satisfied;
+    }
+    EXPECT_EQ(thinned.state_after, all.state_after);
+  }
+  EXPECT_GT(satisfied, 100U);
+}
+
+TEST(ChainWorker, ChainsReplicasAndSeedsDiffer) {
+  // Goal: no two chains walk together. Method: the first scans of neighbours in each field.
+  const auto start = [](std::uint64_t seed, std::uint32_t chain, std::uint32_t replica) {
+    plan::Unit first = unit(chain, 0, 1);
+    first.replica.replica = base::ReplicaId{replica};
+    return BallWorker(Ball2d({}), {.seed = seed}).run(first, {}).state_after;
+  };
+  EXPECT_EQ(start(1, 0, 0), start(1, 0, 0));
+  EXPECT_NE(start(1, 0, 0), start(2, 0, 0));
+  EXPECT_NE(start(1, 0, 0), start(1, 1, 0));
+  EXPECT_NE(start(1, 0, 0), start(1, 0, 1));
+}
+
+TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
+  // Goal: a unit runs at its own beta, and at 0 doesn't ask the constraint; records hold log p_c at
+  // beta = 1 all the same. Method: a world in which half of all states are forbidden.
+  const ChainWorker<Counter> worker(Counter{}, {.seed = 3});
+  const base::Bytes start = Counter{}.encode(100);
+  std::uint64_t forbidden = 0;
+  for (const plan::ScanRecord& scan : worker.run(unit(0, 1, 500, 0), start).scans) {
+    EXPECT_EQ(scan.proposed[0] + scan.proposed[1], 1U);
+    EXPECT_EQ(scan.accepted, scan.proposed) << "all densities are equal";
+    if (std::isinf(scan.log_constraint)) ++forbidden;
+  }
+  EXPECT_GT(forbidden, 100U);
+  for (const plan::ScanRecord& scan : worker.run(unit(0, 1, 500, 1e-9), start).scans)
+    EXPECT_EQ(scan.log_constraint, 0);
+}
+
+TEST(ChainWorker, CountsByKind) {
+  // Goal: proposals and acceptances are counted under their kind. Method: in this world kind 1
+  // always advances the state by two and is always accepted from allowed states.
+  const ChainWorker<Counter> worker(Counter{}, {.seed = 3, .iterations_per_scan = 50});
+  const plan::UnitResult result = worker.run(unit(0, 1, 20), Counter{}.encode(0));
+  double before = 0;
+  for (const plan::ScanRecord& scan : result.scans) {
+    EXPECT_EQ(scan.proposed[0] + scan.proposed[1], 50U);
+    EXPECT_EQ(scan.accepted[1], scan.proposed[1]);
+    EXPECT_LT(scan.accepted[0], scan.proposed[0]);
+    EXPECT_EQ(scan.outcome[0], before + 2 * scan.accepted[1]);
+    before = scan.outcome[0];
+  }
+}
+
+TEST(ChainWorkerDeathTest, MisuseIsABug) {
+  // Goal: a unit of no scans, and a state that isn't one, stop the process. Method: each of them.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const BallWorker worker = ball_worker();
+  EXPECT_DEATH((void)worker.run(unit(0, 0, 0), {}), "check failed");
+  EXPECT_DEATH((void)worker.run(unit(0, 1, 1), {}), "check failed");
+  EXPECT_DEATH((void)worker.run(unit(0, 1, 1), base::Bytes(39)), "check failed");
+}
+
+}  // namespace
+}  // namespace sleight::run

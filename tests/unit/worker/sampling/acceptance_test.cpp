@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "worker/sampling/metropolis_hastings.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+/// Whether a ratio accepts for every, or no, uniform number in (0, 1).
+bool always(double log_ratio) {
+  return std::log(1 - 0x1p-53) < log_ratio;
+}
+bool never(double log_ratio) {
+  return !(std::log(0x1p-53) < log_ratio);
+}
+
+TEST(TemperedLogDensity, WeighsTheConstraintAlone) {
+  // Goal: log p_w + beta log p_c, with p_c^0 = 1 also where p_c = 0. Method: values by hand.
+  EXPECT_EQ(tempered_log_density(-2, -8, 1), -10);
+  EXPECT_EQ(tempered_log_density(-2, -8, 0.25), -4);
+  EXPECT_EQ(tempered_log_density(-2, -8, 0), -2);
+  EXPECT_EQ(tempered_log_density(-2, -k_infinity, 0), -2);
+  EXPECT_EQ(tempered_log_density(-2, -k_infinity, 1e-300), -k_infinity);
+}
+
+TEST(LogAcceptanceRatio, IsLine7) {
+  // Goal: log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)). Method: values by hand.
+  EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 1, 0), -5);
+  EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 0.5, 0), -3.5);
+  EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 1, 7), 2);
+  EXPECT_EQ(log_acceptance_ratio(-3, -5, -1, -2, 1, 0), 5);
+  EXPECT_EQ(log_acceptance_ratio(-3, -5, -3, -5, 1, 0), 0);
+}
+
+TEST(LogAcceptanceRatio, NeverEntersZeroDensity) {
+  // Goal: a candidate of zero density is refused whatever the rest says, a NaN of infinities
+  // included. Method: zero by the constraint, by the prior, by both, from states with and without
+  // density, with any finite or infinite proposal ratio that an honest proposal may give.
+  for (const double q : {-5.0, 0.0, 5.0}) {
+    EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -3, -k_infinity, 1, q)));
+    EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -k_infinity, -2, 1, q)));
+    EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -k_infinity, -k_infinity, 0.5, q)));
+    EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -k_infinity, -2, 0, q)));
+    EXPECT_TRUE(never(log_acceptance_ratio(-1, -k_infinity, -k_infinity, -2, 1, q)));
+  }
+  EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -3, -4, 1, -k_infinity)));
+}
+
+TEST(LogAcceptanceRatio, LeavesZeroDensityByThePrior) {
+  // Goal: from a start that breaks a hard constraint every candidate is weighed by the prior alone.
+  // Method: candidates with and without constraint density have one ratio, that of the priors.
+  for (const double candidate_constraint : {-k_infinity, -3.0, 0.0}) {
+    EXPECT_EQ(log_acceptance_ratio(-1, -k_infinity, -4, candidate_constraint, 1, 0.5), -2.5);
+    EXPECT_TRUE(always(log_acceptance_ratio(-4, -k_infinity, -1, candidate_constraint, 1, 0)));
+  }
+  // At beta = 0 the constraint is not asked at all.
+  EXPECT_EQ(log_acceptance_ratio(-1, -k_infinity, -4, -k_infinity, 0, 0), -3);
+}
+
+TEST(ChainStreams, DifferByEveryField) {
+  // Goal: seeds, chains, replicas, purposes and iterations never share numbers. Method: the first
+  // word of each neighbour.
+  const ChainStreams base{.seed = 1, .chain = base::ChainId{2}, .replica = base::ReplicaId{3}};
+  const auto word = [](const ChainStreams& streams, random::Purpose purpose, std::uint64_t at) {
+    return streams.at(purpose, at).bits();
+  };
+  const std::uint64_t reference = word(base, random::Purpose::proposal, 4);
+  EXPECT_EQ(word(base, random::Purpose::proposal, 4), reference);
+  EXPECT_NE(word(base, random::Purpose::proposal, 5), reference);
+  EXPECT_NE(word(base, random::Purpose::acceptance, 4), reference);
+  EXPECT_NE(
+      word({.seed = 2, .chain = base.chain, .replica = base.replica}, random::Purpose::proposal, 4),
+      reference);
+  EXPECT_NE(word({.seed = 1, .chain = base::ChainId{1}, .replica = base.replica},
+                 random::Purpose::proposal, 4),
+            reference);
+  EXPECT_NE(word({.seed = 1, .chain = base.chain, .replica = base::ReplicaId{0}},
+                 random::Purpose::proposal, 4),
+            reference);
+}
+
+}  // namespace
+}  // namespace sleight::sampling

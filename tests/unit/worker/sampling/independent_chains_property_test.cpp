@@ -1,0 +1,240 @@
+// Where a run of independent chains stops, against a reference that knows all results beforehand.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <vector>
+
+#include "common/random/discrete_distributions.h"
+#include "common/random/stream.h"
+#include "worker/sampling/independent_chains.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr std::uint64_t k_seed = 271828;
+constexpr std::uint64_t k_cases = 400;
+/// Every run ends before this scan: each case has a rule that sees to it.
+constexpr std::uint64_t k_scans_max = 400;
+
+struct Case {
+  IndependentChainsOptions options;
+  std::vector<std::vector<plan::ScanRecord>> results;  ///< by chain, then scan
+};
+
+class Dice {
+ public:
+  explicit Dice(std::uint64_t index)
+      : stream_({.seed = k_seed, .purpose = random::Purpose::prior}, index) {}
+  std::uint64_t below(std::uint64_t count) {
+    return random::UniformInteger{.count = count}.draw(stream_);
+  }
+  bool once_in(std::uint64_t count) { return below(count) == 0; }
+
+ private:
+  random::Stream stream_;
+};
+
+Case random_case(Dice& dice) {
+  Case made;
+  made.options.chains = static_cast<std::uint32_t>(1 + dice.below(6));
+  made.options.round_scans = 1 + dice.below(20);
+  StopRule& stop = made.options.stop;
+  if (dice.once_in(2)) stop.independent_solutions = 1 + dice.below(12);
+  if (dice.once_in(2)) stop.rounds = static_cast<std::uint32_t>(1 + dice.below(4));
+  if (dice.once_in(2) || !stop.rounds) stop.scans = 1 + dice.below(k_scans_max);
+  const std::uint64_t rarity = 1 + dice.below(60);
+  for (std::uint32_t chain = 0; chain < made.options.chains; ++chain) {
+    std::uint64_t lineage = 0;
+    std::vector<plan::ScanRecord>& scans = made.results.emplace_back(k_scans_max);
+    for (plan::ScanRecord& scan : scans) {
+      if (dice.once_in(20)) lineage += 1 + dice.below(3);
+      scan.lineage = lineage;
+      scan.satisfied = dice.once_in(rarity);
+    }
+  }
+  return made;
+}
+
+/// The reference: where the run must stop, from all results, by the rules as they are written.
+std::uint64_t scans_at_stop(const Case& given) {
+  const StopRule& stop = given.options.stop;
+  std::uint64_t round_end = 0;
+  std::uint64_t round_length = given.options.round_scans;
+  for (std::uint32_t round = 1;; ++round) {
+    round_end += round_length;
+    round_length *= 2;
+    if (stop.scans && *stop.scans <= round_end) return *stop.scans;
+    if (stop.rounds && *stop.rounds == round) return round_end;
+    std::set<std::pair<std::size_t, std::uint64_t>> solved;
+    for (std::size_t chain = 0; chain < given.results.size(); ++chain) {
+      for (std::uint64_t scan = 0; scan < round_end; ++scan) {
+        const plan::ScanRecord& record = given.results[chain].at(scan);
+        if (record.satisfied) solved.emplace(chain, record.lineage);
+      }
+    }
+    if (stop.independent_solutions && solved.size() >= *stop.independent_solutions) {
+      return round_end;
+    }
+  }
+}
+
+/// Drives a plan with units of random sizes that complete in random order, and checks each.
+class Session {
+ public:
+  Session(const Case& given, Dice& dice)
+      : given_(given), dice_(dice), plan_(given.options), consumed_(given.options.chains, 0) {}
+
+  IndependentChains& plan() { return plan_; }
+
+  /// Takes in what an earlier session stored of a chain, in batches.
+  void replay(std::uint32_t chain, std::uint64_t scans) {
+    while (consumed_[chain] < scans)
+      consume(chain, std::min(scans - consumed_[chain], 1 + dice_.below(50)));
+  }
+
+  /// Until the plan has finished, or `steps` times.
+  void run(std::uint64_t steps = std::numeric_limits<std::uint64_t>::max()) {
+    for (; steps > 0 && !plan_.finished(); --steps) {
+      if (!dice_.once_in(3) || running_.empty()) {
+        hand_out();
+      } else {
+        complete_one();
+      }
+      if (::testing::Test::HasFailure()) return;
+    }
+  }
+  void complete_all() {
+    while (!running_.empty())
+      complete_one();
+  }
+  const std::vector<std::uint64_t>& consumed() const { return consumed_; }
+
+ private:
+  void hand_out() {
+    const std::uint32_t most = static_cast<std::uint32_t>(1 + dice_.below(40));
+    const std::optional<plan::Unit> unit = plan_.next_unit(most);
+    if (!unit) {
+      ASSERT_FALSE(running_.empty()) << "nothing runs, nothing is handed out, not finished";
+      return;
+    }
+    // It is within its bounds, continues its chain, and no idle chain is further behind.
+    const std::uint32_t chain = unit->replica.chain.value;
+    ASSERT_LT(chain, consumed_.size());
+    ASSERT_EQ(unit->first_scan.value, consumed_[chain]);
+    ASSERT_GE(unit->scans, 1U);
+    ASSERT_LE(unit->scans, most);
+    for (std::uint32_t other = 0; other < consumed_.size(); ++other) {
+      if (is_running(other)) {
+        ASSERT_NE(other, chain);
+        continue;
+      }
+      ASSERT_LE(std::pair(consumed_[chain], chain), std::pair(consumed_[other], other));
+    }
+    running_.push_back(*unit);
+  }
+
+  void complete_one() {
+    const std::size_t which = dice_.below(running_.size());
+    const plan::Unit unit = running_[which];
+    running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(which));
+    consume(unit.replica.chain.value, unit.scans);
+  }
+
+  void consume(std::uint32_t chain, std::uint64_t scans) {
+    const std::uint64_t first = consumed_[chain];
+    ASSERT_LE(first + scans, k_scans_max) << "beyond every rule's end";
+    plan_.consume({base::ChainId{chain}, base::ReplicaId{0}}, base::ScanIndex{first},
+                  std::span(given_.results[chain]).subspan(first, scans));
+    consumed_[chain] += scans;
+  }
+
+  bool is_running(std::uint32_t chain) const {
+    return std::any_of(running_.begin(), running_.end(),
+                       [&](const plan::Unit& unit) { return unit.replica.chain.value == chain; });
+  }
+
+  const Case& given_;
+  Dice& dice_;
+  IndependentChains plan_;
+  std::vector<std::uint64_t> consumed_;
+  std::vector<plan::Unit> running_;
+};
+
+void expect_end(Session& session, const Case& given, std::uint64_t end) {
+  EXPECT_TRUE(session.plan().finished());
+  EXPECT_EQ(session.plan().scans_common(), end);
+  EXPECT_EQ(session.plan().scans_consumed(), end * given.options.chains);
+  EXPECT_EQ(session.plan().scans_total(), end * given.options.chains);
+  EXPECT_EQ(session.plan().next_unit(1), std::nullopt);
+}
+
+TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
+  // Goal: the stop is a function of the results: not of how units are cut nor of the order in which
+  // they complete, and nothing is computed beyond it. Method: random results and rules, several
+  // random sessions of each, against the reference.
+  for (std::uint64_t index = 0; index < k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    Dice dice(index);
+    const Case given = random_case(dice);
+    const std::uint64_t end = scans_at_stop(given);
+    for (int repeat = 0; repeat < 4; ++repeat) {
+      Session session(given, dice);
+      session.run();
+      expect_end(session, given, end);
+      for (const std::uint64_t consumed : session.consumed())
+        EXPECT_EQ(consumed, end);
+      if (HasFailure()) return;
+    }
+  }
+}
+
+TEST(IndependentChainsProperty, GoesOnFromAnyStoredResults) {
+  // Goal: consuming what earlier sessions stored brings a fresh plan to where it was (invariant 3
+  // of Plan), also when they had a later stop and stored more. Method: random lengths of each
+  // chain, beyond the end too, replayed in batches; then run on.
+  for (std::uint64_t index = 0; index < k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    Dice dice(k_cases + index);
+    const Case given = random_case(dice);
+    const std::uint64_t end = scans_at_stop(given);
+    const std::uint64_t most = dice.once_in(2) ? end : k_scans_max;
+    Session session(given, dice);
+    for (std::uint32_t chain = 0; chain < given.options.chains; ++chain)
+      session.replay(chain, dice.below(most + 1));
+    session.run();
+    expect_end(session, given, end);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(IndependentChainsProperty, GoesOnAfterAStop) {
+  // Goal: a stopped session and one that replays its results are where one session would be.
+  // Method: stop at a random moment, let running units end, replay all into a fresh plan, compare
+  // what both say, and run both to the end.
+  for (std::uint64_t index = 0; index < k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    Dice dice(2 * k_cases + index);
+    const Case given = random_case(dice);
+    Session stopped(given, dice);
+    stopped.run(dice.below(60));
+    stopped.complete_all();
+    Session resumed(given, dice);
+    for (std::uint32_t chain = 0; chain < given.options.chains; ++chain)
+      resumed.replay(chain, stopped.consumed()[chain]);
+    EXPECT_EQ(resumed.plan().finished(), stopped.plan().finished());
+    EXPECT_EQ(resumed.plan().scans_common(), stopped.plan().scans_common());
+    EXPECT_EQ(resumed.plan().scans_consumed(), stopped.plan().scans_consumed());
+    EXPECT_EQ(resumed.plan().scans_total(), stopped.plan().scans_total());
+    for (Session* session : {&stopped, &resumed}) {
+      session->run();
+      expect_end(*session, given, scans_at_stop(given));
+    }
+    if (HasFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace sleight::sampling
