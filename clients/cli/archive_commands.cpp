@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "clients/cli/output.h"
 #include "clients/cli/trace.h"
 #include "common/archive/csv.h"
 #include "common/archive/digest.h"
@@ -17,6 +20,7 @@
 #include "common/archive/summary.h"
 #include "common/archive/verify.h"
 #include "common/base/error.h"
+#include "common/request/document.h"
 
 namespace sleight::cli {
 namespace {
@@ -28,7 +32,8 @@ constexpr int k_bad_archive = static_cast<int>(base::ExitCode::bad_archive);
 constexpr std::uint64_t k_batch = 65536;
 
 /// Sum over a whole dataset of /sample_stats without holding it.
-double sum_of(const archive::Source& source, std::string_view dataset, std::uint64_t count) {
+double sum_of(const archive::Source& source, std::string_view dataset) {
+  const std::uint64_t count = stats_size(source, dataset);
   double sum = 0;
   for (std::uint64_t first = 0; first < count; first += k_batch) {
     const archive::Values values =
@@ -53,12 +58,39 @@ struct Facts {
 Facts facts_of(const archive::Source& source) {
   Facts facts{.summary = archive::summary_of(source)};
   const std::uint64_t scans = facts.summary.chains * facts.summary.scans;
-  facts.satisfied = sum_of(source, "satisfied", scans) / static_cast<double>(scans);
+  if (scans == 0) return facts;
+  facts.satisfied = sum_of(source, "satisfied") / static_cast<double>(scans);
   const std::uint64_t moving = facts.summary.chains * (facts.summary.scans - 1);
   if (moving > 0) {
-    facts.acceptance = sum_of(source, "acceptance_rate", scans) / static_cast<double>(moving);
+    facts.acceptance = sum_of(source, "acceptance_rate") / static_cast<double>(moving);
   }
   return facts;
+}
+
+/// Whether each chain is one lineage, as in all methods without a way back to the prior.
+bool chains_are_lineages(const archive::Summary& summary) {
+  const auto document = request::parse_document(summary.request_text, "request");
+  if (!document) return false;
+  const request::Section* sampler = document.value().find("sampler");
+  const request::Entry* method = sampler == nullptr ? nullptr : sampler->find("method");
+  const auto* name = method == nullptr ? nullptr : std::get_if<std::string>(&method->value.held);
+  return name != nullptr && *name == "metropolis_hastings";
+}
+
+/// "9 kept (at most 3 of each of 4 chains)": the rule that bounds their number first.
+std::string kept_animations(const archive::Summary& summary) {
+  if (summary.keep_max <= 0) return "none kept (keep_max is 0)";
+  if (summary.keep_per_lineage <= 0) return "none kept (keep_per_lineage is 0)";
+  const auto most = static_cast<std::uint64_t>(summary.keep_max);
+  const auto each = static_cast<std::uint64_t>(summary.keep_per_lineage);
+  const bool one_lineage = chains_are_lineages(summary);
+  if (one_lineage && summary.chains > 0 && each <= most / summary.chains) {
+    return fmt::format("{} kept (at most {} of each of {} chains)", summary.animations, each,
+                       summary.chains);
+  }
+  if (one_lineage) return fmt::format("{} kept (at most {} in all)", summary.animations, most);
+  return fmt::format("{} kept (at most {} of each lineage, {} in all)", summary.animations, each,
+                     most);
 }
 
 void print_for_people(const std::string& path, const Facts& facts) {
@@ -69,7 +101,7 @@ void print_for_people(const std::string& path, const Facts& facts) {
   fmt::print("  states       {} of each chain (every {}. scan)\n", summary.states, summary.thin);
   fmt::print("  satisfied    {:.1f}% of scans\n", 100 * facts.satisfied);
   fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
-  fmt::print("  animations   {} kept, {} segments of motion\n", summary.animations,
+  fmt::print("  animations   {}, {} segments of motion\n", kept_animations(summary),
              summary.segments);
   fmt::print("  written by   sleight {}\n", summary.inference_library_version);
   fmt::print("  digest       {}\n\n", summary.content_digest);
@@ -94,14 +126,30 @@ nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
           {"request", summary.request_text}};
 }
 
+/// A path need not be UTF-8; JSON must be.
+std::string dumped(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 /// Runs `work` on the opened archive, in a child that may crash or hang.
 int with_archive(const std::string& path, const std::function<int(const archive::Source&)>& work) {
   return archive::hdf5::guarded(path, {}, [&] {
-    const int code = work(*archive::hdf5::open_file(path));
-    std::cout.flush();
-    std::fflush(stdout);
-    return code;
+    return with_results([&] { return work(*archive::hdf5::open_file(path)); });
   });
+}
+
+void export_to_file(const archive::Source& source, const ExportOptions& options,
+                    const std::string& path) {
+  errno = 0;
+  std::ofstream file(path);
+  if (file) {
+    archive::export_csv(source, options.table, file);
+    file.close();
+  }
+  if (!file) {
+    throw base::Error(fmt::format("{}: can't write it: {}", options.output,
+                                  errno != 0 ? std::strerror(errno) : "is the disk full?"));
+  }
 }
 
 }  // namespace
@@ -110,7 +158,7 @@ int archive_info(const std::string& path, bool json) {
   return with_archive(path, [&](const archive::Source& source) {
     const Facts facts = facts_of(source);
     if (json) {
-      fmt::print("{}\n", as_json(path, facts).dump(2));
+      fmt::print("{}\n", dumped(as_json(path, facts)));
     } else {
       print_for_people(path, facts);
     }
@@ -122,7 +170,7 @@ int archive_digest(const std::string& path, bool json) {
   return with_archive(path, [&](const archive::Source& source) {
     const std::string digest = archive::digest(source);
     if (json) {
-      fmt::print("{}\n", nlohmann::ordered_json{{"archive", path}, {"digest", digest}}.dump(2));
+      fmt::print("{}\n", dumped({{"archive", path}, {"digest", digest}}));
     } else {
       fmt::print("{}\n", digest);
     }
@@ -135,9 +183,7 @@ int archive_verify(const std::string& path, bool json) {
     const std::vector<std::string> findings = archive::verify(source);
     if (json) {
       fmt::print("{}\n",
-                 nlohmann::ordered_json{
-                     {"archive", path}, {"ok", findings.empty()}, {"findings", findings}}
-                     .dump(2));
+                 dumped({{"archive", path}, {"ok", findings.empty()}, {"findings", findings}}));
     } else {
       for (const std::string& finding : findings)
         fmt::print("{}: {}\n", path, finding);
@@ -148,19 +194,20 @@ int archive_verify(const std::string& path, bool json) {
 }
 
 int archive_export_csv(const ExportOptions& options) {
-  return with_archive(options.path, [&](const archive::Source& source) {
-    if (options.output.empty() || options.output == "-") {
+  if (options.output.empty() || options.output == "-") {
+    return with_archive(options.path, [&](const archive::Source& source) {
       archive::export_csv(source, options.table, std::cout);
       return k_ok;
-    }
-    std::ofstream file(options.output);
-    archive::export_csv(source, options.table, file);
-    file.close();
-    if (!file) {
-      throw base::Error(fmt::format("{}: can't write it; is the disk full?", options.output));
-    }
+    });
+  }
+  refuse_same_file(options.path, options.output);
+  OutputBeside output(options.output);
+  const int code = with_archive(options.path, [&](const archive::Source& source) {
+    export_to_file(source, options, output.path());
     return k_ok;
   });
+  if (code == k_ok) output.put_in_place();
+  return code;
 }
 
 }  // namespace sleight::cli

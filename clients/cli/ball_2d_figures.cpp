@@ -20,19 +20,34 @@ namespace {
 constexpr std::size_t k_chains_drawn_max = 6;
 constexpr int k_points_per_hop = 40;
 
+/// Most hops of a path: a damaged archive must not make a picture of gigabytes.
+constexpr std::uint64_t k_hops_max = 10'000;
+
+/// Panels beside each other.
+constexpr std::size_t k_columns_max = 4;
+
 struct Asked {
   double diameter_m;
   double target;  ///< in diameters, as all that follows
   double tolerance;
   double gravity_mps2;
+  std::string step;  ///< what a draw is called
 };
 
 Asked asked_of(const archive::Source& source) {
   const RequestNumbers numbers(archive::summary_of(source).request_text, source.name());
-  return {.diameter_m = numbers.at("world", "diameter_m"),
-          .target = numbers.at("constraint", "target_diameters"),
-          .tolerance = numbers.at("constraint", "tolerance_diameters"),
-          .gravity_mps2 = numbers.at("world", "gravity_mps2")};
+  const Asked asked{.diameter_m = numbers.at("world", "diameter_m"),
+                    .target = numbers.at("constraint", "target_diameters"),
+                    .tolerance = numbers.at("constraint", "tolerance_diameters"),
+                    .gravity_mps2 = numbers.at("world", "gravity_mps2"),
+                    .step = scan_label(numbers)};
+  if (!(asked.diameter_m > 0 && asked.tolerance >= 0) || !std::isfinite(asked.diameter_m) ||
+      !std::isfinite(asked.target) || !std::isfinite(asked.tolerance) ||
+      !std::isfinite(asked.gravity_mps2)) {
+    throw base::Error(base::ExitCode::bad_archive,
+                      source.name() + ": its request has numbers that no ball has");
+  }
+  return asked;
 }
 
 /// The segments of one animation, in columns.
@@ -43,11 +58,11 @@ struct Segments {
   std::vector<double> normal_rad;
 };
 
-Segments read_segments(const archive::Source& source) {
-  return {.duration_s = read_numbers(source, archive::k_animations, "duration_s"),
-          .position_m = read_numbers(source, archive::k_animations, "position_m"),
-          .velocity_mps = read_numbers(source, archive::k_animations, "velocity_mps"),
-          .normal_rad = read_numbers(source, archive::k_animations, "hop_normal_rad")};
+Segments read_segments(const archive::Source& source, const Rows& rows) {
+  return {.duration_s = read_rows(source, archive::k_animations, "duration_s", 1, rows),
+          .position_m = read_rows(source, archive::k_animations, "position_m", 2, rows),
+          .velocity_mps = read_rows(source, archive::k_animations, "velocity_mps", 2, rows),
+          .normal_rad = read_rows(source, archive::k_animations, "hop_normal_rad", 1, rows)};
 }
 
 /// One hop as points of its parabola, in diameters.
@@ -62,19 +77,55 @@ void append_hop(const Segments& segments, std::size_t row, const Asked& asked,
   }
 }
 
+/// One number of each kept animation.
+std::vector<double> of_animations(const archive::Source& source, std::string_view dataset) {
+  return read_rows(source, archive::k_animations, dataset, 1,
+                   {.count = archive::summary_of(source).animations});
+}
+
+/// Where the segments of an animation lie. Throws base::Error(bad_archive) when it says nonsense.
+Rows segments_of(const archive::Source& source, double start, double count) {
+  const std::uint64_t segments = archive::summary_of(source).segments;
+  // In doubles, before any cast: the numbers are not trusted, and none may be NaN.
+  const bool whole = start >= 0 && count >= 0 && std::trunc(start) == start &&
+                     std::trunc(count) == count && start + count <= static_cast<double>(segments);
+  if (!whole || count > static_cast<double>(k_hops_max)) {
+    throw base::Error(
+        base::ExitCode::bad_archive,
+        fmt::format("{}: an animation claims {} segments from {}; there are {}, and at most {} to "
+                    "a path",
+                    source.name(), count, start, segments, k_hops_max));
+  }
+  return {.first = static_cast<std::uint64_t>(start), .count = static_cast<std::uint64_t>(count)};
+}
+
 /// Which animations to draw: the first of each lineage, then the others, in the archive's order.
-std::vector<std::size_t> choose(const archive::Source& source, std::size_t count) {
-  const std::vector<double> chain = read_numbers(source, archive::k_animations, "chain");
-  const std::vector<double> lineage = read_numbers(source, archive::k_animations, "lineage");
+std::vector<std::size_t> choose(const archive::Source& source, std::optional<std::uint64_t> only,
+                                std::size_t count) {
+  const std::vector<double> chain = of_animations(source, "chain");
+  const std::vector<double> lineage = of_animations(source, "lineage");
   std::set<std::pair<double, double>> seen;
   std::vector<std::size_t> first;
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < chain.size(); ++i) {
+    if (only && chain[i] != static_cast<double>(*only)) continue;
     (seen.emplace(chain[i], lineage[i]).second ? first : others).push_back(i);
   }
   first.insert(first.end(), others.begin(), others.end());
   first.resize(std::min(first.size(), count));
   return first;
+}
+
+/// Why there is nothing to draw, and what to do.
+[[noreturn]] void refuse_empty(const archive::Source& source, std::optional<std::uint64_t> chain) {
+  const archive::Summary summary = archive::summary_of(source);
+  const std::string whose = chain ? fmt::format(" of chain {}", *chain) : "";
+  const char* why = summary.keep_max <= 0           ? "its request keeps none: keep_max = 0"
+                    : summary.keep_per_lineage <= 0 ? "its request keeps none: keep_per_lineage = 0"
+                    : chain                         ? "try another chain or run more scans"
+                                                    : "run more scans";
+  throw base::Error(
+      fmt::format("{}: it holds no satisfying animation{} to draw; {}", source.name(), whose, why));
 }
 
 /// The range of nearly all values, so that the few of a chain's way from its start don't flatten
@@ -97,8 +148,7 @@ void append_values(const std::vector<plot::Point>& points, std::vector<double>& 
   }
 }
 
-plot::Panel path_panel(const Segments& segments, std::size_t begin, std::size_t end,
-                       const Asked& asked) {
+plot::Panel path_panel(const Segments& segments, const Asked& asked) {
   plot::Panel panel{
       .x_label = "x (ball diameters)", .y_label = "height (diameters)", .equal_aspect = true};
   // The target is a flat disc on the table, the table the line on which the ball's centre bounces.
@@ -110,7 +160,7 @@ plot::Panel path_panel(const Segments& segments, std::size_t begin, std::size_t 
                                     .label = "target"});
   std::vector<plot::Point> path;
   std::vector<plot::Series> arrows;
-  for (std::size_t row = begin; row < end; ++row) {
+  for (std::size_t row = 0; row < segments.duration_s.size(); ++row) {
     append_hop(segments, row, asked, path);
     const double tilt = segments.normal_rad[row];
     if (std::isnan(tilt)) continue;
@@ -128,20 +178,21 @@ plot::Panel path_panel(const Segments& segments, std::size_t begin, std::size_t 
 
 }  // namespace
 
-plot::Figure ball_2d_trace(const archive::Source& source, std::int64_t chain, std::uint64_t draws) {
+plot::Figure ball_2d_trace(const archive::Source& source, std::optional<std::uint64_t> chain,
+                           std::uint64_t draws) {
   const Asked asked = asked_of(source);
   plot::Panel landing{.title = "Where the ball lands",
-                      .x_label = "iteration",
+                      .x_label = asked.step,
                       .y_label = "x (ball diameters)",
                       .height_share = 1.6};
   landing.series.push_back(plot::HorizontalBand{.low = asked.target - asked.tolerance,
                                                 .high = asked.target + asked.tolerance,
                                                 .label = "satisfied"});
-  plot::Panel log_p{.title = "log p", .x_label = "iteration", .y_label = "log p"};
+  plot::Panel log_p{.title = "log p", .x_label = asked.step, .y_label = "log p"};
 
   std::vector<std::uint64_t> chains;
-  if (chain >= 0) {
-    chains.push_back(static_cast<std::uint64_t>(chain));
+  if (chain) {
+    chains.push_back(*chain);
   } else {
     const std::uint64_t all = stats_size(source, "chain");
     for (std::uint64_t i = 0; i < std::min<std::uint64_t>(all, k_chains_drawn_max); ++i) {
@@ -173,27 +224,26 @@ plot::Figure ball_2d_trace(const archive::Source& source, std::int64_t chain, st
           .panels = {std::move(landing), std::move(log_p)}};
 }
 
-plot::Figure ball_2d_paths(const archive::Source& source, std::size_t count) {
+plot::Figure ball_2d_paths(const archive::Source& source, std::optional<std::uint64_t> chain,
+                           std::size_t count) {
   const Asked asked = asked_of(source);
-  const std::vector<std::size_t> chosen = choose(source, count);
-  if (chosen.empty()) {
-    throw base::Error(base::ExitCode::environment,
-                      source.name() + ": it holds no satisfying animation to draw; run more scans");
-  }
-  const Segments segments = read_segments(source);
-  const std::vector<double> start = read_numbers(source, archive::k_animations, "segment_start");
-  const std::vector<double> hops = read_numbers(source, archive::k_animations, "segment_count");
+  if (chain) check_chain(source, *chain);
+  const std::vector<std::size_t> chosen = choose(source, chain, count);
+  if (chosen.empty()) refuse_empty(source, chain);
+  const std::vector<double> start = of_animations(source, "segment_start");
+  const std::vector<double> hops = of_animations(source, "segment_count");
+  const std::vector<double> chains = of_animations(source, "chain");
+  const std::vector<double> scans = of_animations(source, "draw");
+  const std::size_t columns = std::min(chosen.size(), k_columns_max);
+  const std::size_t rows = (chosen.size() - 1) / columns + 1;
   plot::Figure figure{.title = "2D ball: paths that land at the target",
-                      .width_px = 360.0 * static_cast<double>(chosen.size()),
-                      .height_px = 520,
-                      .columns = chosen.size(),
+                      .width_px = 360.0 * static_cast<double>(columns),
+                      .height_px = 520.0 * static_cast<double>(rows),
+                      .columns = columns,
                       .panels = {}};
-  const std::vector<double> chains = read_numbers(source, archive::k_animations, "chain");
-  const std::vector<double> scans = read_numbers(source, archive::k_animations, "draw");
   for (const std::size_t i : chosen) {
-    const auto begin = static_cast<std::size_t>(start[i]);
-    const std::size_t end = begin + static_cast<std::size_t>(hops[i]);
-    plot::Panel panel = path_panel(segments, begin, end, asked);
+    plot::Panel panel =
+        path_panel(read_segments(source, segments_of(source, start[i], hops[i])), asked);
     panel.title = fmt::format("chain {}, draw {}", chains[i], scans[i]);
     panel.legend = i == chosen.front();
     figure.panels.push_back(std::move(panel));

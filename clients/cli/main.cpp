@@ -1,17 +1,26 @@
 // The command line `sleight`: parses arguments and hands over to one function a subcommand.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
 #include <string>
 
 #include "clients/cli/archive_commands.h"
 #include "clients/cli/main_direct.h"
+#include "clients/cli/output.h"
 #include "clients/cli/plot_command.h"
+#include "common/archive/csv.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/version.h"
 
 namespace sleight::programs {
 namespace {
+
+/// Largest chain or number of draws that can be asked for.
+constexpr std::uint64_t k_number_max = 1'000'000'000'000;
 
 /// What a parsed command line asks for.
 using Action = std::function<int()>;
@@ -82,7 +91,8 @@ void add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action) {
       ->required();
   exported
       ->add_option("--table", arguments.export_options.table,
-                   "posterior, sample_stats, animations or segments")
+                   fmt::format("{}", fmt::join(archive::csv_tables(), ", ")))
+      ->check(CLI::IsMember(archive::csv_tables()))
       ->capture_default_str()
       ->type_name("TABLE");
   exported->add_option("-o,--output", arguments.export_options.output, "stdout if not given")
@@ -101,9 +111,16 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
   command->add_option("--what", options.what, "trace: outcome and log p; paths: the motion")
       ->check(CLI::IsMember({"trace", "paths"}))
       ->capture_default_str();
-  command->add_option("--chain", options.chain, "Only this chain")->check(CLI::NonNegativeNumber);
-  command->add_option("--draws", options.draws, "Only the first so many draws");
-  command->add_option("--count", options.count, "Paths to draw")->check(CLI::Range(1, 12));
+  command->add_option("--chain", options.chain, "Only this chain")
+      ->check(CLI::Range(std::uint64_t{0}, k_number_max).description(""))
+      ->type_name("N");
+  command->add_option("--draws", options.draws, "Only the first so many draws")
+      ->check(CLI::Range(std::uint64_t{1}, k_number_max).description(""))
+      ->type_name("N");
+  command->add_option("--count", options.count, "Paths to draw")
+      ->check(CLI::Range(1, 12))
+      ->type_name("N")
+      ->capture_default_str();
   command->footer(
       "Examples:\n"
       "  sleight plot ball.h5\n"
@@ -136,14 +153,16 @@ int main_of(int argc, char** argv) {
   add_plot(app, plot_options, action);
 
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
-  }
-  base::log_to_stderr("sleight", verbose);
-  try {
-    return action();
+    cli::occupy_standard_streams();
+    return cli::with_results([&] {
+      try {
+        app.parse(argc, argv);
+      } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
+      }
+      base::log_to_stderr("sleight", verbose);
+      return action();
+    });
   } catch (...) {
     return report_failure("sleight");
   }

@@ -8,9 +8,12 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdlib>
+#include <exception>
 #include <string>
 
 #include "clients/cli/main_run.h"
+#include "clients/cli/output.h"
+#include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
@@ -47,10 +50,11 @@ int run_rank_0(const DirectArguments& arguments, bool with_mpi) {
   return run_and_report(*request, catalogue, arguments, executor);
 }
 
-void run_other_rank(const DirectArguments& arguments) {
+void run_other_rank(DirectArguments arguments) {
   // The terminal's Ctrl-C reaches every rank; only rank 0 decides what to make of it.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
+  arguments.errors_elsewhere = true;
   run::Catalogue catalogue;
   const base::SteadyClock clock;
   const auto request = read_request_file(catalogue, arguments);
@@ -66,15 +70,20 @@ void run_other_rank(const DirectArguments& arguments) {
 int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
   int provided = 0;
   MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
+  CHECK_GE(provided, MPI_THREAD_FUNNELED);
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   if (rank != 0) {
-    run_other_rank(arguments);
+    try {
+      run_other_rank(arguments);
+    } catch (const std::exception& error) {
+      run::refuse(error.what());
+    }
     MPI_Finalize();
     return 0;
   }
   try {
-    const int code = run_rank_0(arguments, true);
+    const int code = cli::with_results([&] { return run_rank_0(arguments, true); });
     if (code == static_cast<int>(base::ExitCode::bad_request)) MPI_Abort(MPI_COMM_WORLD, code);
     MPI_Finalize();
     return code;
@@ -107,7 +116,7 @@ int main_of(int argc, char** argv) {
   base::log_to_stderr("sleight-batch", false);
   if (started_by_mpirun()) return run_ranks(arguments, &argc, &argv);
   try {
-    return run_rank_0(arguments, false);
+    return cli::with_results([&] { return run_rank_0(arguments, false); });
   } catch (...) {
     return report_failure("sleight-batch");
   }
@@ -117,6 +126,7 @@ int main_of(int argc, char** argv) {
 }  // namespace sleight::programs
 
 int main(int argc, char** argv) {
+  sleight::cli::occupy_standard_streams();
   // A rank must not outlive the mpirun that started it.
   if (sleight::programs::started_by_mpirun()) prctl(PR_SET_PDEATHSIG, SIGKILL);
   return sleight::programs::main_of(argc, argv);

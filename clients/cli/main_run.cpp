@@ -1,6 +1,7 @@
 #include "clients/cli/main_run.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <charconv>
 #include <cstdio>
@@ -43,10 +44,11 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
                                       {"session", summary.epoch},
                                       {"session_scans", summary.progress.session_scans},
                                       {"session_satisfied", summary.progress.session_satisfied},
+                                      {"independent_solutions", summary.progress.solutions},
                                       {"session_seconds", summary.progress.elapsed_s},
                                       {"version", base::version()},
                                       {"digest", summary.digest}};
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return;
   }
   if (summary.scans == 0) {
@@ -105,6 +107,7 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
   const std::string text = base::read_text_file(arguments.request_path, k_request_file_bytes_max);
   auto read = request::read_request(text, arguments.request_path, catalogue.bindings());
   if (!read) {
+    if (arguments.errors_elsewhere) return std::nullopt;
     for (const request::Diagnostic& error : read.error()) {
       fmt::print(stderr, "{}\n", request::to_string(error));
     }
@@ -118,6 +121,11 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
                    const DirectArguments& arguments, coordinator::Executor& executor) {
   const base::SteadyClock clock;
+  if (request.stop.independent_solutions && !request.stop.scans && !request.stop.rounds) {
+    spdlog::warn(
+        "[stop] has independent_solutions alone: a chain that never arrives keeps the run going; "
+        "give scans as well to bound it");
+  }
   const auto reader = catalogue.world(request.world).make_reader();
   const auto plan = run::make_plan(request);
   coordinator::ProgressPrinter printer(request.world, stderr);
@@ -128,6 +136,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   if (!arguments.time_limit.empty()) options.time_limit_s = parse_duration_s(arguments.time_limit);
   if (!arguments.quiet) {
     options.report = [&](const coordinator::Progress& progress) { printer.show(progress); };
+    options.say = [&](const std::string& phase) { printer.say(phase); };
   }
   const coordinator::RunSummary summary = coordinator::run_request(
       {.request = request, .reader = *reader, .plan = *plan, .executor = executor, .clock = clock},

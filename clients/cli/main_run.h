@@ -19,7 +19,8 @@ struct DirectArguments {
   bool fresh = false;
   bool json = false;
   bool quiet = false;
-  std::string time_limit;  ///< "20s", "5m", "1h"; empty for none
+  bool errors_elsewhere = false;  ///< another rank prints the request's errors
+  std::string time_limit;         ///< "20s", "5m", "1h"; empty for none
   std::optional<std::uint64_t> seed;
   std::size_t threads = 0;  ///< 0: one a core
 };

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include <algorithm>
 
 #include "clients/cli/ball_2d_figures.h"
+#include "clients/cli/output.h"
+#include "clients/cli/request_numbers.h"
 #include "clients/cli/trace.h"
 #include "clients/plot/save.h"
 #include "clients/plot/terminal.h"
@@ -19,15 +21,16 @@ namespace {
 
 /// Any world's outcomes and log p along its chains.
 plot::Figure plain_trace(const archive::Source& source, const PlotOptions& options) {
-  plot::Figure figure{.title = archive::summary_of(source).world, .height_px = 0, .panels = {}};
+  const archive::Summary summary = archive::summary_of(source);
+  plot::Figure figure{.title = summary.world, .height_px = 0, .panels = {}};
   std::vector<std::string> names = outcome_names(source);
   names.emplace_back("lp");
-  const std::uint64_t chains = options.chain >= 0 ? 1 : stats_size(source, "chain");
+  const std::string step = scan_label(RequestNumbers(summary.request_text, source.name()));
+  const std::uint64_t chains = options.chain ? 1 : stats_size(source, "chain");
   for (const std::string& name : names) {
-    plot::Panel panel{.title = name, .x_label = "scan", .y_label = name};
+    plot::Panel panel{.title = name, .x_label = step, .y_label = name};
     for (std::uint64_t i = 0; i < std::min<std::uint64_t>(chains, 6); ++i) {
-      const std::uint64_t chain =
-          options.chain >= 0 ? static_cast<std::uint64_t>(options.chain) : i;
+      const std::uint64_t chain = options.chain.value_or(i);
       panel.series.push_back(
           plot::Steps{.points = trace(source, name, {.chain = chain, .draws = options.draws}, 1),
                       .color = plot::palette::series(i),
@@ -43,7 +46,7 @@ plot::Figure plain_trace(const archive::Source& source, const PlotOptions& optio
 plot::Figure figure_of(const archive::Source& source, const PlotOptions& options) {
   const bool ball = archive::summary_of(source).world == "ball_2d";
   if (options.what == "paths") {
-    if (ball) return ball_2d_paths(source, options.count);
+    if (ball) return ball_2d_paths(source, options.chain, options.count);
     throw base::Error(base::ExitCode::usage, "paths can be drawn for ball_2d archives only");
   }
   return ball ? ball_2d_trace(source, options.chain, options.draws) : plain_trace(source, options);
@@ -60,7 +63,8 @@ void draw_on_terminal(const plot::Figure& figure) {
 }  // namespace
 
 int plot_archive(const PlotOptions& options) {
-  return archive::hdf5::guarded(options.path, {}, [&] {
+  if (!options.output.empty()) refuse_same_file(options.path, options.output);
+  const auto draw = [&] {
     const auto source = archive::hdf5::open_file(options.path);
     const plot::Figure figure = figure_of(*source, options);
     if (options.output.empty()) {
@@ -69,9 +73,9 @@ int plot_archive(const PlotOptions& options) {
       plot::save(figure, options.output);
       fmt::print("{}\n", options.output);
     }
-    std::fflush(stdout);
     return static_cast<int>(base::ExitCode::ok);
-  });
+  };
+  return archive::hdf5::guarded(options.path, {}, [&] { return with_results(draw); });
 }
 
 }  // namespace sleight::cli

@@ -2,17 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace sleight::cli {
 
 struct PlotOptions {
   std::string path;
-  std::string output;          ///< .svg or .png; empty: draw on the terminal
-  std::string what = "trace";  ///< "trace" or "paths"
-  std::int64_t chain = -1;     ///< -1: all, up to six
-  std::uint64_t draws = 0;     ///< the first so many; 0: all
-  std::uint64_t count = 3;     ///< paths to draw
+  std::string output;                  ///< .svg or .png; empty: draw on the terminal
+  std::string what = "trace";          ///< "trace" or "paths"
+  std::optional<std::uint64_t> chain;  ///< none: all, up to six
+  std::uint64_t draws = 0;             ///< the first so many; 0: all
+  std::uint64_t count = 3;             ///< paths to draw
 };
 
 /// Returns the exit code; throws base::Error.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <variant>
 
@@ -12,6 +13,9 @@
 
 namespace sleight::cli {
 namespace {
+
+/// Draws read at a time.
+constexpr std::uint64_t k_batch = 65536;
 
 /// What /sample_stats holds of every world; all else of dims (chain, draw) are its outcomes.
 constexpr std::array<std::string_view, 6> k_common = {"lp",        "log_prior", "log_constraint",
@@ -45,6 +49,55 @@ std::vector<double> as_doubles(const archive::Values& values) {
       values);
 }
 
+[[noreturn]] void refuse(const archive::Source& source, std::string_view group,
+                         std::string_view dataset, std::string_view reason) {
+  throw base::Error(
+      base::ExitCode::bad_archive,
+      fmt::format("{}: {}: {}", source.name(), archive::path_of(group, dataset), reason));
+}
+
+/// Keeps the first, lowest, highest and last point of each stretch of `stretch` points.
+class Thinner {
+ public:
+  explicit Thinner(std::uint64_t stretch) : stretch_(stretch) {}
+
+  void push(const plot::Point& point) {
+    if (seen_ == 0) kept_.fill(point);
+    ++seen_;
+    kept_[k_last] = point;
+    if (std::isfinite(point.y)) {
+      plot::Point& lowest = kept_[k_lowest];
+      plot::Point& highest = kept_[k_highest];
+      if (!std::isfinite(lowest.y) || point.y < lowest.y) lowest = point;
+      if (!std::isfinite(highest.y) || point.y > highest.y) highest = point;
+    }
+    if (seen_ == stretch_) end_stretch();
+  }
+
+  std::vector<plot::Point> take() {
+    if (seen_ > 0) end_stretch();
+    return std::move(points_);
+  }
+
+ private:
+  static constexpr std::size_t k_lowest = 1;
+  static constexpr std::size_t k_highest = 2;
+  static constexpr std::size_t k_last = 3;
+
+  void end_stretch() {
+    std::ranges::sort(kept_, {}, &plot::Point::x);
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      if (i == 0 || kept_[i].x != kept_[i - 1].x) points_.push_back(kept_[i]);
+    }
+    seen_ = 0;
+  }
+
+  std::uint64_t stretch_;
+  std::uint64_t seen_ = 0;             ///< of the current stretch
+  std::array<plot::Point, 4> kept_{};  ///< of the current stretch: first, lowest, highest, last
+  std::vector<plot::Point> points_;
+};
+
 }  // namespace
 
 std::uint64_t stats_size(const archive::Source& source, std::string_view dimension) {
@@ -53,21 +106,34 @@ std::uint64_t stats_size(const archive::Source& source, std::string_view dimensi
 
 std::vector<plot::Point> trace(const archive::Source& source, std::string_view variable,
                                const TraceRange& range, double scale) {
-  dataset_of(source, archive::k_sample_stats, variable);
+  const archive::DatasetSpec& spec = dataset_of(source, archive::k_sample_stats, variable);
   const std::uint64_t chains = stats_size(source, "chain");
   const std::uint64_t draws = stats_size(source, "draw");
-  if (range.chain >= chains) {
-    throw base::Error(base::ExitCode::usage, fmt::format("{}: no chain {}; it has chains 0 to {}",
-                                                         source.name(), range.chain, chains - 1));
+  if (spec.type == archive::ElementType::text || spec.dims.size() != 2 ||
+      spec.dims[0].size != chains || spec.dims[1].size != draws) {
+    refuse(source, archive::k_sample_stats, variable, "it has no number for each chain and draw");
   }
+  check_chain(source, range.chain);
   const std::uint64_t count = range.draws == 0 ? draws : std::min(range.draws, draws);
-  const std::vector<double> values =
-      as_doubles(source.read(archive::k_sample_stats, variable, range.chain * draws, count));
-  std::vector<plot::Point> points(values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    points[i] = {static_cast<double>(i), scale * values[i]};
+  constexpr std::uint64_t stretches = k_trace_points_max / 4;
+  Thinner thinner(count <= k_trace_points_max ? 1 : (count - 1) / stretches + 1);
+  for (std::uint64_t first = 0; first < count; first += k_batch) {
+    const std::vector<double> values =
+        as_doubles(source.read(archive::k_sample_stats, variable, range.chain * draws + first,
+                               std::min(k_batch, count - first)));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      thinner.push({static_cast<double>(first + i), scale * values[i]});
+    }
   }
-  return points;
+  return thinner.take();
+}
+
+void check_chain(const archive::Source& source, std::uint64_t chain) {
+  const std::uint64_t chains = stats_size(source, "chain");
+  if (chain < chains) return;
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("{}: no chain {}; it has {} chains, counted from 0", source.name(),
+                                chain, chains));
 }
 
 std::vector<std::string> outcome_names(const archive::Source& source) {
@@ -83,10 +149,20 @@ std::vector<std::string> outcome_names(const archive::Source& source) {
   return names;
 }
 
-std::vector<double> read_numbers(const archive::Source& source, std::string_view group,
-                                 std::string_view dataset) {
+std::vector<double> read_rows(const archive::Source& source, std::string_view group,
+                              std::string_view dataset, std::uint64_t columns, const Rows& rows) {
   const archive::DatasetSpec& spec = dataset_of(source, group, dataset);
-  return as_doubles(source.read(group, dataset, 0, archive::element_count(spec)));
+  const bool fits =
+      columns == 1 ? spec.dims.size() == 1 : spec.dims.size() == 2 && spec.dims[1].size == columns;
+  if (!fits || spec.type == archive::ElementType::text) {
+    refuse(source, group, dataset, fmt::format("expected rows of {} numbers", columns));
+  }
+  const std::uint64_t held = spec.dims[0].size;
+  if (rows.first > held || rows.count > held - rows.first) {
+    refuse(source, group, dataset,
+           fmt::format("it has {} rows: no {} from row {}", held, rows.count, rows.first));
+  }
+  return as_doubles(source.read(group, dataset, rows.first * columns, rows.count * columns));
 }
 
 }  // namespace sleight::cli

@@ -16,10 +16,18 @@ struct TraceRange {
   std::uint64_t draws = 0;  ///< the first so many; 0 for all
 };
 
-/// (draw, value * scale) of a double variable with dims (chain, draw). Throws base::Error(usage)
-/// when the archive has no such chain, bad_archive when it has no such variable.
+/// Most points of one series; longer ones are thinned while they are read.
+inline constexpr std::size_t k_trace_points_max = 20'000;
+
+/// (draw, value * scale) of a variable with dims (chain, draw). Of a chain too long for
+/// k_trace_points_max the first, lowest, highest and last of each stretch are kept, so spikes stay
+/// and memory is bounded. Throws base::Error(usage) when the archive has no such chain, bad_archive
+/// when it has no such variable.
 std::vector<plot::Point> trace(const archive::Source& source, std::string_view variable,
                                const TraceRange& range, double scale);
+
+/// Throws base::Error(usage) when the archive has no such chain.
+void check_chain(const archive::Source& source, std::uint64_t chain);
 
 /// Size of a dimension of /sample_stats.
 std::uint64_t stats_size(const archive::Source& source, std::string_view dimension);
@@ -27,8 +35,15 @@ std::uint64_t stats_size(const archive::Source& source, std::string_view dimensi
 /// Names of the world's outcome scalars, in order.
 std::vector<std::string> outcome_names(const archive::Source& source);
 
-/// A whole dataset of doubles or integers, as doubles.
-std::vector<double> read_numbers(const archive::Source& source, std::string_view group,
-                                 std::string_view dataset);
+struct Rows {
+  std::uint64_t first = 0;
+  std::uint64_t count = 0;
+};
+
+/// Rows of a dataset of doubles or integers, as doubles. Throws base::Error(bad_archive) when the
+/// dataset is missing, of another shape than (rows, columns), or (rows) for one column, or has no
+/// such rows.
+std::vector<double> read_rows(const archive::Source& source, std::string_view group,
+                              std::string_view dataset, std::uint64_t columns, const Rows& rows);
 
 }  // namespace sleight::cli

@@ -1,6 +1,7 @@
 #include "common/archive/csv.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -8,7 +9,6 @@
 #include <ostream>
 
 #include "common/archive/format.h"
-#include "common/base/check.h"
 #include "common/base/error.h"
 
 namespace sleight::archive {
@@ -227,7 +227,11 @@ std::vector<std::string> csv_tables() {
 
 void export_csv(const Source& source, std::string_view table_name, std::ostream& out) {
   const auto table = std::ranges::find(tables(), table_name, &Table::name);
-  CHECK(table != tables().end());
+  if (table == tables().end()) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: no table '{}'; expected one of {}", source.name(),
+                                  table_name, fmt::join(csv_tables(), ", ")));
+  }
   const Group* group = find_group(source, table->group);
   if (group == nullptr) refuse(source, fmt::format("there is no group {}", table->group));
   Exporter(source, *group, table->index).run(out);

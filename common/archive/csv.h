@@ -24,8 +24,8 @@ namespace sleight::archive {
 std::vector<std::string> csv_tables();
 
 /// Writes one table, in batches. The caller checks the stream's state at the end.
-/// REQUIRES: `table` is one of csv_tables(). Throws base::Error with ExitCode::bad_archive when the
-/// archive has no such group or is damaged.
+/// Throws base::Error: usage when `table` is none of csv_tables(), bad_archive when the archive has
+/// no such group or is damaged.
 void export_csv(const Source& source, std::string_view table, std::ostream& out);
 
 }  // namespace sleight::archive

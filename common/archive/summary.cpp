@@ -58,6 +58,8 @@ Summary summary_of(const Source& source) {
       .scans = size_of(source, k_sample_stats, "draw"),
       .states = size_of(source, k_posterior, "draw"),
       .thin = attribute_of<std::int64_t>(source, k_posterior, "thin"),
+      .keep_max = attribute_of<std::int64_t>(source, k_animations, "keep_max"),
+      .keep_per_lineage = attribute_of<std::int64_t>(source, k_animations, "keep_per_lineage"),
       .animations = size_of(source, k_animations, "animation"),
       .segments = size_of(source, k_animations, "segment"),
   };

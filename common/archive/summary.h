@@ -18,6 +18,8 @@ struct Summary {
   std::uint64_t scans = 0;   ///< of each chain
   std::uint64_t states = 0;  ///< of each chain, in /posterior
   std::int64_t thin = 0;
+  std::int64_t keep_max = 0;          ///< most animations kept
+  std::int64_t keep_per_lineage = 0;  ///< most of one lineage
   std::uint64_t animations = 0;
   std::uint64_t segments = 0;
 };

@@ -39,6 +39,11 @@ class Plan {
   /// Scans that every chain has: where an archive written now is cut.
   virtual std::uint64_t scans_common() const = 0;
 
+  /// Independent solutions so far: lineages with a satisfied scan; and how many end the run, when
+  /// the stop rule asks for them.
+  virtual std::uint64_t solutions_found() const = 0;
+  virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
+
   /// Scans over all chains that are consumed, and in total when the stop rule tells.
   virtual std::uint64_t scans_consumed() const = 0;
   virtual std::optional<std::uint64_t> scans_total() const = 0;

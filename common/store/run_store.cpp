@@ -9,12 +9,14 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/store/checksum.h"
 
 namespace sleight::store {
 namespace {
@@ -30,10 +32,11 @@ constexpr const char* k_schema = R"(
     log_prior NOT NULL, log_constraint NOT NULL,
     satisfied INTEGER NOT NULL, lineage INTEGER NOT NULL,
     proposed BLOB NOT NULL, accepted BLOB NOT NULL, outcome BLOB NOT NULL,
-    state BLOB,
+    state BLOB, checksum INTEGER NOT NULL,
     PRIMARY KEY(chain, replica, scan)) WITHOUT ROWID;
   CREATE TABLE IF NOT EXISTS replica(
     chain INTEGER, replica INTEGER, next_scan INTEGER NOT NULL, state BLOB NOT NULL,
+    checksum INTEGER NOT NULL,
     PRIMARY KEY(chain, replica)) WITHOUT ROWID;
 )";
 
@@ -45,7 +48,7 @@ RunLock::RunLock(const std::string& folder) : descriptor_(-1) {
         fmt::format("{}: can't make the run's folder: {}", folder, std::strerror(errno)));
   }
   const std::string path = folder + "/lock";
-  descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor_ < 0) {
     throw base::Error(fmt::format("{}: can't open it: {}", path, std::strerror(errno)));
   }
@@ -75,11 +78,11 @@ RunLock::~RunLock() {
 struct RunStore::Writer {
   Writer(Database& database, GroupCommit::Commit commit)
       : insert_scan(database.prepare(
-            "INSERT OR IGNORE INTO scan VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11)")),
-        advance_replica(
-            database.prepare("INSERT INTO replica VALUES(?1,?2,?3,?4) ON CONFLICT DO UPDATE "
-                             "SET next_scan=excluded.next_scan, state=excluded.state "
-                             "WHERE excluded.next_scan > next_scan")),
+            "INSERT OR IGNORE INTO scan VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12)")),
+        advance_replica(database.prepare(
+            "INSERT INTO replica VALUES(?1,?2,?3,?4,?5) ON CONFLICT DO UPDATE "
+            "SET next_scan=excluded.next_scan, state=excluded.state, checksum=excluded.checksum "
+            "WHERE excluded.next_scan > next_scan")),
         next_scan(database.prepare("SELECT next_scan FROM replica WHERE chain=?1 AND replica=?2")),
         current_epoch(database.prepare("SELECT value FROM run WHERE key='epoch'")),
         group_commit(std::move(commit)) {}
@@ -126,11 +129,12 @@ void RunStore::create_or_check(const RunIdentity& identity) {
                                   path, *format, k_format_version));
   }
   if (const auto text = stored_text("identity"); text && *text != identity.identity_text) {
-    throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: holds the run of another request ([world], [constraint] or "
-                                  "[sampler] differ); choose another output, or --fresh to give "
-                                  "that run up",
-                                  path));
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: holds the run of another request ([world], [constraint], "
+                    "[sampler] or thin differ); choose another output, or --fresh to give "
+                    "that run up",
+                    path));
   }
   if (const auto version = stored_text("program_version");
       version && *version != identity.program_version) {
@@ -141,9 +145,18 @@ void RunStore::create_or_check(const RunIdentity& identity) {
                     path, *version, identity.program_version));
   }
 
-  // Take the next epoch.
-  const auto epoch = stored_text("epoch");
-  epoch_ = epoch ? std::stoull(*epoch) + 1 : 1;
+  take_epoch(stored_text("epoch"), identity);
+  database_.execute("COMMIT");
+}
+
+void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdentity& identity) {
+  epoch_ = 1;
+  if (last) {
+    const char* end = last->data() + last->size();
+    const auto [rest, failure] = std::from_chars(last->data(), end, epoch_);
+    if (failure != std::errc() || rest != end) refuse_damaged(database_.path(), "no epoch");
+    ++epoch_;
+  }
   Statement set = database_.prepare("INSERT OR REPLACE INTO run VALUES(?1,?2)");
   set.bind(1, "format_version").bind(2, k_format_version).run();
   set.bind(1, "identity").bind(2, identity.identity_text).run();
@@ -152,19 +165,24 @@ void RunStore::create_or_check(const RunIdentity& identity) {
   set.bind(1, "chains").bind(2, std::int64_t{identity.chains}).run();
   set.bind(1, "replicas").bind(2, std::int64_t{identity.replicas}).run();
   set.bind(1, "epoch").bind(2, static_cast<std::int64_t>(epoch_)).run();
-  database_.execute("COMMIT");
 }
 
 std::vector<ReplicaProgress> RunStore::progress() {
   Statement select = database_.prepare(
-      "SELECT chain, replica, next_scan, state FROM replica ORDER BY chain, replica");
+      "SELECT chain, replica, next_scan, state, checksum FROM replica ORDER BY chain, replica");
   std::vector<ReplicaProgress> all;
   while (select.step()) {
     const base::BytesView state = select.blob(3);
-    all.push_back({.replica = {base::ChainId{static_cast<std::uint32_t>(select.integer(0))},
-                               base::ReplicaId{static_cast<std::uint32_t>(select.integer(1))}},
-                   .next_scan = static_cast<std::uint64_t>(select.integer(2)),
-                   .state = {state.begin(), state.end()}});
+    ReplicaProgress replica{
+        .replica = {base::ChainId{static_cast<std::uint32_t>(select.integer(0))},
+                    base::ReplicaId{static_cast<std::uint32_t>(select.integer(1))}},
+        .next_scan = static_cast<std::uint64_t>(select.integer(2)),
+        .state = {state.begin(), state.end()}};
+    const plan::ReplicaKey& key = replica.replica;
+    if (checksum_of(key, replica.next_scan, base::BytesView(replica.state)) != select.integer(4)) {
+      refuse_damaged(database_.path(), fmt::format("the state of chain {}", select.integer(0)));
+    }
+    all.push_back(std::move(replica));
   }
   return all;
 }
@@ -172,8 +190,12 @@ std::vector<ReplicaProgress> RunStore::progress() {
 void RunStore::replay(
     plan::ReplicaKey replica,
     const std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>& visit) {
+  Statement next = database_.prepare("SELECT next_scan FROM replica WHERE chain=?1 AND replica=?2");
+  next.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
+  const auto end = next.step() ? static_cast<std::uint64_t>(next.integer(0)) : 0;
+
   Statement select = database_.prepare(
-      "SELECT satisfied, lineage FROM scan WHERE chain=?1 AND replica=?2 ORDER BY scan");
+      "SELECT scan, satisfied, lineage FROM scan WHERE chain=?1 AND replica=?2 ORDER BY scan");
   select.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
   std::vector<plan::ScanRecord> batch;
   std::uint64_t first = 0;
@@ -184,11 +206,17 @@ void RunStore::replay(
     batch.clear();
   };
   while (select.step()) {
+    const std::uint64_t scan = first + batch.size();
+    if (static_cast<std::uint64_t>(select.integer(0)) != scan || scan >= end) break;
     plan::ScanRecord record;
-    record.satisfied = select.integer(0) != 0;
-    record.lineage = static_cast<std::uint64_t>(select.integer(1));
+    record.satisfied = select.integer(1) != 0;
+    record.lineage = static_cast<std::uint64_t>(select.integer(2));
     batch.push_back(std::move(record));
     if (batch.size() == k_replay_batch) hand_on();
+  }
+  if (first + batch.size() != end) {
+    refuse_damaged(database_.path(), fmt::format("scan {} of chain {} is missing",
+                                                 first + batch.size(), replica.chain.value));
   }
   hand_on();
 }
@@ -258,12 +286,15 @@ void RunStore::insert(const plan::UnitResult& result) {
     } else {
       row.bind(11, base::BytesView(record.state));
     }
+    row.bind(12, checksum_of(result.unit.replica, static_cast<std::uint64_t>(scan - 1), record));
     row.run();
   }
   writer_->advance_replica.bind(1, chain)
       .bind(2, replica)
       .bind(3, scan)
       .bind(4, base::BytesView(result.state_after))
+      .bind(5, checksum_of(result.unit.replica, static_cast<std::uint64_t>(scan),
+                           base::BytesView(result.state_after)))
       .run();
 }
 

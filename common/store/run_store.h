@@ -10,12 +10,14 @@
 //      new epoch, and a writer of an older epoch is refused (fencing).
 //   4. Of each replica, scans 0 .. next_scan-1 are present without a gap, and the state after the
 //      last of them; all of a unit becomes visible in one transaction.
+//   5. Every row carries a checksum: what a disk or a person changed is refused when it is read.
 // Thread safety: put, flush and committed may be called from any thread; the rest from one.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,7 +66,8 @@ class RunStore {
 
   std::uint64_t epoch() const { return epoch_; }
 
-  /// What earlier sessions stored, by replica in order; empty for a new run.
+  /// What earlier sessions stored, by replica in order; empty for a new run. Throws base::Error
+  /// when the store is damaged, as replay does.
   std::vector<ReplicaProgress> progress();
   /// Visits every stored scan of a replica in order, in batches, for a plan to catch up:
   /// `satisfied` and `lineage` are filled in, the rest is left empty.
@@ -82,6 +85,7 @@ class RunStore {
 
  private:
   void create_or_check(const RunIdentity& identity);
+  void take_epoch(const std::optional<std::string>& last, const RunIdentity& identity);
   void commit(std::span<const plan::UnitResult> group);
   void insert(const plan::UnitResult& result);
 

@@ -1,9 +1,11 @@
 #include "common/store/stored_run.h"
 
+#include <fmt/format.h>
+
 #include <cstring>
 #include <vector>
 
-#include "common/base/check.h"
+#include "common/store/checksum.h"
 #include "common/store/run_store.h"
 
 namespace sleight::store {
@@ -11,9 +13,9 @@ namespace {
 
 template <class T>
 void assign(std::vector<T>& values, base::BytesView bytes) {
-  CHECK_EQ(bytes.size() % sizeof(T), 0U);
+  // A length that does not fit shows in the checksum.
   values.resize(bytes.size() / sizeof(T));
-  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
 }
 
 }  // namespace
@@ -27,7 +29,8 @@ void StoredRun::for_each_scan(
     base::ChainId chain,
     const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
   Statement select = database_.prepare(
-      "SELECT log_prior, log_constraint, satisfied, lineage, proposed, accepted, outcome, state "
+      "SELECT log_prior, log_constraint, satisfied, lineage, proposed, accepted, outcome, state, "
+      "checksum "
       "FROM scan WHERE chain=?1 AND replica=0 AND scan<?2 ORDER BY scan");
   select.bind(1, std::int64_t{chain.value}).bind(2, static_cast<std::int64_t>(scans_));
   plan::ScanRecord record;
@@ -41,9 +44,15 @@ void StoredRun::for_each_scan(
     assign(record.accepted, select.blob(5));
     assign(record.outcome, select.blob(6));
     assign(record.state, select.blob(7));
+    if (checksum_of({chain, base::ReplicaId{0}}, scan, record) != select.integer(8)) {
+      refuse_damaged(database_.path(), fmt::format("scan {} of chain {}", scan, chain.value));
+    }
     visit(base::ScanIndex{scan}, record);
   }
-  CHECK_EQ(scan, scans_);
+  if (scan != scans_) {
+    refuse_damaged(database_.path(),
+                   fmt::format("scan {} of chain {} is missing", scan, chain.value));
+  }
 }
 
 }  // namespace sleight::store

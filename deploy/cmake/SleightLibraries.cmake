@@ -14,6 +14,7 @@ find_package(MPI REQUIRED COMPONENTS C)
 # "hdf5" may name the parallel build: the serial one is asked for by its own name.
 pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(RSVG REQUIRED IMPORTED_TARGET librsvg-2.0)
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(SLEEF REQUIRED IMPORTED_TARGET sleef)
 find_library(HDF5_HL_LIBRARY hdf5_hl PATHS /usr/lib/x86_64-linux-gnu/hdf5/serial
              NO_DEFAULT_PATH REQUIRED)

@@ -13,17 +13,21 @@ namespace {
 /// A late checkpoint is written when its cost is below this share of the time since the last.
 constexpr double k_checkpoint_share_max = 0.05;
 
-/// Scans per unit from the measured cost of a scan, smoothed, growing at most fourfold a step.
+/// Scans per unit from the measured cost of a scan, smoothed. A unit is at most four times as long
+/// as one that was measured, and scan 0, which makes no proposal, counts for nothing: a scan may be
+/// a microsecond or a minute, and a stop must be answered soon either way.
 class UnitSize {
  public:
   std::uint32_t scans() const { return scans_; }
   void measured(const plan::UnitResult& result) {
-    const double cost_s = result.cost_s / result.unit.scans;
+    const std::uint32_t moving = result.unit.scans - (result.unit.first_scan.value == 0 ? 1 : 0);
+    if (moving == 0) return;
+    const double cost_s = result.cost_s / moving;
     // Another rank measured it: what is no time tells nothing.
     if (!std::isfinite(cost_s) || cost_s < 0) return;
     scan_cost_s_ = scan_cost_s_ == 0 ? cost_s : 0.8 * scan_cost_s_ + 0.2 * cost_s;
     const double wanted = k_unit_target_s / std::max(scan_cost_s_, 1e-9);
-    const double most = std::min<double>(k_unit_scans_max, 4.0 * scans_);
+    const double most = std::min<double>(k_unit_scans_max, 4.0 * result.unit.scans);
     scans_ = static_cast<std::uint32_t>(std::clamp(wanted, 1.0, most));
   }
 
@@ -59,10 +63,12 @@ class Driver {
       checkpoint_now_and_then();
     }
 
-    // Let what is running end, so that nothing computed is thrown away.
+    // Let what is running end, so that nothing computed is thrown away; what waits is dropped.
+    executor_.drop_waiting();
     while (executor_.outstanding() > 0)
       take_in(executor_.wait(options_.report_every_s));
     store_.flush();
+    if (plan_.finished()) end = DriveEnd::finished;
     if (options_.report) options_.report(progress());
     return {.end = end, .scans_common = plan_.scans_common(), .progress = progress()};
   }
@@ -77,7 +83,7 @@ class Driver {
                       plan_.consume(replica.replica, first, records);
                       consumed += records.size();
                     });
-      CHECK_EQ(consumed, replica.next_scan);
+      CHECK_EQ(consumed, replica.next_scan);  // replay refuses a damaged store
       states_[replica.replica] = std::move(replica.state);
     }
     earlier_scans_ = plan_.scans_consumed();
@@ -93,7 +99,12 @@ class Driver {
 
   void hand_out() {
     while (executor_.room() > 0) {
-      const std::optional<plan::Unit> unit = plan_.next_unit(unit_size_.scans());
+      // No unit is longer than what all chains have behind them: so they stay within a factor of
+      // two of one another, and a run that is cut short has something to show of each.
+      const std::uint64_t longest = std::max<std::uint64_t>(plan_.scans_common(), 1);
+      const auto scans_max =
+          static_cast<std::uint32_t>(std::min<std::uint64_t>(unit_size_.scans(), longest));
+      const std::optional<plan::Unit> unit = plan_.next_unit(scans_max);
       if (!unit) return;
       executor_.submit(*unit, states_[unit->replica]);
     }
@@ -123,6 +134,8 @@ class Driver {
     Progress now = counted_;
     now.scans_done = earlier_scans_ + store_.committed();
     now.scans_total = plan_.scans_total().value_or(0);
+    now.solutions = plan_.solutions_found();
+    now.solutions_wanted = plan_.solutions_wanted().value_or(0);
     now.workers = executor_.workers();
     now.elapsed_s = clock_.now_s() - begin_s_;
     return now;

@@ -29,6 +29,8 @@ struct Progress {
   std::uint64_t session_satisfied = 0;  ///< of these, satisfied
   std::uint64_t session_proposed = 0;
   std::uint64_t session_accepted = 0;
+  std::uint64_t solutions = 0;         ///< independent solutions, earlier sessions included
+  std::uint64_t solutions_wanted = 0;  ///< 0 where the stop rule doesn't ask for them
   std::size_t workers = 0;
   double elapsed_s = 0;  ///< of this session
 };

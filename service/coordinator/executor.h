@@ -21,6 +21,8 @@ class Executor {
   /// Results that have come in; waits up to `timeout_s` for the first. A worker's failure is
   /// thrown here.
   virtual std::vector<plan::UnitResult> wait(double timeout_s) = 0;
+  /// Forgets units that nobody has begun, where that can be told.
+  virtual void drop_waiting() = 0;
   /// Units submitted whose results have not been returned.
   virtual std::size_t outstanding() const = 0;
   /// How many units are computed at once, for progress lines.

@@ -50,6 +50,12 @@ std::vector<plan::UnitResult> LocalExecutor::wait(double timeout_s) {
   return results;
 }
 
+void LocalExecutor::drop_waiting() {
+  const std::scoped_lock lock(mutex_);
+  outstanding_ -= waiting_.size();
+  waiting_.clear();
+}
+
 void LocalExecutor::work() {
   std::unique_lock lock(mutex_);
   while (true) {

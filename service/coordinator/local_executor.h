@@ -27,6 +27,7 @@ class LocalExecutor final : public Executor {
   std::size_t room() const override;
   void submit(const plan::Unit& unit, base::Bytes state) override;
   std::vector<plan::UnitResult> wait(double timeout_s) override;
+  void drop_waiting() override;
   std::size_t outstanding() const override { return outstanding_; }
   std::size_t workers() const override { return threads_.size(); }
 

@@ -1,10 +1,12 @@
 #include "service/coordinator/progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace sleight::coordinator {
@@ -57,6 +59,10 @@ std::string progress_line(const std::string& name, const Progress& progress) {
                       percent(progress.session_accepted, progress.session_proposed));
   line += fmt::format("  satisfied {} ({:.0f}%)", grouped(progress.session_satisfied),
                       percent(progress.session_satisfied, progress.session_scans));
+  line += fmt::format("  solutions {}", grouped(progress.solutions));
+  if (progress.solutions_wanted > 0) {
+    line += fmt::format(" of {}", grouped(progress.solutions_wanted));
+  }
   line += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
   return line;
 }
@@ -66,15 +72,27 @@ ProgressPrinter::ProgressPrinter(std::string name, std::FILE* stream)
 
 void ProgressPrinter::show(const Progress& progress) {
   if (terminal_) {
-    // Carriage return, then clear to the end of the line.
-    fmt::print(stream_, "\r{}\x1b[K", progress_line(name_, progress));
-    std::fflush(stream_);
-    line_open_ = true;
+    renew(progress_line(name_, progress));
     return;
   }
   if (progress.elapsed_s - shown_s_ < k_plain_line_every_s) return;
   shown_s_ = progress.elapsed_s;
   fmt::print(stream_, "{}\n", progress_line(name_, progress));
+}
+
+void ProgressPrinter::say(const std::string& phase) {
+  if (terminal_) renew(fmt::format("{}  {}", name_, phase));
+}
+
+void ProgressPrinter::renew(const std::string& line) {
+  // A line that wraps can't be renewed: cut it to the terminal's width.
+  winsize window{};
+  const bool known = ::ioctl(::fileno(stream_), TIOCGWINSZ, &window) == 0 && window.ws_col > 1;
+  const std::size_t width = known ? window.ws_col - 1U : 79U;
+  // Carriage return, then clear to the end of the line.
+  fmt::print(stream_, "\r{}\x1b[K", std::string_view(line).substr(0, width));
+  std::fflush(stream_);
+  line_open_ = true;
 }
 
 void ProgressPrinter::finish() {

@@ -11,7 +11,8 @@ namespace sleight::coordinator {
 /// A plain line every so often when the output is no terminal.
 inline constexpr double k_plain_line_every_s = 5;
 
-/// "ball_2d  12,400 of 40,000 scans (31%)  85,200/s  0:04 left  accepted 41%  satisfied 52%".
+/// "ball_2d  12,400 of 40,000 scans (31%)  85,200/s  0:04 left  accepted 41%  satisfied 6,448 (52%)
+/// solutions 4  2 workers", in one line.
 std::string progress_line(const std::string& name, const Progress& progress);
 
 /// 1234567 as "1,234,567".
@@ -25,10 +26,14 @@ class ProgressPrinter {
  public:
   ProgressPrinter(std::string name, std::FILE* stream);
   void show(const Progress& progress);
+  /// What goes on where there is nothing to count; on a terminal only.
+  void say(const std::string& phase);
   /// Ends the renewed line, so that what follows begins on a new one.
   void finish();
 
  private:
+  void renew(const std::string& line);
+
   std::string name_;
   std::FILE* stream_;
   bool terminal_;

@@ -1,8 +1,12 @@
 #include "service/coordinator/run.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -17,6 +21,29 @@
 
 namespace sleight::coordinator {
 namespace {
+
+/// Finds out now, not after an hour of computing, that no archive can be written there.
+void refuse_unusable_output(const std::string& output, base::FileSystem& files) {
+  if (output.empty() || output.back() == '/' || std::filesystem::is_directory(output)) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("-o '{}': no file name; say for example -o {}", output,
+                                  output.empty() ? "ball.h5" : output + "/ball.h5"));
+  }
+  const std::string folder = base::directory_of(output);
+  if (files.exists(store::RunStore::database_path(folder))) {
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: lies in the run store of another output; choose another folder", output));
+  }
+  // The archive is written to a temporary file of such a name: try that, longest suffix included.
+  const std::string trial = output + ".tmp.4194304";
+  const int descriptor = ::open(trial.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    throw base::Error(fmt::format("{}: can't be written: {}", output, std::strerror(errno)));
+  }
+  ::close(descriptor);
+  files.remove(trial);
+}
 
 /// Refuses an output that no run of ours explains, and gives up an earlier run when asked to.
 /// REQUIRES: the folder's lock is held.
@@ -88,6 +115,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   const std::string folder = run_folder(options.output);
 
   // Take the output for this process and this request.
+  refuse_unusable_output(options.output, files);
   if (files.exists(options.output) && !files.exists(folder)) {
     claim_output(options.output, folder, options.fresh, files);  // refuses, and makes no folder
   }
@@ -100,6 +128,10 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                                      .chains = inputs.request.sampler.chains});
 
   // Drive the plan from where it stands.
+  const auto say = [&](const std::string& phase) {
+    if (options.say) options.say(phase);
+  };
+  if (run_store.epoch() > 1) say("reading what earlier sessions stored");
   const auto archive_of = [&](std::uint64_t scans) {
     return write_archive_of_run(inputs, options.output, folder, scans, files);
   };
@@ -117,7 +149,10 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                      .digest = {},
                      .epoch = run_store.epoch(),
                      .progress = outcome.progress};
-  if (summary.scans > 0) summary.digest = archive_of(summary.scans);
+  if (summary.scans > 0) {
+    say("writing the archive");
+    summary.digest = archive_of(summary.scans);
+  }
   return summary;
 }
 

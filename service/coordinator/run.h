@@ -35,6 +35,7 @@ struct RunOptions {
   double time_limit_s = 0;  ///< 0 for none
   std::function<bool()> stop_requested{};
   std::function<void(const Progress&)> report{};
+  std::function<void(const std::string& phase)> say{};  ///< what goes on when nothing is counted
   double checkpoint_every_s = 60;  ///< an archive of the run so far, for people who watch
 };
 

@@ -2,11 +2,13 @@
 which stream, and their exit codes."""
 
 import json
+import os
 import re
 import signal
 import subprocess
 import time
 
+import h5py
 import harness
 from harness import ProgramTest, sleight
 
@@ -150,6 +152,165 @@ class Results(ProgramTest):
         # As bytes: Python would take the carriage returns for line ends.
         self.assertRegex(result.stdout.decode(), r"\rball_2d  [\d,]+ of 800,000 scans \(\d+%\)  [\d,]+/s  "
                                         r"\d+:\d\d left  accepted \d+%  satisfied [\d,]+")
+
+
+class Output(ProgramTest):
+    """Results that don't reach their place are never reported as success."""
+
+    def setUp(self):
+        super().setUp()
+        self.archive = self.path("a.h5")
+        self.direct(self.write_request(), self.archive)
+
+    def test_a_full_or_closed_stdout_is_code_5(self):
+        a = self.archive
+        for command in [["archive", "info", a], ["archive", "info", a, "--json"],
+                        ["archive", "digest", a], ["archive", "verify", a],
+                        ["archive", "export", a, "--csv"],
+                        ["archive", "export", a, "--csv", "--table", "animations"],
+                        ["check", self.path("request.toml")], ["keys"], ["keys", "ball_2d"],
+                        ["plot", a], ["plot", a, "-o", self.path("a.svg")], ["--help"],
+                        ["--version"],
+                        ["direct", self.path("request.toml"), "-o", a, "-q", "--json"]]:
+            line = " ".join(str(part) for part in [harness.program("sleight"), *command])
+            for to in [">/dev/full", ">&-"]:
+                result = harness.run(["sh", "-c", f"{line} {to}"])
+                self.assertEqual(result.returncode, 5, (line, to, result.stderr))
+                self.assertIn("can't write the results to standard output: ", result.stderr)
+            self.succeed(harness.run(["sh", "-c", f"{line} <&- >/dev/null"]))
+
+    def export(self, output, *args):
+        return sleight("archive", "export", self.archive, "--csv", "-o", output, *args)
+
+    def test_an_export_never_replaces_its_archive(self):
+        before = self.archive.read_bytes()
+        self.path("soft.h5").symlink_to(self.archive)
+        os.link(self.archive, self.path("hard.h5"))
+        (self.folder / "below").mkdir()
+        for same in [self.archive, self.path("soft.h5"), self.path("hard.h5"),
+                     self.folder / "below" / ".." / "a.h5"]:
+            result = self.export(same)
+            self.assertEqual(result.returncode, 2, (same, result.stderr))
+            self.assertIn("the archive itself", result.stderr)
+        self.assertEqual(self.archive.read_bytes(), before)
+
+    def test_an_export_is_whole_or_absent(self):
+        table = self.path("t.csv")
+        table.write_text("old")
+        self.succeed(self.export(table))
+        self.assertEqual(len(table.read_text().splitlines()), 4001)
+        self.assertEqual(self.export(self.path("none") / "t.csv").returncode, 5)
+        full = self.export("/dev/full")
+        self.assertEqual(full.returncode, 5, full.stderr)
+        limited = self.path("limited.csv")
+        limited.write_text("old")
+        result = harness.run(["bash", "-c", "trap '' XFSZ; ulimit -f 8; exec "
+                              f"{harness.program('sleight')} archive export {self.archive} --csv "
+                              f"-o {limited}"])
+        self.assertEqual(result.returncode, 5, result.stderr)
+        self.assertEqual(limited.read_text(), "old")
+        self.assertEqual(list(self.folder.glob("*.tmp.*")), [])
+
+    def test_tables_are_named(self):
+        result = self.export(self.path("t.csv"), "--table", "none")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("replicas", sleight("archive", "export", "--help").stdout)
+
+
+class Plots(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.archive = self.path("a.h5")
+        self.direct(self.write_request(), self.archive)
+
+    def svg(self, *args):
+        self.succeed(sleight("plot", self.archive, *args, "-o", self.path("p.svg")))
+        return self.path("p.svg").read_text()
+
+    def test_numbers_are_checked(self):
+        for wrong in [["--draws", "-1"], ["--draws", "0"], ["--chain", "-1"], ["--chain", "x"],
+                      ["--chain", "4"], ["--chain", "4", "--what", "paths"], ["--count", "13"]]:
+            result = sleight("plot", self.archive, *wrong)
+            self.assertEqual(result.returncode, 2, (wrong, result.stderr))
+
+    def test_paths_of_one_chain(self):
+        with h5py.File(self.archive) as file:
+            kept = set(file["animations/chain"][:])
+        chain = max(kept)
+        drawn = set(re.findall(r"chain (\d+), draw", self.svg("--what", "paths", "--chain",
+                                                              str(chain))))
+        self.assertEqual(drawn, {str(chain)})
+
+    def test_many_paths_wrap(self):
+        text = self.svg("--what", "paths", "--count", "6")
+        self.assertEqual(len(re.findall(r"chain \d+, draw", text)), 6)
+        self.assertIn('width="1440"', text)
+
+    def test_steps_are_named_after_the_request(self):
+        self.assertIn("iteration", self.svg())
+        self.direct(self.write_request("r.toml", iterations_per_scan=3), self.path("b.h5"))
+        self.archive = self.path("b.h5")
+        self.assertNotIn("iteration", self.svg())
+
+    def test_no_kept_animations_say_why(self):
+        for key in ["keep_max", "keep_per_lineage"]:
+            request = self.write_request(f"{key}.toml")
+            request.write_text(request.read_text() + f"{key} = 0\n")
+            archive = self.path(f"{key}.h5")
+            self.direct(request, archive)
+            result = sleight("plot", archive, "--what", "paths")
+            self.assertEqual(result.returncode, 5, result.stderr)
+            self.assertIn(f"{key} = 0", result.stderr)
+            self.assertIn(f"none kept ({key} is 0)", sleight("archive", "info", archive).stdout)
+
+    def test_info_explains_how_many_are_kept(self):
+        self.assertRegex(sleight("archive", "info", self.archive).stdout,
+                         r"\d+ kept \(at most 3 of each of 4 chains\)")
+
+
+class Damage(ProgramTest):
+    """Numbers and texts of a hostile archive: refused, named, and never a crash."""
+
+    def setUp(self):
+        super().setUp()
+        self.direct(self.write_request(), self.path("whole.h5"))
+
+    def refused(self, damage, *command):
+        archive = self.path("damaged.h5")
+        archive.write_bytes(self.path("whole.h5").read_bytes())
+        with h5py.File(archive, "r+") as file:
+            damage(file)
+        result = sleight(*command[:2], archive, *command[2:]) if command[0] == "archive" else \
+            sleight(command[0], archive, *command[1:])
+        self.assertEqual(result.returncode, 6, result.stderr)
+        self.assertNotIn("crashed", result.stderr)
+        self.assertNotIn("\x1b", result.stderr + result.stdout)
+        return result.stderr
+
+    def test_segments_outside_the_table(self):
+        for dataset, value in [("segment_start", -1), ("segment_start", 1 << 62),
+                               ("segment_start", -(1 << 63)), ("segment_count", -5),
+                               ("segment_count", (1 << 63) - 1), ("segment_count", 100000)]:
+            def damage(file):
+                file["animations"][dataset][:] = value
+            self.assertIn("segments from", self.refused(damage, "plot", "--what", "paths"))
+
+    def test_positions_of_another_shape(self):
+        def damage(file):
+            animations = file["animations"]
+            del animations["position_m"]
+            flat = animations.create_dataset("position_m", data=animations["duration_s"][:],
+                                             dtype="<f8")
+            flat.dims[0].attach_scale(animations["segment"])
+        self.assertIn("/animations/position_m", self.refused(damage, "plot", "--what", "paths"))
+
+    def test_texts_that_steer_a_terminal(self):
+        for name, value in [("world", b"ball\x1b[2J"), ("world", b"ball\xff"),
+                            ("inference_library_version", b"1\n2")]:
+            def damage(file):
+                file.attrs.modify(name, value)
+            for command in [["archive", "info"], ["archive", "info", "--json"], ["plot"]]:
+                self.assertIn(name, self.refused(damage, *command))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
-// Long chains of the 2D ball agree with rejection sampling from the prior.
+// Long chains of the 2D ball agree with rejection sampling from the prior. They start from exact
+// draws: two or three of a hundred chains that start from the prior stay in a local mode without
+// weight for longer than any test (docs/THESIS), which is a matter of mixing, not of correctness.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,7 +80,8 @@ double largest_z(const Ball& ball, Bug bug, const std::vector<BallSample>& exact
   for (auto& series : chain_series)
     series.resize(k_chains);
   for (std::uint32_t chain = 0; chain < k_chains; ++chain) {
-    BallSample sample = sampling::initialize(ball, streams_of(k_seed, chain));
+    random::Stream start = streams_of(k_seed, chain).at(random::Purpose::prior, 0);
+    BallSample sample = exact_draw(ball, 1.0, start);
     for (std::uint64_t iteration = 1; iteration <= k_iterations; ++iteration) {
       step(ball, bug, 1.0, streams_of(k_seed, chain), iteration, sample);
       if (iteration <= k_burn_in) continue;

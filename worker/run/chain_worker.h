@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/error.h"
 #include "common/plan/unit.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/sampling/target.h"
@@ -82,7 +83,11 @@ class ChainWorker final : public plan::UnitWorker {
                             base::BytesView state) const {
     if (first_scan == 0) return sampling::initialize(world_, streams);
     std::optional<typename W::State> decoded = world_.decode(state);
-    CHECK(decoded.has_value());
+    if (!decoded) {
+      throw base::Error(
+          "a chain's stored state can't be read: the run store is damaged; start over with "
+          "--fresh");
+    }
     return sampling::evaluate(world_, std::move(*decoded));
   }
 

@@ -81,6 +81,7 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
     if (record.satisfied && chain.newest_satisfied_lineage != record.lineage) {
       chain.newest_satisfied_lineage = record.lineage;
       chain.first_satisfied.push_back(chain.consumed);
+      ++solutions_;
     }
     ++chain.consumed;
   }

@@ -45,6 +45,10 @@ class IndependentChains final : public plan::Plan {
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override;
   std::uint64_t scans_common() const override;
+  std::uint64_t solutions_found() const override { return solutions_; }
+  std::optional<std::uint64_t> solutions_wanted() const override {
+    return options_.stop.independent_solutions;
+  }
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
 
@@ -65,6 +69,7 @@ class IndependentChains final : public plan::Plan {
   using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed, chain)
   std::set<Progress> by_progress_;                           ///< all chains
   std::set<Progress> idle_;                                  ///< those with no unit handed out
+  std::uint64_t solutions_ = 0;
   std::uint32_t round_ = 1;
   std::uint64_t horizon_ = 0;  ///< scans that may be handed out now
   std::uint64_t end_ = 0;      ///< scans at which the run stops, as far as the rules tell yet

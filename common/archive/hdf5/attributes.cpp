@@ -8,6 +8,7 @@
 #include "common/archive/format.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/archive/hdf5/storage.h"
+#include "common/archive/text.h"
 
 namespace sleight::archive::hdf5 {
 namespace {
@@ -50,6 +51,11 @@ std::string read_text(const Api& api, const OpenAttribute& attribute, const std:
   api.ok(H5Aread(attribute.id.get(), attribute.type.get(), text.data()), path, "read an attribute");
   // Whatever its padding, a text ends at its first NUL character.
   text.resize(std::min(text.find('\0'), text.size()));
+  if (!is_clean_line(text)) {
+    api.fail(path, fmt::format("the attribute {} is no plain text: it holds control characters or "
+                               "is not UTF-8",
+                               attribute.name));
+  }
   return text;
 }
 

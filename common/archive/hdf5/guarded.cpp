@@ -147,6 +147,13 @@ class Child {
   throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", subject, reason));
 }
 
+/// A message of a child that may be in others' hands, without what could steer a terminal.
+std::string harmless(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return (c >= 0 && c < ' ' && c != '\n') || c == '\x7f'; }, '?');
+  return text;
+}
+
 int outcome_of(const std::string& subject, const GuardLimits& limits, const std::string& message,
                int status) {
   // A child that a hostile file has taken over may say anything: only what fits the form counts.
@@ -156,7 +163,7 @@ int outcome_of(const std::string& subject, const GuardLimits& limits, const std:
   }
   if (code >= 0 && message[0] == k_returned) return code;
   if (code >= 0 && message[0] == k_threw) {
-    throw base::Error(static_cast<base::ExitCode>(code), message.substr(k_head_bytes));
+    throw base::Error(static_cast<base::ExitCode>(code), harmless(message.substr(k_head_bytes)));
   }
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);

@@ -8,9 +8,11 @@
 #include <cstring>
 #include <utility>
 
+#include "common/archive/format.h"
 #include "common/archive/hdf5/boxes.h"
 #include "common/archive/hdf5/handle.h"
 #include "common/archive/hdf5/inspect.h"
+#include "common/archive/text.h"
 #include "common/base/check.h"
 
 namespace sleight::archive::hdf5 {
@@ -73,6 +75,10 @@ class FileSource final : public Source {
     for (std::uint64_t i = 0; i < count; ++i) {
       std::string text = bytes.substr(i * width, width);
       text.resize(std::min(text.find('\0'), text.size()));
+      // Only the request has lines.
+      const bool clean =
+          path == path_of(k_root, k_request) ? is_clean_text(text) : is_clean_line(text);
+      if (!clean) api_.fail(path, "it holds control characters or is not UTF-8");
       texts.push_back(std::move(text));
     }
     return texts;

@@ -39,6 +39,8 @@ class MpiExecutor final : public Executor {
   std::size_t room() const override;
   void submit(const plan::Unit& unit, base::Bytes state) override;
   std::vector<plan::UnitResult> wait(double timeout_s) override;
+  /// Those of this process; what a rank has been sent, it computes.
+  void drop_waiting() override { local_.drop_waiting(); }
   std::size_t outstanding() const override;
   std::size_t workers() const override;
 

@@ -93,6 +93,16 @@ TEST_F(Csv, LongTablesAreWrittenInBatches) {
   EXPECT_TRUE(lines[40000].starts_with("1,19999,"));
 }
 
+TEST_F(Csv, UnknownTablesAreRefused) {
+  try {
+    lines_of(archive_, "none");
+    FAIL() << "not refused";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::usage);
+    EXPECT_NE(std::string(error.what()).find("posterior, sample_stats"), std::string::npos);
+  }
+}
+
 TEST_F(Csv, MissingGroupsAreRefused) {
   archive_.group(k_replicas).name = "/other";
   EXPECT_THROW(lines_of(archive_, "replicas"), base::Error);

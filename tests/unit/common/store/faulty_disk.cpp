@@ -18,6 +18,7 @@ constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 // SQLite calls plain functions: what they know is here.
 std::atomic<std::uint64_t> good_calls_left{k_never};
 std::atomic<std::uint64_t> failed_calls{0};
+std::atomic<std::uint64_t> failures_max{0};
 std::atomic<int> failure_code{SQLITE_OK};
 sqlite3_vfs* real_disk = nullptr;
 sqlite3_vfs faulty_disk;
@@ -43,7 +44,7 @@ bool fails() {
   while (left != k_never && left > 0) {
     if (good_calls_left.compare_exchange_weak(left, left - 1)) return false;
   }
-  if (left == k_never) return false;
+  if (left == k_never || failed_calls.load() >= failures_max.load()) return false;
   ++failed_calls;
   return true;
 }
@@ -96,8 +97,9 @@ FaultyDisk::~FaultyDisk() {
   sqlite3_vfs_register(real_disk, 1);
 }
 
-void FaultyDisk::fail_after(std::uint64_t calls, int code) {
+void FaultyDisk::fail_after(std::uint64_t calls, int code, std::uint64_t times) {
   failed_calls = 0;
+  failures_max = times;
   failure_code = code;
   good_calls_left = calls;
 }

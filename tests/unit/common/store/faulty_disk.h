@@ -5,18 +5,21 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace sleight::store::testing {
 
 class FaultyDisk {
  public:
+  static constexpr std::uint64_t k_for_ever = std::numeric_limits<std::uint64_t>::max();
+
   FaultyDisk();
   ~FaultyDisk();
   FaultyDisk(const FaultyDisk&) = delete;
   FaultyDisk& operator=(const FaultyDisk&) = delete;
 
-  /// From now on, after `calls` good calls every call fails with SQLite's `code`.
-  void fail_after(std::uint64_t calls, int code);
+  /// From now on, after `calls` good calls `times` calls fail with SQLite's `code`.
+  void fail_after(std::uint64_t calls, int code, std::uint64_t times = k_for_ever);
   /// The disk works again.
   void repair();
   /// Calls that failed since fail_after.

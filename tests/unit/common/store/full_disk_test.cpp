@@ -82,6 +82,37 @@ TEST_F(FullDisk, AnyCallMayFail) {
   }
 }
 
+TEST_F(FullDisk, MiddleOfALargeGroup) {
+  // Goal: no part of a group is stored when one write in its middle fails, even if the disk works
+  // again at once. Method: a result that outgrows SQLite's cache, so that its pages are written
+  // while it is inserted; one call of many fails.
+  testing::FaultyDisk disk;
+  std::uint64_t failed = 0;
+  for (std::uint64_t call = 0; call < 600; call += 40) {
+    SCOPED_TRACE(fmt::format("call {}", call));
+    const std::string folder = path(fmt::format("run-{}", call));
+    std::filesystem::create_directory(folder);
+    {
+      RunStore store(folder, example_identity(1));
+      store.put(result_of(0, 0, 3));
+      store.flush();
+      disk.fail_after(call, SQLITE_FULL, 1);
+      store.put(result_of(0, 3, 20'000));
+      try {
+        store.flush();
+      } catch (const base::Error&) {
+        ++failed;
+        EXPECT_EQ(store.committed(), 3U);
+      }
+    }
+    disk.repair();
+    const std::uint64_t found = stored_scans(folder);
+    EXPECT_TRUE(found == 3 || found == 20'003) << found;
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(failed, 5U);
+}
+
 TEST_F(FullDisk, FailureStopsTheSession) {
   // Goal: after a failure the session writes nothing, even when there is room again: its results
   // would have a gap. Method: fail once, repair, put more.

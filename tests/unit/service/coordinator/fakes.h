@@ -17,6 +17,7 @@ namespace sleight::coordinator::testing {
 
 struct FakeExecutorOptions {
   std::size_t room = 4;
+  std::size_t begun = 1000;     ///< waiting units that somebody has begun, which can't be dropped
   double seconds_per_scan = 0;  ///< passes on the clock when a unit is waited for
   /// What a unit is said to have cost; the seconds above when empty.
   std::function<double(const plan::Unit&)> cost_s{};
@@ -57,6 +58,7 @@ class FakeExecutor final : public Executor {
     results.push_back(std::move(result));
     return results;
   }
+  void drop_waiting() override { waiting_.resize(std::min(waiting_.size(), options_.begun)); }
   std::size_t outstanding() const override { return waiting_.size(); }
   std::size_t workers() const override { return 3; }
 

@@ -165,6 +165,40 @@ TEST_F(Hostile, Types) {
                  "/", "added is no text of fixed length");
 }
 
+/// Writes a text over the attribute of the root group, whose type keeps its length.
+void overwrite_root_text(hid_t file, const char* name, const std::string& text) {
+  const hid_t attribute = H5Aopen(file, name, H5P_DEFAULT);
+  const hid_t type = H5Aget_type(attribute);
+  std::string padded = text;
+  padded.resize(H5Tget_size(type), '\0');
+  H5Awrite(attribute, type, padded.data());
+  H5Tclose(type);
+  H5Aclose(attribute);
+}
+
+TEST_F(Hostile, Texts) {
+  // One byte is no UTF-8, the other begins an escape sequence of a terminal.
+  for (const char* text : {"a\xFF", "a\x1B"}) {
+    expect_refused(changed([&](hid_t id) { overwrite_root_text(id, "world", text); }), "/",
+                   "world is no plain text");
+    const std::string file = changed([&](hid_t id) {
+      const hid_t request = H5Dopen2(id, "request", H5P_DEFAULT);
+      const hid_t type = H5Dget_type(request);
+      std::string padded = text;
+      padded.resize(H5Tget_size(type), '\0');
+      H5Dwrite(request, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data());
+      H5Tclose(type);
+      H5Dclose(request);
+    });
+    try {
+      open_file(file)->read("/", "request", 0, 1);
+      FAIL() << "not refused";
+    } catch (const base::Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("/request: it holds control characters"));
+    }
+  }
+}
+
 TEST_F(Hostile, Storage) {
   expect_refused(changed([](hid_t id) {
                    const hid_t list = H5Pcreate(H5P_DATASET_CREATE);

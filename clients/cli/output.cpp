@@ -1,0 +1,87 @@
+#include "clients/cli/output.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <system_error>
+
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+[[noreturn]] void fail_results(const std::string& reason) {
+  throw base::Error(fmt::format("can't write the results to standard output: {}", reason));
+}
+
+}  // namespace
+
+void flush_stdout() {
+  std::cout.flush();
+  if (std::fflush(stdout) != 0) fail_results(std::strerror(errno));
+  if (std::ferror(stdout) != 0 || !std::cout) fail_results("an earlier write failed");
+}
+
+int with_results(const std::function<int()>& work) {
+  int code = 0;
+  try {
+    code = work();
+  } catch (const std::system_error& error) {
+    // The formatting library throws when a print fails.
+    if (std::ferror(stdout) == 0) throw;
+    fail_results(error.code().message());
+  }
+  flush_stdout();
+  return code;
+}
+
+void occupy_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
+    // The lowest free number is this one. Opened the wrong way round: uses of it fail.
+    if (::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) {
+      throw base::Error("standard input, output or error is closed and /dev/null can't be opened");
+    }
+  }
+}
+
+void refuse_same_file(const std::string& archive, const std::string& output) {
+  struct stat from {};
+  struct stat to {};
+  if (::stat(archive.c_str(), &from) != 0 || ::stat(output.c_str(), &to) != 0) return;
+  if (from.st_dev != to.st_dev || from.st_ino != to.st_ino) return;
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("{}: this is the archive itself; give another output", output));
+}
+
+OutputBeside::OutputBeside(const std::string& path) : place_(path) {
+  std::error_code none;
+  if (std::filesystem::exists(place_, none)) {
+    if (!std::filesystem::is_regular_file(place_, none)) return;
+    // A link stays a link: what it points to is replaced.
+    const std::filesystem::path target = std::filesystem::canonical(place_, none);
+    if (!none) place_ = target.string();
+  }
+  beside_ = fmt::format("{}.tmp.{}", place_, ::getpid());
+}
+
+OutputBeside::~OutputBeside() {
+  if (!beside_.empty()) ::unlink(beside_.c_str());
+}
+
+void OutputBeside::put_in_place() {
+  if (beside_.empty()) return;
+  if (std::rename(beside_.c_str(), place_.c_str()) != 0) {
+    throw base::Error(fmt::format("{}: can't write it: {}", place_, std::strerror(errno)));
+  }
+  beside_.clear();
+}
+
+}  // namespace sleight::cli

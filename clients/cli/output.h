@@ -1,0 +1,46 @@
+// Results that reach their place, or an error that says so: a full disk or a closed stdout must not
+// look like success.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace sleight::cli {
+
+/// Writes out what waits for stdout. Throws base::Error(environment) when that, or any earlier
+/// print, failed.
+void flush_stdout();
+
+/// Runs `work`, which prints to stdout, then flush_stdout; returns what `work` returns. Failed
+/// prints inside `work` become the same base::Error(environment).
+int with_results(const std::function<int()>& work);
+
+/// Opens the standard streams that the caller closed, so that writing to them still fails, but no
+/// file or pipe of ours takes their place. Called first of all.
+void occupy_standard_streams();
+
+/// Throws base::Error(usage) when writing `output` would replace `archive`: the same file by
+/// whatever path or link.
+void refuse_same_file(const std::string& archive, const std::string& output);
+
+/// A file that is written beside its place and renamed when it is whole. A pipe or device is
+/// written in place.
+class OutputBeside {
+ public:
+  explicit OutputBeside(const std::string& path);
+  OutputBeside(const OutputBeside&) = delete;
+  OutputBeside& operator=(const OutputBeside&) = delete;
+  /// Removes what has not been put in place.
+  ~OutputBeside();
+
+  /// Where to write.
+  const std::string& path() const { return beside_.empty() ? place_ : beside_; }
+  /// Throws base::Error(environment) when the file can't be renamed.
+  void put_in_place();
+
+ private:
+  std::string place_;
+  std::string beside_;  ///< empty: written in place, or already put there
+};
+
+}  // namespace sleight::cli

@@ -1,0 +1,71 @@
+#include "common/store/checksum.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <span>
+#include <string>
+
+#include "common/base/error.h"
+
+namespace sleight::store {
+namespace {
+
+/// Gathers fields, then sums them in one go.
+class Checksum {
+ public:
+  template <class T>
+  void add(T value) {
+    bytes(base::bytes_of(std::span<const T>(&value, 1)));
+  }
+  /// Length first: neighbouring arrays can't trade elements unseen.
+  void array(base::BytesView values) {
+    add(std::uint64_t{values.size()});
+    bytes(values);
+  }
+  std::int64_t value() const {
+    return static_cast<std::int64_t>(XXH3_64bits(gathered_.data(), gathered_.size()));
+  }
+
+ private:
+  void bytes(base::BytesView values) {
+    gathered_.append(reinterpret_cast<const char*>(values.data()), values.size());
+  }
+  std::string gathered_;
+};
+
+}  // namespace
+
+std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t scan,
+                         const plan::ScanRecord& record) {
+  Checksum sum;
+  sum.add(replica.chain.value);
+  sum.add(replica.replica.value);
+  sum.add(scan);
+  sum.add(record.log_prior);
+  sum.add(record.log_constraint);
+  sum.add(std::uint8_t{record.satisfied});
+  sum.add(record.lineage);
+  sum.array(base::bytes_of(std::span(record.proposed)));
+  sum.array(base::bytes_of(std::span(record.accepted)));
+  sum.array(base::bytes_of(std::span(record.outcome)));
+  sum.array(record.state);
+  return sum.value();
+}
+
+std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t next_scan,
+                         base::BytesView state) {
+  Checksum sum;
+  sum.add(replica.chain.value);
+  sum.add(replica.replica.value);
+  sum.add(next_scan);
+  sum.array(state);
+  return sum.value();
+}
+
+void refuse_damaged(const std::string& path, const std::string& what) {
+  throw base::Error(fmt::format(
+      "{}: damaged: {}; restore it from a backup, or start over with --fresh", path, what));
+}
+
+}  // namespace sleight::store

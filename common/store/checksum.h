@@ -1,0 +1,23 @@
+// Checksums of what the run store holds (XXH3, 64 bits). SQLite has none: a flipped bit on the disk
+// would otherwise become another animation that nobody could tell from a right one.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/plan/unit.h"
+
+namespace sleight::store {
+
+/// Of a scan's result together with its key, every field included.
+std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t scan,
+                         const plan::ScanRecord& record);
+
+/// Of where a replica goes on.
+std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t next_scan,
+                         base::BytesView state);
+
+/// Throws base::Error: what is in the database at `path` was not written by us as it stands.
+[[noreturn]] void refuse_damaged(const std::string& path, const std::string& what);
+
+}  // namespace sleight::store

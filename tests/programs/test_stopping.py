@@ -1,0 +1,126 @@
+"""Goal: a run ends soon after it is asked to, says truly how it ended, has something to show, and
+refuses before computing what it could not write. Method: real runs with slow scans, many chains and
+unusable outputs."""
+
+import json
+import os
+import time
+
+import harness
+from harness import ProgramTest, sleight
+
+
+class Stopping(ProgramTest):
+    def limited(self, request, limit, *args):
+        begin = time.monotonic()
+        result = self.succeed(sleight("direct", request, "-o", self.path("a.h5"), "--time-limit",
+                                      limit, "--json", *args))
+        return time.monotonic() - begin, json.loads(result.stdout)
+
+    def test_slow_scans_do_not_delay_a_time_limit(self):
+        # A scan of 1,000,000 proposals takes a third of a second or more; scan 0 takes none, and
+        # must not make units of hundreds of scans.
+        request = self.write_request(scans=1000000, iterations_per_scan=1000000)
+        took, summary = self.limited(request, "1s")
+        self.assertLess(took, 60)
+        self.assertEqual(summary["end"], "time_limit")
+        self.assertLess(summary["session_scans"], 200)
+
+    def test_many_chains_have_something_to_show(self):
+        request = self.write_request(scans=1000000000, chains=3000)
+        _, summary = self.limited(request, "2s")
+        self.assertGreater(summary["scans"], 10)
+
+    def test_chains_stay_near_one_another(self):
+        request = self.write_request(scans=1000000000, chains=16, iterations_per_scan=100)
+        _, summary = self.limited(request, "2s", "--threads", "3")
+        self.assertLess(summary["session_scans"], 3 * 16 * summary["scans"])
+
+    def test_a_run_that_ends_by_itself_is_finished(self):
+        _, summary = self.limited(self.write_request(scans=200), "100s")
+        self.assertEqual(summary["end"], "finished")
+        _, summary = self.limited(self.write_request(scans=200), "0.000001s")
+        self.assertEqual(summary["end"], "finished")
+
+    def test_independent_solutions_end_a_run_at_a_round(self):
+        request = self.path("solutions.toml")
+        request.write_text('[world]\nname = "ball_2d"\n[sampler]\nchains = 8\n[stop]\n'
+                           "independent_solutions = 3\nscans = 100000\n")
+        result = self.succeed(sleight("direct", request, "-o", self.path("s.h5"), "--json"))
+        summary = json.loads(result.stdout)
+        self.assertGreaterEqual(summary["independent_solutions"], 3)
+        self.assertIn(summary["scans"], [64 * (2 ** r - 1) for r in range(1, 12)])
+
+
+class UnusableOutputs(ProgramTest):
+    def refused(self, output, code):
+        request = self.write_request(scans=1000000000)
+        result = sleight("direct", request, "-o", output, "-q")
+        self.assertEqual(result.returncode, code, (output, result.stderr))
+        self.assertNotIn("unexpected", result.stderr)
+
+    def test_they_are_refused_before_the_run(self):
+        self.refused("", 2)
+        self.refused(self.folder, 2)
+        self.refused(f"{self.folder}/", 2)
+        self.refused(self.path("x" * 250 + ".h5"), 5)
+        self.refused(self.path("no/such/folder.h5"), 5)
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["request.toml"])
+
+    def test_an_output_inside_another_run(self):
+        self.direct(self.write_request(), self.path("v.h5"))
+        self.refused(self.path("v.h5.run/store.sqlite-wal"), 4)
+        self.refused(self.path("v.h5.run/in.h5"), 4)
+
+    def test_a_lock_that_points_elsewhere_is_not_followed(self):
+        victim = self.path("victim")
+        victim.write_text("kept")
+        folder = self.path("a.h5.run")
+        folder.mkdir()
+        os.symlink(victim, folder / "lock")
+        self.assertEqual(sleight("direct", self.write_request(), "-o", self.path("a.h5"),
+                                 "-q").returncode, 5)
+        self.assertEqual(victim.read_text(), "kept")
+
+
+class Batch(ProgramTest):
+    def test_a_missing_request_is_code_5(self):
+        result = harness.run(harness.batch(3, self.path("none.toml"), self.path("a.h5"),
+                                           folder=self.folder))
+        self.assertEqual(result.returncode, 5, result.stderr)
+        self.assertIn("none.toml", result.stderr)
+        self.assertNotIn("terminate called", result.stderr)
+
+    def test_a_bad_request_is_code_3_and_said_once(self):
+        request = self.path("bad.toml")
+        request.write_text('[world]\nname = "ball_2d"\nrestitution = 2\n[stop]\nscans = 10\n')
+        result = harness.run(harness.batch(3, request, self.path("a.h5"), folder=self.folder))
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertEqual(result.stderr.count("bad.toml:3:"), 1, result.stderr)
+
+    def test_a_refused_output_is_code_4(self):
+        self.direct(self.write_request(), self.path("a.h5"))
+        other = self.write_request("other.toml", seed=2)
+        result = harness.run(harness.batch(2, other, self.path("a.h5"), folder=self.folder))
+        self.assertEqual(result.returncode, 4, result.stderr)
+
+
+class DamagedStores(ProgramTest):
+    def test_damage_is_refused_and_the_old_archive_stays(self):
+        import sqlite3
+        output = self.path("a.h5")
+        self.direct(self.write_request(), output)
+        before = output.read_bytes()
+        store = sqlite3.connect(self.path("a.h5.run/store.sqlite"))
+        store.execute("UPDATE scan SET log_prior = log_prior + 1 WHERE chain = 2 AND scan = 500")
+        store.commit()
+        store.close()
+        result = sleight("direct", self.write_request("more.toml", scans=2000), "-o", output, "-q")
+        self.assertEqual(result.returncode, 5, result.stderr)
+        self.assertIn("scan 500 of chain 2", result.stderr)
+        self.assertIn("--fresh", result.stderr)
+        self.assertEqual(output.read_bytes(), before)
+
+
+if __name__ == "__main__":
+    harness.main()
