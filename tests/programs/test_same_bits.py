@@ -48,12 +48,13 @@ class SameBits(ProgramTest):
         self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
 
     def test_a_run_in_many_sittings(self):
-        request = self.write_request(scans=200000, chains=3)
+        # About two seconds of work in sittings of a third of a second.
+        request = self.write_request(scans=50000, chains=3, iterations_per_scan=50)
         sittings = 0
         while True:
-            self.direct(request, self.path("cut.h5"), "--time-limit", "0.4s")
+            self.direct(request, self.path("cut.h5"), "--time-limit", "0.3s")
             sittings += 1
-            if self.path("cut.h5").exists() and self.info(self.path("cut.h5"))["scans"] == 200000:
+            if self.path("cut.h5").exists() and self.info(self.path("cut.h5"))["scans"] == 50000:
                 break
         self.assertGreater(sittings, 1)
         self.direct(request, self.path("whole.h5"))

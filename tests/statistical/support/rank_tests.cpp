@@ -98,6 +98,13 @@ MeanWithError mean_of_chains(std::span<const std::vector<double>> chains) {
   return {.mean = total.mean / count, .standard_error = std::sqrt(variance_of_sum) / count};
 }
 
+MeanWithError mean_over_independent_chains(std::span<const std::vector<double>> chains) {
+  std::vector<double> means;
+  for (const std::vector<double>& chain : chains)
+    means.push_back(mean_of(chain));
+  return mean_of_independent(means);
+}
+
 MeanWithError mean_of_independent(std::span<const double> draws) {
   const double mean = mean_of(draws);
   return {.mean = mean,

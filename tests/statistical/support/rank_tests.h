@@ -26,6 +26,10 @@ struct MeanWithError {
 /// The mean of the draws of several chains; the error allows for their autocorrelation.
 MeanWithError mean_of_chains(std::span<const std::vector<double>> chains);
 
+/// The mean over independent chains of equal length whose starts are exact draws; the error is that
+/// of the chains' own means, so it is honest however slowly they mix.
+MeanWithError mean_over_independent_chains(std::span<const std::vector<double>> chains);
+
 /// The mean of independent draws.
 MeanWithError mean_of_independent(std::span<const double> draws);
 
