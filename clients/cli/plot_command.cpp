@@ -54,7 +54,7 @@ plot::Figure figure_of(const archive::Source& source, const PlotOptions& options
 
 void draw_on_terminal(const plot::Figure& figure) {
   plot::TerminalOptions terminal = plot::detect_terminal(STDOUT_FILENO);
-  terminal.rows = std::max<std::size_t>(10, terminal.rows / figure.panels.size());
+  terminal.rows = std::max<std::size_t>(14, terminal.rows / figure.panels.size());
   for (const plot::Panel& panel : figure.panels) {
     fmt::print("{}\n", plot::to_terminal(panel, terminal));
   }

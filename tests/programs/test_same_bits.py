@@ -48,8 +48,8 @@ class SameBits(ProgramTest):
         self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
 
     def test_a_run_in_many_sittings(self):
-        # About two seconds of work in sittings of a third of a second.
-        request = self.write_request(scans=50000, chains=3, iterations_per_scan=50)
+        # Seconds of work in sittings of a third of a second.
+        request = self.write_request(scans=50000, chains=3, iterations_per_scan=100)
         sittings = 0
         while True:
             self.direct(request, self.path("cut.h5"), "--time-limit", "0.3s")

@@ -170,7 +170,9 @@ void MpiExecutor::receive(std::vector<plan::UnitResult>& results) {
     }
     auto* result = std::get_if<plan::UnitResult>(&received->message);
     CHECK(result != nullptr);
-    --assigned_[static_cast<std::size_t>(received->rank) - 1];
+    std::size_t& assigned = assigned_[static_cast<std::size_t>(received->rank) - 1];
+    CHECK_GT(assigned, 0U);
+    --assigned;
     results.push_back(std::move(*result));
   }
 }
