@@ -20,6 +20,11 @@ namespace {
 
 constexpr std::size_t k_request_file_bytes_max = 1U << 20U;
 
+/// A line on stderr; where that is lost, the exit code still tells.
+void complain(const std::string& line) {
+  std::fputs((line + "\n").c_str(), stderr);
+}
+
 const char* name_of(coordinator::DriveEnd end) {
   switch (end) {
     case coordinator::DriveEnd::finished:
@@ -109,7 +114,7 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
   if (!read) {
     if (arguments.errors_elsewhere) return std::nullopt;
     for (const request::Diagnostic& error : read.error()) {
-      fmt::print(stderr, "{}\n", request::to_string(error));
+      complain(request::to_string(error));
     }
     return std::nullopt;
   }
@@ -151,10 +156,10 @@ int report_failure(const std::string& program) {
   try {
     throw;
   } catch (const base::Error& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
+    complain(fmt::format("{}: {}", program, error.what()));
     return static_cast<int>(error.exit_code());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: unexpected: {}\n", program, error.what());
+    complain(fmt::format("{}: unexpected: {}", program, error.what()));
     return static_cast<int>(base::ExitCode::bug);
   }
 }

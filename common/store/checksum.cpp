@@ -36,9 +36,14 @@ class Checksum {
 
 }  // namespace
 
-std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t scan,
+std::uint64_t salt_of(std::string_view identity_text) {
+  return XXH3_64bits(identity_text.data(), identity_text.size());
+}
+
+std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica, std::uint64_t scan,
                          const plan::ScanRecord& record) {
   Checksum sum;
+  sum.add(salt);
   sum.add(replica.chain.value);
   sum.add(replica.replica.value);
   sum.add(scan);
@@ -53,9 +58,10 @@ std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t scan,
   return sum.value();
 }
 
-std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t next_scan,
-                         base::BytesView state) {
+std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica,
+                         std::uint64_t next_scan, base::BytesView state) {
   Checksum sum;
+  sum.add(salt);
   sum.add(replica.chain.value);
   sum.add(replica.replica.value);
   sum.add(next_scan);

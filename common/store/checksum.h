@@ -4,18 +4,22 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "common/plan/unit.h"
 
 namespace sleight::store {
 
+/// What makes one run's checksums differ from another's, so that rows can't move between stores.
+std::uint64_t salt_of(std::string_view identity_text);
+
 /// Of a scan's result together with its key, every field included.
-std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t scan,
+std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica, std::uint64_t scan,
                          const plan::ScanRecord& record);
 
 /// Of where a replica goes on.
-std::int64_t checksum_of(const plan::ReplicaKey& replica, std::uint64_t next_scan,
-                         base::BytesView state);
+std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica,
+                         std::uint64_t next_scan, base::BytesView state);
 
 /// Throws base::Error: what is in the database at `path` was not written by us as it stands.
 [[noreturn]] void refuse_damaged(const std::string& path, const std::string& what);

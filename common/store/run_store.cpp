@@ -145,6 +145,18 @@ void RunStore::create_or_check(const RunIdentity& identity) {
                     path, *version, identity.program_version));
   }
 
+  // Refuse results that nobody's name stands on.
+  const bool is_new = !stored_text("epoch");
+  Statement any =
+      database_.prepare("SELECT EXISTS(SELECT 1 FROM scan), EXISTS(SELECT 1 FROM replica)");
+  const bool has_rows = any.step() && (any.integer(0) != 0 || any.integer(1) != 0);
+  any.reset();
+  for (const char* key : {"format_version", "identity", "program_version", "epoch"}) {
+    if (!stored_text(key) && (has_rows || !is_new)) {
+      refuse_damaged(path, fmt::format("it has no {}", key));
+    }
+  }
+  salt_ = salt_of(identity.identity_text);
   take_epoch(stored_text("epoch"), identity);
   database_.execute("COMMIT");
 }
@@ -179,7 +191,8 @@ std::vector<ReplicaProgress> RunStore::progress() {
         .next_scan = static_cast<std::uint64_t>(select.integer(2)),
         .state = {state.begin(), state.end()}};
     const plan::ReplicaKey& key = replica.replica;
-    if (checksum_of(key, replica.next_scan, base::BytesView(replica.state)) != select.integer(4)) {
+    if (checksum_of(salt_, key, replica.next_scan, base::BytesView(replica.state)) !=
+        select.integer(4)) {
       refuse_damaged(database_.path(), fmt::format("the state of chain {}", select.integer(0)));
     }
     all.push_back(std::move(replica));
@@ -286,14 +299,15 @@ void RunStore::insert(const plan::UnitResult& result) {
     } else {
       row.bind(11, base::BytesView(record.state));
     }
-    row.bind(12, checksum_of(result.unit.replica, static_cast<std::uint64_t>(scan - 1), record));
+    row.bind(12,
+             checksum_of(salt_, result.unit.replica, static_cast<std::uint64_t>(scan - 1), record));
     row.run();
   }
   writer_->advance_replica.bind(1, chain)
       .bind(2, replica)
       .bind(3, scan)
       .bind(4, base::BytesView(result.state_after))
-      .bind(5, checksum_of(result.unit.replica, static_cast<std::uint64_t>(scan),
+      .bind(5, checksum_of(salt_, result.unit.replica, static_cast<std::uint64_t>(scan),
                            base::BytesView(result.state_after)))
       .run();
 }

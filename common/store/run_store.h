@@ -90,6 +90,7 @@ class RunStore {
   void insert(const plan::UnitResult& result);
 
   Database database_;
+  std::uint64_t salt_ = 0;
   std::uint64_t epoch_ = 0;
   struct Writer;
   std::unique_ptr<Writer> writer_;

@@ -23,7 +23,11 @@ void assign(std::vector<T>& values, base::BytesView bytes) {
 StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans)
     : database_(RunStore::database_path(folder), Access::read_only),
       chains_(chains),
-      scans_(scans) {}
+      scans_(scans) {
+  Statement identity = database_.prepare("SELECT value FROM run WHERE key='identity'");
+  if (!identity.step()) refuse_damaged(database_.path(), "it has no identity");
+  salt_ = salt_of(identity.text(0));
+}
 
 void StoredRun::for_each_scan(
     base::ChainId chain,
@@ -44,7 +48,7 @@ void StoredRun::for_each_scan(
     assign(record.accepted, select.blob(5));
     assign(record.outcome, select.blob(6));
     assign(record.state, select.blob(7));
-    if (checksum_of({chain, base::ReplicaId{0}}, scan, record) != select.integer(8)) {
+    if (checksum_of(salt_, {chain, base::ReplicaId{0}}, scan, record) != select.integer(8)) {
       refuse_damaged(database_.path(), fmt::format("scan {} of chain {}", scan, chain.value));
     }
     visit(base::ScanIndex{scan}, record);

@@ -27,6 +27,7 @@ class StoredRun final : public archive::RunView {
   mutable Database database_;
   std::uint32_t chains_;
   std::uint64_t scans_;
+  std::uint64_t salt_ = 0;
 };
 
 }  // namespace sleight::store

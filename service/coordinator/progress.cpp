@@ -77,7 +77,7 @@ void ProgressPrinter::show(const Progress& progress) {
   }
   if (progress.elapsed_s - shown_s_ < k_plain_line_every_s) return;
   shown_s_ = progress.elapsed_s;
-  fmt::print(stream_, "{}\n", progress_line(name_, progress));
+  std::fputs((progress_line(name_, progress) + "\n").c_str(), stream_);
 }
 
 void ProgressPrinter::say(const std::string& phase) {
@@ -90,13 +90,13 @@ void ProgressPrinter::renew(const std::string& line) {
   const bool known = ::ioctl(::fileno(stream_), TIOCGWINSZ, &window) == 0 && window.ws_col > 1;
   const std::size_t width = known ? window.ws_col - 1U : 79U;
   // Carriage return, then clear to the end of the line.
-  fmt::print(stream_, "\r{}\x1b[K", std::string_view(line).substr(0, width));
+  std::fputs(fmt::format("\r{}\x1b[K", std::string_view(line).substr(0, width)).c_str(), stream_);
   std::fflush(stream_);
   line_open_ = true;
 }
 
 void ProgressPrinter::finish() {
-  if (line_open_) fmt::print(stream_, "\n");
+  if (line_open_) std::fputs("\n", stream_);
   line_open_ = false;
 }
 

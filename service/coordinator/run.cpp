@@ -11,8 +11,11 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/archive/hdf5/guarded.h"
+#include "common/archive/hdf5/reader.h"
 #include "common/archive/hdf5/writer.h"
 #include "common/archive/layout.h"
+#include "common/archive/summary.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
@@ -45,6 +48,25 @@ void refuse_unusable_output(const std::string& output, base::FileSystem& files) 
   files.remove(trial);
 }
 
+/// Refuses to replace a file that is no archive, or one whose request begins otherwise: somebody
+/// has put it in the place of ours. Read in a guarded child, since it may be anything.
+void refuse_foreign_file(const std::string& output, const std::string& identity_text) {
+  bool ours = false;
+  try {
+    ours = archive::hdf5::guarded(output, {}, [&] {
+             const auto source = archive::hdf5::open_file(output);
+             return archive::summary_of(*source).request_text.starts_with(identity_text) ? 0 : 1;
+           }) == 0;
+  } catch (const base::Error& failure) {
+    if (failure.exit_code() == base::ExitCode::interrupted) throw;
+  }
+  if (ours) return;
+  throw base::Error(base::ExitCode::conflict,
+                    fmt::format("{}: is not the archive of this run, so it is not overwritten; "
+                                "move it away, or choose another output",
+                                output));
+}
+
 /// Refuses an output that no run of ours explains, and gives up an earlier run when asked to.
 /// REQUIRES: the folder's lock is held.
 void claim_output(const std::string& output, const std::string& folder, bool fresh,
@@ -60,6 +82,7 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
                     output, database));
   }
   if (!fresh || !has_run) return;
+  if (files.exists(output)) refuse_foreign_file(output, "");
   spdlog::info("--fresh: giving up the earlier run of {}", output);
   // The archive goes first: an archive without its store would be refused above.
   files.remove(output);
@@ -126,6 +149,10 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                                      .request_text = request::normalised_text(inputs.request),
                                      .program_version = std::string(base::version()),
                                      .chains = inputs.request.sampler.chains});
+
+  if (files.exists(options.output)) {
+    refuse_foreign_file(options.output, request::identity_text(inputs.request));
+  }
 
   // Drive the plan from where it stands.
   const auto say = [&](const std::string& phase) {

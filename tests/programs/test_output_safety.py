@@ -46,6 +46,44 @@ class Conflicts(ProgramTest):
             self.assertEqual(output.read_text(), "three years of work")
         self.assertFalse(self.path("thesis.h5.run").exists())
 
+    def test_a_foreign_file_in_the_archives_place_is_not_overwritten(self):
+        output = self.path("a.h5")
+        request = self.write_request()
+        self.direct(request, output)
+        self.direct(self.write_request("other.toml", seed=2), self.path("other.h5"))
+        for foreign in [b"mine", self.path("other.h5").read_bytes()]:
+            output.write_bytes(foreign)
+            self.refuse(sleight("direct", request, "-o", output), "is not the archive of this run")
+            self.assertEqual(output.read_bytes(), foreign)
+        output.write_bytes(b"mine")
+        self.refuse(sleight("direct", request, "-o", output, "--fresh"), "not overwritten")
+        self.assertEqual(output.read_bytes(), b"mine")
+
+    def test_results_without_an_identity_are_refused(self):
+        output = self.path("a.h5")
+        for damage in ["DELETE FROM run WHERE key='identity'", "DROP TABLE run"]:
+            self.direct(self.write_request(), output, "--fresh")
+            store = sqlite3.connect(self.path("a.h5.run/store.sqlite"))
+            store.execute(damage)
+            store.commit()
+            store.close()
+            result = sleight("direct", self.write_request("b.toml", seed=2), "-o", output)
+            self.assertEqual(result.returncode, ENVIRONMENT, result.stderr)
+            self.assertIn("--fresh", result.stderr)
+
+    def test_results_of_another_run_are_refused(self):
+        self.direct(self.write_request(), self.path("a.h5"))
+        self.direct(self.write_request("b.toml", seed=2), self.path("b.h5"))
+        store = sqlite3.connect(self.path("a.h5.run/store.sqlite"))
+        store.execute("ATTACH ? AS other", (str(self.path("b.h5.run/store.sqlite")),))
+        store.execute("DELETE FROM scan WHERE chain=1")
+        store.execute("INSERT INTO scan SELECT * FROM other.scan WHERE chain=1")
+        store.commit()
+        store.close()
+        result = sleight("direct", self.write_request(), "-o", self.path("a.h5"))
+        self.assertEqual(result.returncode, ENVIRONMENT, result.stderr)
+        self.assertIn("chain 1", result.stderr)
+
     def test_two_processes_do_not_write_one_run(self):
         request = self.write_request(scans=3000000)
         command = [harness.program("sleight"), "direct", request, "-o", self.path("a.h5")]

@@ -4,6 +4,7 @@ unusable outputs."""
 
 import json
 import os
+import subprocess
 import time
 
 import harness
@@ -103,6 +104,21 @@ class Batch(ProgramTest):
         other = self.write_request("other.toml", seed=2)
         result = harness.run(harness.batch(2, other, self.path("a.h5"), folder=self.folder))
         self.assertEqual(result.returncode, 4, result.stderr)
+
+
+class LostStreams(ProgramTest):
+    def test_exit_codes_survive_a_lost_stderr(self):
+        bad = self.path("bad.toml")
+        bad.write_text('[world]\nname = "ball_2d"\nrestitution = 2\n[stop]\nscans = 10\n')
+        good = self.write_request()
+        with open("/dev/full", "w") as full:
+            for command, code in [(["direct", bad, "-o", self.path("a.h5")], 3),
+                                  (["archive", "info", self.path("none.h5")], 5),
+                                  (["direct", good, "-o", self.path("b.h5")], 5),
+                                  (["check", good], 5)]:
+                process = subprocess.run([harness.program("sleight"), *command], stdout=full,
+                                         stderr=full, env=harness.environment(), timeout=60)
+                self.assertEqual(process.returncode, code, command)
 
 
 class DamagedStores(ProgramTest):
