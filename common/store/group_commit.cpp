@@ -18,7 +18,7 @@ std::size_t bytes_of(const plan::UnitResult& result) {
 
 }  // namespace
 
-GroupCommit::GroupCommit(Commit commit) : commit_(std::move(commit)), thread_([this] { work(); }) {}
+GroupCommit::GroupCommit(Commit commit) : commit_(std::move(commit)) {}
 
 GroupCommit::~GroupCommit() {
   {
@@ -26,7 +26,7 @@ GroupCommit::~GroupCommit() {
     ending_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void GroupCommit::rethrow_failure() const {
@@ -38,6 +38,7 @@ void GroupCommit::put(plan::UnitResult result) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return failure_ || queue_bytes_ < k_queue_bytes_max; });
   rethrow_failure();
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   queue_.push_back(std::move(result));
   queue_bytes_ += bytes;
   ++put_results_;

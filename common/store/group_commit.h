@@ -6,6 +6,7 @@
 //   2. committed() counts scans whose commit has returned: only these may be reported as done.
 //   3. After a commit has failed nothing more is written; the failure comes out of the next put or
 //      flush, in the caller's thread.
+//   4. The thread starts with the first result: until then the process may fork safely.
 // Thread-safe. A result lost before its commit is computed again, to the same bits.
 #pragma once
 

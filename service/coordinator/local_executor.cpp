@@ -8,10 +8,8 @@ namespace sleight::coordinator {
 
 LocalExecutor::LocalExecutor(const plan::UnitWorker& worker, const base::Clock& clock,
                              std::size_t threads)
-    : worker_(worker), clock_(clock) {
+    : worker_(worker), clock_(clock), threads_wanted_(threads) {
   CHECK_GE(threads, 1U);
-  for (std::size_t i = 0; i < threads; ++i)
-    threads_.emplace_back([this] { work(); });
 }
 
 LocalExecutor::~LocalExecutor() {
@@ -27,11 +25,13 @@ LocalExecutor::~LocalExecutor() {
 
 std::size_t LocalExecutor::room() const {
   // One unit per thread in hand and one waiting, so that no thread waits for the driver.
-  const std::size_t most = 2 * threads_.size();
+  const std::size_t most = 2 * threads_wanted_;
   return outstanding_ < most ? most - outstanding_ : 0;
 }
 
 void LocalExecutor::submit(const plan::Unit& unit, base::Bytes state) {
+  while (threads_.size() < threads_wanted_)
+    threads_.emplace_back([this] { work(); });
   ++outstanding_;
   {
     const std::scoped_lock lock(mutex_);

@@ -14,7 +14,9 @@
 
 namespace sleight::coordinator {
 
-/// Each thread takes the oldest unit. submit, wait and the counts are for one driving thread.
+/// Each thread takes the oldest unit. submit, wait and the counts are for one driving thread. The
+/// threads start with the first unit: until then the process may fork safely, which reading a file
+/// that may be anything does.
 class LocalExecutor final : public Executor {
  public:
   /// Borrows the worker and the clock. REQUIRES: threads >= 1.
@@ -29,13 +31,14 @@ class LocalExecutor final : public Executor {
   std::vector<plan::UnitResult> wait(double timeout_s) override;
   void drop_waiting() override;
   std::size_t outstanding() const override { return outstanding_; }
-  std::size_t workers() const override { return threads_.size(); }
+  std::size_t workers() const override { return threads_wanted_; }
 
  private:
   void work();
 
   const plan::UnitWorker& worker_;
   const base::Clock& clock_;
+  const std::size_t threads_wanted_;
   std::size_t outstanding_ = 0;  // of the driving thread alone
   std::mutex mutex_;
   std::condition_variable work_waits_;

@@ -25,8 +25,9 @@ struct GuardLimits {
 /// Throws what `work` throws, as a base::Error with its exit code and message; a base::Error with
 /// ExitCode::bad_archive naming `subject` (the archive's path) when the child crashes, exceeds a
 /// limit or runs out of memory; with ExitCode::interrupted when the child is ended by Ctrl-C or
-/// SIGTERM. Returns 141 when the reader of our stdout went away. REQUIRES: no other thread holds a
-/// lock that `work` needs (a fork copies one thread).
+/// SIGTERM. Returns 141 when the reader of our stdout went away. REQUIRES: no other thread runs: a
+/// fork copies one thread, and another may hold a lock that `work` needs. The C library's allocator
+/// is safe there, a sanitizer's is not, and its child would wait for ever.
 int guarded(const std::string& subject, const GuardLimits& limits,
             const std::function<int()>& work);
 

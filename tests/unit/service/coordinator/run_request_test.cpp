@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 #include "common/archive/digest.h"
 #include "common/archive/hdf5/reader.h"
@@ -60,6 +62,29 @@ TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
   EXPECT_EQ(second.progress.session_scans, 0U);
   EXPECT_EQ(second.digest, first.digest);
   EXPECT_EQ(bytes_of(output()), bytes);
+}
+
+TEST_F(RunRequest, ReadsForeignFilesBeforeAnyThreadStarts) {
+  // Goal: the fork that reads what lies in the archive's place happens in a process of one thread
+  // (under a sanitizer it would hang else). Method: count the process's threads when a second
+  // session says that it reads the store, which comes after that fork; units do start some.
+  const auto threads = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
+  };
+  (void)session(request_text("scans = 50"), {.output = output()}, 3);
+  const auto before = threads();
+  auto while_reading = before - 1;
+  auto at_most = before;
+  (void)session(request_text("scans = 400"),
+                {.output = output(),
+                 .report = [&](const Progress&) { at_most = std::max(at_most, threads()); },
+                 .say =
+                     [&](const std::string& phase) {
+                       if (phase.starts_with("reading")) while_reading = threads();
+                     }},
+                3);
+  EXPECT_EQ(while_reading, before);
+  EXPECT_GT(at_most, before);
 }
 
 TEST_F(RunRequest, GoesOnWhereItStopped) {
