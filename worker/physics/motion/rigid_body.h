@@ -1,0 +1,43 @@
+// Mass and state of a rigid body.
+//
+// A body's own frame has its origin at the centre of mass and its axes along the principal axes of
+// inertia. A pose maps it to the world: world = position + rotated(orientation, body). Velocities
+// and angular velocities are in the world's frame.
+// Thread safety: values.
+#pragma once
+
+#include <cstdint>
+
+#include "common/math/rotation.h"
+#include "common/math/vector.h"
+
+namespace sleight::physics {
+
+using math::Mat3;
+using math::Quat;
+using math::Vec3;
+
+/// What a shape declares about its principal moments; it selects how free rotation is computed.
+enum class InertiaSymmetry : std::uint8_t {
+  spherical,  ///< all three equal: sphere, cube, icosahedron
+  axial,      ///< x and y equal: a symmetric top about the body's z axis
+  general
+};
+
+struct Inertia {
+  double mass_kg = 0;                  ///< > 0
+  Vec3 principal_kgm2 = Vec3::Zero();  ///< about the body's axes, through the centre of mass; > 0
+  InertiaSymmetry symmetry = InertiaSymmetry::general;
+};
+
+struct Pose {
+  Vec3 position_m = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+};
+
+struct Twist {
+  Vec3 velocity_mps = Vec3::Zero();
+  Vec3 angular_velocity_radps = Vec3::Zero();
+};
+
+}  // namespace sleight::physics
