@@ -27,18 +27,57 @@ using Quat = Eigen::Quaterniond;
 Quat quaternion_of_rotation_vector(const Vec3& rotation_vector_rad);
 
 /// The rotation that does `first`, then `second` (the Hamilton product second * first).
-Quat composed(const Quat& second, const Quat& first);
+inline Quat composed(const Quat& second, const Quat& first) {
+  const Quat& a = second;
+  const Quat& b = first;
+  return {((a.w() * b.w() - a.x() * b.x()) - a.y() * b.y()) - a.z() * b.z(),
+          ((a.w() * b.x() + a.x() * b.w()) + a.y() * b.z()) - a.z() * b.y(),
+          ((a.w() * b.y() + a.y() * b.w()) + a.z() * b.x()) - a.x() * b.z(),
+          ((a.w() * b.z() + a.z() * b.w()) + a.x() * b.y()) - a.y() * b.x()};
+}
 
 /// The inverse rotation: the conjugate, exact.
-Quat inverse(const Quat& q);
+inline Quat inverse(const Quat& q) {
+  return {q.w(), -q.x(), -q.y(), -q.z()};
+}
 
 /// Scaled to norm 1. REQUIRES: the norm is neither 0 nor infinite nor NaN.
 Quat normalized(const Quat& q);
 
 /// v in the world's frame, given in the body's.
-Vec3 rotated(const Quat& q, const Vec3& v);
+inline Vec3 rotated(const Quat& q, const Vec3& v) {
+  // v + w t + u x t with t = 2 u x v and u the vector part: 15 multiplications instead of the 24 of
+  // q v q^-1, and exactly v for the identity.
+  const Vec3 u(q.x(), q.y(), q.z());
+  const Vec3 half = cross(u, v);
+  const Vec3 t(2 * half.x(), 2 * half.y(), 2 * half.z());
+  const Vec3 ut = cross(u, t);
+  return {(v.x() + q.w() * t.x()) + ut.x(), (v.y() + q.w() * t.y()) + ut.y(),
+          (v.z() + q.w() * t.z()) + ut.z()};
+}
 
 /// The matrix M with product(M, v) = rotated(q, v), up to rounding.
-Mat3 matrix_of(const Quat& q);
+inline Mat3 matrix_of(const Quat& q) {
+  const double xx = q.x() * q.x();
+  const double yy = q.y() * q.y();
+  const double zz = q.z() * q.z();
+  const double xy = q.x() * q.y();
+  const double xz = q.x() * q.z();
+  const double yz = q.y() * q.z();
+  const double wx = q.w() * q.x();
+  const double wy = q.w() * q.y();
+  const double wz = q.w() * q.z();
+  Mat3 m;
+  m(0, 0) = 1 - 2 * (yy + zz);
+  m(0, 1) = 2 * (xy - wz);
+  m(0, 2) = 2 * (xz + wy);
+  m(1, 0) = 2 * (xy + wz);
+  m(1, 1) = 1 - 2 * (xx + zz);
+  m(1, 2) = 2 * (yz - wx);
+  m(2, 0) = 2 * (xz - wy);
+  m(2, 1) = 2 * (yz + wx);
+  m(2, 2) = 1 - 2 * (xx + yy);
+  return m;
+}
 
 }  // namespace sleight::math

@@ -14,6 +14,8 @@ enum class Purpose : std::uint32_t {
   proposal = 2,    ///< the choice of a kind of proposal, and the candidate itself
   acceptance = 3,  ///< the uniform number of a Metropolis-Hastings decision
   swap = 4,        ///< the uniform number of a decision to swap two neighbours of a ladder
+  scene = 5,       ///< a scene of the simulator's list: places and velocities
+  start = 6,       ///< another place for a body that had no room at its start
 };
 
 }  // namespace sleight::random

@@ -1,0 +1,40 @@
+// Boxes of many sorts, and scripts of changes that are checked against the plain definition.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/random/stream.h"
+#include "worker/physics/broad_phase/broad_phase.h"
+
+namespace sleight::physics {
+
+/// Random numbers of one test, from a fixed seed.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t index)
+      : stream_({.seed = 20260, .purpose = random::Purpose::prior}, index) {}
+  std::uint32_t below(std::uint32_t count) {
+    return static_cast<std::uint32_t>((stream_.bits() >> 32) * count >> 32);
+  }
+  bool once_in(std::uint32_t count) { return below(count) == 0; }
+  double between(double low, double high) { return low + (high - low) * stream_.uniform(); }
+
+ private:
+  random::Stream stream_;
+};
+
+/// A sort of boxes. `fresh` draws one anywhere, `moved` a next one for a body that has `box`.
+struct Scene {
+  std::string name;
+  std::array<double, 3> period_m{};
+  double size_m = 1;
+  Box (*fresh)(Dice&) = nullptr;
+  Box (*moved)(Dice&, const Box&) = nullptr;
+};
+
+/// Gas, corners, a pile, six decades of sizes, touching boxes, points, infinite ones, far ones;
+/// and worlds that repeat on one, two and three axes.
+const std::vector<Scene>& scenes();
+
+}  // namespace sleight::physics

@@ -1,0 +1,140 @@
+// Goal: overlapping pieces give their depth, and a normal that is good for contact when the overlap
+// is as small as rounding or a step of time makes it.
+// Method: pieces pushed into one another by 1e-9 to 1e-6 of their size from a known contact, and
+// deep overlaps: shifting by the depth along the normal must part them, and no direction of many
+// may need less; closed forms for boxes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/unit/worker/physics/distance/support.h"
+#include "worker/physics/shape/shapes.h"
+
+namespace sleight::physics {
+namespace {
+
+using math::norm;
+
+TEST(Overlap, shallow_ones_keep_the_normal_of_the_contact) {
+  int kept = 0;
+  int all = 0;
+  for (int i = 0; i < soaked(6000); ++i) {
+    random::Stream stream = numbers(201, static_cast<std::uint64_t>(i));
+    const double size = log_between(stream, 1e-3, 1e2);
+    const auto piece_a = random_piece(stream, size);
+    const auto piece_b = random_piece(stream, size);
+    const ConvexView a = piece_a->view(), b = piece_b->view();
+    Placement at = random_placement(stream, a, b, size);
+    at.b = at_gap(a, at.a, b, at.b, size * 1e-3);
+    const Closest before = closest_cold(a, at.a, b, at.b);
+    const double depth = size * log_between(stream, 1e-9, 1e-6);
+    at.b.position_m -= (before.gap_m + depth) * before.normal;
+    const Closest inside = closest_cold(a, at.a, b, at.b);
+    const double rounding = 1e-14 * (coordinates_m(a, at.a, b, at.b) + 2 * size);
+    // Parting along the old normal takes `depth`, so the least depth is at most that.
+    ASSERT_GE(inside.gap_m, -depth - rounding) << i;
+    ASSERT_NEAR(norm(inside.normal), 1, 1e-14);
+    if (inside.overlapping()) {
+      ASSERT_NEAR(inside.gap_m, separation_along(inside.normal, a, at.a, b, at.b), rounding) << i;
+    }
+    ASSERT_LE(norm(inside.point_b_m - inside.point_a_m - inside.gap_m * inside.normal), rounding);
+    // Faces and crossed edges have one normal, and are pierced. Corners have none of their own, and
+    // two sharp ones pass one another by.
+    const bool own_normal =
+        before.feature_a.kind == FeatureKind::face || before.feature_b.kind == FeatureKind::face ||
+        (before.feature_a.kind == FeatureKind::edge && before.feature_b.kind == FeatureKind::edge);
+    if (!own_normal) continue;
+    ASSERT_LE(inside.gap_m, 8 * rounding) << i;
+    ++all;
+    kept += norm(inside.normal - before.normal) < 1e-6 ? 1 : 0;
+  }
+  EXPECT_GT(all, 1000);
+  // Exceptions: contacts within some depths of the end of a feature, and parallel features.
+  EXPECT_GT(kept, 0.97 * all);
+}
+
+TEST(Overlap, no_direction_needs_a_shorter_way_out) {
+  for (int i = 0; i < 1500; ++i) {
+    random::Stream stream = numbers(202, static_cast<std::uint64_t>(i));
+    const auto piece_a = random_piece(stream, 1);
+    const auto piece_b = random_piece(stream, 1);
+    const ConvexView a = piece_a->view(), b = piece_b->view();
+    PlacedPose pose_a{.rotation = random_rotation(stream), .position_m = random_vector(stream)};
+    PlacedPose pose_b{.rotation = random_rotation(stream), .position_m = pose_a.position_m};
+    pose_b.position_m += 0.5 * random_vector(stream);
+    Closest result = closest_cold(a, pose_a, b, pose_b);
+    ASSERT_NEAR(
+        result.gap_m > 0 ? 0 : result.gap_m - separation_along(result.normal, a, pose_a, b, pose_b),
+        0, 1e-14)
+        << i;
+    if (!result.overlapping()) continue;
+    for (int k = 0; k < 200; ++k) {
+      // All over the sphere, and close to the direction found.
+      Vec3 direction = random_unit(stream);
+      if (k % 2 == 0)
+        direction = math::normalized(result.normal + log_between(stream, 1e-6, 1) * direction);
+      ASSERT_LE(separation_along(direction, a, pose_a, b, pose_b), result.gap_m + 1e-9) << i;
+    }
+    // The way out leads out, and just so.
+    pose_b.position_m += (1e-9 - result.gap_m) * result.normal;
+    result = closest_cold(a, pose_a, b, pose_b);
+    ASSERT_NEAR(result.gap_m, 1e-9, 1e-13) << i;
+  }
+}
+
+TEST(Overlap, of_boxes_is_the_least_of_three_lengths) {
+  const ConvexPolyhedron first = box(Vec3(2, 4, 6)).value();
+  const ConvexPolyhedron second = box(Vec3(1, 1, 1)).value();
+  for (int i = 0; i < 2000; ++i) {
+    random::Stream stream = numbers(203, static_cast<std::uint64_t>(i));
+    const Mat3 turn = random_rotation(stream);
+    const Vec3 offset = random_vector(stream).cwiseProduct(Vec3(1.5, 2.5, 3.5));
+    const Closest result =
+        closest_cold(first.view(), {.rotation = turn, .position_m = {1, 2, 3}}, second.view(),
+                     {.rotation = turn, .position_m = Vec3(1, 2, 3) + math::product(turn, offset)});
+    const Vec3 beyond = offset.cwiseAbs() - Vec3(1.5, 2.5, 3.5);
+    ASSERT_NEAR(result.gap_m, beyond.maxCoeff(), 1e-14) << i;
+    Eigen::Index axis = 0;
+    beyond.maxCoeff(&axis);
+    const Vec3 local = transposed_product(turn, result.normal);
+    ASSERT_NEAR(local[axis], offset[axis] > 0 ? 1 : -1, 1e-14) << i;
+  }
+}
+
+// Touching exactly, in all ways that a cube can touch another: the gap is 0 to rounding, and the
+// normal still parts them.
+TEST(Overlap, touching_pieces_have_a_usable_normal) {
+  const ConvexPolyhedron solid = cube(1).value();
+  for (int i = 0; i < 2000; ++i) {
+    random::Stream stream = numbers(204, static_cast<std::uint64_t>(i));
+    const PlacedPose a{.rotation = quarter_turns(stream), .position_m = {0, 0, 0}};
+    PlacedPose b{
+        .rotation = stream.bits() % 2 == 0 ? quarter_turns(stream) : random_rotation(stream),
+        .position_m = {3 * random_unit(stream)}};
+    b = at_gap(solid.view(), a, solid.view(), b, 0);
+    for (const double shift : {-1e-15, 0.0, 1e-16, 1e-15, 1e-14}) {
+      PlacedPose near = b;
+      near.position_m += shift * math::normalized(b.position_m);
+      const Closest result = closest_cold(solid.view(), a, solid.view(), near);
+      ASSERT_NEAR(result.gap_m, 0, 4e-14) << i;
+      ASSERT_GE(separation_along(result.normal, solid.view(), a, solid.view(), near), -4e-14) << i;
+    }
+  }
+}
+
+TEST(Overlap, of_points_and_triangles) {
+  // Pieces without volume: two equal points, and a triangle through a triangle.
+  const PointPiece point(Vec3(1, 2, 3));
+  const Closest same = closest_cold(point.view(), {}, point.view(), {});
+  EXPECT_EQ(same.gap_m, 0);
+  EXPECT_EQ(norm(same.normal), 1);
+  const TrianglePiece flat(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0));
+  const TrianglePiece upright(Vec3(0, 0, -0.25), Vec3(0.1, 0, 1), Vec3(-0.1, 0, 1));
+  const Closest through = closest_cold(flat.view(), {}, upright.view(), {});
+  EXPECT_NEAR(through.gap_m, -0.25, 1e-15);
+  EXPECT_LT(norm(through.normal - Vec3(0, 0, 1)), 1e-15);
+}
+
+}  // namespace
+}  // namespace sleight::physics

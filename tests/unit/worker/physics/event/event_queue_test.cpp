@@ -1,0 +1,215 @@
+// Goal: all event queues answer as the slow reference does, whatever they are given.
+// Method: one suite for every design and for the reference itself: random operations, ticks few and
+// equal, spread or extreme; the load of a simulation; draining; and by hand what lies at the edges.
+// Last, queues with a deliberate mistake each, which the suite must notice.
+#include "worker/physics/event/event_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "tests/unit/worker/physics/event/queue_checks.h"
+#include "tests/unit/worker/physics/event/slow_queue.h"
+#include "worker/physics/event/calendar_queue.h"
+#include "worker/physics/event/heap_queue.h"
+#include "worker/physics/event/tournament_queue.h"
+
+namespace sleight::physics {
+namespace {
+
+template <class Queue>
+class EventQueues : public testing::Test {};
+
+using Designs = testing::Types<SlowQueue, HeapQueue, TournamentQueue, CalendarQueue>;
+TYPED_TEST_SUITE(EventQueues, Designs);
+
+constexpr EventKey at(TickCount tick, std::uint32_t lower = 0) {
+  return {.tick = Tick{tick}, .kind = EventKind::collision, .lower = lower};
+}
+
+TYPED_TEST(EventQueues, agree_with_the_reference_on_random_operations) {
+  // 70 * 3 * 8000 and 3 * 5000: 1.7 million operations.
+  for (std::uint32_t slots = 1; slots <= 70; ++slots) {
+    for (const Ticks ticks : {Ticks::few, Ticks::spread, Ticks::extreme}) {
+      Dice dice(slots);
+      EXPECT_EQ(check_random_operations<TypeParam>(slots, ticks, 8'000, dice), "");
+    }
+  }
+  for (const Ticks ticks : {Ticks::few, Ticks::spread, Ticks::extreme}) {
+    Dice dice(1000);
+    EXPECT_EQ(check_random_operations<TypeParam>(1000, ticks, 5'000, dice), "");
+  }
+}
+
+TYPED_TEST(EventQueues, agree_with_the_reference_in_a_simulation) {
+  for (const std::uint32_t slots : {1U, 2U, 7U, 9U, 64U, 130U, 600U}) {
+    for (const std::uint32_t mean_wait_ticks : {2U, 1000U, 100'000'000U}) {
+      Dice dice(slots);
+      EXPECT_EQ(check_simulation<TypeParam>(slots, mean_wait_ticks, 4'000, dice), "");
+    }
+  }
+}
+
+TYPED_TEST(EventQueues, drain_in_order) {
+  for (const std::uint32_t slots : {1U, 3U, 8U, 65U, 1500U}) {
+    for (const Ticks ticks : {Ticks::few, Ticks::spread, Ticks::extreme}) {
+      Dice dice(slots);
+      EXPECT_EQ(check_drain<TypeParam>(slots, ticks, dice), "");
+    }
+  }
+}
+
+TYPED_TEST(EventQueues, hold_nothing_at_first_and_after_a_reset) {
+  // Goal: reset empties, also to another size. Method: fill, reset, look at every slot.
+  TypeParam queue;
+  EXPECT_TRUE(queue.empty());
+  queue.reset(0);
+  EXPECT_TRUE(queue.empty());
+  for (const std::uint32_t slots : {70U, 1U, 70U, 8U, 9U, 300U}) {
+    queue.reset(slots);
+    EXPECT_TRUE(queue.empty());
+    for (std::uint32_t slot = 0; slot < slots; ++slot) {
+      EXPECT_EQ(queue.key_of(Slot{slot}), k_no_event);
+      queue.erase(Slot{slot});
+      EXPECT_TRUE(queue.empty());
+    }
+    for (std::uint32_t slot = 0; slot < slots; ++slot)
+      queue.set(Slot{slot}, at(1000 - slot));
+    EXPECT_EQ(queue.least(), (QueuedEvent{at(1001 - slots), Slot{slots - 1}}));
+  }
+}
+
+TYPED_TEST(EventQueues, one_slot) {
+  // Goal: the smallest queue. Method: set, change, erase.
+  TypeParam queue;
+  queue.reset(1);
+  for (const TickCount tick : {5, 7, 3, 3, -2}) {
+    queue.set(Slot{0}, at(tick));
+    EXPECT_FALSE(queue.empty());
+    EXPECT_EQ(queue.least(), (QueuedEvent{at(tick), Slot{0}}));
+  }
+  queue.erase(Slot{0});
+  queue.erase(Slot{0});
+  EXPECT_TRUE(queue.empty());
+  EXPECT_EQ(queue.key_of(Slot{0}), k_no_event);
+}
+
+TYPED_TEST(EventQueues, equal_keys_go_by_slot_and_equal_ticks_by_key) {
+  // Goal: no tie is left open. Method: the same contents, set in different orders.
+  TypeParam queue;
+  for (const bool backwards : {false, true}) {
+    queue.reset(20);
+    for (std::uint32_t i = 0; i < 20; ++i)
+      queue.set(Slot{backwards ? 19 - i : i}, at(4, 1));
+    queue.set(Slot{11}, at(4, 0));
+    EXPECT_EQ(queue.least(), (QueuedEvent{at(4, 0), Slot{11}}));
+    queue.set(Slot{11}, at(4, 2));
+    for (std::uint32_t slot = 0; slot < 20; ++slot) {
+      if (slot == 11) continue;
+      EXPECT_EQ(queue.least(), (QueuedEvent{at(4, 1), Slot{slot}}));
+      queue.erase(Slot{slot});
+    }
+    EXPECT_EQ(queue.least(), (QueuedEvent{at(4, 2), Slot{11}}));
+  }
+}
+
+TYPED_TEST(EventQueues, what_never_happens_is_still_in_order) {
+  // Goal: a key at k_never is an event, k_no_event is none. Method: all slots at k_never.
+  TypeParam queue;
+  queue.reset(30);
+  EventKey never = k_no_event;
+  for (std::uint32_t slot = 0; slot < 30; ++slot) {
+    never.lower = slot / 2 + 7;
+    queue.set(Slot{29 - slot}, never);
+  }
+  never.lower = 7;
+  EXPECT_EQ(queue.least(), (QueuedEvent{never, Slot{28}}));
+  queue.set(Slot{28}, k_no_event);
+  EXPECT_EQ(queue.least(), (QueuedEvent{never, Slot{29}}));
+  EXPECT_EQ(queue.key_of(Slot{28}), k_no_event);
+  queue.set(Slot{3}, at(k_never.value - 1));
+  EXPECT_EQ(queue.least(), (QueuedEvent{at(k_never.value - 1), Slot{3}}));
+  for (std::uint32_t slot = 0; slot < 30; ++slot)
+    queue.set(Slot{slot}, k_no_event);
+  EXPECT_TRUE(queue.empty());
+}
+
+/// SlowQueue with one mistake.
+enum class Mistake : std::uint8_t {
+  by_insertion,
+  tick_alone,
+  slot_backwards,
+  forgets_erase,
+  drops
+};
+
+template <Mistake mistake>
+class WrongQueue {
+ public:
+  void reset(std::uint32_t slot_count) {
+    keys_.assign(slot_count, k_no_event);
+    turns_.assign(slot_count, 0);
+  }
+  void set(Slot slot, const EventKey& key) {
+    turns_[slot.value] = ++turn_;
+    if (mistake == Mistake::drops && turn_ % 500 == 0) return;
+    keys_[slot.value] = key;
+  }
+  void erase(Slot slot) {
+    if (mistake == Mistake::forgets_erase && slot.value == 7) return;
+    keys_[slot.value] = k_no_event;
+  }
+  EventKey key_of(Slot slot) const { return keys_[slot.value]; }
+  bool empty() const { return std::ranges::count(keys_, k_no_event) == std::ssize(keys_); }
+  QueuedEvent least() const {
+    std::uint32_t least = 0;
+    for (std::uint32_t slot = 1; slot < keys_.size(); ++slot) {
+      if (precedes(slot, least)) least = slot;
+    }
+    return {keys_[least], Slot{least}};
+  }
+
+ private:
+  bool precedes(std::uint32_t a, std::uint32_t b) const {
+    if (mistake == Mistake::tick_alone) return keys_[a].tick < keys_[b].tick;
+    if (keys_[a] != keys_[b]) return keys_[a] < keys_[b];
+    if (mistake == Mistake::by_insertion) return turns_[a] < turns_[b];
+    return mistake == Mistake::slot_backwards ? a > b : a < b;
+  }
+
+  std::vector<EventKey> keys_;
+  std::vector<std::uint64_t> turns_;
+  std::uint64_t turn_ = 0;
+};
+
+template <class Queue>
+bool passes() {
+  for (const std::uint32_t slots : {1U, 2U, 9U, 64U}) {
+    for (const Ticks ticks : {Ticks::few, Ticks::spread, Ticks::extreme}) {
+      Dice dice(slots);
+      if (!check_random_operations<Queue>(slots, ticks, 5'000, dice).empty()) return false;
+    }
+  }
+  return true;
+}
+
+TEST(QueueChecks, notice_each_mistake) {
+  // Goal: the suite can fail. Method: the same plain queue without and with a mistake.
+  EXPECT_TRUE(passes<SlowQueue>());
+  EXPECT_FALSE(passes<WrongQueue<Mistake::by_insertion>>());
+  EXPECT_FALSE(passes<WrongQueue<Mistake::tick_alone>>());
+  EXPECT_FALSE(passes<WrongQueue<Mistake::slot_backwards>>());
+  EXPECT_FALSE(passes<WrongQueue<Mistake::forgets_erase>>());
+  EXPECT_FALSE(passes<WrongQueue<Mistake::drops>>());
+}
+
+TEST(QueueChecks, notice_ties_by_insertion_in_a_simulation_and_a_drain) {
+  // Goal: these two checks can fail as well. Method: waits of few ticks, so that ties occur.
+  Dice dice(0);
+  EXPECT_NE(check_simulation<WrongQueue<Mistake::tick_alone>>(64, 2, 1'500, dice), "");
+  EXPECT_NE(check_drain<WrongQueue<Mistake::slot_backwards>>(1500, Ticks::few, dice), "");
+}
+
+}  // namespace
+}  // namespace sleight::physics

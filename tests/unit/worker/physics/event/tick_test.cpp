@@ -1,0 +1,86 @@
+// Goal: spans of time become whole ticks on the side that is asked for, exactly.
+// Method: values whose ticks are known; then, for random spans, the definition: the last tick at or
+// before, the first at or after, in exact arithmetic (a tick is a power of two, so scaling by it
+// rounds nothing).
+#include "worker/physics/event/tick.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/worker/physics/event/queue_checks.h"
+
+namespace sleight::physics {
+namespace {
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+TEST(Ticks, of_spans_that_are_whole) {
+  for (const TickCount count :
+       {TickCount{0}, TickCount{1}, TickCount{-1}, TickCount{12345}, TickCount{-12345},
+        TickCount{1} << 30, (TickCount{1} << 52) - 1, -(TickCount{1} << 52) + 1}) {
+    EXPECT_EQ(ticks_before(seconds(count)), count);
+    EXPECT_EQ(ticks_after(seconds(count)), count);
+  }
+  EXPECT_EQ(ticks_before(1.0), TickCount{1} << 30);
+  EXPECT_EQ(seconds(TickCount{1} << 30), 1.0);
+  EXPECT_EQ(ticks_before(-0.0), 0);
+}
+
+TEST(Ticks, of_spans_between_two) {
+  EXPECT_EQ(ticks_before(0.5 * k_seconds_per_tick), 0);
+  EXPECT_EQ(ticks_after(0.5 * k_seconds_per_tick), 1);
+  EXPECT_EQ(ticks_before(-0.5 * k_seconds_per_tick), -1);
+  EXPECT_EQ(ticks_after(-0.5 * k_seconds_per_tick), 0);
+  EXPECT_EQ(ticks_before(std::nextafter(1.0, 2.0)), TickCount{1} << 30);
+  EXPECT_EQ(ticks_after(std::nextafter(1.0, 2.0)), (TickCount{1} << 30) + 1);
+  EXPECT_EQ(ticks_before(std::nextafter(1.0, 0.0)), (TickCount{1} << 30) - 1);
+  EXPECT_EQ(ticks_after(std::nextafter(1.0, 0.0)), TickCount{1} << 30);
+  EXPECT_EQ(ticks_before(std::nextafter(-1.0, 0.0)), -(TickCount{1} << 30));
+  EXPECT_EQ(ticks_after(std::nextafter(-1.0, 0.0)), -(TickCount{1} << 30) + 1);
+  const double tiniest_s = std::numeric_limits<double>::denorm_min();
+  EXPECT_EQ(ticks_before(tiniest_s), 0);
+  EXPECT_EQ(ticks_after(tiniest_s), 1);
+  EXPECT_EQ(ticks_before(-tiniest_s), -1);
+  EXPECT_EQ(ticks_after(-tiniest_s), 0);
+}
+
+TEST(Ticks, saturate) {
+  const double longest_s = seconds(k_tick_max.value);
+  for (const double span_s :
+       {longest_s, std::nextafter(longest_s, k_infinity), 1e300, k_infinity}) {
+    EXPECT_EQ(ticks_before(span_s), k_tick_max.value);
+    EXPECT_EQ(ticks_after(span_s), k_tick_max.value);
+    EXPECT_EQ(ticks_before(-span_s), -k_tick_max.value);
+    EXPECT_EQ(ticks_after(-span_s), -k_tick_max.value);
+  }
+  // Half a tick less than the longest.
+  EXPECT_EQ(ticks_before(std::nextafter(longest_s, 0)), k_tick_max.value - 1);
+  EXPECT_EQ(ticks_after(std::nextafter(longest_s, 0)), k_tick_max.value);
+}
+
+TEST(Ticks, of_random_spans_meet_the_definition) {
+  Dice dice(0);
+  for (int i = 0; i < 300'000; ++i) {
+    const double scaled =
+        std::ldexp(static_cast<double>(dice.bits() >> 11), static_cast<int>(dice.below(70)) - 72);
+    const double in_ticks = dice.once_in(2) ? scaled : -scaled;
+    const double span_s = in_ticks * k_seconds_per_tick;
+    ASSERT_EQ(static_cast<double>(ticks_before(span_s)), std::floor(in_ticks)) << in_ticks;
+    ASSERT_EQ(static_cast<double>(ticks_after(span_s)), std::ceil(in_ticks)) << in_ticks;
+  }
+}
+
+TEST(Ticks, add_and_subtract_exactly) {
+  constexpr Tick late = k_tick_max - 3;
+  static_assert(late + 3 == k_tick_max);
+  static_assert(k_tick_max - late == 3);
+  static_assert(Tick{-5} < Tick{0} && Tick{0} < k_tick_max && k_tick_max < k_never);
+  // A sum of the latest moment and the longest span is before k_never.
+  static_assert(k_tick_max + ticks_before(k_infinity) < k_never);
+  EXPECT_EQ(Tick{7} - Tick{10}, -3);
+}
+
+}  // namespace
+}  // namespace sleight::physics

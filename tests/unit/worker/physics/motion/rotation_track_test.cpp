@@ -1,0 +1,149 @@
+// Goal: an answer never depends on earlier questions, and only ticks since begin matter.
+// Method: the same questions in order, in random order and cold, compared by bits; flights begun
+// later; limits.
+#include "worker/physics/motion/rotation_track.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/unit/worker/physics/motion/support.h"
+
+namespace sleight::physics {
+namespace {
+
+constexpr InertiaSymmetry k_symmetries[] = {InertiaSymmetry::spherical, InertiaSymmetry::axial,
+                                            InertiaSymmetry::general};
+
+struct Answer {
+  std::array<std::uint64_t, 4> orientation;
+  std::array<std::uint64_t, 3> velocity;
+  friend bool operator==(const Answer&, const Answer&) = default;
+};
+
+Answer cold(const FreeFlight& flight, const Inertia& inertia, Tick t) {
+  return {bits_of(orientation_at(flight, inertia, t)),
+          bits_of(angular_velocity_at(flight, inertia, t))};
+}
+
+Answer warm(RotationTrack& track, Tick t) {
+  return {bits_of(track.orientation_at(t)), bits_of(track.angular_velocity_at(t))};
+}
+
+// Ticks of any order: some far apart, some that go back a little, as searches do, and step edges.
+std::vector<Tick> questions(random::Stream& stream, const FreeFlight& flight,
+                            const Inertia& inertia) {
+  const double span_s = 60 / math::norm(flight.angular_velocity_radps);
+  const TickCount horizon = rotation_horizon(flight, inertia) - flight.begin;
+  const TickCount step = std::max<TickCount>(1, horizon / GeneralRotation::k_steps_max);
+  std::vector<Tick> ticks = {flight.begin, flight.begin + 1};
+  for (int i = 0; i < 40; ++i) {
+    const TickCount after = ticks_before(span_s * stream.uniform());
+    ticks.push_back(flight.begin + after);
+    ticks.push_back(flight.begin + after * 9 / 10);
+    const TickCount edge = after / step * step;
+    ticks.push_back(flight.begin + edge);
+    if (edge > 0) ticks.push_back(flight.begin + (edge - 1));
+    ticks.push_back(flight.begin + edge);
+  }
+  return ticks;
+}
+
+TEST(RotationTrack, answers_do_not_depend_on_the_order_of_questions) {
+  for (const InertiaSymmetry symmetry : k_symmetries) {
+    for (std::uint64_t i = 0; i < 15; ++i) {
+      random::Stream stream = stream_of(31, i);
+      const Inertia inertia = random_inertia(stream, symmetry);
+      const FreeFlight flight = random_flight(stream, std::fabs(of_any_size(stream, -2, 2)));
+      std::vector<Tick> ticks = questions(stream, flight, inertia);
+      RotationTrack any_order(flight, inertia);
+      for (const Tick t : ticks)
+        ASSERT_EQ(warm(any_order, t), cold(flight, inertia, t)) << i;
+      RotationTrack in_order(flight, inertia);
+      std::sort(ticks.begin(), ticks.end());
+      for (const Tick t : ticks)
+        ASSERT_EQ(warm(in_order, t), warm(any_order, t)) << i;
+      // Backwards, and for a track that followed another body before.
+      RotationTrack reused(random_flight(stream, 50), random_inertia(stream, symmetry));
+      reused.restart(flight, inertia);
+      for (auto t = ticks.rbegin(); t != ticks.rend(); ++t)
+        ASSERT_EQ(warm(reused, *t), warm(any_order, *t)) << i;
+    }
+  }
+}
+
+TEST(RotationTrack, a_flight_that_begins_later_gives_the_same_bits_later) {
+  for (const InertiaSymmetry symmetry : k_symmetries) {
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      random::Stream stream = stream_of(32, i);
+      const Inertia inertia = random_inertia(stream, symmetry);
+      const FreeFlight flight = random_flight(stream, 30);
+      FreeFlight later = flight;
+      const auto shift = static_cast<TickCount>(stream.bits() >> 20);
+      later.begin = flight.begin + shift;
+      const Tick t = flight.begin + ticks_before(2 * stream.uniform());
+      EXPECT_EQ(cold(flight, inertia, t), cold(later, inertia, t + shift));
+    }
+  }
+}
+
+TEST(RotationTrack, begins_with_the_flights_own_bits) {
+  for (const InertiaSymmetry symmetry : k_symmetries) {
+    random::Stream stream = stream_of(33, 0);
+    const Inertia inertia = random_inertia(stream, symmetry);
+    const FreeFlight flight = random_flight(stream, 30);
+    const Answer start{bits_of(flight.orientation), bits_of(flight.angular_velocity_radps)};
+    EXPECT_EQ(cold(flight, inertia, flight.begin), start);
+    RotationTrack track(flight, inertia);
+    EXPECT_NE(warm(track, flight.begin + 1'000'000), start);
+    EXPECT_EQ(warm(track, flight.begin), start);
+  }
+}
+
+TEST(RotationTrack, pose_and_twist_join_both_halves_of_the_motion) {
+  random::Stream stream = stream_of(34, 0);
+  const Inertia inertia = random_inertia(stream, InertiaSymmetry::general);
+  const FreeFlight flight = random_flight(stream, 30);
+  const Tick t = flight.begin + ticks_before(0.3);
+  RotationTrack track(flight, inertia);
+  const Pose pose = pose_at(flight, track, t);
+  const Twist twist = twist_at(flight, track, t);
+  EXPECT_EQ(bits_of(pose.position_m), bits_of(position_at(flight, t)));
+  EXPECT_EQ(bits_of(pose.orientation), bits_of(orientation_at(flight, inertia, t)));
+  EXPECT_EQ(bits_of(twist.velocity_mps), bits_of(velocity_at(flight, t)));
+  EXPECT_EQ(bits_of(twist.angular_velocity_radps),
+            bits_of(angular_velocity_at(flight, inertia, t)));
+}
+
+TEST(RotationHorizon, lies_past_any_sensible_flight_and_is_known_beforehand) {
+  random::Stream stream = stream_of(35, 0);
+  const Inertia inertia = random_inertia(stream, InertiaSymmetry::general);
+  FreeFlight flight = random_flight(stream, 100);
+  EXPECT_GT(seconds(rotation_horizon(flight, inertia) - flight.begin), 1'300);
+  EXPECT_LT(rotation_horizon(flight, inertia), k_tick_max);
+  flight.angular_velocity_radps = Vec3(1e-3, 0, 0);
+  EXPECT_EQ(rotation_horizon(flight, inertia), k_tick_max);
+  // Too fast for any step: only the begin itself may be asked for.
+  flight.angular_velocity_radps = Vec3(1e9, 0, 0);
+  EXPECT_EQ(rotation_horizon(flight, inertia), flight.begin);
+  EXPECT_EQ(bits_of(orientation_at(flight, inertia, flight.begin)), bits_of(flight.orientation));
+  // Closed forms have none.
+  Inertia cube = random_inertia(stream, InertiaSymmetry::spherical);
+  EXPECT_EQ(rotation_horizon(flight, cube), k_tick_max);
+}
+
+TEST(RotationHorizonDeathTest, questions_outside_the_flight_are_bugs) {
+  random::Stream stream = stream_of(36, 0);
+  const Inertia inertia = random_inertia(stream, InertiaSymmetry::general);
+  const FreeFlight flight = random_flight(stream, 100);
+  const Tick horizon = rotation_horizon(flight, inertia);
+  EXPECT_DEATH(orientation_at(flight, inertia, horizon + 1), "check failed");
+  EXPECT_DEATH(orientation_at(flight, inertia, flight.begin - 1), "check failed");
+  FreeFlight broken = flight;
+  broken.angular_velocity_radps[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_DEATH(RotationTrack(broken, inertia), "check failed");
+}
+
+}  // namespace
+}  // namespace sleight::physics

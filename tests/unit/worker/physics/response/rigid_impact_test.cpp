@@ -1,0 +1,308 @@
+// Impacts of rigid bodies: the invariants of rigid_impact.h over random cases, and agreement with a
+// slow reference. Energy under an adversary is in energy_hunt_test.cpp.
+#include "worker/physics/response/rigid_impact.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/math/rotation.h"
+#include "tests/unit/worker/physics/response/reference.h"
+
+namespace sleight::physics {
+namespace {
+
+using namespace response_reference;
+
+constexpr Real k_epsilon = 0x1p-53L;
+
+/// EXPECT_NEAR in extended precision.
+void expect_near(Real value, Real expected, Real tolerance) {
+  EXPECT_LE(std::fabs(value - expected), tolerance) << value << " " << expected;
+}
+
+/// Where twists and impulses of two outputs differ most, in the units of energy: the root of the
+/// kinetic energy of the difference over the energy.
+Real difference(const Case& made, const ImpactOutput& left, const ImpactOutput& right) {
+  const auto less = [](const Twist& a, const Twist& b) {
+    return Twist{a.velocity_mps - b.velocity_mps,
+                 a.angular_velocity_radps - b.angular_velocity_radps};
+  };
+  const Real apart = kinetic_energy(made, less(left.a, right.a), less(left.b, right.b));
+  return std::sqrt(apart / kinetic_energy(made, made.a.twist, made.b.twist));
+}
+
+/// 1/m + r^2 / (least moment), summed: bounds what K does to a rounding error of the impulse.
+Real inverse_mass_bound(const Case& made) {
+  Real sum = 0;
+  for (const Body* body : {&made.a, &made.b}) {
+    if (body->inertia.mass_kg == 0) continue;
+    const Real3 arm = real(made.contact_m - body->pose.position_m);
+    sum += 1 / static_cast<Real>(body->inertia.mass_kg) +
+           dot(arm, arm) / body->inertia.principal_kgm2.minCoeff();
+  }
+  return sum;
+}
+
+void expect_invariants(const Case& made) {
+  const ImpactOutput out = rigid_impact(input_of(made));
+  ASSERT_NE(out.regime, ImpactRegime::separating);
+  ASSERT_NE(out.regime, ImpactRegime::unresolved);
+  EXPECT_LE(relative_gain(made, out), 1e-13L);
+
+  // Separation.
+  const Real3 n = real(made.normal);
+  const Real3 p = real(out.impulse_ns);
+  const Real rounding =
+      16 * k_epsilon *
+      (contact_speed_scale(made, made.a.twist, made.b.twist) +
+       contact_speed_scale(made, out.a, out.b) + inverse_mass_bound(made) * norm(p));
+  const Real before = dot(contact_velocity(made, made.a.twist, made.b.twist), n);
+  const Real after = dot(contact_velocity(made, out.a, out.b), n);
+  EXPECT_GE(after, -rounding);
+  if (made.law.separation_speed_floor_mps == 0) {
+    // The guard may have taken some 1e-13 of the impulse.
+    expect_near(after, -made.law.restitution * before, rounding - 1e-12L * before);
+  }
+
+  // Cone.
+  const Real normal_impulse = dot(p, n);
+  EXPECT_GE(normal_impulse, 0);
+  expect_near(out.normal_impulse_ns, normal_impulse, 8 * k_epsilon * norm(p));
+  EXPECT_LE(norm(p - normal_impulse * n),
+            made.law.friction * normal_impulse * (1 + 1e-12L) + 8 * k_epsilon * norm(p));
+
+  // Momentum and angular momentum; a static partner takes the impulse as it is.
+  const bool two = made.a.inertia.mass_kg > 0 && made.b.inertia.mass_kg > 0;
+  const Real3 gained = made.a.inertia.mass_kg > 0 ? Real{-1} * p : p;
+  const Real3 expected = two ? Real3{} : gained;
+  const Real3 turn = two ? Real3{} : cross(real(made.contact_m), gained);
+  Real linear_scale = norm(p);
+  Real angular_scale = 0;
+  for (const auto& [body, twist] :
+       {std::pair{&made.a, &made.a.twist}, std::pair{&made.b, &made.b.twist},
+        std::pair{&made.a, &out.a}, std::pair{&made.b, &out.b}}) {
+    const Real linear = body->inertia.mass_kg * norm(real(twist->velocity_mps));
+    const Real arm = norm(real(made.contact_m)) + norm(real(body->pose.position_m));
+    linear_scale += linear;
+    angular_scale +=
+        linear * arm + norm(p) * arm +
+        body->inertia.principal_kgm2.maxCoeff() * norm(real(twist->angular_velocity_radps));
+  }
+  EXPECT_LE(
+      norm(momentum(made, out.a, out.b) - momentum(made, made.a.twist, made.b.twist) - expected),
+      16 * k_epsilon * linear_scale);
+  EXPECT_LE(norm(angular_momentum(made, out.a, out.b) -
+                 angular_momentum(made, made.a.twist, made.b.twist) - turn),
+            16 * k_epsilon * angular_scale);
+
+  // Frictionless and elastic: what the impulse's rounding, seen through K,
+  // and the guard can take.
+  if (made.law.friction == 0 && made.law.restitution == 1) {
+    const Real energy = kinetic_energy(made, made.a.twist, made.b.twist);
+    const Real push = norm(p) * std::sqrt(inverse_mass_bound(made) / energy);
+    EXPECT_GE(relative_gain(made, out), -1e-12L - 16 * k_epsilon * push);
+  }
+}
+
+TEST(RigidImpact, KeepsItsInvariants) {
+  // Goal: energy, separation, cone and momenta. Method: random bodies with moments up to 1 : 1e4
+  // and contacts up to ten radii of gyration away, a third against static geometry, with grazing
+  // approach, e of 0 and 1, mu of 0 and 10 among them; judged in extended precision.
+  Dice dice(1);
+  for (int i = 0; i < 100'000 && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    expect_invariants(random_case(dice, {}));
+  }
+}
+
+TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
+  // Goal: as above where slow impacts are raised. Method: floors from far below to above all
+  // speeds.
+  Dice dice(2);
+  for (int i = 0; i < 100'000 && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    expect_invariants(random_case(dice, {.floor_mps_max = 2}));
+  }
+}
+
+TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
+  // Goal: masses from 1e-6 to 1e6 kg against each other. Method: as above.
+  Dice dice(3);
+  for (int i = 0; i < 50'000 && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    expect_invariants(random_case(dice, {.mass_ratio_max = 1e12, .floor_mps_max = 0.1}));
+  }
+}
+
+TEST(RigidImpact, AgreesWithTheLawsDefinition) {
+  // Goal: the whitened closed form is the law. Method: the slow reference solves with K and
+  // bisects for kappa and for the raised speed; well-conditioned cases agree to 1e-11 of the root
+  // of the energy, and all regimes occur.
+  Dice dice(4);
+  int sticking = 0;
+  int raised = 0;
+  constexpr int k_cases = 20'000;
+  Real worst = 0;
+  for (int i = 0; i < k_cases; ++i) {
+    const Case made = random_case(
+        dice, {.moment_ratio_max = 30, .arm_max = 2, .mass_ratio_max = 100, .floor_mps_max = 0.5});
+    const ImpactOutput out = rigid_impact(input_of(made));
+    worst = std::max(worst, difference(made, out, slow_impact(made)));
+    if (out.regime == ImpactRegime::sticking) ++sticking;
+    const Real u = -dot(contact_velocity(made, made.a.twist, made.b.twist), real(made.normal));
+    const Real w = dot(contact_velocity(made, out.a, out.b), real(made.normal));
+    if (w > u * 1.0001L) ++raised;
+  }
+  EXPECT_LE(worst, 1e-11L);
+  EXPECT_GT(sticking, k_cases / 20);
+  EXPECT_LT(sticking, k_cases * 19 / 20);
+  EXPECT_GT(raised, k_cases / 50);
+}
+
+TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
+  // Goal: no wrong branch where conditioning is bad. Method: as above at ratios of 1e4; the
+  // reference itself loses digits there.
+  Dice dice(5);
+  Real worst = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    const Case made = random_case(dice, {.floor_mps_max = 0.5});
+    worst = std::max(worst, difference(made, rigid_impact(input_of(made)), slow_impact(made)));
+  }
+  EXPECT_LE(worst, 1e-8L);
+}
+
+TEST(RigidImpact, DoesNotCareWhichBodyIsA) {
+  // Goal: symmetry under exchange. Method: swap bodies, flip the normal, compare.
+  Dice dice(6);
+  Real worst = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const Case made = random_case(dice, {.moment_ratio_max = 100, .floor_mps_max = 0.5});
+    Case other = made;
+    std::swap(other.a, other.b);
+    other.normal = -made.normal;
+    ImpactOutput out = rigid_impact(input_of(other));
+    std::swap(out.a, out.b);
+    worst = std::max(worst, difference(made, rigid_impact(input_of(made)), out));
+  }
+  EXPECT_LE(worst, 1e-10L);
+}
+
+Vec3 mirrored(const Vec3& v) {
+  return {-v.x(), v.y(), v.z()};
+}
+/// Angular velocities are axial vectors.
+Vec3 mirrored_axial(const Vec3& v) {
+  return {v.x(), -v.y(), -v.z()};
+}
+Twist mirrored(const Twist& twist) {
+  return {mirrored(twist.velocity_mps), mirrored_axial(twist.angular_velocity_radps)};
+}
+
+TEST(RigidImpact, DoesNotCareAboutTheFrame) {
+  // Goal: symmetry under rotations and mirrors. Method: resolve the image, map back, compare. The
+  // mirror x -> -x is applied to the bodies as well, whose moments it keeps.
+  Dice dice(7);
+  Real worst = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const Case made = random_case(dice, {.moment_ratio_max = 100, .floor_mps_max = 0.5});
+    const ImpactOutput expected = rigid_impact(input_of(made));
+
+    const Quat turn = dice.rotation();
+    Case turned = made;
+    for (Body* body : {&turned.a, &turned.b}) {
+      body->pose.position_m = math::rotated(turn, body->pose.position_m);
+      body->pose.orientation = math::composed(turn, body->pose.orientation);
+      body->twist.velocity_mps = math::rotated(turn, body->twist.velocity_mps);
+      body->twist.angular_velocity_radps = math::rotated(turn, body->twist.angular_velocity_radps);
+    }
+    turned.normal = math::rotated(turn, made.normal);
+    ImpactOutput out = rigid_impact(input_of(turned));
+    for (Twist* twist : {&out.a, &out.b}) {
+      twist->velocity_mps = math::rotated(math::inverse(turn), twist->velocity_mps);
+      twist->angular_velocity_radps =
+          math::rotated(math::inverse(turn), twist->angular_velocity_radps);
+    }
+    worst = std::max(worst, difference(made, expected, out));
+
+    Case image = made;
+    for (Body* body : {&image.a, &image.b}) {
+      body->pose.position_m = mirrored(body->pose.position_m);
+      const Quat q = body->pose.orientation;
+      body->pose.orientation = Quat(q.w(), q.x(), -q.y(), -q.z());
+      body->twist = mirrored(body->twist);
+    }
+    image.normal = mirrored(made.normal);
+    out = rigid_impact(input_of(image));
+    out.a = mirrored(out.a);
+    out.b = mirrored(out.b);
+    worst = std::max(worst, difference(made, expected, out));
+  }
+  EXPECT_LE(worst, 1e-10L);
+}
+
+TEST(RigidImpact, AgreesWithSpheresInCentralImpacts) {
+  // Goal: both laws are one. Method: random spheres, one of three against static geometry, as rigid
+  // bodies in random orientations that touch at one point; twists agree to 1e-12.
+  Dice dice(8);
+  int sticking = 0;
+  constexpr int k_cases = 20'000;
+  for (int i = 0; i < k_cases; ++i) {
+    Case made = random_case(dice, {.moment_ratio_max = 1, .mass_ratio_max = 100});
+    SphereImpactInput spheres{.normal = made.normal, .law = made.law};
+    if (dice.once_in(2)) spheres.law.separation_speed_floor_mps = dice.spread(1e-3, 1);
+    made.law = spheres.law;
+    for (Body* body : {&made.a, &made.b}) {
+      if (body->inertia.mass_kg == 0) continue;
+      const double radius_m = dice.spread(0.1, 10);
+      const double moment = dice.uniform(0.01, 0.66) * body->inertia.mass_kg * radius_m * radius_m;
+      body->inertia.principal_kgm2 = Vec3::Constant(moment);
+      body->pose.position_m = (body == &made.a ? -radius_m : radius_m) * made.normal;
+      body->twist.angular_velocity_radps = dice.spread(1e-2, 1) / radius_m * dice.direction();
+      (body == &made.a ? spheres.mass_a : spheres.mass_b) =
+          sphere_mass(body->inertia.mass_kg, radius_m, moment);
+    }
+    spheres.a = made.a.twist;
+    spheres.b = made.b.twist;
+    const ImpactOutput expected = sphere_impact(spheres);
+    const ImpactOutput out = rigid_impact(input_of(made));
+    ASSERT_EQ(out.regime, expected.regime) << i;
+    ASSERT_LE(difference(made, expected, out), 1e-12L) << i;
+    if (out.regime == ImpactRegime::sticking) ++sticking;
+  }
+  EXPECT_GT(sticking, k_cases / 20);
+  EXPECT_LT(sticking, k_cases / 2);
+}
+
+TEST(RigidImpact, SaysWhenItHasNoAnswer) {
+  // Goal: numerical failure is a typed result, and changes nothing. Method: an approach so fast
+  // that its energy overflows.
+  RigidImpactInput input;
+  input.b.mass = rigid_mass({.mass_kg = 1, .principal_kgm2 = Vec3(1, 1, 1)});
+  input.b.pose.position_m = Vec3(0.5, 0, 1);
+  input.b.twist.velocity_mps = Vec3(1e160, 0, -1e160);
+  input.law.friction = 0.5;
+  const ImpactOutput out = rigid_impact(input);
+  EXPECT_EQ(out.regime, ImpactRegime::unresolved);
+  EXPECT_EQ(out.b.velocity_mps, input.b.twist.velocity_mps);
+  EXPECT_EQ(out.impulse_ns, Vec3::Zero());
+}
+
+TEST(RigidImpact, LeavesSeparatingBodiesAlone) {
+  // Goal: no impulse without approach. Method: reverse the normal of random cases.
+  Dice dice(9);
+  for (int i = 0; i < 1000; ++i) {
+    Case made = random_case(dice, {});
+    made.normal = -made.normal;
+    const ImpactOutput out = rigid_impact(input_of(made));
+    EXPECT_EQ(out.regime, ImpactRegime::separating);
+    EXPECT_EQ(out.a.velocity_mps, made.a.twist.velocity_mps);
+    EXPECT_EQ(out.b.angular_velocity_radps, made.b.twist.angular_velocity_radps);
+    EXPECT_EQ(out.impulse_ns, Vec3::Zero());
+  }
+}
+
+}  // namespace
+}  // namespace sleight::physics

@@ -1,0 +1,224 @@
+// Impacts of spheres: the invariants of sphere_impact.h. Agreement with rigid bodies is in
+// rigid_impact_test.cpp, known answers in known_answers_test.cpp.
+#include "worker/physics/response/sphere_impact.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "tests/unit/worker/physics/response/reference.h"
+
+namespace sleight::physics {
+namespace {
+
+using namespace response_reference;
+
+constexpr Real k_epsilon = 0x1p-53L;
+
+/// EXPECT_NEAR in extended precision.
+void expect_near(Real value, Real expected, Real tolerance) {
+  EXPECT_LE(std::fabs(value - expected), tolerance) << value << " " << expected;
+}
+
+struct Spheres {
+  SphereImpactInput input;
+  Case made;  ///< the same, for the reference's mechanics
+};
+
+/// Approaching spheres, or one and static geometry on either side, that touch at the origin.
+Spheres random_spheres(Dice& dice) {
+  Spheres spheres;
+  Case& made = spheres.made;
+  made.normal = dice.direction();
+  made.law.restitution = dice.once_in(4) ? 1 : dice.once_in(4) ? 0 : dice.uniform(0, 1);
+  made.law.friction = dice.once_in(6) ? 0 : dice.once_in(6) ? 1e6 : dice.spread(1e-3, 10);
+  if (dice.once_in(2)) made.law.separation_speed_floor_mps = dice.spread(1e-4, 1);
+  const bool alone = dice.once_in(3);
+  const bool static_a = dice.once_in(2);
+  for (Body* body : {&made.a, &made.b}) {
+    const bool is_a = body == &made.a;
+    if (alone && is_a == static_a) continue;
+    const double radius_m = dice.spread(1e-3, 10);
+    const double mass_kg = dice.spread(1e-6, 1e6);
+    // From a heavy core to a hollow shell.
+    const double moment = dice.spread(1e-3, 2.0 / 3) * mass_kg * radius_m * radius_m;
+    body->inertia = {.mass_kg = mass_kg, .principal_kgm2 = Vec3::Constant(moment)};
+    body->pose.position_m = (is_a ? -radius_m : radius_m) * made.normal;
+    body->twist = {dice.spread(1e-3, 1) * dice.direction(),
+                   dice.spread(1e-3, 1) / radius_m * dice.direction()};
+    (is_a ? spheres.input.mass_a : spheres.input.mass_b) = sphere_mass(mass_kg, radius_m, moment);
+  }
+  const Real3 v = contact_velocity(made, made.a.twist, made.b.twist);
+  if (dot(v, real(made.normal)) > 0) {
+    // Send them the other way.
+    for (Body* body : {&made.a, &made.b})
+      body->twist.velocity_mps = -body->twist.velocity_mps;
+  }
+  spheres.input.a = made.a.twist;
+  spheres.input.b = made.b.twist;
+  spheres.input.normal = made.normal;
+  spheres.input.law = made.law;
+  return spheres;
+}
+
+TEST(SphereImpact, KeepsItsInvariants) {
+  // Goal: energy, separation, cone, momenta and the stick decision. Method: random spheres of
+  // masses 1e-6 to 1e6 kg and all moments, judged in extended precision.
+  Dice dice(11);
+  int sticking = 0;
+  constexpr int k_cases = 100'000;
+  for (int i = 0; i < k_cases && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    const Spheres spheres = random_spheres(dice);
+    const Case& made = spheres.made;
+    const ImpactOutput out = sphere_impact(spheres.input);
+    ASSERT_NE(out.regime, ImpactRegime::separating);
+    EXPECT_LE(relative_gain(made, out), 1e-14L);
+
+    const Real3 n = real(made.normal);
+    const Real scale = contact_speed_scale(made, made.a.twist, made.b.twist) +
+                       contact_speed_scale(made, out.a, out.b);
+    const Real3 v = contact_velocity(made, made.a.twist, made.b.twist);
+    const Real3 after = contact_velocity(made, out.a, out.b);
+    EXPECT_GE(dot(after, n), -8 * k_epsilon * scale);
+    if (made.law.separation_speed_floor_mps == 0) {
+      expect_near(dot(after, n), -made.law.restitution * dot(v, n), 8 * k_epsilon * scale);
+    }
+
+    const Real3 p = real(out.impulse_ns);
+    const Real along = dot(p, n);
+    const Real across = norm(p - along * n);
+    EXPECT_LE(across, made.law.friction * along * (1 + 1e-12L) + 8 * k_epsilon * norm(p));
+    if (out.regime == ImpactRegime::sticking) {
+      ++sticking;
+      EXPECT_LE(norm(after - dot(after, n) * n), 64 * k_epsilon * scale);
+    } else {
+      // Slides on, the same way as before.
+      expect_near(across, made.law.friction * along,
+                  1e-12L * made.law.friction * along + 8 * k_epsilon * norm(p));
+      EXPECT_GE(dot(after - dot(after, n) * n, v - dot(v, n) * n), -64 * k_epsilon * scale * scale);
+    }
+    if (made.law.friction == 0) {
+      EXPECT_EQ(out.a.angular_velocity_radps, made.a.twist.angular_velocity_radps);
+      EXPECT_EQ(out.b.angular_velocity_radps, made.b.twist.angular_velocity_radps);
+    }
+  }
+  EXPECT_GT(sticking, k_cases / 20);
+  EXPECT_LT(sticking, k_cases * 19 / 20);
+}
+
+TEST(SphereImpact, KeepsMomenta) {
+  // Goal: momentum, and angular momentum about an arbitrary point. Method: as above, two moving
+  // spheres; about the contact the origin, and about a far point by moving the pair there.
+  Dice dice(12);
+  for (int i = 0; i < 100'000 && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    Spheres spheres = random_spheres(dice);
+    Case& made = spheres.made;
+    if (made.a.inertia.mass_kg == 0 || made.b.inertia.mass_kg == 0) continue;
+    const ImpactOutput out = sphere_impact(spheres.input);
+    // The point about which: far away, but a power of two, so that moving the pair is nearly exact.
+    const Vec3 away = dice.once_in(2) ? Vec3(64, -32, 16) : Vec3(0, 0, 0);
+    made.contact_m += away;
+    for (Body* body : {&made.a, &made.b})
+      body->pose.position_m += away;
+    const Case& moved = made;
+    Real linear = 0;
+    Real angular = 0;
+    for (const auto& [body, twist] :
+         {std::pair{&moved.a, &moved.a.twist}, std::pair{&moved.b, &moved.b.twist},
+          std::pair{&moved.a, &out.a}, std::pair{&moved.b, &out.b}}) {
+      const Real size = body->inertia.mass_kg * norm(real(twist->velocity_mps));
+      linear += size;
+      angular += (size + norm(real(out.impulse_ns))) * (norm(real(body->pose.position_m)) + 1) +
+                 body->inertia.principal_kgm2.x() * norm(real(twist->angular_velocity_radps));
+    }
+    EXPECT_LE(norm(momentum(made, out.a, out.b) - momentum(made, made.a.twist, made.b.twist)),
+              8 * k_epsilon * linear);
+    EXPECT_LE(norm(angular_momentum(made, out.a, out.b) -
+                   angular_momentum(made, made.a.twist, made.b.twist)),
+              8 * k_epsilon * angular);
+  }
+}
+
+TEST(SphereImpact, ElasticGasKeepsItsEnergy) {
+  // Goal: e = 1, mu = 0 has no drift. Method: 64 spheres, 1e5 collisions of random pairs and
+  // normals, whose rounded lengths differ from 1; the energy in extended precision. Equal masses
+  // and mixed ones.
+  for (const bool mixed : {false, true}) {
+    Dice dice(13);
+    std::vector<Twist> gas(64);
+    std::vector<SphereMass> masses;
+    for (Twist& twist : gas) {
+      twist = {dice.uniform(0, 1) * dice.direction(), dice.direction()};
+      masses.push_back(solid_sphere_mass(mixed ? dice.spread(1e-2, 1e2) : 0.3, 0.01));
+    }
+    const auto energy = [&] {
+      Real sum = 0;
+      for (std::size_t i = 0; i < gas.size(); ++i) {
+        const Real3 v = real(gas[i].velocity_mps);
+        sum += dot(v, v) / masses[i].inverse_mass_per_kg;
+      }
+      return sum;
+    };
+    const Real before = energy();
+    for (int collisions = 0; collisions < 100'000;) {
+      const auto i = static_cast<std::size_t>(dice.uniform(0, 64));
+      const auto j = static_cast<std::size_t>(dice.uniform(0, 64));
+      if (i == j) continue;
+      const ImpactOutput out = sphere_impact({.mass_a = masses[i],
+                                              .mass_b = masses[j],
+                                              .a = gas[i],
+                                              .b = gas[j],
+                                              .normal = dice.direction()});
+      if (out.regime == ImpactRegime::separating) continue;
+      gas[i] = out.a;
+      gas[j] = out.b;
+      ++collisions;
+    }
+    const Real drift = (energy() - before) / before;
+    EXPECT_LE(std::fabs(drift), 1e-13L) << (mixed ? "mixed" : "equal");
+    RecordProperty(mixed ? "drift_mixed" : "drift_equal", std::to_string(drift * 1e15L) + "e-15");
+  }
+}
+
+TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
+  // Goal: the rule for slow impacts. Method: a ball that comes down on the floor at 1 mm/s, with
+  // v_c = 10 mm/s. Sliding at 1 m/s pays for all of v_c; a ball without slip cannot pay and leaves
+  // as fast as it came; one whose slip suffices for a part gets that part, at constant energy.
+  SphereImpactInput input{.mass_b = solid_sphere_mass(1, 0.01),
+                          .law = {.restitution = 0.5, .friction = 0.3}};
+  const auto leaves = [&](double slip_mps, double floor_mps) {
+    input.b.velocity_mps = Vec3(slip_mps, 0, -1e-3);
+    input.law.separation_speed_floor_mps = floor_mps;
+    return sphere_impact(input).b.velocity_mps.z();
+  };
+  EXPECT_NEAR(leaves(1, 0), 0.5e-3, 1e-17);
+  EXPECT_NEAR(leaves(1, 1e-2), 1e-2, 1e-16);
+  EXPECT_NEAR(leaves(0, 1e-2), 1e-3, 1e-17);
+  EXPECT_NEAR(leaves(1, 0.7e-3), 0.7e-3, 1e-17);
+  EXPECT_NEAR(leaves(1, 0.3e-3), 0.5e-3, 1e-17);
+
+  // A slip of 2 mm/s, mu = 0.3: it would stick at w = 2 mm/s 2/7 / 0.3 - 1 mm/s = 0.905 mm/s, so it
+  // sticks, and w^2 = u^2 + (2/7) slip^2.
+  EXPECT_NEAR(leaves(2e-3, 1e-2), std::sqrt(1e-6 + 2.0 / 7 * 4e-6), 1e-17);
+  const ImpactOutput out = sphere_impact(input);
+  EXPECT_EQ(out.regime, ImpactRegime::sticking);
+  Case made;
+  made.b.inertia = {.mass_kg = 1, .principal_kgm2 = Vec3::Constant(0.4e-4)};
+  made.b.twist = input.b;
+  expect_near(relative_gain(made, out), 0, 1e-15L);
+
+  // With mu = 0.01 it slides: kappa = (u + w) c, c = mu / (2/7 slip) = 17.5 s/m, b = 2/7 slip^2 =
+  // 8/7e-6 J: w = u + 2 c b (1 - u c) / (1 + c^2 b), a little more than u.
+  input.law.friction = 0.01;
+  const double w = 1e-3 + 35.0 * 8 / 7e6 * (1 - 0.0175) / (1 + 17.5 * 17.5 * 8 / 7e6);
+  EXPECT_NEAR(leaves(2e-3, 1e-2), w, 1e-17);
+  expect_near(relative_gain(made, sphere_impact(input)), 0, 1e-15L);
+}
+
+}  // namespace
+}  // namespace sleight::physics

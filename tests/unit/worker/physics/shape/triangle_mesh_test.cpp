@@ -1,0 +1,200 @@
+// Goal: meshes are checked, their features are right, and moving vertices equals building anew.
+// Method: known solids turned into meshes; a hollow and a sheet for each kind of edge; random
+// heights on a grid moved many times, compared bit for bit; every typed error names its triangle.
+#include "worker/physics/shape/triangle_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/random/stream.h"
+#include "worker/physics/shape/shapes.h"
+
+namespace sleight::physics {
+namespace {
+
+using math::cross;
+using math::dot;
+using math::norm;
+using Kind = MeshError::Kind;
+using Triangles = std::vector<TriangleCorners>;
+
+struct Raw {
+  std::vector<Vec3> vertices;
+  Triangles triangles;
+  auto build(MeshClosure closure) const { return TriangleMesh::make(vertices, triangles, closure); }
+};
+
+Raw triangulated(const ConvexPolyhedron& p) {
+  Raw raw{.vertices = {p.vertices_m().begin(), p.vertices_m().end()}, .triangles = {}};
+  for (const Face& face : p.faces()) {
+    const auto sides = p.sides_of(face);
+    for (std::size_t i = 1; i + 1 < sides.size(); ++i)
+      raw.triangles.push_back({sides[0].vertex, sides[i].vertex, sides[i + 1].vertex});
+  }
+  return raw;
+}
+
+// A sheet of n x n squares at z = 0, two triangles each, seen from above.
+Raw sheet(std::uint32_t n) {
+  Raw raw;
+  for (std::uint32_t y = 0; y <= n; ++y) {
+    for (std::uint32_t x = 0; x <= n; ++x)
+      raw.vertices.emplace_back(x, y, 0);
+  }
+  for (std::uint32_t y = 0; y < n; ++y) {
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const std::uint32_t at = y * (n + 1) + x;
+      raw.triangles.push_back({at, at + 1, at + n + 2});
+      raw.triangles.push_back({at, at + n + 2, at + n + 1});
+    }
+  }
+  return raw;
+}
+
+std::size_t count(const TriangleMesh& mesh, EdgeKind kind) {
+  return static_cast<std::size_t>(std::count_if(mesh.edges().begin(), mesh.edges().end(),
+                                                [&](const MeshEdge& e) { return e.kind == kind; }));
+}
+
+TEST(TriangleMesh, derives_the_features_of_a_cube) {
+  const ConvexPolyhedron solid = cube(2).value();
+  Raw raw = triangulated(solid);
+  const TriangleMesh mesh = raw.build(MeshClosure::closed).value();
+  EXPECT_EQ(mesh.edges().size(), 18U);
+  EXPECT_EQ(count(mesh, EdgeKind::convex), 12U);
+  EXPECT_EQ(count(mesh, EdgeKind::flat), 6U);
+  for (std::uint32_t v = 0; v < 8; ++v)
+    EXPECT_TRUE(mesh.exposed(v));
+  for (std::uint32_t t = 0; t < 12; ++t) {
+    const MeshFace& face = mesh.faces()[t];
+    EXPECT_EQ(face.offset_m, 1);
+    const TriangleCorners& corners = mesh.triangles()[t];
+    const Vec3 middle =
+        (raw.vertices[corners[0]] + raw.vertices[corners[1]] + raw.vertices[corners[2]]) / 3;
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_GT(dot(face.inward[k], middle), face.inward_offset_m[k]);
+      EXPECT_NEAR(norm(face.inward[k]), 1, 1e-15);
+      const MeshEdge& edge = mesh.edges()[mesh.edges_of(t)[k]];
+      const bool left = edge.triangle[0] == t;
+      EXPECT_EQ(edge.vertex[left ? 0 : 1], corners[k]);
+      EXPECT_EQ(edge.vertex[left ? 1 : 0], corners[(k + 1) % 3]);
+      EXPECT_EQ(edge.normal[left ? 0 : 1], face.normal);
+      EXPECT_NEAR(
+          norm(edge.start_m + edge.length_m * edge.direction - raw.vertices[edge.vertex[1]]), 0,
+          1e-15);
+    }
+  }
+  // The same cube as a hollow: turned inside out, its edges are concave and nothing is exposed.
+  for (TriangleCorners& corners : raw.triangles)
+    std::swap(corners[0], corners[1]);
+  const TriangleMesh hollow = raw.build(MeshClosure::closed).value();
+  EXPECT_EQ(count(hollow, EdgeKind::concave), 12U);
+  for (std::uint32_t v = 0; v < 8; ++v)
+    EXPECT_FALSE(hollow.exposed(v));
+}
+
+TEST(TriangleMesh, marks_boundaries_and_folds) {
+  const TriangleMesh flat = sheet(3).build(MeshClosure::may_be_open).value();
+  EXPECT_EQ(count(flat, EdgeKind::boundary), 12U);
+  EXPECT_EQ(count(flat, EdgeKind::flat), flat.edges().size() - 12);
+  EXPECT_TRUE(flat.exposed(0));
+  EXPECT_FALSE(flat.exposed(5));
+  // Two triangles back to back: three edges, each as convex as can be.
+  const Raw fold{.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
+                 .triangles = {{0, 1, 2}, {0, 2, 1}}};
+  EXPECT_EQ(count(fold.build(MeshClosure::closed).value(), EdgeKind::convex), 3U);
+}
+
+void expect_equal(const TriangleMesh& a, const TriangleMesh& b) {
+  ASSERT_TRUE(std::equal(a.vertices_m().begin(), a.vertices_m().end(), b.vertices_m().begin()));
+  ASSERT_TRUE(std::equal(a.faces().begin(), a.faces().end(), b.faces().begin()));
+  ASSERT_TRUE(std::equal(a.edges().begin(), a.edges().end(), b.edges().begin()));
+  for (std::uint32_t v = 0; v < a.vertices_m().size(); ++v)
+    ASSERT_EQ(a.exposed(v), b.exposed(v));
+}
+
+TEST(TriangleMesh, moved_equals_built_bit_for_bit) {
+  random::Stream stream({.seed = 21, .purpose = random::Purpose::prior}, 0);
+  Raw raw = sheet(8);
+  TriangleMesh mesh = raw.build(MeshClosure::may_be_open).value();
+  const TriangleMesh at_first = mesh;
+  for (int i = 0; i < 300; ++i) {
+    std::vector<VertexMove> moves;
+    for (auto k = stream.bits() % 6; k > 0; --k) {
+      const auto v = static_cast<std::uint32_t>(stream.bits() % raw.vertices.size());
+      Vec3 p = raw.vertices[v];
+      p.z() = stream.bits() % 4 == 0 ? 0 : stream.uniform();
+      moves.push_back({v, p});
+      raw.vertices[v] = p;
+    }
+    ASSERT_FALSE(mesh.move_vertices(moves).has_value());
+    ASSERT_NO_FATAL_FAILURE(expect_equal(mesh, raw.build(MeshClosure::may_be_open).value())) << i;
+  }
+  EXPECT_GT(count(mesh, EdgeKind::convex), 10U);
+  EXPECT_GT(count(mesh, EdgeKind::concave), 10U);
+  // Moved back, all is as it was; the comparison can fail.
+  EXPECT_FALSE(std::equal(mesh.faces().begin(), mesh.faces().end(), at_first.faces().begin()));
+  std::vector<VertexMove> home;
+  for (std::uint32_t v = 0; v < raw.vertices.size(); ++v)
+    home.push_back({v, at_first.vertices_m()[v]});
+  ASSERT_FALSE(mesh.move_vertices(home).has_value());
+  expect_equal(mesh, at_first);
+}
+
+TEST(TriangleMesh, a_bad_move_changes_nothing_and_says_why) {
+  TriangleMesh mesh = sheet(3).build(MeshClosure::may_be_open).value();
+  const TriangleMesh before = mesh;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto not_finite =
+      mesh.move_vertices(std::vector<VertexMove>{{5, Vec3(1, 1, 1)}, {6, Vec3(0, nan, 0)}});
+  ASSERT_TRUE(not_finite.has_value());
+  EXPECT_EQ(not_finite->kind, Kind::vertex_not_finite);
+  EXPECT_EQ(not_finite->vertex, 6U);
+  EXPECT_EQ(not_finite->triangle, 2U);
+  // Vertex 5 onto its neighbour 6, after a detour: the first triangle without area is number 2.
+  const auto flat =
+      mesh.move_vertices(std::vector<VertexMove>{{5, Vec3(0, 0, 5)}, {5, Vec3(2, 1, 0)}});
+  ASSERT_TRUE(flat.has_value());
+  EXPECT_EQ(flat->kind, Kind::degenerate_triangle);
+  expect_equal(mesh, before);
+}
+
+TEST(TriangleMesh, refuses_and_names_the_triangle) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto error_of = [](const Raw& raw, MeshClosure closure = MeshClosure::may_be_open) {
+    const auto mesh = raw.build(closure);
+    EXPECT_FALSE(mesh.ok());
+    EXPECT_FALSE(describe(mesh.error()).empty());
+    return mesh.error();
+  };
+  Raw raw = sheet(2);
+  raw.vertices[8].x() = nan;
+  EXPECT_EQ(error_of(raw), (MeshError{Kind::vertex_not_finite, 6, k_no_triangle, 8}));
+  raw = sheet(2);
+  raw.vertices.emplace_back(nan, 0, 0);
+  EXPECT_EQ(error_of(raw), (MeshError{Kind::vertex_not_finite, k_no_triangle, k_no_triangle, 9}));
+  raw = sheet(2);
+  raw.triangles[3][1] = 9;
+  EXPECT_EQ(error_of(raw), (MeshError{Kind::index_out_of_range, 3, k_no_triangle, 9}));
+  raw = sheet(2);
+  raw.triangles[5][1] = raw.triangles[5][0];
+  EXPECT_EQ(error_of(raw).kind, Kind::degenerate_triangle);
+  EXPECT_EQ(error_of(raw).triangle, 5U);
+  raw = sheet(2);
+  std::swap(raw.triangles[1][0], raw.triangles[1][1]);
+  EXPECT_EQ(error_of(raw).kind, Kind::edge_run_twice);
+  EXPECT_EQ(error_of(raw).triangle, 1U);
+  EXPECT_EQ(error_of(raw).other, 0U);
+  raw = sheet(2);
+  raw.vertices.emplace_back(0, 0, 1);
+  raw.triangles.push_back({0, 4, 9});
+  EXPECT_EQ(error_of(raw).kind, Kind::edge_shared_by_three);
+  EXPECT_EQ(error_of(raw).triangle, 8U);
+  EXPECT_EQ(error_of(sheet(2), MeshClosure::closed).kind, Kind::not_closed);
+}
+
+}  // namespace
+}  // namespace sleight::physics

@@ -1,0 +1,58 @@
+// Random scenes of every kind, small enough that the slow reference can run them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "worker/physics/scenes/scenes.h"
+
+namespace sleight::physics::testing {
+
+struct TestScene {
+  std::string name;
+  scenes::Setting setting;
+};
+
+/// The n-th of an endless list: kinds alternate, sizes and seeds vary.
+inline TestScene test_scene(std::uint64_t n) {
+  const std::uint64_t seed = n / 6 + 1;
+  switch (n % 6) {
+    case 0: {
+      const auto bodies = static_cast<std::uint32_t>(2 + seed * 7 % 60);
+      return {"rain " + std::to_string(bodies), scenes::rain(bodies, seed)};
+    }
+    case 1: {
+      const auto bodies = static_cast<std::uint32_t>(1 + seed * 5 % 30);
+      TestScene scene{"boxed_spheres " + std::to_string(bodies),
+                      scenes::boxed_spheres(bodies, seed)};
+      scene.setting.duration_s = 20;
+      return scene;
+    }
+    case 2: {
+      TestScene scene{"gas 108", scenes::hard_sphere_gas(108, seed % 2 == 0 ? 0.4 : 0.1, seed)};
+      scene.setting.duration_s = 0.5;
+      return scene;
+    }
+    case 3: {
+      const auto bodies = static_cast<std::uint32_t>(1 + seed * 3 % 12);
+      TestScene scene{"boxed_polyhedra " + std::to_string(bodies),
+                      scenes::boxed_polyhedra(bodies, seed)};
+      scene.setting.duration_s = 6;
+      return scene;
+    }
+    case 4: {
+      const auto bodies = static_cast<std::uint32_t>(1 + seed % 4);
+      TestScene scene{"cube_drop " + std::to_string(bodies), scenes::cube_drop(bodies, seed)};
+      scene.setting.duration_s = 0.25;
+      return scene;
+    }
+    default: {
+      const auto bodies = static_cast<std::uint32_t>(2 + seed % 6);
+      TestScene scene{"hourglass " + std::to_string(bodies), scenes::hourglass(bodies, seed)};
+      scene.setting.duration_s = 0.5;
+      return scene;
+    }
+  }
+}
+
+}  // namespace sleight::physics::testing

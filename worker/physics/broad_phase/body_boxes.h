@@ -1,0 +1,61 @@
+// The boxes of bodies, as given and coded; what all broad phases keep.
+//
+// Invariant: coded(b) is the code of box(b) for every present b; its fourth numbers are left alone
+// by `set`, they belong to the structure.
+// Thread safety: none.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "worker/physics/broad_phase/broad_phase.h"
+#include "worker/physics/broad_phase/periodic.h"
+
+namespace sleight::physics {
+
+class BodyBoxes {
+ public:
+  explicit BodyBoxes(const BroadPhaseOptions& options)
+      : periods_(options.period_m),
+        boxes_(options.bodies),
+        coded_(options.bodies),
+        present_(options.bodies, 0) {
+    CHECK_LE(options.bodies, k_bodies_max);
+    CHECK(options.size_m > 0);
+  }
+
+  const Periods& periods() const { return periods_; }
+  std::uint32_t bodies() const { return static_cast<std::uint32_t>(boxes_.size()); }
+  bool contains(std::uint32_t body) const { return present_[body] != 0; }
+  const Box& box(std::uint32_t body) const { return boxes_[body]; }
+  const CodedBox& coded(std::uint32_t body) const { return coded_[body]; }
+  CodedBox& coded(std::uint32_t body) { return coded_[body]; }
+  std::span<const CodedBox> all_coded() const { return coded_; }
+
+  void check_present(BodyId body) const {
+    CHECK_LT(body.value, bodies());
+    CHECK(contains(body.value));
+  }
+  void check_absent(BodyId body) const {
+    CHECK_LT(body.value, bodies());
+    CHECK(!contains(body.value));
+  }
+
+  void add(std::uint32_t body) { present_[body] = 1; }
+  void take_away(std::uint32_t body) { present_[body] = 0; }
+  void set(std::uint32_t body, const Box& box, const CodedBox& code) {
+    boxes_[body] = box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      coded_[body].start[axis] = code.start[axis];
+      coded_[body].width[axis] = code.width[axis];
+    }
+  }
+
+ private:
+  Periods periods_;
+  std::vector<Box> boxes_;
+  std::vector<CodedBox> coded_;
+  std::vector<std::uint8_t> present_;
+};
+
+}  // namespace sleight::physics

@@ -1,0 +1,199 @@
+// One axis of sweep-and-prune: the ends of all bodies' arcs, in order around the ring.
+//
+// Idea. A list of extents sorted along an axis (thesis 3.2.3) becomes a circle, so that an axis
+// which repeats itself needs no copies of boxes near its ends. When an arc changes, its two ends
+// travel through the circle past their neighbours. Two arcs begin or cease to overlap only where
+// the first point of one passes the last point of the other; passes of first past first or last
+// past last say nothing (thesis, figure 3.5). So those passes name all pairs to look at.
+//
+// An end is one number: place on the axis' ring (32 bits), first or last (1), body (28). First
+// points come before last points of the same place, since boxes are closed. Ends are all different,
+// so their order has no ties.
+//
+// Invariants
+//   1. From any entry, the others follow by ascending distance forwards around the circle of 2^61.
+//   2. place(body, kind) is the index of that end in the list.
+// On an axis that does not repeat, no travel leads across the seam between the greatest and the
+// least float, and the list is sorted from its first entry on, apart from a rotation.
+// Thread safety: none.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "worker/physics/broad_phase/periodic.h"
+
+namespace sleight::physics {
+
+/// How far the two ends of an arc travel: signed, each less than one turn.
+struct ArcTravel {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
+/// The travel from one arc to another that never turns the arc inside out: the short way round on
+/// an axis that repeats, within the axis on one that does not.
+constexpr ArcTravel travel(Arc from, Arc to, bool periodic) {
+  constexpr std::int64_t k_turn = std::int64_t{1} << 32;
+  const std::int64_t wider = std::int64_t{to.width} - std::int64_t{from.width};
+  std::int64_t first = std::int64_t{to.start} - std::int64_t{from.start};
+  if (periodic) {
+    first = static_cast<std::int32_t>(to.start - from.start);
+    // An arc that grows to nearly the ring would have its last point lap the first.
+    if (first + wider >= k_turn) first -= k_turn;
+    if (first + wider <= -k_turn) first += k_turn;
+  }
+  return {first, first + wider};
+}
+
+class ExtentRing {
+ public:
+  /// REQUIRES: bodies <= k_bodies_max (28 bits).
+  explicit ExtentRing(std::uint32_t bodies) : place_(std::size_t{bodies} * 2) {
+    ends_.reserve(place_.size());
+    lifted_.reserve(place_.size());
+  }
+
+  /// REQUIRES: the body is absent.
+  void insert(std::uint32_t body, Arc arc);
+  /// REQUIRES: the body is present.
+  void remove(std::uint32_t body);
+
+  /// Lets the body's ends travel and calls visit(other) for each body whose opposite end is passed;
+  /// it may be called twice for one body. REQUIRES: present.
+  template <class Visit>
+  void move(std::uint32_t body, ArcTravel by, const Visit& visit) {
+    move_end(body, k_first, by.first, visit);
+    move_end(body, k_last, by.last, visit);
+  }
+
+  /// The same for all present bodies at once, by insertion sort: visit(a, b) for each pass.
+  /// `travel_of(body)` gives the ArcTravel of a body.
+  template <class TravelOf, class Visit>
+  void move_all(const TravelOf& travel_of, const Visit& visit);
+
+ private:
+  static constexpr std::uint64_t k_first = 0;
+  static constexpr std::uint64_t k_last = std::uint64_t{1} << 28;
+  static constexpr int k_place_shift = 29;
+  static constexpr std::uint64_t k_turn = std::uint64_t{1} << 61;
+
+  static std::uint32_t body_of(std::uint64_t end) {
+    return static_cast<std::uint32_t>(end & (k_last - 1));
+  }
+  static std::uint64_t ahead(std::uint64_t from, std::uint64_t to) {
+    return (to - from) & (k_turn - 1);
+  }
+  static std::uint64_t end_at(std::uint32_t point, std::uint64_t kind, std::uint32_t body) {
+    return std::uint64_t{point} << k_place_shift | kind | body;
+  }
+  std::uint32_t& place(std::uint64_t end) {
+    return place_[std::size_t{body_of(end)} * 2 + ((end & k_last) != 0 ? 1 : 0)];
+  }
+  void insert_end(std::uint64_t end);
+
+  template <class Visit>
+  void move_end(std::uint32_t body, std::uint64_t kind, std::int64_t by, const Visit& visit);
+
+  /// Whether two ends that pass each other are the first point of one body and the last of another.
+  static bool telling(std::uint64_t a, std::uint64_t b) {
+    return ((a ^ b) & k_last) != 0 && body_of(a) != body_of(b);
+  }
+  static bool telling(std::int64_t a, std::int64_t b) {
+    return telling(static_cast<std::uint64_t>(a), static_cast<std::uint64_t>(b));
+  }
+  static std::uint32_t body_of(std::int64_t end) {
+    return body_of(static_cast<std::uint64_t>(end));
+  }
+  template <class Visit>
+  void sift_down(std::size_t from, const Visit& visit);
+  template <class Visit>
+  void sift_up(std::size_t from, const Visit& visit);
+
+  std::vector<std::uint64_t> ends_;
+  std::vector<std::uint32_t> place_;  ///< by body * 2 + (0 first, 1 last)
+  std::vector<std::int64_t> lifted_;  ///< move_all: the ends on a line, not wrapped
+};
+
+template <class Visit>
+void ExtentRing::move_end(std::uint32_t body, std::uint64_t kind, std::int64_t by,
+                          const Visit& visit) {
+  if (by == 0) return;
+  const std::size_t count = ends_.size();
+  std::size_t at = place(kind | body);
+  const std::uint64_t from = ends_[at];
+  const bool forwards = by > 0;
+  const std::uint64_t distance = static_cast<std::uint64_t>(forwards ? by : -by) << k_place_shift;
+  // Pass every end that lies closer than the way to go; `passed` stops after one turn.
+  for (std::size_t passed = 1; passed < count; ++passed) {
+    const std::size_t neighbour =
+        forwards ? (at + 1 == count ? 0 : at + 1) : (at == 0 ? count - 1 : at - 1);
+    const std::uint64_t other = ends_[neighbour];
+    if ((forwards ? ahead(from, other) : ahead(other, from)) >= distance) break;
+    ends_[at] = other;
+    place(other) = static_cast<std::uint32_t>(at);
+    if (telling(from, other)) visit(body_of(other));
+    at = neighbour;
+  }
+  ends_[at] = (forwards ? from + distance : from - distance) & (k_turn - 1);
+  place(kind | body) = static_cast<std::uint32_t>(at);
+}
+
+template <class Visit>
+void ExtentRing::sift_down(std::size_t from, const Visit& visit) {
+  const std::int64_t end = lifted_[from];
+  std::size_t at = from;
+  for (; at > 0 && lifted_[at - 1] > end; --at) {
+    if (telling(end, lifted_[at - 1])) visit(body_of(end), body_of(lifted_[at - 1]));
+    lifted_[at] = lifted_[at - 1];
+  }
+  lifted_[at] = end;
+}
+
+template <class Visit>
+void ExtentRing::sift_up(std::size_t from, const Visit& visit) {
+  const std::int64_t end = lifted_[from];
+  std::size_t at = from;
+  for (; at + 1 < lifted_.size() && lifted_[at + 1] < end; ++at) {
+    if (telling(end, lifted_[at + 1])) visit(body_of(end), body_of(lifted_[at + 1]));
+    lifted_[at] = lifted_[at + 1];
+  }
+  lifted_[at] = end;
+}
+
+template <class TravelOf, class Visit>
+void ExtentRing::move_all(const TravelOf& travel_of, const Visit& visit) {
+  if (ends_.empty()) return;
+  // Cut the circle before its first entry, lay it out as a line, and let all ends travel. What a
+  // line holds stays within -1 and 3 turns: 61 bits and a sign do for it.
+  lifted_.clear();
+  for (const std::uint64_t end : ends_) {
+    const ArcTravel by = travel_of(body_of(end));
+    const std::int64_t way = (end & k_last) != 0 ? by.last : by.first;
+    lifted_.push_back(static_cast<std::int64_t>(ends_[0] + ahead(ends_[0], end)) +
+                      way * (std::int64_t{1} << k_place_shift));
+  }
+  // Sort the line.
+  for (std::size_t i = 1; i < lifted_.size(); ++i)
+    sift_down(i, visit);
+  // Close the circle: while the last is more than a turn beyond the first, they pass each other.
+  constexpr auto k_line_turn = static_cast<std::int64_t>(k_turn);
+  while (lifted_.back() - lifted_.front() > k_line_turn) {
+    const std::int64_t last = lifted_.back();
+    const std::int64_t first = lifted_.front();
+    if (telling(first, last)) visit(body_of(first), body_of(last));
+    lifted_.front() = last - k_line_turn;
+    lifted_.back() = first + k_line_turn;
+    sift_up(0, visit);
+    sift_down(lifted_.size() - 1, visit);
+  }
+  for (std::size_t i = 0; i < ends_.size(); ++i) {
+    ends_[i] = static_cast<std::uint64_t>(lifted_[i]) & (k_turn - 1);
+    place(ends_[i]) = static_cast<std::uint32_t>(i);
+  }
+}
+
+}  // namespace sleight::physics

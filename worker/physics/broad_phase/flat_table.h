@@ -1,0 +1,127 @@
+// A hash table in one array: open addressing, linear probing, no allocation but when it grows.
+//
+// Idea. Entries that are removed close the gap they leave (Knuth, The Art of Computer Programming,
+// vol. 3, 6.4, Algorithm R), so the table never fills up with marks of what was, and what it holds
+// is all that matters for its speed.
+//
+// Invariants
+//   1. At most 5/8 of the slots are taken.
+//   2. No free slot lies between an entry's home and its slot.
+// Nobody walks over the entries: their order would be that of the hash.
+// Thread safety: none.
+#pragma once
+
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace sleight::physics {
+
+/// The key that no entry has.
+inline constexpr std::uint64_t k_no_key = UINT64_MAX;
+
+template <class T>
+concept TableSlot = std::default_initializable<T> && requires(T slot) {
+  { slot.key } -> std::same_as<std::uint64_t&>;
+} && T {
+}
+.key == k_no_key;
+
+template <TableSlot Slot>
+class FlatTable {
+ public:
+  /// Room for so many entries without growing.
+  explicit FlatTable(std::size_t entries = 0) {
+    slots_.resize(std::bit_ceil(entries * 8 / 5 + 16));
+    set_shift();
+  }
+
+  std::size_t size() const { return size_; }
+
+  /// The entry, or null; valid until the next insert or erase.
+  Slot* find(std::uint64_t key) {
+    Slot& slot = slots_[place_of(key)];
+    return slot.key == key ? &slot : nullptr;
+  }
+  const Slot* find(std::uint64_t key) const {
+    const Slot& slot = slots_[place_of(key)];
+    return slot.key == key ? &slot : nullptr;
+  }
+  bool contains(std::uint64_t key) const { return slots_[place_of(key)].key == key; }
+
+  /// The entry with this key, and whether it is new. REQUIRES: the key is not k_no_key.
+  std::pair<Slot*, bool> insert(std::uint64_t key) {
+    std::size_t place = place_of(key);
+    if (slots_[place].key == key) return {&slots_[place], false};
+    if ((size_ + 1) * 8 > slots_.size() * 5) {
+      grow();
+      place = place_of(key);
+    }
+    ++size_;
+    slots_[place].key = key;
+    return {&slots_[place], true};
+  }
+
+  /// Whether there was such an entry.
+  bool erase(std::uint64_t key) {
+    std::size_t gap = place_of(key);
+    if (slots_[gap].key != key) return false;
+    --size_;
+    // Close the gap: an entry further on moves into it unless its home lies behind the gap.
+    for (std::size_t place = next(gap); slots_[place].key != k_no_key; place = next(place)) {
+      const std::size_t from_home = (place - home_of(slots_[place].key)) & (slots_.size() - 1);
+      const std::size_t from_gap = (place - gap) & (slots_.size() - 1);
+      if (from_home < from_gap) continue;
+      slots_[gap] = slots_[place];
+      gap = place;
+    }
+    slots_[gap] = Slot{};
+    return true;
+  }
+
+ private:
+  std::size_t next(std::size_t place) const { return (place + 1) & (slots_.size() - 1); }
+  // Two odd multipliers (the golden ratio's 64 bits, and one of SplitMix64's) with a shift between:
+  // high and low parts of the key both reach the top bits, which choose the slot.
+  std::size_t home_of(std::uint64_t key) const {
+    key *= 0x9e3779b97f4a7c15U;
+    key ^= key >> 32;
+    return static_cast<std::size_t>(key * 0xbf58476d1ce4e5b9U >> shift_);
+  }
+  /// Where the key is, or where it would go.
+  std::size_t place_of(std::uint64_t key) const {
+    std::size_t place = home_of(key);
+    while (slots_[place].key != key && slots_[place].key != k_no_key)
+      place = next(place);
+    return place;
+  }
+  void set_shift() { shift_ = 64 - std::countr_zero(slots_.size()); }
+  void grow() {
+    std::vector<Slot> old(slots_.size() * 2);
+    old.swap(slots_);
+    set_shift();
+    for (const Slot& slot : old) {
+      if (slot.key != k_no_key) slots_[place_of(slot.key)] = slot;
+    }
+  }
+
+  std::vector<Slot> slots_;  ///< a power of two
+  std::size_t size_ = 0;
+  int shift_ = 0;
+};
+
+/// A pair of bodies.
+struct PairSlot {
+  std::uint64_t key = k_no_key;
+};
+using PairTable = FlatTable<PairSlot>;
+
+/// The same for (a, b) and (b, a). REQUIRES: a != b.
+constexpr std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
+  return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,148 @@
+// An EventQueue as a calendar: G. Paul, "A complexity O(1) priority queue for event driven
+// molecular dynamics simulations", Journal of Computational Physics 221 (2007), with changes named
+// below.
+//
+// Idea. Time from now on is cut into buckets of equal width, about one event each. Only the bucket
+// that time has reached is kept in order, as a heap; the others are lists, so most changes of a key
+// take a slot out of one list and put it into another. What lies behind the last bucket is `far`
+// and in no list at all.
+//
+// When all buckets are used up an epoch ends: all slots are looked through, and the buckets are
+// laid anew from the earliest event on. Paul reuses buckets in a circle, fixes their width by hand,
+// and keeps a list of what is far; here each epoch takes the width from a sample of what waits.
+//
+// Invariants, beside those of event_queue.h
+//   1. A slot that holds an event is in the heap if its bucket is at or before the current one, in
+//      its bucket's list if there is one, else far. So where it is follows from its tick alone.
+//   2. The heap is empty only if the queue is.
+//   3. A bit of `occupied_` is set exactly if that bucket's list isn't empty.
+// A wrong width costs time only: too wide a bucket leaves the work to the heap, too narrow ones
+// make epochs short, and the buckets of an epoch after a short one are at least four times as wide.
+// Time: O(1) amortised if events spread over time; the call that begins an epoch looks through all
+// slots. Memory: 64 bytes a slot, up to 80.
+// Thread safety: as event_queue.h says.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "worker/physics/event/event_queue.h"
+#include "worker/physics/event/slot_heap.h"
+
+namespace sleight::physics {
+
+class CalendarQueue {
+ public:
+  void reset(std::uint32_t slot_count);
+
+  void set(Slot slot, const EventKey& key) {
+    SlotRecord& record = records_[slot.value];
+    if (key == k_no_event) [[unlikely]] {
+      return erase(slot);
+    }
+    ++changes_;
+    const std::uint64_t from = record.key == k_no_event ? k_empty : bucket_of(record.key.tick);
+    const std::uint64_t to = bucket_of(key.tick);
+    if (from == k_empty) {
+      ++size_;
+    } else if (from <= current_ && to <= current_) {
+      record.key = key;
+      return heap_.update(records_.data(), slot.value);
+    } else if (from == to) {
+      record.key = key;
+      return;
+    }
+    take_out(slot.value, from);
+    record.key = key;
+    put_in(slot.value, to);
+    if (heap_.empty()) advance();
+  }
+
+  void erase(Slot slot) {
+    SlotRecord& record = records_[slot.value];
+    if (record.key == k_no_event) return;
+    ++changes_;
+    take_out(slot.value, bucket_of(record.key.tick));
+    record.key = k_no_event;
+    --size_;
+    if (heap_.empty()) advance();
+  }
+
+  const EventKey& key_of(Slot slot) const { return records_[slot.value].key; }
+  bool empty() const { return size_ == 0; }
+  QueuedEvent least() const { return {records_[heap_.least()].key, Slot{heap_.least()}}; }
+
+ private:
+  static constexpr std::uint64_t k_empty = UINT64_MAX;
+
+  /// At most buckets(), which stands for far.
+  std::uint64_t bucket_of(Tick tick) const {
+    if (tick <= base_) return 0;
+    // The difference of two ticks may need 64 bits; as unsigned numbers it is always right.
+    const std::uint64_t since =
+        static_cast<std::uint64_t>(tick.value) - static_cast<std::uint64_t>(base_.value);
+    const std::uint64_t bucket = since >> shift_;
+    return bucket < heads_.size() ? bucket : heads_.size();
+  }
+
+  void take_out(std::uint32_t slot, std::uint64_t bucket) {
+    if (bucket <= current_) {
+      heap_.remove(records_.data(), slot);
+    } else if (bucket < heads_.size()) {
+      unlink(slot, bucket);
+    }
+  }
+
+  void put_in(std::uint32_t slot, std::uint64_t bucket) {
+    if (bucket <= current_) {
+      heap_.insert(records_.data(), slot);
+    } else if (bucket < heads_.size()) {
+      link(slot, bucket);
+    }
+  }
+
+  // Lists are linked both ways: `place` is the one before, k_nowhere for the first.
+  void link(std::uint32_t slot, std::uint64_t bucket) {
+    std::uint32_t& head = heads_[bucket];
+    records_[slot].place = k_nowhere;
+    records_[slot].next = head;
+    if (head == k_nowhere) {
+      occupied_[bucket / 64] |= std::uint64_t{1} << bucket % 64;
+    } else {
+      records_[head].place = slot;
+    }
+    head = slot;
+  }
+
+  void unlink(std::uint32_t slot, std::uint64_t bucket) {
+    const std::uint32_t before = records_[slot].place;
+    const std::uint32_t after = records_[slot].next;
+    if (after != k_nowhere) records_[after].place = before;
+    if (before != k_nowhere) {
+      records_[before].next = after;
+      return;
+    }
+    heads_[bucket] = after;
+    if (after == k_nowhere) occupied_[bucket / 64] &= ~(std::uint64_t{1} << bucket % 64);
+  }
+
+  /// Goes on to the next bucket that isn't empty. REQUIRES: the heap is empty.
+  void advance();
+  /// REQUIRES: all events are far.
+  void begin_epoch();
+  std::uint32_t wanted_shift(Tick earliest) const;
+
+  std::vector<SlotRecord> records_;
+  SlotHeap heap_;
+  std::vector<std::uint32_t> heads_;     ///< of the buckets' lists
+  std::vector<std::uint64_t> occupied_;  ///< a bit per bucket
+  std::uint64_t current_ = 0;            ///< the bucket whose events are in the heap
+  Tick base_{};                          ///< where bucket 0 begins
+  std::uint32_t shift_ = 0;              ///< a bucket is 2^shift_ ticks wide
+  std::uint32_t size_ = 0;               ///< slots that hold an event
+  std::uint64_t changes_ = 0;            ///< since the epoch began
+};
+
+static_assert(EventQueue<CalendarQueue>);
+
+}  // namespace sleight::physics

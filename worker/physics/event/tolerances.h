@@ -1,0 +1,37 @@
+// Every tolerance and limit of the simulator, each with its size and what breaks when it is
+// changed. They belong to the model: changing one changes trajectories, and so every run.
+//
+// Sizes assume SI units and bodies of 1 mm to 10 m that move at up to some 100 m/s in a scene of up
+// to 1 km: a double then carries positions to 1e-13 m.
+#pragma once
+
+#include <cstdint>
+
+#include "worker/physics/event/tick.h"
+
+namespace sleight::physics {
+
+/// A pair touches when its gap is at most this. It keeps bodies apart by more than they move in one
+/// tick (1e-7 m at 100 m/s), so a collision is noticed before they overlap and the closest features
+/// are those of separate bodies. Below 1e-9, fast bodies overlap for a tick; above 1e-5, one sees
+/// things float.
+inline constexpr double k_touch_m = 1e-7;
+
+/// A touching pair collides when it approaches faster than this. Two touching bodies that don't
+/// collide may sink into each other at this speed: 1e-7 m in 100 s. At 1e-13 the sign of the speed
+/// is rounding noise; at 1e-6, bodies sink visibly.
+inline constexpr double k_approach_mps = 1e-9;
+
+/// How much later than a whole simulated step a search may look at the next tick: bounds on gaps
+/// are lowered by this many units in the last place of the coordinates, for the rounding of the gap
+/// at the skipped ticks. Too small, and two searches may disagree by a tick.
+inline constexpr double k_rounding_ulps = 64 * 0x1p-53;
+
+/// Ticks that one search may examine before it gives up with a typed error: a search takes some
+/// tens; a million means that a bound is wrong.
+inline constexpr std::uint32_t k_examined_ticks_max = 1'000'000;
+
+/// Events of one pair at one tick before the simulation gives up with a typed error.
+inline constexpr std::uint32_t k_events_at_a_tick_max = 10'000;
+
+}  // namespace sleight::physics

@@ -1,0 +1,79 @@
+// An EventQueue as a tournament: slots meet in groups of eight, the groups' winners in pairs, up to
+// the one winner, which is the least.
+//
+// Idea. Every slot has a fixed way to the top, so nothing is moved and no slot must know where it
+// is. A group is eight ticks in one cache line. A new key that neither was nor becomes the first of
+// its group, seven in eight, is done at once; else the group's least is found without branches, and
+// the way up replayed as far as the change shows. Where the overall winner was replaced that is all
+// the way, but then the opponents are known before the first match is over, and the processor reads
+// them ahead. Whole keys are read for equal ticks only.
+// (Tournaments, with pairs all the way: D. Knuth, "The Art of Computer Programming" 3, section
+// 5.4.1.)
+//
+// Invariants, beside those of event_queue.h
+//   1. ticks_[i] is the tick of keys_[i]. Slots are filled up to whole groups with empty ones.
+//   2. Node groups_ + i, for each of the groups_ groups, has the tick and slot of the least in
+//      group i; node n, for 1 <= n < groups_, those of the lesser of nodes 2n and 2n + 1. Hence
+//      node 1 has the least of all, whatever the number of groups.
+//   3. Least is meant in the order of QueuedEvent, empty slots included.
+// Memory: 36 bytes a slot. Time: O(log n) for the overall winner, with 14 matches at 100,000 slots;
+// O(1) on average for others, drawn evenly.
+// Thread safety: as event_queue.h says.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "worker/physics/event/event_queue.h"
+
+namespace sleight::physics {
+
+class TournamentQueue {
+ public:
+  TournamentQueue() { reset(0); }
+  void reset(std::uint32_t slot_count);
+
+  void set(Slot slot, const EventKey& key) {
+    const TickCount tick = key.tick.value;
+    const std::uint32_t group = slot.value / k_group;
+    keys_[slot.value] = key;
+    ticks_[group][slot.value % k_group] = tick;
+    const Node& first = nodes_[groups_ + group];
+    if (tick > first.tick && first.slot != slot.value) [[likely]] {
+      return;
+    }
+    replay(group);
+  }
+
+  void erase(Slot slot) { set(slot, k_no_event); }
+
+  const EventKey& key_of(Slot slot) const { return keys_[slot.value]; }
+  bool empty() const { return keys_[nodes_[1].slot] == k_no_event; }
+  QueuedEvent least() const { return {keys_[nodes_[1].slot], Slot{nodes_[1].slot}}; }
+
+ private:
+  static constexpr std::uint32_t k_group = 8;
+  struct alignas(64) Group : std::array<TickCount, k_group> {};
+  struct Node {
+    TickCount tick = k_never.value;
+    std::uint32_t slot = 0;
+  };
+
+  /// Whether slot a's event comes after slot b's, of two at the same tick.
+  bool loses_at_same_tick(std::uint32_t a, std::uint32_t b) const;
+  /// `best` becomes `other` if that comes before it.
+  void meet(Node& best, const Node& other) const;
+  Node least_of(std::uint32_t group) const;
+  /// Mends the nodes after a change in a group.
+  void replay(std::uint32_t group);
+
+  std::vector<EventKey> keys_;  ///< by slot
+  std::vector<Group> ticks_;    ///< by slot
+  std::vector<Node> nodes_;     ///< 0 is not used
+  std::uint32_t groups_ = 0;
+};
+
+static_assert(EventQueue<TournamentQueue>);
+
+}  // namespace sleight::physics

@@ -1,0 +1,58 @@
+// Free rotation of spherical and axially symmetric bodies, in closed form.
+//
+// Idea. With I1 = I2 the angular momentum L is w + (I3/I1 - 1) w3 z, times I1, where z is the
+// body's axis in the world and w3 = w.z is constant. The axis and w both turn about the constant L
+// at the rate |L|/I1 (the precession), while the body turns about its own axis at w3 (1 - I3/I1):
+//   q(s) = exp(L/I1 s) q(0) exp(z_body w3 (1 - I3/I1) s),   w(s) = exp(L/I1 s) w(0)
+// (L. Landau, E. Lifshitz, "Mechanics", sections 33 and 35). A spherical body is the case I3 = I1:
+// no spin of its own, and L/I1 = w.
+// Thread safety: values and pure functions.
+#pragma once
+
+#include "common/base/check.h"
+#include "worker/physics/motion/free_flight.h"
+
+namespace sleight::physics {
+
+struct ClosedRotation {
+  Vec3 precession_radps = Vec3::Zero();  ///< L/I1, in the world's frame
+  double spin_radps = 0;  ///< about the body's z axis, seen from the precessing frame
+};
+
+/// REQUIRES: not general; the moments are as equal as the symmetry says.
+inline ClosedRotation closed_rotation(const FreeFlight& flight, const Inertia& inertia) {
+  const Vec3& moments = inertia.principal_kgm2;
+  const Vec3& w = flight.angular_velocity_radps;
+  CHECK_EQ(moments.x(), moments.y());
+  if (inertia.symmetry == InertiaSymmetry::spherical) {
+    CHECK_EQ(moments.x(), moments.z());
+    return {.precession_radps = w};
+  }
+  CHECK(inertia.symmetry == InertiaSymmetry::axial);
+  const Vec3 axis = math::rotated(flight.orientation, Vec3(0, 0, 1));
+  const double about_axis = math::dot(axis, w);
+  const double excess = (moments.z() - moments.x()) / moments.x();
+  return {.precession_radps = w + (excess * about_axis) * axis,
+          .spin_radps = -(excess * about_axis)};
+}
+
+/// q(s) of a start orientation q(0).
+inline Quat turned(const ClosedRotation& rotation, const Quat& start, double s) {
+  const Quat outer = math::quaternion_of_rotation_vector(s * rotation.precession_radps);
+  if (rotation.spin_radps == 0) return math::composed(outer, start);
+  const math::SinCos half = math::sincos(0.5 * (rotation.spin_radps * s));
+  // The product start * (cos; 0, 0, sin), without its zeros.
+  const Quat inner(
+      start.w() * half.cos - start.z() * half.sin, start.x() * half.cos + start.y() * half.sin,
+      start.y() * half.cos - start.x() * half.sin, start.z() * half.cos + start.w() * half.sin);
+  return math::composed(outer, inner);
+}
+
+/// w(s) of a start w(0). Constant, in bits too, unless the body has a spin of its own.
+inline Vec3 precessed(const ClosedRotation& rotation, const Vec3& start_radps, double s) {
+  if (rotation.spin_radps == 0) return start_radps;
+  return math::rotated(math::quaternion_of_rotation_vector(s * rotation.precession_radps),
+                       start_radps);
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,125 @@
+// The law of a single impact: how much normal impulse, how much friction, what slow impacts do.
+//
+// Idea. At a contact of two bodies (A and B; n the unit normal from A to B; V the velocity of B's
+// contact point relative to A's; P the impulse on B, -P on A) the velocity after is V + K P, where
+// K is the positive definite inverse inertia at the contact. Two impulses span the possibilities:
+//   P_I   the frictionless one that just stops the approach, along n: size u / K_nn with the
+//         approach speed u = -V.n;
+//   P_II  the one that stops all motion at the contact, -K^-1 V.
+// With Q = P_II - P_I, the law of A. Chatterjee and A. Ruina ("A new algebraic rigid-body collision
+// law based on impulse space considerations", Journal of Applied Mechanics 65, 1998; its
+// tangential restitution is 0 here) is
+//   P = (1 + w/u) P_I + kappa Q,
+// w the separation speed, kappa = 1 (sticking) if that P lies in the friction cone, else the kappa
+// in [0, 1) that puts P on the cone's surface (sliding).
+//
+// Invariants
+//   1. n.K Q = 0: the separation speed is w exactly, whatever friction does.
+//   2. P_I and Q are orthogonal under K, and so the kinetic energy changes by
+//        (w^2 - u^2) / (2 K_nn) - (kappa - kappa^2/2) b,   b = Q.K Q >= 0,
+//      which is no gain for w <= u: the second term is a loss for kappa in [0, 2]. This holds for
+//      every positive definite K, so for every inertia and every contact point.
+//   3. |friction impulse| <= mu times the normal impulse, which is >= 0: P(kappa = 0) lies in the
+//      cone, which is convex, and kappa goes from 0 towards 1 only as far as the cone allows.
+//   4. Slow impacts: w = e u for a coefficient e; where this is below the floor v_c, w is raised to
+//      v_c or, if the energy doesn't suffice, to the w at which the change above is 0 with the
+//      kappa that belongs to it. A body that slides in a groove so keeps bouncing with about v_c,
+//      paid from its sliding, and the count of events in a time span stays bounded. A body nearly
+//      at rest cannot pay; resting is decided elsewhere.
+// Thread safety: pure functions.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "worker/physics/motion/rigid_body.h"
+
+namespace sleight::physics {
+
+struct ContactLaw {
+  double restitution = 1;                 ///< e, in [0, 1]
+  double friction = 0;                    ///< Coulomb's mu, >= 0 and finite
+  double separation_speed_floor_mps = 0;  ///< v_c >= 0; 0 switches it off
+};
+
+enum class ImpactRegime : std::uint8_t {
+  separating,  ///< did not approach: nothing was changed
+  sliding,     ///< friction on the cone's surface (mu = 0 included)
+  sticking,    ///< friction inside the cone
+  unresolved   ///< rounding ate the result, or it is NaN: nothing was changed (rigid_impact.h)
+};
+
+/// What both kinds of impact give back.
+struct ImpactOutput {
+  Twist a{};
+  Twist b{};
+  Vec3 impulse_ns = Vec3::Zero();  ///< on B, in the world's frame; A took the opposite
+  double normal_impulse_ns = 0;    ///< >= 0
+  ImpactRegime regime = ImpactRegime::separating;
+};
+
+/// An impact in impulse space; symbols as above.
+struct ImpactSplit {
+  double approach_speed_mps = 0;       ///< u > 0
+  double normal_inverse_mass = 0;      ///< K_nn > 0, in 1/kg
+  double tangential_energy_twice = 0;  ///< b, in J; a multiple of Q's tangential part squared
+  double stick_friction_ns = 0;        ///< length of Q's tangential part
+  double stick_normal_ns = 0;          ///< Q's normal component: 0 for spheres, else either sign
+};
+
+struct ImpactShares {
+  double closing_speed_mps = 0;  ///< u + w: (1 + w/u) P_I is this over K_nn, along n
+  double normal_impulse_ns = 0;  ///< of all of P
+  double friction_share = 0;     ///< kappa
+  ImpactRegime regime = ImpactRegime::sliding;
+};
+
+/// The greatest separation speed that gains no energy (invariant 4); u if there is no friction.
+/// While sliding kappa = (u + w) c with c = mu / (K_nn (|Q_t| - mu Q_n)), and the change of energy
+/// has the factor u + w; the other factor is linear in w. While sticking w^2 = u^2 + K_nn b.
+inline double separation_speed_bound(const ImpactSplit& impact, double friction) {
+  const double u = impact.approach_speed_mps;
+  const double b = impact.tangential_energy_twice;
+  const double slack_ns = impact.stick_friction_ns - friction * impact.stick_normal_ns;
+  if (slack_ns > 0) {
+    const double c = friction / (impact.normal_inverse_mass * slack_ns);
+    if (u * c < 1) {
+      const double w = u + 2 * c * b * (1 - u * c) / (1 / impact.normal_inverse_mass + c * c * b);
+      if ((u + w) * c <= 1) return w;
+    }
+  }
+  return friction > 0 ? std::sqrt(u * u + impact.normal_inverse_mass * b) : u;
+}
+
+/// Resolves the law. REQUIRES: as the fields say; everything finite.
+inline ImpactShares impact_shares(const ImpactSplit& impact, const ContactLaw& law) {
+  // How fast it separates.
+  const double u = impact.approach_speed_mps;
+  double w = law.restitution * u;
+  if (w < law.separation_speed_floor_mps) {
+    // At or below u there is always energy enough.
+    w = law.separation_speed_floor_mps;
+    if (w > u) w = std::min(w, separation_speed_bound(impact, law.friction));
+  }
+  // Whether it sticks: the whole of Q inside the cone.
+  ImpactShares shares{.closing_speed_mps = u + w};
+  const double base_ns = shares.closing_speed_mps / impact.normal_inverse_mass;
+  const double stick_ns = base_ns + impact.stick_normal_ns;
+  if (impact.stick_friction_ns > law.friction * stick_ns) {
+    // Else how much of Q the cone allows. The comparison above makes slack_ns > 0, in rounded
+    // arithmetic too; the normal impulse is written without the cancellation of base + kappa Q_n.
+    const double slack_ns = impact.stick_friction_ns - law.friction * impact.stick_normal_ns;
+    shares.friction_share = law.friction * base_ns / slack_ns;
+    if (shares.friction_share < 1) {
+      shares.normal_impulse_ns = base_ns * (impact.stick_friction_ns / slack_ns);
+      return shares;
+    }
+  }
+  shares.friction_share = 1;
+  shares.normal_impulse_ns = stick_ns;
+  shares.regime = ImpactRegime::sticking;
+  return shares;
+}
+
+}  // namespace sleight::physics

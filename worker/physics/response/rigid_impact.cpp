@@ -1,0 +1,290 @@
+#include "worker/physics/response/rigid_impact.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "common/math/rotation.h"
+#include "common/math/vector.h"
+
+namespace sleight::physics {
+namespace {
+
+/// Rounding of the twists, relative (invariant 1).
+constexpr double k_rounding = 0x1p-50;
+/// The first reduction of P, and by how much it grows from round to round. The last of the rounds
+/// takes off a quarter; if that was not enough, the impact is unresolved.
+constexpr double k_reduction_first = 0x1p-47;
+constexpr double k_reduction_growth = 8;
+constexpr int k_reduction_rounds = 16;
+
+/// A moving body at the contact. P acts on it with this sign.
+struct Side {
+  const RigidImpactBody* body = nullptr;
+  double sign = 1;
+  Vec3 arm_m = Vec3::Zero();  ///< from the centre of mass to the contact, in the world's frame
+  Mat3 axes = Mat3::Identity();
+};
+
+Side side_of(const RigidImpactBody& body, double sign, const Vec3& contact_m) {
+  return {&body, sign, contact_m - body.pose.position_m, math::matrix_of(body.pose.orientation)};
+}
+
+/// A world vector in the body's frame: the transpose of the axes times v.
+Vec3 in_body(const Mat3& axes, const Vec3& v) {
+  return {(axes(0, 0) * v.x() + axes(1, 0) * v.y()) + axes(2, 0) * v.z(),
+          (axes(0, 1) * v.x() + axes(1, 1) * v.y()) + axes(2, 1) * v.z(),
+          (axes(0, 2) * v.x() + axes(1, 2) * v.y()) + axes(2, 2) * v.z()};
+}
+
+/// Whitened coordinates of one or two bodies: velocity, then angular velocity, of each.
+template <std::size_t k_sides>
+using Whitened = std::array<double, 6 * k_sides>;
+
+template <std::size_t k_size>
+double dot(const std::array<double, k_size>& a, const std::array<double, k_size>& b) {
+  // Six partial sums, so that one and two bodies add up in a fixed order that needs no long chain.
+  std::array<double, 6> sums{};
+  for (std::size_t i = 0; i < k_size; ++i)
+    sums[i % 6] += a[i] * b[i];
+  return ((sums[0] + sums[3]) + (sums[1] + sums[4])) + (sums[2] + sums[5]);
+}
+
+/// a -= factor b.
+template <std::size_t k_size>
+void subtract(std::array<double, k_size>& a, double factor, const std::array<double, k_size>& b) {
+  for (std::size_t i = 0; i < k_size; ++i)
+    a[i] -= factor * b[i];
+}
+
+template <std::size_t k_size>
+void scale(std::array<double, k_size>& a, double factor) {
+  for (double& component : a)
+    component *= factor;
+}
+
+template <std::size_t k_sides>
+using Sides = std::array<Side, k_sides>;
+
+/// The column of G for an impulse along a unit direction.
+template <std::size_t k_sides>
+Whitened<k_sides> column(const Sides<k_sides>& sides, const Vec3& direction) {
+  Whitened<k_sides> y;
+  for (std::size_t s = 0; s < k_sides; ++s) {
+    const Side& side = sides[s];
+    const RigidMass& mass = side.body->mass;
+    const Vec3 turn = in_body(side.axes, math::cross(side.arm_m, direction));
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const auto at = 6 * s + static_cast<std::size_t>(i);
+      y[at] = side.sign * mass.inverse_root_mass * direction[i];
+      y[at + 3] = side.sign * mass.inverse_root_moments[i] * turn[i];
+    }
+  }
+  return y;
+}
+
+template <std::size_t k_sides>
+Whitened<k_sides> whitened(const Sides<k_sides>& sides, const std::array<Twist, k_sides>& twists) {
+  Whitened<k_sides> y;
+  for (std::size_t s = 0; s < k_sides; ++s) {
+    const RigidMass& mass = sides[s].body->mass;
+    const Vec3 spin_radps = in_body(sides[s].axes, twists[s].angular_velocity_radps);
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const auto at = 6 * s + static_cast<std::size_t>(i);
+      y[at] = mass.root_mass * twists[s].velocity_mps[i];
+      y[at + 3] = mass.root_moments[i] * spin_radps[i];
+    }
+  }
+  return y;
+}
+
+/// By how much |y|^2 may grow when twists are rounded: a rounding error d of an angular velocity
+/// costs d times the angular momentum, and is as large along heavy axes as along light ones.
+template <std::size_t k_sides>
+double rounding_of_energy(const Sides<k_sides>& sides, const Whitened<k_sides>& y) {
+  double sum = dot(y, y);
+  for (std::size_t s = 0; s < k_sides; ++s) {
+    const RigidMass& mass = sides[s].body->mass;
+    Vec3 spin = Vec3::Zero();
+    Vec3 momentum = Vec3::Zero();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double component = y[6 * s + 3 + static_cast<std::size_t>(i)];
+      spin[i] = mass.inverse_root_moments[i] * component;
+      momentum[i] = mass.root_moments[i] * component;
+    }
+    sum += math::norm(spin) * math::norm(momentum);
+  }
+  return k_rounding * sum;
+}
+
+template <std::size_t k_sides>
+std::array<Twist, k_sides> pushed(const Sides<k_sides>& sides, const Vec3& impulse_ns) {
+  std::array<Twist, k_sides> twists;
+  for (std::size_t s = 0; s < k_sides; ++s) {
+    const Side& side = sides[s];
+    const RigidMass& mass = side.body->mass;
+    const Vec3 on_body_ns = side.sign * impulse_ns;
+    Vec3 spin = in_body(side.axes, math::cross(side.arm_m, on_body_ns));
+    for (Eigen::Index i = 0; i < 3; ++i)
+      spin[i] *= mass.inverse_root_moments[i] * mass.inverse_root_moments[i];
+    twists[s].velocity_mps = side.body->twist.velocity_mps + mass.inverse_mass_per_kg * on_body_ns;
+    twists[s].angular_velocity_radps =
+        side.body->twist.angular_velocity_radps + math::product(side.axes, spin);
+  }
+  return twists;
+}
+
+struct Tangents {
+  Vec3 first;
+  Vec3 second;
+};
+
+/// Two unit vectors across n (T. Duff and others, "Building an orthonormal basis, revisited",
+/// Journal of Computer Graphics Techniques 6, 2017).
+Tangents tangents_of(const Vec3& n) {
+  const double sign = std::copysign(1.0, n.z());
+  const double a = -1 / (sign + n.z());
+  const double b = n.x() * n.y() * a;
+  return {{1 + sign * n.x() * n.x() * a, sign * b, -sign * n.x()},
+          {b, sign + n.y() * n.y() * a, -n.y()}};
+}
+
+struct Impulse {
+  Vec3 vector_ns = Vec3::Zero();
+  double normal_ns = 0;
+  ImpactRegime regime = ImpactRegime::separating;
+};
+
+/// The impulse of the law, for given whitened velocities.
+template <std::size_t k_sides>
+Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3& n,
+                   const ContactLaw& law) {
+  // The normal column: e_1 and its part of y.
+  Whitened<k_sides> e1 = column(sides, n);
+  const double r11 = std::sqrt(dot(e1, e1));
+  scale(e1, 1 / r11);
+  const double z1 = dot(e1, y);
+  if (!(z1 < 0)) return {};
+  ImpactSplit split{.approach_speed_mps = -z1 * r11, .normal_inverse_mass = r11 * r11};
+  if (law.friction == 0) {
+    const ImpactShares shares = impact_shares(split, law);
+    return {shares.normal_impulse_ns * n, shares.normal_impulse_ns, ImpactRegime::sliding};
+  }
+
+  // The tangential columns by modified Gram and Schmidt, y deflated along (A. Bjoerck, "Solving
+  // linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967). No eigenvalue
+  // of K is below 1/m_A + 1/m_B, hence no diagonal element of R below its root: where rounding has
+  // lost a column, that is what remains.
+  const Tangents t = tangents_of(n);
+  double inverse_mass = 0;
+  for (const Side& side : sides)
+    inverse_mass += side.body->mass.inverse_mass_per_kg;
+  const double r_least = std::sqrt(inverse_mass);
+  Whitened<k_sides> e2 = column(sides, t.first);
+  Whitened<k_sides> e3 = column(sides, t.second);
+  subtract(y, z1, e1);
+  const double r12 = dot(e1, e2);
+  subtract(e2, r12, e1);
+  const double r13 = dot(e1, e3);
+  subtract(e3, r13, e1);
+  const double r22 = std::max(std::sqrt(dot(e2, e2)), r_least);
+  scale(e2, 1 / r22);
+  const double z2 = dot(e2, y);
+  subtract(y, z2, e2);
+  const double r23 = dot(e2, e3);
+  subtract(e3, r23, e2);
+  const double r33 = std::max(std::sqrt(dot(e3, e3)), r_least);
+  scale(e3, 1 / r33);
+  const double z3 = dot(e3, y);
+
+  // Q solves R Q = (0, -z2, -z3).
+  const double q3_ns = -z3 / r33;
+  const double q2_ns = (-z2 - r23 * q3_ns) / r22;
+  split.tangential_energy_twice = z2 * z2 + z3 * z3;
+  split.stick_friction_ns = std::sqrt(q2_ns * q2_ns + q3_ns * q3_ns);
+  split.stick_normal_ns = -(r12 * q2_ns + r13 * q3_ns) / r11;
+  const ImpactShares shares = impact_shares(split, law);
+  const double kappa = shares.friction_share;
+  return {shares.normal_impulse_ns * n + kappa * q2_ns * t.first + kappa * q3_ns * t.second,
+          shares.normal_impulse_ns, shares.regime};
+}
+
+/// Impulse and new twists; with `guarded`, P is reduced until no energy is gained.
+template <bool guarded, std::size_t k_sides>
+Impulse resolved(const Sides<k_sides>& sides, const RigidImpactInput& input,
+                 std::array<Twist, k_sides>& twists) {
+  const Whitened<k_sides> before = whitened(sides, twists);
+  Impulse impulse = impulse_of(sides, before, input.normal, input.law);
+  if (impulse.regime == ImpactRegime::separating) return impulse;
+  const std::array<Twist, k_sides> twists_before = twists;
+  twists = pushed(sides, impulse.vector_ns);
+  if constexpr (guarded) {
+    const double energy_twice = dot(before, before);
+    double reduction = k_reduction_first;
+    for (int round = 0;; ++round) {
+      const Whitened<k_sides> after = whitened(sides, twists);
+      const double gain = dot(after, after) - energy_twice;
+      if (gain <= 0 || gain <= rounding_of_energy(sides, after)) return impulse;
+      if (round == k_reduction_rounds) break;
+      const double factor = 1 - reduction;
+      impulse.vector_ns *= factor;
+      impulse.normal_ns *= factor;
+      twists = pushed(sides, impulse.vector_ns);
+      reduction *= k_reduction_growth;
+    }
+    twists = twists_before;
+    return {.regime = ImpactRegime::unresolved};
+  }
+  return impulse;
+}
+
+template <bool guarded>
+ImpactOutput rigid_impact_of(const RigidImpactInput& input) {
+  ImpactOutput out{.a = input.a.twist, .b = input.b.twist};
+  Impulse impulse;
+  const bool moves_a = input.a.mass.inverse_mass_per_kg > 0;
+  const bool moves_b = input.b.mass.inverse_mass_per_kg > 0;
+  if (moves_a && moves_b) {
+    std::array<Twist, 2> twists{out.a, out.b};
+    impulse = resolved<guarded>(
+        Sides<2>{side_of(input.a, -1, input.contact_m), side_of(input.b, 1, input.contact_m)},
+        input, twists);
+    out.a = twists[0];
+    out.b = twists[1];
+  } else {
+    std::array<Twist, 1> twists{moves_a ? out.a : out.b};
+    impulse = resolved<guarded>(Sides<1>{moves_a ? side_of(input.a, -1, input.contact_m)
+                                                 : side_of(input.b, 1, input.contact_m)},
+                                input, twists);
+    (moves_a ? out.a : out.b) = twists[0];
+  }
+  out.impulse_ns = impulse.vector_ns;
+  out.normal_impulse_ns = impulse.normal_ns;
+  out.regime = impulse.regime;
+  return out;
+}
+
+}  // namespace
+
+RigidMass rigid_mass(const Inertia& inertia) {
+  RigidMass mass;
+  mass.inverse_mass_per_kg = 1 / inertia.mass_kg;
+  mass.root_mass = std::sqrt(inertia.mass_kg);
+  mass.inverse_root_mass = 1 / mass.root_mass;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    mass.root_moments[i] = std::sqrt(inertia.principal_kgm2[i]);
+    mass.inverse_root_moments[i] = 1 / mass.root_moments[i];
+  }
+  return mass;
+}
+
+ImpactOutput rigid_impact(const RigidImpactInput& input) {
+  return rigid_impact_of<true>(input);
+}
+
+ImpactOutput rigid_impact_unguarded(const RigidImpactInput& input) {
+  return rigid_impact_of<false>(input);
+}
+
+}  // namespace sleight::physics

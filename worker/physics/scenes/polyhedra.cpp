@@ -1,0 +1,232 @@
+// Scenes of convex polyhedra: the thesis's two experiments (3.3), and small piles.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "worker/physics/scenes/random_starts.h"
+#include "worker/physics/scenes/scenes.h"
+#include "worker/physics/shape/mass_properties.h"
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::physics::scenes {
+namespace {
+
+constexpr double k_gravity_mps2 = 9.81;
+
+/// A shape that bodies can share, and its inertia.
+struct Solid {
+  std::shared_ptr<const Compound> shape;
+  Inertia inertia;
+};
+
+Solid solid_of(ConvexPolyhedron polyhedron, double density_kgpm3, InertiaSymmetry symmetry) {
+  BodyShape body =
+      in_body_frame(std::vector{std::move(polyhedron)}, density_kgpm3, symmetry).value();
+  return {.shape = std::make_shared<const Compound>(Compound{.parts = std::move(body.parts)}),
+          .inertia = body.inertia};
+}
+
+Solid cube_of(double side_m) {
+  return solid_of(cube(side_m).value(), 2500, InertiaSymmetry::spherical);
+}
+
+/// A cube whose corners are moved by up to a tenth of its side per axis.
+Solid grain_of(double side_m, random::Stream& stream) {
+  std::vector<Vec3> corners_m;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 place((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
+                     (corner & 4) != 0 ? 0.5 : -0.5);
+    corners_m.push_back(side_m * (place + vector_between(stream, -0.1, 0.1)));
+  }
+  return solid_of(convex_hull(corners_m).value(), 2500, InertiaSymmetry::general);
+}
+
+BodyDescription body_of(const Solid& solid, std::string name, const Pose& pose) {
+  return {.name = std::move(name),
+          .shape = solid.shape,
+          .inertia = solid.inertia,
+          .start = {.pose = pose, .twist = {}}};
+}
+
+StaticConvex static_hull(std::string name, std::span<const Vec3> points_m) {
+  return {.name = std::move(name),
+          .polyhedron = std::make_shared<const ConvexPolyhedron>(convex_hull(points_m).value())};
+}
+
+/// The thesis's funnel as four slabs whose upper faces run from the hole to the walls, k quarter
+/// turns about z.
+StaticConvex funnel_slab(double half_width_m, int k) {
+  constexpr double k_side_m = 0.01;
+  const Vec3 hole = k_side_m * Vec3(2.5, 0, 15);
+  const Vec3 rim = k_side_m * Vec3(9, 0, 23);
+  const Vec3 along = rim - hole;
+  const Vec3 upward = math::normalized(Vec3(-along.z(), 0, along.x()));
+  std::vector<Vec3> points_m;
+  for (const Vec3& end : {hole, rim}) {
+    for (const double depth : {0.0, 0.8}) {
+      for (const double side : {-1.0, 1.0}) {
+        const Vec3 p = end - depth * k_side_m * upward + Vec3(0, side * (half_width_m + 0.005), 0);
+        switch (k) {
+          case 0:
+            points_m.push_back(p);
+            break;
+          case 1:
+            points_m.emplace_back(-p.y(), p.x(), p.z());
+            break;
+          case 2:
+            points_m.emplace_back(-p.x(), -p.y(), p.z());
+            break;
+          default:
+            points_m.emplace_back(p.y(), -p.x(), p.z());
+            break;
+        }
+      }
+    }
+  }
+  return static_hull("funnel", points_m);
+}
+
+void add_walls(Scene& scene, double half_m, int axes) {
+  for (int axis = 0; axis < axes; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      Vec3 normal = Vec3::Zero();
+      normal[axis] = -side;
+      scene.planes.push_back({.name = std::string(side < 0 ? "low " : "high ") + "xyz"[axis],
+                              .outside = {.normal = normal, .offset_m = -half_m}});
+    }
+  }
+}
+
+/// Gravity, a floor at height 0, and what ends slow contacts for bodies of this size.
+Scene floor_scene(double size_m, const SurfaceLaw& law) {
+  Scene scene;
+  scene.gravity_mps2 = {0, 0, -k_gravity_mps2};
+  scene.contacts = ContactTable(1, law);
+  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+  scene.slow = slow_contacts_of(size_m);
+  return scene;
+}
+
+}  // namespace
+
+SlowContacts slow_contacts_of(double size_m) {
+  const double fall_mps = std::sqrt(k_gravity_mps2 * size_m);
+  return {.separation_speed_mps = 0.005 * fall_mps,
+          .rest_speed_mps = 0.03 * fall_mps,
+          .rest_time_s = 0.1 * std::sqrt(size_m / k_gravity_mps2)};
+}
+
+Setting boxed_polyhedra(std::uint32_t bodies, std::uint64_t seed) {
+  random::Stream stream = stream_of_scene(seed, 0);
+  const double half_m = 0.5 * std::max(1.5, 10.5 * math::pow(bodies / 64.0, 1.0 / 3));
+  Setting setting{.scene = {}, .duration_s = 100};
+  Scene& scene = setting.scene;
+  add_walls(scene, half_m, 3);
+  Solid solid = solid_of(icosphere(0.5, 1).value(), 1, InertiaSymmetry::spherical);
+  const double scale = 1 / solid.inertia.mass_kg;  // to 1 kg
+  solid.inertia.mass_kg = 1;
+  solid.inertia.principal_kgm2 *= scale;
+  while (scene.bodies.size() < bodies) {
+    const Vec3 place_m = vector_between(stream, -half_m + 0.52, half_m - 0.52);
+    const bool free = std::ranges::none_of(scene.bodies, [&](const BodyDescription& other) {
+      return math::norm(other.start.pose.position_m - place_m) < 1.02;
+    });
+    if (!free) continue;
+    BodyDescription body = body_of(
+        solid, {}, {.position_m = place_m, .orientation = random::UniformRotation{}.draw(stream)});
+    body.start.twist.velocity_mps = vector_between(stream, -1, 1);
+    scene.bodies.push_back(std::move(body));
+  }
+  return setting;
+}
+
+Setting hourglass(std::uint32_t bodies, std::uint64_t seed) {
+  constexpr double k_side_m = 0.01;
+  constexpr double k_half_width_m = 0.08;
+  random::Stream stream = stream_of_scene(seed, 0);
+  Setting setting{.scene = {}, .duration_s = 0.05 * bodies + 5};
+  Scene& scene = setting.scene;
+  scene.gravity_mps2 = {0, 0, -k_gravity_mps2};
+  scene.contacts = ContactTable(1, {.restitution = 0.5, .friction = 0.3});
+  scene.slow = slow_contacts_of(k_side_m);
+  add_walls(scene, k_half_width_m, 2);
+  std::vector<Vec3> floor_m{{0, 0, 0.8 * k_side_m}};
+  for (const double height : {0.0, -0.02}) {
+    for (const double x : {-k_half_width_m, k_half_width_m}) {
+      for (const double y : {-k_half_width_m, k_half_width_m})
+        floor_m.emplace_back(x, y, height);
+    }
+  }
+  scene.convexes.push_back(static_hull("floor", floor_m));
+  for (int k = 0; k < 4; ++k)
+    scene.convexes.push_back(funnel_slab(k_half_width_m, k));
+
+  const auto drop = [](random::Stream& from) -> StartState {
+    return {.pose = {.position_m = {between(from, -0.05, 0.05), between(from, -0.05, 0.05), 0.28},
+                     .orientation = random::UniformRotation{}.draw(from)},
+            .twist = {}};
+  };
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    BodyDescription grain = body_of(grain_of(k_side_m, stream), {}, {});
+    grain.start = drop(stream);
+    grain.start_tick = Tick{} + ticks_after(0.05 * i);
+    grain.start_again = [seed, i, drop](std::uint32_t attempt) {
+      random::Stream again({.seed = seed, .chain = {i}, .purpose = random::Purpose::start},
+                           attempt);
+      return drop(again);
+    };
+    scene.bodies.push_back(std::move(grain));
+  }
+  return setting;
+}
+
+Setting cube_drop(std::uint32_t bodies, std::uint64_t seed) {
+  constexpr double k_side_m = 0.02;
+  random::Stream stream = stream_of_scene(seed, 0);
+  Setting setting{.scene = floor_scene(k_side_m, {.restitution = 0.5, .friction = 0.4}),
+                  .duration_s = 3};
+  const Solid solid = cube_of(k_side_m);
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    const Vec3 place_m(0.06 * i, 0, between(stream, 0.05, 0.1));
+    BodyDescription body = body_of(
+        solid, {}, {.position_m = place_m, .orientation = random::UniformRotation{}.draw(stream)});
+    body.start.twist = {.velocity_mps = vector_between(stream, -0.1, 0.1),
+                        .angular_velocity_radps = vector_between(stream, -10, 10)};
+    setting.scene.bodies.push_back(std::move(body));
+  }
+  return setting;
+}
+
+Setting cube_stack(std::uint32_t bodies, std::uint64_t seed) {
+  constexpr double k_side_m = 0.02;
+  random::Stream stream = stream_of_scene(seed, 0);
+  Setting setting{.scene = floor_scene(k_side_m, {.restitution = 0.3, .friction = 0.5}),
+                  .duration_s = 3};
+  const Solid solid = cube_of(k_side_m);
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    const Vec3 place_m(between(stream, -0.001, 0.001), between(stream, -0.001, 0.001),
+                       (i + 0.5) * k_side_m + (i + 1) * 0.0005);
+    setting.scene.bodies.push_back(body_of(solid, {}, {.position_m = place_m}));
+  }
+  return setting;
+}
+
+Setting grain_heap(std::uint32_t bodies, std::uint64_t seed) {
+  constexpr double k_side_m = 0.01;
+  random::Stream stream = stream_of_scene(seed, 0);
+  Setting setting{.scene = floor_scene(k_side_m, {.restitution = 0.3, .friction = 0.5}),
+                  .duration_s = 5};
+  const double half_m = 0.06;
+  add_walls(setting.scene, half_m, 2);
+  // A loose lattice, five by five in a layer.
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    const Vec3 place_m(0.022 * (i % 5) - 0.044, 0.022 * (i / 5 % 5) - 0.044,
+                       0.015 + 0.022 * (i / 25));
+    setting.scene.bodies.push_back(
+        body_of(grain_of(k_side_m, stream), {},
+                {.position_m = place_m, .orientation = random::UniformRotation{}.draw(stream)}));
+  }
+  return setting;
+}
+
+}  // namespace sleight::physics::scenes

@@ -1,0 +1,27 @@
+// Random states that scenes start from.
+//
+// Thread safety: pure functions of the stream.
+#pragma once
+
+#include "common/random/distributions.h"
+#include "common/random/stream.h"
+#include "worker/physics/motion/rigid_body.h"
+
+namespace sleight::physics::scenes {
+
+inline random::Stream stream_of_scene(std::uint64_t seed, std::uint64_t part) {
+  return random::Stream({.seed = seed, .purpose = random::Purpose::scene}, part);
+}
+
+inline double between(random::Stream& stream, double low, double high) {
+  return low + (high - low) * stream.uniform();
+}
+
+inline Vec3 vector_between(random::Stream& stream, double low, double high) {
+  const double x = between(stream, low, high);
+  const double y = between(stream, low, high);
+  const double z = between(stream, low, high);
+  return {x, y, z};
+}
+
+}  // namespace sleight::physics::scenes

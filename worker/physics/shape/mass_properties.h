@@ -1,0 +1,68 @@
+// Mass, centre and inertia of bodies made of convex parts, and the body's own frame.
+//
+// Idea. A body of uniform density is a union of convex parts that do not overlap. Each part is cut
+// into tetrahedra from its centre to the triangles of its faces; volume, first and second moments
+// of a tetrahedron are exact polynomials of its corners (F. Tonon, "Explicit exact formulas for the
+// 3-D tetrahedron inertia tensor in terms of its vertex coordinates", J. Math. Stat. 1 (2004), in
+// the covariance form of J. Blow and A. Binstock, "How to find the inertia tensor of a 3D solid
+// body", 2004: the integral of x x^T over the tetrahedron (0, a, b, c) of volume V is
+// V/20 (a a^T + b b^T + c c^T + s s^T) with s = a + b + c).
+//
+// Which symmetry a body has is declared by whoever makes the shape, never guessed from rounded
+// numbers, since it selects how free rotation is computed; the declaration is checked.
+// Thread safety: pure functions.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/shape/convex_polyhedron.h"
+
+namespace sleight::physics {
+
+/// Moments that are declared equal may differ by this part of the largest.
+inline constexpr double k_moment_tolerance = 1e-9;
+
+struct MassProperties {
+  double volume_m3 = 0;
+  double mass_kg = 0;
+  Vec3 centre_m = Vec3::Zero();      ///< centre of mass, in the parts' frame
+  Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre of mass, along the parts' frame's axes
+};
+
+/// REQUIRES: at least one part; density > 0. Overlapping parts count twice where they overlap.
+MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double density_kgpm3);
+
+struct PrincipalAxes {
+  Vec3 moments = Vec3::Zero();
+  Mat3 axes = Mat3::Identity();  ///< columns: the unit axis of each moment; determinant 1
+};
+
+/// Eigenvalues and vectors of a symmetric matrix by cyclic Jacobi rotations (G. Golub, C. Van Loan,
+/// "Matrix computations", 3rd edition, 8.4). Of all orders and signs of the axes, the result is
+/// the one closest to the given frame: a diagonal matrix gives the identity. Errors are some 1e-15
+/// of the largest entry. REQUIRES: finite; the upper triangle is read.
+PrincipalAxes principal_axes(const Mat3& symmetric);
+
+/// A body in its own frame: origin in the centre of mass, principal axes along x, y, z.
+struct BodyShape {
+  std::vector<ConvexPolyhedron> parts;  ///< in the body's frame
+  Inertia inertia;
+  Pose frame;  ///< the body's frame in the frame of the parts given
+};
+
+/// Re-centres parts. The axes are chosen so:
+///   spherical  those of the given frame; the moments are made equal (their mean)
+///   axial      z along the odd moment's axis, in that of its two directions whose largest
+///              component is positive; x as close as possible to the given x (or y, where z is
+///              near x); the two moments about x and y are made equal (their mean)
+///   general    principal axes, in the order and with the signs closest to the given frame
+/// Fails with no_parts, dimension_not_positive (index 0: the density), not_spherical or not_axial.
+base::Result<BodyShape, ShapeError> in_body_frame(std::span<const ConvexPolyhedron> parts,
+                                                  double density_kgpm3, InertiaSymmetry declared);
+
+/// Of a solid ball: m = 4/3 pi r^3 density, I = 2/5 m r^2. REQUIRES: both > 0.
+Inertia solid_sphere_inertia(double radius_m, double density_kgpm3);
+
+}  // namespace sleight::physics

@@ -1,0 +1,34 @@
+// Why points or parts do not make a shape.
+//
+// Shapes come from requests and files, so a bad one is an expected outcome: the makers return this
+// value instead of a shape. Thread safety: values.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace sleight::physics {
+
+struct ShapeError {
+  enum class Kind : std::uint8_t {
+    too_few_points,         ///< fewer than four
+    too_many_points,        ///< more than k_hull_points_max
+    not_finite,             ///< a coordinate is NaN or infinite; `index` says of which point
+    flat,                   ///< thinner than k_hull_flat of the extent; `measured` is that ratio
+    degenerate,             ///< features as small as the tolerance: no consistent polyhedron
+    not_spherical,          ///< declared spherical, but the moments differ; `measured`: relative
+    not_axial,              ///< declared axial, but no two moments agree; `measured`: relative
+    no_parts,               ///< a body without any part
+    dimension_not_positive  ///< a size, radius, density or count that must be positive
+  };
+  Kind kind{};
+  std::size_t index = 0;
+  double measured = 0;
+  friend bool operator==(const ShapeError&, const ShapeError&) = default;
+};
+
+/// A sentence for people, without a full stop.
+std::string describe(const ShapeError& error);
+
+}  // namespace sleight::physics

@@ -1,0 +1,39 @@
+// Makers of common solids, and bodies of several convex parts.
+//
+// All are centred at their centre of mass with principal axes along x, y, z, so their frame can be
+// used as the body's. Sizes that are not positive and finite are a ShapeError whose index says
+// which argument it was. Thread safety: pure functions and values.
+#pragma once
+
+#include <vector>
+
+#include "common/base/result.h"
+#include "worker/physics/shape/convex_polyhedron.h"
+
+namespace sleight::physics {
+
+/// A body of convex parts, all in the body's frame; distances and impacts are per part.
+struct Compound {
+  std::vector<ConvexPolyhedron> parts;
+  /// Every point of every part is this close to the frame's origin.
+  double r_outer_m() const;
+};
+
+using ShapeResult = base::Result<ConvexPolyhedron, ShapeError>;
+
+/// With these lengths of its sides. Eight vertices, six quadrilaterals; inertia: general unless two
+/// or three sides are equal.
+ShapeResult box(const Vec3& sides_m);
+/// Inertia: spherical.
+ShapeResult cube(double side_m);
+/// Regular, with its vertices at this distance from the centre. Inertia: spherical.
+ShapeResult tetrahedron(double circumradius_m);
+/// An icosahedron whose triangles are split in four `subdivisions` times, all vertices on the
+/// sphere of this radius: 12, 42, 162, 642 vertices for 0 to 3. Inertia: spherical.
+/// Fails with too_many_points for more subdivisions.
+ShapeResult icosphere(double radius_m, int subdivisions);
+/// An upright prism along z over a regular polygon of this many corners (at least 3) on a circle of
+/// this radius. Inertia: axial.
+ShapeResult regular_prism(int corners, double radius_m, double height_m);
+
+}  // namespace sleight::physics

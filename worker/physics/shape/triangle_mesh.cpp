@@ -1,0 +1,276 @@
+#include "worker/physics/shape/triangle_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/check.h"
+
+namespace sleight::physics {
+namespace {
+
+using math::cross;
+using math::dot;
+using math::norm;
+
+bool finite(const Vec3& p) {
+  // Squares and cubes of lengths are taken.
+  return std::fabs(p.x()) < 1e60 && std::fabs(p.y()) < 1e60 && std::fabs(p.z()) < 1e60;
+}
+
+// A side of a triangle, by its vertices.
+struct DirectedSide {
+  std::uint32_t low, high;
+  std::uint32_t triangle;
+  std::uint8_t side;
+  bool forward;  ///< from low to high
+  friend auto operator<=>(const DirectedSide&, const DirectedSide&) = default;
+};
+
+std::vector<DirectedSide> sides_of(std::span<const TriangleCorners> triangles) {
+  std::vector<DirectedSide> sides;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (std::uint8_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = triangles[t][k];
+      const std::uint32_t to = triangles[t][(k + 1U) % 3];
+      sides.push_back({std::min(from, to), std::max(from, to), t, k, from < to});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  return sides;
+}
+
+void sort_unique(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+}  // namespace
+
+base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> vertices_m,
+                                                         std::span<const TriangleCorners> triangles,
+                                                         MeshClosure closure) {
+  using Kind = MeshError::Kind;
+  TriangleMesh mesh;
+  mesh.vertices_m_.assign(vertices_m.begin(), vertices_m.end());
+  mesh.triangles_.assign(triangles.begin(), triangles.end());
+  // Each triangle by itself; then vertices that none uses.
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    if (const auto error = mesh.check_triangle(t)) return *error;
+  }
+  for (std::uint32_t v = 0; v < vertices_m.size(); ++v) {
+    if (!finite(vertices_m[v])) return MeshError{.kind = Kind::vertex_not_finite, .vertex = v};
+  }
+  // Edges: equal neighbours in the sorted list of sides.
+  const std::vector<DirectedSide> sides = sides_of(triangles);
+  mesh.triangle_edges_.resize(triangles.size());
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i + 1;
+    while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
+      ++end;
+    const DirectedSide& first = sides[i];
+    if (end - i > 2)
+      return MeshError{.kind = Kind::edge_shared_by_three,
+                       .triangle = sides[i + 2].triangle,
+                       .other = first.triangle,
+                       .vertex = first.low};
+    if (end - i == 1 && closure == MeshClosure::closed)
+      return MeshError{.kind = Kind::not_closed, .triangle = first.triangle, .vertex = first.low};
+    if (end - i == 2 && first.forward == sides[i + 1].forward)
+      return MeshError{.kind = Kind::edge_run_twice,
+                       .triangle = sides[i + 1].triangle,
+                       .other = first.triangle,
+                       .vertex = first.low};
+    MeshEdge edge;
+    // triangle[0] is the one that runs from the lower vertex, if there are two.
+    const bool swapped = end - i == 2 && !first.forward;
+    const DirectedSide& left = swapped ? sides[i + 1] : first;
+    edge.vertex = left.forward ? std::array{left.low, left.high} : std::array{left.high, left.low};
+    edge.triangle[0] = left.triangle;
+    if (end - i == 2) edge.triangle[1] = (swapped ? first : sides[i + 1]).triangle;
+    for (; i < end; ++i)
+      mesh.triangle_edges_[sides[i].triangle][sides[i].side] =
+          static_cast<std::uint32_t>(mesh.edges_.size());
+    mesh.edges_.push_back(edge);
+  }
+  mesh.index_vertices();
+  // All that hangs on positions.
+  mesh.faces_.resize(triangles.size());
+  mesh.exposed_.resize(vertices_m.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    mesh.derive_face(t);
+  for (std::uint32_t e = 0; e < mesh.edges_.size(); ++e)
+    mesh.derive_edge(e);
+  for (std::uint32_t v = 0; v < vertices_m.size(); ++v)
+    mesh.derive_vertex(v);
+  return mesh;
+}
+
+std::optional<MeshError> TriangleMesh::check_triangle(std::uint32_t triangle) const {
+  using Kind = MeshError::Kind;
+  const TriangleCorners& corners = triangles_[triangle];
+  for (const std::uint32_t v : corners) {
+    if (v >= vertices_m_.size())
+      return MeshError{.kind = Kind::index_out_of_range, .triangle = triangle, .vertex = v};
+    if (!finite(vertices_m_[v]))
+      return MeshError{.kind = Kind::vertex_not_finite, .triangle = triangle, .vertex = v};
+  }
+  const Vec3& a = vertices_m_[corners[0]];
+  const Vec3& b = vertices_m_[corners[1]];
+  const Vec3& c = vertices_m_[corners[2]];
+  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+  // Twice the area is the longest side times the height on it.
+  if (!(norm(cross(b - a, c - a)) > k_mesh_sliver * (longest * longest)) || !(longest > 1e-60))
+    return MeshError{.kind = Kind::degenerate_triangle, .triangle = triangle, .vertex = corners[0]};
+  return std::nullopt;
+}
+
+void TriangleMesh::index_vertices() {
+  const auto index = [&](auto& first, auto& about, const auto& each) {
+    first.assign(vertices_m_.size() + 1, 0);
+    each([&](std::uint32_t vertex, std::uint32_t) { ++first[vertex + std::size_t{1}]; });
+    for (std::size_t v = 1; v < first.size(); ++v)
+      first[v] += first[v - 1];
+    about.assign(first.back(), 0);
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    each([&](std::uint32_t vertex, std::uint32_t item) { about[next[vertex]++] = item; });
+  };
+  index(triangles_first_, triangles_about_, [&](const auto& visit) {
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      for (const std::uint32_t v : triangles_[t])
+        visit(v, t);
+    }
+  });
+  index(edges_first_, edges_about_, [&](const auto& visit) {
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      for (const std::uint32_t v : edges_[e].vertex)
+        visit(v, e);
+    }
+  });
+}
+
+void TriangleMesh::derive_face(std::uint32_t triangle) {
+  const TriangleCorners& corners = triangles_[triangle];
+  const std::array<Vec3, 3> p{vertices_m_[corners[0]], vertices_m_[corners[1]],
+                              vertices_m_[corners[2]]};
+  MeshFace& face = faces_[triangle];
+  face.normal = math::normalized(cross(p[1] - p[0], p[2] - p[0]));
+  face.offset_m = dot(face.normal, p[0]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    face.inward[k] = math::normalized(cross(face.normal, p[(k + 1) % 3] - p[k]));
+    face.inward_offset_m[k] = dot(face.inward[k], p[k]);
+  }
+}
+
+void TriangleMesh::derive_edge(std::uint32_t index) {
+  MeshEdge& edge = edges_[index];
+  edge.start_m = vertices_m_[edge.vertex[0]];
+  const Vec3 along = vertices_m_[edge.vertex[1]] - edge.start_m;
+  edge.length_m = norm(along);
+  edge.direction = along / edge.length_m;
+  edge.normal[0] = faces_[edge.triangle[0]].normal;
+  if (edge.triangle[1] == k_no_triangle) {
+    edge.kind = EdgeKind::boundary;
+    return;
+  }
+  const MeshFace& right = faces_[edge.triangle[1]];
+  edge.normal[1] = right.normal;
+  // How far the right face falls below the left one's plane, on a unit away from the edge.
+  const auto& its_edges = triangle_edges_[edge.triangle[1]];
+  const auto side = static_cast<std::size_t>(std::find(its_edges.begin(), its_edges.end(), index) -
+                                             its_edges.begin());
+  const double rise = dot(edge.normal[0], right.inward[side]);
+  const bool folded = dot(edge.normal[0], edge.normal[1]) < 0;
+  if (rise < -k_mesh_flat_sine) {
+    edge.kind = EdgeKind::convex;
+  } else if (rise > k_mesh_flat_sine) {
+    edge.kind = EdgeKind::concave;
+  } else {
+    // Two faces back to back make the sharpest edge there is.
+    edge.kind = folded ? EdgeKind::convex : EdgeKind::flat;
+  }
+}
+
+void TriangleMesh::derive_vertex(std::uint32_t vertex) {
+  exposed_[vertex] = 0;
+  for (std::size_t i = edges_first_[vertex]; i < edges_first_[vertex + std::size_t{1}]; ++i) {
+    const EdgeKind kind = edges_[edges_about_[i]].kind;
+    if (kind == EdgeKind::convex || kind == EdgeKind::boundary) exposed_[vertex] = 1;
+  }
+}
+
+std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove> moves) {
+  // The new positions, and the triangles about them.
+  old_positions_m_.clear();
+  moved_triangles_.clear();
+  for (const VertexMove& move : moves) {
+    CHECK_LT(move.vertex, vertices_m_.size());
+    old_positions_m_.push_back(vertices_m_[move.vertex]);
+    vertices_m_[move.vertex] = move.position_m;
+    for (std::size_t i = triangles_first_[move.vertex];
+         i < triangles_first_[move.vertex + std::size_t{1}]; ++i)
+      moved_triangles_.push_back(triangles_about_[i]);
+  }
+  sort_unique(moved_triangles_);
+  // Checks; on an error the positions go back in reverse order, for vertices that came twice.
+  std::optional<MeshError> error;
+  for (const std::uint32_t t : moved_triangles_) {
+    if (!error) error = check_triangle(t);
+  }
+  for (const VertexMove& move : moves) {
+    if (!error && !finite(vertices_m_[move.vertex]))
+      error = MeshError{.kind = MeshError::Kind::vertex_not_finite, .vertex = move.vertex};
+  }
+  if (error) {
+    for (std::size_t i = moves.size(); i-- > 0;)
+      vertices_m_[moves[i].vertex] = old_positions_m_[i];
+    return error;
+  }
+  // Faces, then the edges of these, then the ends of those.
+  moved_edges_.clear();
+  moved_vertices_.clear();
+  for (const std::uint32_t t : moved_triangles_) {
+    derive_face(t);
+    moved_edges_.insert(moved_edges_.end(), triangle_edges_[t].begin(), triangle_edges_[t].end());
+  }
+  sort_unique(moved_edges_);
+  for (const std::uint32_t e : moved_edges_) {
+    derive_edge(e);
+    moved_vertices_.insert(moved_vertices_.end(), edges_[e].vertex.begin(), edges_[e].vertex.end());
+  }
+  sort_unique(moved_vertices_);
+  for (const std::uint32_t v : moved_vertices_)
+    derive_vertex(v);
+  return std::nullopt;
+}
+
+std::string describe(const MeshError& error) {
+  using Kind = MeshError::Kind;
+  switch (error.kind) {
+    case Kind::vertex_not_finite:
+      if (error.triangle == k_no_triangle)
+        return fmt::format("a coordinate of vertex {} is not a finite number", error.vertex);
+      return fmt::format("triangle {}: a coordinate of its vertex {} is not a finite number",
+                         error.triangle, error.vertex);
+    case Kind::index_out_of_range:
+      return fmt::format("triangle {}: there is no vertex {}", error.triangle, error.vertex);
+    case Kind::degenerate_triangle:
+      return fmt::format("triangle {} has no area: its height is below {:g} of its longest side",
+                         error.triangle, k_mesh_sliver);
+    case Kind::edge_shared_by_three:
+      return fmt::format("triangle {} is the third one at an edge of triangle {} (at vertex {})",
+                         error.triangle, error.other, error.vertex);
+    case Kind::edge_run_twice:
+      return fmt::format(
+          "triangles {} and {} run their common edge (at vertex {}) the same way: one of them is "
+          "inside out",
+          error.other, error.triangle, error.vertex);
+    case Kind::not_closed:
+      return fmt::format("the mesh is not closed: an edge of triangle {} (at vertex {}) is free",
+                         error.triangle, error.vertex);
+  }
+  return "unknown mesh error";
+}
+
+}  // namespace sleight::physics

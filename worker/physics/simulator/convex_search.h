@@ -1,0 +1,68 @@
+// When do two convex pieces in motion meet?
+//
+// Idea. Along a fixed axis n the separation of two pieces is the lowest vertex of B less the
+// highest of A, and the gap is never less than that. Each vertex's place along n is known now, so
+// is its rate, and its acceleration has a bound; so the separation lies above the lower envelope of
+// one line for each vertex, less D h^2 / 2. The first time at which that bound touches and falls is
+// a time before which the pieces don't collide. With n the line of closest points the bound is
+// tight to second order, so a handful of looks finds the collision to the tick.
+//
+// This is the second of two stages (thesis 3.2.2); the first is when the bounding spheres meet.
+// What the thesis takes for the second, the distance over the greatest speed of any point, is first
+// order.
+//
+// A sphere is a piece of one vertex with a radius.
+//
+// Invariants
+//   1. A search looks at a sequence of ticks that is a function of the two bodies' segments alone:
+//      it starts from the first stage's tick with a fresh cache, and each look gives the next tick.
+//      So whoever follows it, in whatever portions, finds the same collision.
+//   2. At a look the verdict is computed cold: gap <= k_touch_m and rate < -k_approach_mps.
+//   3. A look is skipped only under the bound above. It does not cover what turns the normal of two
+//      vertices, or of a vertex and an edge, while they are within k_touch_m of each other.
+// Thread safety: pure functions, but for the cache that they are given.
+#pragma once
+
+#include "worker/physics/distance/closest_points.h"
+#include "worker/physics/simulator/sphere_search.h"
+
+namespace sleight::physics {
+
+/// A piece at a tick. What bounds motion must hold from then on.
+struct MovingPiece {
+  const ConvexView* view = nullptr;
+  double radius_m = 0;  ///< added all around
+  PlacedPose pose{};
+  Vec3 velocity_mps = Vec3::Zero();
+  Vec3 acceleration_mps2 = Vec3::Zero();
+  Vec3 angular_velocity_radps = Vec3::Zero();
+  /// Of any point of the piece against the centre, at most, from now on.
+  double turning_acceleration_mps2 = 0;
+  /// Radius of a sphere about pose.position_m that holds the piece; infinite for what doesn't move.
+  double reach_m = 0;
+};
+
+/// How two pieces meet at a tick.
+struct PieceContact {
+  double gap_m = 0;
+  double rate_mps = 0;          ///< of the gap, at the closest points
+  Vec3 normal = Vec3::Zero();   ///< unit, from A to B
+  Vec3 point_m = Vec3::Zero();  ///< half way between the closest points
+};
+
+/// From scratch: a function of the two pieces' poses and velocities alone.
+PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
+/// Of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
+PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
+
+/// One look. The cache is that of the search's earlier looks.
+Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick,
+                        SeparationCache& cache);
+Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick);
+
+/// The first stage for two bodies that fall alike: when the spheres that hold them come to touch,
+/// as a span from the moment at which the second centre is at `between_m` from the first. Not
+/// later, rounding included; k_tick_max.value if never.
+TickCount touch_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps, double radii_m);
+
+}  // namespace sleight::physics

@@ -1,0 +1,140 @@
+// The event loop, over any broad phase and any event queue.
+//
+// Asynchronous (thesis, Algorithms 3.2 and 3.3): each body has its own temporal bounding volume, a
+// box that holds it for a span of its own. When the span ends, it gets another one, for twice the
+// time since it got the last; when its motion changes, it keeps the box if that still holds it for
+// long enough. Pairs of overlapping boxes are watched. Every event touches one or two bodies.
+//
+// Synchronous (Algorithm 3.4): after every event every body's box is made anew, to hold until the
+// next event, and all extents are sorted again.
+//
+// All pairs: no boxes; the reference.
+//
+// Invariants
+//   1. A body's box holds it, and k_touch_m around it, from now to the box's expiry.
+//   2. A pair whose boxes overlap has an edge, and the edge's prediction is not later than the next
+//      collision of the pair. A body's key in the queue is the least of its own predictions, of
+//      pairs and of static geometry, and of its box's expiry; it may be that of a prediction which
+//      is void by now (pair_graph.h), and then is made anew when it comes up. So the least key of
+//      the queue that is not void is the next event of the simulation.
+//   3. Nothing is allocated in the loop once lists have grown to their size.
+// Hence which boxes are made, and when, has no influence on what happens.
+// Thread safety: none.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "worker/physics/broad_phase/broad_phase.h"
+#include "worker/physics/event/event_queue.h"
+#include "worker/physics/simulator/engine_options.h"
+#include "worker/physics/simulator/world.h"
+
+namespace sleight::physics {
+
+template <BroadPhase Boxes, EventQueue Queue>
+class Engine {
+ public:
+  /// Borrows the world.
+  Engine(World& world, EngineOptions options);
+
+  /// Processes every event up to and at `end`. Nothing if all went well; after an error the engine
+  /// stays where it is.
+  std::optional<SceneError> run_until(Tick end);
+
+  Tick now() const { return now_; }
+  const Counts& counts() const { return counts_; }
+
+ private:
+  static constexpr std::uint32_t k_nobody = UINT32_MAX;
+
+  struct Bound {
+    Tick expiry = k_never;
+    Tick made{};
+  };
+  struct StaticEdge {
+    Prediction prediction{};
+    std::uint32_t index = 0;
+    std::uint32_t search = k_no_search;
+  };
+  struct AtTick {
+    Tick tick{-1};
+    std::uint32_t events = 0;
+  };
+
+  /// Takes the broad phase's report on one body. Pairs that begin are predicted unless all of the
+  /// body's are going to be.
+  struct Sink {
+    Engine& engine;
+    std::uint32_t body;
+    bool predict;
+    void begin(BodyId other) { engine.begin_pair(body, other.value, predict); }
+    void end(BodyId other) { engine.end_pair(body, other.value); }
+    std::span<const BodyId> neighbours() const { return engine.graph_.others_of(body); }
+  };
+  struct PairsSink {
+    Engine& engine;
+    void begin(BodyId a, BodyId b) {
+      engine.begin_pair(a.value, b.value, true);
+      engine.refresh_key(a.value);
+    }
+    void end(BodyId a, BodyId b) { engine.end_pair(a.value, b.value); }
+    std::span<const BodyId> neighbours(BodyId a) const { return engine.graph_.others_of(a.value); }
+  };
+
+  // Events.
+  void process(const QueuedEvent& queued);
+  bool is_void(std::uint32_t body, const EventKey& event);
+  void start(std::uint32_t body, const EventKey& event);
+  void collide(const EventKey& event);
+  void examine(std::uint32_t body, const EventKey& event);
+  void control(const EventKey& event);
+  void sample();
+  std::string obstacle_of(std::uint32_t body);
+
+  // Predictions.
+  void begin_pair(std::uint32_t a, std::uint32_t b, bool predict);
+  void end_pair(std::uint32_t a, std::uint32_t b);
+  void predict(std::uint32_t body, PairEdge& edge);
+  void predict_all(std::uint32_t body);
+  void predict_statics(std::uint32_t body);
+  void refresh_key(std::uint32_t body);
+
+  // Bounding volumes.
+  void motion_changed(std::uint32_t body);
+  void renew_box(std::uint32_t body, bool predict);
+  void renew_all_boxes(Tick end);
+  void renew_images(std::uint32_t body, bool predict);
+  bool watch_statics(std::uint32_t body, const Box& box);
+  TickCount least_span(std::uint32_t body) const;
+  Image image_of(std::uint32_t lower, std::uint32_t higher) const;
+
+  bool too_many_at_this_tick(std::uint32_t body);
+  void fail(SceneError::Kind kind, std::string message);
+  void schedule_control();
+
+  World& world_;
+  EngineOptions options_;
+  Boxes boxes_;
+  Queue queue_;
+  PairGraph graph_;
+  std::vector<std::vector<StaticEdge>> statics_;
+  std::vector<Bound> bounds_;
+  std::vector<Box> static_boxes_;       ///< what each body's list of static features is good for
+  std::vector<Box> all_boxes_;          ///< scratch of the synchronous algorithm
+  std::vector<std::uint32_t> near_;     ///< scratch
+  std::vector<std::uint32_t> changes_;  ///< of each body's motion
+  std::vector<AtTick> at_tick_;
+  std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
+  std::size_t next_control_ = 0;
+  std::uint32_t present_ = 0;  ///< bodies that have started
+  Tick now_{};
+  Counts counts_;
+  std::optional<SceneError> failure_;
+};
+
+}  // namespace sleight::physics
+
+#include "worker/physics/simulator/engine_impl.h"

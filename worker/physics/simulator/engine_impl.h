@@ -1,0 +1,524 @@
+// Bodies of the templates in engine.h, which includes it. The engines that programs use are
+// compiled once, in simulation.cpp.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "worker/physics/motion/motion_bounds.h"
+#include "worker/physics/simulator/engine.h"
+
+namespace sleight::physics {
+
+/// A new box lasts at least as long as its body takes for this share of its radius: shorter ones
+/// expire often and keep no more pairs apart.
+inline constexpr double k_least_box_radii = 0.2;
+/// A box is wider than its body's path by this share of the body's radius on each side, so that it
+/// holds the body for a while after a collision as well.
+inline constexpr double k_box_pad_radii = 0.2;
+/// After a change of motion the box is kept if it holds the body for the time in which that moves
+/// by this share of its radius.
+inline constexpr double k_keep_box_radii = 0.05;
+/// A body whose box overlaps more others than this gets a shorter one next.
+inline constexpr std::size_t k_neighbours_wanted = 8;
+/// Boxes in which static features are looked for are larger by this share of the body's radius, so
+/// that most new boxes lie within the last such box.
+inline constexpr double k_static_margin_radii = 0.5;
+/// A box of the synchronous algorithm lasts at most as long as the fastest body takes for its
+/// radius.
+inline constexpr double k_synchronous_step_radii = 1;
+/// Room in each list before anything is allocated: at most 12 equal spheres touch one, and boxes
+/// reach some radii further.
+inline constexpr std::size_t k_list_room = 64;
+
+inline bool holds(const Box& outer, const Box& inner) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (inner.low_m[axis] < outer.low_m[axis] || inner.high_m[axis] > outer.high_m[axis])
+      return false;
+  }
+  return true;
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+Engine<Boxes, Queue>::Engine(World& world, EngineOptions options)
+    : world_(world),
+      options_(std::move(options)),
+      boxes_({.bodies = world.size(),
+              .period_m = world.scene().period_m,
+              .size_m = world.typical_box_m()}) {
+  const auto count = world.size();
+  queue_.reset(count + 3);
+  graph_.reset(count, options_.algorithm == Algorithm::all_pairs ? count : k_list_room);
+  statics_.resize(count);
+  for (auto& list : statics_)
+    list.reserve(k_list_room);
+  near_.reserve(4 * k_list_room);
+  bounds_.resize(count);
+  static_boxes_.resize(count);
+  changes_.assign(count, 0);
+  at_tick_.resize(count);
+  if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
+
+  // Every body waits for its start.
+  for (std::uint32_t body = 0; body < count; ++body) {
+    queue_.set(
+        {body},
+        {.tick = world.scene().bodies[body].start_tick, .kind = EventKind::start, .lower = body});
+  }
+  const std::vector<Control>& controls = world.scene().controls;
+  controls_.resize(controls.size());
+  std::iota(controls_.begin(), controls_.end(), 0U);
+  std::stable_sort(controls_.begin(), controls_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return controls[a].tick < controls[b].tick;
+  });
+  schedule_control();
+  if (options_.sample_every > 0) {
+    queue_.set({count + 1}, {.tick = {0}, .kind = EventKind::sample});
+  }
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
+  while (!failure_ && !queue_.empty()) {
+    const QueuedEvent event = queue_.least();
+    if (event.key.tick > end) break;
+    now_ = event.key.tick;
+    process(event);
+    if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
+  }
+  if (!failure_) now_ = end;
+  return failure_;
+}
+
+// ---- events -------------------------------------------------------------------------------------
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
+  const EventKey& event = queued.key;
+  switch (event.kind) {
+    case EventKind::update:
+      if (event.lower == k_nobody) return;  // the synchronous algorithm wants new boxes
+      if (event.higher == k_nobody) {
+        ++counts_.updates;
+        renew_box(event.lower, true);
+      } else {
+        examine(queued.slot.value, event);
+      }
+      return;
+    case EventKind::start:
+      start(event.lower, event);
+      return;
+    case EventKind::control:
+      control(event);
+      return;
+    case EventKind::collision:
+      if (is_void(queued.slot.value, event)) {
+        ++counts_.voids;
+        refresh_key(queued.slot.value);
+      } else {
+        collide(event);
+      }
+      return;
+    case EventKind::sample:
+      sample();
+      return;
+    case EventKind::mode:
+    case EventKind::rest:
+      break;
+  }
+  CHECK(false);
+}
+
+/// Whether a pair's partner has changed since a body predicted this, or the pair is not watched
+/// now.
+template <BroadPhase Boxes, EventQueue Queue>
+bool Engine<Boxes, Queue>::is_void(std::uint32_t body, const EventKey& event) {
+  if ((event.higher & k_static) != 0) return false;
+  const PairEdge* edge = graph_.find(body, body == event.lower ? event.higher : event.lower);
+  return edge == nullptr || edge->other_changes != changes_[edge->other];
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
+  const BodyDescription& description = world_.scene().bodies[body];
+  StartState state = description.start;
+  for (std::uint32_t attempt = 1;; ++attempt) {
+    // Put the body there, to find what it would touch.
+    world_.place(body, world_.segment_of_start(state, event.tick));
+    bounds_[body].made = now_ - 1;
+    static_boxes_[body] = {.low_m = {1, 1, 1}, .high_m = {-1, -1, -1}};
+    for (StaticEdge& edge : statics_[body])
+      world_.end_search(edge.search);
+    statics_[body].clear();
+    if (options_.algorithm == Algorithm::all_pairs) {
+      for (std::uint32_t other = 0; other < world_.size(); ++other) {
+        if (other != body && world_.started(other)) begin_pair(body, other, false);
+      }
+      for (std::uint32_t index = 0; index < world_.static_count(body); ++index)
+        statics_[body].push_back({.index = index});
+    } else {
+      const Box box = path_box(world_.segment(body).flight,
+                               world_.constants(body).reach_m + k_touch_m, now_, now_ + 1);
+      Sink sink{*this, body, false};
+      boxes_.insert({body}, box, sink);
+      watch_statics(body, box);
+    }
+    const std::string obstacle = obstacle_of(body);
+    if (obstacle.empty()) break;
+
+    // It is taken away again and gets another place, if it has any.
+    if (options_.algorithm == Algorithm::all_pairs) {
+      while (!graph_.others_of(body).empty())
+        end_pair(body, graph_.others_of(body).front().value);
+    } else {
+      Sink sink{*this, body, false};
+      boxes_.remove({body}, sink);
+    }
+    if (!description.start_again || attempt > k_start_attempts_max) {
+      fail(SceneError::Kind::overlap,
+           description.start_again
+               ? fmt::format("{} finds no free place to start at {:.9g} s in {} attempts; the last "
+                             "one overlaps {}",
+                             world_.name(body), seconds(event.tick - Tick{}), attempt - 1, obstacle)
+               : fmt::format("{} can't start at {:.9g} s: it overlaps {}", world_.name(body),
+                             seconds(event.tick - Tick{}), obstacle));
+      return;
+    }
+    ++counts_.start_draws;
+    state = description.start_again(attempt);
+  }
+  ++counts_.starts;
+  ++present_;
+  world_.begin_segment(body, world_.segment(body), event);
+  motion_changed(body);
+}
+
+/// What a body overlaps, by name; empty if nothing.
+template <BroadPhase Boxes, EventQueue Queue>
+std::string Engine<Boxes, Queue>::obstacle_of(std::uint32_t body) {
+  std::uint32_t lowest = k_nobody;
+  for (const BodyId other : graph_.others_of(body)) {
+    const std::uint32_t a = std::min(body, other.value);
+    const std::uint32_t b = std::max(body, other.value);
+    if (other.value < lowest && world_.touching(a, b, image_of(a, b), now_)) lowest = other.value;
+  }
+  if (lowest != k_nobody) return world_.name(lowest);
+  for (const StaticEdge& edge : statics_[body]) {
+    if (world_.touching_static(body, edge.index, now_)) return world_.static_name(body, edge.index);
+  }
+  return {};
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::collide(const EventKey& event) {
+  if (too_many_at_this_tick(event.lower)) return;
+  if ((event.higher & k_static) != 0) {
+    ++counts_.static_collisions;
+    world_.collide_static(event.lower, event.higher & ~k_static, event);
+    motion_changed(event.lower);
+    return;
+  }
+  ++counts_.collisions;
+  world_.collide(event.lower, event.higher, graph_.find(event.lower, event.higher)->image, event);
+  // Both numbers of changes before any prediction, which would be void else.
+  ++changes_[event.higher];
+  motion_changed(event.lower);
+  motion_changed(event.higher);
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::examine(std::uint32_t body, const EventKey& event) {
+  if (is_void(body, event)) {
+    ++counts_.voids;
+  } else if ((event.higher & k_static) != 0) {
+    ++counts_.examined;
+    const std::uint32_t index = event.higher & ~k_static;
+    for (StaticEdge& edge : statics_[body]) {
+      if (edge.index == index) edge.prediction = world_.look_static(body, index, now_, edge.search);
+    }
+  } else {
+    ++counts_.examined;
+    PairEdge& edge = *graph_.find(body, body == event.lower ? event.higher : event.lower);
+    if (options_.algorithm == Algorithm::all_pairs && world_.periodic()) {
+      predict(body, edge);
+    } else {
+      edge.prediction = world_.look(event.lower, event.higher, edge.image, now_, edge.search);
+    }
+  }
+  refresh_key(body);
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::control(const EventKey& event) {
+  const Control& control = world_.scene().controls[controls_[next_control_]];
+  ++counts_.controls;
+  ++next_control_;
+  schedule_control();
+  if (!world_.started(control.body.value)) return;
+  world_.apply(control, event);
+  motion_changed(control.body.value);
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::schedule_control() {
+  const auto slot = world_.size();
+  if (next_control_ == controls_.size()) {
+    queue_.erase({slot});
+    return;
+  }
+  const Control& control = world_.scene().controls[controls_[next_control_]];
+  queue_.set({slot}, {.tick = control.tick,
+                      .kind = EventKind::control,
+                      .lower = control.body.value,
+                      .feature = static_cast<std::uint32_t>(next_control_)});
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::sample() {
+  ++counts_.samples;
+  if (options_.on_sample) options_.on_sample(now_);
+  queue_.set({world_.size() + 1},
+             {.tick = now_ + options_.sample_every, .kind = EventKind::sample});
+}
+
+// ---- predictions --------------------------------------------------------------------------------
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::begin_pair(std::uint32_t a, std::uint32_t b, bool predict_now) {
+  PairEdge& edge = graph_.add(a, b, image_of(std::min(a, b), std::max(a, b)));
+  if (predict_now) predict(a, edge);
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::end_pair(std::uint32_t a, std::uint32_t b) {
+  world_.end_search(graph_.find(a, b)->search);
+  graph_.remove(a, b);
+}
+
+/// Predicts a pair; the prediction goes to the body's copy of the edge, and the other copy is void.
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::predict(std::uint32_t body, PairEdge& edge) {
+  ++counts_.predictions;
+  edge.other_changes = changes_[edge.other];
+  const std::uint32_t lower = std::min(body, edge.other);
+  const std::uint32_t higher = std::max(body, edge.other);
+  if (world_.free_spheres(lower, higher) && options_.algorithm != Algorithm::all_pairs) {
+    edge.prediction = world_.predict_free_spheres(lower, higher, edge.image);
+    return;
+  }
+  if (options_.algorithm == Algorithm::all_pairs && world_.periodic()) {
+    edge.prediction = world_.predict_any_image(lower, higher, now_, edge.image);
+    graph_.mirror_of(edge).image = edge.image;
+    return;
+  }
+  const std::uint32_t search = edge.search;
+  edge.prediction = world_.predict(lower, higher, edge.image, now_, edge.search);
+  if (edge.search != search) graph_.mirror_of(edge).search = edge.search;
+}
+
+/// Predicts all pairs of a body whose motion has changed, and puts its key.
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::predict_all(std::uint32_t body) {
+  for (PairEdge& edge : graph_.edges_of(body))
+    predict(body, edge);
+  predict_statics(body);
+  refresh_key(body);
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::predict_statics(std::uint32_t body) {
+  for (StaticEdge& edge : statics_[body]) {
+    ++counts_.predictions;
+    edge.prediction = world_.predict_static(body, edge.index, now_, edge.search);
+  }
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
+  EventKey best{
+      .tick = bounds_[body].expiry, .kind = EventKind::update, .lower = body, .higher = k_nobody};
+  const auto offer = [&](const Prediction& prediction, std::uint32_t lower, std::uint32_t higher) {
+    const EventKey key{.tick = prediction.tick,
+                       .kind = prediction.certain ? EventKind::collision : EventKind::update,
+                       .lower = lower,
+                       .higher = higher,
+                       .feature = prediction.feature};
+    if (key < best) best = key;
+  };
+  for (const PairEdge& edge : graph_.edges_of(body)) {
+    if (edge.prediction.tick > best.tick || edge.other_changes != changes_[edge.other]) continue;
+    offer(edge.prediction, std::min(body, edge.other), std::max(body, edge.other));
+  }
+  for (const StaticEdge& edge : statics_[body]) {
+    if (edge.prediction.tick <= best.tick) offer(edge.prediction, body, k_static | edge.index);
+  }
+  queue_.set({body}, best);
+}
+
+// ---- bounding volumes ---------------------------------------------------------------------------
+
+/// A body began a segment at this tick: it keeps its box if that holds it long enough.
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::motion_changed(std::uint32_t body) {
+  ++changes_[body];
+  if (options_.algorithm == Algorithm::asynchronous) {
+    const Tick exit = exit_tick(boxes_.box({body}), world_.segment(body).flight,
+                                world_.constants(body).reach_m + k_touch_m, now_);
+    if (exit - now_ >= world_.span_of_travel(body, now_, k_keep_box_radii)) {
+      bounds_[body].expiry = exit + 1;
+    } else {
+      renew_box(body, false);
+    }
+  } else if (options_.algorithm == Algorithm::synchronous && world_.periodic()) {
+    renew_images(body, false);
+  }
+  predict_all(body);
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
+  // The doubling rule: twice the time since the last box, half of it where that would overlap too
+  // many others, but no needlessly short span.
+  Bound& bound = bounds_[body];
+  const TickCount elapsed = now_ - bound.made;
+  const bool crowded = graph_.others_of(body).size() > k_neighbours_wanted;
+  const TickCount span =
+      std::min(std::max(crowded ? elapsed / 2 : 2 * elapsed, least_span(body)), k_tick_max - now_);
+  const double radius_m = world_.constants(body).reach_m * (1 + k_box_pad_radii) + k_touch_m;
+  const Tick end = now_ + world_.limited_span(body, now_, span);
+  const Box box = path_box(world_.segment(body).flight, radius_m, now_, end);
+  bound = {.expiry = std::max(end, exit_tick(box, world_.segment(body).flight,
+                                             world_.constants(body).reach_m + k_touch_m, now_)) +
+                     1,
+           .made = now_};
+  Sink sink{*this, body, predict_new};
+  boxes_.move({body}, box, sink);
+  watch_statics(body, box);
+  if (world_.periodic()) renew_images(body, predict_new);
+  if (predict_new) refresh_key(body);
+}
+
+/// The pairs that stay may meet in another image, now that a body's box or place is another one.
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::renew_images(std::uint32_t body, bool predict_new) {
+  for (PairEdge& edge : graph_.edges_of(body)) {
+    const Image image = image_of(std::min(body, edge.other), std::max(body, edge.other));
+    if (image == edge.image) continue;
+    PairEdge& mirror = graph_.mirror_of(edge);
+    edge.image = image;
+    mirror.image = image;
+    mirror.other_changes = k_void;
+    if (predict_new) predict(body, edge);
+  }
+}
+
+/// Makes sure that all static features near a box are in the body's list. Whether the list changed.
+template <BroadPhase Boxes, EventQueue Queue>
+bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
+  if (world_.static_count(body) == 0 || holds(static_boxes_[body], box)) return false;
+  const auto margin = static_cast<float>(k_static_margin_radii * world_.constants(body).reach_m);
+  Box& wide = static_boxes_[body];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    wide.low_m[axis] = box.low_m[axis] - margin;
+    wide.high_m[axis] = box.high_m[axis] + margin;
+  }
+  near_.clear();
+  world_.statics_near(body, wide, near_);
+  // What was watched before keeps its prediction; both lists ascend.
+  std::vector<StaticEdge>& list = statics_[body];
+  const std::size_t before = list.size();
+  std::size_t old = 0;
+  for (const std::uint32_t index : near_) {
+    for (; old < before && list[old].index < index; ++old)
+      world_.end_search(list[old].search);
+    if (old < before && list[old].index == index) {
+      const StaticEdge kept = list[old++];
+      list.push_back(kept);
+    } else {
+      StaticEdge edge{.index = index};
+      ++counts_.predictions;
+      edge.prediction = world_.predict_static(body, index, now_, edge.search);
+      list.push_back(edge);
+    }
+  }
+  for (; old < before; ++old)
+    world_.end_search(list[old].search);
+  list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(before));
+  return true;
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
+  if (failure_ || present_ == 0) return;
+  // Boxes last until the next event, but not too long: there may be no pair near for a while.
+  TickCount step = k_tick_max.value;
+  for (std::uint32_t body = 0; body < world_.size(); ++body) {
+    if (world_.started(body))
+      step = std::min(step, world_.span_of_travel(body, now_, k_synchronous_step_radii));
+  }
+  const auto clock = world_.size();
+  queue_.set({clock + 2}, {.tick = now_ + std::max<TickCount>(step, 1),
+                           .kind = EventKind::update,
+                           .lower = k_nobody,
+                           .higher = k_nobody});
+  const Tick next = std::min(queue_.least().key.tick, end);
+  for (std::uint32_t body = 0; body < world_.size(); ++body) {
+    if (!world_.started(body)) continue;
+    all_boxes_[body] =
+        path_box(world_.segment(body).flight, world_.constants(body).reach_m + k_touch_m, now_,
+                 std::max(next, now_));
+    if (watch_statics(body, all_boxes_[body])) refresh_key(body);
+  }
+  PairsSink sink{*this};
+  boxes_.move_all(all_boxes_, sink);
+}
+
+/// Time that a body takes at least for a small part of its radius.
+template <BroadPhase Boxes, EventQueue Queue>
+TickCount Engine<Boxes, Queue>::least_span(std::uint32_t body) const {
+  return world_.span_of_travel(body, now_, k_least_box_radii);
+}
+
+/// Which image of the higher body the lower one may meet: boxes are so short that only one can.
+template <BroadPhase Boxes, EventQueue Queue>
+Image Engine<Boxes, Queue>::image_of(std::uint32_t lower, std::uint32_t higher) const {
+  Image image{};
+  if (!world_.periodic()) return image;
+  if (options_.algorithm != Algorithm::asynchronous) {
+    return world_.nearest_image(lower, higher, now_);
+  }
+  const Box& a = boxes_.box({lower});
+  const Box& b = boxes_.box({higher});
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double period = world_.scene().period_m[axis];
+    if (period == 0) continue;
+    const double apart = 0.5 * ((double{a.low_m[axis]} + double{a.high_m[axis]}) -
+                                (double{b.low_m[axis]} + double{b.high_m[axis]}));
+    image[axis] = static_cast<std::int8_t>(std::floor(apart / period + 0.5));
+  }
+  return image;
+}
+
+// ---- failures -----------------------------------------------------------------------------------
+
+template <BroadPhase Boxes, EventQueue Queue>
+bool Engine<Boxes, Queue>::too_many_at_this_tick(std::uint32_t body) {
+  AtTick& at = at_tick_[body];
+  at.events = at.tick == now_ ? at.events + 1 : 1;
+  at.tick = now_;
+  if (at.events <= k_events_at_a_tick_max) return false;
+  fail(SceneError::Kind::search_failed,
+       fmt::format("{} collides {} times at tick {} ({:.9g} s)", world_.name(body), at.events,
+                   now_.value, seconds(now_ - Tick{})));
+  return true;
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::fail(SceneError::Kind kind, std::string message) {
+  failure_ = SceneError{kind, std::move(message)};
+}
+
+}  // namespace sleight::physics

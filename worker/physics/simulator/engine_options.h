@@ -1,0 +1,44 @@
+// What an engine is told, and what it counts.
+//
+// Thread safety: values.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "worker/physics/event/tick.h"
+
+namespace sleight::physics {
+
+/// Which bodies an event touches. The results are the same, bit for bit.
+enum class Algorithm : std::uint8_t {
+  asynchronous,  ///< thesis, Algorithms 3.2 and 3.3: those that it concerns
+  synchronous,   ///< Algorithm 3.4: all, as a baseline to compare with
+  all_pairs      ///< no bounding volumes, every pair is predicted: the reference
+};
+
+struct EngineOptions {
+  Algorithm algorithm = Algorithm::asynchronous;
+  TickCount sample_every = 0;  ///< 0: no sampling events
+  std::function<void(Tick)> on_sample{};
+};
+
+/// What an engine did.
+struct Counts {
+  std::uint64_t updates = 0;     ///< bounding volumes that expired
+  std::uint64_t examined = 0;    ///< predictions that had to be looked at again
+  std::uint64_t collisions = 0;  ///< of two bodies
+  std::uint64_t static_collisions = 0;
+  std::uint64_t controls = 0;
+  std::uint64_t starts = 0;
+  std::uint64_t start_draws = 0;  ///< places drawn again because of an overlap
+  std::uint64_t samples = 0;
+  std::uint64_t predictions = 0;
+  std::uint64_t voids = 0;  ///< events that came up after a partner's change had made them void
+
+  std::uint64_t events() const {
+    return updates + examined + collisions + static_collisions + controls + starts + samples;
+  }
+};
+
+}  // namespace sleight::physics

@@ -1,0 +1,113 @@
+// What a simulation starts from: bodies, static geometry, and how they meet.
+//
+// Units are SI; the world's frame is right-handed, and its axes are the user's choice (gravity says
+// where down is). A scene is a plain value that its author fills in; Simulation::start checks it
+// and answers with errors that name the body. Thread safety: a value.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "worker/physics/event/event.h"
+#include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/shape/shapes.h"
+#include "worker/physics/simulator/sphere_search.h"
+#include "worker/physics/simulator/surface_law.h"
+
+namespace sleight::physics {
+
+struct Sphere {
+  double radius_m = 0;
+};
+
+/// A ball, or convex parts in the body's frame: origin at the centre of mass, principal axes along
+/// x, y and z (mass_properties.h puts them there). Shared, so that bodies of one shape keep it
+/// once.
+using Shape = std::variant<Sphere, std::shared_ptr<const Compound>>;
+
+/// Where and how a body enters.
+struct StartState {
+  Pose pose;
+  Twist twist;
+};
+
+struct BodyDescription {
+  std::string name;  ///< for errors; "body 7" if empty
+  Shape shape;
+  Inertia inertia;
+  MaterialId material{};
+  Tick start_tick{};
+  StartState start;
+  /// Another start for a body that would overlap something at its own: attempt 1, 2, ... up to
+  /// k_start_attempts_max. A function of the attempt alone. Without it, an overlap is an error.
+  std::function<StartState(std::uint32_t attempt)> start_again{};
+};
+
+/// Draws of a start's place before the simulation fails.
+inline constexpr std::uint32_t k_start_attempts_max = 1000;
+
+/// All of space where dot(normal, x) < offset is solid.
+struct StaticPlane {
+  std::string name;
+  HalfSpace outside;
+  MaterialId material{};
+};
+
+/// A convex body that doesn't move.
+struct StaticConvex {
+  std::string name;
+  std::shared_ptr<const ConvexPolyhedron> polyhedron;  ///< in the world's frame
+  MaterialId material{};
+};
+
+/// How slow contacts end. All 0: they never do, as in a gas.
+struct SlowContacts {
+  /// After an impact a pair separates at least this fast, if its energy allows it (restitution.h):
+  /// a body in contact with another bounces at about this speed, some micrometres high.
+  double separation_speed_mps = 0;
+  /// A body rests when it was slower than this for `rest_time_s`, and touched only bodies of which
+  /// this is true as well, resting ones, and static geometry. 0: bodies don't rest.
+  double rest_speed_mps = 0;
+  double rest_time_s = 0;
+};
+
+/// Something that a user or a script does to a body: its velocities jump.
+struct Control {
+  Tick tick{};
+  BodyId body{};
+  Vec3 velocity_change_mps = Vec3::Zero();
+  Vec3 angular_velocity_change_radps = Vec3::Zero();
+};
+
+struct Scene {
+  std::vector<BodyDescription> bodies;
+  std::vector<StaticPlane> planes;
+  std::vector<StaticConvex> convexes;
+  ContactTable contacts;
+  SlowContacts slow;
+  Vec3 gravity_mps2 = Vec3::Zero();
+  /// Lengths after which space repeats, 0 for an axis that doesn't. Only without static geometry.
+  std::array<double, 3> period_m{};
+  std::vector<Control> controls;  ///< in any order; at one tick, in the order given
+};
+
+/// Why a scene can't be simulated, or why a simulation stopped. The message names the body.
+struct SceneError {
+  enum class Kind : std::uint8_t {
+    bad_number,     ///< NaN, infinite, or out of its range
+    bad_mass,       ///< zero, negative, or moments that no mass distribution has
+    bad_shape,      ///< size, degenerate geometry
+    bad_reference,  ///< a material or a body that doesn't exist
+    overlap,        ///< at a start, also after all attempts
+    search_failed,  ///< a search or a pair exceeded its limit: a bug, with a reproducer
+  };
+  Kind kind{};
+  std::string message;
+};
+
+}  // namespace sleight::physics

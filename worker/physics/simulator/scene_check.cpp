@@ -1,0 +1,225 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::physics {
+namespace {
+
+using Kind = SceneError::Kind;
+
+/// Sums of squares of coordinates beyond this lose the places that collisions need.
+constexpr double k_coordinate_m_max = 1e6;
+constexpr double k_speed_mps_max = 1e6;
+constexpr double k_spin_radps_max = 1e6;
+
+bool within(const Vec3& v, double limit) {
+  // Comparisons with NaN are false.
+  return std::fabs(v.x()) <= limit && std::fabs(v.y()) <= limit && std::fabs(v.z()) <= limit;
+}
+
+std::optional<SceneError> error(Kind kind, std::string message) {
+  return SceneError{kind, std::move(message)};
+}
+
+std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescription& body,
+                                        const std::string& name) {
+  const auto* sphere = std::get_if<Sphere>(&body.shape);
+  if (sphere == nullptr) {
+    const auto& compound = std::get<std::shared_ptr<const Compound>>(body.shape);
+    if (!compound || compound->parts.empty()) {
+      return error(Kind::bad_shape, fmt::format("{}: it has no convex parts", name));
+    }
+  }
+  const double radius_m = sphere != nullptr
+                              ? sphere->radius_m
+                              : std::get<std::shared_ptr<const Compound>>(body.shape)->r_outer_m();
+  if (!(radius_m > 10 * k_touch_m && radius_m <= k_coordinate_m_max)) {
+    return error(Kind::bad_shape, fmt::format("{}: radius {} m; give one from {} to {} m", name,
+                                              radius_m, 10 * k_touch_m, k_coordinate_m_max));
+  }
+  const Inertia& inertia = body.inertia;
+  if (!(inertia.mass_kg > 0) || !std::isfinite(inertia.mass_kg)) {
+    return error(Kind::bad_mass,
+                 fmt::format("{}: mass {} kg; give one above 0", name, inertia.mass_kg));
+  }
+  const Vec3& moments = inertia.principal_kgm2;
+  if (!within(moments, std::numeric_limits<double>::max()) ||
+      !(moments.x() > 0 && moments.y() > 0 && moments.z() > 0)) {
+    return error(Kind::bad_mass, fmt::format("{}: moments of inertia {}, {}, {} kg m^2; give some "
+                                             "above 0",
+                                             name, moments.x(), moments.y(), moments.z()));
+  }
+  const bool axial = moments.x() == moments.y();
+  const bool spherical = axial && moments.x() == moments.z();
+  if ((inertia.symmetry == InertiaSymmetry::spherical && !spherical) ||
+      (inertia.symmetry == InertiaSymmetry::axial && !axial)) {
+    return error(Kind::bad_mass, fmt::format("{}: its declared symmetry needs equal moments of "
+                                             "inertia; got {}, {}, {} kg m^2",
+                                             name, moments.x(), moments.y(), moments.z()));
+  }
+  // No mass distribution has a moment that exceeds the sum of the other two.
+  const double sum = (moments.x() + moments.y()) + moments.z();
+  const double largest = std::max({moments.x(), moments.y(), moments.z()});
+  if (largest > (sum - largest) * (1 + 1e-9)) {
+    return error(Kind::bad_mass,
+                 fmt::format("{}: moments of inertia {}, {}, {} kg m^2: the largest "
+                             "exceeds the sum of the others",
+                             name, moments.x(), moments.y(), moments.z()));
+  }
+  if (sphere != nullptr && (inertia.symmetry != InertiaSymmetry::spherical)) {
+    return error(Kind::bad_mass, fmt::format("{}: a sphere has three equal moments of inertia; got "
+                                             "{}, {}, {} kg m^2",
+                                             name, moments.x(), moments.y(), moments.z()));
+  }
+  if (body.material.value >= scene.contacts.materials()) {
+    return error(Kind::bad_reference, fmt::format("{}: material {}; the scene has {}", name,
+                                                  body.material.value, scene.contacts.materials()));
+  }
+  if (body.start_tick < Tick{} || body.start_tick > k_tick_max) {
+    return error(Kind::bad_number, fmt::format("{}: starts at tick {}; give one from 0 to {}", name,
+                                               body.start_tick.value, k_tick_max.value));
+  }
+  const StartState& start = body.start;
+  if (!within(start.pose.position_m, k_coordinate_m_max)) {
+    return error(Kind::bad_number,
+                 fmt::format("{}: starts at ({}, {}, {}) m; coordinates are at most {} m", name,
+                             start.pose.position_m.x(), start.pose.position_m.y(),
+                             start.pose.position_m.z(), k_coordinate_m_max));
+  }
+  if (!within(start.twist.velocity_mps, k_speed_mps_max)) {
+    return error(Kind::bad_number,
+                 fmt::format("{}: starting velocity ({}, {}, {}) m/s; components "
+                             "are at most {} m/s",
+                             name, start.twist.velocity_mps.x(), start.twist.velocity_mps.y(),
+                             start.twist.velocity_mps.z(), k_speed_mps_max));
+  }
+  if (!within(start.twist.angular_velocity_radps, k_spin_radps_max)) {
+    return error(Kind::bad_number,
+                 fmt::format("{}: starting angular velocity ({}, {}, {}) rad/s; "
+                             "components are at most {} rad/s",
+                             name, start.twist.angular_velocity_radps.x(),
+                             start.twist.angular_velocity_radps.y(),
+                             start.twist.angular_velocity_radps.z(), k_spin_radps_max));
+  }
+  const Quat& q = start.pose.orientation;
+  const double norm2 = ((q.w() * q.w() + q.x() * q.x()) + q.y() * q.y()) + q.z() * q.z();
+  if (!(std::fabs(norm2 - 1) < 1e-6)) {
+    return error(Kind::bad_number,
+                 fmt::format("{}: its orientation has the squared norm {}; give a unit quaternion",
+                             name, norm2));
+  }
+  return std::nullopt;
+}
+
+std::optional<SceneError> error_of_laws(const ContactTable& contacts) {
+  for (std::size_t a = 0; a < contacts.materials(); ++a) {
+    for (std::size_t b = a; b < contacts.materials(); ++b) {
+      const SurfaceLaw& law =
+          contacts.between({static_cast<std::uint8_t>(a)}, {static_cast<std::uint8_t>(b)});
+      const std::string pair = fmt::format("materials {} and {}", a, b);
+      if (!(law.restitution >= 0 && law.restitution <= 1)) {
+        return error(Kind::bad_number, fmt::format("{}: restitution {}; give one from 0 to 1", pair,
+                                                   law.restitution));
+      }
+      if (!(law.friction >= 0 && law.friction <= 1e6)) {
+        return error(Kind::bad_number,
+                     fmt::format("{}: friction {}; give one from 0 to 1e6", pair, law.friction));
+      }
+      if (!(law.rolling_friction >= 0 && law.rolling_friction <= 1)) {
+        return error(Kind::bad_number, fmt::format("{}: rolling friction {}; give one from 0 to 1",
+                                                   pair, law.rolling_friction));
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<SceneError> error_of_period(const Scene& scene) {
+  for (const double period : scene.period_m) {
+    if (period == 0) continue;
+    if (!(period > 0 && period <= k_coordinate_m_max)) {
+      return error(Kind::bad_number,
+                   fmt::format("period {} m; give one above 0, or 0 for none", period));
+    }
+    if (!scene.planes.empty() || !scene.convexes.empty() || scene.gravity_mps2 != Vec3::Zero()) {
+      return error(Kind::bad_number,
+                   "a scene that repeats can have neither gravity nor static geometry");
+    }
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      const auto* sphere = std::get_if<Sphere>(&scene.bodies[i].shape);
+      if (sphere == nullptr) {
+        return error(Kind::bad_shape,
+                     fmt::format("body {}: only spheres can be in a scene that repeats", i));
+      }
+      const double radius_m = sphere->radius_m;
+      if (period < 10 * radius_m) {
+        return error(Kind::bad_shape,
+                     fmt::format("body {}: radius {} m in a period of {} m; the period must be at "
+                                 "least ten radii",
+                                 i, radius_m, period));
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<SceneError> error_of(const Scene& scene) {
+  if (!within(scene.gravity_mps2, 1e6)) {
+    return error(Kind::bad_number, fmt::format("gravity ({}, {}, {}) m/s^2 is not a number below "
+                                               "1e6",
+                                               scene.gravity_mps2.x(), scene.gravity_mps2.y(),
+                                               scene.gravity_mps2.z()));
+  }
+  if (auto wrong = error_of_laws(scene.contacts)) return wrong;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const BodyDescription& body = scene.bodies[i];
+    const std::string name =
+        body.name.empty() ? fmt::format("body {}", i) : fmt::format("body '{}'", body.name);
+    if (auto wrong = error_of_body(scene, body, name)) return wrong;
+  }
+  for (const StaticPlane& plane : scene.planes) {
+    const double length = within(plane.outside.normal, 2) ? math::norm(plane.outside.normal) : 0;
+    if (!(std::fabs(length - 1) < 1e-12) ||
+        !(std::fabs(plane.outside.offset_m) <= k_coordinate_m_max)) {
+      return error(Kind::bad_shape, fmt::format("plane '{}': its normal must have length 1 and its "
+                                                "offset be at most {} m",
+                                                plane.name, k_coordinate_m_max));
+    }
+    if (plane.material.value >= scene.contacts.materials()) {
+      return error(Kind::bad_reference,
+                   fmt::format("plane '{}': material {}; the scene has {}", plane.name,
+                               plane.material.value, scene.contacts.materials()));
+    }
+  }
+  for (const StaticConvex& convex : scene.convexes) {
+    if (!convex.polyhedron || convex.polyhedron->vertices_m().empty()) {
+      return error(Kind::bad_shape, fmt::format("convex '{}': it has no vertices", convex.name));
+    }
+    if (convex.material.value >= scene.contacts.materials()) {
+      return error(Kind::bad_reference,
+                   fmt::format("convex '{}': material {}; the scene has {}", convex.name,
+                               convex.material.value, scene.contacts.materials()));
+    }
+  }
+  for (const Control& control : scene.controls) {
+    if (control.body.value >= scene.bodies.size()) {
+      return error(Kind::bad_reference, fmt::format("a control acts on body {}; the scene has {}",
+                                                    control.body.value, scene.bodies.size()));
+    }
+    if (control.tick < Tick{} || !within(control.velocity_change_mps, k_speed_mps_max) ||
+        !within(control.angular_velocity_change_radps, k_spin_radps_max)) {
+      return error(Kind::bad_number, fmt::format("the control of body {} at tick {} has a bad "
+                                                 "number",
+                                                 control.body.value, control.tick.value));
+    }
+  }
+  return error_of_period(scene);
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,91 @@
+// A rigid-body simulation, event by event.
+//
+//   Scene scene;
+//   scene.gravity_mps2 = {0, 0, -9.81};
+//   scene.contacts = ContactTable(1, {.restitution = 0.8, .friction = 0.3});
+//   scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+//   scene.bodies.push_back({.name = "ball",
+//                           .shape = Sphere{.radius_m = 0.02},
+//                           .inertia = solid_ball_inertia(0.1, 0.02),
+//                           .start = {.pose = {.position_m = {0, 0, 1}}}});
+//   auto started = Simulation::start(scene, {});
+//   if (!started) return report(started.error().message);
+//   Simulation simulation = std::move(started).value();
+//   if (auto error = simulation.run_until(Tick{} + ticks_after(5.0))) return
+//   report(error->message); Pose pose = simulation.pose({0}, simulation.now()); for (const auto&
+//   [segment, cause] : simulation.recording().segments({0})) ...
+//
+// Idea. Between two events a body's motion is a closed function of time (segment.h). The simulator
+// predicts events, processes the least (event.h says in which order), and begins new segments for
+// the bodies that it concerns. Nothing is stepped.
+//
+// Invariants
+//   1. The recording is a function of the scene alone: algorithm, broad phase and queue change how
+//      long it takes, and not a bit of it.
+//   2. A collision is the first tick at which a pair touches (gap <= k_touch_m) and approaches
+//      (rate < -k_approach_mps); tolerances.h has the sizes.
+//   3. A scene whose ticks are all shifted gives the same recording, shifted.
+// Thread safety: simulations are independent; one is used by one thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "common/base/result.h"
+#include "worker/physics/simulator/engine_options.h"
+#include "worker/physics/simulator/recording.h"
+#include "worker/physics/simulator/scene.h"
+
+namespace sleight::physics {
+
+enum class BroadPhaseKind : std::uint8_t { hierarchical_grid, sweep_and_prune };
+enum class QueueKind : std::uint8_t { tournament, heap, calendar };
+
+struct SimulationOptions {
+  Algorithm algorithm = Algorithm::asynchronous;
+  BroadPhaseKind broad_phase = BroadPhaseKind::hierarchical_grid;
+  QueueKind queue = QueueKind::tournament;
+  bool record = true;                  ///< keep the segments; the last of each body is always kept
+  std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
+  TickCount sample_every = 0;          ///< sampling events from tick 0 on; 0: none
+  std::function<void(Tick)> on_sample{};
+};
+
+class Simulation {
+ public:
+  /// Checks the scene and puts the bodies that start at tick 0 in their places.
+  static base::Result<Simulation, SceneError> start(const Scene& scene,
+                                                    const SimulationOptions& options);
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+  ~Simulation();
+
+  /// Processes all events up to and at `end`, and makes it the present. Nothing if all went well.
+  std::optional<SceneError> run_until(Tick end);
+
+  Tick now() const;
+  bool started(BodyId body) const;
+  /// REQUIRES: the body has started, and its present segment began at or before the tick, which is
+  /// not beyond now().
+  Pose pose(BodyId body, Tick tick) const;
+  Twist twist(BodyId body, Tick tick) const;
+  /// Of all bodies that have started.
+  double kinetic_energy_j() const;
+  const Counts& counts() const;
+  /// Up to now(). Empty if not recorded.
+  const Recording& recording() const;
+
+ private:
+  class Impl;
+  explicit Simulation(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A solid sphere of even density: 2/5 m r^2.
+Inertia solid_ball_inertia(double mass_kg, double radius_m);
+
+/// Why the scene can't be simulated; nothing if it can. Starts that overlap are found later, by
+/// Simulation::start and run_until.
+std::optional<SceneError> error_of(const Scene& scene);
+
+}  // namespace sleight::physics

@@ -1,0 +1,130 @@
+#include "worker/physics/simulator/sphere_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sleight::physics {
+namespace {
+
+constexpr double k_forever_s = std::numeric_limits<double>::infinity();
+
+/// Least h >= 0 at which distance + rate h + curvature h^2 / 2 >= 0. REQUIRES: distance < 0.
+double first_rise_s(double distance, double rate, double curvature) {
+  if (curvature == 0) return rate > 0 ? -distance / rate : k_forever_s;
+  const double discriminant = rate * rate - 2 * curvature * distance;
+  if (discriminant < 0) return k_forever_s;
+  const double root = std::sqrt(discriminant);
+  if (curvature > 0) {
+    // One root is positive: in the form that doesn't cancel.
+    return rate >= 0 ? -2 * distance / (rate + root) : (root - rate) / curvature;
+  }
+  // It rises, turns and falls: the first root, if it comes at all.
+  return rate > 0 ? -2 * distance / (rate + root) : k_forever_s;
+}
+
+Tick later(Tick tick, double span_s) {
+  if (!(span_s < seconds(k_tick_max.value))) return k_never;
+  return tick + std::max<TickCount>(1, ticks_before(span_s));
+}
+
+}  // namespace
+
+GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double radius_m) {
+  const Vec3 from = centre.position_m - feature.point_m;
+  const double coordinates_m = std::max(math::norm(centre.position_m), math::norm(feature.point_m));
+  switch (feature.kind) {
+    case FeatureKind::face:
+      return {.gap_m = math::dot(feature.direction, from) - radius_m,
+              .rate_mps = math::dot(feature.direction, centre.velocity_mps),
+              .fall_mps2 = std::max(0.0, -math::dot(feature.direction, centre.acceleration_mps2)),
+              .coordinates_m = coordinates_m};
+    case FeatureKind::edge: {
+      const Vec3 across = from - math::dot(feature.direction, from) * feature.direction;
+      const double distance_m = math::norm(across);
+      return {.gap_m = distance_m - radius_m,
+              .rate_mps = math::dot(across, centre.velocity_mps) / distance_m,
+              .fall_mps2 = math::norm(centre.acceleration_mps2),
+              .coordinates_m = coordinates_m};
+    }
+    case FeatureKind::vertex:
+      break;
+  }
+  const double distance_m = math::norm(from);
+  return {.gap_m = distance_m - radius_m,
+          .rate_mps = math::dot(from, centre.velocity_mps) / distance_m,
+          .fall_mps2 = math::norm(centre.acceleration_mps2),
+          .coordinates_m = coordinates_m};
+}
+
+Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m) {
+  if (feature.kind == FeatureKind::face) return feature.direction;
+  const Vec3 from = centre_m - feature.point_m;
+  if (feature.kind == FeatureKind::vertex) return math::normalized(from);
+  return math::normalized(from - math::dot(feature.direction, from) * feature.direction);
+}
+
+double failing_for_s(const GapState& state) {
+  double failing_s = 0;
+  const double fall = state.fall_mps2;
+  // The gap must fall to the touch.
+  if (state.gap_m > k_touch_m) {
+    const double excess_m =
+        state.gap_m - k_touch_m - k_rounding_ulps * (state.coordinates_m + state.gap_m);
+    if (excess_m > 0) {
+      failing_s = first_rise_s(-excess_m, -state.rate_mps, fall);
+    } else {
+      failing_s = k_seconds_per_tick;  // within rounding of the touch: the next tick, not this one
+    }
+  }
+  // The rate must fall below the approach.
+  if (state.rate_mps >= -k_approach_mps) {
+    if (fall == 0) return k_forever_s;
+    failing_s = std::max(failing_s, (state.rate_mps + k_approach_mps) / fall);
+    failing_s = std::max(failing_s, k_seconds_per_tick);
+  }
+  return failing_s;
+}
+
+double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centre) {
+  double outside_s = 0;
+  for (const RegionSide& side : sides) {
+    const Vec3& normal = side.space.normal;
+    const double inside_m = math::dot(normal, centre.position_m) - side.space.offset_m;
+    if (side.strict ? inside_m > 0 : inside_m >= 0) continue;
+    const double margin_m =
+        k_rounding_ulps * (std::fabs(side.space.offset_m) + std::fabs(inside_m));
+    const double short_m = std::min(0.0, inside_m + margin_m);
+    const double rise_s = short_m < 0
+                              ? first_rise_s(short_m, math::dot(normal, centre.velocity_mps),
+                                             math::dot(normal, centre.acceleration_mps2))
+                              : 0;
+    outside_s = std::max({outside_s, rise_s, k_seconds_per_tick});
+  }
+  return outside_s;
+}
+
+Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
+                 const MovingPoint& centre, double radius_m, Tick tick) {
+  double span_s = failing_for_s(gap_to(feature, centre, radius_m));
+  if (span_s < k_forever_s && !sides.empty()) {
+    span_s = std::max(span_s, outside_for_s(sides, centre));
+  }
+  if (span_s == 0) return {.collides = true, .next = tick};
+  return {.collides = false, .next = later(tick, span_s)};
+}
+
+Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
+                         Tick tick) {
+  const double distance_m = math::norm(relative.position_m);
+  const GapState state{
+      .gap_m = distance_m - radii_m,
+      .rate_mps = math::dot(relative.position_m, relative.velocity_mps) / distance_m,
+      .fall_mps2 = math::norm(relative.acceleration_mps2),
+      .coordinates_m = coordinates_m};
+  const double span_s = failing_for_s(state);
+  if (span_s == 0) return {.collides = true, .next = tick};
+  return {.collides = false, .next = later(tick, span_s)};
+}
+
+}  // namespace sleight::physics

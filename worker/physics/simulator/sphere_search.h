@@ -1,0 +1,130 @@
+// When does a sphere meet another sphere, a plane, a face, an edge or a vertex?
+//
+// The question is always the same (DESIGN, section 3): the first tick, not before a given one, at
+// which three conditions hold together,
+//
+//   touch     gap <= k_touch
+//   approach  d gap / dt < -k_approach
+//   region    the closest point lies on the feature itself, not on a neighbouring one
+//
+// Idea. No polynomial of fourth degree is solved. The gap between a moving centre and a convex
+// feature is convex along a straight line, so under a constant relative acceleration of which at
+// most A points towards the feature
+//
+//   gap(t + h)  >= gap(t) + rate(t) h - A h^2 / 2
+//   rate(t + h) >= rate(t) - A h
+//
+// and each condition that fails at a tick gives a span during which it must go on failing. The
+// search skips the longest of them, at least a tick, and judges again from the segments alone. For
+// two balls in free flight A is 0 and the touch has a closed form; it is used as such.
+//
+// Invariants
+//   1. A tick is skipped only under such a bound, lowered by the rounding of what was computed.
+//   2. The verdict at a tick is a function of the two segments and the tick: where a search began,
+//      and how far it was allowed to go, doesn't change its result.
+// Thread safety: pure functions.
+#pragma once
+
+#include <span>
+
+#include "worker/physics/distance/closest_points.h"
+#include "worker/physics/event/tick.h"
+#include "worker/physics/event/tolerances.h"
+#include "worker/physics/motion/rigid_body.h"
+
+namespace sleight::physics {
+
+/// A point that moves along a parabola.
+struct MovingPoint {
+  Vec3 position_m;
+  Vec3 velocity_mps;
+  Vec3 acceleration_mps2;
+};
+
+/// The set dot(normal, x) >= offset.
+struct HalfSpace {
+  Vec3 normal = Vec3::Zero();  ///< unit
+  double offset_m = 0;
+};
+
+/// One feature of static geometry as spheres meet it: they touch where the centre's closest point
+/// lies on it, which is where the centre is in its region.
+struct SphereFeature {
+  FeatureKind kind = FeatureKind::face;
+  Vec3 point_m = Vec3::Zero();      ///< on the plane, an end of the edge, the vertex
+  Vec3 direction = Vec3::Zero();    ///< a face's outward normal, an edge's direction; unit
+  std::uint32_t regions_begin = 0;  ///< its half-spaces in the table of all
+  std::uint32_t regions_end = 0;
+};
+
+/// One of the half-spaces that make up a feature's region. Faces take their sides closed and edges
+/// and vertices open (`strict`), so each point belongs to exactly one feature.
+struct RegionSide {
+  HalfSpace space;
+  bool strict = false;
+};
+
+/// Gap between a sphere and a feature's plane, line or point, its rate, and a bound on how fast the
+/// rate may fall.
+struct GapState {
+  double gap_m = 0;
+  double rate_mps = 0;
+  double fall_mps2 = 0;      ///< A above, >= 0
+  double coordinates_m = 0;  ///< size of the numbers that the gap is the difference of
+};
+
+GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double radius_m);
+
+/// Unit vector from the feature's closest point to the centre. REQUIRES: the centre is not on it.
+Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m);
+
+/// How long the conditions on gap and rate must go on failing together: 0 if both hold.
+double failing_for_s(const GapState& state);
+
+/// How long a centre must go on being outside of the region: 0 if it is inside.
+double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centre);
+
+/// What a search says of a tick.
+struct Examined {
+  bool collides = false;
+  Tick next{};  ///< if not: the next tick at which it may collide; k_never if it can't
+};
+
+/// Judges one tick for a sphere and a feature. `centre` is the state at that tick.
+Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
+                 const MovingPoint& centre, double radius_m, Tick tick);
+
+/// Judges one tick for two spheres, given as the motion of the second centre against the first.
+/// `coordinates_m` is the size of the coordinates of which `relative` is the difference.
+Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
+                         Tick tick);
+
+/// The collision of two spheres that keep their relative velocity, as a span from the moment at
+/// which the second centre is at `between_m` from the first; k_tick_max.value if there is none.
+/// Closed form; inline, since a gas of spheres does little else.
+inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps,
+                                           double radii_m) {
+  const double towards = (between_m.x() * relative_mps.x() + between_m.y() * relative_mps.y()) +
+                         between_m.z() * relative_mps.z();
+  if (towards >= 0) return k_tick_max.value;
+  const double reach_m = radii_m + k_touch_m;
+  const double excess = ((between_m.x() * between_m.x() + between_m.y() * between_m.y()) +
+                         between_m.z() * between_m.z()) -
+                        reach_m * reach_m;
+  if (excess <= 0) {
+    // They touch already: it is a collision if they approach fast enough, now or never, since the
+    // rate of two free spheres only grows.
+    const double limit = k_approach_mps * reach_m;
+    return towards < -limit ? 0 : k_tick_max.value;
+  }
+  const double speed2 =
+      (relative_mps.x() * relative_mps.x() + relative_mps.y() * relative_mps.y()) +
+      relative_mps.z() * relative_mps.z();
+  const double discriminant = towards * towards - speed2 * excess;
+  // At the touch the rate is -sqrt(discriminant) / reach.
+  const double slowest = k_approach_mps * reach_m;
+  if (!(discriminant > slowest * slowest)) return k_tick_max.value;
+  return ticks_after(excess / (std::sqrt(discriminant) - towards));
+}
+
+}  // namespace sleight::physics

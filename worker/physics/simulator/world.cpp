@@ -1,0 +1,263 @@
+#include "worker/physics/simulator/world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "worker/physics/motion/invariants.h"
+
+namespace sleight::physics {
+namespace {
+
+double wrapped(double x, double period) {
+  if (period == 0) return x;
+  const double inside = x - std::floor(x / period) * period;
+  return inside < period ? inside : 0;  // rounding can give the period itself
+}
+
+bool is_zero(const Vec3& v) {
+  return v.x() == 0 && v.y() == 0 && v.z() == 0;
+}
+
+}  // namespace
+
+World::World(const Scene& scene, bool record, std::size_t segments_reserved)
+    : scene_(scene), statics_(scene_), record_(record) {
+  const std::size_t count = scene_.bodies.size();
+  flights_.resize(count);
+  segments_.resize(count);
+  started_.assign(count, 0);
+  turning_.resize(count);
+  constants_.reserve(count);
+  points_.reserve(count);
+  for (const BodyDescription& body : scene_.bodies) {
+    BodyConstants constants{.inertia = body.inertia,
+                            .rigid_mass = rigid_mass(body.inertia),
+                            .material = body.material,
+                            .first_part = static_cast<std::uint32_t>(parts_.size())};
+    if (const auto* sphere = std::get_if<Sphere>(&body.shape)) {
+      constants.reach_m = sphere->radius_m;
+      constants.sphere_mass =
+          sphere_mass(body.inertia.mass_kg, sphere->radius_m, body.inertia.principal_kgm2.x());
+      points_.emplace_back(Vec3::Zero());
+      parts_.push_back(points_.back().view());
+    } else {
+      const Compound& compound = *std::get<std::shared_ptr<const Compound>>(body.shape);
+      constants.is_sphere = false;
+      constants.reach_m = compound.r_outer_m();
+      constants.part_count = static_cast<std::uint32_t>(compound.parts.size());
+      for (const ConvexPolyhedron& part : compound.parts)
+        parts_.push_back(part.view());
+    }
+    constants_.push_back(constants);
+  }
+  recording_.reset(record ? count : 0, segments_reserved);
+  periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
+}
+
+std::string World::name(std::uint32_t body) const {
+  const std::string& given = scene_.bodies[body].name;
+  return given.empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", given);
+}
+
+// ---- segments -----------------------------------------------------------------------------------
+
+Segment World::segment_of_start(const StartState& start, Tick tick) const {
+  return {.flight = {.begin = tick,
+                     .position_m = start.pose.position_m,
+                     .velocity_mps = start.twist.velocity_mps,
+                     .acceleration_mps2 = scene_.gravity_mps2,
+                     .orientation = math::normalized(start.pose.orientation),
+                     .angular_velocity_radps = start.twist.angular_velocity_radps}};
+}
+
+void World::place(std::uint32_t body, const Segment& segment) {
+  Segment& now = segments_[body];
+  now = segment;
+  for (int i = 0; i < 3; ++i) {
+    const double period = scene_.period_m[static_cast<std::size_t>(i)];
+    now.flight.position_m[i] = wrapped(now.flight.position_m[i], period);
+  }
+  flights_[body] = {.position_m = now.flight.position_m,
+                    .velocity_mps = now.flight.velocity_mps,
+                    .begin = now.flight.begin,
+                    .radius_m = constants_[body].is_sphere && now.mode == MotionMode::free
+                                    ? constants_[body].reach_m
+                                    : 0};
+  if (constants_[body].is_sphere) return;
+  Turning& turning = turning_[body];
+  turning.track.restart(now.flight, constants_[body].inertia);
+  turning.bounds = rotation_bounds(now.flight, constants_[body].inertia);
+  turning.placed_at = Tick{-1};
+}
+
+void World::begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause) {
+  place(body, segment);
+  started_[body] = 1;
+  if (record_) recording_.append({body}, segments_[body], cause);
+}
+
+Segment World::segment_after(std::uint32_t body, Tick tick, const Vec3& position_m,
+                             const Twist& twist) {
+  return {.flight = {.begin = tick,
+                     .position_m = position_m,
+                     .velocity_mps = twist.velocity_mps,
+                     .acceleration_mps2 = scene_.gravity_mps2,
+                     .orientation = orientation_at(body, tick),
+                     .angular_velocity_radps = twist.angular_velocity_radps}};
+}
+
+MovingPoint World::centre_at(std::uint32_t body, Tick tick) const {
+  const FreeFlight& flight = segments_[body].flight;
+  return {.position_m = position_at(flight, tick),
+          .velocity_mps = velocity_at(flight, tick),
+          .acceleration_mps2 = flight.acceleration_mps2};
+}
+
+Quat World::orientation_at(std::uint32_t body, Tick tick) {
+  const FreeFlight& flight = segments_[body].flight;
+  if (is_zero(flight.angular_velocity_radps)) return flight.orientation;
+  if (!constants_[body].is_sphere)
+    return math::normalized(turning_[body].track.orientation_at(tick));
+  return math::normalized(turned(closed_rotation(flight, constants_[body].inertia),
+                                 flight.orientation, seconds_since_begin(flight, tick)));
+}
+
+Pose World::pose_at(std::uint32_t body, Tick tick) {
+  return {.position_m = position_at(segments_[body].flight, tick),
+          .orientation = orientation_at(body, tick)};
+}
+
+Twist World::twist_at(std::uint32_t body, Tick tick) {
+  const FreeFlight& flight = segments_[body].flight;
+  const bool constant = constants_[body].inertia.symmetry == InertiaSymmetry::spherical ||
+                        is_zero(flight.angular_velocity_radps);
+  return {.velocity_mps = velocity_at(flight, tick),
+          .angular_velocity_radps = constant ? flight.angular_velocity_radps
+                                             : turning_[body].track.angular_velocity_at(tick)};
+}
+
+double World::kinetic_energy_j(Tick tick) {
+  double sum_j = 0;
+  for (std::uint32_t body = 0; body < size(); ++body) {
+    if (!started(body)) continue;
+    sum_j += physics::kinetic_energy_j(constants_[body].inertia, orientation_at(body, tick),
+                                       twist_at(body, tick));
+  }
+  return sum_j;
+}
+
+const MovingPiece& World::moving_at(std::uint32_t body, Tick tick) {
+  Turning& turning = turning_[body];
+  if (turning.placed_at == tick) return turning.placed;
+  const Twist twist = twist_at(body, tick);
+  const bool sphere = constants_[body].is_sphere;
+  turning.placed = {
+      .radius_m = sphere ? constants_[body].reach_m : 0,
+      .pose = sphere ? PlacedPose{.position_m = position_at(segments_[body].flight, tick)}
+                     : placed(pose_at(body, tick)),
+      .velocity_mps = twist.velocity_mps,
+      .acceleration_mps2 = segments_[body].flight.acceleration_mps2,
+      .angular_velocity_radps = twist.angular_velocity_radps,
+      .turning_acceleration_mps2 =
+          sphere ? 0 : turning_acceleration_mps2_max(turning.bounds, constants_[body].reach_m),
+      .reach_m = sphere ? 0 : constants_[body].reach_m};
+  turning.placed_at = tick;
+  return turning.placed;
+}
+
+MovingPiece World::part_at(std::uint32_t body, std::uint32_t part, Tick tick) {
+  MovingPiece piece = moving_at(body, tick);
+  piece.view = &parts_[constants_[body].first_part + part];
+  if (constants_[body].is_sphere) piece.angular_velocity_radps = Vec3::Zero();
+  return piece;
+}
+
+// ---- static geometry ----------------------------------------------------------------------------
+
+std::uint32_t World::static_count(std::uint32_t body) const {
+  return constants_[body].is_sphere ? statics_.feature_count() : statics_.piece_count();
+}
+
+void World::statics_near(std::uint32_t body, const Box& box,
+                         std::vector<std::uint32_t>& found) const {
+  if (constants_[body].is_sphere) {
+    statics_.features_near(box, found);
+  } else {
+    statics_.pieces_near(box, found);
+  }
+}
+
+const std::string& World::static_name(std::uint32_t body, std::uint32_t index) const {
+  return constants_[body].is_sphere ? statics_.name_of_feature(index)
+                                    : statics_.name_of_piece(index);
+}
+
+// ---- room and time ------------------------------------------------------------------------------
+
+bool World::touching(std::uint32_t a, std::uint32_t b, const Image& image, Tick tick) {
+  if (constants_[a].is_sphere && constants_[b].is_sphere) {
+    const Vec3 between_m = shifted(position_at(segments_[b].flight, tick), image, scene_.period_m) -
+                           position_at(segments_[a].flight, tick);
+    return math::norm(between_m) - (constants_[a].reach_m + constants_[b].reach_m) <= k_touch_m;
+  }
+  for (std::uint32_t i = 0; i < constants_[a].part_count; ++i) {
+    for (std::uint32_t j = 0; j < constants_[b].part_count; ++j) {
+      const MovingPiece first = part_at(a, i, tick);
+      const MovingPiece second = part_at(b, j, tick);
+      if (contact_of(first, second).gap_m <= k_touch_m) return true;
+    }
+  }
+  return false;
+}
+
+bool World::touching_static(std::uint32_t body, std::uint32_t index, Tick tick) {
+  if (constants_[body].is_sphere) {
+    const SphereFeature& feature = statics_.feature(index);
+    const MovingPoint centre = centre_at(body, tick);
+    return gap_to(feature, centre, constants_[body].reach_m).gap_m <= k_touch_m &&
+           outside_for_s(statics_.sides(feature), centre) == 0;
+  }
+  for (std::uint32_t part = 0; part < constants_[body].part_count; ++part) {
+    const MovingPiece piece = part_at(body, part, tick);
+    const PieceContact contact = index < statics_.plane_count()
+                                     ? contact_of(statics_.plane(index), piece)
+                                     : contact_of(statics_.piece(index), piece);
+    if (contact.gap_m <= k_touch_m) return true;
+  }
+  return false;
+}
+
+TickCount World::span_of_travel(std::uint32_t body, Tick tick, double radii) const {
+  const FreeFlight& flight = segments_[body].flight;
+  const double way_m = radii * constants_[body].reach_m;
+  const double speed_mps = math::norm(velocity_at(flight, tick));
+  const double a = math::norm(flight.acceleration_mps2);
+  const double rate = speed_mps + std::sqrt(speed_mps * speed_mps + 2 * a * way_m);
+  return rate > 0 ? ticks_after(2 * way_m / rate) : k_tick_max.value;
+}
+
+TickCount World::limited_span(std::uint32_t body, Tick tick, TickCount span) const {
+  TickCount limited = std::min(span, k_tick_max - tick);
+  if (!periodic_) return limited;
+  const FreeFlight& flight = segments_[body].flight;
+  for (int i = 0; i < 3; ++i) {
+    const double period = scene_.period_m[static_cast<std::size_t>(i)];
+    const double speed_mps = std::fabs(flight.velocity_mps[i]);
+    if (period == 0 || speed_mps == 0) continue;
+    const double way_m = 0.49 * period - 2 * constants_[body].reach_m;
+    limited = std::min(limited, ticks_before(way_m / speed_mps));
+  }
+  return std::max<TickCount>(1, limited);
+}
+
+double World::typical_box_m() const {
+  double sum_m = 0;
+  for (const BodyConstants& body : constants_)
+    sum_m += 2 * body.reach_m;
+  return constants_.empty() ? 1 : 1.3 * sum_m / static_cast<double>(constants_.size());
+}
+
+}  // namespace sleight::physics

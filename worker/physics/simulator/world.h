@@ -1,0 +1,183 @@
+// The bodies of a running simulation: what they are, how they move now, when a pair of them meets
+// and what a collision does to them. Knows nothing of queues and bounding volumes.
+//
+// Invariants
+//   1. Every prediction is a function of the segments of the bodies involved: whoever asks, and
+//      when, gets the same collision.
+//   2. A body's motion changes only through begin_segment, which also records it.
+// Thread safety: none.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "worker/physics/motion/motion_bounds.h"
+#include "worker/physics/motion/rotation_track.h"
+#include "worker/physics/response/rigid_impact.h"
+#include "worker/physics/response/sphere_impact.h"
+#include "worker/physics/simulator/pair_graph.h"
+#include "worker/physics/simulator/piece_searches.h"
+#include "worker/physics/simulator/recording.h"
+#include "worker/physics/simulator/scene.h"
+#include "worker/physics/simulator/static_geometry.h"
+
+namespace sleight::physics {
+
+/// Marks an id in an event's key as that of static geometry.
+inline constexpr std::uint32_t k_static = std::uint32_t{1} << 31U;
+
+/// What predictions of spheres read, in one cache line.
+struct alignas(64) Flight {
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_mps = Vec3::Zero();
+  Tick begin{};
+  double radius_m = 0;  ///< of a sphere in flight; 0 for whatever has no closed form
+};
+static_assert(sizeof(Flight) == 64);
+
+/// What doesn't change.
+struct BodyConstants {
+  Inertia inertia;
+  SphereMass sphere_mass{};  ///< of a sphere
+  RigidMass rigid_mass{};
+  double reach_m = 0;  ///< radius of a sphere about the centre that holds the body
+  MaterialId material{};
+  bool is_sphere = true;
+  std::uint32_t first_part = 0;  ///< its convex parts in the table of all; a sphere has one point
+  std::uint32_t part_count = 1;
+};
+
+class World {
+ public:
+  /// Borrows nothing: the scene is copied.
+  World(const Scene& scene, bool record, std::size_t segments_reserved);
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(flights_.size()); }
+  const Scene& scene() const { return scene_; }
+  const Segment& segment(std::uint32_t body) const { return segments_[body]; }
+  const BodyConstants& constants(std::uint32_t body) const { return constants_[body]; }
+  const Recording& recording() const { return recording_; }
+  Recording& recording() { return recording_; }
+  /// At convex parts, so far.
+  std::uint64_t looks() const { return looks_; }
+  bool periodic() const { return periodic_; }
+  bool started(std::uint32_t body) const { return started_[body] != 0; }
+  /// For people.
+  std::string name(std::uint32_t body) const;
+
+  Segment segment_of_start(const StartState& start, Tick tick) const;
+  /// Puts a body somewhere without a trace in the recording, to see whether it has room there.
+  void place(std::uint32_t body, const Segment& segment);
+  void begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause);
+
+  // What static geometry a body may meet. Indices are a body's own affair: spheres meet features,
+  // others pieces.
+  std::uint32_t static_count(std::uint32_t body) const;
+  void statics_near(std::uint32_t body, const Box& box, std::vector<std::uint32_t>& found) const;
+  const std::string& static_name(std::uint32_t body, std::uint32_t index) const;
+
+  // Predictions. `search` keeps what a search of convex pieces has done so far; it is taken when
+  // first needed and released by end_search.
+  /// When the pair collides next, as its two segments say. REQUIRES: a < b; nothing happens to the
+  /// pair between the later begin of their segments and `now`.
+  Prediction predict(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
+                     std::uint32_t& search);
+  /// Whether both are spheres in flight, for which there is a closed form.
+  bool free_spheres(std::uint32_t a, std::uint32_t b) const {
+    return flights_[a].radius_m > 0 && flights_[b].radius_m > 0;
+  }
+  /// The closed form. REQUIRES: free_spheres(a, b); a < b.
+  Prediction predict_free_spheres(std::uint32_t a, std::uint32_t b, const Image& image) const {
+    const Flight& first = flights_[a];
+    const Flight& second = flights_[b];
+    // Both fall alike, so the later one's begin and the motion of one against the other decide.
+    const Tick begin = std::max(first.begin, second.begin);
+    const Vec3& g = scene_.gravity_mps2;
+    const double s = seconds(begin - first.begin);
+    const double t = seconds(begin - second.begin);
+    Vec3 between_m;
+    Vec3 relative_mps;
+    for (int i = 0; i < 3; ++i) {
+      const auto axis = static_cast<std::size_t>(i);
+      const double p = parabola(first.position_m[i], first.velocity_mps[i], g[i], s);
+      const double q = parabola(second.position_m[i], second.velocity_mps[i], g[i], t);
+      between_m[i] = (q + image[axis] * scene_.period_m[axis]) - p;
+      relative_mps[i] = (second.velocity_mps[i] + t * g[i]) - (first.velocity_mps[i] + s * g[i]);
+    }
+    const TickCount span =
+        collision_of_free_spheres(between_m, relative_mps, first.radius_m + second.radius_m);
+    if (span >= k_tick_max.value) return {};
+    return {.tick = begin + span, .certain = true};
+  }
+  /// Goes on with a prediction that was not certain. REQUIRES: its tick is `now`.
+  Prediction look(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
+                  std::uint32_t search);
+  Prediction predict_static(std::uint32_t body, std::uint32_t index, Tick now,
+                            std::uint32_t& search);
+  Prediction look_static(std::uint32_t body, std::uint32_t index, Tick now, std::uint32_t search);
+  void end_search(std::uint32_t& search) { searches_.release(search); }
+  /// predict for whichever image comes first, for those who have no boxes that tell; sets `image`.
+  /// REQUIRES: the world is periodic.
+  Prediction predict_any_image(std::uint32_t a, std::uint32_t b, Tick now, Image& image);
+  Image nearest_image(std::uint32_t a, std::uint32_t b, Tick tick) const;
+
+  // What happens. REQUIRES: predicted for the event's tick.
+  void collide(std::uint32_t a, std::uint32_t b, const Image& image, const EventKey& event);
+  void collide_static(std::uint32_t body, std::uint32_t index, const EventKey& event);
+  void apply(const Control& control, const EventKey& event);
+
+  /// Whether the two touch or overlap at a tick.
+  bool touching(std::uint32_t a, std::uint32_t b, const Image& image, Tick tick);
+  bool touching_static(std::uint32_t body, std::uint32_t index, Tick tick);
+
+  /// Within what time, to be counted from a tick, a body may move by a number of its radii.
+  TickCount span_of_travel(std::uint32_t body, Tick tick, double radii) const;
+  /// A span, or as much of it as a body may have one box for: in a periodic world, boxes are
+  /// shorter than half a period.
+  TickCount limited_span(std::uint32_t body, Tick tick, TickCount span) const;
+  /// The edge of most boxes.
+  double typical_box_m() const;
+
+  MovingPoint centre_at(std::uint32_t body, Tick tick) const;
+  Quat orientation_at(std::uint32_t body, Tick tick);
+  Pose pose_at(std::uint32_t body, Tick tick);
+  Twist twist_at(std::uint32_t body, Tick tick);
+  /// Of all bodies that have started.
+  double kinetic_energy_j(Tick tick);
+
+ private:
+  /// What bodies that are not spheres need beside their segment.
+  struct Turning {
+    RotationTrack track;
+    RotationBounds bounds;
+    Tick placed_at{-1};  ///< of `placed`
+    MovingPiece placed;  ///< without a view
+  };
+
+  const MovingPiece& moving_at(std::uint32_t body, Tick tick);
+  MovingPiece part_at(std::uint32_t body, std::uint32_t part, Tick tick);
+  Segment segment_after(std::uint32_t body, Tick tick, const Vec3& position_m, const Twist& twist);
+  ContactLaw law_of(MaterialId a, MaterialId b) const;
+  Prediction predict_spheres(std::uint32_t a, std::uint32_t b, const Image& image, Tick from) const;
+  RigidImpactBody rigid_body(std::uint32_t body, Tick tick);
+
+  Scene scene_;
+  StaticGeometry statics_;
+  std::vector<Flight> flights_;
+  std::vector<Segment> segments_;
+  std::vector<BodyConstants> constants_;
+  std::vector<std::uint8_t> started_;
+  std::vector<Turning> turning_;
+  std::vector<PointPiece> points_;  ///< of spheres
+  std::vector<ConvexView> parts_;   ///< of all bodies
+  PieceSearches searches_;
+  Recording recording_;
+  std::uint64_t looks_ = 0;
+  bool record_ = true;
+  bool periodic_ = false;
+};
+
+}  // namespace sleight::physics

@@ -1,0 +1,187 @@
+// When bodies meet.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "worker/physics/simulator/world.h"
+
+namespace sleight::physics {
+namespace {
+
+/// A search goes on for so many looks before it waits for the time at which the next one is due:
+/// most pairs change their motion before.
+constexpr int k_looks_ahead = 4;
+
+double size_of(const Vec3& v) {
+  return std::max({std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
+}
+
+/// Goes on with the searches of a pair's parts up to `now`. examine(i, tick, cache) looks at the
+/// i-th pair of parts. The first collision counts, of the parts with the least number.
+template <class Examine>
+Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& examine) {
+  Prediction first;
+  for (std::uint32_t i = 0; i < searches.size(); ++i) {
+    PieceSearch& search = searches[i];
+    bool certain = false;
+    while (search.next <= now && !certain) {
+      const Examined examined = examine(i, search.next, search.cache);
+      certain = examined.collides;
+      if (!certain) search.next = examined.next;
+    }
+    if (search.next < first.tick || (search.next == first.tick && first.certain && !certain)) {
+      first = {.tick = search.next, .feature = i, .certain = certain};
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+// ---- two bodies ---------------------------------------------------------------------------------
+
+Prediction World::predict(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
+                          std::uint32_t& search) {
+  const bool both_free =
+      segments_[a].mode == MotionMode::free && segments_[b].mode == MotionMode::free;
+  if (constants_[a].is_sphere && constants_[b].is_sphere) {
+    return both_free ? predict_free_spheres(a, b, image) : predict_spheres(a, b, image, now);
+  }
+  if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
+    return {};
+  // First stage: the spheres that hold them.
+  const Tick begin = std::max(flights_[a].begin, flights_[b].begin);
+  TickCount span = 0;
+  if (both_free) {
+    const MovingPoint first = centre_at(a, begin);
+    const MovingPoint second = centre_at(b, begin);
+    span = touch_of_free_spheres(second.position_m - first.position_m,
+                                 second.velocity_mps - first.velocity_mps,
+                                 constants_[a].reach_m + constants_[b].reach_m);
+    if (span >= k_tick_max.value) return {};
+  }
+  // Second stage: the parts.
+  const std::size_t pairs =
+      std::size_t{constants_[a].part_count} * std::size_t{constants_[b].part_count};
+  for (PieceSearch& part : searches_.fresh(search, pairs))
+    part.next = begin + span;
+  return look(a, b, image, now, search);
+}
+
+Prediction World::look(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
+                       std::uint32_t search) {
+  if (constants_[a].is_sphere && constants_[b].is_sphere) return predict_spheres(a, b, image, now);
+  const std::uint32_t of_b = constants_[b].part_count;
+  return advanced(
+      searches_.of(search), now, [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
+        ++looks_;
+        return examine_pieces(part_at(a, i / of_b, tick), part_at(b, i % of_b, tick), tick, cache);
+      });
+}
+
+Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, const Image& image,
+                                  Tick from) const {
+  if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
+    return {};
+  const double radii_m = constants_[a].reach_m + constants_[b].reach_m;
+  Tick tick = from;
+  for (int look = 0; look < k_looks_ahead; ++look) {
+    const MovingPoint p = centre_at(a, tick);
+    MovingPoint q = centre_at(b, tick);
+    q.position_m = shifted(q.position_m, image, scene_.period_m);
+    const MovingPoint relative{.position_m = q.position_m - p.position_m,
+                               .velocity_mps = q.velocity_mps - p.velocity_mps,
+                               .acceleration_mps2 = q.acceleration_mps2 - p.acceleration_mps2};
+    const double coordinates_m = std::max(size_of(p.position_m), size_of(q.position_m));
+    const Examined examined = examine_spheres(relative, radii_m, coordinates_m, tick);
+    if (examined.collides) return {.tick = tick, .certain = true};
+    if (examined.next == k_never) return {};
+    tick = examined.next;
+  }
+  return {.tick = tick, .certain = false};
+}
+
+// ---- images -------------------------------------------------------------------------------------
+
+Image World::nearest_image(std::uint32_t a, std::uint32_t b, Tick tick) const {
+  const Vec3 between_m =
+      position_at(segments_[b].flight, tick) - position_at(segments_[a].flight, tick);
+  Image image{};
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    const double period = scene_.period_m[axis];
+    if (period > 0) {
+      image[axis] = static_cast<std::int8_t>(std::floor(0.5 - between_m[i] / period));
+    }
+  }
+  return image;
+}
+
+Prediction World::predict_any_image(std::uint32_t a, std::uint32_t b, Tick now, Image& image) {
+  // Images one period away from the nearest are all that can be met before the two have moved by
+  // half a period against one another.
+  const Image nearest = nearest_image(a, b, now);
+  const Vec3 relative_mps =
+      velocity_at(segments_[b].flight, now) - velocity_at(segments_[a].flight, now);
+  double half_m = std::numeric_limits<double>::infinity();
+  for (const double period : scene_.period_m) {
+    if (period > 0) half_m = std::min(half_m, 0.5 * period);
+  }
+  const double speed_mps = math::norm(relative_mps);
+  Prediction first;
+  if (speed_mps > 0) first.tick = now + std::max<TickCount>(1, ticks_before(half_m / speed_mps));
+  const auto reach = [&](std::size_t axis) { return scene_.period_m[axis] > 0 ? 1 : 0; };
+  std::uint32_t search = k_no_search;
+  for (int x = -reach(0); x <= reach(0); ++x) {
+    for (int y = -reach(1); y <= reach(1); ++y) {
+      for (int z = -reach(2); z <= reach(2); ++z) {
+        const Image tried{static_cast<std::int8_t>(nearest[0] + x),
+                          static_cast<std::int8_t>(nearest[1] + y),
+                          static_cast<std::int8_t>(nearest[2] + z)};
+        const Prediction prediction = predict(a, b, tried, now, search);
+        if (prediction.tick < now || prediction.tick > first.tick) continue;
+        first = prediction;
+        image = tried;
+      }
+    }
+  }
+  return first;
+}
+
+// ---- a body and static geometry -----------------------------------------------------------------
+
+Prediction World::predict_static(std::uint32_t body, std::uint32_t index, Tick now,
+                                 std::uint32_t& search) {
+  if (segments_[body].mode == MotionMode::resting) return {};
+  if (constants_[body].is_sphere) return look_static(body, index, now, search);
+  for (PieceSearch& part : searches_.fresh(search, constants_[body].part_count))
+    part.next = flights_[body].begin;
+  return look_static(body, index, now, search);
+}
+
+Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
+                              std::uint32_t search) {
+  if (!constants_[body].is_sphere) {
+    return advanced(searches_.of(search), now,
+                    [&](std::uint32_t part, Tick tick, SeparationCache& cache) {
+                      ++looks_;
+                      const MovingPiece piece = part_at(body, part, tick);
+                      return index < statics_.plane_count()
+                                 ? examine_plane(statics_.plane(index), piece, tick)
+                                 : examine_pieces(statics_.piece(index), piece, tick, cache);
+                    });
+  }
+  const SphereFeature& feature = statics_.feature(index);
+  const double radius_m = constants_[body].reach_m;
+  Tick tick = now;
+  for (int look = 0; look < k_looks_ahead; ++look) {
+    const Examined examined =
+        examine(feature, statics_.sides(feature), centre_at(body, tick), radius_m, tick);
+    if (examined.collides) return {.tick = tick, .certain = true};
+    if (examined.next == k_never) return {};
+    tick = examined.next;
+  }
+  return {.tick = tick, .certain = false};
+}
+
+}  // namespace sleight::physics
