@@ -22,12 +22,12 @@ struct Line {
 /// The lines of a piece's vertices, of which the lowest counts.
 class Envelope {
  public:
-  /// `axis`: which way is up. Places are from the body's centre.
-  Envelope(const MovingPiece& piece, const Vec3& axis)
+  /// `axis`: which way is up, and how it turns. Places are from the body's centre.
+  Envelope(const MovingPiece& piece, const Vec3& axis, const Vec3& axis_radps)
       : view_(*piece.view),
         place_(transposed_product(piece.pose.rotation, axis)),
         rate_(transposed_product(piece.pose.rotation,
-                                 math::cross(axis, piece.angular_velocity_radps))) {}
+                                 math::cross(axis, piece.angular_velocity_radps - axis_radps))) {}
 
   /// The line that is lowest at first, and of those that are equal there the one that falls most.
   Line lowest() const {
@@ -147,6 +147,111 @@ double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
   return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest().place_m;
 }
 
+bool is_zero(const Vec3& v) {
+  return v.x() == 0 && v.y() == 0 && v.z() == 0;
+}
+
+/// How an axis turns, and what that adds to the fall of the separation along it.
+struct AxisTurn {
+  Vec3 angular_velocity_radps = Vec3::Zero();
+  double fall_mps2 = 0;
+  double valid_s = k_forever_s;  ///< the fall is right for so long
+};
+
+/// Which way the normal of the closest features turns, as far as their own turning decides it: with
+/// the face that is one of them, or so that it stays at right angles to both edges. 0 if a vertex
+/// meets a vertex or an edge.
+Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& closest) {
+  if (closest.feature_b.kind == FeatureKind::face) return b.angular_velocity_radps;
+  if (closest.feature_a.kind == FeatureKind::face) return a.angular_velocity_radps;
+  if (closest.feature_a.kind != FeatureKind::edge || closest.feature_b.kind != FeatureKind::edge) {
+    return Vec3::Zero();
+  }
+  const auto direction = [](const MovingPiece& piece, Feature feature) {
+    const Edge& edge = piece.view->edges[feature.index];
+    return math::product(piece.pose.rotation, piece.view->vertices_m[edge.vertex[1]] -
+                                                  piece.view->vertices_m[edge.vertex[0]]);
+  };
+  // n' with n'.n = 0, n'.e = -n.(w x e) for both edges e: from the basis dual to e_a, e_b in their
+  // plane.
+  const Vec3& n = closest.normal;
+  const Vec3 edge_a = math::normalized(direction(a, closest.feature_a));
+  const Vec3 edge_b = math::normalized(direction(b, closest.feature_b));
+  const double cosine = math::dot(edge_a, edge_b);
+  const double sine2 = 1 - cosine * cosine;
+  if (sine2 < 1e-4) return Vec3::Zero();
+  const double of_a = -math::dot(n, math::cross(a.angular_velocity_radps, edge_a));
+  const double of_b = -math::dot(n, math::cross(b.angular_velocity_radps, edge_b));
+  const Vec3 turn = ((of_a - cosine * of_b) * edge_a + (of_b - cosine * of_a) * edge_b) / sine2;
+  return math::cross(n, turn);
+}
+
+/// Distance of the piece's furthest vertex from a point, at most.
+double furthest_from(const MovingPiece& piece, const Vec3& point_m) {
+  if (std::isfinite(piece.reach_m)) {
+    return piece.reach_m + math::norm(piece.pose.position_m - point_m);
+  }
+  double most_m2 = 0;
+  for (std::size_t i = 0; i < piece.view->vertex_count; ++i) {
+    const Vec3 from = to_world(piece.pose, piece.view->vertices_m[i]) - point_m;
+    most_m2 = std::max(most_m2, math::dot(from, from));
+  }
+  return std::sqrt(most_m2);
+}
+
+/// With the axis n turning at W about a point O and everything seen from a frame that moves along,
+/// the second derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
+AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& point_m,
+                      const Vec3& angular_velocity_radps) {
+  // The frame moves with what doesn't turn, or half with each.
+  const bool a_fixed = !std::isfinite(a.reach_m);
+  const Vec3 frame_mps = a_fixed ? a.velocity_mps : Vec3(0.5 * (a.velocity_mps + b.velocity_mps));
+  const double far_a_m = furthest_from(a, point_m);
+  const double far_b_m = furthest_from(b, point_m);
+  const auto speed = [&](const MovingPiece& piece) {
+    const double turning = piece.reach_m > 0 && std::isfinite(piece.reach_m)
+                               ? std::sqrt(piece.turning_acceleration_mps2 * piece.reach_m)
+                               : 0;
+    return math::norm(piece.velocity_mps - frame_mps) + turning;
+  };
+  const double pull_mps2 = math::norm(b.acceleration_mps2 - a.acceleration_mps2);
+  double speed_a_mps = speed(a);
+  double speed_b_mps = speed(b);
+  // For so long that nothing moves by more than a quarter of the distances.
+  const double room_m = 0.25 * std::min(far_a_m, far_b_m);
+  const double fastest_mps = std::max(speed_a_mps, speed_b_mps) + std::sqrt(pull_mps2 * room_m);
+  AxisTurn turn{.angular_velocity_radps = angular_velocity_radps};
+  turn.valid_s = fastest_mps > 0 ? 0.5 * room_m / fastest_mps : k_forever_s;
+  const double gained_mps = fastest_mps > 0 ? pull_mps2 * turn.valid_s : 0;
+  const double w = math::norm(angular_velocity_radps);
+  turn.fall_mps2 =
+      2 * w * (speed_a_mps + speed_b_mps + gained_mps) + w * w * (far_a_m + far_b_m + 2 * room_m);
+  return turn;
+}
+
+/// How long two pieces can't collide, as their separation along an axis shows.
+double failing_along_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& axis,
+                          const AxisTurn& turn) {
+  const Vec3 between_m = b.pose.position_m - a.pose.position_m;
+  const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
+  const Line base{
+      math::dot(axis, between_m) - (a.radius_m + b.radius_m),
+      math::dot(axis, relative_mps - math::cross(turn.angular_velocity_radps, between_m))};
+  const double pull = math::dot(axis, b.acceleration_mps2 - a.acceleration_mps2);
+  const bool still = is_zero(turn.angular_velocity_radps);
+  // An axis that turns may come to lie along all of the acceleration.
+  const double towards = still ? pull : -math::norm(b.acceleration_mps2 - a.acceleration_mps2);
+  const double fall = std::max(
+      0.0, (a.turning_acceleration_mps2 + b.turning_acceleration_mps2) + turn.fall_mps2 - towards);
+  const Envelope of_a(a, -axis, turn.angular_velocity_radps);
+  const Envelope of_b(b, axis, turn.angular_velocity_radps);
+  const double span_s = std::min(failing_along(base, fall, &of_a, of_b), turn.valid_s);
+  if (!still) return span_s;
+  // However they turn, they stay inside of their spheres; what doesn't turn stays behind its plane.
+  const double apart_m = base.place_m + (nearest_m(a, of_a) + nearest_m(b, of_b)) - k_touch_m;
+  return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, pull)) : span_s;
+}
+
 }  // namespace
 
 PieceContact contact_of(const MovingPiece& a, const MovingPiece& b) {
@@ -185,33 +290,26 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick,
   // How far they are apart; near the touch, from scratch.
   const Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   Vec3 axis = closest.normal;
+  const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= 2 * k_touch_m) {
     const PieceContact contact = contact_of(a, b);
     if (collides(contact)) return {.collides = true, .next = tick};
     axis = contact.normal;
   }
 
-  // How long they can't collide along the line of the closest points.
-  const Line base{math::dot(axis, between_m) - (a.radius_m + b.radius_m),
-                  math::dot(axis, b.velocity_mps - a.velocity_mps)};
-  const double pull = math::dot(axis, b.acceleration_mps2 - a.acceleration_mps2);
-  const double fall =
-      std::max(0.0, (a.turning_acceleration_mps2 + b.turning_acceleration_mps2) - pull);
-  const Envelope of_a(a, -axis);
-  const Envelope of_b(b, axis);
-  double span_s = failing_along(base, fall, &of_a, of_b);
-
-  // However they turn, they stay inside of their spheres; what doesn't turn stays behind its plane.
-  const double apart_m = base.place_m + (nearest_m(a, of_a) + nearest_m(b, of_b)) - k_touch_m;
-  if (apart_m > 0) span_s = std::max(span_s, first_zero_s(apart_m, base.rate_mps, pull));
-  return later(tick, span_s);
+  // How long they can't collide, by axes that stay and that turn with the features.
+  const double still_s = failing_along_axis(a, b, axis, {});
+  const Vec3 turning = turn_of_axis(a, b, closest);
+  const double turning_s =
+      is_zero(turning) ? 0 : failing_along_axis(a, b, axis, turning_axis(a, b, contact_m, turning));
+  return later(tick, std::max(still_s, turning_s));
 }
 
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick) {
   const Vec3& axis = solid_below.normal;
   const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m,
                   math::dot(axis, b.velocity_mps)};
-  const Envelope of_b(b, axis);
+  const Envelope of_b(b, axis, Vec3::Zero());
   if (base.place_m + of_b.lowest().place_m <= 2 * k_touch_m &&
       collides(contact_of(solid_below, b))) {
     return {.collides = true, .next = tick};

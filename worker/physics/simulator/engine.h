@@ -91,6 +91,8 @@ class Engine {
   void collide(const EventKey& event);
   void examine(std::uint32_t body, const EventKey& event);
   void control(const EventKey& event);
+  void rest(const EventKey& event);
+  void bodies_changed();
   void sample();
   std::string obstacle_of(std::uint32_t body);
 

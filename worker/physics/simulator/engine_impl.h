@@ -125,8 +125,10 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
     case EventKind::sample:
       sample();
       return;
-    case EventKind::mode:
     case EventKind::rest:
+      rest(event);
+      return;
+    case EventKind::mode:
       break;
   }
   CHECK(false);
@@ -193,6 +195,7 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
   ++counts_.starts;
   ++present_;
   world_.begin_segment(body, world_.segment(body), event);
+  ++changes_[body];
   motion_changed(body);
 }
 
@@ -218,15 +221,32 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
   if ((event.higher & k_static) != 0) {
     ++counts_.static_collisions;
     world_.collide_static(event.lower, event.higher & ~k_static, event);
-    motion_changed(event.lower);
-    return;
+  } else {
+    ++counts_.collisions;
+    world_.collide(event.lower, event.higher, graph_.find(event.lower, event.higher)->image, event);
   }
-  ++counts_.collisions;
-  world_.collide(event.lower, event.higher, graph_.find(event.lower, event.higher)->image, event);
-  // Both numbers of changes before any prediction, which would be void else.
-  ++changes_[event.higher];
-  motion_changed(event.lower);
-  motion_changed(event.higher);
+  bodies_changed();
+}
+
+/// The bodies that began a segment at this event get new bounds and predictions.
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::bodies_changed() {
+  // All numbers of changes first: a prediction is void if they change after it was made.
+  for (const std::uint32_t body : world_.changed())
+    ++changes_[body];
+  for (const std::uint32_t body : world_.changed())
+    motion_changed(body);
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::rest(const EventKey& event) {
+  ++counts_.rest_decisions;
+  if (world_.rest(event.lower, event)) {
+    counts_.rests += world_.changed().size();
+    bodies_changed();
+  } else {
+    refresh_key(event.lower);
+  }
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -259,7 +279,7 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
   schedule_control();
   if (!world_.started(control.body.value)) return;
   world_.apply(control, event);
-  motion_changed(control.body.value);
+  bodies_changed();
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -355,6 +375,8 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
   for (const StaticEdge& edge : statics_[body]) {
     if (edge.prediction.tick <= best.tick) offer(edge.prediction, body, k_static | edge.index);
   }
+  const Tick rest_due = world_.rest_due(body);
+  if (rest_due < best.tick) best = {.tick = rest_due, .kind = EventKind::rest, .lower = body};
   queue_.set({body}, best);
 }
 
@@ -363,7 +385,6 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
 /// A body began a segment at this tick: it keeps its box if that holds it long enough.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::motion_changed(std::uint32_t body) {
-  ++changes_[body];
   if (options_.algorithm == Algorithm::asynchronous) {
     const Tick exit = exit_tick(boxes_.box({body}), world_.segment(body).flight,
                                 world_.constants(body).reach_m + k_touch_m, now_);

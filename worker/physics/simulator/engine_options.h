@@ -32,12 +32,15 @@ struct Counts {
   std::uint64_t controls = 0;
   std::uint64_t starts = 0;
   std::uint64_t start_draws = 0;  ///< places drawn again because of an overlap
+  std::uint64_t rest_decisions = 0;
+  std::uint64_t rests = 0;  ///< bodies that went to rest
   std::uint64_t samples = 0;
   std::uint64_t predictions = 0;
   std::uint64_t voids = 0;  ///< events that came up after a partner's change had made them void
 
   std::uint64_t events() const {
-    return updates + examined + collisions + static_collisions + controls + starts + samples;
+    return updates + examined + collisions + static_collisions + controls + starts + samples +
+           rest_decisions;
   }
 };
 

@@ -53,6 +53,8 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     }
     constants_.push_back(constants);
   }
+  resting_.reset(count, scene_.slow);
+  changed_.reserve(count);
   recording_.reset(record ? count : 0, segments_reserved);
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
 }

@@ -19,6 +19,7 @@
 #include "worker/physics/simulator/pair_graph.h"
 #include "worker/physics/simulator/piece_searches.h"
 #include "worker/physics/simulator/recording.h"
+#include "worker/physics/simulator/resting.h"
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/static_geometry.h"
 
@@ -124,10 +125,18 @@ class World {
   Prediction predict_any_image(std::uint32_t a, std::uint32_t b, Tick now, Image& image);
   Image nearest_image(std::uint32_t a, std::uint32_t b, Tick tick) const;
 
-  // What happens. REQUIRES: predicted for the event's tick.
+  // What happens; changed() then lists the bodies that began a segment, ascending.
+  // REQUIRES: predicted for the event's tick.
   void collide(std::uint32_t a, std::uint32_t b, const Image& image, const EventKey& event);
   void collide_static(std::uint32_t body, std::uint32_t index, const EventKey& event);
   void apply(const Control& control, const EventKey& event);
+  /// The body's rest event: it and those it leans on go to rest, if they may. Whether they did.
+  bool rest(std::uint32_t body, const EventKey& event);
+  std::span<const std::uint32_t> changed() const { return changed_; }
+  /// When the body's rest event is due; k_never if it has none.
+  Tick rest_due(std::uint32_t body) const {
+    return resting_.enabled() ? resting_.due(body) : k_never;
+  }
 
   /// Whether the two touch or overlap at a tick.
   bool touching(std::uint32_t a, std::uint32_t b, const Image& image, Tick tick);
@@ -163,6 +172,15 @@ class World {
   ContactLaw law_of(MaterialId a, MaterialId b) const;
   Prediction predict_spheres(std::uint32_t a, std::uint32_t b, const Image& image, Tick from) const;
   RigidImpactBody rigid_body(std::uint32_t body, Tick tick);
+  ImpactOutput impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
+                         const ContactLaw& law, Tick tick, bool a_fixed, bool b_fixed);
+  PieceContact contact_at(std::uint32_t a, std::uint32_t b, const Image& image,
+                          const EventKey& event);
+  PieceContact static_contact_at(std::uint32_t body, std::uint32_t index, const EventKey& event);
+  bool is_resting(std::uint32_t body) const { return segments_[body].mode == MotionMode::resting; }
+  double fastest_point_mps(std::uint32_t body, const Twist& twist) const;
+  void begin_after(std::uint32_t body, const Twist& twist, const EventKey& event);
+  void wake_dependents(std::uint32_t body, const EventKey& event);
 
   Scene scene_;
   StaticGeometry statics_;
@@ -174,6 +192,8 @@ class World {
   std::vector<PointPiece> points_;  ///< of spheres
   std::vector<ConvexView> parts_;   ///< of all bodies
   PieceSearches searches_;
+  Resting resting_;
+  std::vector<std::uint32_t> changed_;
   Recording recording_;
   std::uint64_t looks_ = 0;
   bool record_ = true;

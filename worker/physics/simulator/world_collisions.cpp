@@ -1,4 +1,7 @@
-// What collisions and controls do to bodies.
+// What collisions, rest and controls do to bodies.
+#include <algorithm>
+#include <cmath>
+
 #include "worker/physics/simulator/world.h"
 
 namespace sleight::physics {
@@ -16,70 +19,179 @@ RigidImpactBody World::rigid_body(std::uint32_t body, Tick tick) {
           .twist = twist_at(body, tick)};
 }
 
-void World::collide(std::uint32_t a, std::uint32_t b, const Image& image, const EventKey& event) {
-  const Tick tick = event.tick;
-  const Vec3 place_a_m = position_at(segments_[a].flight, tick);
-  const Vec3 place_b_m = position_at(segments_[b].flight, tick);
-  const ContactLaw law = law_of(constants_[a].material, constants_[b].material);
-  ImpactOutput after;
+double World::fastest_point_mps(std::uint32_t body, const Twist& twist) const {
+  const double turning = constants_[body].reach_m * math::norm(twist.angular_velocity_radps);
+  return math::norm(twist.velocity_mps) + turning;
+}
+
+PieceContact World::contact_at(std::uint32_t a, std::uint32_t b, const Image& image,
+                               const EventKey& event) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
+    const Vec3 place_a_m = position_at(segments_[a].flight, event.tick);
+    const Vec3 place_b_m = position_at(segments_[b].flight, event.tick);
     const Vec3 between_m = shifted(place_b_m, image, scene_.period_m) - place_a_m;
-    after = sphere_impact({.mass_a = constants_[a].sphere_mass,
-                           .mass_b = constants_[b].sphere_mass,
-                           .a = twist_at(a, tick),
-                           .b = twist_at(b, tick),
-                           .normal = math::normalized(between_m),
-                           .law = law});
-  } else {
-    const std::uint32_t of_b = constants_[b].part_count;
-    const PieceContact contact =
-        contact_of(part_at(a, event.feature / of_b, tick), part_at(b, event.feature % of_b, tick));
-    after = rigid_impact({.a = rigid_body(a, tick),
-                          .b = rigid_body(b, tick),
-                          .contact_m = contact.point_m,
+    PieceContact contact;
+    contact.normal = math::normalized(between_m);
+    contact.point_m = place_a_m + constants_[a].reach_m * contact.normal;
+    return contact;
+  }
+  const std::uint32_t of_b = constants_[b].part_count;
+  return contact_of(part_at(a, event.feature / of_b, event.tick),
+                    part_at(b, event.feature % of_b, event.tick));
+}
+
+PieceContact World::static_contact_at(std::uint32_t body, std::uint32_t index,
+                                      const EventKey& event) {
+  if (constants_[body].is_sphere) {
+    const Vec3 place_m = position_at(segments_[body].flight, event.tick);
+    PieceContact contact;
+    contact.normal = normal_at(statics_.feature(index), place_m);
+    contact.point_m = place_m - constants_[body].reach_m * contact.normal;
+    return contact;
+  }
+  const MovingPiece piece = part_at(body, event.feature, event.tick);
+  return index < statics_.plane_count() ? contact_of(statics_.plane(index), piece)
+                                        : contact_of(statics_.piece(index), piece);
+}
+
+/// The impact of two bodies, either of which may take it as static geometry does.
+ImpactOutput World::impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
+                              const ContactLaw& law, Tick tick, bool a_fixed, bool b_fixed) {
+  if (constants_[a].is_sphere && constants_[b].is_sphere) {
+    return sphere_impact({.mass_a = a_fixed ? SphereMass{} : constants_[a].sphere_mass,
+                          .mass_b = b_fixed ? SphereMass{} : constants_[b].sphere_mass,
+                          .a = twist_at(a, tick),
+                          .b = twist_at(b, tick),
                           .normal = contact.normal,
                           .law = law});
   }
-  const Segment next_a = segment_after(a, tick, place_a_m, after.a);
-  const Segment next_b = segment_after(b, tick, place_b_m, after.b);
-  begin_segment(a, next_a, event);
-  begin_segment(b, next_b, event);
+  return rigid_impact({.a = a_fixed ? RigidImpactBody{} : rigid_body(a, tick),
+                       .b = b_fixed ? RigidImpactBody{} : rigid_body(b, tick),
+                       .contact_m = contact.point_m,
+                       .normal = contact.normal,
+                       .law = law});
+}
+
+/// A body flies on from an event with another twist.
+void World::begin_after(std::uint32_t body, const Twist& twist, const EventKey& event) {
+  const Vec3 place_m = position_at(segments_[body].flight, event.tick);
+  begin_segment(body, segment_after(body, event.tick, place_m, twist), event);
+  changed_.push_back(body);
+}
+
+void World::wake_dependents(std::uint32_t body, const EventKey& event) {
+  for (const std::uint32_t dependent : resting_.wake(body)) {
+    if (is_resting(dependent)) begin_after(dependent, {}, event);
+  }
+}
+
+void World::collide(std::uint32_t a, std::uint32_t b, const Image& image, const EventKey& event) {
+  changed_.clear();
+  const Tick tick = event.tick;
+  const PieceContact contact = contact_at(a, b, image, event);
+  const ContactLaw law = law_of(constants_[a].material, constants_[b].material);
+  bool a_rests = is_resting(a);
+  bool b_rests = is_resting(b);
+  ImpactOutput after = impact_of(a, b, contact, law, tick, a_rests, b_rests);
+  if (a_rests || b_rests) {
+    // A blow that is hard enough wakes the resting one, which then takes part.
+    const std::uint32_t sleeper = a_rests ? a : b;
+    const double jump_mps = math::norm(after.impulse_ns) / constants_[sleeper].inertia.mass_kg;
+    if (jump_mps > resting_.wake_speed_mps()) {
+      a_rests = false;
+      b_rests = false;
+      after = impact_of(a, b, contact, law, tick, false, false);
+      wake_dependents(sleeper, event);
+    }
+  }
+  if (resting_.enabled()) {
+    const Vec3 place_a_m = position_at(segments_[a].flight, tick);
+    const Vec3 place_b_m = position_at(segments_[b].flight, tick);
+    if (!a_rests) {
+      resting_.touched(a,
+                       {.tick = tick,
+                        .partner = b,
+                        .friction = law.friction,
+                        .normal = -contact.normal,
+                        .arm_m = contact.point_m - place_a_m},
+                       fastest_point_mps(a, twist_at(a, tick)), fastest_point_mps(a, after.a));
+    }
+    if (!b_rests) {
+      resting_.touched(b,
+                       {.tick = tick,
+                        .partner = a,
+                        .friction = law.friction,
+                        .normal = contact.normal,
+                        .arm_m = contact.point_m - place_b_m},
+                       fastest_point_mps(b, twist_at(b, tick)), fastest_point_mps(b, after.b));
+    }
+  }
+  if (!a_rests) begin_after(a, after.a, event);
+  if (!b_rests) begin_after(b, after.b, event);
+  std::sort(changed_.begin(), changed_.end());
 }
 
 void World::collide_static(std::uint32_t body, std::uint32_t index, const EventKey& event) {
+  changed_.clear();
   const Tick tick = event.tick;
-  const Vec3 place_m = position_at(segments_[body].flight, tick);
-  ImpactOutput after;
-  if (constants_[body].is_sphere) {
-    after = sphere_impact(
-        {.mass_a = {},
-         .mass_b = constants_[body].sphere_mass,
-         .a = {},
-         .b = twist_at(body, tick),
-         .normal = normal_at(statics_.feature(index), place_m),
-         .law = law_of(constants_[body].material, statics_.material_of_feature(index))});
-  } else {
-    const MovingPiece piece = part_at(body, event.feature, tick);
-    const PieceContact contact = index < statics_.plane_count()
-                                     ? contact_of(statics_.plane(index), piece)
-                                     : contact_of(statics_.piece(index), piece);
-    after =
-        rigid_impact({.a = {},
-                      .b = rigid_body(body, tick),
-                      .contact_m = contact.point_m,
+  const PieceContact contact = static_contact_at(body, index, event);
+  const MaterialId material = constants_[body].is_sphere ? statics_.material_of_feature(index)
+                                                         : statics_.material_of_piece(index);
+  const ContactLaw law = law_of(constants_[body].material, material);
+  const Twist before = twist_at(body, tick);
+  const ImpactOutput after = constants_[body].is_sphere
+                                 ? sphere_impact({.mass_a = {},
+                                                  .mass_b = constants_[body].sphere_mass,
+                                                  .a = {},
+                                                  .b = before,
+                                                  .normal = contact.normal,
+                                                  .law = law})
+                                 : rigid_impact({.a = {},
+                                                 .b = rigid_body(body, tick),
+                                                 .contact_m = contact.point_m,
+                                                 .normal = contact.normal,
+                                                 .law = law});
+  if (resting_.enabled()) {
+    resting_.touched(body,
+                     {.tick = tick,
+                      .partner = k_static_partner,
+                      .friction = law.friction,
                       .normal = contact.normal,
-                      .law = law_of(constants_[body].material, statics_.material_of_piece(index))});
+                      .arm_m = contact.point_m - position_at(segments_[body].flight, tick)},
+                     fastest_point_mps(body, before), fastest_point_mps(body, after.b));
   }
-  begin_segment(body, segment_after(body, tick, place_m, after.b), event);
+  begin_after(body, after.b, event);
 }
 
 void World::apply(const Control& control, const EventKey& event) {
+  changed_.clear();
   const std::uint32_t body = control.body.value;
   Twist twist = twist_at(body, event.tick);
   twist.velocity_mps += control.velocity_change_mps;
   twist.angular_velocity_radps += control.angular_velocity_change_radps;
-  const Vec3 place_m = position_at(segments_[body].flight, event.tick);
-  begin_segment(body, segment_after(body, event.tick, place_m, twist), event);
+  wake_dependents(body, event);
+  resting_.disturbed(body);
+  begin_after(body, twist, event);
+  std::sort(changed_.begin(), changed_.end());
+}
+
+bool World::rest(std::uint32_t body, const EventKey& event) {
+  changed_.clear();
+  const auto present = [&](std::uint32_t member) {
+    return Resting::Present{.speed_mps = fastest_point_mps(member, twist_at(member, event.tick)),
+                            .weight_n = constants_[member].inertia.mass_kg * scene_.gravity_mps2,
+                            .reach_m = constants_[member].reach_m,
+                            .rests = is_resting(member)};
+  };
+  for (const std::uint32_t member : resting_.decide(body, event.tick, present)) {
+    Segment segment =
+        segment_after(member, event.tick, position_at(segments_[member].flight, event.tick), {});
+    segment.flight.acceleration_mps2 = Vec3::Zero();
+    segment.mode = MotionMode::resting;
+    begin_segment(member, segment, event);
+    changed_.push_back(member);
+  }
+  return !changed_.empty();
 }
 
 }  // namespace sleight::physics

@@ -1,0 +1,151 @@
+// When do bodies come to rest, what holds them, and what wakes them?
+//
+// Idea. Slow bodies in contact bounce by micrometres for ever (restitution.h keeps the rate of
+// these impacts bounded). A set of bodies goes to rest when each of them
+//   - was slower than rest_speed_mps at every collision of the last rest_time_s, and is so now;
+//   - touched in that time only members of the set, resting bodies and static geometry;
+//   - is in balance: pushes along the normals of those contacts, with friction, can carry its
+//   weight.
+// The last one keeps what is slow because it is about to topple or to slide from being frozen.
+// Everything is read from recorded contacts, so the decision is a function of the events so far.
+//
+// A resting body is an obstacle. It remembers the bodies among its contacts as its supporters: when
+// one of them moves, it wakes. It also wakes when a collision, or a user, would give it a speed
+// above wake_speed_mps(); below, it takes the blow as static geometry does.
+//
+// Invariants
+//   1. A body rests only by decide(), which is asked at the body's own rest event.
+//   2. Nothing is allocated after reset() but while lists of supporters grow.
+// Thread safety: none.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "worker/physics/event/event.h"
+#include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/simulator/scene.h"
+
+namespace sleight::physics {
+
+/// A body's partner is static geometry.
+inline constexpr std::uint32_t k_static_partner = UINT32_MAX;
+
+/// One impact as a body felt it.
+struct TouchRecord {
+  Tick tick{};
+  std::uint32_t partner = k_static_partner;
+  double friction = 0;
+  Vec3 normal = Vec3::Zero();  ///< from the partner to the body
+  Vec3 arm_m = Vec3::Zero();   ///< from the body's centre to the contact
+};
+
+/// Whether forces at contacts, each within its friction cone, can hold a weight: sums of forces and
+/// of torques are zero to within a small part of the weight. `reach_m` turns torques into forces.
+/// Cones are pyramids of four edges, which lie inside of them.
+bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m);
+
+class Resting {
+ public:
+  /// What the decision needs to know of a body at present.
+  struct Present {
+    double speed_mps = 0;  ///< of its fastest point, at most
+    Vec3 weight_n = Vec3::Zero();
+    double reach_m = 0;
+    bool rests = false;
+  };
+
+  void reset(std::size_t bodies, const SlowContacts& rule);
+
+  bool enabled() const { return rule_.rest_speed_mps > 0; }
+  double wake_speed_mps() const;
+
+  /// A collision of a body: its fastest point's speed before and after.
+  void touched(std::uint32_t body, const TouchRecord& record, double before_mps, double after_mps);
+  /// The body's motion changed for another reason.
+  void disturbed(std::uint32_t body);
+
+  /// When the body asks next whether it may rest; k_never if it isn't slow.
+  Tick due(std::uint32_t body) const { return logs_[body].due; }
+
+  /// Asks for a body. The set that goes to rest, in ascending order; empty if it doesn't yet, and
+  /// then it asks again later. present(body) gives a body's present state.
+  template <class PresentOf>
+  std::span<const std::uint32_t> decide(std::uint32_t body, Tick now, const PresentOf& present);
+
+  /// The bodies that rest on a body, in ascending order, all the way up; they are no longer
+  /// resting.
+  std::span<const std::uint32_t> wake(std::uint32_t body);
+
+ private:
+  static constexpr std::size_t k_records = 16;
+
+  struct Log {
+    Tick slow_since = k_never;
+    Tick due = k_never;
+    std::uint32_t count = 0;
+    std::array<TouchRecord, k_records> records;
+    std::vector<std::uint32_t> supporters;  ///< of a resting body
+    bool rests = false;
+  };
+
+  /// Records of the last rest_time_s, moved to the front of the list.
+  std::span<const TouchRecord> recent(Log& log, Tick now) const;
+  void record(Log& log, const TouchRecord& touch) const;
+  TickCount rest_span() const { return ticks_after(rule_.rest_time_s); }
+
+  SlowContacts rule_;
+  std::vector<Log> logs_;
+  std::vector<std::uint32_t> set_;  ///< scratch
+};
+
+template <class PresentOf>
+std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
+                                               const PresentOf& present) {
+  // Gather the bodies that it touched, and those that they touched.
+  set_.assign(1, body);
+  bool may = true;
+  for (std::size_t i = 0; i < set_.size() && may; ++i) {
+    Log& log = logs_[set_[i]];
+    const Present state = present(set_[i]);
+    const auto contacts = recent(log, now);
+    may = log.slow_since != k_never && now - log.slow_since >= rest_span() &&
+          state.speed_mps < rule_.rest_speed_mps && !contacts.empty() &&
+          can_carry(contacts, state.weight_n, state.reach_m);
+    for (const TouchRecord& touch : contacts) {
+      if (touch.partner == k_static_partner || logs_[touch.partner].rests) continue;
+      if (std::find(set_.begin(), set_.end(), touch.partner) == set_.end())
+        set_.push_back(touch.partner);
+    }
+  }
+  if (!may) {
+    Log& log = logs_[body];
+    log.due = now + std::max<TickCount>(1, rest_span() / 2);
+    if (present(body).speed_mps >= rule_.rest_speed_mps) disturbed(body);
+    return {};
+  }
+
+  // They rest, each on the bodies that it touched.
+  std::sort(set_.begin(), set_.end());
+  for (const std::uint32_t member : set_) {
+    Log& log = logs_[member];
+    log.supporters.clear();
+    for (const TouchRecord& touch : recent(log, now)) {
+      if (touch.partner == k_static_partner) continue;
+      if (std::find(log.supporters.begin(), log.supporters.end(), touch.partner) ==
+          log.supporters.end()) {
+        log.supporters.push_back(touch.partner);
+      }
+    }
+    log.rests = true;
+    log.slow_since = k_never;
+    log.due = k_never;
+    log.count = 0;
+  }
+  return set_;
+}
+
+}  // namespace sleight::physics
