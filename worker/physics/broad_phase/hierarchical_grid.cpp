@@ -5,39 +5,37 @@
 namespace sleight::physics {
 namespace {
 
-/// Cells per longest edge of a level's boxes. More of them fit closer around a query but cost more
-/// steps; measured on hard spheres at packing 0.4, 2 is best.
-constexpr double k_cells_per_edge = 2;
+/// Longest edge on the typical level, in typical sizes; and edge of a cell, in longest edges of its
+/// level. Measured in gases of hard spheres at packings 0.1 and 0.4: half to twice of either costs
+/// 5 to 30% of a simulation.
+constexpr double k_longest = 2.5;
+constexpr double k_cell = 0.7;
 
-/// Boxes of just the typical size, rounded outwards, stay on its level.
-constexpr double k_slack = 1 + 0x1p-6;
+/// Units in a cell, at least. A query passes some 1 + 3 / units more boxes than it need; rings of
+/// sketches are 2^16 units, and boxes should be much shorter.
+constexpr int k_unit_bits = 8;
+constexpr int k_sketch_bits = 16;
 
-/// Cells beyond this are one, so that indices are exact in a double with room for the guard.
-constexpr double k_cell_limit = 0x1p36;
-/// Subtracting the reach from a low corner, and scaling it, rounds by less than this many cells.
-constexpr double k_guard = 0x1p-12;
+/// Cells of a period at most, so that products with them fit 64 bits.
+constexpr double k_cells_max = 0x1p16;
+/// Units beyond this are one.
+constexpr double k_unit_limit = 0x1p40;
+
+/// Steps in the table of cells for steps along an axis, where the axes' cells are more than the
+/// table's: bodies that are near in space should not share a number. Of any power of two from 2^6
+/// to 2^20, the shortest step in space that leads to the same number is nearly as long as it can be
+/// (searched).
+constexpr std::array<std::uint32_t, 3> k_strides = {1, 0x25CEA933U, 0xDA92657BU};
+/// Where the next level begins.
+constexpr std::uint32_t k_level_stride = 0xC2B2AE3DU;
 
 /// Floor, without libm's call on plain x86-64; saturates.
-std::int64_t cell_at(double place) {
-  if (place >= k_cell_limit) return static_cast<std::int64_t>(k_cell_limit);
-  if (place <= -k_cell_limit) return -static_cast<std::int64_t>(k_cell_limit);
+std::int64_t unit_at(double place) {
+  if (place >= k_unit_limit) return static_cast<std::int64_t>(k_unit_limit);
+  if (place <= -k_unit_limit) return -static_cast<std::int64_t>(k_unit_limit);
   const auto whole = static_cast<std::int64_t>(place);
-  return static_cast<double>(whole) > place ? whole - 1 : whole;
+  return whole - (static_cast<double>(whole) > place ? 1 : 0);
 }
-
-/// By axis and by four bits, one per layer of a brick along the axis: the cells of these layers.
-constexpr std::array<std::array<std::uint64_t, 16>, 3> k_layers = [] {
-  std::array<std::array<std::uint64_t, 16>, 3> made{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t bits = 0; bits < 16; ++bits) {
-      for (std::size_t cell = 0; cell < 64; ++cell) {
-        const std::size_t layer = cell >> (2 * axis) & 3;
-        if ((bits >> layer & 1) != 0) made[axis][bits] |= std::uint64_t{1} << cell;
-      }
-    }
-  }
-  return made;
-}();
 
 /// The edge in metres; infinite rather than NaN.
 double edge_m(const Box& box, std::size_t axis) {
@@ -49,22 +47,45 @@ double edge_m(const Box& box, std::size_t axis) {
 
 HierarchicalGrid::HierarchicalGrid(const BroadPhaseOptions& options)
     : boxes_(options),
-      sizes_per_m_(1 / (options.size_m * k_slack)),
+      sizes_per_m_(1 / (options.size_m * k_longest)),
       level_(options.bodies),
       member_at_(options.bodies),
-      bricks_(options.bodies),
-      gathered_(options.bodies + std::size_t{BrickMap::k_overrun}) {
-  begun_.ids.resize(options.bodies + 1);
-  ended_.ids.resize(options.bodies + 1);
-  double edge = std::ldexp(options.size_m * k_slack, -k_level_typical);
-  for (std::uint32_t level = 0; level < k_level_unbounded; ++level, edge *= 2) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      axes_[level][axis].cells_per_m = k_cells_per_edge / edge;
-      // Beyond 2^20 cells, indices of the same period would alias.
-      const double cells = boxes_.periods().length_m(axis) * axes_[level][axis].cells_per_m;
-      axes_[level][axis].cells = static_cast<std::uint64_t>(std::clamp(cells, 1.0, 0x1p20));
-    }
+      cells_(options.bodies),
+      near_(std::size_t{options.bodies} + 1) {
+  begun_.ids.resize(2 * std::size_t{options.bodies} + 2 * k_batch);
+  ended_.ids.resize(std::size_t{options.bodies} + 1);
+  for (std::uint32_t level = 0; level < k_level_unbounded; ++level) {
+    const int power = k_bits_per_level * (static_cast<int>(level) - k_level_typical);
+    divide(levels_[level], std::ldexp(options.size_m * k_longest, power), level);
   }
+}
+
+/// Cells of a level whose boxes are up to `edge_m` long.
+void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number) {
+  const double cell_m = k_cell * edge_m;
+  double cells = 1;
+  bool dense = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Axis& divided = level.axes[axis];
+    divided.units_per_m = (1 << k_unit_bits) / cell_m;
+    divided.stride = k_strides[axis];
+    if (!periodic(axis)) {
+      dense = false;
+      continue;
+    }
+    const double fit = std::clamp(boxes_.periods().length_m(axis) / cell_m, 1.0, k_cells_max);
+    divided.cells = static_cast<std::uint32_t>(fit);
+    cells *= divided.cells;
+    // The period has at least 2^16 units, so that the ring of sketches fits it a whole number of
+    // times, and cells have at least 2^k_unit_bits.
+    const int more = std::bit_width(divided.cells) + k_unit_bits - k_sketch_bits;
+    divided.shift = k_sketch_bits - std::max(more, 0);
+  }
+  level.cell_zero = number * k_level_stride;
+  if (!dense || cells > cells_.cells()) return;
+  // All cells have room in the table, each with its own number.
+  level.axes[1].stride = level.axes[0].cells;
+  level.axes[2].stride = level.axes[0].cells * level.axes[1].cells;
 }
 
 std::uint32_t HierarchicalGrid::level_of(const Box& box) const {
@@ -73,133 +94,182 @@ std::uint32_t HierarchicalGrid::level_of(const Box& box) const {
   const auto bits = std::bit_cast<std::uint64_t>(sizes);
   const int exponent = static_cast<int>(bits >> 52) - 1023;
   const bool more = (bits & ((std::uint64_t{1} << 52) - 1)) != 0;
-  const int level = exponent + (more ? 1 : 0) + k_level_typical;
-  return static_cast<std::uint32_t>(std::clamp(level, 0, static_cast<int>(k_level_unbounded)));
+  const int powers = exponent + (more ? 1 : 0) + k_bits_per_level * k_level_typical;
+  const int level = (std::max(powers, 0) + k_bits_per_level - 1) / k_bits_per_level;
+  return std::min(static_cast<std::uint32_t>(level), k_level_unbounded);
 }
 
-CellAddress HierarchicalGrid::address_of(std::uint32_t level, const Box& box,
-                                         const CodedBox& code) const {
-  std::array<std::int64_t, 3> cell{};
+Sketch HierarchicalGrid::Extent::sketch() const {
+  Sketch made;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Axis& divided = axes_[level][axis];
-    cell[axis] = boxes_.periods().periodic(axis)
-                     ? static_cast<std::int64_t>(code.start[axis] * divided.cells >> 32)
-                     : cell_at(double{box.low_m[axis]} * divided.cells_per_m);
+    made.start[axis] = static_cast<std::uint16_t>(first[axis]);
+    made.width[axis] =
+        static_cast<std::uint16_t>(std::min<std::int64_t>(last[axis] - first[axis], k_whole_ring));
   }
-  return cell_address(level, cell[0], cell[1], cell[2]);
+  return made;
 }
 
-bool HierarchicalGrid::Span::add(std::size_t axis, std::int64_t first, std::int64_t last) {
-  const std::int64_t first_brick = first >> 2;
-  const std::int64_t last_brick = last >> 2;
-  if (last_brick - first_brick >= static_cast<std::int64_t>(k_span_max - count)) return false;
-  for (std::int64_t at = first_brick; at <= last_brick; ++at) {
-    std::uint64_t layers = 15;
-    if (at == first_brick) layers &= 15U << (first & 3);
-    if (at == last_brick) layers &= 15U >> (3 - (last & 3));
-    brick[count] = static_cast<std::uint64_t>(at);
-    cells[count] = k_layers[axis][layers];
-    ++count;
+HierarchicalGrid::Extent HierarchicalGrid::extent_of(const Level& level, const Box& box,
+                                                     const CodedBox& code) const {
+  Extent made;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Axis& divided = level.axes[axis];
+    if (periodic(axis)) {
+      made.first[axis] = std::int64_t{code.start[axis]} >> divided.shift;
+      made.last[axis] =
+          (std::int64_t{code.start[axis]} + std::int64_t{code.width[axis]}) >> divided.shift;
+    } else {
+      made.first[axis] = unit_at(double{box.low_m[axis]} * divided.units_per_m);
+      made.last[axis] = unit_at(double{box.high_m[axis]} * divided.units_per_m);
+    }
   }
+  return made;
+}
+
+std::uint32_t HierarchicalGrid::cell_of(const Level& level, const Extent& extent) const {
+  std::uint32_t number = level.cell_zero;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Axis& divided = level.axes[axis];
+    const std::int64_t cell = periodic(axis)
+                                  ? extent.first[axis] * divided.cells >> (32 - divided.shift)
+                                  : extent.first[axis] >> k_unit_bits;
+    number += static_cast<std::uint32_t>(cell) * divided.stride;
+  }
+  return number;
+}
+
+bool HierarchicalGrid::Span::add(std::uint32_t stride, std::int64_t first, std::int64_t last) {
+  if (last - first >= static_cast<std::int64_t>(k_span_max - count)) return false;
+  std::uint32_t next = static_cast<std::uint32_t>(first) * stride;
+  for (std::int64_t at = first; at <= last; ++at, next += stride)
+    part[count++] = next;
   return true;
 }
 
 // The cells, on an axis, that low corners of a level's boxes may be in if they overlap the query.
-bool HierarchicalGrid::span_of(std::uint32_t level, std::size_t axis, const Box& box,
-                               const CodedBox& code, Span& span) const {
-  const Axis& divided = axes_[level][axis];
-  const double reach = reach_[level][axis];
-  if (!boxes_.periods().periodic(axis)) {
-    const double low = (double{box.low_m[axis]} - reach) * divided.cells_per_m - k_guard;
-    const double high = double{box.high_m[axis]} * divided.cells_per_m;
-    return span.add(axis, cell_at(low), cell_at(high));
+bool HierarchicalGrid::span_of(const Level& level, std::size_t axis, const Extent& extent,
+                               Span& span) const {
+  const Axis& divided = level.axes[axis];
+  const std::int64_t low = extent.first[axis] - divided.reach;
+  const std::int64_t high = extent.last[axis];
+  if (!periodic(axis)) {
+    return divided.reach != k_whole_ring &&
+           span.add(divided.stride, low >> k_unit_bits, high >> k_unit_bits);
   }
   // On a ring: lay it out as a line, then wrap cells into the period as one stretch or two.
-  const auto cells = static_cast<std::int64_t>(divided.cells);
-  const std::int64_t low = std::int64_t{code.start[axis]} - static_cast<std::int64_t>(reach);
-  const std::int64_t high = std::int64_t{code.start[axis]} + std::int64_t{code.width[axis]};
-  const std::int64_t first = low * cells >> 32;  // 2^33 points times 2^20 cells
-  const std::int64_t last = high * cells >> 32;
-  if (last - first + 1 >= cells) return span.add(axis, 0, cells - 1);
+  const std::int64_t cells = divided.cells;
+  const int period_bits = 32 - divided.shift;
+  const std::int64_t first = low * cells >> period_bits;
+  const std::int64_t last = high * cells >> period_bits;
+  if (last - first + 1 >= cells || divided.reach == k_whole_ring)
+    return span.add(divided.stride, 0, cells - 1);
   const std::int64_t from = first < 0 ? first + cells : first;
   const std::int64_t to = last >= cells ? last - cells : last;
-  if (from <= to) return span.add(axis, from, to);
-  return span.add(axis, from, cells - 1) && span.add(axis, 0, to);
+  if (from <= to) return span.add(divided.stride, from, to);
+  return span.add(divided.stride, from, cells - 1) && span.add(divided.stride, 0, to);
 }
 
-std::uint32_t* HierarchicalGrid::gather(std::uint32_t level, const Box& box, const CodedBox& code) {
-  // A brick costs about as much as four boxes that are compared one after the other.
-  constexpr std::size_t k_brick_cost = 4;
+std::optional<std::size_t> HierarchicalGrid::cells_near(const Level& level, const Extent& extent) {
   std::array<Span, 3> spans;
-  bool by_cells = level != k_level_unbounded;
-  std::size_t bricks = 1;
-  for (std::size_t axis = 0; by_cells && axis < 3; ++axis) {
-    by_cells = span_of(level, axis, box, code, spans[axis]);
-    bricks *= spans[axis].count;
+  std::size_t cells = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!span_of(level, axis, extent, spans[axis])) return std::nullopt;
+    cells *= spans[axis].count;
   }
-  if (!by_cells || bricks * k_brick_cost > members_[level].size()) return nullptr;
-  std::uint32_t* end = gathered_.data();
+  if (cells > level.members.size()) return std::nullopt;
+  std::uint32_t* end = near_.data();
   for (std::size_t z = 0; z < spans[2].count; ++z) {
     for (std::size_t y = 0; y < spans[1].count; ++y) {
-      const std::uint64_t cells = spans[2].cells[z] & spans[1].cells[y];
-      for (std::size_t x = 0; x < spans[0].count; ++x) {
-        end = bricks_.gather(
-            brick_key(level, spans[0].brick[x], spans[1].brick[y], spans[2].brick[z]),
-            cells & spans[0].cells[x], end);
-      }
+      const std::uint32_t row = level.cell_zero + spans[2].part[z] + spans[1].part[y];
+      for (std::size_t x = 0; x < spans[0].count; ++x)
+        end = cells_.add_if_any(row + spans[0].part[x], end);
     }
   }
-  return end;
+  return static_cast<std::size_t>(end - near_.data());
 }
 
-void HierarchicalGrid::widen_reach(std::uint32_t level, const Box& box, const CodedBox& code) {
+void HierarchicalGrid::begin_query() {
+  begun_.count = 0;
+  if (++query_ != 0) return;
+  // After 2^32 queries their numbers start again.
+  for (std::uint32_t body = 0; body < boxes_.bodies(); ++body)
+    boxes_.coded(body).width[3] = 0;
+  query_ = 1;
+}
+
+void HierarchicalGrid::drop_repeated(std::size_t from) {
+  std::size_t kept = from;
+  for (std::size_t i = from; i < begun_.count; ++i) {
+    const std::uint32_t body = begun_.ids[i];
+    std::uint32_t& found = boxes_.coded(body).width[3];
+    begun_.ids[kept] = body;
+    kept += found != query_ ? 1 : 0;
+    found = query_;
+  }
+  begun_.count = kept;
+}
+
+void HierarchicalGrid::widen_reach(Level& level, const Sketch& sketch) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double extent =
-        boxes_.periods().periodic(axis) ? static_cast<double>(code.width[axis]) : edge_m(box, axis);
-    reach_[level][axis] = std::max(reach_[level][axis], extent);
+    level.axes[axis].reach = std::max<std::uint32_t>(level.axes[axis].reach, sketch.width[axis]);
+  }
+  if (++level.changes <= 4 * level.members.size()) return;
+  level.changes = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::uint32_t reach = 0;
+    for (const std::uint32_t body : level.members)
+      reach = std::max<std::uint32_t>(reach, cells_.width(body, axis));
+    level.axes[axis].reach = reach;
   }
 }
 
-void HierarchicalGrid::place(std::uint32_t body) {
-  const Box& box = boxes_.box(body);
-  const std::uint32_t level = level_of(box);
-  level_[body] = level;
-  member_at_[body] = static_cast<std::uint32_t>(members_[level].size());
-  members_[level].push_back(body);
-  levels_used_ |= std::uint32_t{1} << level;
-  if (level == k_level_unbounded) return;
-  widen_reach(level, box, boxes_.coded(body));
-  bricks_.link(body, address_of(level, box, boxes_.coded(body)), boxes_);
+HierarchicalGrid::Placement HierarchicalGrid::placement_of(const Box& box,
+                                                           const CodedBox& code) const {
+  Placement made;
+  made.number = level_of(box);
+  if (made.number != k_level_unbounded) made.extent = extent_of(levels_[made.number], box, code);
+  return made;
+}
+
+void HierarchicalGrid::place(std::uint32_t body, const Placement& at) {
+  Level& level = levels_[at.number];
+  level_[body] = static_cast<std::uint8_t>(at.number);
+  member_at_[body] = static_cast<std::uint32_t>(level.members.size());
+  level.members.push_back(body);
+  levels_used_ |= std::uint32_t{1} << at.number;
+  if (at.number == k_level_unbounded) return;
+  const Sketch sketch = at.extent.sketch();
+  cells_.link(body, cell_of(level, at.extent), sketch);
+  widen_reach(level, sketch);
 }
 
 void HierarchicalGrid::displace(std::uint32_t body) {
-  const std::uint32_t level = level_[body];
-  std::vector<std::uint32_t>& members = members_[level];
-  members[member_at_[body]] = members.back();
-  member_at_[members.back()] = member_at_[body];
-  members.pop_back();
-  if (level != k_level_unbounded) bricks_.unlink(body, boxes_);
-  if (members.empty()) {
-    levels_used_ &= ~(std::uint32_t{1} << level);
-    reach_[level] = {};
-  }
+  const std::uint32_t number = level_[body];
+  Level& level = levels_[number];
+  level.members[member_at_[body]] = level.members.back();
+  member_at_[level.members.back()] = member_at_[body];
+  level.members.pop_back();
+  if (number != k_level_unbounded) cells_.unlink(body);
+  if (!level.members.empty()) return;
+  levels_used_ &= ~(std::uint32_t{1} << number);
+  level.changes = 0;
+  for (Axis& axis : level.axes)
+    axis.reach = 0;
 }
 
-void HierarchicalGrid::change(std::uint32_t body, const Box& box, const CodedBox& code) {
-  const std::uint32_t level = level_of(box);
-  if (level != level_[body]) {
+void HierarchicalGrid::change(std::uint32_t body, const Box& box, const CodedBox& code,
+                              const Placement& to) {
+  boxes_.set(body, box, code);
+  if (to.number != level_[body]) {
     displace(body);
-    boxes_.set(body, box, code);
-    place(body);
+    place(body, to);
     return;
   }
-  boxes_.set(body, box, code);
-  if (level == k_level_unbounded) return;
-  widen_reach(level, box, code);
-  const CellAddress at = address_of(level, box, code);
-  if (at == bricks_.address(body)) return;
-  bricks_.unlink(body, boxes_);
-  bricks_.link(body, at, boxes_);
+  if (to.number == k_level_unbounded) return;
+  Level& level = levels_[to.number];
+  const Sketch sketch = to.extent.sketch();
+  cells_.change(body, cell_of(level, to.extent), sketch);
+  widen_reach(level, sketch);
 }
 
 }  // namespace sleight::physics

@@ -1,11 +1,12 @@
 // Grids of cells, one for each size of box: a move costs what lies near, however bodies cluster.
 //
 // Idea. Spatial hashing by levels (Mirtich 1996; the thesis names it in 3.4 as the way out where
-// sorted lists degrade). A box belongs to the level of its longest edge, levels a factor of two
+// sorted lists degrade). A box belongs to the level of its longest edge, levels a factor of four
 // apart, and to the one cell of that level which holds its low corner. A box that overlaps a query
-// has its low corner between the query's low corner less the longest edge of that level, and the
+// has its low corner between the query's low corner less the greatest extent on that level, and the
 // query's high corner; so a query walks those cells on each level that has boxes. Sizes mix freely:
-// big boxes are not spread over many cells, small ones not crowded into few.
+// big boxes are not spread over many cells, small ones not crowded into few. All levels share one
+// dense table of cells (cell_table.h), into which they number theirs.
 //
 // Where the cells to walk would be more than the boxes of the level (a huge box among small ones),
 // the query compares with all boxes of that level instead. Boxes beyond the highest level are
@@ -15,20 +16,27 @@
 // new box and leaves out whom the old box overlapped. A new box within the old one begins nothing,
 // so it needs no query.
 //
+// Each level measures in whole units, a small part of its cells, rounded down:
+//
+//   an axis that repeats    a power of two of ring points (periodic.h); cells divide the period
+//                           evenly
+//   one that does not       2^-k_unit_bits of a cell
+//
+// Rounding keeps order, so boxes that overlap do so in units too, and all else is exact.
+//
 // Invariants (beside those of broad_phase.h)
-//   1. Each present body is listed once in members_ of its level, and linked in one cell unless its
-//      level is the highest.
-//   2. On each axis reach_[level] is at least the extent of every box of the level, in the units of
-//      Axis; it only grows until the level is empty.
-// Cells on an axis that repeats divide the period evenly, and are found from coded boxes, so that
-// wrapping is exact.
+//   1. Each present body is listed once in `members` of its level, and linked in one cell unless
+//      its level is the highest.
+//   2. On each axis `reach` of a level is at least the width of every sketch of it. It is made
+//      anew when about four times as many boxes as the level has were changed.
 // Thread safety: none.
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include "worker/physics/broad_phase/body_boxes.h"
-#include "worker/physics/broad_phase/brick_map.h"
+#include "worker/physics/broad_phase/cell_table.h"
 
 namespace sleight::physics {
 
@@ -49,46 +57,77 @@ class HierarchicalGrid {
   void move_all(std::span<const Box> boxes, Sink& sink);
 
  private:
-  static constexpr std::uint32_t k_levels = 32;
-  /// The level of boxes as long as options.size_m; those of 2^-12 to 2^18 times that have their
-  /// own.
-  static constexpr int k_level_typical = 12;
+  static constexpr std::uint32_t k_levels = 16;
+  static constexpr int k_bits_per_level = 2;
+  /// The level of boxes as long as options.size_m; those of 4^-6 to 4^8 times that have their own.
+  static constexpr int k_level_typical = 6;
   static constexpr std::uint32_t k_level_unbounded = k_levels - 1;
-  /// Bricks that a query may span on an axis before it gives up cells.
-  static constexpr std::size_t k_span_max = 24;
+  /// Cells that a query may span on an axis before it gives up cells.
+  static constexpr std::uint32_t k_span_max = 32;
+  /// Hits that are judged at a time: 8 blocks.
+  static constexpr std::size_t k_batch = 64;
 
-  /// Bricks that a query touches on one axis, and for each the cells of a brick that count.
-  struct Span {
-    std::size_t count = 0;
-    std::array<std::uint64_t, k_span_max> brick;
-    std::array<std::uint64_t, k_span_max> cells;
-    bool add(std::size_t axis, std::int64_t first, std::int64_t last);
-  };
-  /// How a level divides an axis. Extents and reach: metres, or ring points if it repeats.
+  /// How a level divides an axis.
   struct Axis {
-    double cells_per_m = 0;   ///< of an axis that does not repeat
-    std::uint64_t cells = 0;  ///< of a period
+    double units_per_m = 0;    ///< of an axis that does not repeat
+    int shift = 0;             ///< of one that does: 2^shift ring points are a unit
+    std::uint32_t cells = 0;   ///< of a period
+    std::uint32_t stride = 0;  ///< between the numbers of cells that are neighbours on this axis
+    std::uint32_t reach = 0;   ///< invariant 2; k_whole_ring if a sketch covers the ring
+  };
+  struct Level {
+    std::array<Axis, 3> axes;
+    std::uint32_t cell_zero = 0;  ///< number of the cell at the origin
+    std::uint64_t changes = 0;    ///< since `reach` was made
+    std::vector<std::uint32_t> members;
+  };
+  /// A box in a level's units. On an axis that repeats, it starts within the period.
+  struct Extent {
+    std::array<std::int64_t, 3> first;
+    std::array<std::int64_t, 3> last;
+    Sketch sketch() const;
+  };
+  /// Where a box belongs; the highest level has no extents.
+  struct Placement {
+    std::uint32_t number = 0;  ///< of the level
+    Extent extent;
+  };
+  /// On an axis, what cells that a query walks add to their numbers.
+  struct Span {
+    std::uint32_t count = 0;
+    std::array<std::uint32_t, k_span_max> part;
+    bool add(std::uint32_t stride, std::int64_t first, std::int64_t last);
   };
 
   std::uint32_t level_of(const Box& box) const;
-  CellAddress address_of(std::uint32_t level, const Box& box, const CodedBox& code) const;
-  bool span_of(std::uint32_t level, std::size_t axis, const Box& box, const CodedBox& code,
-               Span& span) const;
-  /// Puts a body that is in no level into that of its box.
-  void place(std::uint32_t body);
+  void divide(Level& level, double edge_m, std::uint32_t number);
+  bool periodic(std::size_t axis) const { return boxes_.periods().periodic(axis); }
+  Extent extent_of(const Level& level, const Box& box, const CodedBox& code) const;
+  std::uint32_t cell_of(const Level& level, const Extent& extent) const;
+  bool span_of(const Level& level, std::size_t axis, const Extent& extent, Span& span) const;
+
+  Placement placement_of(const Box& box, const CodedBox& code) const;
+  /// Puts a body that is in no level there.
+  void place(std::uint32_t body, const Placement& at);
   /// Takes a body out of its level.
   void displace(std::uint32_t body);
   /// Replaces a present body's box.
-  void change(std::uint32_t body, const Box& box, const CodedBox& code);
-  void widen_reach(std::uint32_t level, const Box& box, const CodedBox& code);
+  void change(std::uint32_t body, const Box& box, const CodedBox& code, const Placement& to);
+  void widen_reach(Level& level, const Sketch& sketch);
 
-  /// Writes to gathered_ the first bodies of all cells of the level that a body which overlaps this
-  /// box may be in, and returns their end; null if it is better to look at all of the level.
-  std::uint32_t* gather(std::uint32_t level, const Box& box, const CodedBox& code);
-  /// Puts into begun_ the bodies for which test(body, its coded box) holds. REQUIRES: it holds only
-  /// for bodies that overlap this box.
+  /// Writes to near_ the first blocks of all cells that a body of the level which overlaps this box
+  /// may be in, and returns how many; nothing if it is better to look at all of the level.
+  std::optional<std::size_t> cells_near(const Level& level, const Extent& extent);
+  /// Puts into begun_ the bodies for which test(body, its coded box) holds, each once. REQUIRES: it
+  /// holds only for bodies that overlap this box.
   template <class Test>
-  void find_begun(const Box& box, const CodedBox& code, const Test& test);
+  void find_begun(const Box& box, const CodedBox& code, const Placement& at, const Test& test);
+  /// The same in the first `cells` cells of near_.
+  template <class Test>
+  void find_in_cells(std::size_t cells, const CellTable::Query& query, const Test& test);
+  void begin_query();
+  /// Of the bodies of begun_ from this place on, drops those that the query had before.
+  void drop_repeated(std::size_t from);
 
   /// Bodies, each appended if something holds, without a branch that the processor could guess
   /// wrong.
@@ -102,40 +141,71 @@ class HierarchicalGrid {
     std::span<const std::uint32_t> all() const { return {ids.data(), count}; }
   };
 
-  BodyBoxes boxes_;
+  BodyBoxes boxes_;  ///< width[3] is the last query that found the body
   double sizes_per_m_;
-  std::array<std::array<Axis, 3>, k_levels> axes_{};
-  std::array<std::array<double, 3>, k_levels> reach_{};
-  std::uint32_t levels_used_ = 0;  ///< bit per level that has bodies
-  std::array<std::vector<std::uint32_t>, k_levels> members_;
-  std::vector<std::uint32_t> level_;      ///< by body
-  std::vector<std::uint32_t> member_at_;  ///< by body: index in members_
-  BrickMap bricks_;
-  std::vector<CodedBox> before_;         ///< move_all: the boxes that it replaces
-  std::vector<std::uint32_t> gathered_;  ///< candidates from cells
-  Chosen begun_;                         ///< told once the structure is up to date
+  std::array<Level, k_levels> levels_{};
+  std::uint32_t levels_used_ = 0;         ///< bit per level that has bodies
+  std::vector<std::uint8_t> level_;       ///< by body
+  std::vector<std::uint32_t> member_at_;  ///< by body: index in members
+  CellTable cells_;
+  std::uint32_t query_ = 0;          ///< number of the last query
+  std::vector<CodedBox> before_;     ///< move_all: the boxes that it replaces
+  std::vector<std::uint32_t> near_;  ///< blocks
+  Chosen begun_;                     ///< told once the structure is up to date
   Chosen ended_;
 };
 
 template <class Test>
-void HierarchicalGrid::find_begun(const Box& box, const CodedBox& code, const Test& test) {
-  begun_.count = 0;
+void HierarchicalGrid::find_in_cells(std::size_t cells, const CellTable::Query& query,
+                                     const Test& test) {
+  // Collect who may overlap as bits, eight blocks at a time, and then go through the bits: so only
+  // the ends of few loops are guessed wrong.
+  std::array<std::uint32_t, k_batch / CellTable::k_slots> blocks{};
+  std::size_t count = 0;
+  std::uint64_t bits = 0;
+  std::size_t from = begun_.count;
+  const auto judge = [&] {
+    for (; bits != 0; bits &= bits - 1) {
+      const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
+      const std::uint32_t other =
+          cells_.body(blocks[bit / CellTable::k_slots], bit % CellTable::k_slots);
+      begun_.add_if(test(other, boxes_.coded(other)), other);
+    }
+    count = 0;
+    // Make room for the next batch.
+    if (begun_.count + k_batch < begun_.ids.size()) return;
+    drop_repeated(from);
+    from = begun_.count;
+  };
+  for (std::size_t i = 0; i < cells; ++i) {
+    for (std::uint32_t block = near_[i]; block != CellTable::k_none; block = cells_.next(block)) {
+      blocks[count] = block;
+      bits |= std::uint64_t{cells_.overlapping(block, query)} << (CellTable::k_slots * count);
+      if (++count == blocks.size()) judge();
+    }
+  }
+  judge();
+  drop_repeated(from);
+}
+
+template <class Test>
+void HierarchicalGrid::find_begun(const Box& box, const CodedBox& code, const Placement& at,
+                                  const Test& test) {
+  begin_query();
   for (std::uint32_t left = levels_used_; left != 0; left &= left - 1) {
-    const auto level = static_cast<std::uint32_t>(std::countr_zero(left));
-    std::uint32_t* end = gather(level, box, code);
-    if (end == nullptr) {
-      for (const std::uint32_t other : members_[level])
-        begun_.add_if(test(other, boxes_.coded(other)), other);
-      continue;
+    const auto number = static_cast<std::uint32_t>(std::countr_zero(left));
+    const Level& level = levels_[number];
+    if (number != k_level_unbounded) {
+      const Extent extent = number == at.number ? at.extent : extent_of(level, box, code);
+      if (const auto cells = cells_near(level, extent)) {
+        find_in_cells(*cells, CellTable::Query(extent.sketch()), test);
+        continue;
+      }
     }
-    // Test each, and append whoever comes next in its cell.
-    for (std::uint32_t* at = gathered_.data(); at != end; ++at) {
-      const std::uint32_t other = *at;
-      const CodedBox& there = boxes_.coded(other);
-      begun_.add_if(test(other, there), other);
-      *end = BrickMap::next(there);
-      end += *end != k_nobody ? 1 : 0;
-    }
+    const std::size_t from = begun_.count;
+    for (const std::uint32_t other : level.members)
+      begun_.add_if(test(other, boxes_.coded(other)), other);
+    drop_repeated(from);
   }
 }
 
@@ -143,10 +213,12 @@ template <OverlapSink Sink>
 void HierarchicalGrid::insert(BodyId body, const Box& box, Sink& sink) {
   boxes_.check_absent(body);
   const CodedBox code = boxes_.periods().coded(box);
-  find_begun(box, code, [&](std::uint32_t, const CodedBox& there) { return overlap(code, there); });
+  const Placement at = placement_of(box, code);
+  find_begun(box, code, at,
+             [&](std::uint32_t, const CodedBox& there) { return overlap(code, there); });
   boxes_.add(body.value);
   boxes_.set(body.value, box, code);
-  place(body.value);
+  place(body.value, at);
   for (const std::uint32_t other : begun_.all())
     sink.begin(BodyId{other});
 }
@@ -156,6 +228,7 @@ void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   boxes_.check_present(body);
   const CodedBox before = boxes_.coded(body.value);
   const CodedBox after = boxes_.periods().coded(box);
+  const Placement to = placement_of(box, after);
 
   // Neighbours that the new box does not overlap have ended.
   ended_.count = 0;
@@ -165,11 +238,11 @@ void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   // Whom the new box overlaps, and the old one did not, begins; the old one overlaps itself.
   begun_.count = 0;
   if (!holds(before, after)) {
-    find_begun(box, after, [&](std::uint32_t, const CodedBox& there) {
+    find_begun(box, after, to, [&](std::uint32_t, const CodedBox& there) {
       return overlap(after, there) & !overlap(before, there);
     });
   }
-  change(body.value, box, after);
+  change(body.value, box, after, to);
   for (const std::uint32_t other : ended_.all())
     sink.end(BodyId{other});
   for (const std::uint32_t other : begun_.all())
@@ -194,7 +267,9 @@ void HierarchicalGrid::move_all(std::span<const Box> boxes, Sink& sink) {
   CHECK_EQ(boxes.size(), std::size_t{boxes_.bodies()});
   before_.assign(boxes_.all_coded().begin(), boxes_.all_coded().end());
   for (std::uint32_t body = 0; body < boxes_.bodies(); ++body) {
-    if (boxes_.contains(body)) change(body, boxes[body], boxes_.periods().coded(boxes[body]));
+    if (!boxes_.contains(body)) continue;
+    const CodedBox code = boxes_.periods().coded(boxes[body]);
+    change(body, boxes[body], code, placement_of(boxes[body], code));
   }
   for (std::uint32_t body = 0; body < boxes_.bodies(); ++body) {
     if (!boxes_.contains(body)) continue;
@@ -206,7 +281,8 @@ void HierarchicalGrid::move_all(std::span<const Box> boxes, Sink& sink) {
     for (const BodyId other : neighbours) {
       ended_.add_if((other.value > body) & !overlap(after, boxes_.coded(other.value)), other.value);
     }
-    find_begun(boxes[body], after, [&](std::uint32_t other, const CodedBox& there) {
+    const Placement at = placement_of(boxes[body], after);
+    find_begun(boxes[body], after, at, [&](std::uint32_t other, const CodedBox& there) {
       return (other > body) & overlap(after, there) & !overlap(before, before_[other]);
     });
     for (const std::uint32_t other : ended_.all())

@@ -31,7 +31,18 @@ inline constexpr double k_rounding_ulps = 64 * 0x1p-53;
 /// tens; a million means that a bound is wrong.
 inline constexpr std::uint32_t k_examined_ticks_max = 1'000'000;
 
-/// Events of one pair at one tick before the simulation gives up with a typed error.
+/// Where slow contacts end (scene.h), a pair that has collided does not collide again for so long,
+/// unless its gap has halved since: a body that others squeeze would bounce between them without
+/// time passing (inelastic collapse). A pair that approaches at 0.05 m/s uses up half of k_touch_m
+/// in it.
+inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
+
+/// After so many collisions of a body at one tick, its further ones there are plastic: no
+/// restitution and no least separation speed. Free bodies collide once or twice at a tick, a cradle
+/// of n balls n times.
+inline constexpr std::uint32_t k_elastic_at_a_tick = 64;
+
+/// Events of one body at one tick before the simulation gives up with a typed error.
 inline constexpr std::uint32_t k_events_at_a_tick_max = 10'000;
 
 }  // namespace sleight::physics

@@ -24,12 +24,19 @@ int log2_step_ticks(double rate_radps) {
 template <std::size_t axes>
 using Coefficients = std::array<std::array<double, axes>, GeneralRotation::k_order + 1>;
 
-/// The polynomial without its constant term, in an even and an odd half, so that the chain of
-/// dependent operations is half as long.
+/// The order that is enough for an offset in a step: the n-th term is at most 2^-2n x^n of the
+/// first, and what is left out stays below 2^-56. A function of the offset alone.
+std::size_t order_for(double x) {
+  if (x <= 0x1p-10) return 4;
+  if (x <= 0x1p-5) return 8;
+  if (x <= 0x1p-3) return 12;
+  return GeneralRotation::k_order;
+}
+
+/// The polynomial of an even order without its constant term, in an even and an odd half, so that
+/// the chain of dependent operations is half as long.
 template <std::size_t axes>
-std::array<double, axes> change(const Coefficients<axes>& c, double x) {
-  static_assert(GeneralRotation::k_order % 2 == 0);
-  constexpr std::size_t n = GeneralRotation::k_order;
+std::array<double, axes> change(const Coefficients<axes>& c, double x, std::size_t n) {
   const double square = x * x;
   std::array<double, axes> even = c[n];
   std::array<double, axes> odd = c[n - 1];
@@ -45,8 +52,8 @@ std::array<double, axes> change(const Coefficients<axes>& c, double x) {
 }
 
 template <std::size_t axes>
-std::array<double, axes> value(const Coefficients<axes>& c, double x) {
-  std::array<double, axes> result = change(c, x);
+std::array<double, axes> value(const Coefficients<axes>& c, double x, std::size_t order) {
+  std::array<double, axes> result = change(c, x, order);
   for (std::size_t axis = 0; axis < axes; ++axis)
     result[axis] = c[0][axis] + result[axis];
   return result;
@@ -91,20 +98,25 @@ GeneralRotation::GeneralRotation(const FreeFlight& flight, const Inertia& inerti
             flight.orientation.z()},
       .w = {body.x() * seconds_per_step, body.y() * seconds_per_step, body.z() * seconds_per_step}};
   first_ = state_;
-  expand();
+  begin_step();
 }
 
 Quat GeneralRotation::orientation_at(TickCount ticks_since_begin) {
   seek(ticks_since_begin);
-  const std::array<double, 4> q = value(q_, offset_in(ticks_since_begin));
+  const double offset = offset_in(ticks_since_begin);
+  const std::size_t order = order_for(offset);
+  expand(order);
+  const std::array<double, 4> q = value(q_, offset, order);
   return {q[0], q[1], q[2], q[3]};
 }
 
 Vec3 GeneralRotation::angular_velocity_at(TickCount ticks_since_begin) {
   seek(ticks_since_begin);
   const double offset = offset_in(ticks_since_begin);
-  const std::array<double, 4> q = value(q_, offset);
-  const std::array<double, 3> w = value(w_, offset);
+  const std::size_t order = order_for(offset);
+  expand(order);
+  const std::array<double, 4> q = value(q_, offset, order);
+  const std::array<double, 3> w = value(w_, offset, order);
   return math::rotated(
       Quat(q[0], q[1], q[2], q[3]),
       Vec3(w[0] * steps_per_second_, w[1] * steps_per_second_, w[2] * steps_per_second_));
@@ -126,7 +138,7 @@ void GeneralRotation::seek(TickCount ticks_since_begin) {
     step_ = one_back ? step : 0;
     has_previous_ = false;
     state_ = one_back ? previous_ : first_;
-    expand();
+    begin_step();
   }
   while (step_ < step)
     advance();
@@ -135,8 +147,9 @@ void GeneralRotation::seek(TickCount ticks_since_begin) {
 void GeneralRotation::advance() {
   previous_ = state_;
   has_previous_ = true;
-  add(change(q_, 1), state_.q, state_.q_low);
-  add(change(w_, 1), state_.w, state_.w_low);
+  expand(k_order);
+  add(change(q_, 1, k_order), state_.q, state_.q_low);
+  add(change(w_, 1, k_order), state_.w, state_.w_low);
   // A Newton step towards norm 1, again without rounding q itself.
   const std::array<double, 4>& q = state_.q;
   std::array<double, 4>& low = state_.q_low;
@@ -145,14 +158,19 @@ void GeneralRotation::advance() {
   const double excess = 0.5 * (square - 1) + along_low;
   for (std::size_t axis = 0; axis < 4; ++axis)
     low[axis] -= q[axis] * excess;
-  expand();
+  begin_step();
   ++step_;
 }
 
-void GeneralRotation::expand() {
+void GeneralRotation::begin_step() {
   q_[0] = state_.q;
   w_[0] = state_.w;
-  for (std::size_t n = 0; n < k_order; ++n) {
+  expanded_ = 0;
+}
+
+/// Makes sure that the step has coefficients up to an order.
+void GeneralRotation::expand(std::size_t order) {
+  for (std::size_t n = expanded_; n < order; ++n) {
     std::array<double, 3> w{};
     std::array<double, 4> q{};
     for (std::size_t k = 0; k <= n; ++k) {
@@ -173,6 +191,7 @@ void GeneralRotation::expand() {
     for (std::size_t axis = 0; axis < 4; ++axis)
       q_[n + 1][axis] = q[axis] * (0.5 * share);
   }
+  expanded_ = std::max(expanded_, order);
 }
 
 }  // namespace sleight::physics

@@ -19,6 +19,8 @@
 //   1. Step k is a function of the flight and k alone: always reached from the flight's own start,
 //      through the same steps. So results do not depend on the order of questions.
 //   2. At the start of each step the norm of q is 1 to within 2^-51.
+// Near the start of a step fewer terms are needed, and only those are computed: bodies that bounce
+// often don't pay for a whole step each time.
 // Cost: about 0.4 us for a step, an eighth to a quarter radian at the greatest speed; 15 ns for an
 // orientation inside it. A question before the current step, unless about the one just before it,
 // starts again from the flight's begin.
@@ -33,7 +35,7 @@
 
 namespace sleight::physics {
 
-/// 168 words, no allocation.
+/// 169 words, no allocation.
 class GeneralRotation {
  public:
   static constexpr std::size_t k_order = 16;
@@ -68,7 +70,8 @@ class GeneralRotation {
   double offset_in(TickCount ticks_since_begin) const;
   void seek(TickCount ticks_since_begin);
   void advance();
-  void expand();
+  void begin_step();
+  void expand(std::size_t order);
 
   // Coefficients of the current step, lowest order first.
   std::array<std::array<double, 4>, k_order + 1> q_{};
@@ -77,6 +80,7 @@ class GeneralRotation {
   State first_;                    ///< of step 0
   State previous_;                 ///< of step_ - 1
   State state_;                    ///< of step_
+  std::size_t expanded_ = 0;       ///< coefficients up to this order are there
   std::int64_t step_ = 0;
   TickCount span_max_ = 0;
   int log2_ticks_ = 0;  ///< of a step

@@ -17,6 +17,8 @@ constexpr std::array k_scenes{
     SceneEntry{"boxed_polyhedra", "elastic polyhedra of 42 vertices between six walls",
                &boxed_polyhedra, 64},
     SceneEntry{"boxed_spheres", "elastic spheres between six walls", &boxed_spheres, 64},
+    SceneEntry{"bumpy_floor", "spheres and cubes that fall on a random height field", &bumpy_floor,
+               40},
     SceneEntry{"cube_drop", "cubes that fall on a floor", &cube_drop, 1},
     SceneEntry{"cube_stack", "cubes above one another", &cube_stack, 3},
     SceneEntry{"gas_dense", "elastic spheres in periodic space, packing 0.4", &dense_gas, 1000},
@@ -24,6 +26,7 @@ constexpr std::array k_scenes{
     SceneEntry{"grain_heap", "grains that make a heap", &grain_heap, 100},
     SceneEntry{"hourglass", "grains that fall through a funnel", &hourglass, 100},
     SceneEntry{"rain", "spheres of all sorts that fall into a box and bounce", &rain, 20},
+    SceneEntry{"tray", "spheres and cubes thrown at a tray with a raised rim", &tray, 40},
 };
 
 }  // namespace

@@ -1,69 +1,133 @@
 #include "worker/physics/simulator/box_tree.h"
 
 #include <algorithm>
-#include <numeric>
+#include <bit>
 
 namespace sleight::physics {
 namespace {
 
-Box joined(const Box& a, const Box& b) {
-  Box box = a;
+constexpr std::uint32_t k_bits = 10;  ///< per axis, and per pass of the sort
+constexpr std::uint32_t k_digits = 1U << k_bits;
+
+void join(Box& box, const Box& other) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    box.low_m[axis] = std::min(a.low_m[axis], b.low_m[axis]);
-    box.high_m[axis] = std::max(a.high_m[axis], b.high_m[axis]);
+    box.low_m[axis] = std::min(box.low_m[axis], other.low_m[axis]);
+    box.high_m[axis] = std::max(box.high_m[axis], other.high_m[axis]);
   }
-  return box;
+}
+
+/// Ten bits, two zeros before each.
+std::uint32_t spread(std::uint32_t bits) {
+  bits = (bits | bits << 16) & 0x030000FF;
+  bits = (bits | bits << 8) & 0x0300F00F;
+  bits = (bits | bits << 4) & 0x030C30C3;
+  return (bits | bits << 2) & 0x09249249;
+}
+
+/// Twice the middle of a box along an axis.
+float middle(const Box& box, std::size_t axis) {
+  return box.low_m[axis] + box.high_m[axis];
+}
+
+struct Item {
+  std::uint32_t code;
+  std::uint32_t index;
+};
+
+/// Each box's place on the curve.
+std::vector<Item> coded(std::span<const Box> boxes) {
+  std::array<float, 3> low{};
+  std::array<float, 3> high{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    low[axis] = high[axis] = middle(boxes[0], axis);
+  for (const Box& box : boxes) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], middle(box, axis));
+      high[axis] = std::max(high[axis], middle(box, axis));
+    }
+  }
+  // One scale for all axes, so that cells are cubes.
+  const float extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+  const float scale = extent > 0 ? static_cast<float>(k_digits) / extent : 0;
+  std::vector<Item> items(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    std::uint32_t code = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float cell = (middle(boxes[i], axis) - low[axis]) * scale;
+      code |= spread(std::min(static_cast<std::uint32_t>(cell), k_digits - 1)) << axis;
+    }
+    items[i] = {.code = code, .index = static_cast<std::uint32_t>(i)};
+  }
+  return items;
+}
+
+/// By code, equal ones by index: a radix sort, which keeps the order of equals.
+void sort(std::vector<Item>& items) {
+  std::vector<Item> other(items.size());
+  std::array<std::uint32_t, k_digits> places;
+  for (std::uint32_t pass = 0; pass < 3; ++pass) {
+    const auto digit = [pass](const Item& item) {
+      return item.code >> (pass * k_bits) & (k_digits - 1);
+    };
+    places.fill(0);
+    for (const Item& item : items)
+      ++places[digit(item)];
+    std::uint32_t before = 0;
+    for (std::uint32_t& place : places) {
+      const std::uint32_t count = place;
+      place = before;
+      before += count;
+    }
+    for (const Item& item : items)
+      other[places[digit(item)]++] = item;
+    items.swap(other);
+  }
 }
 
 }  // namespace
 
 BoxTree::BoxTree(std::span<const Box> boxes) {
-  indices_.resize(boxes.size());
-  std::iota(indices_.begin(), indices_.end(), 0U);
-  if (!boxes.empty()) build(boxes, 0, static_cast<std::uint32_t>(boxes.size()));
-  for (const std::uint32_t index : indices_)
-    boxes_.push_back(boxes[index]);
+  if (boxes.empty()) return;
+  std::vector<Item> items = coded(boxes);
+  sort(items);
+  indices_.reserve(items.size());
+  boxes_.reserve(items.size());
+  std::vector<std::uint32_t> codes;
+  codes.reserve(items.size());
+  for (const Item& item : items) {
+    indices_.push_back(item.index);
+    boxes_.push_back(boxes[item.index]);
+    codes.push_back(item.code);
+  }
+  nodes_.reserve(boxes.size() + 1);
+  build(codes, 0, static_cast<std::uint32_t>(boxes.size()));
 }
 
-void BoxTree::build(std::span<const Box> boxes, std::uint32_t begin, std::uint32_t end) {
+Box BoxTree::build(std::span<const std::uint32_t> codes, std::uint32_t begin, std::uint32_t end) {
   const auto place = static_cast<std::uint32_t>(nodes_.size());
-  Box all = boxes[indices_[begin]];
-  for (std::uint32_t i = begin; i < end; ++i)
-    all = joined(all, boxes[indices_[i]]);
-  nodes_.push_back({.box = all});
+  nodes_.emplace_back();
+  Box all = boxes_[begin];
   if (end - begin <= k_leaf) {
+    for (std::uint32_t i = begin + 1; i < end; ++i)
+      join(all, boxes_[i]);
     nodes_[place].begin = begin;
     nodes_[place].end = end;
   } else {
-    // Halve along the axis on which the middles lie furthest apart; ties by index.
-    const auto middle = [&](std::uint32_t index, std::size_t axis) {
-      return boxes[index].low_m[axis] + boxes[index].high_m[axis];
-    };
-    std::size_t best = 0;
-    float widest = -1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      float low = middle(indices_[begin], axis);
-      float high = low;
-      for (std::uint32_t i = begin; i < end; ++i) {
-        low = std::min(low, middle(indices_[i], axis));
-        high = std::max(high, middle(indices_[i], axis));
-      }
-      if (high - low > widest) {
-        widest = high - low;
-        best = axis;
-      }
+    // Cut where the highest bit that differs changes; equal places in the middle.
+    std::uint32_t cut = begin + (end - begin) / 2;
+    if (const std::uint32_t differ = codes[begin] ^ codes[end - 1]; differ != 0) {
+      const std::uint32_t bit = std::bit_floor(differ);
+      cut = static_cast<std::uint32_t>(
+          std::partition_point(codes.begin() + begin, codes.begin() + end,
+                               [bit](std::uint32_t code) { return (code & bit) == 0; }) -
+          codes.begin());
     }
-    const std::uint32_t half = begin + (end - begin) / 2;
-    std::nth_element(indices_.begin() + begin, indices_.begin() + half, indices_.begin() + end,
-                     [&](std::uint32_t a, std::uint32_t b) {
-                       const float of_a = middle(a, best);
-                       const float of_b = middle(b, best);
-                       return of_a < of_b || (of_a == of_b && a < b);
-                     });
-    build(boxes, begin, half);
-    build(boxes, half, end);
+    all = build(codes, begin, cut);
+    join(all, build(codes, cut, end));
   }
+  nodes_[place].box = all;
   nodes_[place].skip = static_cast<std::uint32_t>(nodes_.size());
+  return all;
 }
 
 }  // namespace sleight::physics

@@ -1,8 +1,14 @@
 // Boxes that don't move, as a tree: which of them does a box overlap?
 //
-// Idea. The boxes are halved by the middle of their longest spread, down to leaves of a few; nodes
-// lie in one array in depth-first order, each with the place to go on at if its box is missed, so a
-// query needs no stack.
+// Idea. The boxes are sorted along a curve that fills space (Morton's order of their middles, ten
+// bits per axis; Karras 2012, section 3) and cut in two where the highest bit changes, down to
+// leaves of a few. Sorting takes three passes over the boxes, so a tree is built anew for less than
+// it would cost to mend. Nodes lie in one array in depth-first order, each with the place to go on
+// at if its box is missed, so a query needs no stack.
+//
+// Invariants
+//   1. Each box lies in one leaf; a node's box holds those of all leaves below it.
+//   2. The tree is a function of the boxes in their order.
 // Thread safety: const functions may run at once.
 #pragma once
 
@@ -17,20 +23,22 @@ namespace sleight::physics {
 class BoxTree {
  public:
   BoxTree() = default;
+  /// REQUIRES: finite corners.
   explicit BoxTree(std::span<const Box> boxes);
 
   /// Calls visit(index) for each overlapping box, in no particular order but always the same.
   template <class Visit>
   void for_each_overlap(const Box& box, Visit&& visit) const {
     std::uint32_t at = 0;
-    while (at < nodes_.size()) {
+    const auto end = static_cast<std::uint32_t>(nodes_.size());
+    while (at < end) {
       const Node& node = nodes_[at];
-      if (!overlap(node.box, box)) {
+      if (!meets(node.box, box)) {
         at = node.skip;
         continue;
       }
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        if (overlap(boxes_[i], box)) visit(indices_[i]);
+        if (meets(boxes_[i], box)) visit(indices_[i]);
       }
       ++at;
     }
@@ -45,7 +53,17 @@ class BoxTree {
     std::uint32_t begin = 0;  ///< a leaf's boxes; none in inner nodes
     std::uint32_t end = 0;
   };
-  void build(std::span<const Box> boxes, std::uint32_t begin, std::uint32_t end);
+
+  /// overlap(), all six comparisons at once: which of them fails first can't be foretold.
+  static bool meets(const Box& a, const Box& b) {
+    unsigned apart = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      apart |= static_cast<unsigned>(a.low_m[axis] > b.high_m[axis]);
+      apart |= static_cast<unsigned>(b.low_m[axis] > a.high_m[axis]);
+    }
+    return apart == 0;
+  }
+  Box build(std::span<const std::uint32_t> codes, std::uint32_t begin, std::uint32_t end);
 
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> indices_;

@@ -10,6 +10,12 @@ namespace {
 constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 /// Corners of the envelope that one look goes along; it may stop at any of them.
 constexpr int k_corners_max = 12;
+/// A gap that was found with the help of earlier looks differs from the cold one by less than this:
+/// rounding at coordinates of 100 m.
+constexpr double k_warm_error_m = 1e-12;
+/// Pieces are well apart when a guessed axis shows a gap above this part of the smaller one's
+/// radius; below, the true line of the closest points is worth its price.
+constexpr double k_well_apart = 0.02;
 /// A skip is shortened by this share for the rounding of its own computation.
 constexpr double k_skip_margin = 0x1p-20;
 
@@ -128,8 +134,8 @@ Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
          math::cross(piece.angular_velocity_radps, point_m - piece.pose.position_m);
 }
 
-bool collides(const PieceContact& contact) {
-  return contact.gap_m <= k_touch_m && contact.rate_mps < -k_approach_mps;
+bool collides(const PieceContact& contact, double touch_m) {
+  return contact.gap_m <= touch_m && contact.rate_mps < -k_approach_mps;
 }
 
 /// Least h >= 0 at which place + rate h + curvature h^2 / 2 <= 0.
@@ -231,11 +237,11 @@ AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& po
 
 /// How long two pieces can't collide, as their separation along an axis shows.
 double failing_along_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& axis,
-                          const AxisTurn& turn) {
+                          double touch_m, const AxisTurn& turn) {
   const Vec3 between_m = b.pose.position_m - a.pose.position_m;
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
   const Line base{
-      math::dot(axis, between_m) - (a.radius_m + b.radius_m),
+      math::dot(axis, between_m) - (a.radius_m + b.radius_m) + (k_touch_m - touch_m),
       math::dot(axis, relative_mps - math::cross(turn.angular_velocity_radps, between_m))};
   const double pull = math::dot(axis, b.acceleration_mps2 - a.acceleration_mps2);
   const bool still = is_zero(turn.angular_velocity_radps);
@@ -250,6 +256,37 @@ double failing_along_axis(const MovingPiece& a, const MovingPiece& b, const Vec3
   // However they turn, they stay inside of their spheres; what doesn't turn stays behind its plane.
   const double apart_m = base.place_m + (nearest_m(a, of_a) + nearest_m(b, of_b)) - k_touch_m;
   return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, pull)) : span_s;
+}
+
+/// Along the line of the centres, or along the normal of the face of what doesn't move that the
+/// other one's centre lies furthest above.
+Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& between_m,
+                  double distance_m) {
+  const auto of_faces = [](const MovingPiece& fixed, const MovingPiece& other) -> Vec3 {
+    const Vec3 centre_m =
+        transposed_product(fixed.pose.rotation, other.pose.position_m - fixed.pose.position_m);
+    double most_m = -k_forever_s;
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < fixed.view->face_count; ++i) {
+      const Face& face = fixed.view->faces[i];
+      const double above_m = math::dot(face.normal, centre_m) - face.offset_m;
+      if (above_m > most_m) {
+        most_m = above_m;
+        best = i;
+      }
+    }
+    return math::product(fixed.pose.rotation, fixed.view->faces[best].normal);
+  };
+  if (!std::isfinite(a.reach_m) && a.view->face_count > 0) return of_faces(a, b);
+  if (!std::isfinite(b.reach_m) && b.view->face_count > 0) return -of_faces(b, a);
+  return distance_m > 0 ? Vec3(between_m / distance_m) : Vec3(Vec3::UnitX());
+}
+
+double separation_m(const MovingPiece& a, const MovingPiece& b, const Vec3& axis) {
+  const Envelope of_a(a, -axis, Vec3::Zero());
+  const Envelope of_b(b, axis, Vec3::Zero());
+  return math::dot(axis, b.pose.position_m - a.pose.position_m) - (a.radius_m + b.radius_m) +
+         (of_a.lowest().place_m + of_b.lowest().place_m);
 }
 
 }  // namespace
@@ -275,7 +312,7 @@ PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b) {
           .point_m = on_b_m - (0.5 * gap_m) * closest.normal};
 }
 
-Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick,
+Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                         SeparationCache& cache) {
   // As long as their spheres are apart, nothing else need be asked.
   const Vec3 between_m = b.pose.position_m - a.pose.position_m;
@@ -287,31 +324,41 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick,
     return later(tick, first_zero_s(distance_m - reach_m, rate_mps, -math::norm(pull_mps2)));
   }
 
+  // An axis that is cheap to guess, if it shows them well apart.
+  const Vec3 guess = guessed_axis(a, b, between_m, distance_m);
+  if (separation_m(a, b, guess) > k_well_apart * std::min(a.reach_m, b.reach_m)) {
+    return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
+  }
+
   // How far they are apart; near the touch, from scratch.
   const Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   Vec3 axis = closest.normal;
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
-  if (closest.gap_m - (a.radius_m + b.radius_m) <= 2 * k_touch_m) {
+  if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
     const PieceContact contact = contact_of(a, b);
-    if (collides(contact)) return {.collides = true, .next = tick};
+    if (collides(contact, touch_m)) return {.collides = true, .next = tick};
     axis = contact.normal;
   }
 
   // How long they can't collide, by axes that stay and that turn with the features.
-  const double still_s = failing_along_axis(a, b, axis, {});
+  const double still_s = failing_along_axis(a, b, axis, touch_m, {});
   const Vec3 turning = turn_of_axis(a, b, closest);
   const double turning_s =
-      is_zero(turning) ? 0 : failing_along_axis(a, b, axis, turning_axis(a, b, contact_m, turning));
+      is_zero(turning)
+          ? 0
+          : failing_along_axis(a, b, axis, touch_m, turning_axis(a, b, contact_m, turning));
   return later(tick, std::max(still_s, turning_s));
 }
 
-Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick) {
+Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
+                       double touch_m) {
   const Vec3& axis = solid_below.normal;
-  const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m,
+  const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m +
+                      (k_touch_m - touch_m),
                   math::dot(axis, b.velocity_mps)};
   const Envelope of_b(b, axis, Vec3::Zero());
-  if (base.place_m + of_b.lowest().place_m <= 2 * k_touch_m &&
-      collides(contact_of(solid_below, b))) {
+  if (base.place_m + of_b.lowest().place_m <= k_touch_m + k_warm_error_m &&
+      collides(contact_of(solid_below, b), touch_m)) {
     return {.collides = true, .next = tick};
   }
   const double pull = math::dot(axis, b.acceleration_mps2);

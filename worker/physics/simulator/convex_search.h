@@ -55,10 +55,11 @@ PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
 /// Of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
-/// One look. The cache is that of the search's earlier looks.
-Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick,
+/// One look. The cache is that of the search's earlier looks; `touch_m` stands for k_touch_m.
+Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                         SeparationCache& cache);
-Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick);
+Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
+                       double touch_m);
 
 /// The first stage for two bodies that fall alike: when the spheres that hold them come to touch,
 /// as a span from the moment at which the second centre is at `between_m` from the first. Not

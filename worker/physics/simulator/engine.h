@@ -59,11 +59,6 @@ class Engine {
     std::uint32_t index = 0;
     std::uint32_t search = k_no_search;
   };
-  struct AtTick {
-    Tick tick{-1};
-    std::uint32_t events = 0;
-  };
-
   /// Takes the broad phase's report on one body. Pairs that begin are predicted unless all of the
   /// body's are going to be.
   struct Sink {
@@ -113,7 +108,6 @@ class Engine {
   TickCount least_span(std::uint32_t body) const;
   Image image_of(std::uint32_t lower, std::uint32_t higher) const;
 
-  bool too_many_at_this_tick(std::uint32_t body);
   void fail(SceneError::Kind kind, std::string message);
   void schedule_control();
 
@@ -124,11 +118,10 @@ class Engine {
   PairGraph graph_;
   std::vector<std::vector<StaticEdge>> statics_;
   std::vector<Bound> bounds_;
-  std::vector<Box> static_boxes_;       ///< what each body's list of static features is good for
-  std::vector<Box> all_boxes_;          ///< scratch of the synchronous algorithm
-  std::vector<std::uint32_t> near_;     ///< scratch
-  std::vector<std::uint32_t> changes_;  ///< of each body's motion
-  std::vector<AtTick> at_tick_;
+  std::vector<Box> static_boxes_;        ///< what each body's list of static features is good for
+  std::vector<Box> all_boxes_;           ///< scratch of the synchronous algorithm
+  std::vector<std::uint32_t> near_;      ///< scratch
+  std::vector<std::uint32_t> changes_;   ///< of each body's motion
   std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
   std::size_t next_control_ = 0;
   std::uint32_t present_ = 0;  ///< bodies that have started

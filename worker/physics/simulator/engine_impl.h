@@ -59,7 +59,6 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options)
   bounds_.resize(count);
   static_boxes_.resize(count);
   changes_.assign(count, 0);
-  at_tick_.resize(count);
   if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
 
   // Every body waits for its start.
@@ -217,13 +216,19 @@ std::string Engine<Boxes, Queue>::obstacle_of(std::uint32_t body) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::collide(const EventKey& event) {
-  if (too_many_at_this_tick(event.lower)) return;
   if ((event.higher & k_static) != 0) {
     ++counts_.static_collisions;
     world_.collide_static(event.lower, event.higher & ~k_static, event);
   } else {
     ++counts_.collisions;
     world_.collide(event.lower, event.higher, graph_.find(event.lower, event.higher)->image, event);
+  }
+  if (world_.most_at_a_tick() > k_events_at_a_tick_max) {
+    fail(SceneError::Kind::search_failed,
+         fmt::format("{} collides more than {} times at tick {} ({:.9g} s)",
+                     world_.name(event.lower), k_events_at_a_tick_max, now_.value,
+                     seconds(now_ - Tick{})));
+    return;
   }
   bodies_changed();
 }
@@ -524,18 +529,6 @@ Image Engine<Boxes, Queue>::image_of(std::uint32_t lower, std::uint32_t higher) 
 }
 
 // ---- failures -----------------------------------------------------------------------------------
-
-template <BroadPhase Boxes, EventQueue Queue>
-bool Engine<Boxes, Queue>::too_many_at_this_tick(std::uint32_t body) {
-  AtTick& at = at_tick_[body];
-  at.events = at.tick == now_ ? at.events + 1 : 1;
-  at.tick = now_;
-  if (at.events <= k_events_at_a_tick_max) return false;
-  fail(SceneError::Kind::search_failed,
-       fmt::format("{} collides {} times at tick {} ({:.9g} s)", world_.name(body), at.events,
-                   now_.value, seconds(now_ - Tick{})));
-  return true;
-}
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::fail(SceneError::Kind kind, std::string message) {

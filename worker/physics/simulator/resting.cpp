@@ -109,10 +109,18 @@ void Resting::touched(std::uint32_t body, const TouchRecord& touch, double befor
   if (before_mps >= rule_.rest_speed_mps || after_mps >= rule_.rest_speed_mps) {
     log.slow_since = k_never;
     log.due = k_never;
-  } else if (log.slow_since == k_never) {
+    log.slow_collisions = 0;
+    return;
+  }
+  if (log.slow_since == k_never) {
     log.slow_since = touch.tick;
     log.due = touch.tick + rest_span();
   }
+  if (log.slow_collisions == 0 || touch.tick - log.counted_since > rest_span()) {
+    log.slow_collisions = 0;
+    log.counted_since = touch.tick;
+  }
+  if (++log.slow_collisions == k_slow_collisions) log.due = touch.tick;
 }
 
 void Resting::disturbed(std::uint32_t body) {
@@ -121,6 +129,7 @@ void Resting::disturbed(std::uint32_t body) {
   log.rests = false;
   log.slow_since = k_never;
   log.due = k_never;
+  log.slow_collisions = 0;
 }
 
 std::span<const TouchRecord> Resting::recent(Log& log, Tick now) const {

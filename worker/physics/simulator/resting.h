@@ -34,6 +34,10 @@ namespace sleight::physics {
 /// A body's partner is static geometry.
 inline constexpr std::uint32_t k_static_partner = UINT32_MAX;
 
+/// So many slow collisions without a fast one stand for any rest time: a body that is jammed
+/// between others collides without time passing.
+inline constexpr std::uint32_t k_slow_collisions = 256;
+
 /// One impact as a body felt it.
 struct TouchRecord {
   Tick tick{};
@@ -85,8 +89,10 @@ class Resting {
 
   struct Log {
     Tick slow_since = k_never;
+    Tick counted_since{};  ///< slow_collisions are counted from here
     Tick due = k_never;
-    std::uint32_t count = 0;
+    std::uint32_t slow_collisions = 0;
+    std::uint32_t count = 0;  ///< of records
     std::array<TouchRecord, k_records> records;
     std::vector<std::uint32_t> supporters;  ///< of a resting body
     bool rests = false;
@@ -112,9 +118,10 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
     Log& log = logs_[set_[i]];
     const Present state = present(set_[i]);
     const auto contacts = recent(log, now);
-    may = log.slow_since != k_never && now - log.slow_since >= rest_span() &&
+    const bool jammed = log.slow_collisions >= k_slow_collisions;
+    may = log.slow_since != k_never && (now - log.slow_since >= rest_span() || jammed) &&
           state.speed_mps < rule_.rest_speed_mps && !contacts.empty() &&
-          can_carry(contacts, state.weight_n, state.reach_m);
+          (jammed || can_carry(contacts, state.weight_n, state.reach_m));
     for (const TouchRecord& touch : contacts) {
       if (touch.partner == k_static_partner || logs_[touch.partner].rests) continue;
       if (std::find(set_.begin(), set_.end(), touch.partner) == set_.end())
@@ -124,6 +131,7 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
   if (!may) {
     Log& log = logs_[body];
     log.due = now + std::max<TickCount>(1, rest_span() / 2);
+    log.slow_collisions = 0;
     if (present(body).speed_mps >= rule_.rest_speed_mps) disturbed(body);
     return {};
   }
@@ -143,6 +151,7 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
     log.rests = true;
     log.slow_since = k_never;
     log.due = k_never;
+    log.slow_collisions = 0;
     log.count = 0;
   }
   return set_;

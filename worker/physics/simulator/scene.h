@@ -16,6 +16,7 @@
 #include "worker/physics/event/event.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/shape/shapes.h"
+#include "worker/physics/shape/triangle_mesh.h"
 #include "worker/physics/simulator/sphere_search.h"
 #include "worker/physics/simulator/surface_law.h"
 
@@ -65,6 +66,14 @@ struct StaticConvex {
   MaterialId material{};
 };
 
+/// A surface of triangles that doesn't move. A closed one is solid on the side that its triangles'
+/// normals leave; an open one is a sheet of no thickness that is met from both sides.
+struct StaticMesh {
+  std::string name;
+  std::shared_ptr<const TriangleMesh> mesh;  ///< in the world's frame
+  MaterialId material{};
+};
+
 /// How slow contacts end. All 0: they never do, as in a gas.
 struct SlowContacts {
   /// After an impact a pair separates at least this fast, if its energy allows it (restitution.h):
@@ -88,6 +97,7 @@ struct Scene {
   std::vector<BodyDescription> bodies;
   std::vector<StaticPlane> planes;
   std::vector<StaticConvex> convexes;
+  std::vector<StaticMesh> meshes;
   ContactTable contacts;
   SlowContacts slow;
   Vec3 gravity_mps2 = Vec3::Zero();

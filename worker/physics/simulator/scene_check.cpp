@@ -138,6 +138,64 @@ std::optional<SceneError> error_of_laws(const ContactTable& contacts) {
   return std::nullopt;
 }
 
+/// A piece of static geometry, as it is called in errors.
+std::string static_name(std::string_view kind, const std::string& given, std::size_t index) {
+  return given.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} '{}'", kind, given);
+}
+
+std::optional<SceneError> error_of_vertices(std::span<const Vec3> vertices_m,
+                                            const std::string& name) {
+  for (std::size_t v = 0; v < vertices_m.size(); ++v) {
+    const Vec3& p = vertices_m[v];
+    if (within(p, k_coordinate_m_max)) continue;
+    return error(Kind::bad_number, fmt::format("{}: vertex {} is at ({}, {}, {}) m; coordinates "
+                                               "are at most {} m",
+                                               name, v, p.x(), p.y(), p.z(), k_coordinate_m_max));
+  }
+  return std::nullopt;
+}
+
+std::optional<SceneError> error_of_material(const Scene& scene, MaterialId material,
+                                            const std::string& name) {
+  if (material.value < scene.contacts.materials()) return std::nullopt;
+  return error(Kind::bad_reference, fmt::format("{}: material {}; the scene has {}", name,
+                                                material.value, scene.contacts.materials()));
+}
+
+std::optional<SceneError> error_of_statics(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.planes.size(); ++i) {
+    const StaticPlane& plane = scene.planes[i];
+    const std::string name = static_name("plane", plane.name, i);
+    const double length = within(plane.outside.normal, 2) ? math::norm(plane.outside.normal) : 0;
+    if (!(std::fabs(length - 1) < 1e-12) ||
+        !(std::fabs(plane.outside.offset_m) <= k_coordinate_m_max)) {
+      return error(Kind::bad_shape, fmt::format("{}: its normal must have length 1 and its offset "
+                                                "be at most {} m",
+                                                name, k_coordinate_m_max));
+    }
+    if (auto wrong = error_of_material(scene, plane.material, name)) return wrong;
+  }
+  for (std::size_t i = 0; i < scene.convexes.size(); ++i) {
+    const StaticConvex& convex = scene.convexes[i];
+    const std::string name = static_name("convex", convex.name, i);
+    if (!convex.polyhedron || convex.polyhedron->vertices_m().empty()) {
+      return error(Kind::bad_shape, fmt::format("{}: it has no vertices", name));
+    }
+    if (auto wrong = error_of_vertices(convex.polyhedron->vertices_m(), name)) return wrong;
+    if (auto wrong = error_of_material(scene, convex.material, name)) return wrong;
+  }
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const StaticMesh& mesh = scene.meshes[i];
+    const std::string name = static_name("mesh", mesh.name, i);
+    if (!mesh.mesh || mesh.mesh->triangles().empty()) {
+      return error(Kind::bad_shape, fmt::format("{}: it has no triangles", name));
+    }
+    if (auto wrong = error_of_vertices(mesh.mesh->vertices_m(), name)) return wrong;
+    if (auto wrong = error_of_material(scene, mesh.material, name)) return wrong;
+  }
+  return std::nullopt;
+}
+
 std::optional<SceneError> error_of_period(const Scene& scene) {
   for (const double period : scene.period_m) {
     if (period == 0) continue;
@@ -145,7 +203,8 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
       return error(Kind::bad_number,
                    fmt::format("period {} m; give one above 0, or 0 for none", period));
     }
-    if (!scene.planes.empty() || !scene.convexes.empty() || scene.gravity_mps2 != Vec3::Zero()) {
+    if (!scene.planes.empty() || !scene.convexes.empty() || !scene.meshes.empty() ||
+        scene.gravity_mps2 != Vec3::Zero()) {
       return error(Kind::bad_number,
                    "a scene that repeats can have neither gravity nor static geometry");
     }
@@ -183,30 +242,7 @@ std::optional<SceneError> error_of(const Scene& scene) {
         body.name.empty() ? fmt::format("body {}", i) : fmt::format("body '{}'", body.name);
     if (auto wrong = error_of_body(scene, body, name)) return wrong;
   }
-  for (const StaticPlane& plane : scene.planes) {
-    const double length = within(plane.outside.normal, 2) ? math::norm(plane.outside.normal) : 0;
-    if (!(std::fabs(length - 1) < 1e-12) ||
-        !(std::fabs(plane.outside.offset_m) <= k_coordinate_m_max)) {
-      return error(Kind::bad_shape, fmt::format("plane '{}': its normal must have length 1 and its "
-                                                "offset be at most {} m",
-                                                plane.name, k_coordinate_m_max));
-    }
-    if (plane.material.value >= scene.contacts.materials()) {
-      return error(Kind::bad_reference,
-                   fmt::format("plane '{}': material {}; the scene has {}", plane.name,
-                               plane.material.value, scene.contacts.materials()));
-    }
-  }
-  for (const StaticConvex& convex : scene.convexes) {
-    if (!convex.polyhedron || convex.polyhedron->vertices_m().empty()) {
-      return error(Kind::bad_shape, fmt::format("convex '{}': it has no vertices", convex.name));
-    }
-    if (convex.material.value >= scene.contacts.materials()) {
-      return error(Kind::bad_reference,
-                   fmt::format("convex '{}': material {}; the scene has {}", convex.name,
-                               convex.material.value, scene.contacts.materials()));
-    }
-  }
+  if (auto wrong = error_of_statics(scene)) return wrong;
   for (const Control& control : scene.controls) {
     if (control.body.value >= scene.bodies.size()) {
       return error(Kind::bad_reference, fmt::format("a control acts on body {}; the scene has {}",

@@ -64,13 +64,13 @@ Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m) {
   return math::normalized(from - math::dot(feature.direction, from) * feature.direction);
 }
 
-double failing_for_s(const GapState& state) {
+double failing_for_s(const GapState& state, double touch_m) {
   double failing_s = 0;
   const double fall = state.fall_mps2;
   // The gap must fall to the touch.
-  if (state.gap_m > k_touch_m) {
+  if (state.gap_m > touch_m) {
     const double excess_m =
-        state.gap_m - k_touch_m - k_rounding_ulps * (state.coordinates_m + state.gap_m);
+        state.gap_m - touch_m - k_rounding_ulps * (state.coordinates_m + state.gap_m);
     if (excess_m > 0) {
       failing_s = first_rise_s(-excess_m, -state.rate_mps, fall);
     } else {
@@ -105,8 +105,8 @@ double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centr
 }
 
 Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
-                 const MovingPoint& centre, double radius_m, Tick tick) {
-  double span_s = failing_for_s(gap_to(feature, centre, radius_m));
+                 const MovingPoint& centre, double radius_m, double touch_m, Tick tick) {
+  double span_s = failing_for_s(gap_to(feature, centre, radius_m), touch_m);
   if (span_s < k_forever_s && !sides.empty()) {
     span_s = std::max(span_s, outside_for_s(sides, centre));
   }
@@ -115,14 +115,14 @@ Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides
 }
 
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
-                         Tick tick) {
+                         double touch_m, Tick tick) {
   const double distance_m = math::norm(relative.position_m);
   const GapState state{
       .gap_m = distance_m - radii_m,
       .rate_mps = math::dot(relative.position_m, relative.velocity_mps) / distance_m,
       .fall_mps2 = math::norm(relative.acceleration_mps2),
       .coordinates_m = coordinates_m};
-  const double span_s = failing_for_s(state);
+  const double span_s = failing_for_s(state, touch_m);
   if (span_s == 0) return {.collides = true, .next = tick};
   return {.collides = false, .next = later(tick, span_s)};
 }

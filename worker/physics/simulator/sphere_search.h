@@ -79,7 +79,7 @@ GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double 
 Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m);
 
 /// How long the conditions on gap and rate must go on failing together: 0 if both hold.
-double failing_for_s(const GapState& state);
+double failing_for_s(const GapState& state, double touch_m);
 
 /// How long a centre must go on being outside of the region: 0 if it is inside.
 double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centre);
@@ -90,14 +90,15 @@ struct Examined {
   Tick next{};  ///< if not: the next tick at which it may collide; k_never if it can't
 };
 
-/// Judges one tick for a sphere and a feature. `centre` is the state at that tick.
+/// Judges one tick for a sphere and a feature. `centre` is the state at that tick; `touch_m` stands
+/// for k_touch_m.
 Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
-                 const MovingPoint& centre, double radius_m, Tick tick);
+                 const MovingPoint& centre, double radius_m, double touch_m, Tick tick);
 
 /// Judges one tick for two spheres, given as the motion of the second centre against the first.
 /// `coordinates_m` is the size of the coordinates of which `relative` is the difference.
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
-                         Tick tick);
+                         double touch_m, Tick tick);
 
 /// The collision of two spheres that keep their relative velocity, as a span from the moment at
 /// which the second centre is at `between_m` from the first; k_tick_max.value if there is none.

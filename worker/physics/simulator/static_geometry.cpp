@@ -1,122 +1,393 @@
 #include "worker/physics/simulator/static_geometry.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+
+#include "common/math/elementary.h"
 
 namespace sleight::physics {
 namespace {
 
 std::string name_of(std::string_view kind, const std::string& given, std::size_t index) {
-  return given.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} '{}'", kind, given);
+  std::string name(kind);
+  return given.empty() ? name + " " + std::to_string(index) : name + " '" + given + "'";
 }
 
-/// A box of points, rounded outwards, and wider by what counts as a touch.
-Box box_around(std::span<const Vec3> points_m) {
+/// A box of a point, rounded outwards, and wider by what counts as a touch.
+Box box_around(const Vec3& point_m) {
   Box box;
   for (int i = 0; i < 3; ++i) {
-    double low = points_m[0][i];
-    double high = low;
-    for (const Vec3& p : points_m) {
-      low = std::min(low, p[i]);
-      high = std::max(high, p[i]);
-    }
     const auto axis = static_cast<std::size_t>(i);
-    constexpr float k_infinity = std::numeric_limits<float>::infinity();
-    box.low_m[axis] = std::nextafter(static_cast<float>(low - 2 * k_touch_m), -k_infinity);
-    box.high_m[axis] = std::nextafter(static_cast<float>(high + 2 * k_touch_m), k_infinity);
+    // A float of p lies within 2^-24 of it: more than that is added before rounding.
+    const double reach_m = 2 * k_touch_m + std::fabs(point_m[i]) * 0x1p-22;
+    box.low_m[axis] = static_cast<float>(point_m[i] - reach_m);
+    box.high_m[axis] = static_cast<float>(point_m[i] + reach_m);
   }
   return box;
 }
 
+Box joined(const Box& a, const Box& b) {
+  Box box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low_m[axis] = std::min(a.low_m[axis], b.low_m[axis]);
+    box.high_m[axis] = std::max(a.high_m[axis], b.high_m[axis]);
+  }
+  return box;
+}
+
+Box box_around(std::span<const Vec3> points_m) {
+  Box box = box_around(points_m[0]);
+  for (const Vec3& point_m : points_m.subspan(1))
+    box = joined(box, box_around(point_m));
+  return box;
+}
+
+RegionSide open_side(const Vec3& normal, double offset_m) {
+  return {.space = {normal, offset_m}, .strict = true};
+}
+
+/// Closed, and lowered by a margin.
+RegionSide closed_side(const Vec3& normal, double offset_m, double margin_m) {
+  return {.space = {normal, offset_m - margin_m}, .strict = false};
+}
+
+bool is_closed(const TriangleMesh& mesh) {
+  return std::ranges::none_of(mesh.edges(),
+                              [](const MeshEdge& edge) { return edge.kind == EdgeKind::boundary; });
+}
+
+/// Whether a sphere can touch an edge itself rather than the faces beside it.
+bool is_met(const MeshEdge& edge, bool closed) {
+  return closed ? edge.kind == EdgeKind::convex : edge.kind != EdgeKind::flat;
+}
+
+bool inside(const ConvexPolyhedron& polyhedron, const Vec3& point_m) {
+  return std::ranges::all_of(polyhedron.faces(), [&](const Face& face) {
+    return math::dot(face.normal, point_m) < face.offset_m;
+  });
+}
+
+/// Whether a closed mesh is solid at a point: by the solid angles of its triangles (van Oosterom
+/// and Strackee 1983, equation 8), which add up to the number of times that it goes around it.
+bool inside(const TriangleMesh& mesh, const Vec3& point_m) {
+  double angle = 0;
+  double volume = 0;
+  for (const TriangleCorners& corners : mesh.triangles()) {
+    const Vec3 a = mesh.vertices_m()[corners[0]] - point_m;
+    const Vec3 b = mesh.vertices_m()[corners[1]] - point_m;
+    const Vec3 c = mesh.vertices_m()[corners[2]] - point_m;
+    const double la = math::norm(a);
+    const double lb = math::norm(b);
+    const double lc = math::norm(c);
+    const double six_volumes = math::dot(a, math::cross(b, c));
+    const double cosine =
+        ((la * lb * lc + math::dot(a, b) * lc) + math::dot(b, c) * la) + math::dot(c, a) * lb;
+    angle += 2 * math::atan2(six_volumes, cosine);
+    volume += six_volumes;
+  }
+  // A mesh whose normals point inwards is a hollow in a solid without end.
+  const double turns = angle / (4 * std::numbers::pi) + (volume < 0 ? 1 : 0);
+  return turns > 0.5;
+}
+
 }  // namespace
 
-StaticGeometry::StaticGeometry(const Scene& scene) {
-  // Planes come first, under the same index as features and as pieces.
-  for (const StaticPlane& plane : scene.planes) {
-    const StaticOwner owner{static_cast<std::uint32_t>(names_.size()), plane.material};
-    names_.push_back(name_of("plane", plane.name, planes_.size()));
-    planes_.push_back(plane.outside);
-    features_.push_back({.kind = FeatureKind::face,
-                         .point_m = plane.outside.offset_m * plane.outside.normal,
-                         .direction = plane.outside.normal});
-    feature_owners_.push_back(owner);
-    piece_owners_.push_back(owner);
-  }
-  plane_count_ = planes_.size();
+/// Upper bounds of how much there will be.
+struct StaticGeometry::Sizes {
+  std::size_t features = 0;
+  std::size_t sides = 0;
+  std::size_t pieces = 0;
+  std::size_t triangles = 0;
+  std::size_t names = 0;
+};
 
-  views_.reserve(scene.convexes.size());
+StaticGeometry::StaticGeometry(const Scene& scene) {
+  for (const BodyDescription& body : scene.bodies) {
+    const auto* sphere = std::get_if<Sphere>(&body.shape);
+    (sphere != nullptr ? for_spheres_ : for_pieces_) = true;
+    if (sphere != nullptr) radius_m_max_ = std::max(radius_m_max_, sphere->radius_m);
+  }
+  Sizes sizes{.features = scene.planes.size(),
+              .names = scene.planes.size() + scene.convexes.size() + scene.meshes.size()};
   for (const StaticConvex& convex : scene.convexes) {
-    const StaticOwner owner{static_cast<std::uint32_t>(names_.size()), convex.material};
-    names_.push_back(name_of("convex", convex.name, views_.size()));
-    views_.push_back(convex.polyhedron->view());
-    pieces_.push_back({.view = &views_.back(), .reach_m = std::numeric_limits<double>::infinity()});
-    piece_boxes_.push_back(box_around(convex.polyhedron->vertices_m()));
-    piece_owners_.push_back(owner);
-    add_features(views_.back(), owner);
+    const ConvexPolyhedron& hull = *convex.polyhedron;
+    sizes.features += hull.faces().size() + hull.edges().size() + hull.vertices_m().size();
+    sizes.sides += hull.sides().size() + hull.faces().size() + 6 * hull.edges().size();
+    ++sizes.pieces;
+  }
+  for (const StaticMesh& placed : scene.meshes) {
+    const TriangleMesh& mesh = *placed.mesh;
+    const std::size_t triangles = mesh.triangles().size();
+    sizes.features += 2 * triangles + mesh.edges().size() + mesh.vertices_m().size();
+    sizes.sides += 8 * triangles + 6 * mesh.edges().size();
+    sizes.pieces += triangles;
+    sizes.triangles += triangles;
+  }
+  reserve(sizes);
+  for (const StaticPlane& plane : scene.planes)
+    add_plane(plane);
+  plane_count_ = planes_.size();
+  for (std::size_t i = 0; i < scene.convexes.size(); ++i) {
+    names_.push_back(name_of("convex", scene.convexes[i].name, i));
+    add_convex(scene.convexes[i]);
+  }
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    names_.push_back(name_of("mesh", scene.meshes[i].name, i));
+    add_mesh(scene.meshes[i]);
   }
   feature_tree_ = BoxTree(feature_boxes_);
   piece_tree_ = BoxTree(piece_boxes_);
 }
 
-/// Faces with their sides closed, edges and vertices open: see RegionSide.
+void StaticGeometry::reserve(const Sizes& sizes) {
+  names_.reserve(sizes.names);
+  piece_owners_.reserve(sizes.names + sizes.pieces);
+  if (for_spheres_) {
+    features_.reserve(sizes.features);
+    feature_owners_.reserve(sizes.features);
+    feature_boxes_.reserve(sizes.features);
+    sides_.reserve(sizes.sides);
+  }
+  if (for_pieces_) {
+    triangles_.reserve(sizes.triangles);
+    views_.reserve(sizes.pieces);
+    pieces_.reserve(sizes.pieces);
+    piece_boxes_.reserve(sizes.pieces);
+  }
+}
+
+StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertices_m) const {
+  double size_m = radius_m_max_;
+  for (const Vec3& v : vertices_m)
+    size_m = std::max({size_m, std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
+  const double border_m = k_rounding_ulps * size_m;
+  // Prisms above two faces that are flat to k_mesh_flat_sine part by no more than this.
+  return {.border_m = border_m, .flat_m = border_m + 4 * k_mesh_flat_sine * radius_m_max_};
+}
+
+void StaticGeometry::add_plane(const StaticPlane& plane) {
+  const StaticOwner owner{static_cast<std::uint32_t>(names_.size()), plane.material};
+  names_.push_back(name_of("plane", plane.name, planes_.size()));
+  planes_.push_back(plane.outside);
+  features_.push_back({.kind = FeatureKind::face,
+                       .point_m = plane.outside.offset_m * plane.outside.normal,
+                       .direction = plane.outside.normal});
+  feature_owners_.push_back(owner);
+  piece_owners_.push_back(owner);
+}
+
+void StaticGeometry::add_convex(const StaticConvex& convex) {
+  const StaticOwner owner{static_cast<std::uint32_t>(names_.size() - 1), convex.material};
+  const ConvexView view = convex.polyhedron->view();
+  const Box box = box_around(convex.polyhedron->vertices_m());
+  solids_.push_back({.owner = owner, .polyhedron = convex.polyhedron, .mesh = {}});
+  if (for_spheres_) add_features(view, owner);
+  if (for_pieces_) add_piece(view, box, owner);
+}
+
+void StaticGeometry::add_mesh(const StaticMesh& placed) {
+  const StaticOwner owner{static_cast<std::uint32_t>(names_.size() - 1), placed.material};
+  const TriangleMesh& mesh = *placed.mesh;
+  corner_boxes_.clear();
+  for (const Vec3& v : mesh.vertices_m())
+    corner_boxes_.push_back(box_around(v));
+  if (for_spheres_) add_features(mesh, owner);
+  if (is_closed(mesh)) solids_.push_back({.owner = owner, .polyhedron = {}, .mesh = placed.mesh});
+  if (!for_pieces_) return;
+  for (const TriangleCorners& corners : mesh.triangles()) {
+    triangles_.emplace_back(mesh.vertices_m()[corners[0]], mesh.vertices_m()[corners[1]],
+                            mesh.vertices_m()[corners[2]]);
+    const Box first_two = joined(corner_boxes_[corners[0]], corner_boxes_[corners[1]]);
+    add_piece(triangles_.back().view(), joined(first_two, corner_boxes_[corners[2]]), owner);
+  }
+}
+
+void StaticGeometry::add_piece(const ConvexView& view, const Box& box, StaticOwner owner) {
+  views_.push_back(view);
+  pieces_.push_back({.view = &views_.back(), .reach_m = std::numeric_limits<double>::infinity()});
+  piece_boxes_.push_back(box);
+  piece_owners_.push_back(owner);
+}
+
+void StaticGeometry::add_feature(SphereFeature feature, std::uint32_t first_side, const Box& box,
+                                 StaticOwner owner) {
+  feature.regions_begin = first_side;
+  feature.regions_end = side_count();
+  features_.push_back(feature);
+  feature_owners_.push_back(owner);
+  feature_boxes_.push_back(box);
+}
+
+// ---- the features of a mesh ---------------------------------------------------------------------
+
+void StaticGeometry::add_features(const TriangleMesh& mesh, StaticOwner owner) {
+  const bool closed = is_closed(mesh);
+  const Margins margins = margins_of(mesh.vertices_m());
+  for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
+    const TriangleCorners& corners = mesh.triangles()[t];
+    const MeshFace& face = mesh.faces()[t];
+    std::array<double, 3> margins_m{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool flat = mesh.edges()[mesh.edges_of(t)[k]].kind == EdgeKind::flat;
+      margins_m[k] = flat ? margins.flat_m : margins.border_m;
+    }
+    const Box first_two = joined(corner_boxes_[corners[0]], corner_boxes_[corners[1]]);
+    const Box box = joined(first_two, corner_boxes_[corners[2]]);
+    const Vec3 point_m = mesh.vertices_m()[corners[0]];
+    for (int back = 0; back < (closed ? 1 : 2); ++back) {
+      const std::uint32_t first = side_count();
+      add_face(face, margins_m, back != 0);
+      add_feature({.kind = FeatureKind::face,
+                   .point_m = point_m,
+                   .direction = back != 0 ? Vec3(-face.normal) : face.normal},
+                  first, box, owner);
+    }
+  }
+  for (std::uint32_t e = 0; e < mesh.edges().size(); ++e) {
+    const MeshEdge& edge = mesh.edges()[e];
+    if (!is_met(edge, closed)) continue;
+    const std::uint32_t first = side_count();
+    const Vec3& direction = edge.direction;
+    const Vec3& end_m = mesh.vertices_m()[edge.vertex[1]];
+    sides_.push_back(open_side(direction, math::dot(direction, edge.start_m)));
+    sides_.push_back(open_side(-direction, -math::dot(direction, end_m)));
+    for (const std::uint32_t t : edge.triangle) {
+      if (t == k_no_triangle) continue;
+      const auto& edges = mesh.edges_of(t);
+      const auto k = static_cast<std::size_t>(std::ranges::find(edges, e) - edges.begin());
+      const MeshFace& face = mesh.faces()[t];
+      sides_.push_back(open_side(-face.inward[k], -face.inward_offset_m[k]));
+    }
+    add_feature({.kind = FeatureKind::edge, .point_m = edge.start_m, .direction = direction}, first,
+                joined(corner_boxes_[edge.vertex[0]], corner_boxes_[edge.vertex[1]]), owner);
+  }
+  add_vertices(mesh, owner, margins);
+}
+
+/// The region above a face, or below it.
+void StaticGeometry::add_face(const MeshFace& face, const std::array<double, 3>& margins_m,
+                              bool back) {
+  for (std::size_t k = 0; k < 3; ++k)
+    sides_.push_back(closed_side(face.inward[k], face.inward_offset_m[k], margins_m[k]));
+  sides_.push_back(back ? open_side(-face.normal, -face.offset_m)
+                        : closed_side(face.normal, face.offset_m, 0));
+}
+
+/// The vertices at which some edge is met. All edges at such a vertex bound its region.
+void StaticGeometry::add_vertices(const TriangleMesh& mesh, StaticOwner owner,
+                                  const Margins& margins) {
+  const bool closed = is_closed(mesh);
+  const std::size_t count = mesh.vertices_m().size();
+  met_.assign(count, 0);
+  for (const MeshEdge& edge : mesh.edges()) {
+    if (is_met(edge, closed)) met_[edge.vertex[0]] = met_[edge.vertex[1]] = 1;
+  }
+  // Each vertex's share of the table, then its half-spaces.
+  first_sides_.assign(count, 0);
+  for (const MeshEdge& edge : mesh.edges()) {
+    for (const std::uint32_t v : edge.vertex)
+      first_sides_[v] += met_[v];
+  }
+  std::uint32_t next = side_count();
+  std::uint32_t begin = next;
+  for (std::uint32_t& first : first_sides_) {
+    const std::uint32_t share = first;
+    first = next;
+    next += share;
+  }
+  sides_.resize(next);
+  for (const MeshEdge& edge : mesh.edges()) {
+    // The direction as the edge has it, so that a point is on one side for both or for neither.
+    const auto [start, end] = edge.vertex;
+    const Vec3& direction = edge.direction;
+    if (met_[start] != 0) {
+      sides_[first_sides_[start]++] =
+          closed_side(-direction, -math::dot(direction, edge.start_m), margins.border_m);
+    }
+    if (met_[end] != 0) {
+      sides_[first_sides_[end]++] =
+          closed_side(direction, math::dot(direction, mesh.vertices_m()[end]), margins.border_m);
+    }
+  }
+  for (std::uint32_t v = 0; v < count; ++v) {
+    if (met_[v] == 0) continue;
+    add_feature({.kind = FeatureKind::vertex, .point_m = mesh.vertices_m()[v]}, begin,
+                corner_boxes_[v], owner);
+    features_.back().regions_end = first_sides_[v];
+    begin = first_sides_[v];
+  }
+}
+
+// ---- the features of a convex -------------------------------------------------------------------
+
 void StaticGeometry::add_features(const ConvexView& view, StaticOwner owner) {
-  const auto add = [&](SphereFeature feature, std::uint32_t first_side,
-                       std::span<const Vec3> points_m) {
-    feature.regions_begin = first_side;
-    feature.regions_end = static_cast<std::uint32_t>(sides_.size());
-    features_.push_back(feature);
-    feature_owners_.push_back(owner);
-    feature_boxes_.push_back(box_around(points_m));
-  };
-  std::vector<Vec3> corners_m;
+  const std::span<const Vec3> vertices_m(view.vertices_m, view.vertex_count);
+  const double margin_m = margins_of(vertices_m).border_m;
+  corner_boxes_.clear();
+  for (const Vec3& v : vertices_m)
+    corner_boxes_.push_back(box_around(v));
   for (std::size_t f = 0; f < view.face_count; ++f) {
     const Face& face = view.faces[f];
-    const auto first = static_cast<std::uint32_t>(sides_.size());
-    corners_m.clear();
+    const std::uint32_t first = side_count();
+    Box box = corner_boxes_[view.sides[face.first_side].vertex];
     for (std::size_t k = 0; k < face.side_count; ++k) {
       const Side& side = view.sides[face.first_side + k];
-      corners_m.push_back(view.vertices_m[side.vertex]);
-      sides_.push_back({.space = {side.inward, side.offset_m}, .strict = false});
+      box = joined(box, corner_boxes_[side.vertex]);
+      sides_.push_back(closed_side(side.inward, side.offset_m, margin_m));
     }
-    add({.kind = FeatureKind::face,
-         .point_m = face.offset_m * face.normal,
-         .direction = face.normal},
-        first, corners_m);
+    sides_.push_back(closed_side(face.normal, face.offset_m, 0));
+    add_feature({.kind = FeatureKind::face,
+                 .point_m = face.offset_m * face.normal,
+                 .direction = face.normal},
+                first, box, owner);
   }
+  const auto direction_of = [&](const Edge& edge) {
+    return math::normalized(vertices_m[edge.vertex[1]] - vertices_m[edge.vertex[0]]);
+  };
   for (std::size_t e = 0; e < view.edge_count; ++e) {
     const Edge& edge = view.edges[e];
-    const std::array ends_m{view.vertices_m[edge.vertex[0]], view.vertices_m[edge.vertex[1]]};
-    const Vec3 direction = math::normalized(ends_m[1] - ends_m[0]);
-    const auto first = static_cast<std::uint32_t>(sides_.size());
-    sides_.push_back({.space = {direction, math::dot(direction, ends_m[0])}, .strict = true});
-    sides_.push_back({.space = {-direction, -math::dot(direction, ends_m[1])}, .strict = true});
+    const auto [start, end] = edge.vertex;
+    const Vec3 direction = direction_of(edge);
+    const std::uint32_t first = side_count();
+    sides_.push_back(open_side(direction, math::dot(direction, vertices_m[start])));
+    sides_.push_back(open_side(-direction, -math::dot(direction, vertices_m[end])));
     for (const std::uint16_t s : edge.side) {
       const Side& side = view.sides[s];
-      sides_.push_back({.space = {-side.inward, -side.offset_m}, .strict = true});
+      sides_.push_back(open_side(-side.inward, -side.offset_m));
     }
-    add({.kind = FeatureKind::edge, .point_m = ends_m[0], .direction = direction}, first, ends_m);
+    add_feature({.kind = FeatureKind::edge, .point_m = vertices_m[start], .direction = direction},
+                first, joined(corner_boxes_[start], corner_boxes_[end]), owner);
   }
   for (std::uint16_t v = 0; v < view.vertex_count; ++v) {
-    const Vec3 point_m = view.vertices_m[v];
-    const auto first = static_cast<std::uint32_t>(sides_.size());
-    for (std::size_t e = 0; e < view.edge_count; ++e) {
-      const Edge& edge = view.edges[e];
-      if (edge.vertex[0] != v && edge.vertex[1] != v) continue;
+    const std::uint32_t first = side_count();
+    for (std::uint16_t i = view.ring_first[v]; i < view.ring_first[v + 1]; ++i) {
       // The direction as the edge has it, so that a point is on one side for both or for neither.
-      const Vec3 start_m = view.vertices_m[edge.vertex[0]];
-      const Vec3 end_m = view.vertices_m[edge.vertex[1]];
-      const Vec3 direction = math::normalized(end_m - start_m);
-      if (edge.vertex[0] == v) {
-        sides_.push_back({.space = {-direction, -math::dot(direction, start_m)}, .strict = false});
-      } else {
-        sides_.push_back({.space = {direction, math::dot(direction, end_m)}, .strict = false});
-      }
+      const Edge& edge = view.edges[view.ring_edges[i]];
+      const Vec3 direction = direction_of(edge);
+      const double offset_m = math::dot(direction, vertices_m[v]);
+      sides_.push_back(edge.vertex[0] == v ? closed_side(-direction, -offset_m, margin_m)
+                                           : closed_side(direction, offset_m, margin_m));
     }
-    add({.kind = FeatureKind::vertex, .point_m = point_m}, first, std::span(&point_m, 1));
+    add_feature({.kind = FeatureKind::vertex, .point_m = vertices_m[v]}, first, corner_boxes_[v],
+                owner);
   }
+}
+
+// ---- questions ----------------------------------------------------------------------------------
+
+const std::string* StaticGeometry::solid_at(const Vec3& point_m) const {
+  for (std::size_t i = 0; i < planes_.size(); ++i) {
+    if (math::dot(planes_[i].normal, point_m) < planes_[i].offset_m) return &names_[i];
+  }
+  for (const Solid& solid : solids_) {
+    const bool holds =
+        solid.polyhedron ? inside(*solid.polyhedron, point_m) : inside(*solid.mesh, point_m);
+    if (holds) return &names_[solid.owner.name];
+  }
+  return nullptr;
 }
 
 bool reaches(const HalfSpace& outside, const Box& box) {

@@ -54,7 +54,9 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     constants_.push_back(constants);
   }
   resting_.reset(count, scene_.slow);
+  recent_.reset(scene_.slow.separation_speed_mps > 0 ? count : 0);
   changed_.reserve(count);
+  at_tick_.resize(count);
   recording_.reset(record ? count : 0, segments_reserved);
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
 }

@@ -18,6 +18,7 @@
 #include "worker/physics/response/sphere_impact.h"
 #include "worker/physics/simulator/pair_graph.h"
 #include "worker/physics/simulator/piece_searches.h"
+#include "worker/physics/simulator/recent_contacts.h"
 #include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/resting.h"
 #include "worker/physics/simulator/scene.h"
@@ -86,9 +87,9 @@ class World {
   /// pair between the later begin of their segments and `now`.
   Prediction predict(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
                      std::uint32_t& search);
-  /// Whether both are spheres in flight, for which there is a closed form.
+  /// Whether both are spheres in flight, in a scene without slow contacts: a closed form.
   bool free_spheres(std::uint32_t a, std::uint32_t b) const {
-    return flights_[a].radius_m > 0 && flights_[b].radius_m > 0;
+    return flights_[a].radius_m > 0 && flights_[b].radius_m > 0 && !recent_.enabled();
   }
   /// The closed form. REQUIRES: free_spheres(a, b); a < b.
   Prediction predict_free_spheres(std::uint32_t a, std::uint32_t b, const Image& image) const {
@@ -132,6 +133,8 @@ class World {
   void apply(const Control& control, const EventKey& event);
   /// The body's rest event: it and those it leans on go to rest, if they may. Whether they did.
   bool rest(std::uint32_t body, const EventKey& event);
+  /// The most collisions that a body had at one tick, so far.
+  std::uint32_t most_at_a_tick() const { return most_at_a_tick_; }
   std::span<const std::uint32_t> changed() const { return changed_; }
   /// When the body's rest event is due; k_never if it has none.
   Tick rest_due(std::uint32_t body) const {
@@ -169,7 +172,9 @@ class World {
   const MovingPiece& moving_at(std::uint32_t body, Tick tick);
   MovingPiece part_at(std::uint32_t body, std::uint32_t part, Tick tick);
   Segment segment_after(std::uint32_t body, Tick tick, const Vec3& position_m, const Twist& twist);
-  ContactLaw law_of(MaterialId a, MaterialId b) const;
+  ContactLaw law_of(MaterialId a, MaterialId b, bool plastic) const;
+  /// Counts a collision of a body; how many it had at this tick.
+  std::uint32_t count_at(std::uint32_t body, Tick tick);
   Prediction predict_spheres(std::uint32_t a, std::uint32_t b, const Image& image, Tick from) const;
   RigidImpactBody rigid_body(std::uint32_t body, Tick tick);
   ImpactOutput impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
@@ -193,7 +198,14 @@ class World {
   std::vector<ConvexView> parts_;   ///< of all bodies
   PieceSearches searches_;
   Resting resting_;
+  RecentContacts recent_;
   std::vector<std::uint32_t> changed_;
+  struct AtTick {
+    Tick tick{-1};
+    std::uint32_t events = 0;
+  };
+  std::vector<AtTick> at_tick_;
+  std::uint32_t most_at_a_tick_ = 0;
   Recording recording_;
   std::uint64_t looks_ = 0;
   bool record_ = true;

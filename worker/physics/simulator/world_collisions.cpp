@@ -6,11 +6,20 @@
 
 namespace sleight::physics {
 
-ContactLaw World::law_of(MaterialId a, MaterialId b) const {
+ContactLaw World::law_of(MaterialId a, MaterialId b, bool plastic) const {
   const SurfaceLaw& law = scene_.contacts.between(a, b);
+  if (plastic) return {.restitution = 0, .friction = law.friction};
   return {.restitution = law.restitution,
           .friction = law.friction,
           .separation_speed_floor_mps = scene_.slow.separation_speed_mps};
+}
+
+std::uint32_t World::count_at(std::uint32_t body, Tick tick) {
+  AtTick& at = at_tick_[body];
+  at.events = at.tick == tick ? at.events + 1 : 1;
+  at.tick = tick;
+  most_at_a_tick_ = std::max(most_at_a_tick_, at.events);
+  return at.events;
 }
 
 RigidImpactBody World::rigid_body(std::uint32_t body, Tick tick) {
@@ -31,7 +40,9 @@ PieceContact World::contact_at(std::uint32_t a, std::uint32_t b, const Image& im
     const Vec3 place_b_m = position_at(segments_[b].flight, event.tick);
     const Vec3 between_m = shifted(place_b_m, image, scene_.period_m) - place_a_m;
     PieceContact contact;
-    contact.normal = math::normalized(between_m);
+    const double distance_m = math::norm(between_m);
+    contact.gap_m = distance_m - (constants_[a].reach_m + constants_[b].reach_m);
+    contact.normal = between_m / distance_m;
     contact.point_m = place_a_m + constants_[a].reach_m * contact.normal;
     return contact;
   }
@@ -45,6 +56,9 @@ PieceContact World::static_contact_at(std::uint32_t body, std::uint32_t index,
   if (constants_[body].is_sphere) {
     const Vec3 place_m = position_at(segments_[body].flight, event.tick);
     PieceContact contact;
+    contact.gap_m =
+        gap_to(statics_.feature(index), centre_at(body, event.tick), constants_[body].reach_m)
+            .gap_m;
     contact.normal = normal_at(statics_.feature(index), place_m);
     contact.point_m = place_m - constants_[body].reach_m * contact.normal;
     return contact;
@@ -89,7 +103,9 @@ void World::collide(std::uint32_t a, std::uint32_t b, const Image& image, const 
   changed_.clear();
   const Tick tick = event.tick;
   const PieceContact contact = contact_at(a, b, image, event);
-  const ContactLaw law = law_of(constants_[a].material, constants_[b].material);
+  const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
+  const ContactLaw law = law_of(constants_[a].material, constants_[b].material, plastic);
+  recent_.note(a, b, tick, contact.gap_m);
   bool a_rests = is_resting(a);
   bool b_rests = is_resting(b);
   ImpactOutput after = impact_of(a, b, contact, law, tick, a_rests, b_rests);
@@ -137,7 +153,8 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   const PieceContact contact = static_contact_at(body, index, event);
   const MaterialId material = constants_[body].is_sphere ? statics_.material_of_feature(index)
                                                          : statics_.material_of_piece(index);
-  const ContactLaw law = law_of(constants_[body].material, material);
+  const ContactLaw law =
+      law_of(constants_[body].material, material, count_at(body, tick) > k_elastic_at_a_tick);
   const Twist before = twist_at(body, tick);
   const ImpactOutput after = constants_[body].is_sphere
                                  ? sphere_impact({.mass_a = {},

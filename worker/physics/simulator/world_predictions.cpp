@@ -16,6 +16,15 @@ double size_of(const Vec3& v) {
   return std::max({std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
 }
 
+/// One look at a pair that may be refractory: examine(touch) judges the tick.
+template <class Examine>
+Examined examined_at(Tick tick, const Refractory& refractory, const Examine& examine) {
+  if (tick >= refractory.until) return examine(k_touch_m);
+  const Examined examined = examine(refractory.touch_m);
+  if (examined.collides || examined.next <= refractory.until) return examined;
+  return {.collides = false, .next = refractory.until};  // from then on, any touch counts again
+}
+
 /// Goes on with the searches of a pair's parts up to `now`. examine(i, tick, cache) looks at the
 /// i-th pair of parts. The first collision counts, of the parts with the least number.
 template <class Examine>
@@ -45,7 +54,9 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, const Image& image, 
   const bool both_free =
       segments_[a].mode == MotionMode::free && segments_[b].mode == MotionMode::free;
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
-    return both_free ? predict_free_spheres(a, b, image) : predict_spheres(a, b, image, now);
+    const bool closed =
+        both_free && recent_.of(a, b).until <= std::max(flights_[a].begin, flights_[b].begin);
+    return closed ? predict_free_spheres(a, b, image) : predict_spheres(a, b, image, now);
   }
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
     return {};
@@ -72,11 +83,16 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, const Image& image, Tic
                        std::uint32_t search) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) return predict_spheres(a, b, image, now);
   const std::uint32_t of_b = constants_[b].part_count;
-  return advanced(
-      searches_.of(search), now, [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
-        ++looks_;
-        return examine_pieces(part_at(a, i / of_b, tick), part_at(b, i % of_b, tick), tick, cache);
-      });
+  const Refractory refractory = recent_.of(a, b);
+  return advanced(searches_.of(search), now,
+                  [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
+                    ++looks_;
+                    const MovingPiece first = part_at(a, i / of_b, tick);
+                    const MovingPiece second = part_at(b, i % of_b, tick);
+                    return examined_at(tick, refractory, [&](double touch_m) {
+                      return examine_pieces(first, second, tick, touch_m, cache);
+                    });
+                  });
 }
 
 Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, const Image& image,
@@ -84,6 +100,7 @@ Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, const Image&
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
     return {};
   const double radii_m = constants_[a].reach_m + constants_[b].reach_m;
+  const Refractory refractory = recent_.of(a, b);
   Tick tick = from;
   for (int look = 0; look < k_looks_ahead; ++look) {
     const MovingPoint p = centre_at(a, tick);
@@ -93,7 +110,9 @@ Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, const Image&
                                .velocity_mps = q.velocity_mps - p.velocity_mps,
                                .acceleration_mps2 = q.acceleration_mps2 - p.acceleration_mps2};
     const double coordinates_m = std::max(size_of(p.position_m), size_of(q.position_m));
-    const Examined examined = examine_spheres(relative, radii_m, coordinates_m, tick);
+    const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
+      return examine_spheres(relative, radii_m, coordinates_m, touch_m, tick);
+    });
     if (examined.collides) return {.tick = tick, .certain = true};
     if (examined.next == k_never) return {};
     tick = examined.next;
@@ -161,22 +180,27 @@ Prediction World::predict_static(std::uint32_t body, std::uint32_t index, Tick n
 
 Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
                               std::uint32_t search) {
+  const Refractory refractory = recent_.of(body, k_static | index);
   if (!constants_[body].is_sphere) {
-    return advanced(searches_.of(search), now,
-                    [&](std::uint32_t part, Tick tick, SeparationCache& cache) {
-                      ++looks_;
-                      const MovingPiece piece = part_at(body, part, tick);
-                      return index < statics_.plane_count()
-                                 ? examine_plane(statics_.plane(index), piece, tick)
-                                 : examine_pieces(statics_.piece(index), piece, tick, cache);
-                    });
+    return advanced(
+        searches_.of(search), now, [&](std::uint32_t part, Tick tick, SeparationCache& cache) {
+          ++looks_;
+          const MovingPiece piece = part_at(body, part, tick);
+          return examined_at(tick, refractory, [&](double touch_m) {
+            return index < statics_.plane_count()
+                       ? examine_plane(statics_.plane(index), piece, tick, touch_m)
+                       : examine_pieces(statics_.piece(index), piece, tick, touch_m, cache);
+          });
+        });
   }
   const SphereFeature& feature = statics_.feature(index);
   const double radius_m = constants_[body].reach_m;
   Tick tick = now;
   for (int look = 0; look < k_looks_ahead; ++look) {
-    const Examined examined =
-        examine(feature, statics_.sides(feature), centre_at(body, tick), radius_m, tick);
+    const MovingPoint centre = centre_at(body, tick);
+    const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
+      return examine(feature, statics_.sides(feature), centre, radius_m, touch_m, tick);
+    });
     if (examined.collides) return {.tick = tick, .certain = true};
     if (examined.next == k_never) return {};
     tick = examined.next;

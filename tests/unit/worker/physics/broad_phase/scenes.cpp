@@ -53,6 +53,15 @@ Box gas(Dice& dice) {
   return cube(in_cube(dice, 2), dice.between(0.7, 1.3));
 }
 
+/// As bodies that move have them: long in the direction of their way, of sizes on both sides of the
+/// borders between levels.
+Box stretched(Dice& dice) {
+  const double edge = dice.between(0.7, 1.1);
+  Point half = {edge / 2, edge / 2, edge / 2};
+  half[dice.below(3)] = edge / 2 * dice.between(1, 4);
+  return around(in_cube(dice, 3), half);
+}
+
 Box corners(Dice& dice) {
   Point centre{};
   for (double& x : centre) {
@@ -149,6 +158,10 @@ const std::vector<Scene>& scenes() {
       {"periodic, any size", {5, 4, 3}, 0.3, periodic_any, again<periodic_any>},
       {"periodic, any size, 2 axes", {5, 0, 3}, 0.3, periodic_any, again<periodic_any>},
       {"periodic, touching", {8, 8, 8}, 2, touching, again<touching>},
+      {"stretched", {}, 1, stretched, step<stretched>},
+      {"stretched, anywhere else each time", {}, 1, stretched, again<stretched>},
+      {"periodic, stretched", {6, 7, 8}, 1, stretched, step<stretched>},
+      {"periodic, far too small a size given", {5, 4, 3}, 0.002, periodic_gas, step<periodic_gas>},
   };
   return all;
 }

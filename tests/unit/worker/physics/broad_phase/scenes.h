@@ -33,8 +33,8 @@ struct Scene {
   Box (*moved)(Dice&, const Box&) = nullptr;
 };
 
-/// Gas, corners, a pile, six decades of sizes, touching boxes, points, infinite ones, far ones;
-/// and worlds that repeat on one, two and three axes.
+/// Gas, stretched boxes, corners, a pile, six decades of sizes, touching boxes, points, infinite
+/// ones, far ones; and worlds that repeat on one, two and three axes.
 const std::vector<Scene>& scenes();
 
 }  // namespace sleight::physics

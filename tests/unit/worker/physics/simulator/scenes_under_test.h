@@ -15,8 +15,8 @@ struct TestScene {
 
 /// The n-th of an endless list: kinds alternate, sizes and seeds vary.
 inline TestScene test_scene(std::uint64_t n) {
-  const std::uint64_t seed = n / 6 + 1;
-  switch (n % 6) {
+  const std::uint64_t seed = n / 8 + 1;
+  switch (n % 8) {
     case 0: {
       const auto bodies = static_cast<std::uint32_t>(2 + seed * 7 % 60);
       return {"rain " + std::to_string(bodies), scenes::rain(bodies, seed)};
@@ -44,6 +44,18 @@ inline TestScene test_scene(std::uint64_t n) {
       const auto bodies = static_cast<std::uint32_t>(1 + seed % 4);
       TestScene scene{"cube_drop " + std::to_string(bodies), scenes::cube_drop(bodies, seed)};
       scene.setting.duration_s = 0.25;
+      return scene;
+    }
+    case 5: {
+      const auto bodies = static_cast<std::uint32_t>(2 + seed % 5);
+      TestScene scene{"bumpy_floor " + std::to_string(bodies), scenes::bumpy_floor(bodies, seed)};
+      scene.setting.duration_s = 0.25;
+      return scene;
+    }
+    case 6: {
+      const auto bodies = static_cast<std::uint32_t>(2 + seed * 5 % 19);
+      TestScene scene{"tray " + std::to_string(bodies), scenes::tray(bodies, seed)};
+      scene.setting.duration_s = 0.3;
       return scene;
     }
     default: {

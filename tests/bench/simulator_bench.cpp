@@ -1,0 +1,225 @@
+// The event-driven simulator on the thesis's two experiments (3.3) and on gases of spheres.
+//
+// A row of box/ or hourglass/ starts a simulation and runs it, without a recording; before that it
+// runs the beginning of it once with one, whose digest is what is verified: the same for both
+// algorithms. sync is Algorithm 3.4 with a complete sort of all extents, which on these scenes is
+// faster than the same algorithm on the grid (sync_grid, to compare). Rows of a size simulate the
+// same time, so that total times compare; sync rows say how many times longer they took than async
+// did in the same run of the program. Rows that take more than about a second are timed only when
+// they, or their scene, are asked for by name; their hashes are verified always.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ctime>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "tests/bench/harness.h"
+#include "worker/physics/scenes/scenes.h"
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::bench {
+namespace {
+
+using physics::Algorithm;
+using physics::BroadPhaseKind;
+using physics::Counts;
+using physics::Simulation;
+using physics::SimulationOptions;
+using physics::Tick;
+namespace scenes = physics::scenes;
+
+constexpr std::uint64_t k_seed = 1;
+
+enum class Way : std::uint8_t { async, sync, sync_grid };
+
+SimulationOptions options_of(Way way, bool record) {
+  SimulationOptions options;
+  options.record = record;
+  if (way != Way::async) options.algorithm = Algorithm::synchronous;
+  if (way == Way::sync) options.broad_phase = BroadPhaseKind::sweep_and_prune;
+  return options;
+}
+
+/// Nothing if the simulation fails, after an error of the benchmark.
+std::optional<Simulation> simulated(benchmark::State& state, const physics::Scene& scene,
+                                    const SimulationOptions& options, double duration_s) {
+  auto started = Simulation::start(scene, options);
+  if (!started) {
+    state.SkipWithError(started.error().message.c_str());
+    return std::nullopt;
+  }
+  std::optional<Simulation> simulation(std::move(started).value());
+  if (const auto error = simulation->run_until(Tick{} + physics::ticks_after(duration_s))) {
+    state.SkipWithError(error->message.c_str());
+    return std::nullopt;
+  }
+  return simulation;
+}
+
+std::uint64_t digest_of(benchmark::State& state, const physics::Scene& scene, Way way,
+                        double duration_s) {
+  const auto simulation = simulated(state, scene, options_of(way, true), duration_s);
+  return simulation ? simulation->recording().digest() : 0;
+}
+
+// ---- the thesis's experiments -------------------------------------------------------------------
+
+struct Experiment {
+  const char* scene;
+  scenes::Setting (*make)(std::uint32_t bodies, std::uint64_t seed);
+  std::uint32_t n;
+  double duration_s;  ///< 0: the scene's own
+  double verified_s;
+  bool long_async;  ///< timed only by name
+  bool long_sync;
+  std::uint64_t digest;  ///< of the recording up to verified_s
+};
+
+constexpr Experiment k_experiments[] = {
+    {"box", scenes::boxed_polyhedra, 1, 100, 10, false, false, 0x5a6e3e33d5911213U},
+    {"box", scenes::boxed_polyhedra, 2, 100, 10, false, false, 0xbd3afd8343cd19f3U},
+    {"box", scenes::boxed_polyhedra, 4, 100, 10, false, false, 0xdbcf7d65092e457fU},
+    {"box", scenes::boxed_polyhedra, 8, 100, 10, false, false, 0x20108718672d4815U},
+    {"box", scenes::boxed_polyhedra, 16, 100, 10, false, false, 0x482f495f6497c650U},
+    {"box", scenes::boxed_polyhedra, 32, 100, 10, false, false, 0x3d6ea41aa7311758U},
+    {"box", scenes::boxed_polyhedra, 64, 100, 10, false, false, 0x3f8a130a2dc87871U},
+    // At least ten collisions a body.
+    {"box", scenes::boxed_polyhedra, 512, 40, 2, false, true, 0xf34d0f773bc47a6cU},
+    {"box", scenes::boxed_polyhedra, 4096, 45, 0.25, true, true, 0xa5022b9348d23a3bU},
+    {"hourglass", scenes::hourglass, 10, 0, 1.5, false, false, 0xe3d33ccc425f3c0bU},
+    {"hourglass", scenes::hourglass, 20, 0, 1.5, false, false, 0xbd3a0d7adf0ed357U},
+    {"hourglass", scenes::hourglass, 30, 0, 1.5, false, false, 0x8c04ca622843c6f0U},
+    {"hourglass", scenes::hourglass, 40, 0, 1.5, false, true, 0xd465f37c000d2697U},
+    {"hourglass", scenes::hourglass, 50, 0, 1.5, true, true, 0x8c4ad794b404cf83U},
+    {"hourglass", scenes::hourglass, 60, 0, 1.5, true, true, 0x411a3c1b0628f81aU},
+    {"hourglass", scenes::hourglass, 70, 0, 1.5, true, true, 0x541ccba2945ea4f0U},
+    {"hourglass", scenes::hourglass, 80, 0, 1.5, true, true, 0xa6c8a498136c7c6eU},
+    {"hourglass", scenes::hourglass, 90, 0, 1.5, true, true, 0xd573b7c5e4ba0a61U},
+    {"hourglass", scenes::hourglass, 100, 0, 1.5, true, true, 0x3149bf767ef3bfecU},
+    {"hourglass", scenes::hourglass, 1000, 0, 1.5, true, true, 0x2601124462fb4caaU},
+};
+
+/// CPU seconds of one asynchronous run of each experiment, as far as measured in this program.
+std::map<const Experiment*, double>& async_seconds() {
+  static std::map<const Experiment*, double> seconds;
+  return seconds;
+}
+
+bool asked_by_name() {
+  return benchmark::GetBenchmarkFilter() != ".";
+}
+
+void count(benchmark::State& state, const Counts& counts, double duration_s, double cpu_s,
+           std::uint32_t bodies) {
+  const double runs = static_cast<double>(state.iterations());
+  const auto events = static_cast<double>(counts.events());
+  const auto pairs = static_cast<double>(counts.collisions);
+  const auto statics = static_cast<double>(counts.static_collisions);
+  state.counters["events"] = events;
+  state.counters["us_per_event"] = 1e6 * cpu_s / (runs * events);
+  state.counters["collisions"] = pairs + statics;
+  state.counters["collisions_a_body"] = (2 * pairs + statics) / bodies;
+  state.counters["simulated_s_per_s"] = duration_s * runs / cpu_s;
+}
+
+void run(benchmark::State& state, const Experiment& experiment, Way way) {
+  const scenes::Setting setting = experiment.make(experiment.n, k_seed);
+  const double duration_s = experiment.duration_s > 0 ? experiment.duration_s : setting.duration_s;
+  const std::uint64_t digest = digest_of(state, setting.scene, way, experiment.verified_s);
+  const bool is_long = way == Way::async ? experiment.long_async : experiment.long_sync;
+  if (is_long && !asked_by_name()) {
+    for (auto _ : state)
+      benchmark::DoNotOptimize(digest);
+  } else {
+    Counts counts;
+    const std::clock_t begin = std::clock();
+    for (auto _ : state) {
+      const auto simulation = simulated(state, setting.scene, options_of(way, false), duration_s);
+      if (!simulation) return;
+      counts = simulation->counts();
+    }
+    const double cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    count(state, counts, duration_s, cpu_s, experiment.n);
+    const double run_s = cpu_s / static_cast<double>(state.iterations());
+    if (way == Way::async) async_seconds()[&experiment] = run_s;
+    const auto async = async_seconds().find(&experiment);
+    if (way != Way::async && async != async_seconds().end())
+      state.counters["times_async"] = run_s / async->second;
+  }
+  verify(state, digest, experiment.digest);
+}
+
+// ---- gases of spheres ---------------------------------------------------------------------------
+
+struct Gas {
+  std::uint32_t n;
+  double packing;
+  double warm_up_s;  ///< about 20 collisions a sphere
+  double portion_s;  ///< about 50,000 collisions
+  double verified_s;
+  std::uint64_t digest;
+};
+
+constexpr Gas k_gases[] = {
+    {1000, 0.1, 12, 56, 2, 0x918fce9bc7a9c41cU},
+    {1000, 0.4, 1, 5, 0.2, 0x0e8b680fe436412dU},
+    {10648, 0.1, 12, 5, 0.2, 0x978393082dfaa089U},
+    {10648, 0.4, 1, 0.5, 0.02, 0xdbe5123885c1d48eU},
+};
+
+void gas(benchmark::State& state, const Gas& gas) {
+  const scenes::Setting setting = scenes::hard_sphere_gas(gas.n, gas.packing, k_seed);
+  const std::uint64_t digest = digest_of(state, setting.scene, Way::async, gas.verified_s);
+  auto simulation = simulated(state, setting.scene, options_of(Way::async, false), gas.warm_up_s);
+  if (!simulation) return;
+  const Counts warm = simulation->counts();
+  for (auto _ : state) {
+    const Tick end = simulation->now() + physics::ticks_after(gas.portion_s);
+    if (const auto error = simulation->run_until(end)) {
+      state.SkipWithError(error->message.c_str());
+      return;
+    }
+  }
+  const Counts& counts = simulation->counts();
+  const auto collisions = static_cast<double>(counts.collisions - warm.collisions);
+  state.SetItemsProcessed(static_cast<std::int64_t>(collisions));
+  state.counters["warm_collisions_a_sphere"] = 2 * static_cast<double>(warm.collisions) / gas.n;
+  state.counters["updates_per_collision"] =
+      static_cast<double>(counts.updates - warm.updates) / collisions;
+  state.counters["predictions_per_collision"] =
+      static_cast<double>(counts.predictions - warm.predictions) / collisions;
+  verify(state, digest, gas.digest);
+}
+
+// ---- the list -----------------------------------------------------------------------------------
+
+void add(const Experiment& experiment, Way way, const char* name) {
+  auto* added = benchmark::RegisterBenchmark(
+      fmt::format("{}/{}/{}", experiment.scene, name, experiment.n).c_str(),
+      [&experiment, way](benchmark::State& state) { run(state, experiment, way); });
+  added->Unit(benchmark::kMillisecond);
+  // One run is enough of what is long, and an empty loop must not be repeated for its speed.
+  if (way == Way::async ? experiment.long_async : experiment.long_sync) added->Iterations(1);
+}
+
+[[maybe_unused]] const bool k_added = [] {
+  for (const Experiment& experiment : k_experiments) {
+    add(experiment, Way::async, "async");
+    add(experiment, Way::sync, "sync");
+    if (experiment.n == 64 || experiment.n == 512) add(experiment, Way::sync_grid, "sync_grid");
+  }
+  for (const Gas& one : k_gases) {
+    benchmark::RegisterBenchmark(fmt::format("spheres/{}/{}", one.n, one.packing).c_str(),
+                                 [&one](benchmark::State& state) { gas(state, one); })
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(3);
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace sleight::bench

@@ -1,0 +1,82 @@
+#include "worker/physics/broad_phase/cell_table.h"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+namespace sleight::physics {
+namespace {
+
+/// With some five bodies in a cell (hierarchical_grid.cpp), this leaves more than half of the cells
+/// empty, so that few share a number.
+constexpr std::uint32_t k_bodies_per_cell = 2;
+constexpr std::uint32_t k_cells_least = 64;
+
+}  // namespace
+
+CellTable::CellTable(std::uint32_t bodies)
+    : mask_(std::bit_ceil(std::max(bodies / k_bodies_per_cell, k_cells_least)) - 1),
+      place_(bodies) {
+  const std::uint32_t further = bodies / k_slots;
+  const std::size_t blocks = std::size_t{cells()} + further;
+  blocks_.resize(blocks);
+  filled_.resize(blocks, 0);
+  next_.resize(blocks, k_none);
+  cell_.resize(blocks);
+  std::iota(cell_.begin(), cell_.end(), 0U);
+  free_.resize(further);
+  std::iota(free_.rbegin(), free_.rend(), cells());
+}
+
+void CellTable::link(std::uint32_t body, std::uint32_t cell, const Sketch& sketch) {
+  const std::uint32_t first = cell & mask_;
+  // A full first block becomes a further one, so that only first ones have free slots.
+  if (filled_[first] == 0xFF) {
+    const std::uint32_t further = free_.back();
+    free_.pop_back();
+    copy_block(first, further);
+    cell_[further] = first;
+    next_[further] = next_[first];
+    next_[first] = further;
+    filled_[further] = 0xFF;
+    filled_[first] = 0;
+  }
+  const auto slot = static_cast<std::uint32_t>(std::countr_one(filled_[first]));
+  filled_[first] = static_cast<std::uint8_t>(filled_[first] | 1U << slot);
+  place_[body] = first * k_slots + slot;
+  blocks_[first].body[slot] = body;
+  write(place_[body], sketch);
+}
+
+void CellTable::unlink(std::uint32_t body) {
+  // The last of the first block takes the place.
+  const std::uint32_t hole = place_[body];
+  const std::uint32_t first = cell_[hole / k_slots];
+  const auto last = static_cast<std::uint32_t>(std::countr_one(filled_[first])) - 1;
+  Block& to = blocks_[hole / k_slots];
+  const Block& from = blocks_[first];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    to.start[axis][hole % k_slots] = from.start[axis][last];
+    to.width[axis][hole % k_slots] = from.width[axis][last];
+  }
+  to.body[hole % k_slots] = from.body[last];
+  place_[from.body[last]] = hole;
+  filled_[first] = static_cast<std::uint8_t>(filled_[first] >> 1);
+
+  // A first block that is empty takes over a further one.
+  const std::uint32_t further = next_[first];
+  if (filled_[first] != 0 || further == k_none) return;
+  copy_block(further, first);
+  filled_[first] = 0xFF;
+  filled_[further] = 0;
+  next_[first] = next_[further];
+  free_.push_back(further);
+}
+
+void CellTable::copy_block(std::uint32_t from, std::uint32_t to) {
+  blocks_[to] = blocks_[from];
+  for (std::uint32_t slot = 0; slot < k_slots; ++slot)
+    place_[blocks_[to].body[slot]] = to * k_slots + slot;
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,68 @@
+// With whom each body collided last, and how close they were: for the refractory time
+// (tolerances.h).
+//
+// Thread safety: none.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "worker/physics/event/tick.h"
+#include "worker/physics/event/tolerances.h"
+
+namespace sleight::physics {
+
+/// Until when a pair collides only at a smaller gap.
+struct Refractory {
+  Tick until{};  ///< in the past: no longer
+  double touch_m = k_touch_m;
+};
+
+class RecentContacts {
+ public:
+  /// Bodies have no contacts. With 0 bodies there is no refractory time.
+  void reset(std::size_t bodies) { of_body_.assign(bodies, {}); }
+  bool enabled() const { return !of_body_.empty(); }
+
+  /// A collision of a body with a partner, by an id of the caller's choice.
+  void note(std::uint32_t body, std::uint32_t partner, Tick tick, double gap_m) {
+    if (!enabled()) return;
+    Ring& ring = of_body_[body];
+    std::size_t place = 0;
+    for (std::size_t i = 0; i < k_partners; ++i) {
+      if (ring.entries[i].partner == partner) {
+        place = i;
+        break;
+      }
+      if (ring.entries[i].tick < ring.entries[place].tick) place = i;
+    }
+    ring.entries[place] = {.partner = partner, .tick = tick, .gap_m = gap_m};
+  }
+
+  Refractory of(std::uint32_t body, std::uint32_t partner) const {
+    if (!enabled()) return {};
+    for (const Entry& entry : of_body_[body].entries) {
+      if (entry.partner != partner) continue;
+      // Half of the gap; pieces that overlap by a rounding must come closer by a part of the touch.
+      const double touch_m = entry.gap_m > 0 ? 0.5 * entry.gap_m : entry.gap_m - 0x1p-6 * k_touch_m;
+      return {.until = entry.tick + k_refractory, .touch_m = touch_m};
+    }
+    return {};
+  }
+
+ private:
+  /// More than a body has neighbours that press on it within a microsecond.
+  static constexpr std::size_t k_partners = 16;
+  struct Entry {
+    std::uint32_t partner = UINT32_MAX;
+    Tick tick{-1};
+    double gap_m = 0;
+  };
+  struct Ring {
+    std::array<Entry, k_partners> entries;
+  };
+  std::vector<Ring> of_body_;
+};
+
+}  // namespace sleight::physics
