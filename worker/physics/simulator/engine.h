@@ -103,10 +103,8 @@ class Engine {
   void motion_changed(std::uint32_t body);
   void renew_box(std::uint32_t body, bool predict);
   void renew_all_boxes(Tick end);
-  void renew_images(std::uint32_t body, bool predict);
   bool watch_statics(std::uint32_t body, const Box& box);
   TickCount least_span(std::uint32_t body) const;
-  Image image_of(std::uint32_t lower, std::uint32_t higher) const;
 
   void fail(SceneError::Kind kind, std::string message);
   void schedule_control();

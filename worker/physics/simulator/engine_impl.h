@@ -30,9 +30,9 @@ inline constexpr double k_static_margin_radii = 0.5;
 /// A box of the synchronous algorithm lasts at most as long as the fastest body takes for its
 /// radius.
 inline constexpr double k_synchronous_step_radii = 1;
-/// Room in each list before anything is allocated: at most 12 equal spheres touch one, and boxes
-/// reach some radii further.
-inline constexpr std::size_t k_list_room = 64;
+/// Room in each list before anything is allocated: at most 12 equal spheres touch one. More would
+/// spread the lists over memory.
+inline constexpr std::size_t k_list_room = 24;
 
 inline bool holds(const Box& outer, const Box& inner) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -205,7 +205,7 @@ std::string Engine<Boxes, Queue>::obstacle_of(std::uint32_t body) {
   for (const BodyId other : graph_.others_of(body)) {
     const std::uint32_t a = std::min(body, other.value);
     const std::uint32_t b = std::max(body, other.value);
-    if (other.value < lowest && world_.touching(a, b, image_of(a, b), now_)) lowest = other.value;
+    if (other.value < lowest && world_.touching(a, b, now_)) lowest = other.value;
   }
   if (lowest != k_nobody) return world_.name(lowest);
   for (const StaticEdge& edge : statics_[body]) {
@@ -221,7 +221,7 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
     world_.collide_static(event.lower, event.higher & ~k_static, event);
   } else {
     ++counts_.collisions;
-    world_.collide(event.lower, event.higher, graph_.find(event.lower, event.higher)->image, event);
+    world_.collide(event.lower, event.higher, event);
   }
   if (world_.most_at_a_tick() > k_events_at_a_tick_max) {
     fail(SceneError::Kind::search_failed,
@@ -270,7 +270,7 @@ void Engine<Boxes, Queue>::examine(std::uint32_t body, const EventKey& event) {
     if (options_.algorithm == Algorithm::all_pairs && world_.periodic()) {
       predict(body, edge);
     } else {
-      edge.prediction = world_.look(event.lower, event.higher, edge.image, now_, edge.search);
+      edge.prediction = world_.look(event.lower, event.higher, now_, edge.search);
     }
   }
   refresh_key(body);
@@ -313,7 +313,7 @@ void Engine<Boxes, Queue>::sample() {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::begin_pair(std::uint32_t a, std::uint32_t b, bool predict_now) {
-  PairEdge& edge = graph_.add(a, b, image_of(std::min(a, b), std::max(a, b)));
+  PairEdge& edge = graph_.add(a, b);
   if (predict_now) predict(a, edge);
 }
 
@@ -331,16 +331,15 @@ void Engine<Boxes, Queue>::predict(std::uint32_t body, PairEdge& edge) {
   const std::uint32_t lower = std::min(body, edge.other);
   const std::uint32_t higher = std::max(body, edge.other);
   if (world_.free_spheres(lower, higher) && options_.algorithm != Algorithm::all_pairs) {
-    edge.prediction = world_.predict_free_spheres(lower, higher, edge.image);
+    edge.prediction = world_.predict_free_spheres(lower, higher, now_);
     return;
   }
   if (options_.algorithm == Algorithm::all_pairs && world_.periodic()) {
-    edge.prediction = world_.predict_any_image(lower, higher, now_, edge.image);
-    graph_.mirror_of(edge).image = edge.image;
+    edge.prediction = world_.predict_any_image(lower, higher, now_);
     return;
   }
   const std::uint32_t search = edge.search;
-  edge.prediction = world_.predict(lower, higher, edge.image, now_, edge.search);
+  edge.prediction = world_.predict(lower, higher, now_, edge.search);
   if (edge.search != search) graph_.mirror_of(edge).search = edge.search;
 }
 
@@ -398,8 +397,6 @@ void Engine<Boxes, Queue>::motion_changed(std::uint32_t body) {
     } else {
       renew_box(body, false);
     }
-  } else if (options_.algorithm == Algorithm::synchronous && world_.periodic()) {
-    renew_images(body, false);
   }
   predict_all(body);
 }
@@ -423,22 +420,7 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
   Sink sink{*this, body, predict_new};
   boxes_.move({body}, box, sink);
   watch_statics(body, box);
-  if (world_.periodic()) renew_images(body, predict_new);
   if (predict_new) refresh_key(body);
-}
-
-/// The pairs that stay may meet in another image, now that a body's box or place is another one.
-template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::renew_images(std::uint32_t body, bool predict_new) {
-  for (PairEdge& edge : graph_.edges_of(body)) {
-    const Image image = image_of(std::min(body, edge.other), std::max(body, edge.other));
-    if (image == edge.image) continue;
-    PairEdge& mirror = graph_.mirror_of(edge);
-    edge.image = image;
-    mirror.image = image;
-    mirror.other_changes = k_void;
-    if (predict_new) predict(body, edge);
-  }
 }
 
 /// Makes sure that all static features near a box are in the body's list. Whether the list changed.
@@ -506,26 +488,6 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
 template <BroadPhase Boxes, EventQueue Queue>
 TickCount Engine<Boxes, Queue>::least_span(std::uint32_t body) const {
   return world_.span_of_travel(body, now_, k_least_box_radii);
-}
-
-/// Which image of the higher body the lower one may meet: boxes are so short that only one can.
-template <BroadPhase Boxes, EventQueue Queue>
-Image Engine<Boxes, Queue>::image_of(std::uint32_t lower, std::uint32_t higher) const {
-  Image image{};
-  if (!world_.periodic()) return image;
-  if (options_.algorithm != Algorithm::asynchronous) {
-    return world_.nearest_image(lower, higher, now_);
-  }
-  const Box& a = boxes_.box({lower});
-  const Box& b = boxes_.box({higher});
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double period = world_.scene().period_m[axis];
-    if (period == 0) continue;
-    const double apart = 0.5 * ((double{a.low_m[axis]} + double{a.high_m[axis]}) -
-                                (double{b.low_m[axis]} + double{b.high_m[axis]}));
-    image[axis] = static_cast<std::int8_t>(std::floor(apart / period + 0.5));
-  }
-  return image;
 }
 
 // ---- failures -----------------------------------------------------------------------------------

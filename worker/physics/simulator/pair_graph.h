@@ -14,13 +14,11 @@
 // Thread safety: none.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "worker/physics/event/event.h"
-#include "worker/physics/motion/rigid_body.h"
 
 namespace sleight::physics {
 
@@ -34,16 +32,6 @@ struct Prediction {
 /// A pair has no search: its predictions are closed forms.
 inline constexpr std::uint32_t k_no_search = UINT32_MAX;
 
-/// Periods to add to the place of the pair's higher body, to have the image that the lower one
-/// meets.
-using Image = std::array<std::int8_t, 3>;
-
-inline Vec3 shifted(const Vec3& position_m, const Image& image,
-                    const std::array<double, 3>& period_m) {
-  return {position_m.x() + image[0] * period_m[0], position_m.y() + image[1] * period_m[1],
-          position_m.z() + image[2] * period_m[2]};
-}
-
 /// Never a number of changes: a copy that has no prediction.
 inline constexpr std::uint32_t k_void = UINT32_MAX;
 
@@ -53,7 +41,6 @@ struct PairEdge {
   std::uint32_t mirror = 0;
   std::uint32_t other_changes = k_void;  ///< the other body's, when this was predicted
   std::uint32_t search = k_no_search;    ///< the same in both copies
-  Image image{};                         ///< of the higher body, the same in both copies
 };
 
 class PairGraph {
@@ -73,15 +60,15 @@ class PairGraph {
   PairEdge& mirror_of(const PairEdge& edge) { return lists_[edge.other].edges[edge.mirror]; }
 
   /// Adds a pair and returns a's copy, valid until the next change.
-  PairEdge& add(std::uint32_t a, std::uint32_t b, const Image& image) {
+  PairEdge& add(std::uint32_t a, std::uint32_t b) {
     List& of_a = lists_[a];
     List& of_b = lists_[b];
     const auto place_a = static_cast<std::uint32_t>(of_a.edges.size());
     const auto place_b = static_cast<std::uint32_t>(of_b.edges.size());
-    of_b.edges.push_back({.other = a, .mirror = place_a, .image = image});
+    of_b.edges.push_back({.other = a, .mirror = place_a});
     of_b.others.push_back({a});
     of_a.others.push_back({b});
-    of_a.edges.push_back({.other = b, .mirror = place_b, .image = image});
+    of_a.edges.push_back({.other = b, .mirror = place_b});
     return of_a.edges.back();
   }
 

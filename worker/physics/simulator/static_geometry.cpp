@@ -104,7 +104,27 @@ struct StaticGeometry::Sizes {
   std::size_t names = 0;
 };
 
-StaticGeometry::StaticGeometry(const Scene& scene) {
+void StaticGeometry::clear() {
+  for_spheres_ = false;
+  for_pieces_ = false;
+  radius_m_max_ = 0;
+  plane_count_ = 0;
+  planes_.clear();
+  features_.clear();
+  sides_.clear();
+  feature_owners_.clear();
+  feature_boxes_.clear();
+  triangles_.clear();
+  views_.clear();
+  pieces_.clear();
+  piece_owners_.clear();
+  piece_boxes_.clear();
+  names_.clear();
+  solids_.clear();
+}
+
+void StaticGeometry::assign(const Scene& scene) {
+  clear();
   for (const BodyDescription& body : scene.bodies) {
     const auto* sphere = std::get_if<Sphere>(&body.shape);
     (sphere != nullptr ? for_spheres_ : for_pieces_) = true;

@@ -201,10 +201,9 @@ const std::string& World::static_name(std::uint32_t body, std::uint32_t index) c
 
 // ---- room and time ------------------------------------------------------------------------------
 
-bool World::touching(std::uint32_t a, std::uint32_t b, const Image& image, Tick tick) {
+bool World::touching(std::uint32_t a, std::uint32_t b, Tick tick) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
-    const Vec3 between_m = shifted(position_at(segments_[b].flight, tick), image, scene_.period_m) -
-                           position_at(segments_[a].flight, tick);
+    const Vec3 between_m = between_at(a, b, tick);
     return math::norm(between_m) - (constants_[a].reach_m + constants_[b].reach_m) <= k_touch_m;
   }
   for (std::uint32_t i = 0; i < constants_[a].part_count; ++i) {
@@ -237,9 +236,14 @@ bool World::touching_static(std::uint32_t body, std::uint32_t index, Tick tick) 
 TickCount World::span_of_travel(std::uint32_t body, Tick tick, double radii) const {
   const FreeFlight& flight = segments_[body].flight;
   const double way_m = radii * constants_[body].reach_m;
-  const double speed_mps = math::norm(velocity_at(flight, tick));
-  const double a = math::norm(flight.acceleration_mps2);
-  const double rate = speed_mps + std::sqrt(speed_mps * speed_mps + 2 * a * way_m);
+  // Sums of components in place of norms: this sets speed only.
+  const Vec3 velocity_mps = velocity_at(flight, tick);
+  const Vec3& pull = flight.acceleration_mps2;
+  const double speed_mps =
+      (std::fabs(velocity_mps.x()) + std::fabs(velocity_mps.y())) + std::fabs(velocity_mps.z());
+  const double a = (std::fabs(pull.x()) + std::fabs(pull.y())) + std::fabs(pull.z());
+  const double rate =
+      a == 0 ? 2 * speed_mps : speed_mps + std::sqrt(speed_mps * speed_mps + 2 * a * way_m);
   return rate > 0 ? ticks_after(2 * way_m / rate) : k_tick_max.value;
 }
 
@@ -251,7 +255,7 @@ TickCount World::limited_span(std::uint32_t body, Tick tick, TickCount span) con
     const double period = scene_.period_m[static_cast<std::size_t>(i)];
     const double speed_mps = std::fabs(flight.velocity_mps[i]);
     if (period == 0 || speed_mps == 0) continue;
-    const double way_m = 0.49 * period - 2 * constants_[body].reach_m;
+    const double way_m = 0.24 * period - 2.5 * constants_[body].reach_m;
     limited = std::min(limited, ticks_before(way_m / speed_mps));
   }
   return std::max<TickCount>(1, limited);

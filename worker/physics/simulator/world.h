@@ -8,6 +8,7 @@
 // Thread safety: none.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -85,14 +86,27 @@ class World {
   // first needed and released by end_search.
   /// When the pair collides next, as its two segments say. REQUIRES: a < b; nothing happens to the
   /// pair between the later begin of their segments and `now`.
-  Prediction predict(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
-                     std::uint32_t& search);
+  Prediction predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t& search);
   /// Whether both are spheres in flight, in a scene without slow contacts: a closed form.
   bool free_spheres(std::uint32_t a, std::uint32_t b) const {
     return flights_[a].radius_m > 0 && flights_[b].radius_m > 0 && !recent_.enabled();
   }
-  /// The closed form. REQUIRES: free_spheres(a, b); a < b.
-  Prediction predict_free_spheres(std::uint32_t a, std::uint32_t b, const Image& image) const {
+  /// The closed form. In a periodic world it is for the image that is nearest at `now`.
+  /// REQUIRES: free_spheres(a, b); a < b.
+  Prediction predict_free_spheres(std::uint32_t a, std::uint32_t b, Tick now) const {
+    Vec3 shift_m = Vec3::Zero();
+    if (periodic_) {
+      const Flight& first = flights_[a];
+      const Flight& second = flights_[b];
+      const double s = seconds(now - first.begin);
+      const double t = seconds(now - second.begin);
+      shift_m = to_nearest_image((second.position_m + t * second.velocity_mps) -
+                                 (first.position_m + s * first.velocity_mps));
+    }
+    return predict_free_spheres_at(a, b, shift_m);
+  }
+  /// The same for the image of b at a shift.
+  Prediction predict_free_spheres_at(std::uint32_t a, std::uint32_t b, const Vec3& shift_m) const {
     const Flight& first = flights_[a];
     const Flight& second = flights_[b];
     // Both fall alike, so the later one's begin and the motion of one against the other decide.
@@ -103,32 +117,28 @@ class World {
     Vec3 between_m;
     Vec3 relative_mps;
     for (int i = 0; i < 3; ++i) {
-      const auto axis = static_cast<std::size_t>(i);
       const double p = parabola(first.position_m[i], first.velocity_mps[i], g[i], s);
       const double q = parabola(second.position_m[i], second.velocity_mps[i], g[i], t);
-      between_m[i] = (q + image[axis] * scene_.period_m[axis]) - p;
+      between_m[i] = (q + shift_m[i]) - p;
       relative_mps[i] = (second.velocity_mps[i] + t * g[i]) - (first.velocity_mps[i] + s * g[i]);
     }
-    const TickCount span =
-        collision_of_free_spheres(between_m, relative_mps, first.radius_m + second.radius_m);
+    const double reach_m = first.radius_m + second.radius_m;
+    const TickCount span = collision_of_free_spheres(between_m, relative_mps, reach_m);
     if (span >= k_tick_max.value) return {};
     return {.tick = begin + span, .certain = true};
   }
   /// Goes on with a prediction that was not certain. REQUIRES: its tick is `now`.
-  Prediction look(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
-                  std::uint32_t search);
+  Prediction look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t search);
   Prediction predict_static(std::uint32_t body, std::uint32_t index, Tick now,
                             std::uint32_t& search);
   Prediction look_static(std::uint32_t body, std::uint32_t index, Tick now, std::uint32_t search);
   void end_search(std::uint32_t& search) { searches_.release(search); }
-  /// predict for whichever image comes first, for those who have no boxes that tell; sets `image`.
+  /// predict for whichever image comes first, for those who have no boxes.
   /// REQUIRES: the world is periodic.
-  Prediction predict_any_image(std::uint32_t a, std::uint32_t b, Tick now, Image& image);
-  Image nearest_image(std::uint32_t a, std::uint32_t b, Tick tick) const;
-
+  Prediction predict_any_image(std::uint32_t a, std::uint32_t b, Tick now) const;
   // What happens; changed() then lists the bodies that began a segment, ascending.
   // REQUIRES: predicted for the event's tick.
-  void collide(std::uint32_t a, std::uint32_t b, const Image& image, const EventKey& event);
+  void collide(std::uint32_t a, std::uint32_t b, const EventKey& event);
   void collide_static(std::uint32_t body, std::uint32_t index, const EventKey& event);
   void apply(const Control& control, const EventKey& event);
   /// The body's rest event: it and those it leans on go to rest, if they may. Whether they did.
@@ -142,7 +152,7 @@ class World {
   }
 
   /// Whether the two touch or overlap at a tick.
-  bool touching(std::uint32_t a, std::uint32_t b, const Image& image, Tick tick);
+  bool touching(std::uint32_t a, std::uint32_t b, Tick tick);
   bool touching_static(std::uint32_t body, std::uint32_t index, Tick tick);
 
   /// Within what time, to be counted from a tick, a body may move by a number of its radii.
@@ -169,18 +179,33 @@ class World {
     MovingPiece placed;  ///< without a view
   };
 
+  /// What to add to a vector to have its shortest image; whole periods.
+  Vec3 to_nearest_image(const Vec3& between_m) const {
+    Vec3 shift_m = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      const double period_m = scene_.period_m[static_cast<std::size_t>(i)];
+      if (std::fabs(between_m[i]) <= 0.5 * period_m || period_m == 0) continue;
+      shift_m[i] = -period_m * std::floor(between_m[i] / period_m + 0.5);
+    }
+    return shift_m;
+  }
+  /// From a's centre to that of b's nearest image.
+  Vec3 between_at(std::uint32_t a, std::uint32_t b, Tick tick) const {
+    const Vec3 between_m =
+        position_at(segments_[b].flight, tick) - position_at(segments_[a].flight, tick);
+    return periodic_ ? Vec3(between_m + to_nearest_image(between_m)) : between_m;
+  }
   const MovingPiece& moving_at(std::uint32_t body, Tick tick);
   MovingPiece part_at(std::uint32_t body, std::uint32_t part, Tick tick);
   Segment segment_after(std::uint32_t body, Tick tick, const Vec3& position_m, const Twist& twist);
   ContactLaw law_of(MaterialId a, MaterialId b, bool plastic) const;
   /// Counts a collision of a body; how many it had at this tick.
   std::uint32_t count_at(std::uint32_t body, Tick tick);
-  Prediction predict_spheres(std::uint32_t a, std::uint32_t b, const Image& image, Tick from) const;
+  Prediction predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) const;
   RigidImpactBody rigid_body(std::uint32_t body, Tick tick);
   ImpactOutput impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
                          const ContactLaw& law, Tick tick, bool a_fixed, bool b_fixed);
-  PieceContact contact_at(std::uint32_t a, std::uint32_t b, const Image& image,
-                          const EventKey& event);
+  PieceContact contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event);
   PieceContact static_contact_at(std::uint32_t body, std::uint32_t index, const EventKey& event);
   bool is_resting(std::uint32_t body) const { return segments_[body].mode == MotionMode::resting; }
   double fastest_point_mps(std::uint32_t body, const Twist& twist) const;

@@ -33,12 +33,10 @@ double World::fastest_point_mps(std::uint32_t body, const Twist& twist) const {
   return math::norm(twist.velocity_mps) + turning;
 }
 
-PieceContact World::contact_at(std::uint32_t a, std::uint32_t b, const Image& image,
-                               const EventKey& event) {
+PieceContact World::contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
     const Vec3 place_a_m = position_at(segments_[a].flight, event.tick);
-    const Vec3 place_b_m = position_at(segments_[b].flight, event.tick);
-    const Vec3 between_m = shifted(place_b_m, image, scene_.period_m) - place_a_m;
+    const Vec3 between_m = between_at(a, b, event.tick);
     PieceContact contact;
     const double distance_m = math::norm(between_m);
     contact.gap_m = distance_m - (constants_[a].reach_m + constants_[b].reach_m);
@@ -99,10 +97,10 @@ void World::wake_dependents(std::uint32_t body, const EventKey& event) {
   }
 }
 
-void World::collide(std::uint32_t a, std::uint32_t b, const Image& image, const EventKey& event) {
+void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   changed_.clear();
   const Tick tick = event.tick;
-  const PieceContact contact = contact_at(a, b, image, event);
+  const PieceContact contact = contact_at(a, b, event);
   const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
   const ContactLaw law = law_of(constants_[a].material, constants_[b].material, plastic);
   recent_.note(a, b, tick, contact.gap_m);

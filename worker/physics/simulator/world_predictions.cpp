@@ -49,14 +49,13 @@ Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& ex
 
 // ---- two bodies ---------------------------------------------------------------------------------
 
-Prediction World::predict(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
-                          std::uint32_t& search) {
+Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t& search) {
   const bool both_free =
       segments_[a].mode == MotionMode::free && segments_[b].mode == MotionMode::free;
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
     const bool closed =
         both_free && recent_.of(a, b).until <= std::max(flights_[a].begin, flights_[b].begin);
-    return closed ? predict_free_spheres(a, b, image) : predict_spheres(a, b, image, now);
+    return closed ? predict_free_spheres(a, b, now) : predict_spheres(a, b, now);
   }
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
     return {};
@@ -76,12 +75,11 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, const Image& image, 
       std::size_t{constants_[a].part_count} * std::size_t{constants_[b].part_count};
   for (PieceSearch& part : searches_.fresh(search, pairs))
     part.next = begin + span;
-  return look(a, b, image, now, search);
+  return look(a, b, now, search);
 }
 
-Prediction World::look(std::uint32_t a, std::uint32_t b, const Image& image, Tick now,
-                       std::uint32_t search) {
-  if (constants_[a].is_sphere && constants_[b].is_sphere) return predict_spheres(a, b, image, now);
+Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t search) {
+  if (constants_[a].is_sphere && constants_[b].is_sphere) return predict_spheres(a, b, now);
   const std::uint32_t of_b = constants_[b].part_count;
   const Refractory refractory = recent_.of(a, b);
   return advanced(searches_.of(search), now,
@@ -95,8 +93,7 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, const Image& image, Tic
                   });
 }
 
-Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, const Image& image,
-                                  Tick from) const {
+Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) const {
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
     return {};
   const double radii_m = constants_[a].reach_m + constants_[b].reach_m;
@@ -104,9 +101,8 @@ Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, const Image&
   Tick tick = from;
   for (int look = 0; look < k_looks_ahead; ++look) {
     const MovingPoint p = centre_at(a, tick);
-    MovingPoint q = centre_at(b, tick);
-    q.position_m = shifted(q.position_m, image, scene_.period_m);
-    const MovingPoint relative{.position_m = q.position_m - p.position_m,
+    const MovingPoint q = centre_at(b, tick);
+    const MovingPoint relative{.position_m = between_at(a, b, tick),
                                .velocity_mps = q.velocity_mps - p.velocity_mps,
                                .acceleration_mps2 = q.acceleration_mps2 - p.acceleration_mps2};
     const double coordinates_m = std::max(size_of(p.position_m), size_of(q.position_m));
@@ -122,24 +118,12 @@ Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, const Image&
 
 // ---- images -------------------------------------------------------------------------------------
 
-Image World::nearest_image(std::uint32_t a, std::uint32_t b, Tick tick) const {
-  const Vec3 between_m =
-      position_at(segments_[b].flight, tick) - position_at(segments_[a].flight, tick);
-  Image image{};
-  for (int i = 0; i < 3; ++i) {
-    const auto axis = static_cast<std::size_t>(i);
-    const double period = scene_.period_m[axis];
-    if (period > 0) {
-      image[axis] = static_cast<std::int8_t>(std::floor(0.5 - between_m[i] / period));
-    }
-  }
-  return image;
-}
-
-Prediction World::predict_any_image(std::uint32_t a, std::uint32_t b, Tick now, Image& image) {
+Prediction World::predict_any_image(std::uint32_t a, std::uint32_t b, Tick now) const {
   // Images one period away from the nearest are all that can be met before the two have moved by
   // half a period against one another.
-  const Image nearest = nearest_image(a, b, now);
+  const Vec3 between_m =
+      position_at(segments_[b].flight, now) - position_at(segments_[a].flight, now);
+  const Vec3 nearest_m = to_nearest_image(between_m);
   const Vec3 relative_mps =
       velocity_at(segments_[b].flight, now) - velocity_at(segments_[a].flight, now);
   double half_m = std::numeric_limits<double>::infinity();
@@ -150,17 +134,14 @@ Prediction World::predict_any_image(std::uint32_t a, std::uint32_t b, Tick now, 
   Prediction first;
   if (speed_mps > 0) first.tick = now + std::max<TickCount>(1, ticks_before(half_m / speed_mps));
   const auto reach = [&](std::size_t axis) { return scene_.period_m[axis] > 0 ? 1 : 0; };
-  std::uint32_t search = k_no_search;
   for (int x = -reach(0); x <= reach(0); ++x) {
     for (int y = -reach(1); y <= reach(1); ++y) {
       for (int z = -reach(2); z <= reach(2); ++z) {
-        const Image tried{static_cast<std::int8_t>(nearest[0] + x),
-                          static_cast<std::int8_t>(nearest[1] + y),
-                          static_cast<std::int8_t>(nearest[2] + z)};
-        const Prediction prediction = predict(a, b, tried, now, search);
+        const Vec3 shift_m = nearest_m + Vec3(x * scene_.period_m[0], y * scene_.period_m[1],
+                                              z * scene_.period_m[2]);
+        const Prediction prediction = predict_free_spheres_at(a, b, shift_m);
         if (prediction.tick < now || prediction.tick > first.tick) continue;
         first = prediction;
-        image = tried;
       }
     }
   }
