@@ -54,6 +54,8 @@ HierarchicalGrid::HierarchicalGrid(const BroadPhaseOptions& options)
       near_(std::size_t{options.bodies} + 1) {
   begun_.ids.resize(2 * std::size_t{options.bodies} + 2 * k_batch);
   ended_.ids.resize(std::size_t{options.bodies} + 1);
+  for (Level& level : levels_)
+    level.members.reserve(options.bodies);
   for (std::uint32_t level = 0; level < k_level_unbounded; ++level) {
     const int power = k_bits_per_level * (static_cast<int>(level) - k_level_typical);
     divide(levels_[level], std::ldexp(options.size_m * k_longest, power), level);

@@ -316,7 +316,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
                         SeparationCache& cache) {
   // As long as their spheres are apart, nothing else need be asked.
   const Vec3 between_m = b.pose.position_m - a.pose.position_m;
-  const double reach_m = a.reach_m + b.reach_m + k_touch_m;
+  const double reach_m = (a.reach_m + a.radius_m) + (b.reach_m + b.radius_m) + k_touch_m;
   const double distance_m = math::norm(between_m);
   if (distance_m > reach_m) {
     const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;

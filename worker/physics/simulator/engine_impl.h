@@ -81,11 +81,14 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options)
 
 template <BroadPhase Boxes, EventQueue Queue>
 std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
+  // The boxes of the last call hold until its end only.
+  if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
   while (!failure_ && !queue_.empty()) {
     const QueuedEvent event = queue_.least();
     if (event.key.tick > end) break;
     now_ = event.key.tick;
     process(event);
+    if (!world_.failure().empty()) fail(SceneError::Kind::search_failed, world_.failure());
     if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
   }
   if (!failure_) now_ = end;
@@ -128,7 +131,10 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
       rest(event);
       return;
     case EventKind::mode:
-      break;
+      fail(SceneError::Kind::search_failed,
+           fmt::format("{} turns too fast for too long without touching anything, at {:.9g} s",
+                       world_.name(event.lower), seconds(now_ - Tick{})));
+      return;
   }
   CHECK(false);
 }
@@ -190,6 +196,10 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
     }
     ++counts_.start_draws;
     state = description.start_again(attempt);
+    if (auto wrong = error_of_start(state, world_.name(body))) {
+      failure_ = std::move(wrong);
+      return;
+    }
   }
   ++counts_.starts;
   ++present_;
@@ -211,7 +221,8 @@ std::string Engine<Boxes, Queue>::obstacle_of(std::uint32_t body) {
   for (const StaticEdge& edge : statics_[body]) {
     if (world_.touching_static(body, edge.index, now_)) return world_.static_name(body, edge.index);
   }
-  return {};
+  // Deep inside of a solid a body may touch nothing of its surface.
+  return world_.solid_around(body, now_);
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -222,13 +233,6 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
   } else {
     ++counts_.collisions;
     world_.collide(event.lower, event.higher, event);
-  }
-  if (world_.most_at_a_tick() > k_events_at_a_tick_max) {
-    fail(SceneError::Kind::search_failed,
-         fmt::format("{} collides more than {} times at tick {} ({:.9g} s)",
-                     world_.name(event.lower), k_events_at_a_tick_max, now_.value,
-                     seconds(now_ - Tick{})));
-    return;
   }
   bodies_changed();
 }
@@ -381,6 +385,9 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
   }
   const Tick rest_due = world_.rest_due(body);
   if (rest_due < best.tick) best = {.tick = rest_due, .kind = EventKind::rest, .lower = body};
+  // What turns freely can be followed only so far.
+  const Tick horizon = world_.horizon(body);
+  if (horizon < best.tick) best = {.tick = horizon, .kind = EventKind::mode, .lower = body};
   queue_.set({body}, best);
 }
 
@@ -482,6 +489,11 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   }
   PairsSink sink{*this};
   boxes_.move_all(all_boxes_, sink);
+  // The event that came next may have been void; no box holds for longer than until it.
+  if (queue_.least().key.tick > next && next < end) {
+    queue_.set({clock + 2},
+               {.tick = next, .kind = EventKind::update, .lower = k_nobody, .higher = k_nobody});
+  }
 }
 
 /// Time that a body takes at least for a small part of its radius.

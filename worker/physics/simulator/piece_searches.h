@@ -1,5 +1,7 @@
 // The states of searches between bodies of convex parts: one for each pair of parts.
 //
+// A pair of bodies has a block of them in one array; blocks that are given back are used again for
+// pairs of as many parts.
 // Thread safety: none.
 #pragma once
 
@@ -15,37 +17,54 @@ namespace sleight::physics {
 /// Of one pair of parts.
 struct PieceSearch {
   SeparationCache cache;
-  Tick next = k_never;  ///< the next tick to look at
+  Tick next = k_never;      ///< the next tick to look at
+  std::uint32_t looks = 0;  ///< so far
+  std::uint32_t count = 0;  ///< in the block's first: its size
 };
 
 class PieceSearches {
  public:
+  /// Room for so many bodies' neighbours before anything is allocated.
+  void reserve(std::size_t bodies) {
+    constexpr std::size_t k_neighbours = 32;
+    searches_.reserve(bodies * k_neighbours);
+    free_.resize(2);
+    for (auto& blocks : free_)
+      blocks.reserve(bodies * k_neighbours);
+  }
+
   /// The searches of a pair of bodies, all fresh; takes a place for them if the pair has none.
   std::span<PieceSearch> fresh(std::uint32_t& place, std::size_t count) {
     if (place == k_no_search) {
-      if (free_.empty()) {
-        free_.push_back(static_cast<std::uint32_t>(searches_.size()));
-        searches_.emplace_back();
-        free_.reserve(searches_.capacity());
+      if (free_.size() <= count) free_.resize(count + 1);
+      if (free_[count].empty()) {
+        place = static_cast<std::uint32_t>(searches_.size());
+        searches_.resize(searches_.size() + count);
+      } else {
+        place = free_[count].back();
+        free_[count].pop_back();
       }
-      place = free_.back();
-      free_.pop_back();
     }
-    searches_[place].assign(count, {});
-    return searches_[place];
+    const auto block = std::span(searches_).subspan(place, count);
+    for (PieceSearch& search : block)
+      search = {};
+    block[0].count = static_cast<std::uint32_t>(count);
+    return block;
   }
 
-  std::span<PieceSearch> of(std::uint32_t place) { return searches_[place]; }
+  std::span<PieceSearch> of(std::uint32_t place) {
+    return std::span(searches_).subspan(place, searches_[place].count);
+  }
 
   void release(std::uint32_t& place) {
     if (place == k_no_search) return;
-    free_.push_back(place);
+    free_[searches_[place].count].push_back(place);
     place = k_no_search;
   }
 
  private:
-  std::vector<std::vector<PieceSearch>> searches_;
-  std::vector<std::uint32_t> free_;
+  std::vector<PieceSearch> searches_;
+  std::vector<std::vector<std::uint32_t>> free_;  ///< places, by the size of their blocks
 };
 
 }  // namespace sleight::physics

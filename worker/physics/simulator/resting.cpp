@@ -12,9 +12,9 @@ namespace {
 /// than slow neighbours can.
 constexpr double k_wake_over_rest = 4;
 /// Balance may miss by this part of the weight.
-constexpr double k_balance_tolerance = 0.02;
+constexpr double k_balance_tolerance = 0.002;
 /// Sweeps over all pushes in the search for balance.
-constexpr int k_balance_sweeps_max = 200;
+constexpr int k_balance_sweeps_max = 400;
 /// Contacts of one partner closer together than this part of the arm count as one.
 constexpr double k_same_place = 0.05;
 
@@ -71,6 +71,7 @@ bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, doub
 void Resting::reset(std::size_t bodies, const SlowContacts& rule) {
   rule_ = rule;
   logs_.assign(enabled() ? bodies : 0, {});
+  set_.reserve(bodies);
 }
 
 double Resting::wake_speed_mps() const {

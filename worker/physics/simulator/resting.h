@@ -15,7 +15,7 @@
 //
 // Invariants
 //   1. A body rests only by decide(), which is asked at the body's own rest event.
-//   2. Nothing is allocated after reset() but while lists of supporters grow.
+//   2. Nothing is allocated after reset().
 // Thread safety: none.
 #pragma once
 
@@ -94,8 +94,14 @@ class Resting {
     std::uint32_t slow_collisions = 0;
     std::uint32_t count = 0;  ///< of records
     std::array<TouchRecord, k_records> records;
-    std::vector<std::uint32_t> supporters;  ///< of a resting body
+    std::uint32_t supporter_count = 0;
+    std::array<std::uint32_t, k_records> supporters{};  ///< of a resting body
     bool rests = false;
+
+    bool leans_on(std::uint32_t other) const {
+      const auto end = supporters.begin() + supporter_count;
+      return std::find(supporters.begin(), end, other) != end;
+    }
   };
 
   /// Records of the last rest_time_s, moved to the front of the list.
@@ -140,13 +146,10 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
   std::sort(set_.begin(), set_.end());
   for (const std::uint32_t member : set_) {
     Log& log = logs_[member];
-    log.supporters.clear();
+    log.supporter_count = 0;
     for (const TouchRecord& touch : recent(log, now)) {
-      if (touch.partner == k_static_partner) continue;
-      if (std::find(log.supporters.begin(), log.supporters.end(), touch.partner) ==
-          log.supporters.end()) {
-        log.supporters.push_back(touch.partner);
-      }
+      if (touch.partner == k_static_partner || log.leans_on(touch.partner)) continue;
+      log.supporters[log.supporter_count++] = touch.partner;
     }
     log.rests = true;
     log.slow_since = k_never;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -119,5 +120,8 @@ struct SceneError {
   Kind kind{};
   std::string message;
 };
+
+/// Why a body of this name can't start so; nothing if it can.
+std::optional<SceneError> error_of_start(const StartState& start, const std::string& name);
 
 }  // namespace sleight::physics

@@ -83,36 +83,7 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
     return error(Kind::bad_number, fmt::format("{}: starts at tick {}; give one from 0 to {}", name,
                                                body.start_tick.value, k_tick_max.value));
   }
-  const StartState& start = body.start;
-  if (!within(start.pose.position_m, k_coordinate_m_max)) {
-    return error(Kind::bad_number,
-                 fmt::format("{}: starts at ({}, {}, {}) m; coordinates are at most {} m", name,
-                             start.pose.position_m.x(), start.pose.position_m.y(),
-                             start.pose.position_m.z(), k_coordinate_m_max));
-  }
-  if (!within(start.twist.velocity_mps, k_speed_mps_max)) {
-    return error(Kind::bad_number,
-                 fmt::format("{}: starting velocity ({}, {}, {}) m/s; components "
-                             "are at most {} m/s",
-                             name, start.twist.velocity_mps.x(), start.twist.velocity_mps.y(),
-                             start.twist.velocity_mps.z(), k_speed_mps_max));
-  }
-  if (!within(start.twist.angular_velocity_radps, k_spin_radps_max)) {
-    return error(Kind::bad_number,
-                 fmt::format("{}: starting angular velocity ({}, {}, {}) rad/s; "
-                             "components are at most {} rad/s",
-                             name, start.twist.angular_velocity_radps.x(),
-                             start.twist.angular_velocity_radps.y(),
-                             start.twist.angular_velocity_radps.z(), k_spin_radps_max));
-  }
-  const Quat& q = start.pose.orientation;
-  const double norm2 = ((q.w() * q.w() + q.x() * q.x()) + q.y() * q.y()) + q.z() * q.z();
-  if (!(std::fabs(norm2 - 1) < 1e-6)) {
-    return error(Kind::bad_number,
-                 fmt::format("{}: its orientation has the squared norm {}; give a unit quaternion",
-                             name, norm2));
-  }
-  return std::nullopt;
+  return error_of_start(body.start, name);
 }
 
 std::optional<SceneError> error_of_laws(const ContactTable& contacts) {
@@ -227,6 +198,38 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
 }
 
 }  // namespace
+
+std::optional<SceneError> error_of_start(const StartState& start, const std::string& name) {
+  if (!within(start.pose.position_m, k_coordinate_m_max)) {
+    return error(Kind::bad_number,
+                 fmt::format("{}: starts at ({}, {}, {}) m; coordinates are at most {} m", name,
+                             start.pose.position_m.x(), start.pose.position_m.y(),
+                             start.pose.position_m.z(), k_coordinate_m_max));
+  }
+  if (!within(start.twist.velocity_mps, k_speed_mps_max)) {
+    return error(Kind::bad_number,
+                 fmt::format("{}: starting velocity ({}, {}, {}) m/s; components "
+                             "are at most {} m/s",
+                             name, start.twist.velocity_mps.x(), start.twist.velocity_mps.y(),
+                             start.twist.velocity_mps.z(), k_speed_mps_max));
+  }
+  if (!within(start.twist.angular_velocity_radps, k_spin_radps_max)) {
+    return error(Kind::bad_number,
+                 fmt::format("{}: starting angular velocity ({}, {}, {}) rad/s; "
+                             "components are at most {} rad/s",
+                             name, start.twist.angular_velocity_radps.x(),
+                             start.twist.angular_velocity_radps.y(),
+                             start.twist.angular_velocity_radps.z(), k_spin_radps_max));
+  }
+  const Quat& q = start.pose.orientation;
+  const double norm2 = ((q.w() * q.w() + q.x() * q.x()) + q.y() * q.y()) + q.z() * q.z();
+  if (!(std::fabs(norm2 - 1) < 1e-6)) {
+    return error(Kind::bad_number,
+                 fmt::format("{}: its orientation has the squared norm {}; give a unit quaternion",
+                             name, norm2));
+  }
+  return std::nullopt;
+}
 
 std::optional<SceneError> error_of(const Scene& scene) {
   if (!within(scene.gravity_mps2, 1e6)) {

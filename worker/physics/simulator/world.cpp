@@ -51,11 +51,16 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
       for (const ConvexPolyhedron& part : compound.parts)
         parts_.push_back(part.view());
     }
+    // What a track of a general body needs is allocated now rather than when the body starts.
+    if (constants.inertia.symmetry == InertiaSymmetry::general) {
+      turning_[constants_.size()].track.restart({}, constants.inertia);
+    }
     constants_.push_back(constants);
   }
   resting_.reset(count, scene_.slow);
   recent_.reset(scene_.slow.separation_speed_mps > 0 ? count : 0);
   changed_.reserve(count);
+  searches_.reserve(count);
   at_tick_.resize(count);
   recording_.reset(record ? count : 0, segments_reserved);
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
@@ -90,11 +95,11 @@ void World::place(std::uint32_t body, const Segment& segment) {
                     .radius_m = constants_[body].is_sphere && now.mode == MotionMode::free
                                     ? constants_[body].reach_m
                                     : 0};
-  if (constants_[body].is_sphere) return;
   Turning& turning = turning_[body];
+  turning.placed_at = Tick{-1};
+  if (constants_[body].is_sphere) return;
   turning.track.restart(now.flight, constants_[body].inertia);
   turning.bounds = rotation_bounds(now.flight, constants_[body].inertia);
-  turning.placed_at = Tick{-1};
 }
 
 void World::begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause) {
@@ -231,6 +236,11 @@ bool World::touching_static(std::uint32_t body, std::uint32_t index, Tick tick) 
     if (contact.gap_m <= k_touch_m) return true;
   }
   return false;
+}
+
+std::string World::solid_around(std::uint32_t body, Tick tick) const {
+  const std::string* solid = statics_.solid_at(position_at(segments_[body].flight, tick));
+  return solid != nullptr ? *solid : "";
 }
 
 TickCount World::span_of_travel(std::uint32_t body, Tick tick, double radii) const {

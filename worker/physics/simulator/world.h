@@ -143,8 +143,15 @@ class World {
   void apply(const Control& control, const EventKey& event);
   /// The body's rest event: it and those it leans on go to rest, if they may. Whether they did.
   bool rest(std::uint32_t body, const EventKey& event);
-  /// The most collisions that a body had at one tick, so far.
-  std::uint32_t most_at_a_tick() const { return most_at_a_tick_; }
+  /// When a body's free rotation can't be computed any further; k_never for those with a closed
+  /// form.
+  Tick horizon(std::uint32_t body) const {
+    return constants_[body].inertia.symmetry == InertiaSymmetry::general
+               ? turning_[body].track.horizon()
+               : k_never;
+  }
+  /// What went wrong in a prediction or a collision; empty if nothing did.
+  const std::string& failure() const { return failure_; }
   std::span<const std::uint32_t> changed() const { return changed_; }
   /// When the body's rest event is due; k_never if it has none.
   Tick rest_due(std::uint32_t body) const {
@@ -154,6 +161,9 @@ class World {
   /// Whether the two touch or overlap at a tick.
   bool touching(std::uint32_t a, std::uint32_t b, Tick tick);
   bool touching_static(std::uint32_t body, std::uint32_t index, Tick tick);
+  /// The static solid that the body's centre is in, by name; empty if none. A body deep inside of
+  /// one may touch nothing of it.
+  std::string solid_around(std::uint32_t body, Tick tick) const;
 
   /// Within what time, to be counted from a tick, a body may move by a number of its radii.
   TickCount span_of_travel(std::uint32_t body, Tick tick, double radii) const;
@@ -210,6 +220,7 @@ class World {
   bool is_resting(std::uint32_t body) const { return segments_[body].mode == MotionMode::resting; }
   double fastest_point_mps(std::uint32_t body, const Twist& twist) const;
   void begin_after(std::uint32_t body, const Twist& twist, const EventKey& event);
+  void note_failure(std::string what, std::uint32_t body, Tick tick);
   void wake_dependents(std::uint32_t body, const EventKey& event);
 
   Scene scene_;
@@ -227,12 +238,14 @@ class World {
   std::vector<std::uint32_t> changed_;
   struct AtTick {
     Tick tick{-1};
+    Tick window{};  ///< collisions are counted in windows
     std::uint32_t events = 0;
+    std::uint32_t in_window = 0;
   };
   std::vector<AtTick> at_tick_;
-  std::uint32_t most_at_a_tick_ = 0;
   Recording recording_;
   std::uint64_t looks_ = 0;
+  std::string failure_;
   bool record_ = true;
   bool periodic_ = false;
 };

@@ -1,4 +1,6 @@
 // What collisions, rest and controls do to bodies.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +20,20 @@ std::uint32_t World::count_at(std::uint32_t body, Tick tick) {
   AtTick& at = at_tick_[body];
   at.events = at.tick == tick ? at.events + 1 : 1;
   at.tick = tick;
-  most_at_a_tick_ = std::max(most_at_a_tick_, at.events);
+  if (at.events > k_events_at_a_tick_max) {
+    note_failure(fmt::format("it collides more than {} times at one tick", k_events_at_a_tick_max),
+                 body, tick);
+  }
+  if (tick - at.window > k_window) {
+    at.window = tick;
+    at.in_window = 0;
+  }
+  if (++at.in_window > k_collisions_in_window_max) {
+    note_failure(fmt::format("it collides more than {} times in a millisecond; let slow contacts "
+                             "end (SlowContacts)",
+                             k_collisions_in_window_max),
+                 body, tick);
+  }
   return at.events;
 }
 
@@ -118,6 +133,8 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
       wake_dependents(sleeper, event);
     }
   }
+  if (after.regime == ImpactRegime::unresolved)
+    note_failure("its impact can't be resolved", a, tick);
   if (resting_.enabled()) {
     const Vec3 place_a_m = position_at(segments_[a].flight, tick);
     const Vec3 place_b_m = position_at(segments_[b].flight, tick);

@@ -1,4 +1,6 @@
 // When bodies meet.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,6 +17,9 @@ constexpr int k_looks_ahead = 4;
 double size_of(const Vec3& v) {
   return std::max({std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
 }
+
+/// In place of a feature: the search exceeded its limit.
+constexpr std::uint32_t k_gave_up = UINT32_MAX;
 
 /// One look at a pair that may be refractory: examine(touch) judges the tick.
 template <class Examine>
@@ -34,6 +39,7 @@ Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& ex
     PieceSearch& search = searches[i];
     bool certain = false;
     while (search.next <= now && !certain) {
+      if (++search.looks > k_examined_ticks_max) return {.tick = now, .feature = k_gave_up};
       const Examined examined = examine(i, search.next, search.cache);
       certain = examined.collides;
       if (!certain) search.next = examined.next;
@@ -46,6 +52,12 @@ Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& ex
 }
 
 }  // namespace
+
+void World::note_failure(std::string what, std::uint32_t body, Tick tick) {
+  if (!failure_.empty()) return;
+  failure_ = fmt::format("{}: {} at tick {} ({:.9g} s)", name(body), what, tick.value,
+                         seconds(tick - Tick{}));
+}
 
 // ---- two bodies ---------------------------------------------------------------------------------
 
@@ -82,15 +94,17 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
   if (constants_[a].is_sphere && constants_[b].is_sphere) return predict_spheres(a, b, now);
   const std::uint32_t of_b = constants_[b].part_count;
   const Refractory refractory = recent_.of(a, b);
-  return advanced(searches_.of(search), now,
-                  [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
-                    ++looks_;
-                    const MovingPiece first = part_at(a, i / of_b, tick);
-                    const MovingPiece second = part_at(b, i % of_b, tick);
-                    return examined_at(tick, refractory, [&](double touch_m) {
-                      return examine_pieces(first, second, tick, touch_m, cache);
-                    });
-                  });
+  const Prediction prediction =
+      advanced(searches_.of(search), now, [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
+        ++looks_;
+        const MovingPiece first = part_at(a, i / of_b, tick);
+        const MovingPiece second = part_at(b, i % of_b, tick);
+        return examined_at(tick, refractory, [&](double touch_m) {
+          return examine_pieces(first, second, tick, touch_m, cache);
+        });
+      });
+  if (prediction.feature == k_gave_up) note_failure("the search for a collision gives up", a, now);
+  return prediction;
 }
 
 Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) const {
@@ -163,7 +177,7 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
                               std::uint32_t search) {
   const Refractory refractory = recent_.of(body, k_static | index);
   if (!constants_[body].is_sphere) {
-    return advanced(
+    const Prediction prediction = advanced(
         searches_.of(search), now, [&](std::uint32_t part, Tick tick, SeparationCache& cache) {
           ++looks_;
           const MovingPiece piece = part_at(body, part, tick);
@@ -173,6 +187,9 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
                        : examine_pieces(statics_.piece(index), piece, tick, touch_m, cache);
           });
         });
+    if (prediction.feature == k_gave_up)
+      note_failure("the search for a collision gives up", body, now);
+    return prediction;
   }
   const SphereFeature& feature = statics_.feature(index);
   const double radius_m = constants_[body].reach_m;

@@ -47,15 +47,15 @@ inline TestScene test_scene(std::uint64_t n) {
       return scene;
     }
     case 5: {
-      const auto bodies = static_cast<std::uint32_t>(2 + seed % 5);
+      const auto bodies = static_cast<std::uint32_t>(1 + seed % 3);
       TestScene scene{"bumpy_floor " + std::to_string(bodies), scenes::bumpy_floor(bodies, seed)};
-      scene.setting.duration_s = 0.25;
+      scene.setting.duration_s = 0.12;
       return scene;
     }
     case 6: {
-      const auto bodies = static_cast<std::uint32_t>(2 + seed * 5 % 19);
+      const auto bodies = static_cast<std::uint32_t>(2 + seed * 5 % 11);
       TestScene scene{"tray " + std::to_string(bodies), scenes::tray(bodies, seed)};
-      scene.setting.duration_s = 0.3;
+      scene.setting.duration_s = 0.2;
       return scene;
     }
     default: {

@@ -1,0 +1,183 @@
+// Energy and momentum, from recordings.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+
+#include "tests/unit/worker/physics/simulator/mixed_scene.h"
+#include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "tests/unit/worker/physics/simulator/scenes_under_test.h"
+
+namespace sleight::physics {
+namespace {
+
+using testing::RecordedRun;
+
+bool long_run() {
+  return std::getenv("SLEIGHT_SOAK") != nullptr;
+}
+
+Simulation begun(const Scene& scene) {
+  SimulationOptions options;
+  options.record = false;
+  auto started = Simulation::start(scene, options);
+  EXPECT_TRUE(started.ok());
+  return std::move(started).value();
+}
+
+std::uint64_t collisions_of(const Simulation& simulation) {
+  return simulation.counts().collisions + simulation.counts().static_collisions;
+}
+
+/// The largest relative deviation of the kinetic energy from that at first.
+double drift_of(const Scene& scene, std::uint64_t collisions, double step_s) {
+  Simulation simulation = begun(scene);
+  const double at_first_j = simulation.kinetic_energy_j();
+  double drift = 0;
+  while (collisions_of(simulation) < collisions) {
+    const auto error = simulation.run_until(simulation.now() + ticks_after(step_s));
+    if (error) {
+      ADD_FAILURE() << error->message;
+      break;
+    }
+    drift = std::max(drift, std::fabs(simulation.kinetic_energy_j() / at_first_j - 1));
+  }
+  std::printf("%llu collisions, %.4g s: drift of energy %.2e\n",
+              static_cast<unsigned long long>(collisions_of(simulation)),
+              seconds(simulation.now() - Tick{}), drift);
+  return drift;
+}
+
+TEST(Conservation, AGasKeepsItsEnergy) {
+  // Goal: without loss, energy drifts by less than 1e-9 over 1e5 collisions. Method: run, look now
+  // and then. In gravity-free scenes all energy is kinetic.
+  EXPECT_LT(drift_of(scenes::hard_sphere_gas(108, 0.4, 1).scene, 100'000, 1), 1e-9);
+  EXPECT_LT(drift_of(scenes::hard_sphere_gas(500, 0.1, 2).scene, 100'000, 1), 1e-9);
+  EXPECT_LT(drift_of(scenes::boxed_spheres(64, 3).scene, 100'000, 20), 1e-9);
+}
+
+TEST(Conservation, PolyhedraKeepTheirEnergy) {
+  // Goal and method: as above, with exchange between translation and rotation; the number of
+  // collisions that the project promises in the long run.
+  const std::uint64_t collisions = long_run() ? 100'000 : 4'000;
+  EXPECT_LT(drift_of(scenes::boxed_polyhedra(12, 1).scene, collisions, 20), 1e-9);
+}
+
+TEST(Conservation, APeriodicGasKeepsItsMomentum) {
+  // Goal: a collision gives both bodies opposite momenta. Method: sum before and after; the unit is
+  // the sum of sizes.
+  const scenes::Setting setting = scenes::hard_sphere_gas(256, 0.3, 4);
+  Simulation simulation = begun(setting.scene);
+  const auto momentum = [&]() -> Vec3 {
+    Vec3 sum = Vec3::Zero();
+    for (std::uint32_t body = 0; body < setting.scene.bodies.size(); ++body)
+      sum += setting.scene.bodies[body].inertia.mass_kg *
+             simulation.twist({body}, simulation.now()).velocity_mps;
+    return sum;
+  };
+  const Vec3 before = momentum();
+  ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(20)));
+  EXPECT_GT(simulation.counts().collisions, 10'000U);
+  EXPECT_LT(math::norm(momentum() - before), 1e-9 * 256);
+}
+
+/// By how much each event changed the energy of the bodies that began a segment at it.
+struct EnergyChanges {
+  double largest_gain = 0;  ///< relative to the bodies' energy
+  double total_loss_j = 0;
+  EventKey where;
+};
+
+EnergyChanges energy_changes_of(const RecordedRun& run) {
+  struct Sum {
+    double before_j = 0;
+    double after_j = 0;
+    double scale_j = 0;
+  };
+  std::map<EventKey, Sum> sums;
+  for (std::uint32_t body = 0; body < run.scene.bodies.size(); ++body) {
+    const auto entries = run.recording.segments({body});
+    for (std::size_t i = 1; i < entries.size(); ++i) {
+      const Tick tick = entries[i].segment.flight.begin;
+      Sum& sum = sums[entries[i].cause];
+      const double before_j = testing::energy_j(run.scene, body, entries[i - 1].segment, tick);
+      sum.before_j += before_j;
+      sum.after_j += testing::energy_j(run.scene, body, entries[i].segment, tick);
+      sum.scale_j += std::fabs(before_j);
+    }
+  }
+  EnergyChanges changes;
+  for (const auto& [key, sum] : sums) {
+    const double gain = (sum.after_j - sum.before_j) / sum.scale_j;
+    if (gain > changes.largest_gain) {
+      changes.largest_gain = gain;
+      changes.where = key;
+    }
+    changes.total_loss_j += sum.before_j - sum.after_j;
+  }
+  return changes;
+}
+
+/// Energy at a height of 0 is motion alone, and may be tiny: heights are counted from below.
+Scene without_controls(Scene scene) {
+  scene.controls.clear();
+  return scene;
+}
+
+TEST(Conservation, EventsGainNoEnergy) {
+  // Goal: no event, whatever its friction and restitution, gains energy. Method: kinetic plus
+  // potential energy of the bodies of each event before and after, from recordings of every kind of
+  // scene; what users add is left out. In between, energy is kept by motion itself: see below.
+  double largest = 0;
+  const auto look = [&](const Scene& scene, double duration_s, const std::string& name) {
+    const RecordedRun run = testing::recorded(without_controls(scene), duration_s);
+    ASSERT_EQ(run.error, "") << name;
+    const EnergyChanges changes = energy_changes_of(run);
+    EXPECT_LT(changes.largest_gain, 1e-12)
+        << name << ", tick " << changes.where.tick.value << ", body " << changes.where.lower;
+    largest = std::max(largest, changes.largest_gain);
+  };
+  for (std::uint64_t n = 0; n < (long_run() ? 1200U : 120U); ++n) {
+    const testing::TestScene scene = testing::test_scene(n);
+    look(scene.setting.scene, scene.setting.duration_s,
+         "scene " + std::to_string(n) + ": " + scene.name);
+  }
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    look(testing::mixed_scene(seed), 0.6, "mixed scene " + std::to_string(seed));
+  std::printf("largest gain of an event, of its bodies' energy: %.2e\n", largest);
+}
+
+TEST(Conservation, TotalEnergyNeverGrows) {
+  // Goal: energy of all bodies falls from event to event, flights included. Method: at times far
+  // from each other, without bodies that start later.
+  for (std::uint64_t n = 0; n < 12; ++n) {
+    Scene scene = n % 2 == 0 ? scenes::rain(20, n + 1).scene : testing::mixed_scene(n + 1);
+    scene.controls.clear();
+    std::erase_if(scene.bodies,
+                  [](const BodyDescription& body) { return body.start_tick > Tick{}; });
+    const RecordedRun run = testing::recorded(scene, 0.5);
+    ASSERT_EQ(run.error, "");
+    double last_j = std::numeric_limits<double>::infinity();
+    for (int step = 0; step <= 100; ++step) {
+      const Tick tick = Tick{} + step * (run.recording.end().value / 100);
+      double sum_j = 0;
+      for (std::uint32_t body = 0; body < scene.bodies.size(); ++body)
+        sum_j += testing::energy_j(scene, body, *run.recording.segment_at({body}, tick), tick);
+      EXPECT_LE(sum_j, last_j + 1e-12 * std::fabs(sum_j)) << "seed " << n + 1 << ", step " << step;
+      last_j = sum_j;
+    }
+  }
+}
+
+TEST(Conservation, AGainIsSeen) {
+  // Goal: the comparison above can fail. Method: a user's push is such a gain.
+  Scene scene = scenes::rain(5, 3).scene;
+  scene.controls.assign(
+      1, {.tick = Tick{} + ticks_after(0.3), .body = {0}, .velocity_change_mps = {0, 0, 10}});
+  const RecordedRun run = testing::recorded(scene, 0.5);
+  EXPECT_GT(energy_changes_of(run).largest_gain, 1);
+  EXPECT_EQ(energy_changes_of(run).where.kind, EventKind::control);
+}
+
+}  // namespace
+}  // namespace sleight::physics

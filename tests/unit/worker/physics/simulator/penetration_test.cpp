@@ -1,0 +1,306 @@
+// Bodies do not overlap, by geometry that the simulator has no part in.
+//
+// What is asked: a collision is the first tick at which a gap is at most k_touch_m = 1e-7 m, so no
+// clearance should fall below 0 by more than the rounding of this test's own geometry. Bodies that
+// touch without colliding may sink by k_approach_mps for as long as they touch, some 1e-9 m.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <optional>
+
+#include "tests/unit/worker/physics/simulator/mixed_scene.h"
+#include "tests/unit/worker/physics/simulator/plain_geometry.h"
+#include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "tests/unit/worker/physics/simulator/scenes_under_test.h"
+
+namespace sleight::physics {
+namespace {
+
+using testing::PlainSolid;
+using testing::RecordedRun;
+
+/// How deep bodies may overlap.
+constexpr double k_depth_m = 1e-9;
+
+bool long_run() {
+  return std::getenv("SLEIGHT_SOAK") != nullptr;
+}
+
+/// Reads clearances from a recording.
+class Overlaps {
+ public:
+  explicit Overlaps(const RecordedRun& run)
+      : run_(run), shift_(run.scene.bodies.size(), Vec3::Zero()) {
+    for (const BodyDescription& body : run.scene.bodies) {
+      const auto* sphere = std::get_if<Sphere>(&body.shape);
+      reach_m_.push_back(sphere != nullptr
+                             ? sphere->radius_m
+                             : std::get<std::shared_ptr<const Compound>>(body.shape)->r_outer_m());
+    }
+    for (const StaticConvex& convex : run.scene.convexes)
+      statics_.push_back(testing::solid_at(*convex.polyhedron, {}));
+  }
+
+  /// Puts a body where it was not.
+  void shift(std::uint32_t body, const Vec3& by_m) { shift_[body] = by_m; }
+
+  /// The least clearance of all pairs and static geometry at a tick; `who` says whose.
+  double least(Tick tick, std::string& who) {
+    placed_.assign(run_.scene.bodies.size(), {});
+    double least_m = 1;
+    const auto offer = [&](double clearance_m, std::uint32_t a, const std::string& b) {
+      if (clearance_m >= least_m) return;
+      least_m = clearance_m;
+      who = "body " + std::to_string(a) + " and " + b + " at tick " + std::to_string(tick.value);
+    };
+    for (std::uint32_t a = 0; a < placed_.size(); ++a) {
+      const Segment* segment = run_.recording.segment_at({a}, tick);
+      if (segment == nullptr) continue;
+      placed_[a].segment = segment;
+      placed_[a].place_m = testing::place_at(*segment, tick) + shift_[a];
+    }
+    for (std::uint32_t a = 0; a < placed_.size(); ++a) {
+      if (placed_[a].segment == nullptr) continue;
+      for (std::uint32_t b = a + 1; b < placed_.size(); ++b) {
+        if (placed_[b].segment == nullptr) continue;
+        const Vec3 image_m = nearest_image_m(placed_[a].place_m, placed_[b].place_m);
+        const double centres_m = math::norm(placed_[b].place_m + image_m - placed_[a].place_m);
+        if (centres_m - reach_m_[a] - reach_m_[b] >= least_m) continue;
+        offer(of_pair(a, b, centres_m, tick), a, "body " + std::to_string(b));
+      }
+      of_statics(a, tick, offer);
+    }
+    return least_m;
+  }
+
+ private:
+  struct Placed {
+    const Segment* segment = nullptr;
+    Vec3 place_m = Vec3::Zero();
+    std::vector<PlainSolid> parts;
+  };
+
+  Vec3 nearest_image_m(const Vec3& from_m, const Vec3& to_m) const {
+    Vec3 shift = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      const double period_m = run_.scene.period_m[static_cast<std::size_t>(i)];
+      if (period_m > 0) shift[i] = -period_m * std::round((to_m[i] - from_m[i]) / period_m);
+    }
+    return shift;
+  }
+
+  bool is_sphere(std::uint32_t body) const {
+    return std::holds_alternative<Sphere>(run_.scene.bodies[body].shape);
+  }
+
+  const std::vector<PlainSolid>& parts_of(std::uint32_t body, Tick tick) {
+    Placed& placed = placed_[body];
+    if (placed.parts.empty()) {
+      const BodyDescription& description = run_.scene.bodies[body];
+      const Pose pose{placed.place_m, testing::turn_at(*placed.segment, description.inertia, tick)};
+      for (const auto& part : std::get<std::shared_ptr<const Compound>>(description.shape)->parts)
+        placed.parts.push_back(testing::solid_at(part, pose));
+    }
+    return placed.parts;
+  }
+
+  double of_pair(std::uint32_t a, std::uint32_t b, double centres_m, Tick tick) {
+    if (is_sphere(a) && is_sphere(b)) return centres_m - reach_m_[a] - reach_m_[b];
+    if (is_sphere(b)) std::swap(a, b);
+    double least_m = 1;
+    for (const PlainSolid& second : parts_of(b, tick)) {
+      if (is_sphere(a)) {
+        least_m = std::min(least_m, testing::distance(placed_[a].place_m, second) - reach_m_[a]);
+        continue;
+      }
+      for (const PlainSolid& first : parts_of(a, tick))
+        least_m = std::min(least_m, testing::clearance(first, second));
+    }
+    return least_m;
+  }
+
+  template <class Offer>
+  void of_statics(std::uint32_t body, Tick tick, const Offer& offer) {
+    const Vec3& place_m = placed_[body].place_m;
+    for (const StaticPlane& plane : run_.scene.planes) {
+      const double height_m =
+          math::dot(plane.outside.normal, place_m) - plane.outside.offset_m - reach_m_[body];
+      if (is_sphere(body)) {
+        offer(height_m, body, plane.name);
+      } else if (height_m < 0) {
+        for (const PlainSolid& part : parts_of(body, tick)) {
+          for (const Vec3& v : part.corners_m)
+            offer(math::dot(plane.outside.normal, v) - plane.outside.offset_m, body, plane.name);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < statics_.size(); ++i) {
+      const std::string& name = run_.scene.convexes[i].name;
+      const double centre_m = testing::distance(place_m, statics_[i]) - reach_m_[body];
+      if (is_sphere(body)) {
+        offer(centre_m, body, name);
+      } else if (centre_m < 0) {
+        for (const PlainSolid& part : parts_of(body, tick))
+          offer(testing::clearance(part, statics_[i]), body, name);
+      }
+    }
+  }
+
+  const RecordedRun& run_;
+  std::vector<Vec3> shift_;
+  std::vector<double> reach_m_;
+  std::vector<PlainSolid> statics_;
+  std::vector<Placed> placed_;
+};
+
+/// Ticks of collisions, ascending, at most so many of them.
+std::vector<Tick> collision_ticks(const RecordedRun& run, std::size_t count_max) {
+  std::vector<Tick> all;
+  for (std::uint32_t body = 0; body < run.scene.bodies.size(); ++body) {
+    for (const Recording::Entry& entry : run.recording.segments({body})) {
+      if (entry.cause.kind == EventKind::collision) all.push_back(entry.cause.tick);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  if (all.size() <= count_max) return all;
+  std::vector<Tick> some;
+  for (std::size_t i = 0; i < count_max; ++i)
+    some.push_back(all[i * all.size() / count_max]);
+  return some;
+}
+
+struct Deepest {
+  double clearance_m = 1;
+  std::string who;
+  void offer(Overlaps& overlaps, Tick tick) {
+    std::string name;
+    const double found_m = overlaps.least(tick, name);
+    if (found_m < clearance_m) *this = {found_m, name};
+  }
+};
+
+/// Around collisions and at random ticks.
+Deepest deepest_of(const RecordedRun& run, std::size_t collisions, int random_ticks,
+                   std::uint64_t seed) {
+  Overlaps overlaps(run);
+  Deepest deepest;
+  const Tick end = run.recording.end();
+  for (const Tick tick : collision_ticks(run, collisions)) {
+    for (const TickCount off : {-1000, -2, -1, 0, 1, 2, 1000})
+      deepest.offer(overlaps, std::clamp(tick + off, Tick{}, end));
+  }
+  random::Stream stream = scenes::stream_of_scene(seed, 1);
+  for (int i = 0; i < random_ticks; ++i) {
+    deepest.offer(
+        overlaps,
+        Tick{static_cast<TickCount>(stream.bits() % static_cast<std::uint64_t>(end.value + 1))});
+  }
+  return deepest;
+}
+
+TEST(Penetration, NoSceneHasBodiesThatOverlap) {
+  // Goal: DESIGN section 3: bodies are kept apart. Method: scenes of every kind; clearances at
+  // random ticks and some ticks before and after recorded collisions.
+  const std::uint64_t scenes = long_run() ? 600 : 60;
+  std::map<std::string, double> least_m;
+  for (std::uint64_t n = 0; n < scenes; ++n) {
+    const testing::TestScene scene = testing::test_scene(n);
+    const RecordedRun run = testing::recorded(scene.setting.scene, scene.setting.duration_s);
+    ASSERT_EQ(run.error, "") << "scene " << n << ": " << scene.name;
+    const Deepest deepest = deepest_of(run, 150, 150, n);
+    EXPECT_GT(deepest.clearance_m, -k_depth_m)
+        << "scene " << n << ": " << scene.name << ", " << deepest.who;
+    const std::string kind = scene.name.substr(0, scene.name.find(' '));
+    least_m.try_emplace(kind, 1).first->second =
+        std::min(least_m.try_emplace(kind, 1).first->second, deepest.clearance_m);
+  }
+  for (const auto& [kind, clearance_m] : least_m) {
+    std::printf("least clearance of %s: %.3e m\n", kind.c_str(), clearance_m);
+    EXPECT_LT(clearance_m, 2 * k_touch_m) << kind << " never came close: nothing was looked at";
+  }
+}
+
+TEST(Penetration, BodiesOfEveryShapeStayApart) {
+  // Goal: pairs that the scenes of the list lack: spheres with polyhedra, bodies of several parts,
+  // long boxes, prisms, spheres at edges of static geometry. Method: as above.
+  double least_m = 1;
+  for (std::uint64_t seed = 1; seed <= (long_run() ? 200U : 12U); ++seed) {
+    const RecordedRun run = testing::recorded(testing::mixed_scene(seed), 0.6);
+    ASSERT_EQ(run.error, "") << "mixed scene of seed " << seed;
+    EXPECT_GT(run.counts.collisions, 20U) << seed;
+    const Deepest deepest = deepest_of(run, 200, 200, seed);
+    EXPECT_GT(deepest.clearance_m, -k_depth_m)
+        << "mixed scene of seed " << seed << ", " << deepest.who;
+    least_m = std::min(least_m, deepest.clearance_m);
+  }
+  std::printf("least clearance of mixed scenes: %.3e m\n", least_m);
+}
+
+TEST(Penetration, RestingBodiesDoNotSink) {
+  // Goal: what bounces by micrometres and goes to rest doesn't sink in. Method: a heap of grains.
+  const scenes::Setting setting = scenes::grain_heap(long_run() ? 60 : 10, 1);
+  const RecordedRun run = testing::recorded(setting.scene, 1.5);
+  ASSERT_EQ(run.error, "");
+  const Deepest deepest = deepest_of(run, 400, 100, 1);
+  EXPECT_GT(deepest.clearance_m, -k_depth_m) << deepest.who;
+  std::printf("least clearance of grain_heap: %.3e m\n", deepest.clearance_m);
+}
+
+TEST(Penetration, IsSeenWhereBodiesWereShifted) {
+  // Goal: the tests above can fail. Method: shift a body by a micrometre along each axis, both
+  // ways; one of these shifts goes towards what it touches by more than half of it.
+  constexpr double k_shift_m = 1e-6;
+  for (const std::uint64_t n : {0U, 1U, 2U, 3U, 4U, 5U, 8U, 9U}) {
+    const testing::TestScene scene = testing::test_scene(n);
+    if (!scene.setting.scene.meshes.empty()) continue;  // the plain geometry has none
+    const RecordedRun run = testing::recorded(scene.setting.scene, scene.setting.duration_s);
+    ASSERT_EQ(run.error, "");
+    // A collision, and one of its bodies.
+    std::optional<EventKey> collision;
+    for (std::uint32_t body = 0; body < run.scene.bodies.size() && !collision; ++body) {
+      for (const Recording::Entry& entry : run.recording.segments({body})) {
+        if (entry.cause.kind == EventKind::collision) collision = entry.cause;
+      }
+    }
+    ASSERT_TRUE(collision) << scene.name;
+    Overlaps overlaps(run);
+    double least_m = 1;
+    for (int i = 0; i < 6; ++i) {
+      Vec3 by_m = Vec3::Zero();
+      by_m[i / 2] = i % 2 == 0 ? k_shift_m : -k_shift_m;
+      overlaps.shift(collision->lower, by_m);
+      std::string who;
+      least_m = std::min(least_m, overlaps.least(collision->tick, who));
+    }
+    EXPECT_LT(least_m, -0.4 * k_shift_m) << scene.name;
+  }
+}
+
+TEST(Penetration, PlainGeometryKnowsOverlaps) {
+  // Goal: the reference is right where the answer is known. Method: two unit cubes face to face,
+  // corner to face and edge to edge; points in and around a cube.
+  const ConvexPolyhedron cube = physics::cube(1).value();
+  const PlainSolid fixed = testing::solid_at(cube, {});
+  const auto at = [&](const Vec3& place_m, const Quat& turn) {
+    return testing::clearance(fixed, testing::solid_at(cube, {place_m, turn}));
+  };
+  EXPECT_NEAR(at({1.25, 0.3, 0}, Quat::Identity()), 0.25, 1e-15);
+  EXPECT_NEAR(at({0.75, 0.3, 0}, Quat::Identity()), -0.25, 1e-15);
+  // An edge along y, above the edge of the fixed cube along x: the half diagonals reach sqrt(1/2).
+  const Quat tilt_x = math::quaternion_of_rotation_vector({std::atan(1.0), 0, 0});
+  const Quat tilt_y = math::quaternion_of_rotation_vector({0, std::atan(1.0), 0});
+  const PlainSolid lower = testing::solid_at(cube, {{0, 0, 0}, tilt_x});
+  const auto crossed = [&](double height_m) {
+    return testing::clearance(lower, testing::solid_at(cube, {{0, 0, height_m}, tilt_y}));
+  };
+  EXPECT_NEAR(crossed(std::sqrt(2.0) + 0.1), 0.1, 1e-14);
+  EXPECT_NEAR(crossed(std::sqrt(2.0) - 0.1), -0.1, 1e-14);
+  EXPECT_NEAR(testing::distance({0, 0, 0.75}, fixed), 0.25, 1e-15);
+  EXPECT_NEAR(testing::distance({0, 0.1, 0.25}, fixed), -0.25, 1e-15);
+  EXPECT_NEAR(testing::distance({0.8, 0, 0.9}, fixed), 0.5, 1e-15);
+  EXPECT_NEAR(testing::distance({0.7, 0.6, 0.7}, fixed), 0.3, 1e-15);
+}
+
+}  // namespace
+}  // namespace sleight::physics

@@ -1,0 +1,124 @@
+// Overlap of bodies by plain geometry that shares nothing with the distance library: separating
+// axes for polyhedra, distances to polygons for spheres.
+//
+// Thread safety: values and pure functions.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/shape/convex_polyhedron.h"
+
+namespace sleight::physics::testing {
+
+/// A convex polyhedron in the world's frame.
+struct PlainSolid {
+  struct Polygon {
+    Vec3 normal;
+    double offset_m;
+    std::vector<Vec3> corners_m;  ///< anticlockwise from outside
+  };
+  std::vector<Vec3> corners_m;
+  std::vector<Polygon> faces;
+  std::vector<std::array<Vec3, 2>> edges_m;
+};
+
+inline PlainSolid solid_at(const ConvexPolyhedron& polyhedron, const Pose& pose) {
+  const Mat3 turn = math::matrix_of(pose.orientation);
+  const auto placed = [&](const Vec3& v) -> Vec3 {
+    return math::product(turn, v) + pose.position_m;
+  };
+  PlainSolid solid;
+  for (const Vec3& v : polyhedron.vertices_m())
+    solid.corners_m.push_back(placed(v));
+  for (const Edge& edge : polyhedron.edges())
+    solid.edges_m.push_back({solid.corners_m[edge.vertex[0]], solid.corners_m[edge.vertex[1]]});
+  for (const Face& face : polyhedron.faces()) {
+    PlainSolid::Polygon polygon;
+    for (const Side& side : polyhedron.sides_of(face))
+      polygon.corners_m.push_back(solid.corners_m[side.vertex]);
+    // The normal from the corners, not from the polyhedron's own.
+    Vec3 area = Vec3::Zero();
+    for (std::size_t i = 2; i < polygon.corners_m.size(); ++i)
+      area += math::cross(polygon.corners_m[i - 1] - polygon.corners_m[0],
+                          polygon.corners_m[i] - polygon.corners_m[0]);
+    polygon.normal = math::normalized(area);
+    polygon.offset_m = math::dot(polygon.normal, polygon.corners_m[0]);
+    solid.faces.push_back(std::move(polygon));
+  }
+  return solid;
+}
+
+/// The least of dot(axis, b - a) over the points of two solids; stops once it is below `enough`.
+inline double clearance_along(const Vec3& axis, const PlainSolid& a, const PlainSolid& b,
+                              double enough) {
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const Vec3& v : a.corners_m)
+    highest = std::max(highest, math::dot(axis, v));
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Vec3& v : b.corners_m) {
+    lowest = std::min(lowest, math::dot(axis, v));
+    if (lowest - highest < enough) break;
+  }
+  return lowest - highest;
+}
+
+/// Negative: how deep two solids overlap, the shortest shift that parts them. Positive: they don't;
+/// the value is at most their distance. Every axis of the theorem is tried: normals of faces and
+/// cross products of edges.
+inline double clearance(const PlainSolid& a, const PlainSolid& b) {
+  double best = -std::numeric_limits<double>::infinity();
+  const auto offer = [&](const Vec3& axis) {
+    best = std::max(best, clearance_along(axis, a, b, best));
+  };
+  for (const auto& face : a.faces)
+    offer(face.normal);
+  for (const auto& face : b.faces)
+    offer(-face.normal);
+  for (const auto& p : a.edges_m) {
+    for (const auto& q : b.edges_m) {
+      if (best > 0) return best;
+      const Vec3 along_p = p[1] - p[0];
+      const Vec3 along_q = q[1] - q[0];
+      Vec3 axis = math::cross(along_p, along_q);
+      const double length = math::norm(axis);
+      if (length < 1e-6 * math::norm(along_p) * math::norm(along_q)) continue;
+      axis /= length;
+      // The clearance is at most that of these two edges.
+      const double edges_m = math::dot(axis, q[0] - p[0]);
+      if (edges_m > best) offer(axis);
+      if (-edges_m > best) offer(-axis);
+    }
+  }
+  return best;
+}
+
+inline double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  const double share = std::clamp(math::dot(p - a, along) / math::dot(along, along), 0.0, 1.0);
+  return math::norm(p - (a + share * along));
+}
+
+/// Signed distance of a point to a solid, negative inside.
+inline double distance(const Vec3& p, const PlainSolid& solid) {
+  double inside = -std::numeric_limits<double>::infinity();
+  double outside = std::numeric_limits<double>::infinity();
+  for (const auto& face : solid.faces) {
+    const double height = math::dot(face.normal, p) - face.offset_m;
+    inside = std::max(inside, height);
+    bool above = true;
+    for (std::size_t i = 0; i < face.corners_m.size(); ++i) {
+      const Vec3& a = face.corners_m[i];
+      const Vec3& b = face.corners_m[(i + 1) % face.corners_m.size()];
+      outside = std::min(outside, distance_to_segment(p, a, b));
+      above = above && math::dot(math::cross(face.normal, b - a), p - a) >= 0;
+    }
+    if (above) outside = std::min(outside, std::fabs(height));
+  }
+  return inside <= 0 ? inside : outside;
+}
+
+}  // namespace sleight::physics::testing

@@ -1,0 +1,86 @@
+// Runs of scenes, and states read from their recordings without the simulator's own functions.
+//
+// Thread safety: values and pure functions.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "worker/physics/motion/rotation_track.h"
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::physics::testing {
+
+struct RecordedRun {
+  Scene scene;
+  Recording recording;
+  Counts counts;
+  std::string error;
+};
+
+/// A scene, run and recorded.
+inline RecordedRun recorded(const Scene& scene, double duration_s) {
+  auto started = Simulation::start(scene, {});
+  if (!started) return {scene, {}, {}, started.error().message};
+  Simulation simulation = std::move(started).value();
+  const auto error = simulation.run_until(Tick{} + ticks_after(duration_s));
+  return {scene, simulation.recording(), simulation.counts(), error ? error->message : ""};
+}
+
+inline Vec3 place_at(const Segment& segment, Tick tick) {
+  const FreeFlight& flight = segment.flight;
+  const double s = static_cast<double>(tick.value - flight.begin.value) * 0x1p-30;
+  return flight.position_m + s * flight.velocity_mps + (0.5 * s * s) * flight.acceleration_mps2;
+}
+
+/// The turn of a body whose angular velocity is constant, by the C library's sine. A body of other
+/// inertia is left to the motion library, which has tests of its own.
+inline Quat turn_at(const Segment& segment, const Inertia& inertia, Tick tick) {
+  const FreeFlight& flight = segment.flight;
+  if (segment.mode == MotionMode::resting) return flight.orientation;
+  if (inertia.symmetry != InertiaSymmetry::spherical) return orientation_at(flight, inertia, tick);
+  const double s = static_cast<double>(tick.value - flight.begin.value) * 0x1p-30;
+  const Vec3& w = flight.angular_velocity_radps;
+  const double rate = std::sqrt(w.x() * w.x() + w.y() * w.y() + w.z() * w.z());
+  if (rate == 0) return flight.orientation;
+  const double half = 0.5 * rate * s;
+  const double share = std::sin(half) / rate;
+  return math::composed(Quat(std::cos(half), share * w.x(), share * w.y(), share * w.z()),
+                        flight.orientation);
+}
+
+/// In the world's frame.
+inline Twist twist_of(const Segment& segment, const Inertia& inertia, Tick tick) {
+  const FreeFlight& flight = segment.flight;
+  const double s = static_cast<double>(tick.value - flight.begin.value) * 0x1p-30;
+  Twist twist{.velocity_mps = flight.velocity_mps + s * flight.acceleration_mps2,
+              .angular_velocity_radps =
+                  flight.angular_velocity_radps + s * segment.angular_acceleration_radps2};
+  if (segment.mode == MotionMode::free && inertia.symmetry != InertiaSymmetry::spherical)
+    twist.angular_velocity_radps = angular_velocity_at(flight, inertia, tick);
+  return twist;
+}
+
+/// Of motion, turning included.
+inline double energy_of_motion_j(const Inertia& inertia, const Quat& orientation,
+                                 const Twist& twist) {
+  const Vec3 w = math::rotated(math::inverse(orientation), twist.angular_velocity_radps);
+  const Vec3& v = twist.velocity_mps;
+  const Vec3& moments = inertia.principal_kgm2;
+  return 0.5 * (inertia.mass_kg * math::dot(v, v) + moments.x() * w.x() * w.x() +
+                moments.y() * w.y() * w.y() + moments.z() * w.z() * w.z());
+}
+
+/// Kinetic and potential energy of a body in a segment.
+inline double energy_j(const Scene& scene, std::uint32_t body, const Segment& segment, Tick tick) {
+  const Inertia& inertia = scene.bodies[body].inertia;
+  return energy_of_motion_j(inertia, turn_at(segment, inertia, tick),
+                            twist_of(segment, inertia, tick)) -
+         inertia.mass_kg * math::dot(scene.gravity_mps2, place_at(segment, tick));
+}
+
+}  // namespace sleight::physics::testing
