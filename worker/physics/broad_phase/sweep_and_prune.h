@@ -15,6 +15,8 @@
 // Thread safety: none.
 #pragma once
 
+#include <algorithm>
+
 #include "worker/physics/broad_phase/body_boxes.h"
 #include "worker/physics/broad_phase/extent_ring.h"
 #include "worker/physics/broad_phase/flat_table.h"
@@ -25,7 +27,13 @@ class SweepAndPrune {
  public:
   explicit SweepAndPrune(const BroadPhaseOptions& options)
       : boxes_(options),
-        rings_{ExtentRing(options.bodies), ExtentRing(options.bodies), ExtentRing(options.bodies)} {
+        rings_{ExtentRing(options.bodies), ExtentRing(options.bodies), ExtentRing(options.bodies)},
+        axis_pairs_{PairTable(room(options, k_axis_room)), PairTable(room(options, k_axis_room)),
+                    PairTable(room(options, k_axis_room))},
+        space_pairs_(room(options, k_space_room)) {
+    touched_.reserve(4 * std::size_t{options.bodies});
+    pairs_touched_.reserve(room(options, k_axis_room));
+    before_.reserve(options.bodies);
   }
 
   const Box& box(BodyId body) const { return boxes_.box(body.value); }
@@ -41,6 +49,14 @@ class SweepAndPrune {
   void move_all(std::span<const Box> boxes, Sink& sink);
 
  private:
+  /// Pairs per body for which tables have room from the start; more of them let the tables grow.
+  static constexpr std::size_t k_axis_room = 64;
+  static constexpr std::size_t k_space_room = 24;
+  static std::size_t room(const BroadPhaseOptions& options, std::size_t per_body) {
+    const std::size_t others = options.bodies == 0 ? 0 : options.bodies - 1;
+    return options.bodies * std::min(others, per_body);
+  }
+
   /// Brings an axis' table up to date on a pair; whether that changed it.
   bool look_again(std::size_t axis, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t key = pair_key(a, b);

@@ -42,9 +42,9 @@ inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
 /// of n balls n times.
 inline constexpr std::uint32_t k_elastic_at_a_tick = 64;
 
-/// Collisions of one body in a window of 2^20 ticks (1 ms) before the simulation gives up with a typed
-/// error: a ball that bounces ever lower, in a scene that doesn't say how slow contacts end. Settling
-/// bodies have some thousands.
+/// Collisions of one body in a window of 2^20 ticks (1 ms) before the simulation gives up with a
+/// typed error: a ball that bounces ever lower, in a scene that doesn't say how slow contacts end.
+/// Settling bodies have some thousands.
 inline constexpr std::uint32_t k_collisions_in_window_max = 200'000;
 inline constexpr TickCount k_window = TickCount{1} << 20;
 

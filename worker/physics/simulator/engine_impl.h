@@ -30,9 +30,11 @@ inline constexpr double k_static_margin_radii = 0.5;
 /// A box of the synchronous algorithm lasts at most as long as the fastest body takes for its
 /// radius.
 inline constexpr double k_synchronous_step_radii = 1;
-/// Room in each list before anything is allocated: at most 12 equal spheres touch one. More would
-/// spread the lists over memory.
-inline constexpr std::size_t k_list_room = 24;
+/// Room in each list of neighbours before anything is allocated: at most 12 equal spheres touch
+/// one, and boxes reach somewhat further. More would spread the lists over memory.
+inline constexpr std::size_t k_list_room = 48;
+/// The same for the static geometry near a body, whose lists are twice as long for a moment.
+inline constexpr std::size_t k_static_room = 96;
 
 inline bool holds(const Box& outer, const Box& inner) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -54,8 +56,8 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options)
   graph_.reset(count, options_.algorithm == Algorithm::all_pairs ? count : k_list_room);
   statics_.resize(count);
   for (auto& list : statics_)
-    list.reserve(k_list_room);
-  near_.reserve(4 * k_list_room);
+    list.reserve(count > 0 && world.static_count(0) > 0 ? k_static_room : 0);
+  near_.reserve(k_static_room);
   bounds_.resize(count);
   static_boxes_.resize(count);
   changes_.assign(count, 0);

@@ -17,7 +17,7 @@
 namespace sleight::physics {
 namespace {
 
-static_assert(sizeof(GeneralRotation) <= 1344, "the header promises 169 words");
+static_assert(sizeof(GeneralRotation) <= 1352, "the header promises 169 words");
 
 Vec3 body_radps_at(const FreeFlight& flight, const Inertia& inertia, Tick t) {
   return body_angular_velocity_radps(orientation_at(flight, inertia, t),
