@@ -148,7 +148,8 @@ TEST(Resting, ACubeSetOnItsEdgeFallsOver) {
   for (const Quat& turn : {on_edge, on_corner}) {
     Scene scene = floor_scene({.restitution = 0.3, .friction = 0.5});
     double lowest_m = 0;
-    for (const Vec3& v : cube(0.02).value().vertices_m())
+    const ConvexPolyhedron solid = cube(0.02).value();
+    for (const Vec3& v : solid.vertices_m())
       lowest_m = std::min(lowest_m, math::rotated(turn, v).z());
     scene.bodies.push_back(cube_at({0, 0, -lowest_m + 1e-6}, turn));
     const RecordedRun run = testing::recorded(scene, 2);
