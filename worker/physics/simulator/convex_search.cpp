@@ -1,6 +1,7 @@
 #include "worker/physics/simulator/convex_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -33,7 +34,13 @@ class Envelope {
       : view_(*piece.view),
         place_(transposed_product(piece.pose.rotation, axis)),
         rate_(transposed_product(piece.pose.rotation,
-                                 math::cross(axis, piece.angular_velocity_radps - axis_radps))) {}
+                                 math::cross(axis, piece.angular_velocity_radps - axis_radps))),
+        kept_(std::min<std::size_t>(view_.vertex_count, k_kept)) {
+    for (std::size_t i = 0; i < kept_; ++i) {
+      places_m_[i] = along(place_, i);
+      rates_mps_[i] = along(rate_, i);
+    }
+  }
 
   /// The line that is lowest at first, and of those that are equal there the one that falls most.
   Line lowest() const {
@@ -66,17 +73,23 @@ class Envelope {
   }
 
  private:
+  /// Lines of more vertices than this are computed each time.
+  static constexpr std::size_t k_kept = 64;
+
+  double along(const Vec3& direction, std::size_t i) const {
+    return (direction.x() * view_.xs_m[i] + direction.y() * view_.ys_m[i]) +
+           direction.z() * view_.zs_m[i];
+  }
   Line line(std::size_t i) const {
-    const double x = view_.xs_m[i];
-    const double y = view_.ys_m[i];
-    const double z = view_.zs_m[i];
-    return {(place_.x() * x + place_.y() * y) + place_.z() * z,
-            (rate_.x() * x + rate_.y() * y) + rate_.z() * z};
+    return i < kept_ ? Line{places_m_[i], rates_mps_[i]} : Line{along(place_, i), along(rate_, i)};
   }
 
   const ConvexView& view_;
   Vec3 place_;
   Vec3 rate_;
+  std::size_t kept_;
+  std::array<double, k_kept> places_m_;
+  std::array<double, k_kept> rates_mps_;
 };
 
 /// First h >= from at which place + rate h - fall h^2 / 2 <= k_touch and rate - fall h <
@@ -289,16 +302,20 @@ double separation_m(const MovingPiece& a, const MovingPiece& b, const Vec3& axis
          (of_a.lowest().place_m + of_b.lowest().place_m);
 }
 
-}  // namespace
-
-PieceContact contact_of(const MovingPiece& a, const MovingPiece& b) {
-  const Closest closest = closest_cold(*a.view, a.pose, *b.view, b.pose);
+/// How the pieces meet, given their closest points from scratch.
+PieceContact contact_from(const Closest& closest, const MovingPiece& a, const MovingPiece& b) {
   const Vec3 on_a_m = closest.point_a_m + a.radius_m * closest.normal;
   const Vec3 on_b_m = closest.point_b_m - b.radius_m * closest.normal;
   return {.gap_m = closest.gap_m - (a.radius_m + b.radius_m),
           .rate_mps = math::dot(closest.normal, velocity_of(b, on_b_m) - velocity_of(a, on_a_m)),
           .normal = closest.normal,
           .point_m = 0.5 * (on_a_m + on_b_m)};
+}
+
+}  // namespace
+
+PieceContact contact_of(const MovingPiece& a, const MovingPiece& b) {
+  return contact_from(closest_cold(*a.view, a.pose, *b.view, b.pose), a, b);
 }
 
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b) {
@@ -331,11 +348,12 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   }
 
   // How far they are apart; near the touch, from scratch.
+  const bool from_scratch = !cache.filled;
   const Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   Vec3 axis = closest.normal;
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
-    const PieceContact contact = contact_of(a, b);
+    const PieceContact contact = from_scratch ? contact_from(closest, a, b) : contact_of(a, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
     axis = contact.normal;
   }
