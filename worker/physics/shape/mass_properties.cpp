@@ -231,13 +231,10 @@ base::Result<BodyShape, ShapeError> in_body_frame(std::span<const ConvexPolyhedr
   return result;
 }
 
-Inertia solid_sphere_inertia(double radius_m, double density_kgpm3) {
-  CHECK(radius_m > 0 && density_kgpm3 > 0);
-  const double square = radius_m * radius_m;
-  const double mass_kg = 4.0 / 3.0 * math::k_pi * square * radius_m * density_kgpm3;
-  const double moment = 0.4 * mass_kg * square;
+Inertia solid_ball_inertia(double mass_kg, double radius_m) {
+  const double moment = 0.4 * mass_kg * radius_m * radius_m;
   return {.mass_kg = mass_kg,
-          .principal_kgm2 = {moment, moment, moment},
+          .principal_kgm2 = Vec3(moment, moment, moment),
           .symmetry = InertiaSymmetry::spherical};
 }
 

@@ -62,7 +62,7 @@ struct BodyShape {
 base::Result<BodyShape, ShapeError> in_body_frame(std::span<const ConvexPolyhedron> parts,
                                                   double density_kgpm3, InertiaSymmetry declared);
 
-/// Of a solid ball: m = 4/3 pi r^3 density, I = 2/5 m r^2. REQUIRES: both > 0.
-Inertia solid_sphere_inertia(double radius_m, double density_kgpm3);
+/// Of a solid ball of even density: 2/5 m r^2.
+Inertia solid_ball_inertia(double mass_kg, double radius_m);
 
 }  // namespace sleight::physics

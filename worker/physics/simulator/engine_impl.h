@@ -55,8 +55,8 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options)
   queue_.reset(count + 3);
   graph_.reset(count, options_.algorithm == Algorithm::all_pairs ? count : k_list_room);
   statics_.resize(count);
-  for (auto& list : statics_)
-    list.reserve(count > 0 && world.static_count(0) > 0 ? k_static_room : 0);
+  for (std::uint32_t body = 0; body < count; ++body)
+    statics_[body].reserve(world.static_count(body) > 0 ? k_static_room : 0);
   near_.reserve(k_static_room);
   bounds_.resize(count);
   static_boxes_.resize(count);
@@ -88,6 +88,9 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
   while (!failure_ && !queue_.empty()) {
     const QueuedEvent event = queue_.least();
     if (event.key.tick > end) break;
+    // An event of the past would mean that a bound was wrong and a collision came to light too
+    // late.
+    CHECK_GE(event.key.tick.value, now_.value);
     now_ = event.key.tick;
     process(event);
     if (!world_.failure().empty()) fail(SceneError::Kind::search_failed, world_.failure());
@@ -420,7 +423,7 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
   const TickCount span =
       std::min(std::max(crowded ? elapsed / 2 : 2 * elapsed, least_span(body)), k_tick_max - now_);
   const double radius_m = world_.constants(body).reach_m * (1 + k_box_pad_radii) + k_touch_m;
-  const Tick end = now_ + world_.limited_span(body, now_, span);
+  const Tick end = now_ + world_.limited_span(body, now_, span, k_box_pad_radii);
   const Box box = path_box(world_.segment(body).flight, radius_m, now_, end);
   bound = {.expiry = std::max(end, exit_tick(box, world_.segment(body).flight,
                                              world_.constants(body).reach_m + k_touch_m, now_)) +

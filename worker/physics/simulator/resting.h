@@ -59,7 +59,6 @@ class Resting {
     double speed_mps = 0;  ///< of its fastest point, at most
     Vec3 weight_n = Vec3::Zero();
     double reach_m = 0;
-    bool rests = false;
   };
 
   void reset(std::size_t bodies, const SlowContacts& rule);

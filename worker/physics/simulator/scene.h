@@ -16,6 +16,7 @@
 
 #include "worker/physics/event/event.h"
 #include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/shapes.h"
 #include "worker/physics/shape/triangle_mesh.h"
 #include "worker/physics/simulator/sphere_search.h"

@@ -109,11 +109,4 @@ const Recording& Simulation::recording() const {
   return impl_->world.recording();
 }
 
-Inertia solid_ball_inertia(double mass_kg, double radius_m) {
-  const double moment = 0.4 * mass_kg * radius_m * radius_m;
-  return {.mass_kg = mass_kg,
-          .principal_kgm2 = Vec3(moment, moment, moment),
-          .symmetry = InertiaSymmetry::spherical};
-}
-
 }  // namespace sleight::physics

@@ -81,9 +81,6 @@ class Simulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A solid sphere of even density: 2/5 m r^2.
-Inertia solid_ball_inertia(double mass_kg, double radius_m);
-
 /// Why the scene can't be simulated; nothing if it can. Starts that overlap are found later, by
 /// Simulation::start and run_until.
 std::optional<SceneError> error_of(const Scene& scene);

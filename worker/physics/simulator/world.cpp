@@ -257,7 +257,8 @@ TickCount World::span_of_travel(std::uint32_t body, Tick tick, double radii) con
   return rate > 0 ? ticks_after(2 * way_m / rate) : k_tick_max.value;
 }
 
-TickCount World::limited_span(std::uint32_t body, Tick tick, TickCount span) const {
+TickCount World::limited_span(std::uint32_t body, Tick tick, TickCount span,
+                              double pad_radii) const {
   TickCount limited = std::min(span, k_tick_max - tick);
   if (!periodic_) return limited;
   const FreeFlight& flight = segments_[body].flight;
@@ -265,7 +266,8 @@ TickCount World::limited_span(std::uint32_t body, Tick tick, TickCount span) con
     const double period = scene_.period_m[static_cast<std::size_t>(i)];
     const double speed_mps = std::fabs(flight.velocity_mps[i]);
     if (period == 0 || speed_mps == 0) continue;
-    const double way_m = 0.24 * period - 2.5 * constants_[body].reach_m;
+    // Of half a period each of the two has a half, less a hundredth of the period for roundings.
+    const double way_m = 0.24 * period - (1 + 2 * pad_radii) * constants_[body].reach_m;
     limited = std::min(limited, ticks_before(way_m / speed_mps));
   }
   return std::max<TickCount>(1, limited);

@@ -64,8 +64,6 @@ class World {
   const BodyConstants& constants(std::uint32_t body) const { return constants_[body]; }
   const Recording& recording() const { return recording_; }
   Recording& recording() { return recording_; }
-  /// At convex parts, so far.
-  std::uint64_t looks() const { return looks_; }
   bool periodic() const { return periodic_; }
   bool started(std::uint32_t body) const { return started_[body] != 0; }
   /// For people.
@@ -136,6 +134,7 @@ class World {
   /// predict for whichever image comes first, for those who have no boxes.
   /// REQUIRES: the world is periodic.
   Prediction predict_any_image(std::uint32_t a, std::uint32_t b, Tick now) const;
+
   // What happens; changed() then lists the bodies that began a segment, ascending.
   // REQUIRES: predicted for the event's tick.
   void collide(std::uint32_t a, std::uint32_t b, const EventKey& event);
@@ -167,9 +166,11 @@ class World {
 
   /// Within what time, to be counted from a tick, a body may move by a number of its radii.
   TickCount span_of_travel(std::uint32_t body, Tick tick, double radii) const;
-  /// A span, or as much of it as a body may have one box for: in a periodic world, boxes are
-  /// shorter than half a period.
-  TickCount limited_span(std::uint32_t body, Tick tick, TickCount span) const;
+  /// A span, or as much of it as a body may have one box for, which is its path's with a pad all
+  /// around. In a periodic world two bodies whose boxes overlap must be nearer to one another than
+  /// to other images, which to_nearest_image counts on: their centres are apart by at most the sum
+  /// of both boxes' edges less both radii, and that is kept below half a period.
+  TickCount limited_span(std::uint32_t body, Tick tick, TickCount span, double pad_radii) const;
   /// The edge of most boxes.
   double typical_box_m() const;
 
@@ -244,7 +245,6 @@ class World {
   };
   std::vector<AtTick> at_tick_;
   Recording recording_;
-  std::uint64_t looks_ = 0;
   std::string failure_;
   bool record_ = true;
   bool periodic_ = false;

@@ -212,8 +212,7 @@ bool World::rest(std::uint32_t body, const EventKey& event) {
   const auto present = [&](std::uint32_t member) {
     return Resting::Present{.speed_mps = fastest_point_mps(member, twist_at(member, event.tick)),
                             .weight_n = constants_[member].inertia.mass_kg * scene_.gravity_mps2,
-                            .reach_m = constants_[member].reach_m,
-                            .rests = is_resting(member)};
+                            .reach_m = constants_[member].reach_m};
   };
   for (const std::uint32_t member : resting_.decide(body, event.tick, present)) {
     Segment segment =

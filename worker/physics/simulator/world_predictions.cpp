@@ -30,6 +30,18 @@ Examined examined_at(Tick tick, const Refractory& refractory, const Examine& exa
   return {.collides = false, .next = refractory.until};  // from then on, any touch counts again
 }
 
+/// A few looks of a search without a state, from a tick on.
+template <class Examine>
+Prediction looked_ahead(Tick tick, const Examine& examine) {
+  for (int look = 0; look < k_looks_ahead; ++look) {
+    const Examined examined = examine(tick);
+    if (examined.collides) return {.tick = tick, .certain = true};
+    if (examined.next == k_never) return {};
+    tick = examined.next;
+  }
+  return {.tick = tick, .certain = false};
+}
+
 /// Goes on with the searches of a pair's parts up to `now`. examine(i, tick, cache) looks at the
 /// i-th pair of parts. The first collision counts, of the parts with the least number.
 template <class Examine>
@@ -96,7 +108,6 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
   const Refractory refractory = recent_.of(a, b);
   const Prediction prediction =
       advanced(searches_.of(search), now, [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
-        ++looks_;
         const MovingPiece first = part_at(a, i / of_b, tick);
         const MovingPiece second = part_at(b, i % of_b, tick);
         return examined_at(tick, refractory, [&](double touch_m) {
@@ -112,22 +123,17 @@ Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) c
     return {};
   const double radii_m = constants_[a].reach_m + constants_[b].reach_m;
   const Refractory refractory = recent_.of(a, b);
-  Tick tick = from;
-  for (int look = 0; look < k_looks_ahead; ++look) {
+  return looked_ahead(from, [&](Tick tick) {
     const MovingPoint p = centre_at(a, tick);
     const MovingPoint q = centre_at(b, tick);
     const MovingPoint relative{.position_m = between_at(a, b, tick),
                                .velocity_mps = q.velocity_mps - p.velocity_mps,
                                .acceleration_mps2 = q.acceleration_mps2 - p.acceleration_mps2};
     const double coordinates_m = std::max(size_of(p.position_m), size_of(q.position_m));
-    const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
+    return examined_at(tick, refractory, [&](double touch_m) {
       return examine_spheres(relative, radii_m, coordinates_m, touch_m, tick);
     });
-    if (examined.collides) return {.tick = tick, .certain = true};
-    if (examined.next == k_never) return {};
-    tick = examined.next;
-  }
-  return {.tick = tick, .certain = false};
+  });
 }
 
 // ---- images -------------------------------------------------------------------------------------
@@ -179,7 +185,6 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
   if (!constants_[body].is_sphere) {
     const Prediction prediction = advanced(
         searches_.of(search), now, [&](std::uint32_t part, Tick tick, SeparationCache& cache) {
-          ++looks_;
           const MovingPiece piece = part_at(body, part, tick);
           return examined_at(tick, refractory, [&](double touch_m) {
             return index < statics_.plane_count()
@@ -193,17 +198,12 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
   }
   const SphereFeature& feature = statics_.feature(index);
   const double radius_m = constants_[body].reach_m;
-  Tick tick = now;
-  for (int look = 0; look < k_looks_ahead; ++look) {
+  return looked_ahead(now, [&](Tick tick) {
     const MovingPoint centre = centre_at(body, tick);
-    const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
+    return examined_at(tick, refractory, [&](double touch_m) {
       return examine(feature, statics_.sides(feature), centre, radius_m, touch_m, tick);
     });
-    if (examined.collides) return {.tick = tick, .certain = true};
-    if (examined.next == k_never) return {};
-    tick = examined.next;
-  }
-  return {.tick = tick, .certain = false};
+  });
 }
 
 }  // namespace sleight::physics

@@ -1,36 +1,16 @@
 // That broad phases stop allocating once warm.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "tests/unit/worker/physics/broad_phase/scenes.h"
+#include "tests/unit/worker/physics/counted_allocations.h"
 #include "worker/physics/broad_phase/all_pairs.h"
 #include "worker/physics/broad_phase/hierarchical_grid.h"
 #include "worker/physics/broad_phase/sweep_and_prune.h"
 
-namespace {
-
-std::uint64_t allocations = 0;
-
-}  // namespace
-
-// Replaced for the whole test program; the array forms call these. Not inlined, as GCC 12 would
-// then take the pair of new and free for a mistake.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-
 namespace sleight::physics {
 namespace {
+
+using counting::allocations;
 
 /// Lists of neighbours without allocation: one bit per pair, and room for one list.
 class FixedSink {

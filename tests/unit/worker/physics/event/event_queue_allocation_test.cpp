@@ -3,51 +3,16 @@
 // though it makes calendars go through epochs and queues run empty and full.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdlib>
-#include <new>
-
+#include "tests/unit/worker/physics/counted_allocations.h"
 #include "tests/unit/worker/physics/event/queue_checks.h"
 #include "worker/physics/event/calendar_queue.h"
 #include "worker/physics/event/heap_queue.h"
 #include "worker/physics/event/tournament_queue.h"
 
-namespace {
-
-std::uint64_t allocations = 0;
-
-void* counted(std::size_t bytes, std::size_t alignment) {
-  ++allocations;
-  // aligned_alloc wants whole multiples of the alignment.
-  void* memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-// Not to be expanded in place: there the compiler sees new without its delete, and warns.
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-  return counted(std::max(bytes, std::size_t{1}), alignof(std::max_align_t));
-}
-[[gnu::noinline]] void* operator new(std::size_t bytes, std::align_val_t alignment) {
-  return counted(std::max(bytes, std::size_t{1}), static_cast<std::size_t>(alignment));
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
-}
-
 namespace sleight::physics {
 namespace {
+
+using counting::allocations;
 
 template <class Queue>
 class Allocations : public testing::Test {};

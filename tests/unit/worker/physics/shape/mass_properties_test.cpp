@@ -210,13 +210,15 @@ TEST(InBodyFrame, refuses_what_is_declared_wrongly) {
 }
 
 TEST(SolidSphere, has_its_textbook_inertia) {
-  // m = 4/3 pi r^3 density, I = 2/5 m r^2; an icosphere of many faces comes close from below.
-  const Inertia sphere = solid_sphere_inertia(2, 3);
-  EXPECT_NEAR(sphere.mass_kg, 100.530964914873, 1e-11);
+  // I = 2/5 m r^2, here with m = 4/3 pi r^3 times 3; an icosphere of many faces comes close from
+  // below in both.
+  const Inertia sphere = solid_ball_inertia(100.530964914873, 2);
   EXPECT_NEAR(sphere.principal_kgm2.x(), 160.849543863797, 1e-11);
   const MassProperties fine = mass_properties(Parts{icosphere(2, 3).value()}, 3);
   EXPECT_LT(fine.mass_kg, sphere.mass_kg);
   EXPECT_GT(fine.mass_kg, 0.98 * sphere.mass_kg);
+  EXPECT_LT(fine.inertia_kgm2(0, 0), sphere.principal_kgm2.x());
+  EXPECT_GT(fine.inertia_kgm2(0, 0), 0.96 * sphere.principal_kgm2.x());
 }
 
 }  // namespace
