@@ -32,10 +32,15 @@ inline constexpr double k_rounding_ulps = 64 * 0x1p-53;
 inline constexpr std::uint32_t k_examined_ticks_max = 1'000'000;
 
 /// Where slow contacts end (scene.h), a pair that has collided does not collide again for so long,
-/// unless its gap has halved since: a body that others squeeze would bounce between them without
-/// time passing (inelastic collapse). A pair that approaches at 0.05 m/s uses up half of k_touch_m
-/// in it.
+/// unless it has come half of the way to the depth k_sink_m since: a body that others squeeze would
+/// bounce between them without time passing (inelastic collapse). A pair that approaches at 0.05
+/// m/s uses up half of k_touch_m in it.
 inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
+
+/// Squeezed bodies overlap by no more than this. At 0 the gaps of pairs that are squeezed for long
+/// shrink to rounding, and then each tick has its collision; 1e-9 m is what bodies move in a tick
+/// at 1 m/s anyway.
+inline constexpr double k_sink_m = 5e-10;
 
 /// After so many collisions of a body at one tick, its further ones there are plastic: no
 /// restitution and no least separation speed. Free bodies collide once or twice at a tick, a cradle

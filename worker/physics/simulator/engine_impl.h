@@ -136,6 +136,12 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
       rest(event);
       return;
     case EventKind::mode:
+      if (world_.stays_on_faces(event.lower)) {
+        ++counts_.modes;
+        world_.change_mode(event.lower, event);
+        bodies_changed();
+        return;
+      }
       fail(SceneError::Kind::search_failed,
            fmt::format("{} turns too fast for too long without touching anything, at {:.9g} s",
                        world_.name(event.lower), seconds(now_ - Tick{})));
@@ -390,9 +396,9 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
   }
   const Tick rest_due = world_.rest_due(body);
   if (rest_due < best.tick) best = {.tick = rest_due, .kind = EventKind::rest, .lower = body};
-  // What turns freely can be followed only so far.
-  const Tick horizon = world_.horizon(body);
-  if (horizon < best.tick) best = {.tick = horizon, .kind = EventKind::mode, .lower = body};
+  const Tick mode_end = world_.mode_end(body);
+  if (mode_end < best.tick || (mode_end == best.tick && best.kind > EventKind::mode))
+    best = {.tick = mode_end, .kind = EventKind::mode, .lower = body};
   queue_.set({body}, best);
 }
 

@@ -32,6 +32,7 @@ struct Counts {
   std::uint64_t controls = 0;
   std::uint64_t starts = 0;
   std::uint64_t start_draws = 0;  ///< places drawn again because of an overlap
+  std::uint64_t modes = 0;  ///< changes of a lasting contact: a slide ends, a face's border
   std::uint64_t rest_decisions = 0;
   std::uint64_t rests = 0;  ///< bodies that went to rest
   std::uint64_t samples = 0;
@@ -40,7 +41,7 @@ struct Counts {
 
   std::uint64_t events() const {
     return updates + examined + collisions + static_collisions + controls + starts + samples +
-           rest_decisions;
+           modes + rest_decisions;
   }
 };
 

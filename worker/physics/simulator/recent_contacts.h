@@ -4,6 +4,7 @@
 // Thread safety: none.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -44,9 +45,9 @@ class RecentContacts {
     if (!enabled()) return {};
     for (const Entry& entry : of_body_[body].entries) {
       if (entry.partner != partner) continue;
-      // Half of the gap; pieces that overlap by a rounding must come closer by a part of the touch.
-      const double touch_m = entry.gap_m > 0 ? 0.5 * entry.gap_m : entry.gap_m - 0x1p-6 * k_touch_m;
-      return {.until = entry.tick + k_refractory, .touch_m = touch_m};
+      // Half of the way to k_sink_m, but not by less than distances are good for.
+      const double left_m = std::max(entry.gap_m + k_sink_m, k_least_step_m);
+      return {.until = entry.tick + k_refractory, .touch_m = entry.gap_m - 0.5 * left_m};
     }
     return {};
   }
@@ -54,6 +55,8 @@ class RecentContacts {
  private:
   /// More than a body has neighbours that press on it within a microsecond.
   static constexpr std::size_t k_partners = 16;
+  /// Rounding of distances at coordinates of some metres.
+  static constexpr double k_least_step_m = 2e-14;
   struct Entry {
     std::uint32_t partner = UINT32_MAX;
     Tick tick{-1};

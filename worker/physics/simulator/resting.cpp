@@ -13,6 +13,9 @@ namespace {
 constexpr double k_wake_over_rest = 4;
 /// Balance may miss by this part of the weight.
 constexpr double k_balance_tolerance = 0.002;
+/// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
+/// cube that stands on an edge does not.
+constexpr double k_firm = 0.01;
 /// Sweeps over all pushes in the search for balance.
 constexpr int k_balance_sweeps_max = 400;
 /// Contacts of one partner closer together than this part of the arm count as one.
@@ -35,7 +38,8 @@ Vec3 any_tangent(const Vec3& normal) {
 
 }  // namespace
 
-bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m) {
+bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
+               const Vec3& weight_at_m) {
   // The edges of the friction pyramids.
   constexpr std::size_t k_edges = 4;
   constexpr std::size_t k_contacts_max = 16;
@@ -53,7 +57,7 @@ bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, doub
   // Non-negative least squares by coordinate descent.
   const double weight = math::norm(weight_n);
   if (weight == 0) return true;
-  Wrench rest{weight_n / weight, Vec3::Zero()};
+  Wrench rest{weight_n / weight, math::cross(weight_at_m, weight_n) / (weight * reach_m)};
   for (int sweep = 0; sweep < k_balance_sweeps_max; ++sweep) {
     if (product(rest, rest) < k_balance_tolerance * k_balance_tolerance) return true;
     for (std::size_t i = 0; i < count; ++i) {
@@ -66,6 +70,19 @@ bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, doub
     }
   }
   return false;
+}
+
+bool Resting::carries(std::span<const TouchRecord> contacts, const Present& state) {
+  const double weight = math::norm(state.weight_n);
+  if (state.round || weight == 0) return can_carry(contacts, state.weight_n, state.reach_m);
+  // What carries the weight at the corners of a square carries it inside as well.
+  const Vec3 first = any_tangent(state.weight_n / weight);
+  const Vec3 second = math::cross(state.weight_n / weight, first);
+  for (const Vec3& side : {first, second, Vec3(-first), Vec3(-second)}) {
+    const Vec3 at_m = k_firm * state.reach_m * side;
+    if (!can_carry(contacts, state.weight_n, state.reach_m, at_m)) return false;
+  }
+  return true;
 }
 
 void Resting::reset(std::size_t bodies, const SlowContacts& rule) {
@@ -113,7 +130,7 @@ void Resting::touched(std::uint32_t body, const TouchRecord& touch, double befor
     log.slow_collisions = 0;
     return;
   }
-  if (log.slow_since == k_never) {
+  if (log.slow_since > touch.tick) {  // not slow yet
     log.slow_since = touch.tick;
     log.due = touch.tick + rest_span();
   }
@@ -122,6 +139,22 @@ void Resting::touched(std::uint32_t body, const TouchRecord& touch, double befor
     log.counted_since = touch.tick;
   }
   if (++log.slow_collisions == k_slow_collisions) log.due = touch.tick;
+}
+
+void Resting::stays(std::uint32_t body, Tick now, Tick slow_from) {
+  if (!enabled()) return;
+  Log& log = logs_[body];
+  log.rests = false;
+  if (slow_from > now || log.slow_since > now) log.slow_since = slow_from;
+  log.due = log.slow_since == k_never ? k_never : std::max(log.slow_since + rest_span(), now);
+}
+
+void Resting::flies(std::uint32_t body, Tick now) {
+  if (!enabled()) return;
+  Log& log = logs_[body];
+  if (log.slow_since <= now) return;
+  log.slow_since = k_never;
+  log.due = k_never;
 }
 
 void Resting::disturbed(std::uint32_t body) {

@@ -5,7 +5,7 @@
 //   - was slower than rest_speed_mps at every collision of the last rest_time_s, and is so now;
 //   - touched in that time only members of the set, resting bodies and static geometry;
 //   - is in balance: pushes along the normals of those contacts, with friction, can carry its
-//   weight.
+//     weight, and could if its centre were a little to any side (a sphere needn't).
 // The last one keeps what is slow because it is about to topple or to slide from being frozen.
 // Everything is read from recorded contacts, so the decision is a function of the events so far.
 //
@@ -47,10 +47,12 @@ struct TouchRecord {
   Vec3 arm_m = Vec3::Zero();   ///< from the body's centre to the contact
 };
 
-/// Whether forces at contacts, each within its friction cone, can hold a weight: sums of forces and
-/// of torques are zero to within a small part of the weight. `reach_m` turns torques into forces.
-/// Cones are pyramids of four edges, which lie inside of them.
-bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m);
+/// Whether forces at contacts, each within its friction cone, can hold a weight that acts at a
+/// place from the body's centre: sums of forces and of torques are zero to within a small part of
+/// the weight. `reach_m` turns torques into forces. Cones are pyramids of four edges, which lie
+/// inside of them.
+bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
+               const Vec3& weight_at_m = Vec3::Zero());
 
 class Resting {
  public:
@@ -59,6 +61,8 @@ class Resting {
     double speed_mps = 0;  ///< of its fastest point, at most
     Vec3 weight_n = Vec3::Zero();
     double reach_m = 0;
+    bool round = false;       ///< a sphere: it may stand where others would topple
+    bool in_balance = false;  ///< it stays in contact without acceleration
   };
 
   void reset(std::size_t bodies, const SlowContacts& rule);
@@ -68,6 +72,13 @@ class Resting {
 
   /// A collision of a body: its fastest point's speed before and after.
   void touched(std::uint32_t body, const TouchRecord& record, double before_mps, double after_mps);
+  /// A body begins a segment in which it stays in contact; it is slow from a tick of that on, or
+  /// not (k_never).
+  void stays(std::uint32_t body, Tick now, Tick slow_from);
+  /// It leaves that contact without a blow.
+  void flies(std::uint32_t body, Tick now);
+  /// A contact that lasts, for the decision that is about to be made.
+  void still_touches(std::uint32_t body, const TouchRecord& touch) { record(logs_[body], touch); }
   /// The body's motion changed for another reason.
   void disturbed(std::uint32_t body);
 
@@ -103,6 +114,9 @@ class Resting {
     }
   };
 
+  /// Whether contacts carry a body firmly: a sphere as it is; another body also with its weight a
+  /// little to either side, else it stands on an edge or a corner.
+  static bool carries(std::span<const TouchRecord> contacts, const Present& state);
   /// Records of the last rest_time_s, moved to the front of the list.
   std::span<const TouchRecord> recent(Log& log, Tick now) const;
   void record(Log& log, const TouchRecord& touch) const;
@@ -126,7 +140,7 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
     const bool jammed = log.slow_collisions >= k_slow_collisions;
     may = log.slow_since != k_never && (now - log.slow_since >= rest_span() || jammed) &&
           state.speed_mps < rule_.rest_speed_mps && !contacts.empty() &&
-          (jammed || can_carry(contacts, state.weight_n, state.reach_m));
+          (jammed || state.in_balance || carries(contacts, state));
     for (const TouchRecord& touch : contacts) {
       if (touch.partner == k_static_partner || logs_[touch.partner].rests) continue;
       if (std::find(set_.begin(), set_.end(), touch.partner) == set_.end())

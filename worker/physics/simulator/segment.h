@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "worker/physics/motion/free_flight.h"
+#include "worker/physics/motion/rotation_track.h"
 
 namespace sleight::physics {
 
@@ -16,12 +17,27 @@ enum class MotionMode : std::uint8_t {
   resting   ///< doesn't move until it is woken
 };
 
-/// The centre of mass moves on a parabola in every mode. A body in flight turns freely; a sphere in
-/// contact turns with a constant angular acceleration.
+/// The centre of mass moves on a parabola in every mode. A body in flight turns freely; the angular
+/// velocity of a sphere in contact changes evenly.
 struct Segment {
   FreeFlight flight;
   Vec3 angular_acceleration_radps2 = Vec3::Zero();  ///< 0 in flight
   MotionMode mode = MotionMode::free;
 };
+
+/// Whether a sphere stays on static geometry.
+inline bool in_contact(const Segment& segment) {
+  return segment.mode == MotionMode::sliding || segment.mode == MotionMode::rolling;
+}
+
+/// From the body's frame to the world's, at a tick of the segment. In contact, where the angular
+/// velocity is w + a s, by Magnus' expansion to its second term (W. Magnus, Comm. Pure Appl. Math.
+/// 7, 1954) over equal parts of the time since the segment began, short enough for 1e-6 rad: exact
+/// but for rounding if the axis doesn't turn.
+/// REQUIRES, cost: as for orientation_at of rotation_track.h.
+Quat orientation_of(const Segment& segment, const Inertia& inertia, Tick tick);
+
+/// In the world's frame. REQUIRES: the same.
+Twist twist_of(const Segment& segment, const Inertia& inertia, Tick tick);
 
 }  // namespace sleight::physics

@@ -11,6 +11,9 @@
 namespace sleight::physics {
 namespace {
 
+/// A sphere that has met another body stays on nothing for so many of its slowest bounces.
+constexpr double k_bounces_alone = 4;
+
 double wrapped(double x, double period) {
   if (period == 0) return x;
   const double inside = x - std::floor(x / period) * period;
@@ -30,6 +33,11 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
   segments_.resize(count);
   started_.assign(count, 0);
   turning_.resize(count);
+  const bool contacts_last = scene_.slow.separation_speed_mps > 0 && statics_.feature_count() > 0;
+  supports_.resize(contacts_last ? count : 0);
+  const double pull_mps2 = math::norm(scene_.gravity_mps2);
+  if (contacts_last && pull_mps2 > 0)
+    alone_for_ = ticks_after(k_bounces_alone * 2 * scene_.slow.separation_speed_mps / pull_mps2);
   constants_.reserve(count);
   points_.reserve(count);
   for (const BodyDescription& body : scene_.bodies) {
@@ -105,6 +113,10 @@ void World::place(std::uint32_t body, const Segment& segment) {
 void World::begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause) {
   place(body, segment);
   started_[body] = 1;
+  if (!supports_.empty()) {
+    supports_[body].count = 0;
+    supports_[body].end = k_never;
+  }
   if (record_) recording_.append({body}, segments_[body], cause);
 }
 
@@ -127,11 +139,10 @@ MovingPoint World::centre_at(std::uint32_t body, Tick tick) const {
 
 Quat World::orientation_at(std::uint32_t body, Tick tick) {
   const FreeFlight& flight = segments_[body].flight;
+  if (constants_[body].is_sphere)
+    return math::normalized(orientation_of(segments_[body], constants_[body].inertia, tick));
   if (is_zero(flight.angular_velocity_radps)) return flight.orientation;
-  if (!constants_[body].is_sphere)
-    return math::normalized(turning_[body].track.orientation_at(tick));
-  return math::normalized(turned(closed_rotation(flight, constants_[body].inertia),
-                                 flight.orientation, seconds_since_begin(flight, tick)));
+  return math::normalized(turning_[body].track.orientation_at(tick));
 }
 
 Pose World::pose_at(std::uint32_t body, Tick tick) {
@@ -141,6 +152,7 @@ Pose World::pose_at(std::uint32_t body, Tick tick) {
 
 Twist World::twist_at(std::uint32_t body, Tick tick) {
   const FreeFlight& flight = segments_[body].flight;
+  if (in_contact(segments_[body])) return twist_of(segments_[body], constants_[body].inertia, tick);
   const bool constant = constants_[body].inertia.symmetry == InertiaSymmetry::spherical ||
                         is_zero(flight.angular_velocity_radps);
   return {.velocity_mps = velocity_at(flight, tick),

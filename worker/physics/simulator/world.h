@@ -8,13 +8,16 @@
 // Thread safety: none.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "worker/physics/motion/motion_bounds.h"
 #include "worker/physics/motion/rotation_track.h"
+#include "worker/physics/response/contact_motion.h"
 #include "worker/physics/response/rigid_impact.h"
 #include "worker/physics/response/sphere_impact.h"
 #include "worker/physics/simulator/pair_graph.h"
@@ -142,9 +145,14 @@ class World {
   void apply(const Control& control, const EventKey& event);
   /// The body's rest event: it and those it leans on go to rest, if they may. Whether they did.
   bool rest(std::uint32_t body, const EventKey& event);
-  /// When a body's free rotation can't be computed any further; k_never for those with a closed
-  /// form.
-  Tick horizon(std::uint32_t body) const {
+  /// The body's mode event: its contact with static geometry changes. REQUIRES: stays_on_faces.
+  void change_mode(std::uint32_t body, const EventKey& event);
+  /// Whether the body is a sphere that slides or rolls on static geometry.
+  bool stays_on_faces(std::uint32_t body) const { return in_contact(segments_[body]); }
+  /// When the body's mode event is due: the law of its contact changes, or its free rotation can't
+  /// be computed any further; k_never if neither.
+  Tick mode_end(std::uint32_t body) const {
+    if (constants_[body].is_sphere) return supports_.empty() ? k_never : supports_[body].end;
     return constants_[body].inertia.symmetry == InertiaSymmetry::general
                ? turning_[body].track.horizon()
                : k_never;
@@ -224,6 +232,36 @@ class World {
   void note_failure(std::string what, std::uint32_t body, Tick tick);
   void wake_dependents(std::uint32_t body, const EventKey& event);
 
+  // Lasting contact of spheres (world_modes.cpp).
+  /// What a sphere in contact stays on.
+  struct Supports {
+    std::array<std::uint32_t, 3> features{};
+    std::uint32_t count = 0;
+    Tick end = k_never;                ///< of the segment's accelerations
+    bool leaves_there = false;         ///< since the centre leaves a face's region
+    Tick met_body{-k_tick_max.value};  ///< when it last collided with another body
+    std::span<const std::uint32_t> all() const { return std::span(features).first(count); }
+  };
+  /// Whether a sphere that meets a feature so slowly loses its bounce there, and may stay.
+  bool is_caught(std::uint32_t body, std::uint32_t feature, double approach_mps, double restitution,
+                 Tick tick);
+  /// A sphere with such a twist goes on from faces that it touches: it stays on those that carry
+  /// it, if any do, or flies.
+  void begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> features,
+                      const Twist& twist, const EventKey& event);
+  void begin_staying(std::uint32_t body, const Supports& supports, const ContactMotion& motion,
+                     const EventKey& event);
+  /// The same when it has just lost its bounce on `feature`.
+  void begin_caught(std::uint32_t body, std::uint32_t feature, const Twist& twist,
+                    const EventKey& event);
+  RoundBody round_body(std::uint32_t body) const;
+  LastingContact lasting_contact(std::uint32_t body, std::uint32_t feature, Tick tick) const;
+  /// When the centre leaves the region of a face, by the segment's parabola.
+  Tick leaves_region(const Segment& segment, std::uint32_t feature) const;
+  /// The first tick from which on a segment's body is slower than it must be for rest.
+  Tick slow_from(std::uint32_t body, const Segment& segment, Tick end) const;
+  TouchRecord touch_of_support(std::uint32_t body, std::uint32_t feature, Tick tick) const;
+
   Scene scene_;
   StaticGeometry statics_;
   std::vector<Flight> flights_;
@@ -231,6 +269,8 @@ class World {
   std::vector<BodyConstants> constants_;
   std::vector<std::uint8_t> started_;
   std::vector<Turning> turning_;
+  std::vector<Supports> supports_;  ///< by body; empty if no body can stay on anything
+  TickCount alone_for_ = 0;         ///< only who has met nobody for so long stays
   std::vector<PointPiece> points_;  ///< of spheres
   std::vector<ConvexView> parts_;   ///< of all bodies
   PieceSearches searches_;

@@ -7,6 +7,13 @@
 #include "worker/physics/simulator/world.h"
 
 namespace sleight::physics {
+namespace {
+
+bool is_zero(const Vec3& v) {
+  return v.x() == 0 && v.y() == 0 && v.z() == 0;
+}
+
+}  // namespace
 
 ContactLaw World::law_of(MaterialId a, MaterialId b, bool plastic) const {
   const SurfaceLaw& law = scene_.contacts.between(a, b);
@@ -119,6 +126,10 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
   const ContactLaw law = law_of(constants_[a].material, constants_[b].material, plastic);
   recent_.note(a, b, tick, contact.gap_m);
+  if (!supports_.empty()) {
+    supports_[a].met_body = tick;
+    supports_[b].met_body = tick;
+  }
   bool a_rests = is_resting(a);
   bool b_rests = is_resting(b);
   ImpactOutput after = impact_of(a, b, contact, law, tick, a_rests, b_rests);
@@ -131,6 +142,15 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
       b_rests = false;
       after = impact_of(a, b, contact, law, tick, false, false);
       wake_dependents(sleeper, event);
+    }
+  }
+  // What rolls along a resting body has no slip to pay its bounces from.
+  if (a_rests != b_rests) {
+    const std::uint32_t mover = a_rests ? b : a;
+    Twist& twist = a_rests ? after.b : after.a;
+    if (constants_[mover].is_sphere) {
+      const Vec3 normal = a_rests ? contact.normal : Vec3(-contact.normal);
+      twist = hop(round_body(mover), normal, twist, scene_.slow.separation_speed_mps);
     }
   }
   if (after.regime == ImpactRegime::unresolved)
@@ -171,27 +191,44 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   const ContactLaw law =
       law_of(constants_[body].material, material, count_at(body, tick) > k_elastic_at_a_tick);
   const Twist before = twist_at(body, tick);
-  const ImpactOutput after = constants_[body].is_sphere
-                                 ? sphere_impact({.mass_a = {},
-                                                  .mass_b = constants_[body].sphere_mass,
-                                                  .a = {},
-                                                  .b = before,
-                                                  .normal = contact.normal,
-                                                  .law = law})
-                                 : rigid_impact({.a = {},
-                                                 .b = rigid_body(body, tick),
-                                                 .contact_m = contact.point_m,
-                                                 .normal = contact.normal,
-                                                 .law = law});
-  if (resting_.enabled()) {
+  const auto log_touch = [&](const Twist& after) {
+    if (!resting_.enabled()) return;
     resting_.touched(body,
                      {.tick = tick,
                       .partner = k_static_partner,
                       .friction = law.friction,
                       .normal = contact.normal,
                       .arm_m = contact.point_m - position_at(segments_[body].flight, tick)},
-                     fastest_point_mps(body, before), fastest_point_mps(body, after.b));
+                     fastest_point_mps(body, before), fastest_point_mps(body, after));
+  };
+  const double approach_mps = -math::dot(contact.normal, before.velocity_mps);
+  if (is_caught(body, index, approach_mps, law.restitution, tick)) {
+    const ImpactOutput stopped =
+        sphere_impact({.mass_a = {},
+                       .mass_b = constants_[body].sphere_mass,
+                       .a = {},
+                       .b = before,
+                       .normal = contact.normal,
+                       .law = {.restitution = 0, .friction = law.friction}});
+    log_touch(stopped.b);
+    begin_caught(body, index, stopped.b, event);
+    return;
   }
+  ImpactOutput after = constants_[body].is_sphere
+                           ? sphere_impact({.mass_a = {},
+                                            .mass_b = constants_[body].sphere_mass,
+                                            .a = {},
+                                            .b = before,
+                                            .normal = contact.normal,
+                                            .law = law})
+                           : rigid_impact({.a = {},
+                                           .b = rigid_body(body, tick),
+                                           .contact_m = contact.point_m,
+                                           .normal = contact.normal,
+                                           .law = law});
+  if (constants_[body].is_sphere && scene_.slow.separation_speed_mps > 0)
+    after.b = hop(round_body(body), contact.normal, after.b, scene_.slow.separation_speed_mps);
+  log_touch(after.b);
   begin_after(body, after.b, event);
 }
 
@@ -210,9 +247,18 @@ void World::apply(const Control& control, const EventKey& event) {
 bool World::rest(std::uint32_t body, const EventKey& event) {
   changed_.clear();
   const auto present = [&](std::uint32_t member) {
+    const Segment& segment = segments_[member];
+    const bool stays = stays_on_faces(member);
+    for (std::uint32_t i = 0; stays && i < supports_[member].count; ++i) {
+      resting_.still_touches(member,
+                             touch_of_support(member, supports_[member].features[i], event.tick));
+    }
     return Resting::Present{.speed_mps = fastest_point_mps(member, twist_at(member, event.tick)),
                             .weight_n = constants_[member].inertia.mass_kg * scene_.gravity_mps2,
-                            .reach_m = constants_[member].reach_m};
+                            .reach_m = constants_[member].reach_m,
+                            .round = constants_[member].is_sphere,
+                            .in_balance = stays && is_zero(segment.flight.acceleration_mps2) &&
+                                          is_zero(segment.angular_acceleration_radps2)};
   };
   for (const std::uint32_t member : resting_.decide(body, event.tick, present)) {
     Segment segment =
