@@ -255,6 +255,9 @@ class World {
   void begin_caught(std::uint32_t body, std::uint32_t feature, const Twist& twist,
                     const EventKey& event);
   RoundBody round_body(std::uint32_t body) const;
+  /// What a sphere that rolls leaves an edge or a resting body with: less than other bounces have,
+  /// as it is paid from its rolling.
+  double hop_speed_mps() const { return 0.25 * scene_.slow.separation_speed_mps; }
   LastingContact lasting_contact(std::uint32_t body, std::uint32_t feature, Tick tick) const;
   /// When the centre leaves the region of a face, by the segment's parabola.
   Tick leaves_region(const Segment& segment, std::uint32_t feature) const;

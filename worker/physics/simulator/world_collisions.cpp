@@ -150,7 +150,7 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
     Twist& twist = a_rests ? after.b : after.a;
     if (constants_[mover].is_sphere) {
       const Vec3 normal = a_rests ? contact.normal : Vec3(-contact.normal);
-      twist = hop(round_body(mover), normal, twist, scene_.slow.separation_speed_mps);
+      twist = hop(round_body(mover), normal, twist, hop_speed_mps());
     }
   }
   if (after.regime == ImpactRegime::unresolved)
@@ -227,7 +227,7 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
                                            .normal = contact.normal,
                                            .law = law});
   if (constants_[body].is_sphere && scene_.slow.separation_speed_mps > 0)
-    after.b = hop(round_body(body), contact.normal, after.b, scene_.slow.separation_speed_mps);
+    after.b = hop(round_body(body), contact.normal, after.b, hop_speed_mps());
   log_touch(after.b);
   begin_after(body, after.b, event);
 }
