@@ -348,12 +348,12 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   }
 
   // How far they are apart; near the touch, from scratch.
-  const bool from_scratch = !cache.filled;
   const Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   Vec3 axis = closest.normal;
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
-    const PieceContact contact = from_scratch ? contact_from(closest, a, b) : contact_of(a, b);
+    const PieceContact contact =
+        contact_from(closest_cold(*a.view, a.pose, *b.view, b.pose, cache), a, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
     axis = contact.normal;
   }
