@@ -46,9 +46,9 @@ bool closest_of_features(const PiecePair& pair, Feature a, Feature b, LocalClose
 /// Whether the pieces lie beyond the planes of a result of closest_of_features.
 bool certified(const PiecePair& pair, const LocalClosest& result);
 
-/// Whether a certified result is the only one, by margins far beyond rounding: every search, however
-/// it proceeds, then comes to these features, and so to the same bits. Only for the pairs that two
-/// polyhedra meet at in general, a face and a vertex or two edges; false for others.
+/// Whether a certified result is the only one, by margins far beyond rounding: every search,
+/// however it proceeds, then comes to these features, and so to the same bits. Only for the pairs
+/// that two polyhedra meet at in general, a face and a vertex or two edges; false for others.
 ///
 /// Why: let e = rounding_m, g the gap. Any other pair whose gap is g to a few e has its line of
 /// closest points within sqrt(2 e / g) of the normal, hence both of its features within e over the

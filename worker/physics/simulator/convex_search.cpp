@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace sleight::physics {
@@ -22,44 +23,101 @@ constexpr double k_skip_margin = 0x1p-20;
 
 /// A vertex along the axis: place + rate h.
 struct Line {
-  double place_m = 0;
-  double rate_mps = 0;
+  double place_m;
+  double rate_mps;
 };
 
-/// The lines of a piece's vertices, of which the lowest counts.
+// Two lanes, as in separation.cpp.
+using Pair = double __attribute__((vector_size(16)));
+
+Pair load(const double* from) {
+  Pair result;
+  std::memcpy(&result, from, sizeof(result));
+  return result;
+}
+
+/// The lines of a piece's vertices along an axis, of which the lowest counts. Places are computed
+/// at once, rates only of those vertices that may come to be lowest.
 class Envelope {
  public:
-  /// `axis`: which way is up, and how it turns. Places are from the body's centre.
-  Envelope(const MovingPiece& piece, const Vec3& axis, const Vec3& axis_radps)
-      : view_(*piece.view),
-        place_(transposed_product(piece.pose.rotation, axis)),
-        rate_(transposed_product(piece.pose.rotation,
-                                 math::cross(axis, piece.angular_velocity_radps - axis_radps))),
-        kept_(std::min<std::size_t>(view_.vertex_count, k_kept)) {
-    for (std::size_t i = 0; i < kept_; ++i) {
-      places_m_[i] = along(place_, i);
-      rates_mps_[i] = along(rate_, i);
+  /// `up`: along the axis, away from the other piece. Places are from the body's centre.
+  Envelope(const MovingPiece& piece, const Vec3& up) : piece_(piece), up_(up) {
+    const ConvexView& view = *piece.view;
+    const Vec3 along = transposed_product(piece.pose.rotation, up);
+    const Pair x = {along.x(), along.x()};
+    const Pair y = {along.y(), along.y()};
+    const Pair z = {along.z(), along.z()};
+    Pair least0 = {k_forever_s, k_forever_s};
+    Pair least1 = least0;
+    for (std::size_t i = 0; i < view.padded_count; i += 4) {
+      const Pair place0 =
+          (x * load(view.xs_m + i) + y * load(view.ys_m + i)) + z * load(view.zs_m + i);
+      const Pair place1 =
+          (x * load(view.xs_m + i + 2) + y * load(view.ys_m + i + 2)) + z * load(view.zs_m + i + 2);
+      std::memcpy(&places_m_[i], &place0, sizeof(place0));
+      std::memcpy(&places_m_[i + 2], &place1, sizeof(place1));
+      least0 = place0 < least0 ? place0 : least0;
+      least1 = place1 < least1 ? place1 : least1;
     }
+    const Pair least = least0 < least1 ? least0 : least1;
+    lowest_m_ = std::min(least[0], least[1]);
   }
 
-  /// The line that is lowest at first, and of those that are equal there the one that falls most.
-  Line lowest() const {
-    Line best = line(0);
-    for (std::size_t i = 1; i < view_.vertex_count; ++i) {
+  double lowest_m() const { return lowest_m_; }
+  /// The first, on a tie.
+  std::uint16_t lowest_vertex() const {
+    std::size_t i = 0;
+    while (i + 1 < piece_.view->vertex_count && places_m_[i] != lowest_m_)
+      ++i;
+    return static_cast<std::uint16_t>(i);
+  }
+
+  /// From now on the axis turns like this.
+  void turn(const Vec3& axis_radps) {
+    rate_ = transposed_product(piece_.pose.rotation,
+                               math::cross(up_, piece_.angular_velocity_radps - axis_radps));
+    fastest_mps_ = math::norm(rate_) * piece_.view->r_outer_m;
+    const std::uint16_t first = lowest_vertex();
+    lines_[0] = line(first);
+    line_count_ = 1;
+  }
+
+  /// A line that is lowest at first. After keep_until, of those the one that falls most.
+  const Line& first() const { return lines_[0]; }
+
+  /// Forgets the lines that don't come to lie below the first one within a time. Whether any is
+  /// left.
+  bool keep_until(double until_s) {
+    if (!(fastest_mps_ > 0)) return false;
+    const Line start = lines_[0];
+    const bool forever = !(until_s < k_forever_s);
+    // Lower than this now, or it can't be lower than the first one then.
+    const double limit_m =
+        forever ? k_forever_s : start.place_m + (start.rate_mps + fastest_mps_) * until_s;
+    const auto offer = [&](std::size_t i) {
+      if (!(places_m_[i] < limit_m) || i >= piece_.view->vertex_count) return;
       const Line other = line(i);
-      if (other.place_m < best.place_m ||
-          (other.place_m == best.place_m && other.rate_mps < best.rate_mps)) {
-        best = other;
-      }
+      const double faster_mps = start.rate_mps - other.rate_mps;
+      if (!(faster_mps > 0)) return;
+      if (!forever && !(other.place_m - start.place_m < faster_mps * until_s)) return;
+      lines_[line_count_++] = other;
+      if (other.place_m == start.place_m && other.rate_mps < lines_[0].rate_mps) lines_[0] = other;
+    };
+    const Pair limit = {limit_m, limit_m};
+    for (std::size_t i = 0; i < piece_.view->padded_count; i += 4) {
+      const auto below = (load(&places_m_[i]) < limit) | (load(&places_m_[i + 2]) < limit);
+      if ((below[0] | below[1]) == 0) continue;
+      for (std::size_t k = i; k < i + 4; ++k)
+        offer(k);
     }
-    return best;
+    return line_count_ > 1;
   }
 
-  /// The line that next passes below `current`, and when.
+  /// The line that next passes below `current`, of those kept, and when.
   double next_after(const Line& current, Line& next) const {
     double first_s = k_forever_s;
-    for (std::size_t i = 0; i < view_.vertex_count; ++i) {
-      const Line other = line(i);
+    for (std::size_t i = 1; i < line_count_; ++i) {
+      const Line& other = lines_[i];
       const double faster = current.rate_mps - other.rate_mps;
       if (!(faster > 0)) continue;
       const double above = other.place_m - current.place_m;
@@ -73,23 +131,21 @@ class Envelope {
   }
 
  private:
-  /// Lines of more vertices than this are computed each time.
-  static constexpr std::size_t k_kept = 64;
-
-  double along(const Vec3& direction, std::size_t i) const {
-    return (direction.x() * view_.xs_m[i] + direction.y() * view_.ys_m[i]) +
-           direction.z() * view_.zs_m[i];
-  }
   Line line(std::size_t i) const {
-    return i < kept_ ? Line{places_m_[i], rates_mps_[i]} : Line{along(place_, i), along(rate_, i)};
+    const ConvexView& view = *piece_.view;
+    return {places_m_[i],
+            (rate_.x() * view.xs_m[i] + rate_.y() * view.ys_m[i]) + rate_.z() * view.zs_m[i]};
   }
 
-  const ConvexView& view_;
-  Vec3 place_;
-  Vec3 rate_;
-  std::size_t kept_;
-  std::array<double, k_kept> places_m_;
-  std::array<double, k_kept> rates_mps_;
+  const MovingPiece& piece_;
+  Vec3 up_;
+  Vec3 rate_ = Vec3::Zero();
+  double lowest_m_;
+  double fastest_mps_ = 0;  ///< of a vertex along the axis, at most
+  std::size_t line_count_ = 0;
+  // Left as they are but for what is used.
+  std::array<double, k_hull_points_max> places_m_;
+  std::array<Line, k_hull_points_max + 1> lines_;
 };
 
 /// First h >= from at which place + rate h - fall h^2 / 2 <= k_touch and rate - fall h <
@@ -111,19 +167,28 @@ double first_collision_s(const Line& line, double fall, double from_s) {
   return std::max(h, down_s);
 }
 
-/// Walks along the envelope of two sets of lines, the second of which may be fixed.
-double failing_along(const Line& base, double fall, const Envelope* first, const Envelope& second) {
-  Line a = first != nullptr ? first->lowest() : Line{};
-  Line b = second.lowest();
+/// Walks along the envelope of two sets of lines, the first of which may be a fixed line at 0.
+double failing_along(const Line& base, double fall, Envelope* first, Envelope& second) {
+  const auto sum = [&](const Line& a, const Line& b) -> Line {
+    return {(base.place_m + a.place_m) + b.place_m, (base.rate_mps + a.rate_mps) + b.rate_mps};
+  };
+  const Line none{0, 0};
+  // The lines that are lowest now bound the answer from above; only those that come to lie below
+  // them by then can lower it. Mostly there are none.
+  const double until_s =
+      first_collision_s(sum(first != nullptr ? first->first() : none, second.first()), fall, 0);
+  const bool first_changes = first != nullptr && first->keep_until(until_s);
+  const bool second_changes = second.keep_until(until_s);
+  if (!first_changes && !second_changes) return until_s;
+  Line a = first != nullptr ? first->first() : none;
+  Line b = second.first();
   double from_s = 0;
   for (int corner = 0; corner < k_corners_max; ++corner) {
-    const Line sum{(base.place_m + a.place_m) + b.place_m,
-                   (base.rate_mps + a.rate_mps) + b.rate_mps};
-    const double collision_s = first_collision_s(sum, fall, from_s);
-    Line next_a;
-    Line next_b;
-    const double corner_a_s = first != nullptr ? first->next_after(a, next_a) : k_forever_s;
-    const double corner_b_s = second.next_after(b, next_b);
+    const double collision_s = first_collision_s(sum(a, b), fall, from_s);
+    Line next_a = a;
+    Line next_b = b;
+    const double corner_a_s = first_changes ? first->next_after(a, next_a) : k_forever_s;
+    const double corner_b_s = second_changes ? second.next_after(b, next_b) : k_forever_s;
     const double corner_s = std::max(from_s, std::min(corner_a_s, corner_b_s));
     if (collision_s <= corner_s) return collision_s;
     from_s = corner_s;
@@ -163,7 +228,7 @@ double first_zero_s(double place, double rate, double curvature) {
 
 /// How far below its centre a piece may come along the axis of its envelope, as a negative number.
 double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
-  return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest().place_m;
+  return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }
 
 bool is_zero(const Vec3& v) {
@@ -248,9 +313,24 @@ AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& po
   return turn;
 }
 
+/// Both pieces along an axis from A to B.
+struct Shadows {
+  Vec3 axis;
+  Envelope of_a;
+  Envelope of_b;
+
+  Shadows(const MovingPiece& a, const MovingPiece& b, const Vec3& along)
+      : axis(along), of_a(a, -along), of_b(b, along) {}
+  double gap_m(const MovingPiece& a, const MovingPiece& b) const {
+    return math::dot(axis, b.pose.position_m - a.pose.position_m) - (a.radius_m + b.radius_m) +
+           (of_a.lowest_m() + of_b.lowest_m());
+  }
+};
+
 /// How long two pieces can't collide, as their separation along an axis shows.
-double failing_along_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& axis,
+double failing_along_axis(const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
                           double touch_m, const AxisTurn& turn) {
+  const Vec3& axis = shadows.axis;
   const Vec3 between_m = b.pose.position_m - a.pose.position_m;
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
   const Line base{
@@ -262,12 +342,14 @@ double failing_along_axis(const MovingPiece& a, const MovingPiece& b, const Vec3
   const double towards = still ? pull : -math::norm(b.acceleration_mps2 - a.acceleration_mps2);
   const double fall = std::max(
       0.0, (a.turning_acceleration_mps2 + b.turning_acceleration_mps2) + turn.fall_mps2 - towards);
-  const Envelope of_a(a, -axis, turn.angular_velocity_radps);
-  const Envelope of_b(b, axis, turn.angular_velocity_radps);
-  const double span_s = std::min(failing_along(base, fall, &of_a, of_b), turn.valid_s);
+  shadows.of_a.turn(turn.angular_velocity_radps);
+  shadows.of_b.turn(turn.angular_velocity_radps);
+  const double span_s =
+      std::min(failing_along(base, fall, &shadows.of_a, shadows.of_b), turn.valid_s);
   if (!still) return span_s;
   // However they turn, they stay inside of their spheres; what doesn't turn stays behind its plane.
-  const double apart_m = base.place_m + (nearest_m(a, of_a) + nearest_m(b, of_b)) - k_touch_m;
+  const double apart_m =
+      base.place_m + (nearest_m(a, shadows.of_a) + nearest_m(b, shadows.of_b)) - k_touch_m;
   return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, pull)) : span_s;
 }
 
@@ -293,13 +375,6 @@ Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& betwee
   if (!std::isfinite(a.reach_m) && a.view->face_count > 0) return of_faces(a, b);
   if (!std::isfinite(b.reach_m) && b.view->face_count > 0) return -of_faces(b, a);
   return distance_m > 0 ? Vec3(between_m / distance_m) : Vec3(Vec3::UnitX());
-}
-
-double separation_m(const MovingPiece& a, const MovingPiece& b, const Vec3& axis) {
-  const Envelope of_a(a, -axis, Vec3::Zero());
-  const Envelope of_b(b, axis, Vec3::Zero());
-  return math::dot(axis, b.pose.position_m - a.pose.position_m) - (a.radius_m + b.radius_m) +
-         (of_a.lowest().place_m + of_b.lowest().place_m);
 }
 
 /// How the pieces meet, given their closest points from scratch.
@@ -342,8 +417,8 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   }
 
   // An axis that is cheap to guess, if it shows them well apart.
-  const Vec3 guess = guessed_axis(a, b, between_m, distance_m);
-  if (separation_m(a, b, guess) > k_well_apart * std::min(a.reach_m, b.reach_m)) {
+  Shadows guess(a, b, guessed_axis(a, b, between_m, distance_m));
+  if (guess.gap_m(a, b) > k_well_apart * std::min(a.reach_m, b.reach_m)) {
     return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
   }
 
@@ -359,12 +434,13 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   }
 
   // How long they can't collide, by axes that stay and that turn with the features.
-  const double still_s = failing_along_axis(a, b, axis, touch_m, {});
+  Shadows shadows(a, b, axis);
+  const double still_s = failing_along_axis(a, b, shadows, touch_m, {});
   const Vec3 turning = turn_of_axis(a, b, closest);
   const double turning_s =
       is_zero(turning)
           ? 0
-          : failing_along_axis(a, b, axis, touch_m, turning_axis(a, b, contact_m, turning));
+          : failing_along_axis(a, b, shadows, touch_m, turning_axis(a, b, contact_m, turning));
   return later(tick, std::max(still_s, turning_s));
 }
 
@@ -374,13 +450,14 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
   const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m +
                       (k_touch_m - touch_m),
                   math::dot(axis, b.velocity_mps)};
-  const Envelope of_b(b, axis, Vec3::Zero());
-  if (base.place_m + of_b.lowest().place_m <= k_touch_m + k_warm_error_m &&
+  Envelope of_b(b, axis);
+  if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m &&
       collides(contact_of(solid_below, b), touch_m)) {
     return {.collides = true, .next = tick};
   }
   const double pull = math::dot(axis, b.acceleration_mps2);
   const double fall = std::max(0.0, b.turning_acceleration_mps2 - pull);
+  of_b.turn(Vec3::Zero());
   double span_s = failing_along(base, fall, nullptr, of_b);
   const double sphere_m = base.place_m - b.reach_m - k_touch_m;
   if (sphere_m > 0) span_s = std::max(span_s, first_zero_s(sphere_m, base.rate_mps, pull));
