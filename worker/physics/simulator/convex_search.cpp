@@ -422,7 +422,13 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
   }
 
-  // How far they are apart; near the touch, from scratch.
+  // How far they are apart; near the touch, what a search from scratch would find.
+  if (!cache.filled) {
+    cache = {.axis = transposed_product(a.pose.rotation, guess.axis),
+             .a = {FeatureKind::vertex, guess.of_a.lowest_vertex()},
+             .b = {FeatureKind::vertex, guess.of_b.lowest_vertex()},
+             .filled = true};
+  }
   const Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   Vec3 axis = closest.normal;
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
