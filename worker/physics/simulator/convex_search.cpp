@@ -405,7 +405,7 @@ PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b) {
 }
 
 Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
-                        SeparationCache& cache) {
+                        SeparationCache& cache, PieceContact& contact) {
   // As long as their spheres are apart, nothing else need be asked.
   const Vec3 between_m = b.pose.position_m - a.pose.position_m;
   const double reach_m = (a.reach_m + a.radius_m) + (b.reach_m + b.radius_m) + k_touch_m;
@@ -433,8 +433,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   Vec3 axis = closest.normal;
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
-    const PieceContact contact =
-        contact_from(closest_cold(*a.view, a.pose, *b.view, b.pose, cache), a, b);
+    contact = contact_from(closest_cold(*a.view, a.pose, *b.view, b.pose, cache), a, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
     axis = contact.normal;
   }
@@ -451,15 +450,15 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
 }
 
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
-                       double touch_m) {
+                       double touch_m, PieceContact& contact) {
   const Vec3& axis = solid_below.normal;
   const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m +
                       (k_touch_m - touch_m),
                   math::dot(axis, b.velocity_mps)};
   Envelope of_b(b, axis);
-  if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m &&
-      collides(contact_of(solid_below, b), touch_m)) {
-    return {.collides = true, .next = tick};
+  if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m) {
+    contact = contact_of(solid_below, b);
+    if (collides(contact, touch_m)) return {.collides = true, .next = tick};
   }
   const double pull = math::dot(axis, b.acceleration_mps2);
   const double fall = std::max(0.0, b.turning_acceleration_mps2 - pull);

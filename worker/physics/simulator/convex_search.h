@@ -55,11 +55,12 @@ PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
 /// Of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
-/// One look. The cache is that of the search's earlier looks; `touch_m` stands for k_touch_m.
+/// One look. The cache is that of the search's earlier looks; `touch_m` stands for k_touch_m. If
+/// they collide, `contact` is contact_of's result.
 Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
-                        SeparationCache& cache);
+                        SeparationCache& cache, PieceContact& contact);
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
-                       double touch_m);
+                       double touch_m, PieceContact& contact);
 
 /// The first stage for two bodies that fall alike: when the spheres that hold them come to touch,
 /// as a span from the moment at which the second centre is at `between_m` from the first. Not

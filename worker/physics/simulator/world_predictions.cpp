@@ -110,9 +110,12 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
       advanced(searches_.of(search), now, [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
         const MovingPiece first = part_at(a, i / of_b, tick);
         const MovingPiece second = part_at(b, i % of_b, tick);
-        return examined_at(tick, refractory, [&](double touch_m) {
-          return examine_pieces(first, second, tick, touch_m, cache);
+        PieceContact contact;
+        const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
+          return examine_pieces(first, second, tick, touch_m, cache, contact);
         });
+        if (examined.collides) found_ = {tick, a, b, i, contact};
+        return examined;
       });
   if (prediction.feature == k_gave_up) note_failure("the search for a collision gives up", a, now);
   return prediction;
@@ -186,11 +189,15 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
     const Prediction prediction = advanced(
         searches_.of(search), now, [&](std::uint32_t part, Tick tick, SeparationCache& cache) {
           const MovingPiece piece = part_at(body, part, tick);
-          return examined_at(tick, refractory, [&](double touch_m) {
+          PieceContact contact;
+          const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
             return index < statics_.plane_count()
-                       ? examine_plane(statics_.plane(index), piece, tick, touch_m)
-                       : examine_pieces(statics_.piece(index), piece, tick, touch_m, cache);
+                       ? examine_plane(statics_.plane(index), piece, tick, touch_m, contact)
+                       : examine_pieces(statics_.piece(index), piece, tick, touch_m, cache,
+                                        contact);
           });
+          if (examined.collides) found_ = {tick, body, k_static | index, part, contact};
+          return examined;
         });
     if (prediction.feature == k_gave_up)
       note_failure("the search for a collision gives up", body, now);
