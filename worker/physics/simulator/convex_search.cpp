@@ -429,17 +429,16 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
              .b = {FeatureKind::vertex, guess.of_b.lowest_vertex()},
              .filled = true};
   }
-  const Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
-  Vec3 axis = closest.normal;
-  const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
+  Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
-    contact = contact_from(closest_cold(*a.view, a.pose, *b.view, b.pose, cache), a, b);
+    closest = closest_cold(*a.view, a.pose, *b.view, b.pose, cache);
+    contact = contact_from(closest, a, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
-    axis = contact.normal;
   }
 
   // How long they can't collide, by axes that stay and that turn with the features.
-  Shadows shadows(a, b, axis);
+  const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
+  Shadows shadows(a, b, closest.normal);
   const double still_s = failing_along_axis(a, b, shadows, touch_m, {});
   const Vec3 turning = turn_of_axis(a, b, closest);
   const double turning_s =
