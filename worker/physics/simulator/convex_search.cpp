@@ -77,8 +77,7 @@ class Envelope {
     rate_ = transposed_product(piece_.pose.rotation,
                                math::cross(up_, piece_.angular_velocity_radps - axis_radps));
     fastest_mps_ = math::norm(rate_) * piece_.view->r_outer_m;
-    const std::uint16_t first = lowest_vertex();
-    lines_[0] = line(first);
+    lines_[0] = {lowest_m_, math::dot(rate_, piece_.view->vertices_m[lowest_vertex()])};
     line_count_ = 1;
   }
 
@@ -89,26 +88,35 @@ class Envelope {
   /// left.
   bool keep_until(double until_s) {
     if (!(fastest_mps_ > 0)) return false;
+    const ConvexView& view = *piece_.view;
     const Line start = lines_[0];
-    const bool forever = !(until_s < k_forever_s);
     // Lower than this now, or it can't be lower than the first one then.
-    const double limit_m =
-        forever ? k_forever_s : start.place_m + (start.rate_mps + fastest_mps_) * until_s;
-    const auto offer = [&](std::size_t i) {
-      if (!(places_m_[i] < limit_m) || i >= piece_.view->vertex_count) return;
-      const Line other = line(i);
-      const double faster_mps = start.rate_mps - other.rate_mps;
-      if (!(faster_mps > 0)) return;
-      if (!forever && !(other.place_m - start.place_m < faster_mps * until_s)) return;
-      lines_[line_count_++] = other;
-      if (other.place_m == start.place_m && other.rate_mps < lines_[0].rate_mps) lines_[0] = other;
-    };
+    const double limit_m = start.place_m + (start.rate_mps + fastest_mps_) * until_s;
     const Pair limit = {limit_m, limit_m};
-    for (std::size_t i = 0; i < piece_.view->padded_count; i += 4) {
-      const auto below = (load(&places_m_[i]) < limit) | (load(&places_m_[i + 2]) < limit);
-      if ((below[0] | below[1]) == 0) continue;
-      for (std::size_t k = i; k < i + 4; ++k)
-        offer(k);
+    const Pair start_m = {start.place_m, start.place_m};
+    const Pair start_mps = {start.rate_mps, start.rate_mps};
+    const Pair until = {until_s, until_s};
+    const Pair x = {rate_.x(), rate_.x()};
+    const Pair y = {rate_.y(), rate_.y()};
+    const Pair z = {rate_.z(), rate_.z()};
+    for (std::size_t i = 0; i < view.padded_count; i += 4) {
+      const auto near = (load(&places_m_[i]) < limit) | (load(&places_m_[i + 2]) < limit);
+      if ((near[0] | near[1]) == 0) continue;
+      for (std::size_t k = i; k < i + 4; k += 2) {
+        const Pair place = load(&places_m_[k]);
+        const Pair rate =
+            (x * load(view.xs_m + k) + y * load(view.ys_m + k)) + z * load(view.zs_m + k);
+        const auto below = place - start_m < (start_mps - rate) * until;
+        if ((below[0] | below[1]) == 0) continue;
+        for (std::size_t lane = 0; lane < 2; ++lane) {
+          // The padding repeats vertex 0.
+          if (below[lane] == 0 || k + lane >= view.vertex_count) continue;
+          const Line other{place[lane], rate[lane]};
+          lines_[line_count_++] = other;
+          if (other.place_m == start.place_m && other.rate_mps < lines_[0].rate_mps)
+            lines_[0] = other;
+        }
+      }
     }
     return line_count_ > 1;
   }
@@ -131,12 +139,6 @@ class Envelope {
   }
 
  private:
-  Line line(std::size_t i) const {
-    const ConvexView& view = *piece_.view;
-    return {places_m_[i],
-            (rate_.x() * view.xs_m[i] + rate_.y() * view.ys_m[i]) + rate_.z() * view.zs_m[i]};
-  }
-
   const MovingPiece& piece_;
   Vec3 up_;
   Vec3 rate_ = Vec3::Zero();
@@ -454,16 +456,20 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
   const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m +
                       (k_touch_m - touch_m),
                   math::dot(axis, b.velocity_mps)};
+  const double pull = math::dot(axis, b.acceleration_mps2);
+  // While the sphere that holds it is above the plane, that is enough: mostly, other things happen
+  // before.
+  const double sphere_m = base.place_m - b.reach_m - k_touch_m;
+  if (sphere_m > k_well_apart * b.reach_m)
+    return later(tick, first_zero_s(sphere_m, base.rate_mps, pull));
   Envelope of_b(b, axis);
   if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m) {
     contact = contact_of(solid_below, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
   }
-  const double pull = math::dot(axis, b.acceleration_mps2);
   const double fall = std::max(0.0, b.turning_acceleration_mps2 - pull);
   of_b.turn(Vec3::Zero());
   double span_s = failing_along(base, fall, nullptr, of_b);
-  const double sphere_m = base.place_m - b.reach_m - k_touch_m;
   if (sphere_m > 0) span_s = std::max(span_s, first_zero_s(sphere_m, base.rate_mps, pull));
   return later(tick, span_s);
 }
