@@ -418,19 +418,18 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     return later(tick, first_zero_s(distance_m - reach_m, rate_mps, -math::norm(pull_mps2)));
   }
 
-  // An axis that is cheap to guess, if it shows them well apart.
-  Shadows guess(a, b, guessed_axis(a, b, between_m, distance_m));
-  if (guess.gap_m(a, b) > k_well_apart * std::min(a.reach_m, b.reach_m)) {
-    return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
-  }
-
-  // How far they are apart; near the touch, what a search from scratch would find.
   if (!cache.filled) {
+    // An axis that is cheap to guess, if it shows them well apart.
+    Shadows guess(a, b, guessed_axis(a, b, between_m, distance_m));
+    if (guess.gap_m(a, b) > k_well_apart * std::min(a.reach_m, b.reach_m)) {
+      return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
+    }
     cache = {.axis = transposed_product(a.pose.rotation, guess.axis),
              .a = {FeatureKind::vertex, guess.of_a.lowest_vertex()},
              .b = {FeatureKind::vertex, guess.of_b.lowest_vertex()},
              .filled = true};
   }
+  // How far they are apart; near the touch, what a search from scratch would find.
   Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
     closest = closest_cold(*a.view, a.pose, *b.view, b.pose, cache);
