@@ -16,12 +16,13 @@ using math::product;
 constexpr double k_angle_rounding = 0x1p-49;
 // Below this sine two edges count as parallel: the direction at right angles to both is noise.
 constexpr double k_parallel_sine = 1e-13;
-// What only_one asks for: a gap of so many roundings, features that fall away from the normal by
-// such a sine, and points inside of their features by such a part of the gap. The direction of
-// closest points is then known to 2^-9.
+// What only_one asks for: a gap of so many roundings; two edges with a sine of so much; points
+// inside of their features by such a part of the gap; and features that fall away from the normal
+// by so many times rounding / gap, what rounding may turn the line between two points by.
 constexpr double k_sure_gap_roundings = 0x1p20;
 constexpr double k_sure_sine = 0x1p-7;
 constexpr double k_sure_inside_gaps = 0x1p-4;
+constexpr double k_sure_turns = 0x1p8;
 
 double sum_of_sizes(const Vec3& v) {
   return std::fabs(v.x()) + std::fabs(v.y()) + std::fabs(v.z());
@@ -230,6 +231,7 @@ bool only_one(const PiecePair& pair, const LocalClosest& result) {
   using enum FeatureKind;
   if (!(result.gap_m >= k_sure_gap_roundings * pair.rounding_m)) return false;
   const double inside_m = k_sure_inside_gaps * result.gap_m;
+  const double falling = k_sure_turns * pair.rounding_m / result.gap_m;
   if (result.a.kind == edge && result.b.kind == edge) {
     const Edge& edge_a = pair.a.edges[result.a.index];
     const Edge& edge_b = pair.b.edges[result.b.index];
@@ -241,20 +243,20 @@ bool only_one(const PiecePair& pair, const LocalClosest& result) {
     const Vec3 back = -pair.in_b(result.normal);
     return dot(across, across) >=
                k_sure_sine * k_sure_sine * (dot(along_a, along_a) * dot(along_b, along_b)) &&
-           is_furthest(pair.a, edge_a, result.normal, -k_sure_sine) &&
-           is_furthest(pair.b, edge_b, back, -k_sure_sine) &&
+           is_furthest(pair.a, edge_a, result.normal, -falling / k_sure_sine) &&
+           is_furthest(pair.b, edge_b, back, -falling / k_sure_sine) &&
            is_inside(result.point_a_m - start_a, along_a, inside_m) &&
            is_inside(result.point_b_m - start_b, along_b, inside_m);
   }
   if (result.a.kind == face && result.b.kind == vertex) {
     return above_face(pair.a, pair.a.faces[result.a.index], result.point_b_m, -inside_m) &&
-           is_furthest(pair.b, result.b.index, -pair.in_b(result.normal), 0, -k_sure_sine);
+           is_furthest(pair.b, result.b.index, -pair.in_b(result.normal), 0, -falling);
   }
   if (result.a.kind == vertex && result.b.kind == face) {
     const Vec3 seen_from_b =
         transposed_product(pair.b_in_a.rotation, result.point_a_m - pair.b_in_a.position_m);
     return above_face(pair.b, pair.b.faces[result.b.index], seen_from_b, -inside_m) &&
-           is_furthest(pair.a, result.a.index, result.normal, 0, -k_sure_sine);
+           is_furthest(pair.a, result.a.index, result.normal, 0, -falling);
   }
   return false;
 }
