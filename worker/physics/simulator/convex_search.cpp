@@ -1,5 +1,9 @@
 #include "worker/physics/simulator/convex_search.h"
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,11 +33,29 @@ struct Line {
 
 // Two lanes, as in separation.cpp.
 using Pair = double __attribute__((vector_size(16)));
+using Lanes = decltype(Pair{} < Pair{});
 
 Pair load(const double* from) {
   Pair result;
   std::memcpy(&result, from, sizeof(result));
   return result;
+}
+
+/// Whether a comparison holds anywhere. GCC 12 would take vectors apart to join two of them.
+bool any(Lanes mask) {
+#ifdef __SSE2__
+  return _mm_movemask_pd(reinterpret_cast<__m128d>(mask)) != 0;
+#else
+  return (mask[0] | mask[1]) != 0;
+#endif
+}
+bool any(Lanes mask, Lanes other) {
+#ifdef __SSE2__
+  return _mm_movemask_pd(
+             _mm_or_pd(reinterpret_cast<__m128d>(mask), reinterpret_cast<__m128d>(other))) != 0;
+#else
+  return any(mask) || any(other);
+#endif
 }
 
 /// The lines of a piece's vertices along an axis, of which the lowest counts. Places are computed
@@ -66,8 +88,13 @@ class Envelope {
   double lowest_m() const { return lowest_m_; }
   /// The first, on a tie.
   std::uint16_t lowest_vertex() const {
+    const Pair lowest = {lowest_m_, lowest_m_};
     std::size_t i = 0;
-    while (i + 1 < piece_.view->vertex_count && places_m_[i] != lowest_m_)
+    const std::size_t last = std::size_t{piece_.view->padded_count} - 4;
+    while (i < last && !any(load(&places_m_[i]) == lowest, load(&places_m_[i + 2]) == lowest))
+      i += 4;
+    const std::size_t end = i + 3;
+    while (i < end && places_m_[i] != lowest_m_)
       ++i;
     return static_cast<std::uint16_t>(i);
   }
@@ -77,7 +104,8 @@ class Envelope {
     rate_ = transposed_product(piece_.pose.rotation,
                                math::cross(up_, piece_.angular_velocity_radps - axis_radps));
     fastest_mps_ = math::norm(rate_) * piece_.view->r_outer_m;
-    lines_[0] = {lowest_m_, math::dot(rate_, piece_.view->vertices_m[lowest_vertex()])};
+    if (first_vertex_ == k_none) first_vertex_ = lowest_vertex();
+    lines_[0] = {lowest_m_, math::dot(rate_, piece_.view->vertices_m[first_vertex_])};
     line_count_ = 1;
   }
 
@@ -100,14 +128,13 @@ class Envelope {
     const Pair y = {rate_.y(), rate_.y()};
     const Pair z = {rate_.z(), rate_.z()};
     for (std::size_t i = 0; i < view.padded_count; i += 4) {
-      const auto near = (load(&places_m_[i]) < limit) | (load(&places_m_[i + 2]) < limit);
-      if ((near[0] | near[1]) == 0) continue;
+      if (!any(load(&places_m_[i]) < limit, load(&places_m_[i + 2]) < limit)) continue;
       for (std::size_t k = i; k < i + 4; k += 2) {
         const Pair place = load(&places_m_[k]);
         const Pair rate =
             (x * load(view.xs_m + k) + y * load(view.ys_m + k)) + z * load(view.zs_m + k);
         const auto below = place - start_m < (start_mps - rate) * until;
-        if ((below[0] | below[1]) == 0) continue;
+        if (!any(below)) continue;
         for (std::size_t lane = 0; lane < 2; ++lane) {
           // The padding repeats vertex 0.
           if (below[lane] == 0 || k + lane >= view.vertex_count) continue;
@@ -142,8 +169,10 @@ class Envelope {
   const MovingPiece& piece_;
   Vec3 up_;
   Vec3 rate_ = Vec3::Zero();
+  static constexpr std::size_t k_none = k_hull_points_max;
   double lowest_m_;
-  double fastest_mps_ = 0;  ///< of a vertex along the axis, at most
+  std::size_t first_vertex_ = k_none;  ///< the lowest one, once it is asked for
+  double fastest_mps_ = 0;             ///< of a vertex along the axis, at most
   std::size_t line_count_ = 0;
   // Left as they are but for what is used.
   std::array<double, k_hull_points_max> places_m_;
