@@ -1,19 +1,19 @@
 #include "worker/physics/simulator/convex_search.h"
 
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include "worker/physics/simulator/envelope.h"
 
 namespace sleight::physics {
 namespace {
 
-constexpr double k_forever_s = std::numeric_limits<double>::infinity();
+using envelope::Envelope;
+using envelope::k_forever_s;
+using envelope::Line;
+
 /// Corners of the envelope that one look goes along; it may stop at any of them.
 constexpr int k_corners_max = 12;
 /// A gap that was found with the help of earlier looks differs from the cold one by less than this:
@@ -24,160 +24,6 @@ constexpr double k_warm_error_m = 1e-12;
 constexpr double k_well_apart = 0.02;
 /// A skip is shortened by this share for the rounding of its own computation.
 constexpr double k_skip_margin = 0x1p-20;
-
-/// A vertex along the axis: place + rate h.
-struct Line {
-  double place_m;
-  double rate_mps;
-};
-
-// Two lanes, as in separation.cpp.
-using Pair = double __attribute__((vector_size(16)));
-using Lanes = decltype(Pair{} < Pair{});
-
-Pair load(const double* from) {
-  Pair result;
-  std::memcpy(&result, from, sizeof(result));
-  return result;
-}
-
-/// Whether a comparison holds anywhere. GCC 12 would take vectors apart to join two of them.
-bool any(Lanes mask) {
-#ifdef __SSE2__
-  return _mm_movemask_pd(reinterpret_cast<__m128d>(mask)) != 0;
-#else
-  return (mask[0] | mask[1]) != 0;
-#endif
-}
-bool any(Lanes mask, Lanes other) {
-#ifdef __SSE2__
-  return _mm_movemask_pd(
-             _mm_or_pd(reinterpret_cast<__m128d>(mask), reinterpret_cast<__m128d>(other))) != 0;
-#else
-  return any(mask) || any(other);
-#endif
-}
-
-/// The lines of a piece's vertices along an axis, of which the lowest counts. Places are computed
-/// at once, rates only of those vertices that may come to be lowest.
-class Envelope {
- public:
-  /// `up`: along the axis, away from the other piece. Places are from the body's centre.
-  Envelope(const MovingPiece& piece, const Vec3& up) : piece_(piece), up_(up) {
-    const ConvexView& view = *piece.view;
-    const Vec3 along = transposed_product(piece.pose.rotation, up);
-    const Pair x = {along.x(), along.x()};
-    const Pair y = {along.y(), along.y()};
-    const Pair z = {along.z(), along.z()};
-    Pair least0 = {k_forever_s, k_forever_s};
-    Pair least1 = least0;
-    for (std::size_t i = 0; i < view.padded_count; i += 4) {
-      const Pair place0 =
-          (x * load(view.xs_m + i) + y * load(view.ys_m + i)) + z * load(view.zs_m + i);
-      const Pair place1 =
-          (x * load(view.xs_m + i + 2) + y * load(view.ys_m + i + 2)) + z * load(view.zs_m + i + 2);
-      std::memcpy(&places_m_[i], &place0, sizeof(place0));
-      std::memcpy(&places_m_[i + 2], &place1, sizeof(place1));
-      least0 = place0 < least0 ? place0 : least0;
-      least1 = place1 < least1 ? place1 : least1;
-    }
-    const Pair least = least0 < least1 ? least0 : least1;
-    lowest_m_ = std::min(least[0], least[1]);
-  }
-
-  double lowest_m() const { return lowest_m_; }
-  /// The first, on a tie.
-  std::uint16_t lowest_vertex() const {
-    const Pair lowest = {lowest_m_, lowest_m_};
-    std::size_t i = 0;
-    const std::size_t last = std::size_t{piece_.view->padded_count} - 4;
-    while (i < last && !any(load(&places_m_[i]) == lowest, load(&places_m_[i + 2]) == lowest))
-      i += 4;
-    const std::size_t end = i + 3;
-    while (i < end && places_m_[i] != lowest_m_)
-      ++i;
-    return static_cast<std::uint16_t>(i);
-  }
-
-  /// From now on the axis turns like this.
-  void turn(const Vec3& axis_radps) {
-    rate_ = transposed_product(piece_.pose.rotation,
-                               math::cross(up_, piece_.angular_velocity_radps - axis_radps));
-    fastest_mps_ = math::norm(rate_) * piece_.view->r_outer_m;
-    if (first_vertex_ == k_none) first_vertex_ = lowest_vertex();
-    lines_[0] = {lowest_m_, math::dot(rate_, piece_.view->vertices_m[first_vertex_])};
-    line_count_ = 1;
-  }
-
-  /// A line that is lowest at first. After keep_until, of those the one that falls most.
-  const Line& first() const { return lines_[0]; }
-
-  /// Forgets the lines that don't come to lie below the first one within a time. Whether any is
-  /// left.
-  bool keep_until(double until_s) {
-    if (!(fastest_mps_ > 0)) return false;
-    const ConvexView& view = *piece_.view;
-    const Line start = lines_[0];
-    // Lower than this now, or it can't be lower than the first one then.
-    const double limit_m = start.place_m + (start.rate_mps + fastest_mps_) * until_s;
-    const Pair limit = {limit_m, limit_m};
-    const Pair start_m = {start.place_m, start.place_m};
-    const Pair start_mps = {start.rate_mps, start.rate_mps};
-    const Pair until = {until_s, until_s};
-    const Pair x = {rate_.x(), rate_.x()};
-    const Pair y = {rate_.y(), rate_.y()};
-    const Pair z = {rate_.z(), rate_.z()};
-    for (std::size_t i = 0; i < view.padded_count; i += 4) {
-      if (!any(load(&places_m_[i]) < limit, load(&places_m_[i + 2]) < limit)) continue;
-      for (std::size_t k = i; k < i + 4; k += 2) {
-        const Pair place = load(&places_m_[k]);
-        const Pair rate =
-            (x * load(view.xs_m + k) + y * load(view.ys_m + k)) + z * load(view.zs_m + k);
-        const auto below = place - start_m < (start_mps - rate) * until;
-        if (!any(below)) continue;
-        for (std::size_t lane = 0; lane < 2; ++lane) {
-          // The padding repeats vertex 0.
-          if (below[lane] == 0 || k + lane >= view.vertex_count) continue;
-          const Line other{place[lane], rate[lane]};
-          lines_[line_count_++] = other;
-          if (other.place_m == start.place_m && other.rate_mps < lines_[0].rate_mps)
-            lines_[0] = other;
-        }
-      }
-    }
-    return line_count_ > 1;
-  }
-
-  /// The line that next passes below `current`, of those kept, and when.
-  double next_after(const Line& current, Line& next) const {
-    double first_s = k_forever_s;
-    for (std::size_t i = 1; i < line_count_; ++i) {
-      const Line& other = lines_[i];
-      const double faster = current.rate_mps - other.rate_mps;
-      if (!(faster > 0)) continue;
-      const double above = other.place_m - current.place_m;
-      // Compared without a division: above / faster < first.
-      if (above < first_s * faster) {
-        first_s = above / faster;
-        next = other;
-      }
-    }
-    return first_s;
-  }
-
- private:
-  const MovingPiece& piece_;
-  Vec3 up_;
-  Vec3 rate_ = Vec3::Zero();
-  static constexpr std::size_t k_none = k_hull_points_max;
-  double lowest_m_;
-  std::size_t first_vertex_ = k_none;  ///< the lowest one, once it is asked for
-  double fastest_mps_ = 0;             ///< of a vertex along the axis, at most
-  std::size_t line_count_ = 0;
-  // Left as they are but for what is used.
-  std::array<double, k_hull_points_max> places_m_;
-  std::array<Line, k_hull_points_max + 1> lines_;
-};
 
 /// First h >= from at which place + rate h - fall h^2 / 2 <= k_touch and rate - fall h <
 /// -k_approach.
@@ -386,8 +232,7 @@ double failing_along_axis(const MovingPiece& a, const MovingPiece& b, Shadows& s
 
 /// Along the line of the centres, or along the normal of the face of what doesn't move that the
 /// other one's centre lies furthest above.
-Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& between_m,
-                  double distance_m) {
+Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b) {
   const auto of_faces = [](const MovingPiece& fixed, const MovingPiece& other) -> Vec3 {
     const Vec3 centre_m =
         transposed_product(fixed.pose.rotation, other.pose.position_m - fixed.pose.position_m);
@@ -405,6 +250,8 @@ Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& betwee
   };
   if (!std::isfinite(a.reach_m) && a.view->face_count > 0) return of_faces(a, b);
   if (!std::isfinite(b.reach_m) && b.view->face_count > 0) return -of_faces(b, a);
+  const Vec3 between_m = b.pose.position_m - a.pose.position_m;
+  const double distance_m = math::norm(between_m);
   return distance_m > 0 ? Vec3(between_m / distance_m) : Vec3(Vec3::UnitX());
 }
 
@@ -435,21 +282,34 @@ PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b) {
           .point_m = on_b_m - (0.5 * gap_m) * closest.normal};
 }
 
+bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double near_m,
+                   Tick tick, Examined& examined) {
+  const Vec3 between_m = b.position_m - a.position_m;
+  const double distance_m = math::norm(between_m);
+  const double excess_m = distance_m - (radii_m + k_touch_m);
+  if (!(excess_m > k_well_apart * near_m)) return false;
+  const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
+  const double rate_mps = math::dot(between_m, b.velocity_mps - a.velocity_mps) / distance_m;
+  examined = later(tick, first_zero_s(excess_m, rate_mps, -math::norm(pull_mps2)));
+  return true;
+}
+
+bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double radius_m, Tick tick,
+                  Examined& examined) {
+  const Vec3& axis = solid_below.normal;
+  const double excess_m =
+      math::dot(axis, b.position_m) - solid_below.offset_m - radius_m - k_touch_m;
+  if (!(excess_m > k_well_apart * radius_m)) return false;
+  examined = later(tick, first_zero_s(excess_m, math::dot(axis, b.velocity_mps),
+                                      math::dot(axis, b.acceleration_mps2)));
+  return true;
+}
+
 Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                         SeparationCache& cache, PieceContact& contact) {
-  // As long as their spheres are apart, nothing else need be asked.
-  const Vec3 between_m = b.pose.position_m - a.pose.position_m;
-  const double reach_m = (a.reach_m + a.radius_m) + (b.reach_m + b.radius_m) + k_touch_m;
-  const double distance_m = math::norm(between_m);
-  if (distance_m > reach_m) {
-    const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
-    const double rate_mps = math::dot(between_m, b.velocity_mps - a.velocity_mps) / distance_m;
-    return later(tick, first_zero_s(distance_m - reach_m, rate_mps, -math::norm(pull_mps2)));
-  }
-
   if (!cache.filled) {
     // An axis that is cheap to guess, if it shows them well apart.
-    Shadows guess(a, b, guessed_axis(a, b, between_m, distance_m));
+    Shadows guess(a, b, guessed_axis(a, b));
     if (guess.gap_m(a, b) > k_well_apart * std::min(a.reach_m, b.reach_m)) {
       return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
     }
@@ -485,11 +345,6 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
                       (k_touch_m - touch_m),
                   math::dot(axis, b.velocity_mps)};
   const double pull = math::dot(axis, b.acceleration_mps2);
-  // While the sphere that holds it is above the plane, that is enough: mostly, other things happen
-  // before.
-  const double sphere_m = base.place_m - b.reach_m - k_touch_m;
-  if (sphere_m > k_well_apart * b.reach_m)
-    return later(tick, first_zero_s(sphere_m, base.rate_mps, pull));
   Envelope of_b(b, axis);
   if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m) {
     contact = contact_of(solid_below, b);
@@ -498,6 +353,7 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
   const double fall = std::max(0.0, b.turning_acceleration_mps2 - pull);
   of_b.turn(Vec3::Zero());
   double span_s = failing_along(base, fall, nullptr, of_b);
+  const double sphere_m = base.place_m - b.reach_m - k_touch_m;
   if (sphere_m > 0) span_s = std::max(span_s, first_zero_s(sphere_m, base.rate_mps, pull));
   return later(tick, span_s);
 }

@@ -59,6 +59,15 @@ PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
 /// Of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
+/// The cheaper part of a look, which asks for no orientation: while the spheres that hold two
+/// bodies are apart by more than a small part of `near_m`, or the one above a plane, nothing else
+/// need be asked. Mostly, other things happen before. Whether they are; `examined` then is the
+/// look's result.
+bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double near_m,
+                   Tick tick, Examined& examined);
+bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double radius_m, Tick tick,
+                  Examined& examined);
+
 /// One look. The cache is that of the pair's earlier looks, or a fresh one; `touch_m` stands for
 /// k_touch_m. If they collide, `contact` is contact_of's result.
 Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
