@@ -310,7 +310,8 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   if (!cache.filled) {
     // An axis that is cheap to guess, if it shows them well apart.
     Shadows guess(a, b, guessed_axis(a, b));
-    if (guess.gap_m(a, b) > k_well_apart * std::min(a.reach_m, b.reach_m)) {
+    const double smaller_m = std::min(a.reach_m + a.radius_m, b.reach_m + b.radius_m);
+    if (guess.gap_m(a, b) > k_well_apart * smaller_m) {
       return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
     }
     cache = {.axis = transposed_product(a.pose.rotation, guess.axis),
