@@ -168,6 +168,15 @@ Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const Convex
   return cold(PiecePair(a, pose_a, b, pose_b), pose_a);
 }
 
+Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
+                     const PlacedPose& pose_b, const SeparationCache& hint) {
+  const PiecePair pair(a, pose_a, b, pose_b);
+  LocalClosest local;
+  if (hint.filled && closest_of_features(pair, hint.a, hint.b, local) && only_one(pair, local))
+    return in_world(pose_a, local, Search::features);
+  return cold(pair, pose_a);
+}
+
 Closest closest_warm(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b, SeparationCache& cache) {
   const PiecePair pair(a, pose_a, b, pose_b);

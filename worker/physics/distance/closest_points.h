@@ -83,6 +83,11 @@ struct SeparationCache {
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 
+/// The same result, bit for bit, given what was found by other means, however that was: quick if
+/// those features are certain to be the only ones, else from scratch. `search` may differ.
+Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
+                     const PlacedPose& pose_b, const SeparationCache& hint);
+
 /// From what was found last time, which it updates. REQUIRES: as closest_cold.
 Closest closest_warm(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b, SeparationCache& cache);

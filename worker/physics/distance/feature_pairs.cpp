@@ -16,6 +16,13 @@ using math::product;
 constexpr double k_angle_rounding = 0x1p-49;
 // Below this sine two edges count as parallel: the direction at right angles to both is noise.
 constexpr double k_parallel_sine = 1e-13;
+// What only_one asks for: a gap of so many roundings; two edges with a sine of so much; points
+// inside of their features by such a part of the gap; and features that fall away from the normal
+// by so many times rounding / gap, what rounding may turn the line between two points by.
+constexpr double k_sure_gap_roundings = 0x1p20;
+constexpr double k_sure_sine = 0x1p-7;
+constexpr double k_sure_inside_gaps = 0x1p-4;
+constexpr double k_sure_turns = 0x1p8;
 
 double sum_of_sizes(const Vec3& v) {
   return std::fabs(v.x()) + std::fabs(v.y()) + std::fabs(v.z());
@@ -47,6 +54,14 @@ bool is_furthest(const ConvexView& piece, const Edge& edge, const Vec3& directio
                  double angle_error_rad) {
   return dot(direction, piece.sides[edge.side[0]].inward) <= angle_error_rad &&
          dot(direction, piece.sides[edge.side[1]].inward) <= angle_error_rad;
+}
+
+// Whether a point of an edge, seen from its start, is so far from both of its ends.
+bool is_inside(const Vec3& from_start, const Vec3& along, double margin_m) {
+  const double square = dot(along, along);
+  const double part = dot(from_start, along);
+  const double margin = margin_m * std::sqrt(square);
+  return part >= margin && square - part >= margin;
 }
 
 // The error of a unit vector along a difference of coordinates of this length.
@@ -210,6 +225,40 @@ bool certified(const PiecePair& pair, const LocalClosest& result) {
   const Vec3 back = -pair.in_b(result.normal);
   if (result.b.kind == vertex) return is_furthest(pair.b, result.b.index, back, slack_m, error_rad);
   return is_furthest(pair.b, pair.b.edges[result.b.index], back, error_rad);
+}
+
+bool only_one(const PiecePair& pair, const LocalClosest& result) {
+  using enum FeatureKind;
+  if (!(result.gap_m >= k_sure_gap_roundings * pair.rounding_m)) return false;
+  const double inside_m = k_sure_inside_gaps * result.gap_m;
+  const double falling = k_sure_turns * pair.rounding_m / result.gap_m;
+  if (result.a.kind == edge && result.b.kind == edge) {
+    const Edge& edge_a = pair.a.edges[result.a.index];
+    const Edge& edge_b = pair.b.edges[result.b.index];
+    const Vec3 start_a = pair.vertex_of_a(edge_a.vertex[0]);
+    const Vec3 start_b = pair.vertex_of_b(edge_b.vertex[0]);
+    const Vec3 along_a = pair.vertex_of_a(edge_a.vertex[1]) - start_a;
+    const Vec3 along_b = pair.vertex_of_b(edge_b.vertex[1]) - start_b;
+    const Vec3 across = cross(along_a, along_b);
+    const Vec3 back = -pair.in_b(result.normal);
+    return dot(across, across) >=
+               k_sure_sine * k_sure_sine * (dot(along_a, along_a) * dot(along_b, along_b)) &&
+           is_furthest(pair.a, edge_a, result.normal, -falling / k_sure_sine) &&
+           is_furthest(pair.b, edge_b, back, -falling / k_sure_sine) &&
+           is_inside(result.point_a_m - start_a, along_a, inside_m) &&
+           is_inside(result.point_b_m - start_b, along_b, inside_m);
+  }
+  if (result.a.kind == face && result.b.kind == vertex) {
+    return above_face(pair.a, pair.a.faces[result.a.index], result.point_b_m, -inside_m) &&
+           is_furthest(pair.b, result.b.index, -pair.in_b(result.normal), 0, -falling);
+  }
+  if (result.a.kind == vertex && result.b.kind == face) {
+    const Vec3 seen_from_b =
+        transposed_product(pair.b_in_a.rotation, result.point_a_m - pair.b_in_a.position_m);
+    return above_face(pair.b, pair.b.faces[result.b.index], seen_from_b, -inside_m) &&
+           is_furthest(pair.a, result.a.index, result.normal, 0, -falling);
+  }
+  return false;
 }
 
 bool closest_of_parallel_features(const PiecePair& pair, Feature a, Feature b,

@@ -46,6 +46,18 @@ bool closest_of_features(const PiecePair& pair, Feature a, Feature b, LocalClose
 /// Whether the pieces lie beyond the planes of a result of closest_of_features.
 bool certified(const PiecePair& pair, const LocalClosest& result);
 
+/// Whether a certified result is the only one, by margins far beyond rounding: every search,
+/// however it proceeds, then comes to these features, and so to the same bits. Only for the pairs
+/// that two polyhedra meet at in general, a face and a vertex or two edges; false for others.
+///
+/// Why: let e = rounding_m, g the gap. Another pair with a gap of g to a few e has its line of
+/// closest points within sqrt(2 e / g) of the normal; its points lie within g / 16 of the given
+/// ones, which are further inside of their features. And where GJK weighs a vertex that is not of
+/// these features, whose plane falls away by an angle f, the foot of the origin lies outside by g
+/// f, some hundred e, so that it drops the vertex. Where it takes the pieces for overlapping by
+/// mistake, face normals and edges' products decide, and they have this one.
+bool only_one(const PiecePair& pair, const LocalClosest& result);
+
 /// An edge or a face of one against a face of the other, parallel to rounding: the gap along a
 /// face's normal, with the given points, which lie on the features. False if that is not the gap.
 bool closest_of_parallel_features(const PiecePair& pair, Feature a, Feature b,

@@ -61,15 +61,25 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction) {
 }
 
 std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std::uint16_t start) {
+  // Written out: this is the inner loop of every warm descent.
+  const double x = direction.x();
+  const double y = direction.y();
+  const double z = direction.z();
+  const auto reach_of = [&](std::size_t vertex) {
+    const double* v = piece.vertices_m[vertex].data();
+    return (x * v[0] + y * v[1]) + z * v[2];
+  };
   std::uint16_t at = start;
-  double reach = math::dot(direction, piece.vertices_m[at]);
+  double reach = reach_of(at);
   for (;;) {
     std::uint16_t next = at;
-    for (std::size_t i = piece.ring_first[at]; i < piece.ring_first[at + std::size_t{1}]; ++i) {
-      const double candidate = math::dot(direction, piece.vertices_m[piece.ring_vertices[i]]);
+    const std::uint16_t* neighbour = piece.ring_vertices + piece.ring_first[at];
+    const std::uint16_t* end = piece.ring_vertices + piece.ring_first[at + std::size_t{1}];
+    for (; neighbour != end; ++neighbour) {
+      const double candidate = reach_of(*neighbour);
       if (candidate > reach) {
         reach = candidate;
-        next = piece.ring_vertices[i];
+        next = *neighbour;
       }
     }
     if (next == at) return at;

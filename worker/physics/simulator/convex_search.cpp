@@ -5,10 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/physics/simulator/envelope.h"
+
 namespace sleight::physics {
 namespace {
 
-constexpr double k_forever_s = std::numeric_limits<double>::infinity();
+using envelope::Envelope;
+using envelope::k_forever_s;
+using envelope::Line;
+
 /// Corners of the envelope that one look goes along; it may stop at any of them.
 constexpr int k_corners_max = 12;
 /// A gap that was found with the help of earlier looks differs from the cold one by less than this:
@@ -19,78 +24,6 @@ constexpr double k_warm_error_m = 1e-12;
 constexpr double k_well_apart = 0.02;
 /// A skip is shortened by this share for the rounding of its own computation.
 constexpr double k_skip_margin = 0x1p-20;
-
-/// A vertex along the axis: place + rate h.
-struct Line {
-  double place_m = 0;
-  double rate_mps = 0;
-};
-
-/// The lines of a piece's vertices, of which the lowest counts.
-class Envelope {
- public:
-  /// `axis`: which way is up, and how it turns. Places are from the body's centre.
-  Envelope(const MovingPiece& piece, const Vec3& axis, const Vec3& axis_radps)
-      : view_(*piece.view),
-        place_(transposed_product(piece.pose.rotation, axis)),
-        rate_(transposed_product(piece.pose.rotation,
-                                 math::cross(axis, piece.angular_velocity_radps - axis_radps))),
-        kept_(std::min<std::size_t>(view_.vertex_count, k_kept)) {
-    for (std::size_t i = 0; i < kept_; ++i) {
-      places_m_[i] = along(place_, i);
-      rates_mps_[i] = along(rate_, i);
-    }
-  }
-
-  /// The line that is lowest at first, and of those that are equal there the one that falls most.
-  Line lowest() const {
-    Line best = line(0);
-    for (std::size_t i = 1; i < view_.vertex_count; ++i) {
-      const Line other = line(i);
-      if (other.place_m < best.place_m ||
-          (other.place_m == best.place_m && other.rate_mps < best.rate_mps)) {
-        best = other;
-      }
-    }
-    return best;
-  }
-
-  /// The line that next passes below `current`, and when.
-  double next_after(const Line& current, Line& next) const {
-    double first_s = k_forever_s;
-    for (std::size_t i = 0; i < view_.vertex_count; ++i) {
-      const Line other = line(i);
-      const double faster = current.rate_mps - other.rate_mps;
-      if (!(faster > 0)) continue;
-      const double above = other.place_m - current.place_m;
-      // Compared without a division: above / faster < first.
-      if (above < first_s * faster) {
-        first_s = above / faster;
-        next = other;
-      }
-    }
-    return first_s;
-  }
-
- private:
-  /// Lines of more vertices than this are computed each time.
-  static constexpr std::size_t k_kept = 64;
-
-  double along(const Vec3& direction, std::size_t i) const {
-    return (direction.x() * view_.xs_m[i] + direction.y() * view_.ys_m[i]) +
-           direction.z() * view_.zs_m[i];
-  }
-  Line line(std::size_t i) const {
-    return i < kept_ ? Line{places_m_[i], rates_mps_[i]} : Line{along(place_, i), along(rate_, i)};
-  }
-
-  const ConvexView& view_;
-  Vec3 place_;
-  Vec3 rate_;
-  std::size_t kept_;
-  std::array<double, k_kept> places_m_;
-  std::array<double, k_kept> rates_mps_;
-};
 
 /// First h >= from at which place + rate h - fall h^2 / 2 <= k_touch and rate - fall h <
 /// -k_approach.
@@ -111,19 +44,28 @@ double first_collision_s(const Line& line, double fall, double from_s) {
   return std::max(h, down_s);
 }
 
-/// Walks along the envelope of two sets of lines, the second of which may be fixed.
-double failing_along(const Line& base, double fall, const Envelope* first, const Envelope& second) {
-  Line a = first != nullptr ? first->lowest() : Line{};
-  Line b = second.lowest();
+/// Walks along the envelope of two sets of lines, the first of which may be a fixed line at 0.
+double failing_along(const Line& base, double fall, Envelope* first, Envelope& second) {
+  const auto sum = [&](const Line& a, const Line& b) -> Line {
+    return {(base.place_m + a.place_m) + b.place_m, (base.rate_mps + a.rate_mps) + b.rate_mps};
+  };
+  const Line none{0, 0};
+  // The lines that are lowest now bound the answer from above; only those that come to lie below
+  // them by then can lower it. Mostly there are none.
+  const double until_s =
+      first_collision_s(sum(first != nullptr ? first->first() : none, second.first()), fall, 0);
+  const bool first_changes = first != nullptr && first->keep_until(until_s);
+  const bool second_changes = second.keep_until(until_s);
+  if (!first_changes && !second_changes) return until_s;
+  Line a = first != nullptr ? first->first() : none;
+  Line b = second.first();
   double from_s = 0;
   for (int corner = 0; corner < k_corners_max; ++corner) {
-    const Line sum{(base.place_m + a.place_m) + b.place_m,
-                   (base.rate_mps + a.rate_mps) + b.rate_mps};
-    const double collision_s = first_collision_s(sum, fall, from_s);
-    Line next_a;
-    Line next_b;
-    const double corner_a_s = first != nullptr ? first->next_after(a, next_a) : k_forever_s;
-    const double corner_b_s = second.next_after(b, next_b);
+    const double collision_s = first_collision_s(sum(a, b), fall, from_s);
+    Line next_a = a;
+    Line next_b = b;
+    const double corner_a_s = first_changes ? first->next_after(a, next_a) : k_forever_s;
+    const double corner_b_s = second_changes ? second.next_after(b, next_b) : k_forever_s;
     const double corner_s = std::max(from_s, std::min(corner_a_s, corner_b_s));
     if (collision_s <= corner_s) return collision_s;
     from_s = corner_s;
@@ -163,7 +105,7 @@ double first_zero_s(double place, double rate, double curvature) {
 
 /// How far below its centre a piece may come along the axis of its envelope, as a negative number.
 double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
-  return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest().place_m;
+  return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }
 
 bool is_zero(const Vec3& v) {
@@ -248,9 +190,24 @@ AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& po
   return turn;
 }
 
+/// Both pieces along an axis from A to B.
+struct Shadows {
+  Vec3 axis;
+  Envelope of_a;
+  Envelope of_b;
+
+  Shadows(const MovingPiece& a, const MovingPiece& b, const Vec3& along)
+      : axis(along), of_a(a, -along), of_b(b, along) {}
+  double gap_m(const MovingPiece& a, const MovingPiece& b) const {
+    return math::dot(axis, b.pose.position_m - a.pose.position_m) - (a.radius_m + b.radius_m) +
+           (of_a.lowest_m() + of_b.lowest_m());
+  }
+};
+
 /// How long two pieces can't collide, as their separation along an axis shows.
-double failing_along_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& axis,
+double failing_along_axis(const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
                           double touch_m, const AxisTurn& turn) {
+  const Vec3& axis = shadows.axis;
   const Vec3 between_m = b.pose.position_m - a.pose.position_m;
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
   const Line base{
@@ -262,19 +219,20 @@ double failing_along_axis(const MovingPiece& a, const MovingPiece& b, const Vec3
   const double towards = still ? pull : -math::norm(b.acceleration_mps2 - a.acceleration_mps2);
   const double fall = std::max(
       0.0, (a.turning_acceleration_mps2 + b.turning_acceleration_mps2) + turn.fall_mps2 - towards);
-  const Envelope of_a(a, -axis, turn.angular_velocity_radps);
-  const Envelope of_b(b, axis, turn.angular_velocity_radps);
-  const double span_s = std::min(failing_along(base, fall, &of_a, of_b), turn.valid_s);
+  shadows.of_a.turn(turn.angular_velocity_radps);
+  shadows.of_b.turn(turn.angular_velocity_radps);
+  const double span_s =
+      std::min(failing_along(base, fall, &shadows.of_a, shadows.of_b), turn.valid_s);
   if (!still) return span_s;
   // However they turn, they stay inside of their spheres; what doesn't turn stays behind its plane.
-  const double apart_m = base.place_m + (nearest_m(a, of_a) + nearest_m(b, of_b)) - k_touch_m;
+  const double apart_m =
+      base.place_m + (nearest_m(a, shadows.of_a) + nearest_m(b, shadows.of_b)) - k_touch_m;
   return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, pull)) : span_s;
 }
 
 /// Along the line of the centres, or along the normal of the face of what doesn't move that the
 /// other one's centre lies furthest above.
-Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& between_m,
-                  double distance_m) {
+Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b) {
   const auto of_faces = [](const MovingPiece& fixed, const MovingPiece& other) -> Vec3 {
     const Vec3 centre_m =
         transposed_product(fixed.pose.rotation, other.pose.position_m - fixed.pose.position_m);
@@ -292,14 +250,9 @@ Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& betwee
   };
   if (!std::isfinite(a.reach_m) && a.view->face_count > 0) return of_faces(a, b);
   if (!std::isfinite(b.reach_m) && b.view->face_count > 0) return -of_faces(b, a);
+  const Vec3 between_m = b.pose.position_m - a.pose.position_m;
+  const double distance_m = math::norm(between_m);
   return distance_m > 0 ? Vec3(between_m / distance_m) : Vec3(Vec3::UnitX());
-}
-
-double separation_m(const MovingPiece& a, const MovingPiece& b, const Vec3& axis) {
-  const Envelope of_a(a, -axis, Vec3::Zero());
-  const Envelope of_b(b, axis, Vec3::Zero());
-  return math::dot(axis, b.pose.position_m - a.pose.position_m) - (a.radius_m + b.radius_m) +
-         (of_a.lowest().place_m + of_b.lowest().place_m);
 }
 
 /// How the pieces meet, given their closest points from scratch.
@@ -329,58 +282,77 @@ PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b) {
           .point_m = on_b_m - (0.5 * gap_m) * closest.normal};
 }
 
-Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
-                        SeparationCache& cache) {
-  // As long as their spheres are apart, nothing else need be asked.
-  const Vec3 between_m = b.pose.position_m - a.pose.position_m;
-  const double reach_m = (a.reach_m + a.radius_m) + (b.reach_m + b.radius_m) + k_touch_m;
+bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double near_m,
+                   Tick tick, Examined& examined) {
+  const Vec3 between_m = b.position_m - a.position_m;
   const double distance_m = math::norm(between_m);
-  if (distance_m > reach_m) {
-    const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
-    const double rate_mps = math::dot(between_m, b.velocity_mps - a.velocity_mps) / distance_m;
-    return later(tick, first_zero_s(distance_m - reach_m, rate_mps, -math::norm(pull_mps2)));
-  }
+  const double excess_m = distance_m - (radii_m + k_touch_m);
+  if (!(excess_m > k_well_apart * near_m)) return false;
+  const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
+  const double rate_mps = math::dot(between_m, b.velocity_mps - a.velocity_mps) / distance_m;
+  examined = later(tick, first_zero_s(excess_m, rate_mps, -math::norm(pull_mps2)));
+  return true;
+}
 
-  // An axis that is cheap to guess, if it shows them well apart.
-  const Vec3 guess = guessed_axis(a, b, between_m, distance_m);
-  if (separation_m(a, b, guess) > k_well_apart * std::min(a.reach_m, b.reach_m)) {
-    return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
-  }
+bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double radius_m, Tick tick,
+                  Examined& examined) {
+  const Vec3& axis = solid_below.normal;
+  const double excess_m =
+      math::dot(axis, b.position_m) - solid_below.offset_m - radius_m - k_touch_m;
+  if (!(excess_m > k_well_apart * radius_m)) return false;
+  examined = later(tick, first_zero_s(excess_m, math::dot(axis, b.velocity_mps),
+                                      math::dot(axis, b.acceleration_mps2)));
+  return true;
+}
 
-  // How far they are apart; near the touch, from scratch.
-  const bool from_scratch = !cache.filled;
-  const Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
-  Vec3 axis = closest.normal;
-  const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
+Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
+                        SeparationCache& cache, PieceContact& contact) {
+  if (!cache.filled) {
+    // An axis that is cheap to guess, if it shows them well apart.
+    Shadows guess(a, b, guessed_axis(a, b));
+    const double smaller_m = std::min(a.reach_m + a.radius_m, b.reach_m + b.radius_m);
+    if (guess.gap_m(a, b) > k_well_apart * smaller_m) {
+      return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
+    }
+    cache = {.axis = transposed_product(a.pose.rotation, guess.axis),
+             .a = {FeatureKind::vertex, guess.of_a.lowest_vertex()},
+             .b = {FeatureKind::vertex, guess.of_b.lowest_vertex()},
+             .filled = true};
+  }
+  // How far they are apart; near the touch, what a search from scratch would find.
+  Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
-    const PieceContact contact = from_scratch ? contact_from(closest, a, b) : contact_of(a, b);
+    closest = closest_cold(*a.view, a.pose, *b.view, b.pose, cache);
+    contact = contact_from(closest, a, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
-    axis = contact.normal;
   }
 
   // How long they can't collide, by axes that stay and that turn with the features.
-  const double still_s = failing_along_axis(a, b, axis, touch_m, {});
+  const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
+  Shadows shadows(a, b, closest.normal);
+  const double still_s = failing_along_axis(a, b, shadows, touch_m, {});
   const Vec3 turning = turn_of_axis(a, b, closest);
   const double turning_s =
       is_zero(turning)
           ? 0
-          : failing_along_axis(a, b, axis, touch_m, turning_axis(a, b, contact_m, turning));
+          : failing_along_axis(a, b, shadows, touch_m, turning_axis(a, b, contact_m, turning));
   return later(tick, std::max(still_s, turning_s));
 }
 
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
-                       double touch_m) {
+                       double touch_m, PieceContact& contact) {
   const Vec3& axis = solid_below.normal;
   const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m +
                       (k_touch_m - touch_m),
                   math::dot(axis, b.velocity_mps)};
-  const Envelope of_b(b, axis, Vec3::Zero());
-  if (base.place_m + of_b.lowest().place_m <= k_touch_m + k_warm_error_m &&
-      collides(contact_of(solid_below, b), touch_m)) {
-    return {.collides = true, .next = tick};
-  }
   const double pull = math::dot(axis, b.acceleration_mps2);
+  Envelope of_b(b, axis);
+  if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m) {
+    contact = contact_of(solid_below, b);
+    if (collides(contact, touch_m)) return {.collides = true, .next = tick};
+  }
   const double fall = std::max(0.0, b.turning_acceleration_mps2 - pull);
+  of_b.turn(Vec3::Zero());
   double span_s = failing_along(base, fall, nullptr, of_b);
   const double sphere_m = base.place_m - b.reach_m - k_touch_m;
   if (sphere_m > 0) span_s = std::max(span_s, first_zero_s(sphere_m, base.rate_mps, pull));

@@ -14,10 +14,14 @@
 // A sphere is a piece of one vertex with a radius.
 //
 // Invariants
-//   1. A search looks at a sequence of ticks that is a function of the two bodies' segments alone:
-//      it starts from the first stage's tick with a fresh cache, and each look gives the next tick.
-//      So whoever follows it, in whatever portions, finds the same collision.
-//   2. At a look the verdict is computed cold: gap <= k_touch_m and rate < -k_approach_mps.
+//   1. At a look within the touch everything is a function of the two pieces' poses and motion
+//   alone:
+//      the verdict, gap <= k_touch_m and rate < -k_approach_mps; the contact; and, if they don't
+//      collide, how long they can't. It is what a search from scratch finds, by whatever means.
+//   2. Elsewhere a look may start from what was found before, by this search or by earlier ones of
+//      the pair. That decides which of several certified answers it finds, equal but for rounding,
+//      and so, by the bound above, only which ticks are skipped: never what collides, or when.
+//      Hence whoever searches, and in whatever portions, finds the same collision.
 //   3. A look is skipped only under the bound above. It does not cover what turns the normal of two
 //      vertices, or of a vertex and an edge, while they are within k_touch_m of each other.
 // Thread safety: pure functions, but for the cache that they are given.
@@ -55,11 +59,21 @@ PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
 /// Of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
-/// One look. The cache is that of the search's earlier looks; `touch_m` stands for k_touch_m.
+/// The cheaper part of a look, which asks for no orientation: while the spheres that hold two
+/// bodies are apart by more than a small part of `near_m`, or the one above a plane, nothing else
+/// need be asked. Mostly, other things happen before. Whether they are; `examined` then is the
+/// look's result.
+bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double near_m,
+                   Tick tick, Examined& examined);
+bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double radius_m, Tick tick,
+                  Examined& examined);
+
+/// One look. The cache is that of the pair's earlier looks, or a fresh one; `touch_m` stands for
+/// k_touch_m. If they collide, `contact` is contact_of's result.
 Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
-                        SeparationCache& cache);
+                        SeparationCache& cache, PieceContact& contact);
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
-                       double touch_m);
+                       double touch_m, PieceContact& contact);
 
 /// The first stage for two bodies that fall alike: when the spheres that hold them come to touch,
 /// as a span from the moment at which the second centre is at `between_m` from the first. Not

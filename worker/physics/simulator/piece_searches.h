@@ -33,9 +33,11 @@ class PieceSearches {
       blocks.reserve(bodies * k_neighbours);
   }
 
-  /// The searches of a pair of bodies, all fresh; takes a place for them if the pair has none.
+  /// The searches of a pair of bodies, to begin anew; takes a place for them if the pair has none.
+  /// The caches are those of the pair's last searches: its motion has changed, not where it is.
   std::span<PieceSearch> fresh(std::uint32_t& place, std::size_t count) {
-    if (place == k_no_search) {
+    const bool known = place != k_no_search;
+    if (!known) {
       if (free_.size() <= count) free_.resize(count + 1);
       if (free_[count].empty()) {
         place = static_cast<std::uint32_t>(searches_.size());
@@ -47,7 +49,7 @@ class PieceSearches {
     }
     const auto block = std::span(searches_).subspan(place, count);
     for (PieceSearch& search : block)
-      search = {};
+      search = {.cache = known ? search.cache : SeparationCache{}};
     block[0].count = static_cast<std::uint32_t>(count);
     return block;
   }

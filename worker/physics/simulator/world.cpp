@@ -91,6 +91,7 @@ Segment World::segment_of_start(const StartState& start, Tick tick) const {
 }
 
 void World::place(std::uint32_t body, const Segment& segment) {
+  found_.tick = Tick{-1};
   Segment& now = segments_[body];
   now = segment;
   for (int i = 0; i < 3; ++i) {

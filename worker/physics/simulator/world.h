@@ -228,6 +228,12 @@ class World {
   PieceContact static_contact_at(std::uint32_t body, std::uint32_t index, const EventKey& event);
   bool is_resting(std::uint32_t body) const { return segments_[body].mode == MotionMode::resting; }
   double fastest_point_mps(std::uint32_t body, const Twist& twist) const;
+  /// What the search found that came to the event, if that was the last one to find a collision.
+  const PieceContact* found_contact(std::uint32_t a, std::uint32_t b, const EventKey& event) const {
+    const bool same = found_.tick == event.tick && found_.a == a && found_.b == b &&
+                      found_.feature == event.feature;
+    return same ? &found_.contact : nullptr;
+  }
   void begin_after(std::uint32_t body, const Twist& twist, const EventKey& event);
   void note_failure(std::string what, std::uint32_t body, Tick tick);
   void wake_dependents(std::uint32_t body, const EventKey& event);
@@ -280,6 +286,16 @@ class World {
   Resting resting_;
   RecentContacts recent_;
   std::vector<std::uint32_t> changed_;
+  /// How two parts collide that a search found to do so: the collision mostly comes next. Void
+  /// once a body begins a segment.
+  struct Found {
+    Tick tick{-1};
+    std::uint32_t a = 0;
+    std::uint32_t b = 0;  ///< or static geometry, marked with k_static
+    std::uint32_t feature = 0;
+    PieceContact contact;
+  };
+  Found found_;
   struct AtTick {
     Tick tick{-1};
     Tick window{};  ///< collisions are counted in windows

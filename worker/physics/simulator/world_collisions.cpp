@@ -66,6 +66,7 @@ PieceContact World::contact_at(std::uint32_t a, std::uint32_t b, const EventKey&
     contact.point_m = place_a_m + constants_[a].reach_m * contact.normal;
     return contact;
   }
+  if (const PieceContact* found = found_contact(a, b, event)) return *found;
   const std::uint32_t of_b = constants_[b].part_count;
   return contact_of(part_at(a, event.feature / of_b, event.tick),
                     part_at(b, event.feature % of_b, event.tick));
@@ -83,6 +84,7 @@ PieceContact World::static_contact_at(std::uint32_t body, std::uint32_t index,
     contact.point_m = place_m - constants_[body].reach_m * contact.normal;
     return contact;
   }
+  if (const PieceContact* found = found_contact(body, k_static | index, event)) return *found;
   const MovingPiece piece = part_at(body, event.feature, event.tick);
   return index < statics_.plane_count() ? contact_of(statics_.plane(index), piece)
                                         : contact_of(statics_.piece(index), piece);

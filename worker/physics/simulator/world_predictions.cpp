@@ -106,13 +106,21 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
   if (constants_[a].is_sphere && constants_[b].is_sphere) return predict_spheres(a, b, now);
   const std::uint32_t of_b = constants_[b].part_count;
   const Refractory refractory = recent_.of(a, b);
+  const double reach_a_m = constants_[a].reach_m;
+  const double reach_b_m = constants_[b].reach_m;
   const Prediction prediction =
       advanced(searches_.of(search), now, [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
-        const MovingPiece first = part_at(a, i / of_b, tick);
-        const MovingPiece second = part_at(b, i % of_b, tick);
-        return examined_at(tick, refractory, [&](double touch_m) {
-          return examine_pieces(first, second, tick, touch_m, cache);
+        PieceContact contact;
+        const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
+          Examined apart;
+          if (spheres_apart(centre_at(a, tick), centre_at(b, tick), reach_a_m + reach_b_m,
+                            std::min(reach_a_m, reach_b_m), tick, apart))
+            return apart;
+          return examine_pieces(part_at(a, i / of_b, tick), part_at(b, i % of_b, tick), tick,
+                                touch_m, cache, contact);
         });
+        if (examined.collides) found_ = {tick, a, b, i, contact};
+        return examined;
       });
   if (prediction.feature == k_gave_up) note_failure("the search for a collision gives up", a, now);
   return prediction;
@@ -185,12 +193,21 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
   if (!constants_[body].is_sphere) {
     const Prediction prediction = advanced(
         searches_.of(search), now, [&](std::uint32_t part, Tick tick, SeparationCache& cache) {
-          const MovingPiece piece = part_at(body, part, tick);
-          return examined_at(tick, refractory, [&](double touch_m) {
-            return index < statics_.plane_count()
-                       ? examine_plane(statics_.plane(index), piece, tick, touch_m)
-                       : examine_pieces(statics_.piece(index), piece, tick, touch_m, cache);
+          PieceContact contact;
+          const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
+            if (index >= statics_.plane_count()) {
+              return examine_pieces(statics_.piece(index), part_at(body, part, tick), tick, touch_m,
+                                    cache, contact);
+            }
+            Examined above;
+            if (sphere_above(statics_.plane(index), centre_at(body, tick), constants_[body].reach_m,
+                             tick, above))
+              return above;
+            return examine_plane(statics_.plane(index), part_at(body, part, tick), tick, touch_m,
+                                 contact);
           });
+          if (examined.collides) found_ = {tick, body, k_static | index, part, contact};
+          return examined;
         });
     if (prediction.feature == k_gave_up)
       note_failure("the search for a collision gives up", body, now);
