@@ -16,8 +16,13 @@ constexpr double k_balance_tolerance = 0.002;
 /// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
 /// cube that stands on an edge does not.
 constexpr double k_firm = 0.01;
+/// Who stands, but not firmly, rests after so many times the rest time. Tilt on an
+/// edge grows e-fold in some 0.9 sqrt(size / g): with a tenth of that as rest time, 600-fold.
+constexpr TickCount k_patience = 64;
 /// Sweeps over all pushes in the search for balance.
 constexpr int k_balance_sweeps_max = 400;
+/// After so many of them it is judged whether the search gets anywhere.
+constexpr int k_sweeps_judged = 8;
 /// Contacts of one partner closer together than this part of the arm count as one.
 constexpr double k_same_place = 0.05;
 
@@ -38,49 +43,95 @@ Vec3 any_tangent(const Vec3& normal) {
 
 }  // namespace
 
+namespace {
+
+/// Pushes that contacts may give, and how much of each was needed last: weights that differ by
+/// little are carried by similar ones.
+class Balance {
+ public:
+  Balance(std::span<const TouchRecord> contacts, double reach_m) : reach_m_(reach_m) {
+    for (const TouchRecord& touch : contacts.first(std::min(contacts.size(), k_contacts_max))) {
+      const Vec3 first = any_tangent(touch.normal);
+      const Vec3 second = math::cross(touch.normal, first);
+      for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
+        const Vec3 force = touch.normal + touch.friction * tangent;
+        const Wrench push{force, math::cross(touch.arm_m, force) / reach_m};
+        inverse_squares_[count_] = 1 / product(push, push);
+        pushes_[count_++] = push;
+      }
+    }
+  }
+
+  /// Non-negative least squares by coordinate descent. `direction` of the weight is a unit.
+  bool carries(const Vec3& direction, const Vec3& weight_at_m) {
+    constexpr double k_enough = k_balance_tolerance * k_balance_tolerance;
+    Wrench rest{direction, math::cross(weight_at_m, direction) / reach_m_};
+    for (std::size_t i = 0; i < count_; ++i) {
+      rest.force += share_[i] * pushes_[i].force;
+      rest.torque += share_[i] * pushes_[i].torque;
+    }
+    double earlier = product(rest, rest);
+    for (int sweep = 0; sweep < k_balance_sweeps_max; ++sweep) {
+      const double left = product(rest, rest);
+      if (left < k_enough) return true;
+      if (sweep % k_sweeps_judged == 0 && sweep > 0) {
+        if (is_hopeless(left, left / earlier, k_balance_sweeps_max - sweep)) return false;
+        earlier = left;
+      }
+      for (std::size_t i = 0; i < count_; ++i) {
+        const double better =
+            std::max(0.0, share_[i] - product(rest, pushes_[i]) * inverse_squares_[i]);
+        const double change = better - share_[i];
+        if (change == 0) continue;
+        share_[i] = better;
+        rest.force += change * pushes_[i].force;
+        rest.torque += change * pushes_[i].torque;
+      }
+    }
+    return false;
+  }
+
+ private:
+  /// The edges of a friction pyramid.
+  static constexpr std::size_t k_edges = 4;
+  static constexpr std::size_t k_contacts_max = 16;
+
+  /// Whether what is left would stay too much if it fell twice as fast as it does.
+  static bool is_hopeless(double left, double fall, int sweeps_left) {
+    for (int i = 0; i < 2 * sweeps_left / k_sweeps_judged; ++i) {
+      if (left < k_balance_tolerance * k_balance_tolerance) return false;
+      left *= fall;
+    }
+    return true;
+  }
+
+  double reach_m_;
+  std::array<Wrench, k_edges * k_contacts_max> pushes_;
+  std::array<double, k_edges * k_contacts_max> inverse_squares_;
+  std::array<double, k_edges * k_contacts_max> share_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
 bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
                const Vec3& weight_at_m) {
-  // The edges of the friction pyramids.
-  constexpr std::size_t k_edges = 4;
-  constexpr std::size_t k_contacts_max = 16;
-  std::array<Wrench, k_edges * k_contacts_max> pushes;
-  std::array<double, k_edges * k_contacts_max> share{};
-  std::size_t count = 0;
-  for (const TouchRecord& touch : contacts.first(std::min(contacts.size(), k_contacts_max))) {
-    const Vec3 first = any_tangent(touch.normal);
-    const Vec3 second = math::cross(touch.normal, first);
-    for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
-      const Vec3 force = touch.normal + touch.friction * tangent;
-      pushes[count++] = {force, math::cross(touch.arm_m, force) / reach_m};
-    }
-  }
-  // Non-negative least squares by coordinate descent.
   const double weight = math::norm(weight_n);
-  if (weight == 0) return true;
-  Wrench rest{weight_n / weight, math::cross(weight_at_m, weight_n) / (weight * reach_m)};
-  for (int sweep = 0; sweep < k_balance_sweeps_max; ++sweep) {
-    if (product(rest, rest) < k_balance_tolerance * k_balance_tolerance) return true;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double better =
-          std::max(0.0, share[i] - product(rest, pushes[i]) / product(pushes[i], pushes[i]));
-      const double change = better - share[i];
-      share[i] = better;
-      rest.force += change * pushes[i].force;
-      rest.torque += change * pushes[i].torque;
-    }
-  }
-  return false;
+  return weight == 0 || Balance(contacts, reach_m).carries(weight_n / weight, weight_at_m);
 }
 
-bool Resting::carries(std::span<const TouchRecord> contacts, const Present& state) {
+bool Resting::stands(std::span<const TouchRecord> contacts, const Present& state,
+                     TickCount slow) const {
   const double weight = math::norm(state.weight_n);
-  if (state.round || weight == 0) return can_carry(contacts, state.weight_n, state.reach_m);
+  if (weight == 0) return true;
+  const Vec3 down = state.weight_n / weight;
+  Balance balance(contacts, state.reach_m);
+  if (state.round || slow / k_patience >= rest_span()) return balance.carries(down, Vec3::Zero());
   // What carries the weight at the corners of a square carries it inside as well.
-  const Vec3 first = any_tangent(state.weight_n / weight);
-  const Vec3 second = math::cross(state.weight_n / weight, first);
+  const Vec3 first = any_tangent(down);
+  const Vec3 second = math::cross(down, first);
   for (const Vec3& side : {first, second, Vec3(-first), Vec3(-second)}) {
-    const Vec3 at_m = k_firm * state.reach_m * side;
-    if (!can_carry(contacts, state.weight_n, state.reach_m, at_m)) return false;
+    if (!balance.carries(down, k_firm * state.reach_m * side)) return false;
   }
   return true;
 }

@@ -5,7 +5,9 @@
 //   - was slower than rest_speed_mps at every collision of the last rest_time_s, and is so now;
 //   - touched in that time only members of the set, resting bodies and static geometry;
 //   - is in balance: pushes along the normals of those contacts, with friction, can carry its
-//     weight, and could if its centre were a little to any side (a sphere needn't).
+//     weight, and could if its centre were a little to any side. A sphere needn't stand so firmly;
+//     nor need another body that has been slow for 64 times as long, in which what balances on an
+//     edge topples, while a cube that rocks on two opposite corners does not.
 // The last one keeps what is slow because it is about to topple or to slide from being frozen.
 // Everything is read from recorded contacts, so the decision is a function of the events so far.
 //
@@ -114,9 +116,9 @@ class Resting {
     }
   };
 
-  /// Whether contacts carry a body firmly: a sphere as it is; another body also with its weight a
-  /// little to either side, else it stands on an edge or a corner.
-  static bool carries(std::span<const TouchRecord> contacts, const Present& state);
+  /// Whether contacts carry a body that has been slow for so long: firmly, with its weight a little
+  /// to any side, or as it is, and then for long enough to have toppled otherwise.
+  bool stands(std::span<const TouchRecord> contacts, const Present& state, TickCount slow) const;
   /// Records of the last rest_time_s, moved to the front of the list.
   std::span<const TouchRecord> recent(Log& log, Tick now) const;
   void record(Log& log, const TouchRecord& touch) const;
@@ -140,7 +142,7 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
     const bool jammed = log.slow_collisions >= k_slow_collisions;
     may = log.slow_since != k_never && (now - log.slow_since >= rest_span() || jammed) &&
           state.speed_mps < rule_.rest_speed_mps && !contacts.empty() &&
-          (jammed || state.in_balance || carries(contacts, state));
+          (jammed || state.in_balance || stands(contacts, state, now - log.slow_since));
     for (const TouchRecord& touch : contacts) {
       if (touch.partner == k_static_partner || logs_[touch.partner].rests) continue;
       if (std::find(set_.begin(), set_.end(), touch.partner) == set_.end())

@@ -143,6 +143,7 @@ Quat World::orientation_at(std::uint32_t body, Tick tick) {
   if (constants_[body].is_sphere)
     return math::normalized(orientation_of(segments_[body], constants_[body].inertia, tick));
   if (is_zero(flight.angular_velocity_radps)) return flight.orientation;
+  if (turning_[body].placed_at == tick) return turning_[body].orientation;
   return math::normalized(turning_[body].track.orientation_at(tick));
 }
 
@@ -156,6 +157,10 @@ Twist World::twist_at(std::uint32_t body, Tick tick) {
   if (in_contact(segments_[body])) return twist_of(segments_[body], constants_[body].inertia, tick);
   const bool constant = constants_[body].inertia.symmetry == InertiaSymmetry::spherical ||
                         is_zero(flight.angular_velocity_radps);
+  if (!constant && turning_[body].placed_at == tick) {
+    return {.velocity_mps = turning_[body].placed.velocity_mps,
+            .angular_velocity_radps = turning_[body].placed.angular_velocity_radps};
+  }
   return {.velocity_mps = velocity_at(flight, tick),
           .angular_velocity_radps = constant ? flight.angular_velocity_radps
                                              : turning_[body].track.angular_velocity_at(tick)};
@@ -176,10 +181,12 @@ const MovingPiece& World::moving_at(std::uint32_t body, Tick tick) {
   if (turning.placed_at == tick) return turning.placed;
   const Twist twist = twist_at(body, tick);
   const bool sphere = constants_[body].is_sphere;
+  if (!sphere) turning.orientation = orientation_at(body, tick);
+  const Vec3 place_m = position_at(segments_[body].flight, tick);
   turning.placed = {
       .radius_m = sphere ? constants_[body].reach_m : 0,
-      .pose = sphere ? PlacedPose{.position_m = position_at(segments_[body].flight, tick)}
-                     : placed(pose_at(body, tick)),
+      .pose = sphere ? PlacedPose{.position_m = place_m}
+                     : placed({.position_m = place_m, .orientation = turning.orientation}),
       .velocity_mps = twist.velocity_mps,
       .acceleration_mps2 = segments_[body].flight.acceleration_mps2,
       .angular_velocity_radps = twist.angular_velocity_radps,

@@ -194,7 +194,8 @@ class World {
   struct Turning {
     RotationTrack track;
     RotationBounds bounds;
-    Tick placed_at{-1};  ///< of `placed`
+    Tick placed_at{-1};  ///< of the rest
+    Quat orientation = Quat::Identity();
     MovingPiece placed;  ///< without a view
   };
 

@@ -92,7 +92,7 @@ Rolled rolled(const Vec3& velocity_mps, const Vec3& spin_radps, double restituti
   EXPECT_EQ(run.error, "");
   const auto entries = run.recording.segments({0});
   const Inertia& inertia = scene.bodies[0].inertia;
-  Rolled result{.last = testing::twist_of(entries.back().segment, inertia, run.recording.end())};
+  Rolled result{.last = testing::twist_in(entries.back().segment, inertia, run.recording.end())};
   const auto level = [](const Vec3& v) -> Vec3 { return {v.x(), v.y(), 0}; };
   for (const Recording::Entry& entry : entries) {
     result.after_s = seconds(entry.cause.tick - Tick{});

@@ -124,9 +124,9 @@ Agreement agreement_of(const RecordedRun& run, const RecordedRun& image, const M
         continue;
       }
       const Vec3 place_m = testing::place_at(entries[i].segment, tick);
-      const Twist twist = testing::twist_of(entries[i].segment, inertia, tick);
+      const Twist twist = testing::twist_in(entries[i].segment, inertia, tick);
       const Quat turn = mirror.of(testing::turn_at(entries[i].segment, inertia, tick));
-      const Twist image_twist = testing::twist_of(*of_image, inertia, tick);
+      const Twist image_twist = testing::twist_in(*of_image, inertia, tick);
       const Quat image_turn = testing::turn_at(*of_image, inertia, tick);
       const Twist reflected = mirror.of(twist);
       const double length_m = math::norm(place_m) + radius_m;

@@ -37,6 +37,20 @@ inline Vec3 place_at(const Segment& segment, Tick tick) {
   return flight.position_m + s * flight.velocity_mps + (0.5 * s * s) * flight.acceleration_mps2;
 }
 
+/// The turn of a sphere whose angular velocity changes evenly, by many small steps.
+inline Quat turn_in_contact(const Segment& segment, double s) {
+  constexpr int k_steps = 20'000;
+  const double h = s / k_steps;
+  Quat turn = segment.flight.orientation;
+  for (int i = 0; i < k_steps; ++i) {
+    const Vec3 w = segment.flight.angular_velocity_radps +
+                   ((i + 0.5) * h) * segment.angular_acceleration_radps2;
+    const Vec3 half = 0.5 * h * w;
+    turn = math::normalized(math::composed(Quat(1, half.x(), half.y(), half.z()), turn));
+  }
+  return turn;
+}
+
 /// The turn of a body whose angular velocity is constant, by the C library's sine. A body of other
 /// inertia is left to the motion library, which has tests of its own.
 inline Quat turn_at(const Segment& segment, const Inertia& inertia, Tick tick) {
@@ -44,6 +58,7 @@ inline Quat turn_at(const Segment& segment, const Inertia& inertia, Tick tick) {
   if (segment.mode == MotionMode::resting) return flight.orientation;
   if (inertia.symmetry != InertiaSymmetry::spherical) return orientation_at(flight, inertia, tick);
   const double s = static_cast<double>(tick.value - flight.begin.value) * 0x1p-30;
+  if (in_contact(segment)) return turn_in_contact(segment, s);
   const Vec3& w = flight.angular_velocity_radps;
   const double rate = std::sqrt(w.x() * w.x() + w.y() * w.y() + w.z() * w.z());
   if (rate == 0) return flight.orientation;
@@ -54,7 +69,7 @@ inline Quat turn_at(const Segment& segment, const Inertia& inertia, Tick tick) {
 }
 
 /// In the world's frame.
-inline Twist twist_of(const Segment& segment, const Inertia& inertia, Tick tick) {
+inline Twist twist_in(const Segment& segment, const Inertia& inertia, Tick tick) {
   const FreeFlight& flight = segment.flight;
   const double s = static_cast<double>(tick.value - flight.begin.value) * 0x1p-30;
   Twist twist{.velocity_mps = flight.velocity_mps + s * flight.acceleration_mps2,
@@ -79,7 +94,7 @@ inline double energy_of_motion_j(const Inertia& inertia, const Quat& orientation
 inline double energy_j(const Scene& scene, std::uint32_t body, const Segment& segment, Tick tick) {
   const Inertia& inertia = scene.bodies[body].inertia;
   return energy_of_motion_j(inertia, turn_at(segment, inertia, tick),
-                            twist_of(segment, inertia, tick)) -
+                            twist_in(segment, inertia, tick)) -
          inertia.mass_kg * math::dot(scene.gravity_mps2, place_at(segment, tick));
 }
 
