@@ -30,9 +30,11 @@ inline constexpr double k_static_margin_radii = 0.5;
 /// A box of the synchronous algorithm lasts at most as long as the fastest body takes for its
 /// radius.
 inline constexpr double k_synchronous_step_radii = 1;
-/// Room in each list of neighbours before anything is allocated: at most 12 equal spheres touch
-/// one, and boxes reach somewhat further. More would spread the lists over memory.
-inline constexpr std::size_t k_list_room = 48;
+/// Room in each list of neighbours at first: at most 12 equal spheres touch one, and boxes reach
+/// somewhat further. More would spread the lists over memory.
+inline constexpr std::size_t k_list_room = 16;
+/// Neighbours of all bodies on average before anything is allocated.
+inline constexpr std::size_t k_list_average = 48;
 /// The same for the static geometry near a body, whose lists are twice as long for a moment.
 inline constexpr std::size_t k_static_room = 96;
 
@@ -53,7 +55,9 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options)
               .size_m = world.typical_box_m()}) {
   const auto count = world.size();
   queue_.reset(count + 3);
-  graph_.reset(count, options_.algorithm == Algorithm::all_pairs ? count : k_list_room);
+  graph_.reset(count, options_.algorithm == Algorithm::all_pairs
+                          ? PairGraph::Room{.list = std::max(count, 1U), .average = 0}
+                          : PairGraph::Room{.list = k_list_room, .average = k_list_average});
   statics_.resize(count);
   for (std::uint32_t body = 0; body < count; ++body)
     statics_[body].reserve(world.static_count(body) > 0 ? k_static_room : 0);
@@ -279,7 +283,7 @@ void Engine<Boxes, Queue>::examine(std::uint32_t body, const EventKey& event) {
     if (options_.algorithm == Algorithm::all_pairs && world_.periodic()) {
       predict(body, edge);
     } else {
-      edge.prediction = world_.look(event.lower, event.higher, now_, edge.search);
+      edge.predict(world_.look(event.lower, event.higher, now_, edge.search));
     }
   }
   refresh_key(body);
@@ -340,15 +344,15 @@ void Engine<Boxes, Queue>::predict(std::uint32_t body, PairEdge& edge) {
   const std::uint32_t lower = std::min(body, edge.other);
   const std::uint32_t higher = std::max(body, edge.other);
   if (world_.free_spheres(lower, higher) && options_.algorithm != Algorithm::all_pairs) {
-    edge.prediction = world_.predict_free_spheres(lower, higher, now_);
+    edge.predict(world_.predict_free_spheres(lower, higher, now_));
     return;
   }
   if (options_.algorithm == Algorithm::all_pairs && world_.periodic()) {
-    edge.prediction = world_.predict_any_image(lower, higher, now_);
+    edge.predict(world_.predict_any_image(lower, higher, now_));
     return;
   }
   const std::uint32_t search = edge.search;
-  edge.prediction = world_.predict(lower, higher, now_, edge.search);
+  edge.predict(world_.predict(lower, higher, now_, edge.search));
   if (edge.search != search) graph_.mirror_of(edge).search = edge.search;
 }
 
@@ -373,7 +377,7 @@ template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
   EventKey best{
       .tick = bounds_[body].expiry, .kind = EventKind::update, .lower = body, .higher = k_nobody};
-  const auto offer = [&](const Prediction& prediction, std::uint32_t lower, std::uint32_t higher) {
+  const auto offer = [&](const auto& prediction, std::uint32_t lower, std::uint32_t higher) {
     const EventKey key{.tick = prediction.tick,
                        .kind = prediction.certain ? EventKind::collision : EventKind::update,
                        .lower = lower,
@@ -382,8 +386,8 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
     if (key < best) best = key;
   };
   for (const PairEdge& edge : graph_.edges_of(body)) {
-    if (edge.prediction.tick > best.tick || edge.other_changes != changes_[edge.other]) continue;
-    offer(edge.prediction, std::min(body, edge.other), std::max(body, edge.other));
+    if (edge.tick > best.tick || edge.other_changes != changes_[edge.other]) continue;
+    offer(edge, std::min(body, edge.other), std::max(body, edge.other));
   }
   for (const StaticEdge& edge : statics_[body]) {
     if (edge.prediction.tick <= best.tick) offer(edge.prediction, body, k_static | edge.index);
