@@ -105,6 +105,10 @@ class Engine {
   void renew_all_boxes(Tick end);
   bool watch_statics(std::uint32_t body, const Box& box);
   TickCount least_span(std::uint32_t body) const;
+  /// Static geometry near a body; without a look at its list where there can't be any.
+  std::span<StaticEdge> statics_of(std::uint32_t body) {
+    return world_.has_statics() ? std::span<StaticEdge>(statics_[body]) : std::span<StaticEdge>{};
+  }
 
   void fail(SceneError::Kind kind, std::string message);
   void schedule_control();

@@ -176,8 +176,7 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
       for (std::uint32_t index = 0; index < world_.static_count(body); ++index)
         statics_[body].push_back({.index = index});
     } else {
-      const Box box = path_box(world_.segment(body).flight,
-                               world_.constants(body).reach_m + k_touch_m, now_, now_ + 1);
+      const Box box = path_box(world_.path(body), world_.reach_m(body) + k_touch_m, now_, now_ + 1);
       Sink sink{*this, body, false};
       boxes_.insert({body}, box, sink);
       watch_statics(body, box);
@@ -367,7 +366,7 @@ void Engine<Boxes, Queue>::predict_all(std::uint32_t body) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_statics(std::uint32_t body) {
-  for (StaticEdge& edge : statics_[body]) {
+  for (StaticEdge& edge : statics_of(body)) {
     ++counts_.predictions;
     edge.prediction = world_.predict_static(body, edge.index, now_, edge.search);
   }
@@ -389,7 +388,7 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
     if (edge.tick > best.tick || edge.other_changes != changes_[edge.other]) continue;
     offer(edge, std::min(body, edge.other), std::max(body, edge.other));
   }
-  for (const StaticEdge& edge : statics_[body]) {
+  for (const StaticEdge& edge : statics_of(body)) {
     if (edge.prediction.tick <= best.tick) offer(edge.prediction, body, k_static | edge.index);
   }
   const Tick rest_due = world_.rest_due(body);
@@ -406,8 +405,8 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::motion_changed(std::uint32_t body) {
   if (options_.algorithm == Algorithm::asynchronous) {
-    const Tick exit = exit_tick(boxes_.box({body}), world_.segment(body).flight,
-                                world_.constants(body).reach_m + k_touch_m, now_);
+    const Tick exit =
+        exit_tick(boxes_.box({body}), world_.path(body), world_.reach_m(body) + k_touch_m, now_);
     if (exit - now_ >= world_.span_of_travel(body, now_, k_keep_box_radii)) {
       bounds_[body].expiry = exit + 1;
     } else {
@@ -426,11 +425,11 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
   const bool crowded = graph_.others_of(body).size() > k_neighbours_wanted;
   const TickCount span =
       std::min(std::max(crowded ? elapsed / 2 : 2 * elapsed, least_span(body)), k_tick_max - now_);
-  const double radius_m = world_.constants(body).reach_m * (1 + k_box_pad_radii) + k_touch_m;
+  const double radius_m = world_.reach_m(body) * (1 + k_box_pad_radii) + k_touch_m;
   const Tick end = now_ + world_.limited_span(body, now_, span, k_box_pad_radii);
-  const Box box = path_box(world_.segment(body).flight, radius_m, now_, end);
-  bound = {.expiry = std::max(end, exit_tick(box, world_.segment(body).flight,
-                                             world_.constants(body).reach_m + k_touch_m, now_)) +
+  const Box box = path_box(world_.path(body), radius_m, now_, end);
+  bound = {.expiry = std::max(end, exit_tick(box, world_.path(body),
+                                             world_.reach_m(body) + k_touch_m, now_)) +
                      1,
            .made = now_};
   Sink sink{*this, body, predict_new};
@@ -442,8 +441,9 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
 /// Makes sure that all static features near a box are in the body's list. Whether the list changed.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
-  if (world_.static_count(body) == 0 || holds(static_boxes_[body], box)) return false;
-  const auto margin = static_cast<float>(k_static_margin_radii * world_.constants(body).reach_m);
+  if (!world_.has_statics() || world_.static_count(body) == 0 || holds(static_boxes_[body], box))
+    return false;
+  const auto margin = static_cast<float>(k_static_margin_radii * world_.reach_m(body));
   Box& wide = static_boxes_[body];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     wide.low_m[axis] = box.low_m[axis] - margin;
@@ -492,8 +492,7 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   for (std::uint32_t body = 0; body < world_.size(); ++body) {
     if (!world_.started(body)) continue;
     all_boxes_[body] =
-        path_box(world_.segment(body).flight, world_.constants(body).reach_m + k_touch_m, now_,
-                 std::max(next, now_));
+        path_box(world_.path(body), world_.reach_m(body) + k_touch_m, now_, std::max(next, now_));
     if (watch_statics(body, all_boxes_[body])) refresh_key(body);
   }
   PairsSink sink{*this};

@@ -39,16 +39,24 @@ struct alignas(64) Flight {
 };
 static_assert(sizeof(Flight) == 64);
 
-/// What doesn't change.
-struct BodyConstants {
-  Inertia inertia;
+/// What doesn't change; what spheres need comes first, in one cache line.
+struct alignas(64) BodyConstants {
   SphereMass sphere_mass{};  ///< of a sphere
-  RigidMass rigid_mass{};
-  double reach_m = 0;  ///< radius of a sphere about the centre that holds the body
+  double reach_m = 0;        ///< radius of a sphere about the centre that holds the body
   MaterialId material{};
   bool is_sphere = true;
   std::uint32_t first_part = 0;  ///< its convex parts in the table of all; a sphere has one point
   std::uint32_t part_count = 1;
+  Inertia inertia;
+  RigidMass rigid_mass{};
+};
+
+/// The way of a body's centre (OnParabola in motion_bounds.h).
+struct Path {
+  Tick begin{};
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_mps = Vec3::Zero();
+  Vec3 acceleration_mps2 = Vec3::Zero();
 };
 
 class World {
@@ -61,7 +69,20 @@ class World {
   std::uint32_t size() const { return static_cast<std::uint32_t>(flights_.size()); }
   const Scene& scene() const { return scene_; }
   const Segment& segment(std::uint32_t body) const { return segments_[body]; }
-  const BodyConstants& constants(std::uint32_t body) const { return constants_[body]; }
+  /// Of the segment, without a look at the rest of it where that is a sphere in flight.
+  Path path(std::uint32_t body) const {
+    const Flight& flight = flights_[body];
+    return {.begin = flight.begin,
+            .position_m = flight.position_m,
+            .velocity_mps = flight.velocity_mps,
+            .acceleration_mps2 = flight.radius_m > 0 ? scene_.gravity_mps2
+                                                     : segments_[body].flight.acceleration_mps2};
+  }
+  /// Radius of a sphere about the centre that holds the body.
+  double reach_m(std::uint32_t body) const {
+    const double radius_m = flights_[body].radius_m;
+    return radius_m > 0 ? radius_m : constants_[body].reach_m;
+  }
   const Recording& recording() const { return recording_; }
   Recording& recording() { return recording_; }
   bool periodic() const { return periodic_; }
@@ -74,6 +95,7 @@ class World {
   void place(std::uint32_t body, const Segment& segment);
   void begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause);
 
+  bool has_statics() const { return has_statics_; }
   // What static geometry a body may meet. Indices are a body's own affair: spheres meet features,
   // others pieces.
   std::uint32_t static_count(std::uint32_t body) const;
@@ -145,7 +167,7 @@ class World {
   /// When a body's free rotation can't be computed any further; k_never for those with a closed
   /// form.
   Tick horizon(std::uint32_t body) const {
-    return constants_[body].inertia.symmetry == InertiaSymmetry::general
+    return has_general_ && constants_[body].inertia.symmetry == InertiaSymmetry::general
                ? turning_[body].track.horizon()
                : k_never;
   }
@@ -200,6 +222,15 @@ class World {
     }
     return shift_m;
   }
+  /// A place within the periods.
+  Vec3 wrapped_m(const Vec3& place_m) const;
+  static Vec3 position_on(const Path& path, Tick tick) {
+    const double s = seconds(tick - path.begin);
+    Vec3 place_m;
+    for (int i = 0; i < 3; ++i)
+      place_m[i] = parabola(path.position_m[i], path.velocity_mps[i], path.acceleration_mps2[i], s);
+    return place_m;
+  }
   /// From a's centre to that of b's nearest image.
   Vec3 between_at(std::uint32_t a, std::uint32_t b, Tick tick) const {
     const Vec3 between_m =
@@ -221,14 +252,17 @@ class World {
   bool is_resting(std::uint32_t body) const { return segments_[body].mode == MotionMode::resting; }
   double fastest_point_mps(std::uint32_t body, const Twist& twist) const;
   void begin_after(std::uint32_t body, const Twist& twist, const EventKey& event);
+  /// collide for two spheres in flight that don't turn, in a world of plain spheres: the same
+  /// bits from less memory.
+  void collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& event);
   void note_failure(std::string what, std::uint32_t body, Tick tick);
   void wake_dependents(std::uint32_t body, const EventKey& event);
 
   Scene scene_;
   StaticGeometry statics_;
-  std::vector<Flight> flights_;
-  std::vector<Segment> segments_;
-  std::vector<BodyConstants> constants_;
+  NearVector<Flight> flights_;
+  NearVector<Segment> segments_;
+  NearVector<BodyConstants> constants_;
   std::vector<std::uint8_t> started_;
   std::vector<Turning> turning_;
   std::vector<PointPiece> points_;  ///< of spheres
@@ -248,6 +282,12 @@ class World {
   std::string failure_;
   bool record_ = true;
   bool periodic_ = false;
+  bool has_statics_ = false;
+  bool has_general_ = false;    ///< bodies whose free rotation has no closed form
+  bool only_spheres_ = true;    ///< moving
+  bool plain_spheres_ = false;  ///< of one material without friction; nothing rests, slow or not
+  /// Of each sphere: whether it turns. The fast way past a segment, which then needs no look.
+  std::vector<std::uint8_t> turns_;
 };
 
 }  // namespace sleight::physics
