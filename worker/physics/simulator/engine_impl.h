@@ -358,8 +358,21 @@ void Engine<Boxes, Queue>::predict(std::uint32_t body, PairEdge& edge) {
 /// Predicts all pairs of a body whose motion has changed, and puts its key.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_all(std::uint32_t body) {
-  for (PairEdge& edge : graph_.edges_of(body))
-    predict(body, edge);
+  const std::span<PairEdge> edges = graph_.edges_of(body);
+  if (options_.algorithm == Algorithm::all_pairs || !world_.in_free_flight(body)) {
+    for (PairEdge& edge : edges)
+      predict(body, edge);
+  } else if (world_.predict_flight(body, edges, changes_, now_)) {
+    counts_.predictions += edges.size();
+  } else {
+    for (PairEdge& edge : edges) {
+      if (world_.in_free_flight(edge.other)) {
+        ++counts_.predictions;
+      } else {
+        predict(body, edge);
+      }
+    }
+  }
   predict_statics(body);
   refresh_key(body);
 }
@@ -384,8 +397,13 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
                        .feature = prediction.feature};
     if (key < best) best = key;
   };
-  for (const PairEdge& edge : graph_.edges_of(body)) {
-    if (edge.tick > best.tick || edge.other_changes != changes_[edge.other]) continue;
+  // Find the least tick without a branch on each, then compare whole keys at that tick.
+  const std::span<const PairEdge> edges = graph_.edges_of(body);
+  Tick least = k_never;
+  for (const PairEdge& edge : edges)
+    least = std::min(least, edge.other_changes == changes_[edge.other] ? edge.tick : k_never);
+  for (const PairEdge& edge : least > best.tick ? edges.first(0) : edges) {
+    if (edge.tick != least || edge.other_changes != changes_[edge.other]) continue;
     offer(edge, std::min(body, edge.other), std::max(body, edge.other));
   }
   for (const StaticEdge& edge : statics_of(body)) {

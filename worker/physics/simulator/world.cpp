@@ -66,6 +66,14 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
   at_tick_.resize(count);
   recording_.reset(record ? count : 0, segments_reserved);
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double period_m = scene_.period_m[axis];
+    if (period_m == 0) continue;
+    images_[axis] = {.period_m = period_m,
+                     .half_m = 0.5 * period_m,
+                     .middle_m = 0.9 * period_m,
+                     .sure_m = 0.35 * period_m};
+  }
   has_statics_ = statics_.feature_count() > 0 || statics_.piece_count() > 0;
   plain_spheres_ = only_spheres_ && !resting_.enabled() && !recent_.enabled() &&
                    scene_.contacts.materials() == 1 &&

@@ -112,39 +112,6 @@ void World::wake_dependents(std::uint32_t body, const EventKey& event) {
   }
 }
 
-void World::collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& event) {
-  const Tick tick = event.tick;
-  const Path first = path(a);
-  const Path second = path(b);
-  const Vec3 place_a_m = position_on(first, tick);
-  const Vec3 place_b_m = position_on(second, tick);
-  Vec3 between_m = place_b_m - place_a_m;
-  if (periodic_) between_m = Vec3(between_m + to_nearest_image(between_m));
-  const Vec3 normal = between_m / math::norm(between_m);
-  const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
-  Vec3 velocity_a_mps = first.velocity_mps + seconds(tick - first.begin) * first.acceleration_mps2;
-  Vec3 velocity_b_mps =
-      second.velocity_mps + seconds(tick - second.begin) * second.acceleration_mps2;
-  frictionless_sphere_impact(normal, constants_[a].sphere_mass.inverse_mass_per_kg,
-                             constants_[b].sphere_mass.inverse_mass_per_kg,
-                             plastic ? 0 : scene_.contacts.between({}, {}).restitution, 0,
-                             velocity_a_mps, velocity_b_mps);
-  const auto fly_on = [&](std::uint32_t body, const Vec3& place_m, const Vec3& velocity_mps) {
-    Flight& flight = flights_[body];
-    flight.position_m = wrapped_m(place_m);
-    flight.velocity_mps = velocity_mps;
-    flight.begin = tick;
-    FreeFlight& whole = segments_[body].flight;
-    whole.begin = tick;
-    whole.position_m = flight.position_m;
-    whole.velocity_mps = velocity_mps;
-    if (record_) recording_.append({body}, segments_[body], event);
-    changed_.push_back(body);
-  };
-  fly_on(a, place_a_m, velocity_a_mps);
-  fly_on(b, place_b_m, velocity_b_mps);
-}
-
 void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   changed_.clear();
   if (plain_spheres_ && free_spheres(a, b) && turns_[a] == 0 && turns_[b] == 0) {
