@@ -22,8 +22,11 @@ inline constexpr double k_box_pad_radii = 0.2;
 /// After a change of motion the box is kept if it holds the body for the time in which that moves
 /// by this share of its radius.
 inline constexpr double k_keep_box_radii = 0.05;
-/// A body whose box overlaps more others than this gets a shorter one next.
-inline constexpr std::size_t k_neighbours_wanted = 8;
+/// A new box lasts longer than the last one did if that overlapped less others than this, shorter
+/// if more, in proportion and within these factors: neighbours must be predicted, and boxes made.
+inline constexpr double k_neighbours_wanted = 6;
+inline constexpr double k_span_factor_min = 0.5;
+inline constexpr double k_span_factor_max = 1.3;
 /// Boxes in which static features are looked for are larger by this share of the body's radius, so
 /// that most new boxes lie within the last such box.
 inline constexpr double k_static_margin_radii = 0.5;
@@ -96,6 +99,7 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
     // late.
     CHECK_GE(event.key.tick.value, now_.value);
     now_ = event.key.tick;
+    fetch_next();
     process(event);
     if (!world_.failure().empty()) fail(SceneError::Kind::search_failed, world_.failure());
     if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
@@ -251,8 +255,10 @@ void Engine<Boxes, Queue>::bodies_changed() {
   // All numbers of changes first: a prediction is void if they change after it was made.
   for (const std::uint32_t body : world_.changed())
     ++changes_[body];
-  for (const std::uint32_t body : world_.changed())
+  for (const std::uint32_t body : world_.changed()) {
     motion_changed(body);
+    if (body == world_.changed().front()) fetch_next_neighbours();
+  }
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -321,6 +327,41 @@ void Engine<Boxes, Queue>::sample() {
              {.tick = now_ + options_.sample_every, .kind = EventKind::sample});
 }
 
+// ---- reading ahead ------------------------------------------------------------------------------
+
+// In a simulation of many bodies an event finds little of what it needs in the near caches, and one
+// reads list after list, box after box. The event after it is mostly known, so its bodies are read
+// while this one is processed: first what belongs to them, then, when the lists are here, what
+// belongs to their neighbours.
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::fetch_next() {
+  if constexpr (requires { queue_.second(); }) {
+    const EventKey& next = queue_.key_of(queue_.second());
+    next_bodies_ = {
+        next.lower < world_.size() ? next.lower : k_nobody,
+        next.higher < world_.size() && next.higher != next.lower ? next.higher : k_nobody};
+    for (const std::uint32_t body : next_bodies_) {
+      if (body == k_nobody) continue;
+      world_.fetch(body);
+      graph_.fetch(body);
+      __builtin_prefetch(&bounds_[body], 1);
+      if constexpr (requires { boxes_.fetch({body}); }) boxes_.fetch({body});
+    }
+  }
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::fetch_next_neighbours() const {
+  for (const std::uint32_t body : next_bodies_) {
+    if (body == k_nobody) continue;
+    for (const BodyId other : graph_.others_of(body)) {
+      world_.fetch_flight(other.value);
+      if constexpr (requires { boxes_.fetch_neighbour(other); }) boxes_.fetch_neighbour(other);
+    }
+  }
+}
+
 // ---- predictions --------------------------------------------------------------------------------
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -331,8 +372,8 @@ void Engine<Boxes, Queue>::begin_pair(std::uint32_t a, std::uint32_t b, bool pre
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::end_pair(std::uint32_t a, std::uint32_t b) {
-  world_.end_search(graph_.find(a, b)->search);
-  graph_.remove(a, b);
+  std::uint32_t search = graph_.remove(a, b);
+  world_.end_search(search);
 }
 
 /// Predicts a pair; the prediction goes to the body's copy of the edge, and the other copy is void.
@@ -352,29 +393,33 @@ void Engine<Boxes, Queue>::predict(std::uint32_t body, PairEdge& edge) {
   }
   const std::uint32_t search = edge.search;
   edge.predict(world_.predict(lower, higher, now_, edge.search));
-  if (edge.search != search) graph_.mirror_of(edge).search = edge.search;
+  if (edge.search != search) graph_.find(edge.other, body)->search = edge.search;
 }
 
 /// Predicts all pairs of a body whose motion has changed, and puts its key.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_all(std::uint32_t body) {
-  const std::span<PairEdge> edges = graph_.edges_of(body);
-  if (options_.algorithm == Algorithm::all_pairs || !world_.in_free_flight(body)) {
-    for (PairEdge& edge : edges)
-      predict(body, edge);
-  } else if (world_.predict_flight(body, edges, changes_, now_)) {
-    counts_.predictions += edges.size();
-  } else {
-    for (PairEdge& edge : edges) {
-      if (world_.in_free_flight(edge.other)) {
-        ++counts_.predictions;
-      } else {
-        predict(body, edge);
-      }
-    }
-  }
+  predict_last(body, graph_.edges_of(body).size());
   predict_statics(body);
   refresh_key(body);
+}
+
+/// Predicts the last so many pairs of a body's list.
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::predict_last(std::uint32_t body, std::size_t count) {
+  const std::span<PairEdge> edges = graph_.edges_of(body).last(count);
+  const bool flies = options_.algorithm != Algorithm::all_pairs && world_.in_free_flight(body);
+  if (flies && world_.predict_flight(body, edges, changes_, now_)) {
+    counts_.predictions += edges.size();
+    return;
+  }
+  for (PairEdge& edge : edges) {
+    if (flies && world_.in_free_flight(edge.other)) {
+      ++counts_.predictions;
+    } else {
+      predict(body, edge);
+    }
+  }
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -436,13 +481,13 @@ void Engine<Boxes, Queue>::motion_changed(std::uint32_t body) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
-  // The doubling rule: twice the time since the last box, half of it where that would overlap too
-  // many others, but no needlessly short span.
+  // The thesis doubles the time since the last box; here it changes by what that overlapped.
   Bound& bound = bounds_[body];
-  const TickCount elapsed = now_ - bound.made;
-  const bool crowded = graph_.others_of(body).size() > k_neighbours_wanted;
-  const TickCount span =
-      std::min(std::max(crowded ? elapsed / 2 : 2 * elapsed, least_span(body)), k_tick_max - now_);
+  const auto neighbours = static_cast<double>(graph_.others_of(body).size());
+  const double factor =
+      std::clamp(k_neighbours_wanted / (neighbours + 1e-3), k_span_factor_min, k_span_factor_max);
+  const auto wanted = static_cast<TickCount>(factor * static_cast<double>(now_ - bound.made));
+  const TickCount span = std::min(std::max(wanted, least_span(body)), k_tick_max - now_);
   const double radius_m = world_.reach_m(body) * (1 + k_box_pad_radii) + k_touch_m;
   const Tick end = now_ + world_.limited_span(body, now_, span, k_box_pad_radii);
   const Box box = path_box(world_.path(body), radius_m, now_, end);
@@ -452,8 +497,11 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
            .made = now_};
   Sink sink{*this, body, predict_new};
   boxes_.move({body}, box, sink);
+  if (predict_new) fetch_next_neighbours();
   watch_statics(body, box);
-  if (predict_new) refresh_key(body);
+  if (!predict_new) return;
+  sink.finish();
+  refresh_key(body);
 }
 
 /// Makes sure that all static features near a box are in the body's list. Whether the list changed.

@@ -2,27 +2,32 @@
 //
 // Each body has a flat list of edges, one for each body whose bounding volume overlaps its own. All
 // lists are stretches of one array, close together so that few pages of memory hold those that a
-// simulation reads; one that is full moves into a stretch of twice the room. The
-// two copies of an edge know one another's place. A pair's prediction is in the copy of the body
+// simulation reads; one that is full moves into a stretch of twice the room. Ids lie apart from the
+// rest, so that a search for one of them reads a cache line, and the two copies of an edge needn't
+// know one another's place. A pair's prediction is in the copy of the body
 // that made it, the one that changed its motion last; the other copy may hold an older one, which
 // nobody removes: it carries the number of changes that the partner had made by then, and is void
 // if the partner has changed since.
 //
 // Invariants
-//   1. mirror: edges_of(e.other)[e.mirror] is the other copy of e.
-//   2. others_of(body)[i] is the id in edges_of(body)[i].other.
-//   3. One of a pair's copies holds the prediction for the two bodies' present segments.
-//   4. The order within a list says nothing; no result may depend on it.
-//   5. Rooms are a power of two times the first one. A stretch that its list has left is in the
+//   1. others_of(body)[i] is the id in edges_of(body)[i].other.
+//   2. One of a pair's copies holds the prediction for the two bodies' present segments.
+//   3. The order within a list says nothing; no result may depend on it.
+//   4. Rooms are a power of two times the first one. A stretch that its list has left is in the
 //      chain of those with its room, so that the next list which needs as much takes it.
 // Thread safety: none.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 #include "common/base/check.h"
 #include "worker/physics/event/event.h"
@@ -48,7 +53,6 @@ struct alignas(32) PairEdge {
   Tick tick = k_never;  ///< of the prediction, as are `feature` and `certain`
   std::uint32_t feature = 0;
   std::uint32_t other = 0;
-  std::uint32_t mirror = 0;
   std::uint32_t other_changes = k_void;  ///< the other body's, when this was predicted
   std::uint32_t search = k_no_search;    ///< the same in both copies
   bool certain = false;
@@ -64,16 +68,16 @@ static_assert(sizeof(PairEdge) == 32);
 class PairGraph {
  public:
   struct Room {
-    std::size_t list = 16;     ///< edges of each list before it moves
+    std::size_t list = 16;     ///< edges of each list before it moves, rounded up to whole lines
     std::size_t average = 16;  ///< edges per body before anything is allocated
   };
 
   void reset(std::size_t bodies, const Room& room) {
-    first_room_ = static_cast<std::uint32_t>(room.list);
+    first_room_ = static_cast<std::uint32_t>((room.list + k_scan - 1) / k_scan * k_scan);
     left_.fill(k_none);
     // Lists that move leave their stretches behind, which are at most as much as all that is in
     // use.
-    edges_.reserve(bodies * std::max(room.list, 2 * room.average));
+    edges_.reserve(bodies * std::max<std::size_t>(first_room_, 2 * room.average));
     others_.reserve(edges_.capacity());
     lists_.resize(bodies);
     for (List& list : lists_)
@@ -89,53 +93,51 @@ class PairGraph {
     return {others_.data() + list.begin, list.count};
   }
 
-  PairEdge& mirror_of(const PairEdge& edge) {
-    return edges_[lists_[edge.other].begin + std::size_t{edge.mirror}];
-  }
-
   /// Adds a pair and returns a's copy, valid until the next change.
   PairEdge& add(std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t place_a = lists_[a].count;
-    const std::uint32_t place_b = lists_[b].count;
-    append(b, a, place_a);
-    return append(a, b, place_b);
+    append(b, a);
+    return append(a, b);
+  }
+
+  /// A hint to read a body's list soon.
+  void fetch(std::uint32_t body) const {
+    const List& list = lists_[body];
+    __builtin_prefetch(others_.data() + list.begin);
+    for (std::uint32_t place = 0; place < list.count; place += 2)  // two in a line
+      __builtin_prefetch(edges_.data() + list.begin + place, 1);
   }
 
   /// a's copy of the pair's edge; null if there is none.
   PairEdge* find(std::uint32_t a, std::uint32_t b) {
-    const std::span<const BodyId> others = others_of(a);
-    for (std::size_t place = 0; place < others.size(); ++place) {
-      if (others[place].value == b) return &edges_of(a)[place];
-    }
-    return nullptr;
+    const List& list = lists_[a];
+    const std::uint32_t place = place_of(list, b);
+    return place < list.count ? &edges_[std::size_t{list.begin} + place] : nullptr;
   }
 
-  /// Removes a pair; the last edges of the two lists take the places. REQUIRES: it is there.
-  void remove(std::uint32_t a, std::uint32_t b) {
-    const std::span<const BodyId> others = others_of(a);
-    std::uint32_t place = 0;
-    while (others[place].value != b)
-      ++place;
-    take_out(b, edges_of(a)[place].mirror);
-    take_out(a, place);
+  /// Removes a pair and returns its search; the last edges of the two lists take the places.
+  /// REQUIRES: it is there.
+  std::uint32_t remove(std::uint32_t a, std::uint32_t b) {
+    take_out(lists_[b], a);
+    return take_out(lists_[a], b);
   }
 
  private:
   static constexpr std::uint32_t k_none = UINT32_MAX;
+  static constexpr std::uint32_t k_scan = 16;
   struct List {
     std::uint32_t begin = 0;  ///< in edges_ and others_
     std::uint32_t count = 0;
     std::uint32_t doublings = 0;  ///< of the first room
   };
 
-  PairEdge& append(std::uint32_t body, std::uint32_t other, std::uint32_t mirror) {
+  PairEdge& append(std::uint32_t body, std::uint32_t other) {
     List& list = lists_[body];
     if (list.count == first_room_ << list.doublings) [[unlikely]] {
       move(list);
     }
     const std::size_t at = std::size_t{list.begin} + list.count++;
     others_[at] = {other};
-    return edges_[at] = {.other = other, .mirror = mirror};
+    return edges_[at] = {.other = other};
   }
 
   /// A stretch that no list has, with as many doublings of the first room.
@@ -164,14 +166,44 @@ class PairGraph {
     ++list.doublings;
   }
 
-  void take_out(std::uint32_t body, std::uint32_t place) {
-    List& list = lists_[body];
-    const std::span<PairEdge> edges = edges_of(body);
-    --list.count;
-    if (place == list.count) return;
-    edges[place] = edges.back();
-    others_[std::size_t{list.begin} + place] = {edges[place].other};
-    mirror_of(edges[place]).mirror = place;
+  /// Where in a list another body is; at least its count if it isn't there. Many ids at a time: the
+  /// processor can't guess where a search of one at a time ends.
+  std::uint32_t place_of(const List& list, std::uint32_t other) const {
+    const BodyId* ids = others_.data() + list.begin;
+    std::uint32_t from = 0;
+    for (; from + k_scan <= list.count; from += k_scan) {
+      const std::uint32_t bits = equal_bits(ids + from, other);
+      if (bits != 0) return from + static_cast<std::uint32_t>(std::countr_zero(bits));
+    }
+    // Stretches are whole multiples of k_scan: beyond the count are ids of the past.
+    if (from == list.count) return list.count;
+    const std::uint32_t bits = equal_bits(ids + from, other);
+    return from + static_cast<std::uint32_t>(std::countr_zero(bits));
+  }
+  /// Which of k_scan ids are this one.
+  static std::uint32_t equal_bits(const BodyId* ids, std::uint32_t wanted) {
+    std::uint32_t bits = 0;
+#if defined(__SSE2__)
+    const __m128i all = _mm_set1_epi32(static_cast<int>(wanted));
+    for (std::uint32_t i = 0; i < k_scan; i += 4) {
+      const __m128i four = _mm_load_si128(reinterpret_cast<const __m128i*>(ids + i));
+      const int equal = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(four, all)));
+      bits |= static_cast<std::uint32_t>(equal) << i;
+    }
+#else
+    for (std::uint32_t i = 0; i < k_scan; ++i)
+      bits |= static_cast<std::uint32_t>(ids[i].value == wanted) << i;
+#endif
+    return bits;
+  }
+
+  std::uint32_t take_out(List& list, std::uint32_t other) {
+    const std::size_t place = std::size_t{list.begin} + place_of(list, other);
+    const std::size_t last = std::size_t{list.begin} + --list.count;
+    const std::uint32_t search = edges_[place].search;
+    edges_[place] = edges_[last];
+    others_[place] = others_[last];
+    return search;
   }
 
   std::uint32_t first_room_ = 1;

@@ -109,29 +109,21 @@ struct SphereApproach {
   bool collides = false;
 };
 
-/// `between_m` is from the first centre to the second. Inline, since a gas of spheres does little
-/// else.
-inline SphereApproach approach_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps,
-                                               double radii_m) {
-  SphereApproach made;
-  made.towards = (between_m.x() * relative_mps.x() + between_m.y() * relative_mps.y()) +
-                 between_m.z() * relative_mps.z();
+/// From the dot products of the way from the first centre to the second, `between`, and of the
+/// relative velocity. Inline, since a gas of spheres does little else.
+inline SphereApproach approach_of_free_spheres(double towards, double distance2_m2,
+                                               double speed2_m2ps2, double radii_m) {
   const double reach_m = radii_m + k_touch_m;
-  made.excess = ((between_m.x() * between_m.x() + between_m.y() * between_m.y()) +
-                 between_m.z() * between_m.z()) -
-                reach_m * reach_m;
-  const double speed2 =
-      (relative_mps.x() * relative_mps.x() + relative_mps.y() * relative_mps.y()) +
-      relative_mps.z() * relative_mps.z();
-  made.discriminant = made.towards * made.towards - speed2 * made.excess;
+  const double excess = distance2_m2 - reach_m * reach_m;
+  const double discriminant = towards * towards - speed2_m2ps2 * excess;
   // At the touch the rate is -sqrt(discriminant) / reach. Where they touch already it is a
   // collision if they approach fast enough, now or never, since the rate of two free spheres only
   // grows.
   const double slowest = k_approach_mps * reach_m;
-  const bool touching = made.excess <= 0;
-  made.collides = (made.towards < 0) &
-                  (touching ? made.towards < -slowest : made.discriminant > slowest * slowest);
-  return made;
+  const bool touching = excess <= 0;
+  const bool meets =
+      (touching & (towards < -slowest)) | (!touching & (discriminant > slowest * slowest));
+  return {towards, excess, discriminant, (towards < 0) & meets};
 }
 
 /// After what span they collide. REQUIRES: they do.
@@ -144,7 +136,12 @@ inline TickCount span_to_collision(const SphereApproach& approach) {
 /// first; k_tick_max.value if there is none. Closed form.
 inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps,
                                            double radii_m) {
-  const SphereApproach approach = approach_of_free_spheres(between_m, relative_mps, radii_m);
+  const auto dot = [](const Vec3& a, const Vec3& b) {
+    return (a.x() * b.x() + a.y() * b.y()) + a.z() * b.z();
+  };
+  const SphereApproach approach =
+      approach_of_free_spheres(dot(between_m, relative_mps), dot(between_m, between_m),
+                               dot(relative_mps, relative_mps), radii_m);
   return approach.collides ? span_to_collision(approach) : k_tick_max.value;
 }
 

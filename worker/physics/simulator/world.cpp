@@ -69,10 +69,10 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double period_m = scene_.period_m[axis];
     if (period_m == 0) continue;
-    images_[axis] = {.period_m = period_m,
-                     .half_m = 0.5 * period_m,
-                     .middle_m = 0.9 * period_m,
-                     .sure_m = 0.35 * period_m};
+    images_.period_m.set(axis, period_m);
+    images_.half_m.set(axis, 0.5 * period_m);
+    images_.middle_m.set(axis, 0.9 * period_m);
+    images_.sure_m.set(axis, 0.35 * period_m);
   }
   has_statics_ = statics_.feature_count() > 0 || statics_.piece_count() > 0;
   plain_spheres_ = only_spheres_ && !resting_.enabled() && !recent_.enabled() &&

@@ -21,6 +21,7 @@
 #include "worker/physics/motion/rotation_track.h"
 #include "worker/physics/response/rigid_impact.h"
 #include "worker/physics/response/sphere_impact.h"
+#include "worker/physics/simulator/lanes.h"
 #include "worker/physics/simulator/pair_graph.h"
 #include "worker/physics/simulator/piece_searches.h"
 #include "worker/physics/simulator/recent_contacts.h"
@@ -62,11 +63,6 @@ struct Path {
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 acceleration_mps2 = Vec3::Zero();
 };
-
-/// A hint to read a cache line soon.
-inline void fetch(const void* memory) {
-  __builtin_prefetch(memory);
-}
 
 class World {
  public:
@@ -120,20 +116,25 @@ class World {
   bool free_spheres(std::uint32_t a, std::uint32_t b) const {
     return flights_[a].radius_m > 0 && flights_[b].radius_m > 0 && !recent_.enabled();
   }
+  /// Hints to read soon what predictions need of a body, and what its collision does.
+  void fetch_flight(std::uint32_t body) const { __builtin_prefetch(&flights_[body]); }
+  void fetch(std::uint32_t body) const {
+    __builtin_prefetch(&flights_[body], 1);
+    __builtin_prefetch(&segments_[body], 1);
+    __builtin_prefetch(&segments_[body].flight.velocity_mps[2], 1);
+    __builtin_prefetch(&constants_[body]);
+    __builtin_prefetch(&at_tick_[body], 1);
+  }
   /// Whether predict_flight is for this body.
   bool in_free_flight(std::uint32_t body) const {
     return flights_[body].radius_m > 0 && !recent_.enabled();
   }
   /// The closed form. In a periodic world it is for the image that is nearest at `now`.
   /// REQUIRES: free_spheres(a, b); a < b.
-  Prediction predict_free_spheres(std::uint32_t a, std::uint32_t b, Tick now) const {
-    return prediction_of(flights_[a], flights_[b], nearest_shift(flights_[a], flights_[b], now));
-  }
+  Prediction predict_free_spheres(std::uint32_t a, std::uint32_t b, Tick now) const;
   /// The same for the image of b at a shift.
-  Prediction predict_free_spheres_at(std::uint32_t a, std::uint32_t b, const Vec3& shift_m) const {
-    return prediction_of(flights_[a], flights_[b], shift_m);
-  }
-  /// predict_free_spheres for all edges of a body; `changes` are of all bodies. False if some of
+  Prediction predict_free_spheres_at(std::uint32_t a, std::uint32_t b, const Vec3& shift_m) const;
+  /// predict_free_spheres for some edges of a body; `changes` are of all bodies. False if some of
   /// the others are not in free flight: those edges are predicted as not colliding, and the caller
   /// must do them again. REQUIRES: in_free_flight(body).
   bool predict_flight(std::uint32_t body, std::span<PairEdge> edges,
@@ -203,61 +204,6 @@ class World {
     MovingPiece placed;  ///< without a view
   };
 
-  /// Two spheres at the later one's begin.
-  struct FlightApproach {
-    SphereApproach approach;
-    Tick begin{};
-  };
-  /// With the second one's image at a shift.
-  FlightApproach approach_of(const Flight& first, const Flight& second, const Vec3& shift_m) const {
-    // Both fall alike, so the later one's begin and the motion of one against the other decide.
-    const Tick begin = std::max(first.begin, second.begin);
-    const Vec3& g = scene_.gravity_mps2;
-    const double s = seconds(begin - first.begin);
-    const double t = seconds(begin - second.begin);
-    Vec3 between_m;
-    Vec3 relative_mps;
-    for (int i = 0; i < 3; ++i) {
-      const double p = parabola(first.position_m[i], first.velocity_mps[i], g[i], s);
-      const double q = parabola(second.position_m[i], second.velocity_mps[i], g[i], t);
-      between_m[i] = (q + shift_m[i]) - p;
-      relative_mps[i] = (second.velocity_mps[i] + t * g[i]) - (first.velocity_mps[i] + s * g[i]);
-    }
-    return {approach_of_free_spheres(between_m, relative_mps, first.radius_m + second.radius_m),
-            begin};
-  }
-  static Prediction prediction_of(const FlightApproach& found) {
-    if (!found.approach.collides) return {};
-    const TickCount span = span_to_collision(found.approach);
-    if (span >= k_tick_max.value) return {};
-    return {.tick = found.begin + span, .certain = true};
-  }
-  Prediction prediction_of(const Flight& first, const Flight& second, const Vec3& shift_m) const {
-    return prediction_of(approach_of(first, second, shift_m));
-  }
-  /// Of the second one's image that is nearest to the first at a tick.
-  Vec3 nearest_shift(const Flight& first, const Flight& second, Tick now) const {
-    if (!periodic_) return Vec3::Zero();
-    const double s = seconds(now - first.begin);
-    const double t = seconds(now - second.begin);
-    Vec3 shift_m;
-    bool odd = false;
-    for (int i = 0; i < 3; ++i) {
-      const double x = (second.position_m[i] + t * second.velocity_mps[i]) -
-                       (first.position_m[i] + s * first.velocity_mps[i]);
-      const Image& image = images_[static_cast<std::size_t>(i)];
-      shift_m[i] =
-          (x > image.half_m ? -image.period_m : 0.0) + (x < -image.half_m ? image.period_m : 0.0);
-      // By a period and no more, nor near to where rounding decides: that has no branch.
-      odd |=
-          (std::fabs(x) > image.half_m) & (std::fabs(std::fabs(x) - image.middle_m) > image.sure_m);
-    }
-    if (odd) [[unlikely]] {
-      return to_nearest_image((second.position_m + t * second.velocity_mps) -
-                              (first.position_m + s * first.velocity_mps));
-    }
-    return shift_m;
-  }
   /// What to add to a vector to have its shortest image; whole periods.
   Vec3 to_nearest_image(const Vec3& between_m) const {
     Vec3 shift_m = Vec3::Zero();
@@ -298,6 +244,9 @@ class World {
   bool is_resting(std::uint32_t body) const { return segments_[body].mode == MotionMode::resting; }
   double fastest_point_mps(std::uint32_t body, const Twist& twist) const;
   void begin_after(std::uint32_t body, const Twist& twist, const EventKey& event);
+  template <bool k_fresh>
+  bool predict_flight_from(std::uint32_t body, std::span<PairEdge> edges,
+                           std::span<const std::uint32_t> changes, Tick now) const;
   /// collide for two spheres in flight that don't turn, in a world of plain spheres: the same
   /// bits from less memory.
   void collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& event);
@@ -326,15 +275,15 @@ class World {
   std::vector<AtTick> at_tick_;
   Recording recording_;
   std::string failure_;
-  /// What nearest_shift needs of an axis: beyond `half_m` the nearest image is another; it is at
+  /// What predict_flight needs of the axes: beyond `half_m` the nearest image is another; it is at
   /// one period if the distance is within `sure_m` of `middle_m`.
-  struct Image {
-    double period_m = 0;
-    double half_m = std::numeric_limits<double>::infinity();
-    double middle_m = 0;
-    double sure_m = 0;
+  struct Images {
+    Lanes period_m{};
+    Lanes half_m = Lanes::all(std::numeric_limits<double>::infinity());
+    Lanes middle_m{};
+    Lanes sure_m{};
   };
-  std::array<Image, 3> images_;
+  Images images_;
   bool record_ = true;
   bool periodic_ = false;
   bool has_statics_ = false;
