@@ -46,9 +46,8 @@ class HierarchicalGrid {
 
   const Box& box(BodyId body) const { return boxes_.box(body.value); }
   bool contains(BodyId body) const { return boxes_.contains(body.value); }
-  /// Hints to read soon what a body's move needs, and what a move of its neighbour does.
+  /// A hint to read soon what a body's move needs.
   void fetch(BodyId body) const { boxes_.fetch(body.value); }
-  void fetch_neighbour(BodyId body) const { __builtin_prefetch(&boxes_.coded(body.value)); }
 
   template <OverlapSink Sink>
   void insert(BodyId body, const Box& box, Sink& sink);

@@ -144,7 +144,8 @@ class Engine {
   std::vector<std::uint32_t> changes_;   ///< of each body's motion
   std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
   std::size_t next_control_ = 0;
-  std::uint32_t present_ = 0;                                     ///< bodies that have started
+  std::uint32_t present_ = 0;  ///< bodies that have started
+  bool reads_ahead_ = false;
   std::array<std::uint32_t, 2> next_bodies_{k_nobody, k_nobody};  ///< of the next event, probably
   Tick now_{};
   Counts counts_;
