@@ -121,9 +121,9 @@ inline SphereApproach approach_of_free_spheres(double towards, double distance2_
   // grows.
   const double slowest = k_approach_mps * reach_m;
   const bool touching = excess <= 0;
-  const bool meets =
-      (touching & (towards < -slowest)) | (!touching & (discriminant > slowest * slowest));
-  return {towards, excess, discriminant, (towards < 0) & meets};
+  const bool meets = static_cast<bool>((touching & (towards < -slowest)) |
+                                       (!touching & (discriminant > slowest * slowest)));
+  return {towards, excess, discriminant, static_cast<bool>((towards < 0) & meets)};
 }
 
 /// After what span they collide. REQUIRES: they do.
