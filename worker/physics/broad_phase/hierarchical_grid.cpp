@@ -6,10 +6,10 @@ namespace sleight::physics {
 namespace {
 
 /// Longest edge on the typical level, in typical sizes; and edge of a cell, in longest edges of its
-/// level. Measured in gases of hard spheres at packings 0.1 and 0.4: half to twice of either costs
-/// 5 to 30% of a simulation.
-constexpr double k_longest = 2.5;
-constexpr double k_cell = 0.7;
+/// level. Measured in gases of hard spheres at packings 0.1 and 0.4, whose longest boxes are just
+/// below that edge: half to twice of either costs 5 to 30% of a simulation.
+constexpr double k_longest = 2.1;
+constexpr double k_cell = 1.0;
 
 /// Units in a cell, at least. A query passes some 1 + 3 / units more boxes than it need; rings of
 /// sketches are 2^8 units, and boxes should be much shorter.
