@@ -41,6 +41,11 @@ class BodyBoxes {
     CHECK(!contains(body.value));
   }
 
+  /// A hint to read a body's box soon.
+  void fetch(std::uint32_t body) const {
+    __builtin_prefetch(&coded_[body]);
+    __builtin_prefetch(&boxes_[body]);
+  }
   void add(std::uint32_t body) { present_[body] = 1; }
   void take_away(std::uint32_t body) { present_[body] = 0; }
   void set(std::uint32_t body, const Box& box, const CodedBox& code) {

@@ -21,7 +21,7 @@ CellTable::CellTable(std::uint32_t bodies)
   const std::size_t blocks = std::size_t{cells()} + further;
   blocks_.resize(blocks);
   filled_.resize(blocks, 0);
-  next_.resize(blocks, k_none);
+  bodies_.resize(blocks);
   cell_.resize(blocks);
   std::iota(cell_.begin(), cell_.end(), 0U);
   free_.resize(further);
@@ -36,15 +36,14 @@ void CellTable::link(std::uint32_t body, std::uint32_t cell, const Sketch& sketc
     free_.pop_back();
     copy_block(first, further);
     cell_[further] = first;
-    next_[further] = next_[first];
-    next_[first] = further;
+    blocks_[first].next = further;  // whose next is the copy's
     filled_[further] = 0xFF;
     filled_[first] = 0;
   }
   const auto slot = static_cast<std::uint32_t>(std::countr_one(filled_[first]));
   filled_[first] = static_cast<std::uint8_t>(filled_[first] | 1U << slot);
   place_[body] = first * k_slots + slot;
-  blocks_[first].body[slot] = body;
+  bodies_[first][slot] = body;
   write(place_[body], sketch);
 }
 
@@ -59,24 +58,24 @@ void CellTable::unlink(std::uint32_t body) {
     to.start[axis][hole % k_slots] = from.start[axis][last];
     to.width[axis][hole % k_slots] = from.width[axis][last];
   }
-  to.body[hole % k_slots] = from.body[last];
-  place_[from.body[last]] = hole;
+  bodies_[hole / k_slots][hole % k_slots] = bodies_[first][last];
+  place_[bodies_[first][last]] = hole;
   filled_[first] = static_cast<std::uint8_t>(filled_[first] >> 1);
 
   // A first block that is empty takes over a further one.
-  const std::uint32_t further = next_[first];
+  const std::uint32_t further = blocks_[first].next;
   if (filled_[first] != 0 || further == k_none) return;
   copy_block(further, first);
   filled_[first] = 0xFF;
   filled_[further] = 0;
-  next_[first] = next_[further];
   free_.push_back(further);
 }
 
 void CellTable::copy_block(std::uint32_t from, std::uint32_t to) {
   blocks_[to] = blocks_[from];
+  bodies_[to] = bodies_[from];
   for (std::uint32_t slot = 0; slot < k_slots; ++slot)
-    place_[blocks_[to].body[slot]] = to * k_slots + slot;
+    place_[bodies_[to][slot]] = to * k_slots + slot;
 }
 
 }  // namespace sleight::physics

@@ -1,10 +1,11 @@
 // Which bodies are in which cell of a grid, laid out so that eight boxes are compared at once.
 //
 // Idea. What a query of a grid costs is memory and wrong guesses of branches, not arithmetic. So a
-// cell keeps sketches of its bodies' boxes beside their ids: 16 bits for the start and 16 for the
-// width on each axis, in the units and modulo 2^16 of a ring (periodic.h has the idea). Eight
-// bodies fill two cache lines, and 13 instructions of SSE2 compare them with a query. Sketches are
-// rounded outwards; whom they let pass is compared exactly by the caller.
+// cell keeps sketches of its bodies' boxes: 8 bits for the start and 8 for the width on each axis,
+// in the units and modulo 2^8 of a ring (periodic.h has the idea). Eight bodies fit one cache line,
+// and some 12 instructions of SSE2 compare them with a query. Their ids lie elsewhere: a query of a
+// gas finds one body or less in four blocks. Sketches are rounded outwards; whom they let pass is
+// compared exactly by the caller.
 //
 // Cells are numbered modulo a power of two, and whoever numbers them may give several the same
 // number. That costs time and no truth, but a query that names a cell twice finds its bodies twice.
@@ -28,12 +29,14 @@
 
 namespace sleight::physics {
 
-/// A box on three rings of 2^16 points: on each axis it covers start to start + width.
+/// A place on a ring of 2^8 points.
+using RingPoint = std::uint8_t;
+/// A box on three rings: on each axis it covers start to start + width.
 struct Sketch {
-  std::array<std::uint16_t, 3> start{};
-  std::array<std::uint16_t, 3> width{};  ///< k_whole_ring covers the ring
+  std::array<RingPoint, 3> start{};
+  std::array<RingPoint, 3> width{};  ///< k_whole_ring covers the ring
 };
-inline constexpr std::uint16_t k_whole_ring = UINT16_MAX;
+inline constexpr RingPoint k_whole_ring = UINT8_MAX;
 
 class CellTable {
  public:
@@ -61,7 +64,7 @@ class CellTable {
     link(body, cell, sketch);
   }
   /// REQUIRES: the body is in a cell.
-  std::uint16_t width(std::uint32_t body, std::size_t axis) const {
+  RingPoint width(std::uint32_t body, std::size_t axis) const {
     const std::uint32_t place = place_[body];
     return blocks_[place / k_slots].width[axis][place % k_slots];
   }
@@ -73,36 +76,42 @@ class CellTable {
     return to + (filled_[*to] & 1U);  // invariant 1
   }
   /// The next block of the same cell, or k_none.
-  std::uint32_t next(std::uint32_t block) const { return next_[block]; }
-  std::uint32_t body(std::uint32_t block, std::uint32_t slot) const {
-    return blocks_[block].body[slot];
-  }
+  std::uint32_t next(std::uint32_t block) const { return blocks_[block].next; }
+  std::uint32_t body(std::uint32_t block, std::uint32_t slot) const { return bodies_[block][slot]; }
 
   /// A sketch spread out for comparing. Two arcs overlap exactly if the one's last point lies, on
   /// the ring, at most both widths beyond the other's first.
   class Query {
    public:
     explicit Query(const Sketch& sketch) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto last = static_cast<std::uint16_t>(sketch.start[axis] + sketch.width[axis]);
+      std::array<RingPoint, 3> last;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        last[axis] = static_cast<RingPoint>(sketch.start[axis] + sketch.width[axis]);
 #if defined(__SSE2__)
-        last_[axis] = _mm_set1_epi16(static_cast<std::int16_t>(last));
-        width_[axis] = _mm_set1_epi16(static_cast<std::int16_t>(sketch.width[axis]));
+      const auto spread = [](RingPoint low, RingPoint high) {
+        return _mm_unpacklo_epi64(_mm_set1_epi8(static_cast<char>(low)),
+                                  _mm_set1_epi8(static_cast<char>(high)));
+      };
+      last_xy_ = spread(last[0], last[1]);
+      last_z_ = spread(last[2], last[2]);
+      width_xy_ = spread(sketch.width[0], sketch.width[1]);
+      width_z_ = spread(sketch.width[2], sketch.width[2]);
 #else
-        last_[axis] = last;
-        width_[axis] = sketch.width[axis];
+      last_ = last;
+      width_ = sketch.width;
 #endif
-      }
     }
 
    private:
     friend class CellTable;
 #if defined(__SSE2__)
-    __m128i last_[3];
-    __m128i width_[3];
+    __m128i last_xy_;  ///< eight times each
+    __m128i last_z_;
+    __m128i width_xy_;
+    __m128i width_z_;
 #else
-    std::uint16_t last_[3];
-    std::uint16_t width_[3];
+    std::array<RingPoint, 3> last_;
+    std::array<RingPoint, 3> width_;
 #endif
   };
 
@@ -110,26 +119,29 @@ class CellTable {
   std::uint32_t overlapping(std::uint32_t block, const Query& query) const {
     const Block& members = blocks_[block];
 #if defined(__SSE2__)
-    const auto load = [](const std::array<std::uint16_t, k_slots>& eight) {
-      return _mm_load_si128(reinterpret_cast<const __m128i*>(eight.data()));
+    // x and y in one register; of z, the start in the lower half of one.
+    const auto load = [](const auto& eights) {
+      return _mm_loadu_si128(reinterpret_cast<const __m128i*>(&eights));
+    };
+    const auto load_half = [](const auto& eight) {
+      return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(&eight));
     };
     // How far beyond both widths, saturated at none.
-    const auto beyond = [&](std::size_t axis) {
-      const __m128i ahead = _mm_sub_epi16(query.last_[axis], load(members.start[axis]));
-      const __m128i widths = _mm_adds_epu16(query.width_[axis], load(members.width[axis]));
-      return _mm_subs_epu16(ahead, widths);
-    };
-    const __m128i apart = _mm_or_si128(_mm_or_si128(beyond(0), beyond(1)), beyond(2));
-    const __m128i meet = _mm_cmpeq_epi16(apart, _mm_setzero_si128());
-    const int bits = _mm_movemask_epi8(_mm_packs_epi16(meet, _mm_setzero_si128()));
+    const __m128i beyond_xy = _mm_subs_epu8(_mm_sub_epi8(query.last_xy_, load(members.start[0])),
+                                            _mm_adds_epu8(query.width_xy_, load(members.width[0])));
+    const __m128i beyond_z =
+        _mm_subs_epu8(_mm_sub_epi8(query.last_z_, load_half(members.start[2])),
+                      _mm_adds_epu8(query.width_z_, load_half(members.width[2])));
+    const __m128i apart =
+        _mm_or_si128(_mm_or_si128(beyond_xy, _mm_srli_si128(beyond_xy, 8)), beyond_z);
+    const int bits = _mm_movemask_epi8(_mm_cmpeq_epi8(apart, _mm_setzero_si128()));
     return static_cast<std::uint32_t>(bits) & filled_[block];
 #else
     std::uint32_t bits = 0;
     for (std::uint32_t slot = 0; slot < k_slots; ++slot) {
       bool meet = true;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto ahead =
-            static_cast<std::uint16_t>(query.last_[axis] - members.start[axis][slot]);
+        const auto ahead = static_cast<RingPoint>(query.last_[axis] - members.start[axis][slot]);
         meet &= ahead <= std::uint32_t{query.width_[axis]} + members.width[axis][slot];
       }
       bits |= (meet ? 1U : 0U) << slot;
@@ -139,12 +151,12 @@ class CellTable {
   }
 
  private:
-  struct alignas(128) Block {
-    std::array<std::array<std::uint16_t, k_slots>, 3> start;
-    std::array<std::array<std::uint16_t, k_slots>, 3> width;
-    std::array<std::uint32_t, k_slots> body;
+  struct alignas(64) Block {
+    std::array<std::array<RingPoint, k_slots>, 3> start;
+    std::array<std::array<RingPoint, k_slots>, 3> width;
+    std::uint32_t next = k_none;
   };
-  static_assert(sizeof(Block) == 128, "two cache lines, which are fetched together");
+  static_assert(sizeof(Block) == 64);
 
   void write(std::uint32_t place, const Sketch& sketch) {
     Block& block = blocks_[place / k_slots];
@@ -158,10 +170,10 @@ class CellTable {
   std::uint32_t mask_;
   std::vector<Block> blocks_;         ///< first ones of all cells, then further ones
   std::vector<std::uint8_t> filled_;  ///< by block: bit per slot in use
-  std::vector<std::uint32_t> next_;   ///< by block
-  std::vector<std::uint32_t> cell_;   ///< by block: whose it is
-  std::vector<std::uint32_t> free_;   ///< further blocks that are not in use
-  std::vector<std::uint32_t> place_;  ///< by body
+  std::vector<std::array<std::uint32_t, k_slots>> bodies_;  ///< by block
+  std::vector<std::uint32_t> cell_;                         ///< by block: whose it is
+  std::vector<std::uint32_t> free_;                         ///< further blocks that are not in use
+  std::vector<std::uint32_t> place_;                        ///< by body
 };
 
 }  // namespace sleight::physics

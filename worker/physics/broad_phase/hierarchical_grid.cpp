@@ -6,15 +6,15 @@ namespace sleight::physics {
 namespace {
 
 /// Longest edge on the typical level, in typical sizes; and edge of a cell, in longest edges of its
-/// level. Measured in gases of hard spheres at packings 0.1 and 0.4: half to twice of either costs
-/// 5 to 30% of a simulation.
-constexpr double k_longest = 2.5;
-constexpr double k_cell = 0.7;
+/// level. Measured in gases of hard spheres at packings 0.1 and 0.4, whose longest boxes are just
+/// below that edge: half to twice of either costs 5 to 30% of a simulation.
+constexpr double k_longest = 2.1;
+constexpr double k_cell = 1.0;
 
 /// Units in a cell, at least. A query passes some 1 + 3 / units more boxes than it need; rings of
-/// sketches are 2^16 units, and boxes should be much shorter.
-constexpr int k_unit_bits = 8;
-constexpr int k_sketch_bits = 16;
+/// sketches are 2^8 units, and boxes should be much shorter.
+constexpr int k_unit_bits = 4;
+constexpr int k_sketch_bits = 8;
 
 /// Cells of a period at most, so that products with them fit 64 bits.
 constexpr double k_cells_max = 0x1p16;
@@ -78,10 +78,10 @@ void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number)
     const double fit = std::clamp(boxes_.periods().length_m(axis) / cell_m, 1.0, k_cells_max);
     divided.cells = static_cast<std::uint32_t>(fit);
     cells *= divided.cells;
-    // The period has at least 2^16 units, so that the ring of sketches fits it a whole number of
+    // The period has at least 2^8 units, so that the ring of sketches fits it a whole number of
     // times, and cells have at least 2^k_unit_bits.
     const int more = std::bit_width(divided.cells) + k_unit_bits - k_sketch_bits;
-    divided.shift = k_sketch_bits - std::max(more, 0);
+    divided.shift = 32 - k_sketch_bits - std::max(more, 0);
   }
   level.cell_zero = number * k_level_stride;
   if (!dense || cells > cells_.cells()) return;
@@ -104,9 +104,9 @@ std::uint32_t HierarchicalGrid::level_of(const Box& box) const {
 Sketch HierarchicalGrid::Extent::sketch() const {
   Sketch made;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    made.start[axis] = static_cast<std::uint16_t>(first[axis]);
+    made.start[axis] = static_cast<RingPoint>(first[axis]);
     made.width[axis] =
-        static_cast<std::uint16_t>(std::min<std::int64_t>(last[axis] - first[axis], k_whole_ring));
+        static_cast<RingPoint>(std::min<std::int64_t>(last[axis] - first[axis], k_whole_ring));
   }
   return made;
 }

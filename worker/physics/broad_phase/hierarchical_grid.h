@@ -46,6 +46,8 @@ class HierarchicalGrid {
 
   const Box& box(BodyId body) const { return boxes_.box(body.value); }
   bool contains(BodyId body) const { return boxes_.contains(body.value); }
+  /// A hint to read soon what a body's move needs.
+  void fetch(BodyId body) const { boxes_.fetch(body.value); }
 
   template <OverlapSink Sink>
   void insert(BodyId body, const Box& box, Sink& sink);

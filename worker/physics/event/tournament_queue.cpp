@@ -53,6 +53,25 @@ TournamentQueue::Node TournamentQueue::least_of(std::uint32_t group) const {
   return first;
 }
 
+Slot TournamentQueue::second() const {
+  // It lost to the first: in its group, or on the way up.
+  const std::uint32_t first = nodes_[1].slot;
+  const std::uint32_t group = first / k_group;
+  Node best{};
+  const auto offer = [&best](TickCount tick, std::uint32_t slot) {
+    const std::uint32_t mask = std::uint32_t{0} - static_cast<std::uint32_t>(tick < best.tick);
+    best.tick = std::min(best.tick, tick);
+    best.slot ^= (best.slot ^ slot) & mask;
+  };
+  for (std::uint32_t i = 0; i < k_group; ++i) {
+    const std::uint32_t slot = group * k_group + i;
+    offer(slot == first ? k_never.value : ticks_[group][i], slot);
+  }
+  for (std::uint32_t at = groups_ + group; at > 1; at /= 2)
+    offer(nodes_[at ^ 1].tick, nodes_[at ^ 1].slot);
+  return {best.slot};
+}
+
 void TournamentQueue::replay(std::uint32_t group) {
   std::uint32_t at = groups_ + group;
   const std::uint32_t before = nodes_[at].slot;

@@ -51,6 +51,9 @@ class TournamentQueue {
   const EventKey& key_of(Slot slot) const { return keys_[slot.value]; }
   bool empty() const { return keys_[nodes_[1].slot] == k_no_event; }
   QueuedEvent least() const { return {keys_[nodes_[1].slot], Slot{nodes_[1].slot}}; }
+  /// The slot that comes first if the least one's event goes away; some slot where there is none.
+  /// Equal ticks are not told apart: it is for reading ahead, not for an order.
+  Slot second() const;
 
  private:
   static constexpr std::uint32_t k_group = 8;

@@ -54,6 +54,7 @@ inline double magnitude(double position, double velocity, double acceleration, d
 /// > 0 of them, moves towards the one ahead at `speed` >= 0, and accelerates towards it at
 /// `acceleration` of any sign. Each root is taken in the form without cancellation.
 inline double seconds_between(double ahead, double behind, double speed, double acceleration) {
+  if (acceleration == 0) return ahead / speed;  // the same as below: the root is the speed
   const double square = speed * speed;
   const double discriminant = square + 2 * acceleration * ahead;
   // Slowing down, it meets the wall ahead before its apex, or else the one behind.

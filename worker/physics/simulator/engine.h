@@ -1,9 +1,10 @@
 // The event loop, over any broad phase and any event queue.
 //
 // Asynchronous (thesis, Algorithms 3.2 and 3.3): each body has its own temporal bounding volume, a
-// box that holds it for a span of its own. When the span ends, it gets another one, for twice the
-// time since it got the last; when its motion changes, it keeps the box if that still holds it for
-// long enough. Pairs of overlapping boxes are watched. Every event touches one or two bodies.
+// box that holds it for a span of its own. When the span ends, it gets another one, for somewhat
+// more or less than the time since it got the last, as that overlapped few others or many; when its
+// motion changes, it keeps the box if that still holds it for long enough. Pairs of overlapping
+// boxes are watched. Every event touches one or two bodies.
 //
 // Synchronous (Algorithm 3.4): after every event every body's box is made anew, to hold until the
 // next event, and all extents are sorted again.
@@ -22,6 +23,7 @@
 // Thread safety: none.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -59,14 +61,25 @@ class Engine {
     std::uint32_t index = 0;
     std::uint32_t search = k_no_search;
   };
-  /// Takes the broad phase's report on one body. Pairs that begin are predicted unless all of the
-  /// body's are going to be.
+  /// Takes the broad phase's report on one body. Pairs that begin are predicted many at a time, by
+  /// finish, unless all of the body's are going to be.
   struct Sink {
     Engine& engine;
     std::uint32_t body;
     bool predict;
-    void begin(BodyId other) { engine.begin_pair(body, other.value, predict); }
-    void end(BodyId other) { engine.end_pair(body, other.value); }
+    std::size_t begun = 0;  ///< not predicted yet; the last ones in the body's list
+    void begin(BodyId other) {
+      engine.begin_pair(body, other.value, false);
+      ++begun;
+    }
+    void end(BodyId other) {
+      finish();  // another edge takes the place of this one
+      engine.end_pair(body, other.value);
+    }
+    void finish() {
+      if (predict && begun > 0) engine.predict_last(body, begun);
+      begun = 0;
+    }
     std::span<const BodyId> neighbours() const { return engine.graph_.others_of(body); }
   };
   struct PairsSink {
@@ -91,11 +104,16 @@ class Engine {
   void sample();
   std::string obstacle_of(std::uint32_t body);
 
+  // Reading ahead.
+  void fetch_next();
+  void fetch_next_neighbours() const;
+
   // Predictions.
   void begin_pair(std::uint32_t a, std::uint32_t b, bool predict);
   void end_pair(std::uint32_t a, std::uint32_t b);
   void predict(std::uint32_t body, PairEdge& edge);
   void predict_all(std::uint32_t body);
+  void predict_last(std::uint32_t body, std::size_t count);
   void predict_statics(std::uint32_t body);
   void refresh_key(std::uint32_t body);
 
@@ -105,6 +123,10 @@ class Engine {
   void renew_all_boxes(Tick end);
   bool watch_statics(std::uint32_t body, const Box& box);
   TickCount least_span(std::uint32_t body) const;
+  /// Static geometry near a body; without a look at its list where there can't be any.
+  std::span<StaticEdge> statics_of(std::uint32_t body) {
+    return world_.has_statics() ? std::span<StaticEdge>(statics_[body]) : std::span<StaticEdge>{};
+  }
 
   void fail(SceneError::Kind kind, std::string message);
   void schedule_control();
@@ -123,6 +145,8 @@ class Engine {
   std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
   std::size_t next_control_ = 0;
   std::uint32_t present_ = 0;  ///< bodies that have started
+  bool reads_ahead_ = false;
+  std::array<std::uint32_t, 2> next_bodies_{k_nobody, k_nobody};  ///< of the next event, probably
   Tick now_{};
   Counts counts_;
   std::optional<SceneError> failure_;

@@ -100,32 +100,49 @@ Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
                          double touch_m, Tick tick);
 
-/// The collision of two spheres that keep their relative velocity, as a span from the moment at
-/// which the second centre is at `between_m` from the first; k_tick_max.value if there is none.
-/// Closed form; inline, since a gas of spheres does little else.
+/// What decides whether two spheres that keep their relative velocity collide, in two steps, so
+/// that many pairs can be judged without a branch and the few that collide computed after.
+struct SphereApproach {
+  double towards = 0;       ///< < 0: they approach
+  double excess = 0;        ///< of the squared distance over that of the touch
+  double discriminant = 0;  ///< squared rate at the touch, times the squared reach
+  bool collides = false;
+};
+
+/// From the dot products of the way from the first centre to the second, `between`, and of the
+/// relative velocity. Inline, since a gas of spheres does little else.
+inline SphereApproach approach_of_free_spheres(double towards, double distance2_m2,
+                                               double speed2_m2ps2, double radii_m) {
+  const double reach_m = radii_m + k_touch_m;
+  const double excess = distance2_m2 - reach_m * reach_m;
+  const double discriminant = towards * towards - speed2_m2ps2 * excess;
+  // At the touch the rate is -sqrt(discriminant) / reach. Where they touch already it is a
+  // collision if they approach fast enough, now or never, since the rate of two free spheres only
+  // grows.
+  const double slowest = k_approach_mps * reach_m;
+  const bool touching = excess <= 0;
+  const bool meets = static_cast<bool>((touching & (towards < -slowest)) |
+                                       (!touching & (discriminant > slowest * slowest)));
+  return {towards, excess, discriminant, static_cast<bool>((towards < 0) & meets)};
+}
+
+/// After what span they collide. REQUIRES: they do.
+inline TickCount span_to_collision(const SphereApproach& approach) {
+  if (approach.excess <= 0) return 0;
+  return ticks_after(approach.excess / (std::sqrt(approach.discriminant) - approach.towards));
+}
+
+/// The collision as a span from the moment at which the second centre is at `between_m` from the
+/// first; k_tick_max.value if there is none. Closed form.
 inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps,
                                            double radii_m) {
-  const double towards = (between_m.x() * relative_mps.x() + between_m.y() * relative_mps.y()) +
-                         between_m.z() * relative_mps.z();
-  if (towards >= 0) return k_tick_max.value;
-  const double reach_m = radii_m + k_touch_m;
-  const double excess = ((between_m.x() * between_m.x() + between_m.y() * between_m.y()) +
-                         between_m.z() * between_m.z()) -
-                        reach_m * reach_m;
-  if (excess <= 0) {
-    // They touch already: it is a collision if they approach fast enough, now or never, since the
-    // rate of two free spheres only grows.
-    const double limit = k_approach_mps * reach_m;
-    return towards < -limit ? 0 : k_tick_max.value;
-  }
-  const double speed2 =
-      (relative_mps.x() * relative_mps.x() + relative_mps.y() * relative_mps.y()) +
-      relative_mps.z() * relative_mps.z();
-  const double discriminant = towards * towards - speed2 * excess;
-  // At the touch the rate is -sqrt(discriminant) / reach.
-  const double slowest = k_approach_mps * reach_m;
-  if (!(discriminant > slowest * slowest)) return k_tick_max.value;
-  return ticks_after(excess / (std::sqrt(discriminant) - towards));
+  const auto dot = [](const Vec3& a, const Vec3& b) {
+    return (a.x() * b.x() + a.y() * b.y()) + a.z() * b.z();
+  };
+  const SphereApproach approach =
+      approach_of_free_spheres(dot(between_m, relative_mps), dot(between_m, between_m),
+                               dot(relative_mps, relative_mps), radii_m);
+  return approach.collides ? span_to_collision(approach) : k_tick_max.value;
 }
 
 }  // namespace sleight::physics

@@ -15,7 +15,7 @@ namespace {
 constexpr double k_bounces_alone = 4;
 
 double wrapped(double x, double period) {
-  if (period == 0) return x;
+  if (period == 0 || (x > 0 && x < 0.99 * period)) return x;
   const double inside = x - std::floor(x / period) * period;
   return inside < period ? inside : 0;  // rounding can give the period itself
 }
@@ -35,16 +35,17 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
   turning_.resize(count);
   const bool contacts_last = scene_.slow.separation_speed_mps > 0 && statics_.feature_count() > 0;
   supports_.resize(contacts_last ? count : 0);
+  has_modes_ = contacts_last;
   const double pull_mps2 = math::norm(scene_.gravity_mps2);
   if (contacts_last && pull_mps2 > 0)
     alone_for_ = ticks_after(k_bounces_alone * 2 * scene_.slow.separation_speed_mps / pull_mps2);
   constants_.reserve(count);
   points_.reserve(count);
   for (const BodyDescription& body : scene_.bodies) {
-    BodyConstants constants{.inertia = body.inertia,
-                            .rigid_mass = rigid_mass(body.inertia),
-                            .material = body.material,
-                            .first_part = static_cast<std::uint32_t>(parts_.size())};
+    BodyConstants constants{.material = body.material,
+                            .first_part = static_cast<std::uint32_t>(parts_.size()),
+                            .inertia = body.inertia,
+                            .rigid_mass = rigid_mass(body.inertia)};
     if (const auto* sphere = std::get_if<Sphere>(&body.shape)) {
       constants.reach_m = sphere->radius_m;
       constants.sphere_mass =
@@ -54,6 +55,7 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     } else {
       const Compound& compound = *std::get<std::shared_ptr<const Compound>>(body.shape);
       constants.is_sphere = false;
+      only_spheres_ = false;
       constants.reach_m = compound.r_outer_m();
       constants.part_count = static_cast<std::uint32_t>(compound.parts.size());
       for (const ConvexPolyhedron& part : compound.parts)
@@ -61,6 +63,7 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     }
     // What a track of a general body needs is allocated now rather than when the body starts.
     if (constants.inertia.symmetry == InertiaSymmetry::general) {
+      has_modes_ = true;
       turning_[constants_.size()].track.restart({}, constants.inertia);
     }
     constants_.push_back(constants);
@@ -72,6 +75,19 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
   at_tick_.resize(count);
   recording_.reset(record ? count : 0, segments_reserved);
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double period_m = scene_.period_m[axis];
+    if (period_m == 0) continue;
+    images_.period_m.set(axis, period_m);
+    images_.half_m.set(axis, 0.5 * period_m);
+    images_.middle_m.set(axis, 0.9 * period_m);
+    images_.sure_m.set(axis, 0.35 * period_m);
+  }
+  has_statics_ = statics_.feature_count() > 0 || statics_.piece_count() > 0;
+  plain_spheres_ = only_spheres_ && !resting_.enabled() && !recent_.enabled() &&
+                   scene_.contacts.materials() == 1 &&
+                   scene_.contacts.between({}, {}).friction == 0;
+  turns_.assign(count, 0);
 }
 
 std::string World::name(std::uint32_t body) const {
@@ -90,20 +106,26 @@ Segment World::segment_of_start(const StartState& start, Tick tick) const {
                      .angular_velocity_radps = start.twist.angular_velocity_radps}};
 }
 
+Vec3 World::wrapped_m(const Vec3& place_m) const {
+  Vec3 inside_m;
+  for (int i = 0; i < 3; ++i)
+    inside_m[i] = wrapped(place_m[i], scene_.period_m[static_cast<std::size_t>(i)]);
+  return inside_m;
+}
+
 void World::place(std::uint32_t body, const Segment& segment) {
   found_.tick = Tick{-1};
   Segment& now = segments_[body];
   now = segment;
-  for (int i = 0; i < 3; ++i) {
-    const double period = scene_.period_m[static_cast<std::size_t>(i)];
-    now.flight.position_m[i] = wrapped(now.flight.position_m[i], period);
-  }
+  now.flight.position_m = wrapped_m(now.flight.position_m);
   flights_[body] = {.position_m = now.flight.position_m,
                     .velocity_mps = now.flight.velocity_mps,
                     .begin = now.flight.begin,
                     .radius_m = constants_[body].is_sphere && now.mode == MotionMode::free
                                     ? constants_[body].reach_m
                                     : 0};
+  turns_[body] = is_zero(now.flight.angular_velocity_radps) ? 0 : 1;
+  if (only_spheres_) return;
   Turning& turning = turning_[body];
   turning.placed_at = Tick{-1};
   if (constants_[body].is_sphere) return;
@@ -264,11 +286,11 @@ std::string World::solid_around(std::uint32_t body, Tick tick) const {
 }
 
 TickCount World::span_of_travel(std::uint32_t body, Tick tick, double radii) const {
-  const FreeFlight& flight = segments_[body].flight;
-  const double way_m = radii * constants_[body].reach_m;
+  const Path flight = path(body);
+  const double way_m = radii * reach_m(body);
   // Sums of components in place of norms: this sets speed only.
-  const Vec3 velocity_mps = velocity_at(flight, tick);
   const Vec3& pull = flight.acceleration_mps2;
+  const Vec3 velocity_mps = flight.velocity_mps + seconds(tick - flight.begin) * pull;
   const double speed_mps =
       (std::fabs(velocity_mps.x()) + std::fabs(velocity_mps.y())) + std::fabs(velocity_mps.z());
   const double a = (std::fabs(pull.x()) + std::fabs(pull.y())) + std::fabs(pull.z());
@@ -281,13 +303,13 @@ TickCount World::limited_span(std::uint32_t body, Tick tick, TickCount span,
                               double pad_radii) const {
   TickCount limited = std::min(span, k_tick_max - tick);
   if (!periodic_) return limited;
-  const FreeFlight& flight = segments_[body].flight;
+  const Flight& flight = flights_[body];
   for (int i = 0; i < 3; ++i) {
     const double period = scene_.period_m[static_cast<std::size_t>(i)];
     const double speed_mps = std::fabs(flight.velocity_mps[i]);
     if (period == 0 || speed_mps == 0) continue;
     // Of half a period each of the two has a half, less a hundredth of the period for roundings.
-    const double way_m = 0.24 * period - (1 + 2 * pad_radii) * constants_[body].reach_m;
+    const double way_m = 0.24 * period - (1 + 2 * pad_radii) * reach_m(body);
     limited = std::min(limited, ticks_before(way_m / speed_mps));
   }
   return std::max<TickCount>(1, limited);

@@ -8,9 +8,11 @@
 // Thread safety: none.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +22,7 @@
 #include "worker/physics/response/contact_motion.h"
 #include "worker/physics/response/rigid_impact.h"
 #include "worker/physics/response/sphere_impact.h"
+#include "worker/physics/simulator/lanes.h"
 #include "worker/physics/simulator/pair_graph.h"
 #include "worker/physics/simulator/piece_searches.h"
 #include "worker/physics/simulator/recent_contacts.h"
@@ -42,16 +45,24 @@ struct alignas(64) Flight {
 };
 static_assert(sizeof(Flight) == 64);
 
-/// What doesn't change.
-struct BodyConstants {
-  Inertia inertia;
+/// What doesn't change; what spheres need comes first, in one cache line.
+struct alignas(64) BodyConstants {
   SphereMass sphere_mass{};  ///< of a sphere
-  RigidMass rigid_mass{};
-  double reach_m = 0;  ///< radius of a sphere about the centre that holds the body
+  double reach_m = 0;        ///< radius of a sphere about the centre that holds the body
   MaterialId material{};
   bool is_sphere = true;
   std::uint32_t first_part = 0;  ///< its convex parts in the table of all; a sphere has one point
   std::uint32_t part_count = 1;
+  Inertia inertia;
+  RigidMass rigid_mass{};
+};
+
+/// The way of a body's centre (OnParabola in motion_bounds.h).
+struct Path {
+  Tick begin{};
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_mps = Vec3::Zero();
+  Vec3 acceleration_mps2 = Vec3::Zero();
 };
 
 class World {
@@ -64,7 +75,20 @@ class World {
   std::uint32_t size() const { return static_cast<std::uint32_t>(flights_.size()); }
   const Scene& scene() const { return scene_; }
   const Segment& segment(std::uint32_t body) const { return segments_[body]; }
-  const BodyConstants& constants(std::uint32_t body) const { return constants_[body]; }
+  /// Of the segment, without a look at the rest of it where that is a sphere in flight.
+  Path path(std::uint32_t body) const {
+    const Flight& flight = flights_[body];
+    return {.begin = flight.begin,
+            .position_m = flight.position_m,
+            .velocity_mps = flight.velocity_mps,
+            .acceleration_mps2 = flight.radius_m > 0 ? scene_.gravity_mps2
+                                                     : segments_[body].flight.acceleration_mps2};
+  }
+  /// Radius of a sphere about the centre that holds the body.
+  double reach_m(std::uint32_t body) const {
+    const double radius_m = flights_[body].radius_m;
+    return radius_m > 0 ? radius_m : constants_[body].reach_m;
+  }
   const Recording& recording() const { return recording_; }
   Recording& recording() { return recording_; }
   bool periodic() const { return periodic_; }
@@ -77,6 +101,7 @@ class World {
   void place(std::uint32_t body, const Segment& segment);
   void begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause);
 
+  bool has_statics() const { return has_statics_; }
   // What static geometry a body may meet. Indices are a body's own affair: spheres meet features,
   // others pieces.
   std::uint32_t static_count(std::uint32_t body) const;
@@ -92,42 +117,29 @@ class World {
   bool free_spheres(std::uint32_t a, std::uint32_t b) const {
     return flights_[a].radius_m > 0 && flights_[b].radius_m > 0 && !recent_.enabled();
   }
+  /// Hints to read soon what predictions need of a body, and what its collision does.
+  void fetch_flight(std::uint32_t body) const { __builtin_prefetch(&flights_[body]); }
+  void fetch(std::uint32_t body) const {
+    __builtin_prefetch(&flights_[body], 1);
+    __builtin_prefetch(&segments_[body], 1);
+    __builtin_prefetch(&segments_[body].flight.velocity_mps[2], 1);
+    __builtin_prefetch(&constants_[body]);
+    __builtin_prefetch(&at_tick_[body], 1);
+  }
+  /// Whether predict_flight is for this body.
+  bool in_free_flight(std::uint32_t body) const {
+    return flights_[body].radius_m > 0 && !recent_.enabled();
+  }
   /// The closed form. In a periodic world it is for the image that is nearest at `now`.
   /// REQUIRES: free_spheres(a, b); a < b.
-  Prediction predict_free_spheres(std::uint32_t a, std::uint32_t b, Tick now) const {
-    Vec3 shift_m = Vec3::Zero();
-    if (periodic_) {
-      const Flight& first = flights_[a];
-      const Flight& second = flights_[b];
-      const double s = seconds(now - first.begin);
-      const double t = seconds(now - second.begin);
-      shift_m = to_nearest_image((second.position_m + t * second.velocity_mps) -
-                                 (first.position_m + s * first.velocity_mps));
-    }
-    return predict_free_spheres_at(a, b, shift_m);
-  }
+  Prediction predict_free_spheres(std::uint32_t a, std::uint32_t b, Tick now) const;
   /// The same for the image of b at a shift.
-  Prediction predict_free_spheres_at(std::uint32_t a, std::uint32_t b, const Vec3& shift_m) const {
-    const Flight& first = flights_[a];
-    const Flight& second = flights_[b];
-    // Both fall alike, so the later one's begin and the motion of one against the other decide.
-    const Tick begin = std::max(first.begin, second.begin);
-    const Vec3& g = scene_.gravity_mps2;
-    const double s = seconds(begin - first.begin);
-    const double t = seconds(begin - second.begin);
-    Vec3 between_m;
-    Vec3 relative_mps;
-    for (int i = 0; i < 3; ++i) {
-      const double p = parabola(first.position_m[i], first.velocity_mps[i], g[i], s);
-      const double q = parabola(second.position_m[i], second.velocity_mps[i], g[i], t);
-      between_m[i] = (q + shift_m[i]) - p;
-      relative_mps[i] = (second.velocity_mps[i] + t * g[i]) - (first.velocity_mps[i] + s * g[i]);
-    }
-    const double reach_m = first.radius_m + second.radius_m;
-    const TickCount span = collision_of_free_spheres(between_m, relative_mps, reach_m);
-    if (span >= k_tick_max.value) return {};
-    return {.tick = begin + span, .certain = true};
-  }
+  Prediction predict_free_spheres_at(std::uint32_t a, std::uint32_t b, const Vec3& shift_m) const;
+  /// predict_free_spheres for some edges of a body; `changes` are of all bodies. False if some of
+  /// the others are not in free flight: those edges are predicted as not colliding, and the caller
+  /// must do them again. REQUIRES: in_free_flight(body).
+  bool predict_flight(std::uint32_t body, std::span<PairEdge> edges,
+                      std::span<const std::uint32_t> changes, Tick now) const;
   /// Goes on with a prediction that was not certain. REQUIRES: its tick is `now`.
   Prediction look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t search);
   Prediction predict_static(std::uint32_t body, std::uint32_t index, Tick now,
@@ -152,6 +164,7 @@ class World {
   /// When the body's mode event is due: the law of its contact changes, or its free rotation can't
   /// be computed any further; k_never if neither.
   Tick mode_end(std::uint32_t body) const {
+    if (!has_modes_) return k_never;
     if (constants_[body].is_sphere) return supports_.empty() ? k_never : supports_[body].end;
     return constants_[body].inertia.symmetry == InertiaSymmetry::general
                ? turning_[body].track.horizon()
@@ -209,6 +222,15 @@ class World {
     }
     return shift_m;
   }
+  /// A place within the periods.
+  Vec3 wrapped_m(const Vec3& place_m) const;
+  static Vec3 position_on(const Path& path, Tick tick) {
+    const double s = seconds(tick - path.begin);
+    Vec3 place_m;
+    for (int i = 0; i < 3; ++i)
+      place_m[i] = parabola(path.position_m[i], path.velocity_mps[i], path.acceleration_mps2[i], s);
+    return place_m;
+  }
   /// From a's centre to that of b's nearest image.
   Vec3 between_at(std::uint32_t a, std::uint32_t b, Tick tick) const {
     const Vec3 between_m =
@@ -236,6 +258,12 @@ class World {
     return same ? &found_.contact : nullptr;
   }
   void begin_after(std::uint32_t body, const Twist& twist, const EventKey& event);
+  template <bool k_fresh>
+  bool predict_flight_from(std::uint32_t body, std::span<PairEdge> edges,
+                           std::span<const std::uint32_t> changes, Tick now) const;
+  /// collide for two spheres in flight that don't turn, in a world of plain spheres: the same
+  /// bits from less memory.
+  void collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& event);
   void note_failure(std::string what, std::uint32_t body, Tick tick);
   void wake_dependents(std::uint32_t body, const EventKey& event);
 
@@ -274,9 +302,9 @@ class World {
 
   Scene scene_;
   StaticGeometry statics_;
-  std::vector<Flight> flights_;
-  std::vector<Segment> segments_;
-  std::vector<BodyConstants> constants_;
+  NearVector<Flight> flights_;
+  NearVector<Segment> segments_;
+  NearVector<BodyConstants> constants_;
   std::vector<std::uint8_t> started_;
   std::vector<Turning> turning_;
   std::vector<Supports> supports_;  ///< by body; empty if no body can stay on anything
@@ -306,8 +334,23 @@ class World {
   std::vector<AtTick> at_tick_;
   Recording recording_;
   std::string failure_;
+  /// What predict_flight needs of the axes: beyond `half_m` the nearest image is another; it is at
+  /// one period if the distance is within `sure_m` of `middle_m`.
+  struct Images {
+    Lanes period_m{};
+    Lanes half_m = Lanes::all(std::numeric_limits<double>::infinity());
+    Lanes middle_m{};
+    Lanes sure_m{};
+  };
+  Images images_;
   bool record_ = true;
   bool periodic_ = false;
+  bool has_statics_ = false;
+  bool has_modes_ = false;      ///< bodies that may have mode events
+  bool only_spheres_ = true;    ///< moving
+  bool plain_spheres_ = false;  ///< of one material without friction; nothing rests, slow or not
+  /// Of each sphere: whether it turns. The fast way past a segment, which then needs no look.
+  std::vector<std::uint8_t> turns_;
 };
 
 }  // namespace sleight::physics

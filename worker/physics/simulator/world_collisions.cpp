@@ -123,6 +123,10 @@ void World::wake_dependents(std::uint32_t body, const EventKey& event) {
 
 void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   changed_.clear();
+  if (plain_spheres_ && free_spheres(a, b) && turns_[a] == 0 && turns_[b] == 0) {
+    collide_plain(a, b, event);
+    return;
+  }
   const Tick tick = event.tick;
   const PieceContact contact = contact_at(a, b, event);
   const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;

@@ -135,6 +135,31 @@ TYPED_TEST(EventQueues, what_never_happens_is_still_in_order) {
   EXPECT_TRUE(queue.empty());
 }
 
+TEST(Tournament, TheSecondIsTheLeastOfTheOthers) {
+  // Goal: what is read ahead is what comes next. Method: random ticks without ties, against going
+  // through all slots.
+  Dice dice(5);
+  for (const std::uint32_t slots : {2U, 8U, 9U, 100U, 1001U}) {
+    TournamentQueue queue;
+    queue.reset(slots);
+    for (std::uint32_t slot = 0; slot < slots; ++slot)
+      queue.set({slot}, at(TickCount{dice.below(1U << 20U)} * slots + slot));
+    for (int i = 0; i < 1000; ++i) {
+      const Slot first = queue.least().slot;
+      Slot second{first.value == 0 ? 1U : 0U};
+      for (std::uint32_t slot = 0; slot < slots; ++slot) {
+        if (slot != first.value && queue.key_of({slot}) < queue.key_of(second)) second = {slot};
+      }
+      ASSERT_EQ(queue.second().value, second.value) << slots;
+      queue.set(first, at(TickCount{dice.below(1U << 20U)} * slots + first.value));
+    }
+  }
+  TournamentQueue one;
+  one.reset(1);
+  one.set({0}, at(7));
+  EXPECT_EQ(one.key_of(one.second()), at(7)) << "some slot, where there is no other";
+}
+
 /// SlowQueue with one mistake.
 enum class Mistake : std::uint8_t {
   by_insertion,

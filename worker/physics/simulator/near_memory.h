@@ -1,0 +1,54 @@
+// Arrays that an event touches here and there: on whole cache lines, and big ones on huge pages.
+//
+// A simulation of many bodies reads some tens of cache lines an event from all over its arrays. On
+// pages of 4 KiB each of them would cost a walk through the page tables as well; so big arrays ask
+// the kernel for huge ones, where it has them and doesn't give them by itself.
+// Thread safety: values.
+#pragma once
+
+#include <cstddef>
+#include <new>
+#include <vector>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace sleight::physics {
+
+template <class T>
+struct NearAllocator {
+  using value_type = T;
+  static constexpr std::size_t k_line = 64;
+  static constexpr std::size_t k_huge_page = std::size_t{1} << 21U;
+
+  NearAllocator() = default;
+  template <class U>
+  NearAllocator(const NearAllocator<U>&) {}
+
+  T* allocate(std::size_t count) {
+    const std::size_t bytes = count * sizeof(T);
+    void* const memory = ::operator new(bytes, alignment(bytes));
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+    // A hint: where it is refused, pages are small.
+    if (bytes >= k_huge_page) ::madvise(memory, bytes, MADV_HUGEPAGE);
+#endif
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, std::size_t count) {
+    ::operator delete(memory, alignment(count * sizeof(T)));
+  }
+  friend bool operator==(NearAllocator, NearAllocator) {
+    return true;
+  }
+
+ private:
+  static std::align_val_t alignment(std::size_t bytes) {
+    return std::align_val_t{bytes >= k_huge_page ? k_huge_page : k_line};
+  }
+};
+
+template <class T>
+using NearVector = std::vector<T, NearAllocator<T>>;
+
+}  // namespace sleight::physics
