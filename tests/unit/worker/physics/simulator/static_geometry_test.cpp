@@ -417,7 +417,9 @@ TEST(StaticGeometry, NoSphereFallsThrough) {
       Simulation simulation = Simulation::start(setting.scene, {}).value();
       ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(1.0)));
       const Counts& counts = simulation.counts();
-      EXPECT_GT(counts.static_collisions, 1000U);
+      // Most of the time they slide and roll, and meet a face only where another one ends.
+      EXPECT_GT(counts.static_collisions, 100U);
+      EXPECT_GT(counts.modes, 10U);
       random::Stream stream = stream_of(600 + seed);
       const double gap_m = least_gap_m(setting.scene, simulation.recording(), stream);
       EXPECT_GT(gap_m, -1e-7) << "seed " << seed;
