@@ -431,32 +431,34 @@ class Valley {
 ContactMotion in_a_corner(const RoundBody& body, std::span<const LastingContact> contacts,
                           const Twist& twist, const Vec3& gravity_mps2) {
   ContactMotion motion{.pressed = 0, .start = {.velocity_mps = Vec3::Zero()}};
-  LinearSystem loads_of(3);
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t i = 0; i < 3; ++i)
-      loads_of.coefficient(row, i) = contacts[i].normal[static_cast<int>(row)];
-    loads_of.right(row) = -gravity_mps2[static_cast<int>(row)];
-  }
-  std::array<double, LinearSystem::k_most> loads{};
-  if (!loads_of.solve(loads)) return motion;
-  for (std::size_t i = 0; i < 3; ++i)
-    motion.pressed |= (loads[i] > 0 ? 1U : 0U) << i;
-  motion.rolls = true;
   Vec3& w = motion.start.angular_velocity_radps;
   w = twist.angular_velocity_radps;
-  const double speed = norm(w);
-  if (speed * body.radius_m < k_stick_mps) {
-    w = Vec3::Zero();
-    return motion;
+  if (norm(w) * body.radius_m < k_stick_mps) w = Vec3::Zero();
+  // Friction of the spin takes part in what the faces must carry.
+  std::array<double, 3> slips_mps{};
+  LinearSystem loads_of(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 slip = -body.radius_m * cross(w, contacts[i].normal);
+    slips_mps[i] = norm(slip);
+    Vec3 push = contacts[i].normal;
+    if (slips_mps[i] > 0) push -= (contacts[i].friction / slips_mps[i]) * slip;
+    for (std::size_t row = 0; row < 3; ++row)
+      loads_of.coefficient(row, i) = push[static_cast<int>(row)];
   }
-  const Vec3 axis = w / speed;
-  double brake = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    brake += contacts[i].friction * loads[i] * norm(cross(axis, contacts[i].normal));
-  brake /= body.gyration * body.radius_m;
-  if (!(brake > 0)) return motion;
-  motion.rolls = false;
-  motion.angular_acceleration_radps2 = -brake * axis;
+  for (std::size_t row = 0; row < 3; ++row)
+    loads_of.right(row) = -gravity_mps2[static_cast<int>(row)];
+  std::array<double, LinearSystem::k_most> loads{};
+  if (!loads_of.solve(loads)) return motion;
+  double power = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    motion.pressed |= (loads[i] > 0 ? 1U : 0U) << i;
+    power += contacts[i].friction * loads[i] * slips_mps[i];
+  }
+  motion.rolls = !(power > 0);
+  if (motion.rolls || motion.pressed != 7) return motion;
+  const double speed = norm(w);
+  const double brake = power / (body.gyration * body.radius_m * body.radius_m * speed);
+  motion.angular_acceleration_radps2 = -(brake / speed) * w;
   motion.lasts_s = speed / brake;
   return motion;
 }

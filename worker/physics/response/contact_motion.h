@@ -12,7 +12,7 @@
 //   two faces    the same along the valley, with the loads from a linear system, since friction
 //                across the valley at one face presses on the other
 //   three faces  a corner: the centre stays, and friction brakes the spin about the axis that it
-//                has, by the power that it takes under the loads of a sphere at rest
+//                has, by the power that it takes
 //
 // with k = I / (m r^2) (2/5 of a solid ball), g_t the part of gravity along the face and N the
 // load over the mass. (For one face, F. Reif's or any text on mechanics; 5/7 and 2/7 of a ball that

@@ -25,6 +25,8 @@ constexpr std::array k_scenes{
     SceneEntry{"gas_thin", "elastic spheres in periodic space, packing 0.1", &thin_gas, 1000},
     SceneEntry{"grain_heap", "grains that make a heap", &grain_heap, 100},
     SceneEntry{"hourglass", "grains that fall through a funnel", &hourglass, 100},
+    SceneEntry{"marbles", "spheres that slide and roll over slopes, a ridge and a pedestal",
+               &marbles, 15},
     SceneEntry{"rain", "spheres of all sorts that fall into a box and bounce", &rain, 20},
     SceneEntry{"tray", "spheres and cubes thrown at a tray with a raised rim", &tray, 40},
 };

@@ -66,6 +66,10 @@ Setting bumpy_floor(std::uint32_t bodies, std::uint64_t seed);
 /// table beside it.
 Setting tray(std::uint32_t bodies, std::uint64_t seed);
 
+/// Marbles that slide and roll: a tilted floor between four leaning walls, a pedestal, and a sheet
+/// with a ridge and a furrow. Restitution, friction and rolling friction are drawn.
+Setting marbles(std::uint32_t bodies, std::uint64_t seed);
+
 /// What ends slow contacts of bodies of a size in the earth's gravity: separation at 1/100 and rest
 /// below 4/100 of the speed that a body has after falling half its size, for a tenth of the time
 /// that it takes to fall so far.

@@ -77,8 +77,8 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint3
   const bool both_free =
       segments_[a].mode == MotionMode::free && segments_[b].mode == MotionMode::free;
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
-    const bool closed =
-        both_free && recent_.of(a, b).until <= std::max(flights_[a].begin, flights_[b].begin);
+    const bool closed = both_free && refractory_of_spheres(a, b).until <=
+                                         std::max(flights_[a].begin, flights_[b].begin);
     return closed ? predict_free_spheres(a, b, now) : predict_spheres(a, b, now);
   }
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
@@ -126,11 +126,24 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
   return prediction;
 }
 
+Refractory World::refractory_of_spheres(std::uint32_t a, std::uint32_t b) const {
+  const Refractory refractory = recent_.of(a, b);
+  const Tick begin = std::max(flights_[a].begin, flights_[b].begin);
+  if (refractory.until <= begin) return refractory;
+  // In so short a time they don't change their speed by themselves.
+  const Vec3 between_m = between_at(a, b, begin);
+  const Vec3 relative_mps =
+      velocity_at(segments_[b].flight, begin) - velocity_at(segments_[a].flight, begin);
+  const bool fast =
+      math::dot(between_m, relative_mps) < -k_fast_approach_mps * math::norm(between_m);
+  return fast ? Refractory{} : refractory;
+}
+
 Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) const {
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
     return {};
   const double radii_m = constants_[a].reach_m + constants_[b].reach_m;
-  const Refractory refractory = recent_.of(a, b);
+  const Refractory refractory = refractory_of_spheres(a, b);
   return looked_ahead(from, [&](Tick tick) {
     const MovingPoint p = centre_at(a, tick);
     const MovingPoint q = centre_at(b, tick);

@@ -15,8 +15,8 @@ struct TestScene {
 
 /// The n-th of an endless list: kinds alternate, sizes and seeds vary.
 inline TestScene test_scene(std::uint64_t n) {
-  const std::uint64_t seed = n / 8 + 1;
-  switch (n % 8) {
+  const std::uint64_t seed = n / 9 + 1;
+  switch (n % 9) {
     case 0: {
       const auto bodies = static_cast<std::uint32_t>(2 + seed * 7 % 60);
       return {"rain " + std::to_string(bodies), scenes::rain(bodies, seed)};
@@ -60,6 +60,12 @@ inline TestScene test_scene(std::uint64_t n) {
       const auto bodies = static_cast<std::uint32_t>(2 + seed * 5 % 11);
       TestScene scene{"tray " + std::to_string(bodies), scenes::tray(bodies, seed)};
       scene.setting.duration_s = 0.2;
+      return scene;
+    }
+    case 7: {
+      const auto bodies = static_cast<std::uint32_t>(1 + seed * 3 % 12);
+      TestScene scene{"marbles " + std::to_string(bodies), scenes::marbles(bodies, seed)};
+      scene.setting.duration_s = 0.6;
       return scene;
     }
     default: {
