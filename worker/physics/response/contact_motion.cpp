@@ -22,8 +22,13 @@ constexpr double k_turn_max = 0.5;
 constexpr double k_slip_error_mps = 1e-5;
 /// A slip that would turn by less than this until it ends is straight.
 constexpr double k_straight = 1e-9;
-/// How long a contact that begins to slip does so in the direction in which it began.
-constexpr double k_begin_s = 1.0 / 64;
+/// Of a sum of products.
+constexpr double k_rounding = 1e-12;
+/// How long a contact that begins to slip does so in a direction that is not quite its own.
+constexpr double k_begin_s = 1e-4;
+/// Rounds in which that direction is sought, and how well it is found.
+constexpr int k_begin_rounds = 40;
+constexpr double k_begin_off = 1e-12;
 
 /// In which direction something is braked for now, and how long that direction is good for.
 struct Braked {
@@ -264,11 +269,16 @@ class Valley {
     resistance *= (1 + k) * r * norm(spin_per_mps) / (1 + inertia);
     const double pull = dot(gravity_, line_);
     if (resistance > 0 && std::fabs(speed) <= k_stick_mps) speed = 0;
-    const double a = resisted(speed, pull / (1 + inertia), resistance);
+    const double free_a = pull / (1 + inertia);
+    double a = resisted(speed, free_a, resistance);
+    // What the contacts can't take of the resistance is not there: it must not make them slip.
+    const double most =
+        2 * std::min(contacts_[0].friction * loads[0], contacts_[1].friction * loads[1]);
+    if (std::fabs(free_a - pull) <= most) a = std::clamp(a, pull - most, pull + most);
     // Both contacts take the same share of the friction: else the spin would leave the rolling one.
     const double friction = 0.5 * (a - pull);
     for (std::size_t i = 0; i < 2; ++i) {
-      if (std::fabs(friction) <= contacts_[i].friction * loads[i]) continue;
+      if (std::fabs(friction) <= contacts_[i].friction * loads[i] * (1 + k_rounding)) continue;
       slips_[i] = true;
       direction_[i] = -std::copysign(1.0, friction) * line_;
       begins_[i] = true;
@@ -384,11 +394,27 @@ class Valley {
            body_.radius_m * cross(motion_.angular_acceleration_radps2, contacts_[i].normal);
   }
 
+  /// The direction in which a slip begins is the one in which friction against it lets it grow.
+  /// False if it isn't found.
+  bool settle_begin(std::size_t i) {
+    for (int round = 0; round < k_begin_rounds; ++round) {
+      const Vec3 rate = slip_rate(i);
+      if (!(norm(rate) > 0)) return false;
+      const Vec3 direction = math::normalized(rate);
+      const double off = norm(direction - direction_[i]);
+      direction_[i] = direction;
+      if (!forces()) return false;
+      if (off < k_begin_off) return true;
+    }
+    return false;
+  }
+
   /// Slips in the directions that they have half way, and for how long.
   void hold_directions() {
     double lasts_s = k_forever_s;
     for (std::size_t i = 0; i < 2; ++i) {
-      if (begins_[i]) lasts_s = std::min(lasts_s, k_begin_s);
+      if (begins_[i] && !settle_begin(i)) lasts_s = std::min(lasts_s, k_begin_s);
+      if (motion_.pressed != 3) return;
       if (slips_[i] && !begins_[i] && contacts_[i].friction > 0)
         lasts_s = std::min(lasts_s, braked(slip_at(i), slip_rate(i)).lasts_s);
     }
