@@ -27,22 +27,22 @@ using response_reference::SteppedBall;
 constexpr double k_g = 9.81;
 constexpr double k_pi = 3.14159265358979323846;
 
-struct Setup {
-  std::string name;
+struct Trial {
+  std::string name{};
   RoundBody body{.radius_m = 0.01};
-  std::vector<LastingContact> contacts;
+  std::vector<LastingContact> contacts{};
   Twist twist{};
   Vec3 gravity_mps2 = Vec3(0, 0, -k_g);
   double until_s = 1;
 };
 
-Setup turned(const Quat& by, Setup setup) {
-  for (LastingContact& contact : setup.contacts)
+Trial turned(const Quat& by, Trial trial) {
+  for (LastingContact& contact : trial.contacts)
     contact.normal = math::normalized(math::rotated(by, contact.normal));
-  setup.twist = {math::rotated(by, setup.twist.velocity_mps),
-                 math::rotated(by, setup.twist.angular_velocity_radps)};
-  setup.gravity_mps2 = math::rotated(by, setup.gravity_mps2);
-  return setup;
+  trial.twist = {math::rotated(by, trial.twist.velocity_mps),
+                 math::rotated(by, trial.twist.angular_velocity_radps)};
+  trial.gravity_mps2 = math::rotated(by, trial.gravity_mps2);
+  return trial;
 }
 
 /// Gravity as it is seen from a plane z = 0 that falls along x by an angle.
@@ -67,7 +67,7 @@ std::vector<LastingContact> valley(double angle_a, double angle_b, double mu_a, 
 /// the simulator does.
 class Walk {
  public:
-  explicit Walk(const Setup& setup) : setup_(setup), twist_(setup.twist) { begin(); }
+  explicit Walk(const Trial& trial) : trial_(trial), twist_(trial.twist) { begin(); }
 
   /// REQUIRES: not before what was asked for last.
   void go_to(double time_s) {
@@ -93,7 +93,7 @@ class Walk {
   double lasts_s() const { return lasts_s_; }
   int segments() const { return segments_; }
   /// Whether it is pressed on all faces.
-  bool holds() const { return motion_.pressed == (1U << setup_.contacts.size()) - 1; }
+  bool holds() const { return motion_.pressed == (1U << trial_.contacts.size()) - 1; }
   bool is_last() const { return !holds() || std::isinf(lasts_s_); }
 
   Twist twist_after(double s) const {
@@ -103,7 +103,7 @@ class Walk {
 
  private:
   void begin() {
-    motion_ = contact_motion(setup_.body, setup_.contacts, twist_, setup_.gravity_mps2);
+    motion_ = contact_motion(trial_.body, trial_.contacts, twist_, trial_.gravity_mps2);
     lasts_s_ = std::isinf(motion_.lasts_s)
                    ? motion_.lasts_s
                    : seconds(std::max<TickCount>(1, ticks_after(motion_.lasts_s)));
@@ -113,7 +113,7 @@ class Walk {
     return s * motion_.start.velocity_mps + (0.5 * s * s) * motion_.acceleration_mps2;
   }
 
-  const Setup& setup_;
+  const Trial& trial_;
   ContactMotion motion_;
   Twist twist_;
   Vec3 way_m_ = Vec3::Zero();
@@ -130,10 +130,10 @@ TEST(ContactMotion, BallThrownWithoutSpin) {
   // for other moments. Method: the textbook's answer (F. Reif), and the way with it.
   for (const double k : {0.4, 2.0 / 3, 0.1}) {
     const double mu = 0.13, v = 2.3;
-    const Setup setup{.body = {.radius_m = 0.03, .gyration = k},
+    const Trial trial{.body = {.radius_m = 0.03, .gyration = k},
                       .contacts = {{.normal = Vec3::UnitZ(), .friction = mu}},
                       .twist = {.velocity_mps = Vec3(v, 0, 0)}};
-    Walk walk(setup);
+    Walk walk(trial);
     EXPECT_FALSE(walk.motion().rolls);
     const double slides_s = k / (1 + k) * v / (mu * k_g);
     EXPECT_NEAR(walk.motion().lasts_s, slides_s, 1e-14);
@@ -155,10 +155,10 @@ TEST(ContactMotion, RollsAndSlidesOnSlopes) {
   const double mu = 0.2, r = 0.02;
   const double steepest_rad = std::atan(3.5 * mu);
   for (const double slope_rad : {0.01, 0.3, steepest_rad - 1e-6, steepest_rad + 1e-6, 1.2}) {
-    const Setup setup{.body = {.radius_m = r},
+    const Trial trial{.body = {.radius_m = r},
                       .contacts = {{.normal = Vec3::UnitZ(), .friction = mu}},
                       .gravity_mps2 = gravity_on_slope(slope_rad)};
-    const Walk walk(setup);
+    const Walk walk(trial);
     EXPECT_TRUE(walk.is_last());
     const bool rolls = slope_rad < steepest_rad;
     EXPECT_EQ(walk.motion().rolls, rolls) << slope_rad;
@@ -180,21 +180,21 @@ TEST(ContactMotion, MomentumAboutTheContactIsGravitys) {
   int turning = 0;
   for (int i = 0; i < 2000; ++i) {
     const double k = dice.uniform(0.05, 0.66);
-    Setup setup{.body = {.radius_m = dice.spread(1e-3, 1), .gyration = k},
+    Trial trial{.body = {.radius_m = dice.spread(1e-3, 1), .gyration = k},
                 .contacts = {{.normal = Vec3::UnitZ(), .friction = dice.spread(0.01, 1)}},
                 .gravity_mps2 = gravity_on_slope(dice.uniform(0, 1))};
-    setup.twist = {dice.uniform(0, 2) * cross(Vec3::UnitZ(), dice.direction()),
-                   dice.uniform(0, 2) / setup.body.radius_m * dice.direction()};
-    setup = turned(dice.rotation(), setup);
-    const Vec3 n = setup.contacts[0].normal;
+    trial.twist = {dice.uniform(0, 2) * cross(Vec3::UnitZ(), dice.direction()),
+                   dice.uniform(0, 2) / trial.body.radius_m * dice.direction()};
+    trial = turned(dice.rotation(), trial);
+    const Vec3 n = trial.contacts[0].normal;
     const auto kept = [&](const Twist& twist) {
       return Vec3(twist.velocity_mps +
-                  k * setup.body.radius_m * cross(twist.angular_velocity_radps, n));
+                  k * trial.body.radius_m * cross(twist.angular_velocity_radps, n));
     };
-    Walk walk(setup);
+    Walk walk(trial);
     walk.go_to(1);
-    const Vec3& g = setup.gravity_mps2;
-    worst = std::max(worst, norm(kept(walk.twist()) - kept(setup.twist) - (g - dot(g, n) * n)));
+    const Vec3& g = trial.gravity_mps2;
+    worst = std::max(worst, norm(kept(walk.twist()) - kept(trial.twist) - (g - dot(g, n) * n)));
     if (walk.segments() > 3) ++turning;
   }
   std::printf("seed %d: worst deviation %.1e m/s\n", static_cast<int>(seed), worst);
@@ -206,10 +206,10 @@ TEST(ContactMotion, RollingResistanceStopsIt) {
   // Goal: a rolling ball stops after v/(c g) and v^2/(2 c g) and stays; on slopes it stays up to
   // tan = (1 + k) c and starts beyond with the rest. Method: closed forms on both sides.
   const double c = 0.02, r = 0.025, v = 0.7;
-  Setup setup{.body = {.radius_m = r},
+  Trial trial{.body = {.radius_m = r},
               .contacts = {{.normal = Vec3::UnitZ(), .friction = 0.4, .rolling_friction = c}},
               .twist = {Vec3(v, 0, 0), Vec3(0, v / r, 0)}};
-  Walk walk(setup);
+  Walk walk(trial);
   EXPECT_TRUE(walk.motion().rolls);
   EXPECT_NEAR(walk.motion().lasts_s, v / (c * k_g), 1e-13);
   walk.go_to(10);
@@ -221,17 +221,17 @@ TEST(ContactMotion, RollingResistanceStopsIt) {
   for (const double gyration : {0.4, 0.2}) {
     const double limit_rad = std::atan((1 + gyration) * c);
     for (const double slope_rad : {0.0, limit_rad - 1e-9, limit_rad + 1e-9, 0.1}) {
-      setup.body.gyration = gyration;
-      setup.twist = {};
-      setup.gravity_mps2 = gravity_on_slope(slope_rad);
-      const Walk still(setup);
+      trial.body.gyration = gyration;
+      trial.twist = {};
+      trial.gravity_mps2 = gravity_on_slope(slope_rad);
+      const Walk still(trial);
       EXPECT_TRUE(still.is_last());
       EXPECT_TRUE(still.motion().rolls);
       const double a = k_g * std::sin(slope_rad) / (1 + gyration) - c * k_g * std::cos(slope_rad);
       EXPECT_NEAR(still.motion().acceleration_mps2.x(), std::max(0.0, a), 1e-14) << slope_rad;
       // Thrown uphill on a gentle one it stops and stays, on a steep one it comes back.
-      setup.twist = {Vec3(-0.1, 0, 0), Vec3(0, -0.1 / r, 0)};
-      Walk thrown(setup);
+      trial.twist = {Vec3(-0.1, 0, 0), Vec3(0, -0.1 / r, 0)};
+      Walk thrown(trial);
       thrown.go_to(60);
       if (slope_rad < limit_rad) {
         EXPECT_EQ(thrown.twist().velocity_mps, Vec3(0, 0, 0)) << slope_rad;
@@ -247,17 +247,17 @@ TEST(ContactMotion, SpinAboutTheNormalIsBraked) {
   // resistance; sliding doesn't change that. Method: closed form.
   const double c = 0.01, r = 0.02, w = 40;
   for (const double v : {0.0, 1.0}) {
-    Setup setup{.body = {.radius_m = r},
+    Trial trial{.body = {.radius_m = r},
                 .contacts = {{.normal = Vec3::UnitZ(), .friction = 0.3, .rolling_friction = c}},
                 .twist = {Vec3(v, 0, 0), Vec3(0, 0, -w)}};
-    Walk walk(setup);
+    Walk walk(trial);
     const double stops_s = 0.4 * r * w / (c * k_g);
     walk.go_to(stops_s / 2);
     EXPECT_NEAR(walk.twist().angular_velocity_radps.z(), -w / 2, 1e-9 * w);
     walk.go_to(stops_s + 1e-6);
     EXPECT_EQ(walk.twist().angular_velocity_radps.z(), 0);
-    setup.contacts[0].rolling_friction = 0;
-    Walk on(setup);
+    trial.contacts[0].rolling_friction = 0;
+    Walk on(trial);
     on.go_to(100);
     EXPECT_EQ(on.twist().angular_velocity_radps.z(), -w);
   }
@@ -270,10 +270,10 @@ TEST(ContactMotion, RollsDownAGroove) {
   for (const double k : {0.4, 2.0 / 3}) {
     for (const auto& [angle_a, angle_b] :
          {std::array{0.8, 0.8}, std::array{0.2, 0.2}, std::array{0.4, 0.9}}) {
-      const Setup setup{.body = {.radius_m = 0.01, .gyration = k},
+      const Trial trial{.body = {.radius_m = 0.01, .gyration = k},
                         .contacts = valley(angle_a, angle_b, 0.5, 0.5),
                         .gravity_mps2 = gravity_on_slope(0.2)};
-      const Walk walk(setup);
+      const Walk walk(trial);
       EXPECT_TRUE(walk.is_last());
       EXPECT_TRUE(walk.motion().rolls);
       const double half = std::cos((angle_a + angle_b) / 2);
@@ -291,14 +291,14 @@ TEST(ContactMotion, CornerBrakesSpin) {
   // b).
   const double mu = 0.2, r = 0.015, w = 90;
   for (const double b : {0.5, 1.1}) {
-    Setup setup{.body = {.radius_m = r}, .twist = {Vec3::Zero(), Vec3(0, 0, w)}};
+    Trial trial{.body = {.radius_m = r}, .twist = {Vec3::Zero(), Vec3(0, 0, w)}};
     for (int i = 0; i < 3; ++i) {
       const double at = 1 + 2 * k_pi / 3 * i;
-      setup.contacts.push_back(
+      trial.contacts.push_back(
           {.normal = Vec3(std::sin(b) * std::cos(at), std::sin(b) * std::sin(at), std::cos(b)),
            .friction = mu});
     }
-    Walk walk(setup);
+    Walk walk(trial);
     const double brake = mu * k_g * std::tan(b) / (0.4 * r);
     EXPECT_NEAR(walk.motion().lasts_s, w / brake, 1e-13);
     EXPECT_EQ(walk.motion().acceleration_mps2, Vec3(0, 0, 0));
@@ -333,42 +333,42 @@ struct Deviation {
   }
 };
 
-Deviation deviation(const Setup& setup, const Samples& a, const Samples& b) {
+Deviation deviation(const Trial& trial, const Samples& a, const Samples& b) {
   Deviation worst;
   for (std::size_t i = 0; i < a.size(); ++i) {
     worst.include({norm(a[i].twist.velocity_mps - b[i].twist.velocity_mps),
-                   setup.body.radius_m *
+                   trial.body.radius_m *
                        norm(a[i].twist.angular_velocity_radps - b[i].twist.angular_velocity_radps),
                    norm(a[i].way_m - b[i].way_m)});
   }
   return worst;
 }
 
-Samples stepped(const Setup& setup, int steps_per_sample) {
-  const double step_s = setup.until_s / (k_samples * steps_per_sample);
-  SteppedBall ball(setup.body, setup.contacts, setup.twist, setup.gravity_mps2, step_s);
+Samples stepped(const Trial& trial, int steps_per_sample) {
+  const double step_s = trial.until_s / (k_samples * steps_per_sample);
+  SteppedBall ball(trial.body, trial.contacts, trial.twist, trial.gravity_mps2, step_s);
   Samples samples;
   for (State& sample : samples) {
     for (int i = 0; i < steps_per_sample; ++i)
       ball.step();
     sample = {ball.twist(), ball.way_m()};
   }
-  EXPECT_FALSE(ball.pulled()) << setup.name;
+  EXPECT_FALSE(ball.pulled()) << trial.name;
   return samples;
 }
 
-Samples walked(const Setup& setup) {
-  Walk walk(setup);
+Samples walked(const Trial& trial) {
+  Walk walk(trial);
   Samples samples;
   for (int i = 0; i < k_samples; ++i) {
-    walk.go_to(setup.until_s / k_samples * (i + 1));
+    walk.go_to(trial.until_s / k_samples * (i + 1));
     samples[static_cast<std::size_t>(i)] = {walk.twist(), walk.way_m()};
   }
-  EXPECT_TRUE(walk.holds()) << setup.name;
+  EXPECT_TRUE(walk.holds()) << trial.name;
   return samples;
 }
 
-/// What comparing many setups showed.
+/// What comparing many trials showed.
 struct Agreement {
   Deviation worst;           ///< between the code and the finer reference
   double reference_mps = 0;  ///< between the two references, most
@@ -384,18 +384,18 @@ struct Agreement {
 /// The code against the reference with two steps. Tolerance: the reference's own error, which is
 /// what halving its step changes, up to three times where contacts change within a step, and
 /// `held` for directions of slip that are held for a while.
-void compare(const Setup& setup, int steps_per_sample, double held, Agreement& agreement) {
-  const Samples coarse = stepped(setup, steps_per_sample);
-  const Samples fine = stepped(setup, 2 * steps_per_sample);
-  const Samples code = walked(setup);
-  const Deviation halving = deviation(setup, coarse, fine);
-  const Deviation error = deviation(setup, code, fine);
-  EXPECT_LE(error.velocity, 3 * halving.most() + held) << setup.name;
-  EXPECT_LE(error.spin, 3 * halving.most() + held) << setup.name;
-  EXPECT_LE(error.way, 3 * halving.most() + held) << setup.name;
+void compare(const Trial& trial, int steps_per_sample, double held, Agreement& agreement) {
+  const Samples coarse = stepped(trial, steps_per_sample);
+  const Samples fine = stepped(trial, 2 * steps_per_sample);
+  const Samples code = walked(trial);
+  const Deviation halving = deviation(trial, coarse, fine);
+  const Deviation error = deviation(trial, code, fine);
+  EXPECT_LE(error.velocity, 3 * halving.most() + held) << trial.name;
+  EXPECT_LE(error.spin, 3 * halving.most() + held) << trial.name;
+  EXPECT_LE(error.way, 3 * halving.most() + held) << trial.name;
   agreement.worst.include(error);
   agreement.reference_mps = std::max(agreement.reference_mps, halving.most());
-  agreement.coarse += deviation(setup, code, coarse).most();
+  agreement.coarse += deviation(trial, code, coarse).most();
   agreement.fine += error.most();
 }
 
@@ -414,20 +414,20 @@ TEST(ContactMotionAgainstSteps, StraightOnOneFace) {
   Dice dice(seed);
   Agreement agreement;
   for (int i = 0; i < 30; ++i) {
-    Setup setup{.name = "straight " + std::to_string(i)};
-    setup.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.05, 0.66)};
+    Trial trial{.name = "straight " + std::to_string(i)};
+    trial.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.05, 0.66)};
     const double mu = i % 5 == 0 ? 0 : dice.spread(0.03, 0.6);
-    setup.contacts = {{.normal = Vec3::UnitZ(), .friction = mu}};
-    setup.twist = random_twist(dice, setup.body, 2);
+    trial.contacts = {{.normal = Vec3::UnitZ(), .friction = mu}};
+    trial.twist = random_twist(dice, trial.body, 2);
     if (i % 3 == 1) {
-      setup.gravity_mps2 = gravity_on_slope(dice.uniform(0, 1));
-      setup.twist.velocity_mps.y() = 0;
-      setup.twist.angular_velocity_radps.x() = 0;
+      trial.gravity_mps2 = gravity_on_slope(dice.uniform(0, 1));
+      trial.twist.velocity_mps.y() = 0;
+      trial.twist.angular_velocity_radps.x() = 0;
     } else if (i % 3 == 2) {
-      setup.gravity_mps2 = gravity_on_slope(std::atan((1 + 1 / setup.body.gyration) * mu) + 0.1);
-      setup.twist = {};
+      trial.gravity_mps2 = gravity_on_slope(std::atan((1 + 1 / trial.body.gyration) * mu) + 0.1);
+      trial.twist = {};
     }
-    compare(turned(dice.rotation(), setup), 6250, 1e-10, agreement);
+    compare(turned(dice.rotation(), trial), 6250, 1e-10, agreement);
   }
   agreement.print("one face, straight, seed 41");
   EXPECT_GT(agreement.coarse, 1.8 * agreement.fine);
@@ -441,12 +441,12 @@ TEST(ContactMotionAgainstSteps, AcrossASlope) {
   Dice dice(seed);
   Agreement agreement;
   for (int i = 0; i < 30; ++i) {
-    Setup setup{.name = "across " + std::to_string(i)};
-    setup.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.05, 0.66)};
-    setup.contacts = {{.normal = Vec3::UnitZ(), .friction = dice.spread(0.03, 0.6)}};
-    setup.twist = random_twist(dice, setup.body, 2);
-    setup.gravity_mps2 = gravity_on_slope(dice.uniform(0.05, 0.8));
-    compare(turned(dice.rotation(), setup), 6250, 4e-4, agreement);
+    Trial trial{.name = "across " + std::to_string(i)};
+    trial.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.05, 0.66)};
+    trial.contacts = {{.normal = Vec3::UnitZ(), .friction = dice.spread(0.03, 0.6)}};
+    trial.twist = random_twist(dice, trial.body, 2);
+    trial.gravity_mps2 = gravity_on_slope(dice.uniform(0.05, 0.8));
+    compare(turned(dice.rotation(), trial), 6250, 4e-4, agreement);
   }
   agreement.print("one face, across, seed 42");
 }
@@ -458,14 +458,14 @@ TEST(ContactMotionAgainstSteps, WithRollingResistance) {
   Dice dice(seed);
   Agreement agreement;
   for (int i = 0; i < 16; ++i) {
-    Setup setup{.name = "resisted " + std::to_string(i), .until_s = 2};
-    setup.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.1, 0.66)};
-    setup.contacts = {{.normal = Vec3::UnitZ(),
+    Trial trial{.name = "resisted " + std::to_string(i), .until_s = 2};
+    trial.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.1, 0.66)};
+    trial.contacts = {{.normal = Vec3::UnitZ(),
                        .friction = dice.uniform(0.3, 0.6),
                        .rolling_friction = dice.spread(0.01, 0.1)}};
-    setup.twist = random_twist(dice, setup.body, 1);
-    if (i % 2 == 1) setup.gravity_mps2 = gravity_on_slope(dice.spread(0.01, 0.2));
-    compare(turned(dice.rotation(), setup), 500, 4e-4, agreement);
+    trial.twist = random_twist(dice, trial.body, 1);
+    if (i % 2 == 1) trial.gravity_mps2 = gravity_on_slope(dice.spread(0.01, 0.2));
+    compare(turned(dice.rotation(), trial), 500, 4e-4, agreement);
   }
   agreement.print("one face, resistance, seed 43");
 }
@@ -478,17 +478,17 @@ TEST(ContactMotionAgainstSteps, AlongValleys) {
   Dice dice(seed);
   Agreement agreement;
   for (int i = 0; i < 24; ++i) {
-    Setup setup{.name = "valley " + std::to_string(i), .until_s = 0.8};
-    setup.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.2, 0.66)};
+    Trial trial{.name = "valley " + std::to_string(i), .until_s = 0.8};
+    trial.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.2, 0.66)};
     const double angle = dice.uniform(0.4, 0.9);
     const double mu = dice.spread(0.03, 0.3);
-    setup.contacts = i % 3 == 0 ? valley(angle, angle, mu, mu)
+    trial.contacts = i % 3 == 0 ? valley(angle, angle, mu, mu)
                                 : valley(angle, dice.uniform(0.4, 0.9), mu, dice.spread(0.03, 0.3));
-    setup.gravity_mps2 = gravity_on_slope(i % 4 == 0 ? 0 : dice.uniform(0, 0.9));
-    setup.twist = {Vec3(dice.uniform(-2, 2), 0, 0),
-                   dice.uniform(0, 2) / setup.body.radius_m * dice.direction()};
-    if (i % 6 == 5) setup.twist = {};
-    compare(turned(dice.rotation(), setup), 1250, 1e-3, agreement);
+    trial.gravity_mps2 = gravity_on_slope(i % 4 == 0 ? 0 : dice.uniform(0, 0.9));
+    trial.twist = {Vec3(dice.uniform(-2, 2), 0, 0),
+                   dice.uniform(0, 2) / trial.body.radius_m * dice.direction()};
+    if (i % 6 == 5) trial.twist = {};
+    compare(turned(dice.rotation(), trial), 1250, 1e-3, agreement);
   }
   agreement.print("valleys, seed 44");
 }
@@ -500,18 +500,18 @@ TEST(ContactMotionAgainstSteps, RollingResistanceInValleys) {
   Dice dice(seed);
   Agreement agreement;
   for (int i = 0; i < 8; ++i) {
-    Setup setup{.name = "resisted valley " + std::to_string(i), .until_s = 1};
-    setup.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.2, 0.66)};
-    setup.contacts = valley(dice.uniform(0.3, 0.7), dice.uniform(0.3, 0.7), 0.5, 0.4,
+    Trial trial{.name = "resisted valley " + std::to_string(i), .until_s = 1};
+    trial.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.2, 0.66)};
+    trial.contacts = valley(dice.uniform(0.3, 0.7), dice.uniform(0.3, 0.7), 0.5, 0.4,
                             dice.spread(0.01, 0.05), dice.spread(0.01, 0.05));
-    setup.gravity_mps2 = gravity_on_slope(i % 2 == 0 ? 0 : dice.uniform(0, 0.2));
+    trial.gravity_mps2 = gravity_on_slope(i % 2 == 0 ? 0 : dice.uniform(0, 0.2));
     const double half_cosine =
-        std::sqrt((1 + dot(setup.contacts[0].normal, setup.contacts[1].normal)) / 2);
-    const Vec3 up = math::normalized(setup.contacts[0].normal + setup.contacts[1].normal);
+        std::sqrt((1 + dot(trial.contacts[0].normal, trial.contacts[1].normal)) / 2);
+    const Vec3 up = math::normalized(trial.contacts[0].normal + trial.contacts[1].normal);
     const double v = dice.uniform(-0.3, 0.3);
-    setup.twist = {Vec3(v, 0, 0),
-                   v / (setup.body.radius_m * half_cosine) * cross(up, Vec3::UnitX())};
-    compare(turned(dice.rotation(), setup), 250, 1e-9, agreement);
+    trial.twist = {Vec3(v, 0, 0),
+                   v / (trial.body.radius_m * half_cosine) * cross(up, Vec3::UnitX())};
+    compare(turned(dice.rotation(), trial), 250, 1e-9, agreement);
   }
   agreement.print("valleys, resistance, seed 45");
 }
@@ -527,36 +527,36 @@ TEST(ContactMotionAgainstSteps, SpinInCorners) {
   double quickest = 1;
   double slowest = 1;
   for (int i = 0; i < 12; ++i) {
-    Setup setup{.name = "corner " + std::to_string(i)};
-    setup.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.2, 0.66)};
+    Trial trial{.name = "corner " + std::to_string(i)};
+    trial.body = {.radius_m = dice.spread(1e-3, 1), .gyration = dice.uniform(0.2, 0.66)};
     const bool symmetric = i % 3 == 0;
     const double angle = dice.uniform(0.4, 1);
     const double mu = dice.spread(0.05, 0.3);
     for (int side = 0; side < 3; ++side) {
       const double b = symmetric ? angle : dice.uniform(0.4, 1);
       const double at = 2 * k_pi / 3 * side + (symmetric ? 0 : dice.uniform(-0.3, 0.3));
-      setup.contacts.push_back(
+      trial.contacts.push_back(
           {.normal = Vec3(std::sin(b) * std::cos(at), std::sin(b) * std::sin(at), std::cos(b)),
            .friction = symmetric ? mu : dice.spread(0.05, 0.3)});
     }
-    setup.twist.angular_velocity_radps =
-        1 / setup.body.radius_m * (symmetric ? Vec3(0, 0, 1) : dice.direction());
-    setup = turned(dice.rotation(), setup);
-    const double stops_s = Walk(setup).motion().lasts_s;
+    trial.twist.angular_velocity_radps =
+        1 / trial.body.radius_m * (symmetric ? Vec3(0, 0, 1) : dice.direction());
+    trial = turned(dice.rotation(), trial);
+    const double stops_s = Walk(trial).motion().lasts_s;
     if (symmetric) {
-      setup.until_s = 1.5 * stops_s;
-      compare(setup, 500, 1e-9, agreement);
+      trial.until_s = 1.5 * stops_s;
+      compare(trial, 500, 1e-9, agreement);
       continue;
     }
     const double step_s = stops_s / 1000;
-    SteppedBall ball(setup.body, setup.contacts, setup.twist, setup.gravity_mps2, step_s);
+    SteppedBall ball(trial.body, trial.contacts, trial.twist, trial.gravity_mps2, step_s);
     int steps = 0;
-    while (setup.body.radius_m * norm(ball.twist().angular_velocity_radps) > 1e-6 && steps < 5000) {
+    while (trial.body.radius_m * norm(ball.twist().angular_velocity_radps) > 1e-6 && steps < 5000) {
       ball.step();
       ++steps;
     }
-    EXPECT_FALSE(ball.pulled()) << setup.name;
-    EXPECT_LT(norm(ball.twist().velocity_mps), 1e-6) << setup.name;
+    EXPECT_FALSE(ball.pulled()) << trial.name;
+    EXPECT_LT(norm(ball.twist().velocity_mps), 1e-6) << trial.name;
     const double share = 1000.0 / steps;
     quickest = std::min(quickest, share);
     slowest = std::max(slowest, share);
@@ -572,30 +572,30 @@ TEST(ContactMotionAgainstSteps, SpinInCorners) {
 
 /// One, two or three faces of any direction on which gravity presses the ball, any friction, and
 /// twists from 1e-7 to 10 m/s; some at rest, some that roll on one face.
-Setup random_setup(Dice& dice) {
+Trial random_trial(Dice& dice) {
   for (;;) {
-    Setup setup;
-    setup.body = {.radius_m = dice.spread(1e-3, 10), .gyration = dice.uniform(0.02, 0.67)};
+    Trial trial;
+    trial.body = {.radius_m = dice.spread(1e-3, 10), .gyration = dice.uniform(0.02, 0.67)};
     const double many = dice.uniform(0, 5);
     const std::size_t count = many < 2 ? 1 : many < 4.5 ? 2 : 3;
     const double c_max = dice.once_in(2) ? 0 : dice.spread(1e-4, 1);
     for (std::size_t i = 0; i < count; ++i) {
-      setup.contacts.push_back({.normal = dice.direction(),
+      trial.contacts.push_back({.normal = dice.direction(),
                                 .friction = dice.once_in(8) ? 0 : dice.spread(1e-3, 2),
                                 .rolling_friction = dice.uniform(0, 1) * c_max});
     }
-    setup.gravity_mps2 = k_g * dice.direction();
-    if (count == 2 && !is_valley(setup.contacts[0].normal, setup.contacts[1].normal)) continue;
-    const double r = setup.body.radius_m;
-    setup.twist = {(dice.once_in(6) ? 0 : dice.spread(1e-7, 10)) * dice.direction(),
+    trial.gravity_mps2 = k_g * dice.direction();
+    if (count == 2 && !is_valley(trial.contacts[0].normal, trial.contacts[1].normal)) continue;
+    const double r = trial.body.radius_m;
+    trial.twist = {(dice.once_in(6) ? 0 : dice.spread(1e-7, 10)) * dice.direction(),
                    (dice.once_in(6) ? 0 : dice.spread(1e-7, 10)) / r * dice.direction()};
-    const Vec3& n = setup.contacts[0].normal;
-    setup.twist.velocity_mps = along_faces(setup.contacts, setup.twist.velocity_mps);
+    const Vec3& n = trial.contacts[0].normal;
+    trial.twist.velocity_mps = along_faces(trial.contacts, trial.twist.velocity_mps);
     if (dice.once_in(4)) {
-      Vec3& w = setup.twist.angular_velocity_radps;
-      w = cross(n, setup.twist.velocity_mps) / r + dice.uniform(-1, 1) * dot(w, n) * n;
+      Vec3& w = trial.twist.angular_velocity_radps;
+      w = cross(n, trial.twist.velocity_mps) / r + dice.uniform(-1, 1) * dot(w, n) * n;
     }
-    if (Walk(setup).holds()) return setup;
+    if (Walk(trial).holds()) return trial;
   }
 }
 
@@ -612,18 +612,18 @@ double speed_of(const RoundBody& body, const Twist& twist) {
 
 /// How much more friction than the contacts have rolling would need, over gravity; recomputed from
 /// Newton's and Euler's equations for one face or two.
-double friction_missing(const Setup& setup, const ContactMotion& motion) {
-  const RoundBody& body = setup.body;
-  const Vec3 force = motion.acceleration_mps2 - setup.gravity_mps2;
+double friction_missing(const Trial& trial, const ContactMotion& motion) {
+  const RoundBody& body = trial.body;
+  const Vec3 force = motion.acceleration_mps2 - trial.gravity_mps2;
   double worst = -1;
-  if (setup.contacts.size() == 1) {
-    const LastingContact& contact = setup.contacts[0];
+  if (trial.contacts.size() == 1) {
+    const LastingContact& contact = trial.contacts[0];
     const double load = dot(force, contact.normal);
     worst = norm(force - load * contact.normal) - contact.friction * load;
   } else {
     // Forces: the loads, and friction along the line that neither turns the ball about what is up
     // nor leaves the way to resistance: half at each.
-    const Vec3 &a = setup.contacts[0].normal, &b = setup.contacts[1].normal;
+    const Vec3 &a = trial.contacts[0].normal, &b = trial.contacts[1].normal;
     const Vec3 line = math::normalized(cross(a, b));
     const double along = dot(force, line);
     const double cosine = dot(a, b);
@@ -634,12 +634,12 @@ double friction_missing(const Setup& setup, const ContactMotion& motion) {
                         0.5 * along * cross(a + b, line);
     // What is left is resistance, against the spin.
     const Vec3& w = motion.start.angular_velocity_radps;
-    const double most = (1 + body.gyration) * (setup.contacts[0].rolling_friction * load_a +
-                                               setup.contacts[1].rolling_friction * load_b);
+    const double most = (1 + body.gyration) * (trial.contacts[0].rolling_friction * load_a +
+                                               trial.contacts[1].rolling_friction * load_b);
     EXPECT_LE(norm(moment), most + 1e-9 * k_g);
     EXPECT_LE(dot(moment, w), 1e-9 * k_g * norm(w));
-    worst = std::max(std::fabs(0.5 * along) - setup.contacts[0].friction * load_a,
-                     std::fabs(0.5 * along) - setup.contacts[1].friction * load_b);
+    worst = std::max(std::fabs(0.5 * along) - trial.contacts[0].friction * load_a,
+                     std::fabs(0.5 * along) - trial.contacts[1].friction * load_b);
   }
   return worst / k_g;
 }
@@ -647,7 +647,7 @@ double friction_missing(const Setup& setup, const ContactMotion& motion) {
 TEST(ContactMotion, KeepsItsInvariants) {
   // Goal: nothing gains energy, nothing leaves or enters a face, rolling needs no more friction
   // than there is, and every motion becomes steady after a bounded number of segments. Method:
-  // random setups, followed to their end or for an hour; the power of all but gravity is linear in
+  // random trials, followed to their end or for an hour; the power of all but gravity is linear in
   // time, so its sign at both ends of a segment decides.
   const std::uint64_t seed = 51;
   constexpr int k_cases = 100'000;
@@ -662,12 +662,12 @@ TEST(ContactMotion, KeepsItsInvariants) {
   int rolled = 0;
   for (int i = 0; i < k_cases && !HasFailure(); ++i) {
     SCOPED_TRACE("seed 51, case " + std::to_string(i));
-    const Setup setup = random_setup(dice);
-    const RoundBody& body = setup.body;
-    const std::size_t kind = setup.contacts.size() - 1;
+    const Trial trial = random_trial(dice);
+    const RoundBody& body = trial.body;
+    const std::size_t kind = trial.contacts.size() - 1;
     ++seen[kind];
-    Walk walk(setup);
-    Twist before = setup.twist;
+    Walk walk(trial);
+    Twist before = trial.twist;
     for (;; walk.next()) {
       if (!walk.holds()) {
         ++left[kind];
@@ -684,7 +684,7 @@ TEST(ContactMotion, KeepsItsInvariants) {
       const double end_s = std::isinf(motion.lasts_s) ? 1 : motion.lasts_s;
       for (const double s : {0.0, end_s}) {
         const Twist at = walk.twist_after(s);
-        const Vec3 force = motion.acceleration_mps2 - setup.gravity_mps2;
+        const Vec3 force = motion.acceleration_mps2 - trial.gravity_mps2;
         const Vec3 turning = body.radius_m * motion.angular_acceleration_radps2;
         const double power =
             dot(force, at.velocity_mps) +
@@ -694,7 +694,7 @@ TEST(ContactMotion, KeepsItsInvariants) {
         if (scale > 0) power_worst = std::max(power_worst, power / scale);
         ASSERT_LE(power, 1e-13 * scale) << s;
       }
-      for (const LastingContact& contact : setup.contacts) {
+      for (const LastingContact& contact : trial.contacts) {
         const double v = dot(motion.start.velocity_mps, contact.normal);
         const double a = dot(motion.acceleration_mps2, contact.normal);
         normal_worst = std::max({normal_worst, std::fabs(v) / (1e-300 + norm(before.velocity_mps)),
@@ -704,8 +704,8 @@ TEST(ContactMotion, KeepsItsInvariants) {
       }
       if (motion.rolls && kind < 2) {
         ++rolled;
-        friction_worst = std::max(friction_worst, friction_missing(setup, motion));
-        ASSERT_LE(friction_missing(setup, motion), 1e-12);
+        friction_worst = std::max(friction_worst, friction_missing(trial, motion));
+        ASSERT_LE(friction_missing(trial, motion), 1e-12);
       }
       if (walk.is_last() || walk.begin_s() > 3600) break;
       ASSERT_LT(walk.segments(), 1000);
