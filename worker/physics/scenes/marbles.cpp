@@ -52,50 +52,49 @@ Setting marbles(std::uint32_t bodies, std::uint64_t seed) {
   scene.gravity_mps2 = {0, 0, -9.81};
   scene.slow = slow_contacts_of(k_marble_m);
   scene.contacts = ContactTable(2);
-  for (const std::uint8_t a : {0, 1}) {
-    for (std::uint8_t b = a; b < 2; ++b) {
-      scene.contacts.set(
-          {a}, {b},
-          {.restitution = between(stream, 0, 0.5),
-           .friction = stream.uniform() < 0.2 ? 0 : between(stream, 0.05, 0.6),
-           .rolling_friction = stream.uniform() < 0.5 ? 0 : between(stream, 0, 0.03)});
-    }
-    const Vec3 up =
-        math::normalized(Vec3(between(stream, -0.1, 0.1), between(stream, -0.1, 0.1), 1));
-    scene.planes.push_back({.name = "floor", .outside = {.normal = up, .offset_m = 0}});
-    for (int axis = 0; axis < 2; ++axis) {
-      for (const double side : {-1.0, 1.0}) {
-        // Walls that lean outwards, by up to 45 degrees: valleys with the floor, and corners.
-        Vec3 normal(0, 0, between(stream, 0, 1));
-        normal[axis] = -side;
-        normal = math::normalized(normal);
-        Vec3 foot_m = Vec3::Zero();
-        foot_m[axis] = side * k_half_width_m;
-        scene.planes.push_back(
-            {.name = std::string(side < 0 ? "low " : "high ") + "xy"[axis],
-             .outside = {.normal = normal, .offset_m = math::dot(normal, foot_m)},
-             .material = k_rubber});
-      }
-    }
-    scene.convexes.push_back({.name = "pedestal",
-                              .polyhedron = pedestal({-0.06, 0, -0.02}, 0.025, 0.035),
-                              .material = k_rubber});
-    scene.meshes.push_back({.name = "ridge",
-                            .mesh = ridge_and_furrow(between(stream, 0.005, 0.02)),
-                            .material = k_steel});
-    for (std::uint32_t i = 0; i < bodies; ++i) {
-      const double radius_m = between(stream, 0.3, 0.5) * k_marble_m;
-      const Vec3 site_m(0.03 * (i % 5) - 0.06, 0.03 * (i / 5 % 5) - 0.06, 0.05 + 0.03 * (i / 25));
-      BodyDescription marble;
-      marble.shape = Sphere{.radius_m = radius_m};
-      marble.inertia = solid_ball_inertia(1e4 * radius_m * radius_m * radius_m, radius_m);
-      marble.material = i % 2 == 0 ? k_steel : k_rubber;
-      marble.start = {.pose = {.position_m = site_m + vector_between(stream, -0.004, 0.004)},
-                      .twist = {.velocity_mps = vector_between(stream, -0.4, 0.4),
-                                .angular_velocity_radps = vector_between(stream, -40, 40)}};
-      scene.bodies.push_back(std::move(marble));
-    }
-    return setting;
+  constexpr MaterialId k_steel{0};
+  constexpr MaterialId k_rubber{1};
+  for (const auto& [a, b] :
+       {std::pair(k_steel, k_steel), {k_steel, k_rubber}, {k_rubber, k_rubber}}) {
+    scene.contacts.set(a, b,
+                       {.restitution = between(stream, 0, 0.5),
+                        .friction = stream.uniform() < 0.2 ? 0 : between(stream, 0.05, 0.6),
+                        .rolling_friction = stream.uniform() < 0.5 ? 0 : between(stream, 0, 0.03)});
   }
+  const Vec3 up = math::normalized(Vec3(between(stream, -0.1, 0.1), between(stream, -0.1, 0.1), 1));
+  scene.planes.push_back({.name = "floor", .outside = {.normal = up, .offset_m = 0}});
+  for (int axis = 0; axis < 2; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      // Walls that lean outwards, by up to 45 degrees: valleys with the floor, and corners.
+      Vec3 normal(0, 0, between(stream, 0, 1));
+      normal[axis] = -side;
+      normal = math::normalized(normal);
+      Vec3 foot_m = Vec3::Zero();
+      foot_m[axis] = side * k_half_width_m;
+      scene.planes.push_back({.name = std::string(side < 0 ? "low " : "high ") + "xy"[axis],
+                              .outside = {.normal = normal, .offset_m = math::dot(normal, foot_m)},
+                              .material = k_rubber});
+    }
+  }
+  scene.convexes.push_back({.name = "pedestal",
+                            .polyhedron = pedestal({-0.06, 0, -0.02}, 0.025, 0.035),
+                            .material = k_rubber});
+  scene.meshes.push_back({.name = "ridge",
+                          .mesh = ridge_and_furrow(between(stream, 0.005, 0.02)),
+                          .material = k_steel});
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    const double radius_m = between(stream, 0.3, 0.5) * k_marble_m;
+    const Vec3 site_m(0.03 * (i % 5) - 0.06, 0.03 * (i / 5 % 5) - 0.06, 0.05 + 0.03 * (i / 25));
+    BodyDescription marble;
+    marble.shape = Sphere{.radius_m = radius_m};
+    marble.inertia = solid_ball_inertia(1e4 * radius_m * radius_m * radius_m, radius_m);
+    marble.material = i % 2 == 0 ? k_steel : k_rubber;
+    marble.start = {.pose = {.position_m = site_m + vector_between(stream, -0.004, 0.004)},
+                    .twist = {.velocity_mps = vector_between(stream, -0.4, 0.4),
+                              .angular_velocity_radps = vector_between(stream, -40, 40)}};
+    scene.bodies.push_back(std::move(marble));
+  }
+  return setting;
+}
 
 }  // namespace sleight::physics::scenes
