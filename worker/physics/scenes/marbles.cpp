@@ -61,7 +61,9 @@ Setting marbles(std::uint32_t bodies, std::uint64_t seed) {
                         .friction = stream.uniform() < 0.2 ? 0 : between(stream, 0.05, 0.6),
                         .rolling_friction = stream.uniform() < 0.5 ? 0 : between(stream, 0, 0.03)});
   }
-  const Vec3 up = math::normalized(Vec3(between(stream, -0.1, 0.1), between(stream, -0.1, 0.1), 1));
+  const double lean_x = between(stream, -0.1, 0.1);
+  const double lean_y = between(stream, -0.1, 0.1);
+  const Vec3 up = math::normalized(Vec3(lean_x, lean_y, 1));
   scene.planes.push_back({.name = "floor", .outside = {.normal = up, .offset_m = 0}});
   for (int axis = 0; axis < 2; ++axis) {
     for (const double side : {-1.0, 1.0}) {

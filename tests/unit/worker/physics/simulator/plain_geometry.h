@@ -52,6 +52,21 @@ inline PlainSolid solid_at(const ConvexPolyhedron& polyhedron, const Pose& pose)
   return solid;
 }
 
+/// A triangle as a solid of no thickness.
+inline PlainSolid solid_of_triangle(const std::array<Vec3, 3>& corners_m) {
+  PlainSolid solid;
+  for (std::size_t k = 0; k < 3; ++k) {
+    solid.corners_m.push_back(corners_m[k]);
+    solid.edges_m.push_back({corners_m[k], corners_m[(k + 1) % 3]});
+  }
+  const Vec3 normal =
+      math::normalized(math::cross(corners_m[1] - corners_m[0], corners_m[2] - corners_m[0]));
+  const double offset_m = math::dot(normal, corners_m[0]);
+  solid.faces.push_back({normal, offset_m, {corners_m[0], corners_m[1], corners_m[2]}});
+  solid.faces.push_back({-normal, -offset_m, {corners_m[0], corners_m[2], corners_m[1]}});
+  return solid;
+}
+
 /// The least of dot(axis, b - a) over the points of two solids; stops once it is below `enough`.
 inline double clearance_along(const Vec3& axis, const PlainSolid& a, const PlainSolid& b,
                               double enough) {
