@@ -39,8 +39,9 @@ namespace sleight::physics {
 template <BroadPhase Boxes, EventQueue Queue>
 class Engine {
  public:
-  /// Borrows the world.
-  Engine(World& world, EngineOptions options);
+  /// Borrows the world, and goes on from a tick up to and at which everything has happened; from
+  /// tick 0 in a world without bodies, at which nothing has. `counts` go on too.
+  Engine(World& world, EngineOptions options, Tick now, const Counts& counts);
 
   /// Processes every event up to and at `end`. Nothing if all went well; after an error the engine
   /// stays where it is.
@@ -103,6 +104,8 @@ class Engine {
   void bodies_changed();
   void sample();
   std::string obstacle_of(std::uint32_t body);
+  void watch(std::uint32_t body);
+  void unwatch(std::uint32_t body);
 
   // Reading ahead.
   void fetch_next();
@@ -138,10 +141,11 @@ class Engine {
   PairGraph graph_;
   std::vector<std::vector<StaticEdge>> statics_;
   std::vector<Bound> bounds_;
-  std::vector<Box> static_boxes_;        ///< what each body's list of static features is good for
-  std::vector<Box> all_boxes_;           ///< scratch of the synchronous algorithm
-  std::vector<std::uint32_t> near_;      ///< scratch
-  std::vector<std::uint32_t> changes_;   ///< of each body's motion
+  std::vector<Box> static_boxes_;       ///< what each body's list of static features is good for
+  std::vector<Box> all_boxes_;          ///< scratch of the synchronous algorithm
+  std::vector<std::uint32_t> near_;     ///< scratch
+  std::vector<std::uint32_t> changes_;  ///< of each body's motion
+  std::vector<std::uint8_t> is_watched_;
   std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
   std::size_t next_control_ = 0;
   std::uint32_t present_ = 0;  ///< bodies that have started

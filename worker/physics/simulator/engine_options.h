@@ -32,17 +32,36 @@ struct Counts {
   std::uint64_t controls = 0;
   std::uint64_t starts = 0;
   std::uint64_t start_draws = 0;  ///< places drawn again because of an overlap
-  std::uint64_t modes = 0;  ///< changes of a lasting contact: a slide ends, a face's border
+  std::uint64_t modes = 0;        ///< changes of a lasting contact: a slide ends, a face's border
   std::uint64_t rest_decisions = 0;
   std::uint64_t rests = 0;  ///< bodies that went to rest
   std::uint64_t samples = 0;
   std::uint64_t predictions = 0;
   std::uint64_t voids = 0;  ///< events that came up after a partner's change had made them void
 
+  /// What was done since an earlier state of the same counts.
+  Counts operator-(const Counts& earlier) const;
+
   std::uint64_t events() const {
     return updates + examined + collisions + static_collisions + controls + starts + samples +
            modes + rest_decisions;
   }
 };
+
+inline Counts Counts::operator-(const Counts& earlier) const {
+  return {.updates = updates - earlier.updates,
+          .examined = examined - earlier.examined,
+          .collisions = collisions - earlier.collisions,
+          .static_collisions = static_collisions - earlier.static_collisions,
+          .controls = controls - earlier.controls,
+          .starts = starts - earlier.starts,
+          .start_draws = start_draws - earlier.start_draws,
+          .modes = modes - earlier.modes,
+          .rest_decisions = rest_decisions - earlier.rest_decisions,
+          .rests = rests - earlier.rests,
+          .samples = samples - earlier.samples,
+          .predictions = predictions - earlier.predictions,
+          .voids = voids - earlier.voids};
+}
 
 }  // namespace sleight::physics

@@ -33,6 +33,13 @@ class PieceSearches {
       blocks.reserve(bodies * k_neighbours);
   }
 
+  /// Nobody has any.
+  void clear() {
+    searches_.clear();
+    for (auto& blocks : free_)
+      blocks.clear();
+  }
+
   /// The searches of a pair of bodies, to begin anew; takes a place for them if the pair has none.
   /// The caches are those of the pair's last searches: its motion has changed, not where it is.
   std::span<PieceSearch> fresh(std::uint32_t& place, std::size_t count) {

@@ -132,22 +132,28 @@ class Resting {
 template <class PresentOf>
 std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
                                                const PresentOf& present) {
-  // Gather the bodies that it touched, and those that they touched.
+  // Gather the bodies that it touched, and those that they touched, as long as all are slow.
+  // Whether they stand costs most, so it is asked last.
+  const auto is_jammed = [&](const Log& log) { return log.slow_collisions >= k_slow_collisions; };
   set_.assign(1, body);
   bool may = true;
   for (std::size_t i = 0; i < set_.size() && may; ++i) {
     Log& log = logs_[set_[i]];
     const Present state = present(set_[i]);
     const auto contacts = recent(log, now);
-    const bool jammed = log.slow_collisions >= k_slow_collisions;
-    may = log.slow_since != k_never && (now - log.slow_since >= rest_span() || jammed) &&
-          state.speed_mps < rule_.rest_speed_mps && !contacts.empty() &&
-          (jammed || state.in_balance || stands(contacts, state, now - log.slow_since));
+    may = log.slow_since != k_never && (now - log.slow_since >= rest_span() || is_jammed(log)) &&
+          state.speed_mps < rule_.rest_speed_mps && !contacts.empty();
     for (const TouchRecord& touch : contacts) {
       if (touch.partner == k_static_partner || logs_[touch.partner].rests) continue;
       if (std::find(set_.begin(), set_.end(), touch.partner) == set_.end())
         set_.push_back(touch.partner);
     }
+  }
+  for (std::size_t i = 0; i < set_.size() && may; ++i) {
+    Log& log = logs_[set_[i]];
+    const Present state = present(set_[i]);
+    may =
+        is_jammed(log) || state.in_balance || stands(recent(log, now), state, now - log.slow_since);
   }
   if (!may) {
     Log& log = logs_[body];

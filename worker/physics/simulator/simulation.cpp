@@ -24,7 +24,8 @@ class AnyEngine {
 template <class Boxes, class Queue>
 class EngineOf final : public AnyEngine {
  public:
-  EngineOf(World& world, const EngineOptions& options) : engine_(world, options) {}
+  EngineOf(World& world, const EngineOptions& options, Tick now, const Counts& counts)
+      : engine_(world, options, now, counts) {}
   std::optional<SceneError> run_until(Tick end) override { return engine_.run_until(end); }
   Tick now() const override { return engine_.now(); }
   const Counts& counts() const override { return engine_.counts(); }
@@ -34,26 +35,27 @@ class EngineOf final : public AnyEngine {
 };
 
 template <class Boxes>
-std::unique_ptr<AnyEngine> engine_with(World& world, QueueKind queue,
-                                       const EngineOptions& options) {
+std::unique_ptr<AnyEngine> engine_with(World& world, QueueKind queue, const EngineOptions& options,
+                                       Tick now, const Counts& counts) {
   switch (queue) {
     case QueueKind::tournament:
-      return std::make_unique<EngineOf<Boxes, TournamentQueue>>(world, options);
+      return std::make_unique<EngineOf<Boxes, TournamentQueue>>(world, options, now, counts);
     case QueueKind::heap:
-      return std::make_unique<EngineOf<Boxes, HeapQueue>>(world, options);
+      return std::make_unique<EngineOf<Boxes, HeapQueue>>(world, options, now, counts);
     case QueueKind::calendar:
       break;
   }
-  return std::make_unique<EngineOf<Boxes, CalendarQueue>>(world, options);
+  return std::make_unique<EngineOf<Boxes, CalendarQueue>>(world, options, now, counts);
 }
 
-std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& options) {
+std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& options, Tick now,
+                                     const Counts& counts) {
   const EngineOptions chosen{.algorithm = options.algorithm,
                              .sample_every = options.sample_every,
                              .on_sample = options.on_sample};
   return options.broad_phase == BroadPhaseKind::sweep_and_prune
-             ? engine_with<SweepAndPrune>(world, options.queue, chosen)
-             : engine_with<HierarchicalGrid>(world, options.queue, chosen);
+             ? engine_with<SweepAndPrune>(world, options.queue, chosen, now, counts)
+             : engine_with<HierarchicalGrid>(world, options.queue, chosen, now, counts);
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ class Simulation::Impl {
  public:
   Impl(const Scene& scene, const SimulationOptions& options)
       : world(scene, options.record, options.segments_reserved),
-        engine(engine_of(world, options)) {}
+        engine(engine_of(world, options, Tick{}, {})) {}
 
   World world;
   std::unique_ptr<AnyEngine> engine;
@@ -85,6 +87,12 @@ std::optional<SceneError> Simulation::run_until(Tick end) {
   auto error = impl_->engine->run_until(end);
   impl_->world.recording().end_at(impl_->engine->now());
   return error;
+}
+
+void Simulation::go_on_with(const SimulationOptions& options) {
+  const Tick now = impl_->engine->now();
+  const Counts counts = impl_->engine->counts();
+  impl_->engine = engine_of(impl_->world, options, now, counts);
 }
 
 Tick Simulation::now() const {

@@ -63,6 +63,11 @@ class Simulation {
   /// Processes all events up to and at `end`, and makes it the present. Nothing if all went well.
   std::optional<SceneError> run_until(Tick end);
 
+  /// Goes on with another algorithm, broad phase or queue, and other sampling events, which come at
+  /// multiples of their interval. What is recorded stays as it is: `record` and
+  /// `segments_reserved` have no effect.
+  void go_on_with(const SimulationOptions& options);
+
   Tick now() const;
   bool started(BodyId body) const;
   /// REQUIRES: the body has started, and its present segment began at or before the tick, which is

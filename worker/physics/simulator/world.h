@@ -146,6 +146,8 @@ class World {
                             std::uint32_t& search);
   Prediction look_static(std::uint32_t body, std::uint32_t index, Tick now, std::uint32_t search);
   void end_search(std::uint32_t& search) { searches_.release(search); }
+  /// Ends all.
+  void forget_searches() { searches_.clear(); }
   /// predict for whichever image comes first, for those who have no boxes.
   /// REQUIRES: the world is periodic.
   Prediction predict_any_image(std::uint32_t a, std::uint32_t b, Tick now) const;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
+#include "worker/physics/scenes/random_starts.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::physics {
@@ -83,6 +84,33 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
     }
   }
   EXPECT_GT(collisions, 100 * scene_count());
+}
+
+TEST(Equality, OneWayMayTakeOverFromAnother) {
+  // Goal: go_on_with changes no bit either, in the middle of flights, contacts, rest and waiting
+  // starts. Method: scenes of every kind run in portions of random length, each in another way.
+  for (std::uint64_t n = 0; n < 90; ++n) {
+    const TestScene scene = testing::test_scene(n);
+    const Outcome expected = outcome_of(scene, {});
+    auto started = Simulation::start(scene.setting.scene, {});
+    ASSERT_TRUE(started.ok());
+    Simulation simulation = std::move(started).value();
+    random::Stream stream = scenes::stream_of_scene(n, 2);
+    const Tick end = Tick{} + ticks_after(scene.setting.duration_s);
+    const auto others = ways();
+    for (std::size_t portion = 0; simulation.now() < end; ++portion) {
+      const double share = 0.3 * stream.uniform();
+      const TickCount span = 1 + static_cast<TickCount>(share * static_cast<double>(end.value));
+      ASSERT_FALSE(simulation.run_until(std::min(end, simulation.now() + span)));
+      simulation.go_on_with(
+          portion % 6 == 5
+              ? way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::heap)
+              : others[portion % 6].options);
+    }
+    const Counts& counts = simulation.counts();
+    EXPECT_EQ(counts.collisions + counts.static_collisions, expected.collisions) << scene.name;
+    EXPECT_EQ(simulation.recording().digest(), expected.digest) << scene.name;
+  }
 }
 
 TEST(Equality, AnotherSeedIsAnotherRecording) {

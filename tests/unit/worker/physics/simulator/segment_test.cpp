@@ -124,7 +124,7 @@ TEST(Segment, TurnsAboutAMovingAxis) {
     random::Stream stream = numbers(601, static_cast<std::uint64_t>(i));
     SCOPED_TRACE("seed 601, case " + std::to_string(i));
     const Segment segment = random_segment(stream, 100, 1000);
-    const TickCount span = ticks_after(spread(stream, 1e-4, 1));
+    const TickCount span = ticks_after(spread(stream, 1e-3, 1));
     const double s = seconds(span);
     const double angle_rad = s * norm(segment.flight.angular_velocity_radps) +
                              s * s / 2 * norm(segment.angular_acceleration_radps2);

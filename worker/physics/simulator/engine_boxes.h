@@ -1,0 +1,155 @@
+// How long bounding volumes last, and what is near them: bodies of the templates in engine.h.
+#pragma once
+
+#include <algorithm>
+
+#include "worker/physics/motion/motion_bounds.h"
+#include "worker/physics/simulator/engine.h"
+
+namespace sleight::physics {
+
+/// A new box lasts at least as long as its body takes for this share of its radius: shorter ones
+/// expire often and keep no more pairs apart.
+inline constexpr double k_least_box_radii = 0.2;
+/// It lasts at most as long as its body takes for so many radii. A longer box would be on another
+/// level of the grid than most, which every move had to search as well.
+inline constexpr double k_most_box_radii = 2.5;
+/// A box is wider than its body's path by this share of the body's radius on each side, so that it
+/// holds the body for a while after a collision as well.
+inline constexpr double k_box_pad_radii = 0.2;
+/// After a change of motion the box is kept if it holds the body for the time in which that moves
+/// by this share of its radius.
+inline constexpr double k_keep_box_radii = 0.05;
+/// A new box lasts longer than the last one did if that overlapped less others than this, shorter
+/// if more, in proportion and within these factors: neighbours must be predicted, and boxes made.
+inline constexpr double k_neighbours_wanted = 6;
+inline constexpr double k_span_factor_min = 0.5;
+inline constexpr double k_span_factor_max = 1.3;
+/// Boxes in which static features are looked for are larger by this share of the body's radius, so
+/// that most new boxes lie within the last such box.
+inline constexpr double k_static_margin_radii = 0.5;
+/// A box of the synchronous algorithm lasts at most as long as the fastest body takes for its
+/// radius.
+inline constexpr double k_synchronous_step_radii = 1;
+inline bool holds(const Box& outer, const Box& inner) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (inner.low_m[axis] < outer.low_m[axis] || inner.high_m[axis] > outer.high_m[axis])
+      return false;
+  }
+  return true;
+}
+
+/// A body began a segment at this tick: it keeps its box if that holds it long enough.
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::motion_changed(std::uint32_t body) {
+  if (options_.algorithm == Algorithm::asynchronous) {
+    const Tick exit =
+        exit_tick(boxes_.box({body}), world_.path(body), world_.reach_m(body) + k_touch_m, now_);
+    if (exit - now_ >= world_.span_of_travel(body, now_, k_keep_box_radii)) {
+      bounds_[body].expiry = exit + 1;
+    } else {
+      renew_box(body, false);
+    }
+  }
+  predict_all(body);
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
+  // The thesis doubles the time since the last box; here it changes by what that overlapped.
+  Bound& bound = bounds_[body];
+  const auto neighbours = static_cast<double>(graph_.others_of(body).size());
+  const double factor =
+      std::clamp(k_neighbours_wanted / (neighbours + 1e-3), k_span_factor_min, k_span_factor_max);
+  const auto wanted = static_cast<TickCount>(factor * static_cast<double>(now_ - bound.made));
+  const TickCount span = std::min(std::min(std::max(wanted, least_span(body)), k_tick_max - now_),
+                                  world_.span_of_travel(body, now_, k_most_box_radii));
+  const double radius_m = world_.reach_m(body) * (1 + k_box_pad_radii) + k_touch_m;
+  const Tick end = now_ + world_.limited_span(body, now_, span, k_box_pad_radii);
+  const Box box = path_box(world_.path(body), radius_m, now_, end);
+  bound = {.expiry = std::max(end, exit_tick(box, world_.path(body),
+                                             world_.reach_m(body) + k_touch_m, now_)) +
+                     1,
+           .made = now_};
+  Sink sink{*this, body, predict_new};
+  boxes_.move({body}, box, sink);
+  if (predict_new) fetch_next_neighbours();
+  watch_statics(body, box);
+  if (!predict_new) return;
+  sink.finish();
+  refresh_key(body);
+}
+
+/// Makes sure that all static features near a box are in the body's list. Whether the list changed.
+template <BroadPhase Boxes, EventQueue Queue>
+bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
+  if (!world_.has_statics() || world_.static_count(body) == 0 || holds(static_boxes_[body], box))
+    return false;
+  const auto margin = static_cast<float>(k_static_margin_radii * world_.reach_m(body));
+  Box& wide = static_boxes_[body];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    wide.low_m[axis] = box.low_m[axis] - margin;
+    wide.high_m[axis] = box.high_m[axis] + margin;
+  }
+  near_.clear();
+  world_.statics_near(body, wide, near_);
+  // What was watched before keeps its prediction; both lists ascend.
+  std::vector<StaticEdge>& list = statics_[body];
+  const std::size_t before = list.size();
+  std::size_t old = 0;
+  for (const std::uint32_t index : near_) {
+    for (; old < before && list[old].index < index; ++old)
+      world_.end_search(list[old].search);
+    if (old < before && list[old].index == index) {
+      const StaticEdge kept = list[old++];
+      list.push_back(kept);
+    } else {
+      StaticEdge edge{.index = index};
+      ++counts_.predictions;
+      edge.prediction = world_.predict_static(body, index, now_, edge.search);
+      list.push_back(edge);
+    }
+  }
+  for (; old < before; ++old)
+    world_.end_search(list[old].search);
+  list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(before));
+  return true;
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
+  if (failure_ || present_ == 0) return;
+  // Boxes last until the next event, but not too long: there may be no pair near for a while.
+  TickCount step = k_tick_max.value;
+  for (std::uint32_t body = 0; body < world_.size(); ++body) {
+    if (world_.started(body))
+      step = std::min(step, world_.span_of_travel(body, now_, k_synchronous_step_radii));
+  }
+  const auto clock = world_.size();
+  queue_.set({clock + 2}, {.tick = now_ + std::max<TickCount>(step, 1),
+                           .kind = EventKind::update,
+                           .lower = k_nobody,
+                           .higher = k_nobody});
+  const Tick next = std::min(queue_.least().key.tick, end);
+  for (std::uint32_t body = 0; body < world_.size(); ++body) {
+    if (!world_.started(body)) continue;
+    all_boxes_[body] =
+        path_box(world_.path(body), world_.reach_m(body) + k_touch_m, now_, std::max(next, now_));
+    if (watch_statics(body, all_boxes_[body])) refresh_key(body);
+  }
+  PairsSink sink{*this};
+  boxes_.move_all(all_boxes_, sink);
+  // The event that came next may have been void; no box holds for longer than until it.
+  if (queue_.least().key.tick > next && next < end) {
+    queue_.set({clock + 2},
+               {.tick = next, .kind = EventKind::update, .lower = k_nobody, .higher = k_nobody});
+  }
+}
+
+/// Time that a body takes at least for a small part of its radius.
+template <BroadPhase Boxes, EventQueue Queue>
+TickCount Engine<Boxes, Queue>::least_span(std::uint32_t body) const {
+  return world_.span_of_travel(body, now_, k_least_box_radii);
+}
+
+}  // namespace sleight::physics
