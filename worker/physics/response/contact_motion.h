@@ -65,10 +65,11 @@ struct ContactMotion {
 
 /// A slip slower than this is over. Slides end at a whole tick, some 1e-8 m/s after it was 0.
 inline constexpr double k_stick_mps = 1e-6;
-/// Two faces whose normals have a sine below this, or a cosine below minus 0.95, are no valley: the
-/// one is too flat to say along which line it runs, the other a wedge that grips.
+/// Two faces whose normals have a sine below this, or a cosine below that, are no valley: the one
+/// is too flat to say along which line it runs, the other a slit of less than 2 degrees, which
+/// presses on a sphere with more than fifty times its weight.
 inline constexpr double k_valley_sine_min = 1e-3;
-inline constexpr double k_valley_cosine_min = -0.95;
+inline constexpr double k_valley_cosine_min = -0.9999;
 
 /// Whether a sphere can stay on both.
 bool is_valley(const Vec3& normal_a, const Vec3& normal_b);

@@ -121,6 +121,7 @@ void Engine<Boxes, Queue>::unwatch(std::uint32_t body) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
+  if (end < now_) return failure_;
   // The boxes of the last call hold until its end only.
   if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
   while (!failure_ && !queue_.empty()) {
@@ -217,8 +218,8 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
                ? fmt::format("{} finds no free place to start at {:.9g} s in {} attempts; the last "
                              "one overlaps {}",
                              world_.name(body), seconds(event.tick - Tick{}), attempt - 1, obstacle)
-               : fmt::format("{} can't start at {:.9g} s: it overlaps {}", world_.name(body),
-                             seconds(event.tick - Tick{}), obstacle));
+               : fmt::format("{} can't start at {:.9g} s: it overlaps {}, or is within {} m of it",
+                             world_.name(body), seconds(event.tick - Tick{}), obstacle, k_touch_m));
       return;
     }
     ++counts_.start_draws;

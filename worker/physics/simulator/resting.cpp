@@ -13,6 +13,8 @@ namespace {
 constexpr double k_wake_over_rest = 4;
 /// Balance may miss by this part of the weight.
 constexpr double k_balance_tolerance = 0.002;
+/// Slow bounces part at the least separation speed, or up to twice as fast.
+constexpr double k_slow_parting = 2;
 /// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
 /// cube that stands on an edge does not.
 constexpr double k_firm = 0.01;
@@ -170,12 +172,13 @@ void Resting::record(Log& log, const TouchRecord& touch) const {
 }
 
 void Resting::touched(std::uint32_t body, const TouchRecord& touch, double before_mps,
-                      double after_mps) {
+                      double after_mps, double parting_mps) {
   if (!enabled()) return;
   Log& log = logs_[body];
   log.rests = false;
   record(log, touch);
-  if (before_mps >= rule_.rest_speed_mps || after_mps >= rule_.rest_speed_mps) {
+  if (before_mps >= rule_.rest_speed_mps || after_mps >= rule_.rest_speed_mps ||
+      parting_mps > k_slow_parting * rule_.separation_speed_mps) {
     log.slow_since = k_never;
     log.due = k_never;
     log.slow_collisions = 0;

@@ -72,8 +72,11 @@ class Resting {
   bool enabled() const { return rule_.rest_speed_mps > 0; }
   double wake_speed_mps() const;
 
-  /// A collision of a body: its fastest point's speed before and after.
-  void touched(std::uint32_t body, const TouchRecord& record, double before_mps, double after_mps);
+  /// A collision of a body: its fastest point's speed before and after, and how fast the contact
+  /// parts. One that parts faster than slow bounces do is not slow: the body would freeze in the
+  /// air.
+  void touched(std::uint32_t body, const TouchRecord& record, double before_mps, double after_mps,
+               double parting_mps);
   /// A body begins a segment in which it stays in contact; it is slow from a tick of that on, or
   /// not (k_never).
   void stays(std::uint32_t body, Tick now, Tick slow_from);

@@ -15,6 +15,12 @@ using Kind = SceneError::Kind;
 constexpr double k_coordinate_m_max = 1e6;
 constexpr double k_speed_mps_max = 1e6;
 constexpr double k_spin_radps_max = 1e6;
+/// A tick of this adds 1e-5 m/s: contacts that last are still told from blows.
+constexpr double k_gravity_mps2_max = 1e4;
+constexpr double k_mass_kg_min = 1e-12;
+constexpr double k_mass_kg_max = 1e12;
+constexpr double k_rest_time_s_min = 1e-6;
+constexpr double k_rest_time_s_max = 1e6;
 
 bool within(const Vec3& v, double limit) {
   // Comparisons with NaN are false.
@@ -33,6 +39,10 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
     if (!compound || compound->parts.empty()) {
       return error(Kind::bad_shape, fmt::format("{}: it has no convex parts", name));
     }
+    for (std::size_t part = 0; part < compound->parts.size(); ++part) {
+      if (!compound->parts[part].vertices_m().empty()) continue;
+      return error(Kind::bad_shape, fmt::format("{}: part {} has no vertices", name, part));
+    }
   }
   const double radius_m = sphere != nullptr
                               ? sphere->radius_m
@@ -42,9 +52,14 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
                                               radius_m, 10 * k_touch_m, k_coordinate_m_max));
   }
   const Inertia& inertia = body.inertia;
-  if (!(inertia.mass_kg > 0) || !std::isfinite(inertia.mass_kg)) {
-    return error(Kind::bad_mass,
-                 fmt::format("{}: mass {} kg; give one above 0", name, inertia.mass_kg));
+  if (!(inertia.mass_kg >= k_mass_kg_min && inertia.mass_kg <= k_mass_kg_max)) {
+    return error(Kind::bad_mass, fmt::format("{}: mass {} kg; give one from {} to {} kg", name,
+                                             inertia.mass_kg, k_mass_kg_min, k_mass_kg_max));
+  }
+  if (inertia.symmetry != InertiaSymmetry::spherical &&
+      inertia.symmetry != InertiaSymmetry::axial && inertia.symmetry != InertiaSymmetry::general) {
+    return error(Kind::bad_mass, fmt::format("{}: its inertia has no symmetry number {}", name,
+                                             static_cast<int>(inertia.symmetry)));
   }
   const Vec3& moments = inertia.principal_kgm2;
   if (!within(moments, std::numeric_limits<double>::max()) ||
@@ -74,6 +89,15 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
     return error(Kind::bad_mass, fmt::format("{}: a sphere has three equal moments of inertia; got "
                                              "{}, {}, {} kg m^2",
                                              name, moments.x(), moments.y(), moments.z()));
+  }
+  // No point of the body is further from its centre than the radius.
+  const double most_kgm2 = inertia.mass_kg * radius_m * radius_m;
+  const double least_kgm2 = std::min({moments.x(), moments.y(), moments.z()});
+  if (!(moments.maxCoeff() <= most_kgm2 * (1 + 1e-9) && least_kgm2 >= 1e-9 * most_kgm2)) {
+    return error(Kind::bad_mass, fmt::format("{}: moments of inertia {}, {}, {} kg m^2; with its "
+                                             "mass and radius they are from {} to {} kg m^2",
+                                             name, moments.x(), moments.y(), moments.z(),
+                                             1e-9 * most_kgm2, most_kgm2));
   }
   if (body.material.value >= scene.contacts.materials()) {
     return error(Kind::bad_reference, fmt::format("{}: material {}; the scene has {}", name,
@@ -167,6 +191,24 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
   return std::nullopt;
 }
 
+std::optional<SceneError> error_of_slow(const SlowContacts& slow) {
+  const auto wrong = [](std::string_view what, double value, std::string_view range) {
+    return error(Kind::bad_number,
+                 fmt::format("slow contacts: {} {}; give one {}", what, value, range));
+  };
+  // Comparisons with NaN are false.
+  if (!(slow.separation_speed_mps >= 0 && slow.separation_speed_mps <= k_speed_mps_max))
+    return wrong("separation speed", slow.separation_speed_mps, "in m/s, or 0 for none");
+  if (!(slow.rest_speed_mps >= 0 && slow.rest_speed_mps <= k_speed_mps_max))
+    return wrong("rest speed", slow.rest_speed_mps, "in m/s, or 0 for no rest");
+  if (slow.rest_speed_mps > 0 &&
+      !(slow.rest_time_s >= k_rest_time_s_min && slow.rest_time_s <= k_rest_time_s_max)) {
+    return wrong("rest time", slow.rest_time_s,
+                 fmt::format("from {} to {} s", k_rest_time_s_min, k_rest_time_s_max));
+  }
+  return std::nullopt;
+}
+
 std::optional<SceneError> error_of_period(const Scene& scene) {
   for (const double period : scene.period_m) {
     if (period == 0) continue;
@@ -232,12 +274,13 @@ std::optional<SceneError> error_of_start(const StartState& start, const std::str
 }
 
 std::optional<SceneError> error_of(const Scene& scene) {
-  if (!within(scene.gravity_mps2, 1e6)) {
-    return error(Kind::bad_number, fmt::format("gravity ({}, {}, {}) m/s^2 is not a number below "
-                                               "1e6",
-                                               scene.gravity_mps2.x(), scene.gravity_mps2.y(),
-                                               scene.gravity_mps2.z()));
+  if (!within(scene.gravity_mps2, k_gravity_mps2_max)) {
+    return error(Kind::bad_number,
+                 fmt::format("gravity ({}, {}, {}) m/s^2; components are at most {} m/s^2",
+                             scene.gravity_mps2.x(), scene.gravity_mps2.y(), scene.gravity_mps2.z(),
+                             k_gravity_mps2_max));
   }
+  if (auto wrong = error_of_slow(scene.slow)) return wrong;
   if (auto wrong = error_of_laws(scene.contacts)) return wrong;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const BodyDescription& body = scene.bodies[i];

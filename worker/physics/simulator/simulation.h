@@ -7,7 +7,7 @@
 //   scene.bodies.push_back({.name = "ball",
 //                           .shape = Sphere{.radius_m = 0.02},
 //                           .inertia = solid_ball_inertia(0.1, 0.02),
-//                           .start = {.pose = {.position_m = {0, 0, 1}}}});
+//                           .start = {.pose = {.position_m = {0, 0, 1}}, .twist = {}}});
 //   auto started = Simulation::start(scene, {});
 //   if (!started) return report(started.error().message);
 //   Simulation simulation = std::move(started).value();
@@ -60,7 +60,8 @@ class Simulation {
   Simulation& operator=(Simulation&&) noexcept;
   ~Simulation();
 
-  /// Processes all events up to and at `end`, and makes it the present. Nothing if all went well.
+  /// Processes all events up to and at `end`, and makes it the present; does nothing if that is
+  /// earlier than now(). Nothing if all went well.
   std::optional<SceneError> run_until(Tick end);
 
   /// Goes on with another algorithm, broad phase or queue, and other sampling events, which come at
@@ -69,6 +70,7 @@ class Simulation {
   void go_on_with(const SimulationOptions& options);
 
   Tick now() const;
+  /// REQUIRES, here and below: the scene has the body.
   bool started(BodyId body) const;
   /// REQUIRES: the body has started, and its present segment began at or before the tick, which is
   /// not beyond now().

@@ -42,9 +42,11 @@ GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double 
     case FeatureKind::edge: {
       const Vec3 across = from - math::dot(feature.direction, from) * feature.direction;
       const double distance_m = math::norm(across);
+      const Vec3& pull = centre.acceleration_mps2;
+      const Vec3 pull_across = pull - math::dot(feature.direction, pull) * feature.direction;
       return {.gap_m = distance_m - radius_m,
               .rate_mps = math::dot(across, centre.velocity_mps) / distance_m,
-              .fall_mps2 = math::norm(centre.acceleration_mps2),
+              .fall_mps2 = math::norm(pull_across),
               .coordinates_m = coordinates_m};
     }
     case FeatureKind::vertex:

@@ -13,6 +13,16 @@ bool is_zero(const Vec3& v) {
   return v.x() == 0 && v.y() == 0 && v.z() == 0;
 }
 
+/// How fast the two sides of a contact part.
+double parting_mps(const PieceContact& contact, const Twist& a, const Vec3& centre_a_m,
+                   const Twist& b, const Vec3& centre_b_m) {
+  const Vec3 of_a =
+      a.velocity_mps + math::cross(a.angular_velocity_radps, contact.point_m - centre_a_m);
+  const Vec3 of_b =
+      b.velocity_mps + math::cross(b.angular_velocity_radps, contact.point_m - centre_b_m);
+  return math::dot(contact.normal, of_b - of_a);
+}
+
 }  // namespace
 
 ContactLaw World::law_of(MaterialId a, MaterialId b, bool plastic) const {
@@ -36,9 +46,11 @@ std::uint32_t World::count_at(std::uint32_t body, Tick tick) {
     at.in_window = 0;
   }
   if (++at.in_window > k_collisions_in_window_max) {
-    note_failure(fmt::format("it collides more than {} times in a millisecond; let slow contacts "
-                             "end (SlowContacts)",
-                             k_collisions_in_window_max),
+    note_failure(fmt::format("it collides more than {} times in a millisecond; {}",
+                             k_collisions_in_window_max,
+                             scene_.slow.separation_speed_mps > 0
+                                 ? "a much heavier body squeezes it, or it is wedged"
+                                 : "let slow contacts end (SlowContacts)"),
                  body, tick);
   }
   return at.events;
@@ -164,6 +176,7 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   if (resting_.enabled()) {
     const Vec3 place_a_m = position_at(segments_[a].flight, tick);
     const Vec3 place_b_m = position_at(segments_[b].flight, tick);
+    const double parting = parting_mps(contact, after.a, place_a_m, after.b, place_b_m);
     if (!a_rests) {
       resting_.touched(a,
                        {.tick = tick,
@@ -171,7 +184,8 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
                         .friction = law.friction,
                         .normal = -contact.normal,
                         .arm_m = contact.point_m - place_a_m},
-                       fastest_point_mps(a, twist_at(a, tick)), fastest_point_mps(a, after.a));
+                       fastest_point_mps(a, twist_at(a, tick)), fastest_point_mps(a, after.a),
+                       parting);
     }
     if (!b_rests) {
       resting_.touched(b,
@@ -180,7 +194,8 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
                         .friction = law.friction,
                         .normal = contact.normal,
                         .arm_m = contact.point_m - place_b_m},
-                       fastest_point_mps(b, twist_at(b, tick)), fastest_point_mps(b, after.b));
+                       fastest_point_mps(b, twist_at(b, tick)), fastest_point_mps(b, after.b),
+                       parting);
     }
   }
   if (!a_rests) begin_after(a, after.a, event);
@@ -199,13 +214,15 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   const Twist before = twist_at(body, tick);
   const auto log_touch = [&](const Twist& after) {
     if (!resting_.enabled()) return;
-    resting_.touched(body,
-                     {.tick = tick,
-                      .partner = k_static_partner,
-                      .friction = law.friction,
-                      .normal = contact.normal,
-                      .arm_m = contact.point_m - position_at(segments_[body].flight, tick)},
-                     fastest_point_mps(body, before), fastest_point_mps(body, after));
+    resting_.touched(
+        body,
+        {.tick = tick,
+         .partner = k_static_partner,
+         .friction = law.friction,
+         .normal = contact.normal,
+         .arm_m = contact.point_m - position_at(segments_[body].flight, tick)},
+        fastest_point_mps(body, before), fastest_point_mps(body, after),
+        parting_mps(contact, {}, Vec3::Zero(), after, position_at(segments_[body].flight, tick)));
   };
   const double approach_mps = -math::dot(contact.normal, before.velocity_mps);
   if (is_caught(body, index, approach_mps, law.restitution, tick)) {

@@ -43,13 +43,13 @@ TEST(SceneErrors, EachFaultIsNamed) {
   // Goal: what is wrong with a scene is said in a typed error that names who, what and what is
   // allowed. Method: a good scene is spoilt in one place.
   const Wrong faults[] = {
-      {Kind::bad_mass, "body 'ball': mass 0 kg; give one above 0",
+      {Kind::bad_mass, "body 'ball': mass 0 kg; give one from 1e-12 to 1000000000000 kg",
        [](Scene& s) { s.bodies[0].inertia.mass_kg = 0; }},
-      {Kind::bad_mass, "body 1: mass -1 kg; give one above 0",
+      {Kind::bad_mass, "body 1: mass -1 kg; give one from 1e-12 to 1000000000000 kg",
        [](Scene& s) { s.bodies[1].inertia.mass_kg = -1; }},
-      {Kind::bad_mass, "body 1: mass nan kg; give one above 0",
+      {Kind::bad_mass, "body 1: mass nan kg; give one from 1e-12 to 1000000000000 kg",
        [](Scene& s) { s.bodies[1].inertia.mass_kg = k_nan; }},
-      {Kind::bad_mass, "body 1: mass inf kg; give one above 0",
+      {Kind::bad_mass, "body 1: mass inf kg; give one from 1e-12 to 1000000000000 kg",
        [](Scene& s) { s.bodies[1].inertia.mass_kg = k_infinity; }},
       {Kind::bad_mass, "body 'ball': moments of inertia 1, 0, 1 kg m^2; give some above 0",
        [](Scene& s) {
@@ -82,6 +82,20 @@ TEST(SceneErrors, EachFaultIsNamed) {
          s.bodies[0].inertia.principal_kgm2 = {2, 2, 3};
          s.bodies[0].inertia.symmetry = InertiaSymmetry::axial;
        }},
+      {Kind::bad_mass,
+       "body 'ball': moments of inertia 1, 1, 1 kg m^2; with its mass and radius they are from "
+       "4.0000000000000006e-14 to 4e-05 kg m^2",
+       [](Scene& s) {
+         s.bodies[0].inertia.principal_kgm2 = {1, 1, 1};
+       }},
+      {Kind::bad_mass, "body 'ball': its inertia has no symmetry number 77",
+       [](Scene& s) { s.bodies[0].inertia.symmetry = InertiaSymmetry{77}; }},
+      {Kind::bad_number, "slow contacts: separation speed nan; give one in m/s, or 0 for none",
+       [](Scene& s) { s.slow.separation_speed_mps = k_nan; }},
+      {Kind::bad_number, "slow contacts: rest speed -1; give one in m/s, or 0 for no rest",
+       [](Scene& s) { s.slow.rest_speed_mps = -1; }},
+      {Kind::bad_number, "slow contacts: rest time 0; give one from 1e-06 to 1000000 s",
+       [](Scene& s) { s.slow = {.rest_speed_mps = 0.01}; }},
       {Kind::bad_shape, "body 'ball': radius 0 m; give one from 1e-06 to 1000000 m",
        [](Scene& s) { s.bodies[0].shape = Sphere{.radius_m = 0}; }},
       {Kind::bad_shape, "body 1: radius -1 m; give one from 1e-06 to 1000000 m",
@@ -92,7 +106,7 @@ TEST(SceneErrors, EachFaultIsNamed) {
        [](Scene& s) { s.bodies[0].shape = std::shared_ptr<const Compound>(); }},
       {Kind::bad_shape, "body 'ball': it has no convex parts",
        [](Scene& s) { s.bodies[0].shape = std::make_shared<const Compound>(); }},
-      {Kind::bad_shape, "body 'ball': radius 0 m; give one from 1e-06 to 1000000 m",
+      {Kind::bad_shape, "body 'ball': part 0 has no vertices",
        [](Scene& s) {
          s.bodies[0].shape =
              std::make_shared<const Compound>(Compound{.parts = {ConvexPolyhedron()}});
@@ -116,7 +130,7 @@ TEST(SceneErrors, EachFaultIsNamed) {
        [](Scene& s) { s.bodies[1].start.pose.orientation = Quat(0, 0, 0, 0); }},
       {Kind::bad_number, "body 1: its orientation has the squared norm nan; give a unit quaternion",
        [](Scene& s) { s.bodies[1].start.pose.orientation = Quat(1, k_nan, 0, 0); }},
-      {Kind::bad_number, "gravity (0, nan, 0) m/s^2 is not a number below 1e6",
+      {Kind::bad_number, "gravity (0, nan, 0) m/s^2; components are at most 10000 m/s^2",
        [](Scene& s) {
          s.gravity_mps2 = {0, k_nan, 0};
        }},
@@ -164,11 +178,17 @@ TEST(SceneErrors, EachFaultIsNamed) {
        [](Scene& s) {
          s.period_m = {-1, 0, 0};
        }},
-      {Kind::overlap, "body 1 can't start at 0 s: it overlaps body 'ball'",
+      {Kind::overlap,
+       "body 1 can't start at 0 s: it overlaps body 'ball', or is "
+       "within 1e-07 m of it",
        [](Scene& s) { s.bodies[1].start.pose.position_m.y() = 0.03; }},
-      {Kind::overlap, "body 'ball' can't start at 0 s: it overlaps plane 'floor'",
+      {Kind::overlap,
+       "body 'ball' can't start at 0 s: it overlaps plane 'floor', or is "
+       "within 1e-07 m of it",
        [](Scene& s) { s.bodies[0].start.pose.position_m.z() = 0.01; }},
-      {Kind::overlap, "body 'ball' can't start at 0 s: it overlaps plane 'floor'",
+      {Kind::overlap,
+       "body 'ball' can't start at 0 s: it overlaps plane 'floor', or is "
+       "within 1e-07 m of it",
        [](Scene& s) { s.bodies[0].start.pose.position_m.z() = -1; }},
   };
   EXPECT_FALSE(error_of(good_scene()));
@@ -216,7 +236,8 @@ TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
     const auto started = Simulation::start(scene, {});
     ASSERT_FALSE(started.ok()) << (sphere ? "ball" : "cube");
     EXPECT_EQ(started.error().message,
-              "body 'ball' can't start at 0 s: it overlaps convex 'block'");
+              "body 'ball' can't start at 0 s: it overlaps convex 'block', or is within "
+              "1e-07 m of it");
   }
 }
 
@@ -252,7 +273,9 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
     const auto error = simulation.run_until(tick + 1000);
     ASSERT_TRUE(error) << moving;
     EXPECT_EQ(error->kind, Kind::overlap);
-    EXPECT_EQ(error->message, "body 1 can't start at 0.5 s: it overlaps body 'ball'");
+    EXPECT_EQ(error->message,
+              "body 1 can't start at 0.5 s: it overlaps body 'ball', or is "
+              "within 1e-07 m of it");
     EXPECT_FALSE(simulation.started({1}));
     EXPECT_EQ(simulation.now(), tick);
     // It stays where it failed.

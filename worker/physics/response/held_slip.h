@@ -1,0 +1,53 @@
+// The direction in which friction acts on a slip for a while, and for how long.
+//
+// Thread safety: pure functions.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/math/vector.h"
+#include "worker/physics/motion/rigid_body.h"
+
+namespace sleight::physics {
+
+inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
+/// By how much the direction of a slip may turn, in radians, before the motion is asked for again.
+inline constexpr double k_turn = 1.0 / 32;
+inline constexpr double k_turn_max = 0.5;
+/// A turn by so much errs by about so much of the slip: more is allowed where that is small.
+inline constexpr double k_slip_error_mps = 1e-5;
+/// A slip that would turn by less than this until it ends is straight.
+inline constexpr double k_straight = 1e-9;
+
+struct HeldSlip {
+  Vec3 direction = Vec3::Zero();
+  double lasts_s = k_forever_s;
+};
+
+/// Of a slip that a pull changes and friction brakes: half way, under the friction that acts along
+/// the direction held, it has that direction. (Friction doesn't turn a slip; had its direction at
+/// the start a part in this, the direction held would swing about the one in which slip becomes
+/// steady.)
+inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake) {
+  const double speed = math::norm(slip);
+  const Vec3 direction = slip / speed;
+  const double forward = math::dot(pull, direction);
+  const double across = math::norm(pull - forward * direction);
+  const double stop_s = forward < brake ? speed / (brake - forward) : k_forever_s;
+  if (across == 0 || across * stop_s <= k_straight * speed ||
+      (forward > 0 && across <= k_straight * forward))
+    return {direction, stop_s};
+  const double turn = std::clamp(std::sqrt(k_slip_error_mps / speed), k_turn, k_turn_max);
+  const double span_s = std::min({turn * speed / across, speed / brake, stop_s});
+  return {math::normalized(slip + (0.5 * span_s) * pull), span_s};
+}
+
+/// When a velocity's part along a direction is 0.
+inline double stop_s(const Vec3& velocity, const Vec3& rate, const Vec3& direction) {
+  const double along = math::dot(rate, direction);
+  return along < 0 ? std::max(0.0, math::dot(velocity, direction)) / -along : k_forever_s;
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,51 @@
+// A few linear equations.
+//
+// Thread safety: a value.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace sleight::physics {
+
+/// A small dense system of equations.
+class LinearSystem {
+ public:
+  static constexpr std::size_t k_most = 4;
+  explicit LinearSystem(std::size_t size) : size_(size) {}
+
+  double& coefficient(std::size_t row, std::size_t column) { return rows_[row][column]; }
+  double& right(std::size_t row) { return rows_[row][k_most]; }
+
+  /// By elimination with the greatest pivot of each column. False if there is none.
+  bool solve(std::array<double, k_most>& unknowns) {
+    for (std::size_t column = 0; column < size_; ++column) {
+      std::size_t pivot = column;
+      for (std::size_t row = column + 1; row < size_; ++row) {
+        if (std::fabs(rows_[row][column]) > std::fabs(rows_[pivot][column])) pivot = row;
+      }
+      if (!(std::fabs(rows_[pivot][column]) > 1e-12)) return false;
+      std::swap(rows_[pivot], rows_[column]);
+      for (std::size_t row = column + 1; row < size_; ++row) {
+        const double share = rows_[row][column] / rows_[column][column];
+        for (std::size_t i = column; i <= k_most; ++i)
+          rows_[row][i] -= share * rows_[column][i];
+      }
+    }
+    for (std::size_t row = size_; row-- > 0;) {
+      double sum = rows_[row][k_most];
+      for (std::size_t i = row + 1; i < size_; ++i)
+        sum -= rows_[row][i] * unknowns[i];
+      unknowns[row] = sum / rows_[row][row];
+    }
+    return true;
+  }
+
+ private:
+  std::size_t size_;
+  std::array<std::array<double, k_most + 1>, k_most> rows_{};
+};
+
+}  // namespace sleight::physics

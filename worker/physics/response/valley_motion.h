@@ -1,0 +1,16 @@
+// A sphere in a valley of two faces: the part of contact_motion.h that takes a system of equations.
+//
+// Thread safety: pure functions.
+#pragma once
+
+#include <span>
+
+#include "worker/physics/response/contact_motion.h"
+
+namespace sleight::physics {
+
+/// REQUIRES: two contacts that are a valley (is_valley).
+ContactMotion valley_motion(const RoundBody& body, std::span<const LastingContact> contacts,
+                            const Twist& twist, const Vec3& gravity_mps2);
+
+}  // namespace sleight::physics
