@@ -138,6 +138,15 @@ bool Resting::stands(std::span<const TouchRecord> contacts, const Present& state
   return true;
 }
 
+std::span<const TouchRecord> Resting::pushing_up(std::span<const TouchRecord> contacts,
+                                                 const Present& state) {
+  std::size_t count = 0;
+  for (const TouchRecord& touch : contacts) {
+    if (math::dot(touch.normal, state.weight_n) < 0) pushing_up_[count++] = touch;
+  }
+  return std::span<const TouchRecord>(pushing_up_).first(count);
+}
+
 void Resting::reset(std::size_t bodies, const SlowContacts& rule) {
   rule_ = rule;
   logs_.assign(enabled() ? bodies : 0, {});

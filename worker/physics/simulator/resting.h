@@ -3,7 +3,9 @@
 // Idea. Slow bodies in contact bounce by micrometres for ever (restitution.h keeps the rate of
 // these impacts bounded). A set of bodies goes to rest when each of them
 //   - was slower than rest_speed_mps at every collision of the last rest_time_s, and is so now;
-//   - touched in that time only members of the set, resting bodies and static geometry;
+//   - is carried, as far as it touched anything in that time, by members of the set, resting bodies
+//     and static geometry only: what lies on it may still move (a heap into which grains fall rests
+//     from below), unless it needs that for its balance;
 //   - is in balance: pushes along the normals of those contacts, with friction, can carry its
 //     weight, and could if its centre were a little to any side. A sphere needn't stand so firmly;
 //     nor need another body that has been slow for 64 times as long, in which what balances on an
@@ -11,9 +13,9 @@
 // The last one keeps what is slow because it is about to topple or to slide from being frozen.
 // Everything is read from recorded contacts, so the decision is a function of the events so far.
 //
-// A resting body is an obstacle. It remembers the bodies among its contacts as its supporters: when
-// one of them moves, it wakes. It also wakes when a collision, or a user, would give it a speed
-// above wake_speed_mps(); below, it takes the blow as static geometry does.
+// A resting body is an obstacle. It remembers those bodies as its supporters: when one of them
+// moves, it wakes. It also wakes when a collision, or a user, would give it a speed above
+// wake_speed_mps(); below, it takes the blow as static geometry does.
 //
 // Invariants
 //   1. A body rests only by decide(), which is asked at the body's own rest event.
@@ -122,6 +124,18 @@ class Resting {
   /// Whether contacts carry a body that has been slow for so long: firmly, with its weight a little
   /// to any side, or as it is, and then for long enough to have toppled otherwise.
   bool stands(std::span<const TouchRecord> contacts, const Present& state, TickCount slow) const;
+  enum class Contacts : std::uint8_t { pushing_up, all };
+  /// Whether a body may rest together with what carries it, by these of everybody's contacts; set_
+  /// is then that set, and rests.
+  template <Contacts k_which, class PresentOf>
+  bool gather(std::uint32_t body, Tick now, const PresentOf& present);
+  /// Valid until the next call.
+  template <Contacts k_which>
+  std::span<const TouchRecord> chosen(std::span<const TouchRecord> contacts, const Present& state) {
+    return k_which == Contacts::all ? contacts : pushing_up(contacts, state);
+  }
+  std::span<const TouchRecord> pushing_up(std::span<const TouchRecord> contacts,
+                                          const Present& state);
   /// Records of the last rest_time_s, moved to the front of the list.
   std::span<const TouchRecord> recent(Log& log, Tick now) const;
   void record(Log& log, const TouchRecord& touch) const;
@@ -129,49 +143,43 @@ class Resting {
 
   SlowContacts rule_;
   std::vector<Log> logs_;
-  std::vector<std::uint32_t> set_;  ///< scratch
+  std::vector<std::uint32_t> set_;                 ///< scratch
+  std::array<TouchRecord, k_records> pushing_up_;  ///< scratch
 };
 
-template <class PresentOf>
-std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
-                                               const PresentOf& present) {
-  // Gather the bodies that it touched, and those that they touched, as long as all are slow.
-  // Whether they stand costs most, so it is asked last.
-  const auto is_jammed = [&](const Log& log) { return log.slow_collisions >= k_slow_collisions; };
+template <Resting::Contacts k_which, class PresentOf>
+bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
+  const auto is_jammed = [](const Log& log) { return log.slow_collisions >= k_slow_collisions; };
+  // The bodies that carry it, and those that carry these, as long as all are slow. Whether they
+  // stand costs most, so it is asked last.
   set_.assign(1, body);
-  bool may = true;
-  for (std::size_t i = 0; i < set_.size() && may; ++i) {
+  for (std::size_t i = 0; i < set_.size(); ++i) {
     Log& log = logs_[set_[i]];
     const Present state = present(set_[i]);
     const auto contacts = recent(log, now);
-    may = log.slow_since != k_never && (now - log.slow_since >= rest_span() || is_jammed(log)) &&
-          state.speed_mps < rule_.rest_speed_mps && !contacts.empty();
-    for (const TouchRecord& touch : contacts) {
+    const bool slow = log.slow_since != k_never &&
+                      (now - log.slow_since >= rest_span() || is_jammed(log)) &&
+                      state.speed_mps < rule_.rest_speed_mps;
+    if (!slow || contacts.empty()) return false;
+    for (const TouchRecord& touch : chosen<k_which>(contacts, state)) {
       if (touch.partner == k_static_partner || logs_[touch.partner].rests) continue;
       if (std::find(set_.begin(), set_.end(), touch.partner) == set_.end())
         set_.push_back(touch.partner);
     }
   }
-  for (std::size_t i = 0; i < set_.size() && may; ++i) {
-    Log& log = logs_[set_[i]];
-    const Present state = present(set_[i]);
-    may =
-        is_jammed(log) || state.in_balance || stands(recent(log, now), state, now - log.slow_since);
+  for (const std::uint32_t member : set_) {
+    Log& log = logs_[member];
+    const Present state = present(member);
+    const auto contacts = chosen<k_which>(recent(log, now), state);
+    if (is_jammed(log) || state.in_balance) continue;
+    if (!stands(contacts, state, now - log.slow_since)) return false;
   }
-  if (!may) {
-    Log& log = logs_[body];
-    log.due = now + std::max<TickCount>(1, rest_span() / 2);
-    log.slow_collisions = 0;
-    if (present(body).speed_mps >= rule_.rest_speed_mps) disturbed(body);
-    return {};
-  }
-
-  // They rest, each on the bodies that it touched.
+  // They rest, each on the bodies that carry it.
   std::sort(set_.begin(), set_.end());
   for (const std::uint32_t member : set_) {
     Log& log = logs_[member];
     log.supporter_count = 0;
-    for (const TouchRecord& touch : recent(log, now)) {
+    for (const TouchRecord& touch : chosen<k_which>(recent(log, now), present(member))) {
       if (touch.partner == k_static_partner || log.leans_on(touch.partner)) continue;
       log.supporters[log.supporter_count++] = touch.partner;
     }
@@ -181,6 +189,22 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
     log.slow_collisions = 0;
     log.count = 0;
   }
+  return true;
+}
+
+template <class PresentOf>
+std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
+                                               const PresentOf& present) {
+  const bool may =
+      gather<Contacts::pushing_up>(body, now, present) || gather<Contacts::all>(body, now, present);
+  if (!may) {
+    Log& log = logs_[body];
+    log.due = now + std::max<TickCount>(1, rest_span() / 2);
+    log.slow_collisions = 0;
+    if (present(body).speed_mps >= rule_.rest_speed_mps) disturbed(body);
+    return {};
+  }
+
   return set_;
 }
 
