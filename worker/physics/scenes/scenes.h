@@ -71,7 +71,7 @@ Setting tray(std::uint32_t bodies, std::uint64_t seed);
 Setting marbles(std::uint32_t bodies, std::uint64_t seed);
 
 /// What ends slow contacts of bodies of a size in the earth's gravity: separation at 1/100 and rest
-/// below 4/100 of the speed that a body has after falling half its size, for a tenth of the time
+/// below 8/100 of the speed that a body has after falling half its size, for a tenth of the time
 /// that it takes to fall so far.
 SlowContacts slow_contacts_of(double size_m);
 
