@@ -4,8 +4,8 @@
 // runs the beginning of it once with one, whose digest is what is verified: the same for both
 // algorithms. sync is Algorithm 3.4 with a complete sort of all extents, which on these scenes is
 // faster than the same algorithm on the grid (sync_grid, to compare). Rows of a size simulate the
-// same time, so that total times compare (hourglass/1000 a hundredth of a second of it); sync rows say
-// how many times longer they took than async did in the same run of the program. Rows that take
+// same time, so that total times compare (hourglass/1000 a hundredth of a second of it); sync rows
+// say how many times longer they took than async did in the same run of the program. Rows that take
 // more than about a second are timed only when they, or their scene, are asked for by name; their
 // hashes are verified always.
 #include <benchmark/benchmark.h>
@@ -78,7 +78,7 @@ struct Experiment {
   bool long_async;  ///< timed only by name
   bool long_sync;
   std::uint64_t digest;  ///< of the recording up to verified_s
-  /// Timed from here on only, for duration_s; up to here it is asynchronous in every row.
+  /// If not 0, timed from here on only, for duration_s.
   double from_s = 0;
 };
 
@@ -108,7 +108,8 @@ constexpr Experiment k_experiments[] = {
     {"hourglass", scenes::hourglass, 1000, 0.01, 1.5, true, true, 0x15a673a2e65600d2U, 50},
 };
 
-/// CPU seconds of one asynchronous run of each experiment, as far as measured in this program.
+/// CPU seconds of one asynchronous run of each experiment, or of one of its events where parts are
+/// timed, as far as measured in this program.
 std::map<const Experiment*, double>& async_seconds() {
   static std::map<const Experiment*, double> seconds;
   return seconds;
@@ -131,6 +132,54 @@ void count(benchmark::State& state, const Counts& counts, double duration_s, dou
   state.counters["simulated_s_per_s"] = duration_s * runs / cpu_s;
 }
 
+/// What a row did, over all its runs.
+struct Timed {
+  Counts counts;  ///< of the last run
+  double cpu_s = 0;
+};
+
+/// Whole runs, the start included.
+std::optional<Timed> time_whole(benchmark::State& state, const physics::Scene& scene, Way way,
+                                double duration_s) {
+  Timed timed;
+  const std::clock_t begin = std::clock();
+  for (auto _ : state) {
+    const auto simulation = simulated(state, scene, options_of(way, false), duration_s);
+    if (!simulation) return std::nullopt;
+    timed.counts = simulation->counts();
+  }
+  timed.cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  return timed;
+}
+
+/// A part of a long simulation. The rows of an experiment share that simulation: each goes on where
+/// the last one stopped.
+std::optional<Timed> time_part(benchmark::State& state, const Experiment& experiment,
+                               const physics::Scene& scene, Way way) {
+  static std::map<const Experiment*, Simulation> shared;
+  auto found = shared.find(&experiment);
+  if (found == shared.end()) {
+    auto begun = simulated(state, scene, options_of(Way::async, false), experiment.from_s);
+    if (!begun) return std::nullopt;
+    found = shared.emplace(&experiment, *std::move(begun)).first;
+  }
+  Simulation& simulation = found->second;
+  simulation.go_on_with(options_of(way, false));
+  Timed timed;
+  const Counts before = simulation.counts();
+  const std::clock_t begin = std::clock();
+  for (auto _ : state) {
+    const Tick end = simulation.now() + physics::ticks_after(experiment.duration_s);
+    if (const auto error = simulation.run_until(end)) {
+      state.SkipWithError(error->message.c_str());
+      return std::nullopt;
+    }
+  }
+  timed.cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  timed.counts = simulation.counts() - before;
+  return timed;
+}
+
 void run(benchmark::State& state, const Experiment& experiment, Way way) {
   const scenes::Setting setting = experiment.make(experiment.n, k_seed);
   const double duration_s = experiment.duration_s > 0 ? experiment.duration_s : setting.duration_s;
@@ -140,32 +189,18 @@ void run(benchmark::State& state, const Experiment& experiment, Way way) {
     for (auto _ : state)
       benchmark::DoNotOptimize(digest);
   } else {
-    Counts counts;
-    std::clock_t clocks = 0;
-    for (auto _ : state) {
-      state.PauseTiming();
-      auto simulation =
-          simulated(state, setting.scene, options_of(Way::async, false), experiment.from_s);
-      if (!simulation) return;
-      const Counts before = simulation->counts();
-      simulation->go_on_with(options_of(way, false));
-      state.ResumeTiming();
-      const std::clock_t begin = std::clock();
-      const Tick end = simulation->now() + physics::ticks_after(duration_s);
-      if (const auto error = simulation->run_until(end)) {
-        state.SkipWithError(error->message.c_str());
-        return;
-      }
-      clocks += std::clock() - begin;
-      counts = simulation->counts() - before;
-    }
-    const double cpu_s = static_cast<double>(clocks) / CLOCKS_PER_SEC;
-    count(state, counts, duration_s, cpu_s, experiment.n);
-    const double run_s = cpu_s / static_cast<double>(state.iterations());
-    if (way == Way::async) async_seconds()[&experiment] = run_s;
+    const auto timed = experiment.from_s > 0 ? time_part(state, experiment, setting.scene, way)
+                                             : time_whole(state, setting.scene, way, duration_s);
+    if (!timed) return;
+    count(state, timed->counts, duration_s, timed->cpu_s, experiment.n);
+    // Parts of one simulation differ in what happens, so their times for an event are compared.
+    const double run_s = timed->cpu_s / static_cast<double>(state.iterations());
+    const double unit_s =
+        experiment.from_s > 0 ? run_s / static_cast<double>(timed->counts.events()) : run_s;
+    if (way == Way::async) async_seconds()[&experiment] = unit_s;
     const auto async = async_seconds().find(&experiment);
     if (way != Way::async && async != async_seconds().end())
-      state.counters["times_async"] = run_s / async->second;
+      state.counters["times_async"] = unit_s / async->second;
   }
   verify(state, digest, experiment.digest);
 }
