@@ -41,7 +41,8 @@ inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
 /// slower soon, and this one would sink them by more than 5e-11 m in a tick.
 inline constexpr double k_fast_approach_mps = 0.05;
 
-/// Squeezed bodies overlap by no more than this. At 0 the gaps of pairs that are squeezed for long
+/// Squeezed bodies overlap by hardly more than this, unless one is a hundred times heavier than the
+/// other. At 0 the gaps of pairs that are squeezed for long
 /// shrink to rounding, and then each tick has its collision; 1e-9 m is what bodies move in a tick
 /// at 1 m/s anyway.
 inline constexpr double k_sink_m = 5e-10;
