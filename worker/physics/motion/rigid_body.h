@@ -30,6 +30,11 @@ struct Inertia {
   InertiaSymmetry symmetry = InertiaSymmetry::general;
 };
 
+/// Exactly: not a small one.
+inline bool is_zero(const Vec3& v) {
+  return v.x() == 0 && v.y() == 0 && v.z() == 0;
+}
+
 struct Pose {
   Vec3 position_m = Vec3::Zero();
   Quat orientation = Quat::Identity();

@@ -108,10 +108,6 @@ double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
   return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }
 
-bool is_zero(const Vec3& v) {
-  return v.x() == 0 && v.y() == 0 && v.z() == 0;
-}
-
 /// How an axis turns, and what that adds to the fall of the separation along it.
 struct AxisTurn {
   Vec3 angular_velocity_radps = Vec3::Zero();

@@ -20,10 +20,6 @@ double wrapped(double x, double period) {
   return inside < period ? inside : 0;  // rounding can give the period itself
 }
 
-bool is_zero(const Vec3& v) {
-  return v.x() == 0 && v.y() == 0 && v.z() == 0;
-}
-
 }  // namespace
 
 World::World(const Scene& scene, bool record, std::size_t segments_reserved)

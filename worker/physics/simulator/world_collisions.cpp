@@ -9,10 +9,6 @@
 namespace sleight::physics {
 namespace {
 
-bool is_zero(const Vec3& v) {
-  return v.x() == 0 && v.y() == 0 && v.z() == 0;
-}
-
 /// How fast the two sides of a contact part.
 double parting_mps(const PieceContact& contact, const Twist& a, const Vec3& centre_a_m,
                    const Twist& b, const Vec3& centre_b_m) {
