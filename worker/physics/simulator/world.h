@@ -280,6 +280,9 @@ class World {
     bool leaves_there = false;         ///< since the centre leaves a face's region
     Tick met_body{-k_tick_max.value};  ///< when it last collided with another body
     std::span<const std::uint32_t> all() const { return std::span(features).first(count); }
+    bool holds(std::uint32_t feature) const {
+      return std::ranges::find(all(), feature) != all().end();
+    }
   };
   /// Whether a sphere that meets a feature so slowly loses its bounce there, and may stay.
   bool is_caught(std::uint32_t body, std::uint32_t feature, double approach_mps, double restitution,

@@ -226,6 +226,8 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
       note_failure("the search for a collision gives up", body, now);
     return prediction;
   }
+  // What it stays on it doesn't meet before its mode event.
+  if (stays_on_faces(body) && supports_[body].holds(index)) return {};
   const SphereFeature& feature = statics_.feature(index);
   const double radius_m = constants_[body].reach_m;
   return looked_ahead(now, [&](Tick tick) {
