@@ -42,9 +42,8 @@ inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
 inline constexpr double k_fast_approach_mps = 0.05;
 
 /// Squeezed bodies overlap by hardly more than this, unless one is a hundred times heavier than the
-/// other. At 0 the gaps of pairs that are squeezed for long
-/// shrink to rounding, and then each tick has its collision; 1e-9 m is what bodies move in a tick
-/// at 1 m/s anyway.
+/// other. At 0 the gaps of pairs that are squeezed for long shrink to rounding, and then each tick
+/// has its collision; 1e-9 m is what bodies move in a tick at 1 m/s anyway.
 inline constexpr double k_sink_m = 5e-10;
 
 /// After so many collisions of a body at one tick, its further ones there are plastic: no

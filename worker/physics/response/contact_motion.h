@@ -20,8 +20,9 @@
 // c N, in general by the power that this takes; it also brakes spin about the normal of one face,
 // by the moment c N r.
 //
-// Where a slip turns, as that of a ball thrown across a slope, its direction is held for as long as
-// it turns by a 32nd of a radian, at what it will be half way; then the motion is asked for anew.
+// Where a slip turns, as that of a ball thrown across a slope, its direction is held at what it
+// will be half way, for as long as it turns by a 32nd of a radian (up to half a radian where it is
+// slower than 0.01 m/s: held_slip.h); then the motion is asked for anew.
 //
 // Invariants
 //   1. Nothing gains energy: friction and resistance never act along the motion that they brake,
@@ -66,8 +67,8 @@ struct ContactMotion {
 /// A slip slower than this is over. Slides end at a whole tick, some 1e-8 m/s after it was 0.
 inline constexpr double k_stick_mps = 1e-6;
 /// Two faces whose normals have a sine below this, or a cosine below that, are no valley: the one
-/// is too flat to say along which line it runs, the other a slit of less than 2 degrees, which
-/// presses on a sphere with more than fifty times its weight.
+/// is too flat to say along which line it runs, the other a slit of less than 0.8 degrees, which
+/// presses on a sphere with more than seventy times its weight.
 inline constexpr double k_valley_sine_min = 1e-3;
 inline constexpr double k_valley_cosine_min = -0.9999;
 

@@ -22,6 +22,8 @@ constexpr double k_begin_s = 1e-4;
 /// Rounds in which that direction is sought, and how well it is found.
 constexpr int k_begin_rounds = 40;
 constexpr double k_begin_off = 1e-12;
+/// Rounds over both contacts, where each turns the other's direction.
+constexpr int k_both_rounds = 8;
 
 /// Resistance to rolling at a speed along a line, as an acceleration: `pull` without it, `most` at
 /// most. 0 velocity stays if the resistance can hold it.
@@ -247,23 +249,26 @@ class Valley {
   }
   Vec3 unbraked_rate(std::size_t i) const { return slip_rate(i) + brake_of(i) * direction_[i]; }
 
+  /// For a slip that begins in a direction that is not quite its own: long enough that it doesn't
+  /// stick at the end.
+  double short_while_s(std::size_t i) const {
+    const double rate = norm(slip_rate(i));
+    return std::max(k_begin_s, rate > 0 ? 2 * k_stick_mps / rate : 0);
+  }
+
   /// Slips in the directions that they have half way, and for how long.
   void hold_directions() {
     double lasts_s = k_forever_s;
     std::array<bool, 2> settled{};
     // Each turns the other's.
-    for (int round = 0; round < 8 && (begins_[0] || begins_[1]); ++round) {
+    for (int round = 0; round < k_both_rounds && (begins_[0] || begins_[1]); ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (begins_[i]) settled[i] = settle_begin(i);
         if (motion_.pressed != 3) return;
       }
     }
     for (std::size_t i = 0; i < 2; ++i) {
-      if (begins_[i] && !settled[i]) {
-        // Long enough that it doesn't stick at its end.
-        const double rate = norm(slip_rate(i));
-        lasts_s = std::min(lasts_s, std::max(k_begin_s, rate > 0 ? 2 * k_stick_mps / rate : 0));
-      }
+      if (begins_[i] && !settled[i]) lasts_s = std::min(lasts_s, short_while_s(i));
       if (slips_[i] && !begins_[i] && contacts_[i].friction > 0)
         lasts_s = std::min(lasts_s, held_slip(slip_at(i), unbraked_rate(i), brake_of(i)).lasts_s);
     }
@@ -277,12 +282,12 @@ class Valley {
     }
     if (turns && !forces()) return;
     // A beginning without a direction against which friction acts: none does, for the short while.
+    // Twice, as it may leave the other one in the same state.
     for (int round = 0; round < 2; ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (!begins_[i] || dot(slip_rate(i), direction_[i]) >= 0) continue;
         direction_[i] = Vec3::Zero();
-        lasts_s = std::min(
-            lasts_s, std::max(k_begin_s, 2 * k_stick_mps / std::max(1e-30, norm(slip_rate(i)))));
+        lasts_s = std::min(lasts_s, short_while_s(i));
         if (!forces()) return;
       }
     }

@@ -36,12 +36,18 @@
 
 namespace sleight::physics {
 
+/// Where another engine stopped: everything up to and at `now` has happened.
+struct Takeover {
+  Tick now{};
+  Counts counts{};
+  std::optional<SceneError> failure{};
+};
+
 template <BroadPhase Boxes, EventQueue Queue>
 class Engine {
  public:
-  /// Borrows the world, and goes on from a tick up to and at which everything has happened; from
-  /// tick 0 in a world without bodies, at which nothing has. `counts` go on too.
-  Engine(World& world, EngineOptions options, Tick now, const Counts& counts);
+  /// Borrows the world. It begins before everything in one without bodies, or takes over.
+  Engine(World& world, EngineOptions options, const std::optional<Takeover>& from);
 
   /// Processes every event up to and at `end`. Nothing if all went well; after an error the engine
   /// stays where it is.
@@ -49,6 +55,8 @@ class Engine {
 
   Tick now() const { return now_; }
   const Counts& counts() const { return counts_; }
+  /// What another one takes over.
+  Takeover state() const { return {now_, counts_, failure_}; }
 
  private:
   static constexpr std::uint32_t k_nobody = UINT32_MAX;

@@ -31,6 +31,7 @@ inline constexpr double k_static_margin_radii = 0.5;
 /// A box of the synchronous algorithm lasts at most as long as the fastest body takes for its
 /// radius.
 inline constexpr double k_synchronous_step_radii = 1;
+
 inline bool holds(const Box& outer, const Box& inner) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (inner.low_m[axis] < outer.low_m[axis] || inner.high_m[axis] > outer.high_m[axis])

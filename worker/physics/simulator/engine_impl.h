@@ -24,14 +24,18 @@ inline constexpr std::size_t k_static_room = 96;
 inline constexpr std::uint32_t k_read_ahead_bodies = 4000;
 
 template <BroadPhase Boxes, EventQueue Queue>
-Engine<Boxes, Queue>::Engine(World& world, EngineOptions options, Tick now, const Counts& counts)
+Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
+                             const std::optional<Takeover>& from)
     : world_(world),
       options_(std::move(options)),
       boxes_({.bodies = world.size(),
               .period_m = world.scene().period_m,
-              .size_m = world.typical_box_m()}),
-      now_(now),
-      counts_(counts) {
+              .size_m = world.typical_box_m()}) {
+  if (from) {
+    now_ = from->now;
+    counts_ = from->counts;
+    failure_ = from->failure;
+  }
   const auto count = world.size();
   queue_.reset(count + 3);
   graph_.reset(count, options_.algorithm == Algorithm::all_pairs
@@ -69,17 +73,15 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options, Tick now, cons
   std::stable_sort(controls_.begin(), controls_.end(), [&](std::uint32_t a, std::uint32_t b) {
     return controls[a].tick < controls[b].tick;
   });
-  // What was due has happened, unless nothing has happened yet.
-  const bool fresh = present_ == 0 && now == Tick{};
-  while (!fresh && next_control_ < controls_.size() &&
-         controls[controls_[next_control_]].tick <= now) {
+  while (from && next_control_ < controls_.size() &&
+         controls[controls_[next_control_]].tick <= now_) {
     ++next_control_;
   }
   schedule_control();
   if (options_.sample_every > 0) {
-    const TickCount past = (now.value / options_.sample_every) * options_.sample_every;
-    queue_.set({count + 1},
-               {.tick = Tick{fresh ? 0 : past + options_.sample_every}, .kind = EventKind::sample});
+    const TickCount every = options_.sample_every;
+    queue_.set({count + 1}, {.tick = Tick{from ? (now_.value / every + 1) * every : 0},
+                             .kind = EventKind::sample});
   }
 }
 

@@ -18,8 +18,9 @@ constexpr double k_slow_parting = 2;
 /// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
 /// cube that stands on an edge does not.
 constexpr double k_firm = 0.01;
-/// Who stands, but not firmly, rests after so many times the rest time. Tilt on an
-/// edge grows e-fold in some 0.9 sqrt(size / g): with a tenth of that as rest time, 600-fold.
+/// Who stands, but not firmly, rests after so many times the rest time. The tilt of a cube on its
+/// edge grows e-fold in 0.97 sqrt(size / g), its moment about the edge over its weight: some
+/// 700-fold meanwhile where the rest time is 0.1 sqrt(size / g).
 constexpr TickCount k_patience = 64;
 /// Sweeps over all pushes in the search for balance.
 constexpr int k_balance_sweeps_max = 400;
@@ -42,10 +43,6 @@ Vec3 any_tangent(const Vec3& normal) {
   const Vec3 axis = std::fabs(normal.x()) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
   return math::normalized(math::cross(normal, axis));
 }
-
-}  // namespace
-
-namespace {
 
 /// Pushes that contacts may give, and how much of each was needed last: weights that differ by
 /// little are carried by similar ones.

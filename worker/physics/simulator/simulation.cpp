@@ -19,16 +19,18 @@ class AnyEngine {
   virtual std::optional<SceneError> run_until(Tick end) = 0;
   virtual Tick now() const = 0;
   virtual const Counts& counts() const = 0;
+  virtual Takeover state() const = 0;
 };
 
 template <class Boxes, class Queue>
 class EngineOf final : public AnyEngine {
  public:
-  EngineOf(World& world, const EngineOptions& options, Tick now, const Counts& counts)
-      : engine_(world, options, now, counts) {}
+  EngineOf(World& world, const EngineOptions& options, const std::optional<Takeover>& from)
+      : engine_(world, options, from) {}
   std::optional<SceneError> run_until(Tick end) override { return engine_.run_until(end); }
   Tick now() const override { return engine_.now(); }
   const Counts& counts() const override { return engine_.counts(); }
+  Takeover state() const override { return engine_.state(); }
 
  private:
   Engine<Boxes, Queue> engine_;
@@ -36,26 +38,26 @@ class EngineOf final : public AnyEngine {
 
 template <class Boxes>
 std::unique_ptr<AnyEngine> engine_with(World& world, QueueKind queue, const EngineOptions& options,
-                                       Tick now, const Counts& counts) {
+                                       const std::optional<Takeover>& from) {
   switch (queue) {
     case QueueKind::tournament:
-      return std::make_unique<EngineOf<Boxes, TournamentQueue>>(world, options, now, counts);
+      return std::make_unique<EngineOf<Boxes, TournamentQueue>>(world, options, from);
     case QueueKind::heap:
-      return std::make_unique<EngineOf<Boxes, HeapQueue>>(world, options, now, counts);
+      return std::make_unique<EngineOf<Boxes, HeapQueue>>(world, options, from);
     case QueueKind::calendar:
       break;
   }
-  return std::make_unique<EngineOf<Boxes, CalendarQueue>>(world, options, now, counts);
+  return std::make_unique<EngineOf<Boxes, CalendarQueue>>(world, options, from);
 }
 
-std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& options, Tick now,
-                                     const Counts& counts) {
+std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& options,
+                                     const std::optional<Takeover>& from) {
   const EngineOptions chosen{.algorithm = options.algorithm,
                              .sample_every = options.sample_every,
                              .on_sample = options.on_sample};
   return options.broad_phase == BroadPhaseKind::sweep_and_prune
-             ? engine_with<SweepAndPrune>(world, options.queue, chosen, now, counts)
-             : engine_with<HierarchicalGrid>(world, options.queue, chosen, now, counts);
+             ? engine_with<SweepAndPrune>(world, options.queue, chosen, from)
+             : engine_with<HierarchicalGrid>(world, options.queue, chosen, from);
 }
 
 }  // namespace
@@ -64,7 +66,7 @@ class Simulation::Impl {
  public:
   Impl(const Scene& scene, const SimulationOptions& options)
       : world(scene, options.record, options.segments_reserved),
-        engine(engine_of(world, options, Tick{}, {})) {}
+        engine(engine_of(world, options, std::nullopt)) {}
 
   World world;
   std::unique_ptr<AnyEngine> engine;
@@ -90,9 +92,7 @@ std::optional<SceneError> Simulation::run_until(Tick end) {
 }
 
 void Simulation::go_on_with(const SimulationOptions& options) {
-  const Tick now = impl_->engine->now();
-  const Counts counts = impl_->engine->counts();
-  impl_->engine = engine_of(impl_->world, options, now, counts);
+  impl_->engine = engine_of(impl_->world, options, impl_->engine->state());
 }
 
 Tick Simulation::now() const {

@@ -66,7 +66,7 @@ class Simulation {
 
   /// Goes on with another algorithm, broad phase or queue, and other sampling events, which come at
   /// multiples of their interval. What is recorded stays as it is: `record` and
-  /// `segments_reserved` have no effect.
+  /// `segments_reserved` have no effect. A simulation that has failed stays so.
   void go_on_with(const SimulationOptions& options);
 
   Tick now() const;

@@ -205,7 +205,7 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   const PieceContact contact = static_contact_at(body, index, event);
   const MaterialId material = constants_[body].is_sphere ? statics_.material_of_feature(index)
                                                          : statics_.material_of_piece(index);
-  const ContactLaw law =
+  ContactLaw law =
       law_of(constants_[body].material, material, count_at(body, tick) > k_elastic_at_a_tick);
   const Twist before = twist_at(body, tick);
   const auto log_touch = [&](const Twist& after) {
@@ -221,18 +221,8 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
         parting_mps(contact, {}, Vec3::Zero(), after, position_at(segments_[body].flight, tick)));
   };
   const double approach_mps = -math::dot(contact.normal, before.velocity_mps);
-  if (is_caught(body, index, approach_mps, law.restitution, tick)) {
-    const ImpactOutput stopped =
-        sphere_impact({.mass_a = {},
-                       .mass_b = constants_[body].sphere_mass,
-                       .a = {},
-                       .b = before,
-                       .normal = contact.normal,
-                       .law = {.restitution = 0, .friction = law.friction}});
-    log_touch(stopped.b);
-    begin_caught(body, index, stopped.b, event);
-    return;
-  }
+  const bool caught = is_caught(body, index, approach_mps, law.restitution, tick);
+  if (caught) law = {.restitution = 0, .friction = law.friction};
   ImpactOutput after = constants_[body].is_sphere
                            ? sphere_impact({.mass_a = {},
                                             .mass_b = constants_[body].sphere_mass,
@@ -245,6 +235,11 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
                                            .contact_m = contact.point_m,
                                            .normal = contact.normal,
                                            .law = law});
+  if (caught) {
+    log_touch(after.b);
+    begin_caught(body, index, after.b, event);
+    return;
+  }
   if (constants_[body].is_sphere && scene_.slow.separation_speed_mps > 0)
     after.b = hop(round_body(body), contact.normal, after.b, hop_speed_mps());
   log_touch(after.b);

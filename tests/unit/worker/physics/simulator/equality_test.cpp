@@ -113,6 +113,36 @@ TEST(Equality, OneWayMayTakeOverFromAnother) {
   }
 }
 
+TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
+  // Goal: what happened at the tick at which another way takes over doesn't happen again, at tick 0
+  // either, and an error stays one. Method: a control and samples at tick 0 of a scene whose only
+  // body starts later; a scene that fails at a later start.
+  Scene scene = scenes::rain(1, 1).scene;
+  scene.bodies[0].start_tick = Tick{1000};
+  scene.controls.push_back({.tick = Tick{0}, .body = {0}});
+  SimulationOptions options;
+  options.sample_every = 100;
+  int samples = 0;
+  options.on_sample = [&](Tick) { ++samples; };
+  Simulation simulation = Simulation::start(scene, options).value();
+  simulation.go_on_with(options);
+  ASSERT_FALSE(simulation.run_until(Tick{1000}));
+  EXPECT_EQ(samples, 11);
+  EXPECT_EQ(simulation.counts().controls, 1U);
+  EXPECT_EQ(simulation.counts().starts, 1U);
+
+  Scene crowded = scenes::boxed_spheres(1, 1).scene;
+  crowded.bodies.push_back(crowded.bodies[0]);
+  crowded.bodies[1].start_tick = Tick{10};
+  Simulation failing = Simulation::start(crowded, {}).value();
+  const auto error = failing.run_until(Tick{20});
+  ASSERT_TRUE(error);
+  failing.go_on_with(way(Algorithm::synchronous, BroadPhaseKind::sweep_and_prune, QueueKind::heap));
+  const auto again = failing.run_until(Tick{20});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->message, error->message);
+}
+
 TEST(Equality, AnotherSeedIsAnotherRecording) {
   // Goal: the comparison can fail. Method: digests of different seeds, and of one that ends a tick
   // earlier.
