@@ -287,6 +287,7 @@ bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, d
   const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
   const double rate_mps = math::dot(between_m, b.velocity_mps - a.velocity_mps) / distance_m;
   examined = later(tick, first_zero_s(excess_m, rate_mps, -math::norm(pull_mps2)));
+  examined.gap_m = excess_m;
   return true;
 }
 
@@ -307,8 +308,11 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     // An axis that is cheap to guess, if it shows them well apart.
     Shadows guess(a, b, guessed_axis(a, b));
     const double smaller_m = std::min(a.reach_m + a.radius_m, b.reach_m + b.radius_m);
-    if (guess.gap_m(a, b) > k_well_apart * smaller_m) {
-      return later(tick, failing_along_axis(a, b, guess, touch_m, {}));
+    const double gap_m = guess.gap_m(a, b);
+    if (gap_m > k_well_apart * smaller_m) {
+      Examined apart = later(tick, failing_along_axis(a, b, guess, touch_m, {}));
+      apart.gap_m = gap_m;
+      return apart;
     }
     cache = {.axis = transposed_product(a.pose.rotation, guess.axis),
              .a = {FeatureKind::vertex, guess.of_a.lowest_vertex()},
@@ -332,7 +336,9 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
       is_zero(turning)
           ? 0
           : failing_along_axis(a, b, shadows, touch_m, turning_axis(a, b, contact_m, turning));
-  return later(tick, std::max(still_s, turning_s));
+  Examined apart = later(tick, std::max(still_s, turning_s));
+  apart.gap_m = closest.gap_m - (a.radius_m + b.radius_m);
+  return apart;
 }
 
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,

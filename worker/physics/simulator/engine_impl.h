@@ -53,7 +53,7 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
   if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
 
   // Bodies that have started are taken over; the others wait for their start.
-  world.forget_searches();
+  world.forget_searches(options_.algorithm != Algorithm::all_pairs);
   for (std::uint32_t body = 0; body < count; ++body) {
     if (world.started(body)) {
       ++present_;
@@ -282,12 +282,10 @@ void Engine<Boxes, Queue>::bodies_changed() {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::rest(const EventKey& event) {
   ++counts_.rest_decisions;
-  if (world_.rest(event.lower, event)) {
-    counts_.rests += world_.changed().size();
-    bodies_changed();
-  } else {
-    refresh_key(event.lower);
-  }
+  const std::size_t rested = world_.rest(event.lower, event);
+  counts_.rests += rested;
+  bodies_changed();
+  if (rested == 0) refresh_key(event.lower);
 }
 
 template <BroadPhase Boxes, EventQueue Queue>

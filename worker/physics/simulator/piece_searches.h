@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "worker/physics/distance/closest_points.h"
+#include "worker/physics/simulator/near_places.h"
 #include "worker/physics/simulator/pair_graph.h"
 
 namespace sleight::physics {
@@ -17,9 +18,10 @@ namespace sleight::physics {
 /// Of one pair of parts.
 struct PieceSearch {
   SeparationCache cache;
-  Tick next = k_never;      ///< the next tick to look at
-  std::uint32_t looks = 0;  ///< so far
-  std::uint32_t count = 0;  ///< in the block's first: its size
+  PlacesOfPair clear_in = 0;  ///< while the bodies have these places, the parts don't meet
+  Tick next = k_never;        ///< the next tick to look at
+  std::uint32_t looks = 0;    ///< so far
+  std::uint32_t count = 0;    ///< in the block's first: its size
 };
 
 class PieceSearches {
@@ -41,7 +43,8 @@ class PieceSearches {
   }
 
   /// The searches of a pair of bodies, to begin anew; takes a place for them if the pair has none.
-  /// The caches are those of the pair's last searches: its motion has changed, not where it is.
+  /// The caches are those of the pair's last searches: its motion has changed, not where it is, nor
+  /// in which places it is clear.
   std::span<PieceSearch> fresh(std::uint32_t& place, std::size_t count) {
     const bool known = place != k_no_search;
     if (!known) {
@@ -55,8 +58,10 @@ class PieceSearches {
       }
     }
     const auto block = std::span(searches_).subspan(place, count);
-    for (PieceSearch& search : block)
-      search = {.cache = known ? search.cache : SeparationCache{}};
+    for (PieceSearch& search : block) {
+      search =
+          known ? PieceSearch{.cache = search.cache, .clear_in = search.clear_in} : PieceSearch{};
+    }
     block[0].count = static_cast<std::uint32_t>(count);
     return block;
   }

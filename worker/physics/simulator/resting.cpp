@@ -16,12 +16,14 @@ constexpr double k_balance_tolerance = 0.002;
 /// Slow bounces part at the least separation speed, or up to twice as fast.
 constexpr double k_slow_parting = 2;
 /// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
-/// cube that stands on an edge does not.
-constexpr double k_firm = 0.01;
+/// cube that stands on an edge does not. More than balance may miss.
+constexpr double k_firm = 0.003;
 /// Who stands, but not firmly, rests after so many times the rest time. The tilt of a cube on its
 /// edge grows e-fold in 0.97 sqrt(size / g), its moment about the edge over its weight: some
 /// 700-fold meanwhile where the rest time is 0.1 sqrt(size / g).
 constexpr TickCount k_patience = 64;
+/// A body that woke is in its place as long as it has moved by less than this part of its reach.
+constexpr double k_in_place = 0.005;
 /// Sweeps over all pushes in the search for balance.
 constexpr int k_balance_sweeps_max = 400;
 /// After so many of them it is judged whether the search gets anywhere.
@@ -59,6 +61,15 @@ class Balance {
         pushes_[count_++] = push;
       }
     }
+  }
+
+  /// The contacts that push in the last balance, as bits.
+  std::uint32_t pushing() const {
+    std::uint32_t contacts = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (share_[i] > 0) contacts |= std::uint32_t{1} << (i / k_edges);
+    }
+    return contacts;
   }
 
   /// Non-negative least squares by coordinate descent. `direction` of the weight is a unit.
@@ -119,29 +130,62 @@ bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, doub
   return weight == 0 || Balance(contacts, reach_m).carries(weight_n / weight, weight_at_m);
 }
 
-bool Resting::stands(std::span<const TouchRecord> contacts, const Present& state,
-                     TickCount slow) const {
-  const double weight = math::norm(state.weight_n);
-  if (weight == 0) return true;
-  const Vec3 down = state.weight_n / weight;
+Resting::Chosen Resting::carrying(std::span<const TouchRecord> contacts, const Present& state,
+                                  TickCount slow) const {
+  const Vec3 down = state.weight_n / math::norm(state.weight_n);
   Balance balance(contacts, state.reach_m);
-  if (state.round || slow / k_patience >= rest_span()) return balance.carries(down, Vec3::Zero());
+  if (state.round || slow / k_patience >= rest_span())
+    return balance.carries(down, Vec3::Zero()) ? balance.pushing() : 0;
   // What carries the weight at the corners of a square carries it inside as well.
   const Vec3 first = any_tangent(down);
   const Vec3 second = math::cross(down, first);
+  Chosen pushing = 0;
   for (const Vec3& side : {first, second, Vec3(-first), Vec3(-second)}) {
-    if (!balance.carries(down, k_firm * state.reach_m * side)) return false;
+    if (!balance.carries(down, k_firm * state.reach_m * side)) return 0;
+    pushing |= balance.pushing();
   }
-  return true;
+  return pushing;
 }
 
-std::span<const TouchRecord> Resting::pushing_up(std::span<const TouchRecord> contacts,
-                                                 const Present& state) {
-  std::size_t count = 0;
-  for (const TouchRecord& touch : contacts) {
-    if (math::dot(touch.normal, state.weight_n) < 0) pushing_up_[count++] = touch;
+Resting::Chosen Resting::supporting(const Log& log, TickCount slow) const {
+  const auto contacts = log.touches();
+  const bool weightless = is_zero(log.state.weight_n);
+  const auto pushes_up = [&](const TouchRecord& touch) {
+    return weightless || math::dot(touch.normal, log.state.weight_n) < 0;
+  };
+  // Without a weight that could be balanced, on all that may carry it.
+  if (weightless || is_jammed(log) || log.state.in_balance) {
+    Chosen all = 0;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if (!pushes_up(contacts[k])) continue;
+      if (!may_lean_on(contacts[k])) return 0;
+      all |= Chosen{1} << k;
+    }
+    return all;
   }
-  return std::span<const TouchRecord>(pushing_up_).first(count);
+  // On those that push it up, if they suffice, so that what lies on it doesn't hold it; else with
+  // the others.
+  std::array<TouchRecord, k_records> chosen;
+  std::array<std::size_t, k_records> places;
+  std::size_t before = 0;
+  for (const bool any : {false, true}) {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if (!may_lean_on(contacts[k]) || !(any || pushes_up(contacts[k]))) continue;
+      chosen[count] = contacts[k];
+      places[count++] = k;
+    }
+    if (count == before) continue;
+    before = count;
+    const Chosen pushing =
+        carrying(std::span<const TouchRecord>(chosen).first(count), log.state, slow);
+    Chosen result = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if ((pushing >> i & 1U) != 0) result |= Chosen{1} << places[i];
+    }
+    if (result != 0) return result;
+  }
+  return 0;
 }
 
 void Resting::reset(std::size_t bodies, const SlowContacts& rule) {
@@ -207,6 +251,7 @@ void Resting::stays(std::uint32_t body, Tick now, Tick slow_from) {
   log.rests = false;
   if (slow_from > now || log.slow_since > now) log.slow_since = slow_from;
   log.due = log.slow_since == k_never ? k_never : std::max(log.slow_since + rest_span(), now);
+  if (log.in_place) log.due = std::min(log.due, now + rest_span());
 }
 
 void Resting::flies(std::uint32_t body, Tick now) {
@@ -238,22 +283,35 @@ std::span<const TouchRecord> Resting::recent(Log& log, Tick now) const {
 std::span<const std::uint32_t> Resting::wake(std::uint32_t body) {
   set_.clear();
   if (!enabled()) return set_;
-  const auto gather = [&](std::uint32_t moved) {
-    for (std::uint32_t other = 0; other < logs_.size(); ++other) {
-      Log& log = logs_[other];
-      if (!log.rests ||
-          std::find(log.supporters.begin(), log.supporters.end(), moved) == log.supporters.end()) {
-        continue;
-      }
-      log.rests = false;
-      set_.push_back(other);
-    }
-  };
-  gather(body);
-  for (std::size_t i = 0; i < set_.size(); ++i)
-    gather(set_[i]);
-  std::sort(set_.begin(), set_.end());
+  for (std::uint32_t other = 0; other < logs_.size(); ++other) {
+    Log& log = logs_[other];
+    if (!log.rests || !log.leans_on(body)) continue;
+    log.rests = false;
+    set_.push_back(other);
+  }
   return set_;
+}
+
+void Resting::woke(std::uint32_t body, Tick now, const Pose& pose) {
+  Log& log = logs_[body];
+  log.in_place = true;
+  // Places don't creep: the first one counts, as long as those that rested on it may still do so.
+  if (!log.has_place) log.place = pose;
+  log.has_place = true;
+  log.slow_since = now;
+  log.due = now + rest_span();
+}
+
+bool Resting::has_left(std::uint32_t body, const Pose& pose, double speed_mps,
+                       double reach_m) const {
+  if (speed_mps >= rule_.rest_speed_mps) return true;
+  const Pose& place = logs_[body].place;
+  const Eigen::Vector4d& then = place.orientation.coeffs();
+  const Eigen::Vector4d& now = pose.orientation.coeffs();
+  // Half of a turn is the distance of the unit quaternions, of either sign.
+  const double turn_rad =
+      2 * std::sqrt(std::min((now - then).squaredNorm(), (now + then).squaredNorm()));
+  return math::norm(pose.position_m - place.position_m) + turn_rad * reach_m > k_in_place * reach_m;
 }
 
 }  // namespace sleight::physics

@@ -1,21 +1,24 @@
 // When do bodies come to rest, what holds them, and what wakes them?
 //
 // Idea. Slow bodies in contact bounce by micrometres for ever (restitution.h keeps the rate of
-// these impacts bounded). A set of bodies goes to rest when each of them
+// these impacts bounded). Of the bodies in touch with each other, the greatest set goes to rest of
+// which each member
 //   - was slower than rest_speed_mps at every collision of the last rest_time_s, and is so now;
-//   - is carried, as far as it touched anything in that time, by members of the set, resting bodies
-//     and static geometry only: what lies on it may still move (a heap into which grains fall rests
-//     from below), unless it needs that for its balance;
-//   - is in balance: pushes along the normals of those contacts, with friction, can carry its
-//     weight, and could if its centre were a little to any side. A sphere needn't stand so firmly;
-//     nor need another body that has been slow for 64 times as long, in which what balances on an
-//     edge topples, while a cube that rocks on two opposite corners does not.
+//   - is in balance on what it touched in that time, as far as that is static geometry, at rest or
+//     in the set: pushes along the normals of those contacts, with friction, can carry its weight,
+//     and could if its centre were a little to any side. What else it touches may still move (a
+//     heap into which grains fall rests from below). A sphere needn't stand so firmly; nor need
+//     another body that has been slow for 64 times as long, in which what balances on an edge
+//     topples, while a cube that rocks on two opposite corners does not.
 // The last one keeps what is slow because it is about to topple or to slide from being frozen.
 // Everything is read from recorded contacts, so the decision is a function of the events so far.
 //
-// A resting body is an obstacle. It remembers those bodies as its supporters: when one of them
-// moves, it wakes. It also wakes when a collision, or a user, would give it a speed above
-// wake_speed_mps(); below, it takes the blow as static geometry does.
+// A resting body is an obstacle. It remembers who pushed in its balance as its supporters. It wakes
+// when a collision, or a user, would give it a speed above wake_speed_mps(); below, it takes the
+// blow as static geometry does. And it wakes when a supporter moves: when that wakes from a blow,
+// or has woken because its own supporter moved, and then is fast or leaves its place. So a blow
+// does not wake a whole heap: who only may have lost something is looked at, and what lies on him
+// sleeps on unless he has.
 //
 // Invariants
 //   1. A body rests only by decide(), which is asked at the body's own rest event.
@@ -46,6 +49,7 @@ inline constexpr std::uint32_t k_slow_collisions = 256;
 struct TouchRecord {
   Tick tick{};
   std::uint32_t partner = k_static_partner;
+  std::uint32_t feature = 0;  ///< of static geometry: which
   double friction = 0;
   Vec3 normal = Vec3::Zero();  ///< from the partner to the body
   Vec3 arm_m = Vec3::Zero();   ///< from the body's centre to the contact
@@ -70,6 +74,20 @@ class Resting {
   };
 
   void reset(std::size_t bodies, const SlowContacts& rule);
+
+  static constexpr std::size_t k_records = 16;
+  struct Touches {
+    std::array<TouchRecord, k_records> records;
+    std::size_t count = 0;
+  };
+  /// What a body touched in the last rest_time_s.
+  Touches touches(std::uint32_t body, Tick now) {
+    const auto felt = recent(logs_[body], now);
+    Touches copy;
+    copy.count = felt.size();
+    std::copy(felt.begin(), felt.end(), copy.records.begin());
+    return copy;
+  }
 
   bool enabled() const { return rule_.rest_speed_mps > 0; }
   double wake_speed_mps() const;
@@ -97,13 +115,19 @@ class Resting {
   template <class PresentOf>
   std::span<const std::uint32_t> decide(std::uint32_t body, Tick now, const PresentOf& present);
 
-  /// The bodies that rest on a body, in ascending order, all the way up; they are no longer
-  /// resting.
+  /// The bodies that rest on a body, in ascending order; they are no longer resting. Those that
+  /// rest on them still do, until they leave their place.
   std::span<const std::uint32_t> wake(std::uint32_t body);
+  /// A body woke without a blow, where it rested.
+  void woke(std::uint32_t body, Tick now, const Pose& pose);
+  /// Whether others may still rest on a body that woke.
+  bool in_place(std::uint32_t body) const { return enabled() && logs_[body].in_place; }
+  /// Whether such a body, in another pose and at a speed by now, has left its place.
+  bool has_left(std::uint32_t body, const Pose& pose, double speed_mps, double reach_m) const;
+  /// It is in no place any more.
+  void leave(std::uint32_t body) { logs_[body].in_place = logs_[body].has_place = false; }
 
  private:
-  static constexpr std::size_t k_records = 16;
-
   struct Log {
     Tick slow_since = k_never;
     Tick counted_since{};  ///< slow_collisions are counted from here
@@ -114,28 +138,41 @@ class Resting {
     std::uint32_t supporter_count = 0;
     std::array<std::uint32_t, k_records> supporters{};  ///< of a resting body
     bool rests = false;
+    bool has_place = false;  ///< some may have rested on it since it was there
+    bool in_place = false;   ///< awake, and others may still rest on it
+    Pose place{};
+    // Of the last decision in which the body was looked at.
+    bool candidate = false;  ///< it may rest, as far as is known
+    std::uint32_t carried = 0;
+    std::uint64_t round = 0;
+    Present state{};
 
+    std::span<const TouchRecord> touches() const { return {records.data(), count}; }
     bool leans_on(std::uint32_t other) const {
       const auto end = supporters.begin() + supporter_count;
       return std::find(supporters.begin(), end, other) != end;
     }
   };
 
-  /// Whether contacts carry a body that has been slow for so long: firmly, with its weight a little
-  /// to any side, or as it is, and then for long enough to have toppled otherwise.
-  bool stands(std::span<const TouchRecord> contacts, const Present& state, TickCount slow) const;
-  enum class Contacts : std::uint8_t { pushing_up, all };
-  /// Whether a body may rest together with what carries it, by these of everybody's contacts; set_
-  /// is then that set, and rests.
-  template <Contacts k_which, class PresentOf>
-  bool gather(std::uint32_t body, Tick now, const PresentOf& present);
-  /// Valid until the next call.
-  template <Contacts k_which>
-  std::span<const TouchRecord> chosen(std::span<const TouchRecord> contacts, const Present& state) {
-    return k_which == Contacts::all ? contacts : pushing_up(contacts, state);
+  /// Which of some contacts, as bits.
+  using Chosen = std::uint32_t;
+  /// Contacts that carry a body that has been slow for so long: firmly, with its weight a little to
+  /// any side, or as it is, and then for long enough to have toppled otherwise. None if they don't.
+  Chosen carrying(std::span<const TouchRecord> contacts, const Present& state,
+                  TickCount slow) const;
+  /// The same of those contacts of a body that it may lean on. A jammed one leans on all that push
+  /// it up.
+  Chosen supporting(const Log& log, TickCount slow) const;
+  bool may_lean_on(const TouchRecord& touch) const {
+    if (touch.partner == k_static_partner) return true;
+    const Log& other = logs_[touch.partner];
+    return other.rests || (other.round == round_ && other.candidate);
   }
-  std::span<const TouchRecord> pushing_up(std::span<const TouchRecord> contacts,
-                                          const Present& state);
+  static bool is_jammed(const Log& log) { return log.slow_collisions >= k_slow_collisions; }
+  /// Finds the greatest set around a body of which each is slow and in balance by what may rest
+  /// with it, and leaves it in set_. Whether the body is in it.
+  template <class PresentOf>
+  bool gather(std::uint32_t body, Tick now, const PresentOf& present);
   /// Records of the last rest_time_s, moved to the front of the list.
   std::span<const TouchRecord> recent(Log& log, Tick now) const;
   void record(Log& log, const TouchRecord& touch) const;
@@ -143,47 +180,73 @@ class Resting {
 
   SlowContacts rule_;
   std::vector<Log> logs_;
-  std::vector<std::uint32_t> set_;                 ///< scratch
-  std::array<TouchRecord, k_records> pushing_up_;  ///< scratch
+  std::vector<std::uint32_t> set_;  ///< scratch
+  std::uint64_t round_ = 0;         ///< decisions so far
 };
 
-template <Resting::Contacts k_which, class PresentOf>
+template <class PresentOf>
 bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
-  const auto is_jammed = [](const Log& log) { return log.slow_collisions >= k_slow_collisions; };
-  // The bodies that carry it, and those that carry these, as long as all are slow. Whether they
-  // stand costs most, so it is asked last.
-  set_.assign(1, body);
-  for (std::size_t i = 0; i < set_.size(); ++i) {
-    Log& log = logs_[set_[i]];
-    const Present state = present(set_[i]);
-    const auto contacts = recent(log, now);
-    const bool slow = log.slow_since != k_never &&
-                      (now - log.slow_since >= rest_span() || is_jammed(log)) &&
-                      state.speed_mps < rule_.rest_speed_mps;
-    if (!slow || contacts.empty()) return false;
-    for (const TouchRecord& touch : chosen<k_which>(contacts, state)) {
-      if (touch.partner == k_static_partner || logs_[touch.partner].rests) continue;
-      if (std::find(set_.begin(), set_.end(), touch.partner) == set_.end())
-        set_.push_back(touch.partner);
-    }
-  }
-  for (const std::uint32_t member : set_) {
+  ++round_;
+  set_.clear();
+  const auto consider = [&](std::uint32_t member) {
     Log& log = logs_[member];
-    const Present state = present(member);
-    const auto contacts = chosen<k_which>(recent(log, now), state);
-    if (is_jammed(log) || state.in_balance) continue;
-    if (!stands(contacts, state, now - log.slow_since)) return false;
+    if (log.round == round_) return;
+    log.round = round_;
+    log.state = present(member);
+    log.candidate = !recent(log, now).empty() && log.slow_since != k_never &&
+                    (now - log.slow_since >= rest_span() || is_jammed(log)) &&
+                    log.state.speed_mps < rule_.rest_speed_mps;
+    if (log.candidate) set_.push_back(member);
+  };
+  // Whoever isn't carried by all that may rest is carried by no part of it. The body itself comes
+  // first, since mostly that settles it.
+  const auto check = [&](std::uint32_t member) {
+    Log& log = logs_[member];
+    log.carried = supporting(log, now - log.slow_since);
+    log.candidate = log.carried != 0;
+    return log.candidate;
+  };
+  consider(body);
+  for (std::size_t i = 0; i < set_.size(); ++i) {
+    for (const TouchRecord& touch : logs_[set_[i]].touches()) {
+      if (touch.partner != k_static_partner && !logs_[touch.partner].rests) consider(touch.partner);
+    }
+    check(set_[i]);
+    if (!logs_[body].candidate) return false;
+  }
+  // Whoever leaned on one that has turned out not to be carried is checked again.
+  const auto leans_on_others = [&](const Log& log) {
+    const auto contacts = log.touches();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if ((log.carried >> k & 1U) != 0 && !may_lean_on(contacts[k])) return true;
+    }
+    return false;
+  };
+  for (bool again = true; again;) {
+    again = false;
+    for (const std::uint32_t member : set_) {
+      if (logs_[member].candidate && leans_on_others(logs_[member]) && !check(member)) again = true;
+    }
+    if (!logs_[body].candidate) return false;
   }
   // They rest, each on the bodies that carry it.
+  std::erase_if(set_, [&](std::uint32_t member) { return !logs_[member].candidate; });
   std::sort(set_.begin(), set_.end());
   for (const std::uint32_t member : set_) {
     Log& log = logs_[member];
     log.supporter_count = 0;
-    for (const TouchRecord& touch : chosen<k_which>(recent(log, now), present(member))) {
-      if (touch.partner == k_static_partner || log.leans_on(touch.partner)) continue;
-      log.supporters[log.supporter_count++] = touch.partner;
+    const auto contacts = log.touches();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const std::uint32_t partner = contacts[k].partner;
+      if ((log.carried >> k & 1U) == 0 || partner == k_static_partner || log.leans_on(partner))
+        continue;
+      log.supporters[log.supporter_count++] = partner;
     }
+  }
+  for (const std::uint32_t member : set_) {
+    Log& log = logs_[member];
     log.rests = true;
+    log.in_place = false;
     log.slow_since = k_never;
     log.due = k_never;
     log.slow_collisions = 0;
@@ -195,9 +258,7 @@ bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
 template <class PresentOf>
 std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
                                                const PresentOf& present) {
-  const bool may =
-      gather<Contacts::pushing_up>(body, now, present) || gather<Contacts::all>(body, now, present);
-  if (!may) {
+  if (!gather(body, now, present)) {
     Log& log = logs_[body];
     log.due = now + std::max<TickCount>(1, rest_span() / 2);
     log.slow_collisions = 0;

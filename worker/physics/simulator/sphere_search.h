@@ -87,7 +87,8 @@ double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centr
 /// What a search says of a tick.
 struct Examined {
   bool collides = false;
-  Tick next{};  ///< if not: the next tick at which it may collide; k_never if it can't
+  Tick next{};       ///< if not: the next tick at which it may collide; k_never if it can't
+  double gap_m = 0;  ///< if not, and if it is known: at that tick, at least
 };
 
 /// Judges one tick for a sphere and a feature. `centre` is the state at that tick; `touch_m` stands

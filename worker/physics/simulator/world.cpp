@@ -131,6 +131,7 @@ void World::place(std::uint32_t body, const Segment& segment) {
 
 void World::begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause) {
   place(body, segment);
+  if (places_.enabled()) note_place(body);
   started_[body] = 1;
   if (!supports_.empty()) {
     supports_[body].count = 0;
@@ -220,6 +221,30 @@ MovingPiece World::part_at(std::uint32_t body, std::uint32_t part, Tick tick) {
   piece.view = &parts_[constants_[body].first_part + part];
   if (constants_[body].is_sphere) piece.angular_velocity_radps = Vec3::Zero();
   return piece;
+}
+
+void World::forget_searches(bool use_places) {
+  searches_.clear();
+  // Only what may rest is slow enough for long enough; positions mustn't wrap.
+  const bool useful = use_places && !only_spheres_ && resting_.enabled() && !periodic_;
+  places_.reset(useful ? size() : 0, ticks_after(0.5 * scene_.slow.rest_time_s));
+  for (std::uint32_t body = 0; useful && body < size(); ++body) {
+    if (started(body) && is_resting(body)) note_place(body);
+  }
+}
+
+void World::note_place(std::uint32_t body) {
+  const Segment& segment = segments_[body];
+  const double reach_m = constants_[body].reach_m;
+  const bool round = constants_[body].is_sphere;
+  const double turning_mps = round ? 0 : turning_speed_mps_max(turning_[body].bounds, reach_m);
+  places_.began(body, reach_m,
+                {.begin = segment.flight.begin,
+                 .position_m = segment.flight.position_m,
+                 .orientation = round ? Quat::Identity() : segment.flight.orientation,
+                 .speed_mps = math::norm(segment.flight.velocity_mps) + turning_mps,
+                 .acceleration_mps2 = math::norm(segment.flight.acceleration_mps2),
+                 .stays = segment.mode == MotionMode::resting});
 }
 
 // ---- static geometry ----------------------------------------------------------------------------

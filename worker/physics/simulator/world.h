@@ -23,6 +23,7 @@
 #include "worker/physics/response/rigid_impact.h"
 #include "worker/physics/response/sphere_impact.h"
 #include "worker/physics/simulator/lanes.h"
+#include "worker/physics/simulator/near_places.h"
 #include "worker/physics/simulator/pair_graph.h"
 #include "worker/physics/simulator/piece_searches.h"
 #include "worker/physics/simulator/recent_contacts.h"
@@ -146,8 +147,9 @@ class World {
                             std::uint32_t& search);
   Prediction look_static(std::uint32_t body, std::uint32_t index, Tick now, std::uint32_t search);
   void end_search(std::uint32_t& search) { searches_.release(search); }
-  /// Ends all.
-  void forget_searches() { searches_.clear(); }
+  /// Ends all. From now on searches may, or may not, leave out pairs that stay near places in which
+  /// they are clear of each other (near_places.h).
+  void forget_searches(bool use_places);
   /// predict for whichever image comes first, for those who have no boxes.
   /// REQUIRES: the world is periodic.
   Prediction predict_any_image(std::uint32_t a, std::uint32_t b, Tick now) const;
@@ -157,8 +159,8 @@ class World {
   void collide(std::uint32_t a, std::uint32_t b, const EventKey& event);
   void collide_static(std::uint32_t body, std::uint32_t index, const EventKey& event);
   void apply(const Control& control, const EventKey& event);
-  /// The body's rest event: it and those it leans on go to rest, if they may. Whether they did.
-  bool rest(std::uint32_t body, const EventKey& event);
+  /// The body's rest event: it and those it leans on go to rest, if they may. How many did.
+  std::size_t rest(std::uint32_t body, const EventKey& event);
   /// The body's mode event: its contact with static geometry changes. REQUIRES: stays_on_faces.
   void change_mode(std::uint32_t body, const EventKey& event);
   /// Whether the body is a sphere that slides or rolls on static geometry.
@@ -243,6 +245,11 @@ class World {
   MovingPiece part_at(std::uint32_t body, std::uint32_t part, Tick tick);
   Segment segment_after(std::uint32_t body, Tick tick, const Vec3& position_m, const Twist& twist);
   ContactLaw law_of(MaterialId a, MaterialId b, bool plastic) const;
+  /// Corners that carry as well as those that a body touched with, for the decision about rest.
+  void note_near_corners(std::uint32_t body, Tick tick);
+  void note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick);
+  /// A body that has just begun a segment may keep its place.
+  void note_place(std::uint32_t body);
   /// Counts a collision of a body; how many it had at this tick.
   std::uint32_t count_at(std::uint32_t body, Tick tick);
   /// Until when two spheres don't collide again, unless they come faster or closer (tolerances.h).
@@ -270,6 +277,9 @@ class World {
   void collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& event);
   void note_failure(std::string what, std::uint32_t body, Tick tick);
   void wake_dependents(std::uint32_t body, const EventKey& event);
+  /// What rested on those whose motion has changed, and that have left their places, wakes.
+  void wake_on_those_that_left(const EventKey& event);
+  bool has_left(std::uint32_t body, Tick tick);
 
   // Lasting contact of spheres (world_modes.cpp).
   /// What a sphere in contact stays on.
@@ -321,6 +331,7 @@ class World {
   PieceSearches searches_;
   Resting resting_;
   RecentContacts recent_;
+  NearPlaces places_;
   std::vector<std::uint32_t> changed_;
   /// How two parts collide that a search found to do so: the collision mostly comes next. Void
   /// once a body begins a segment.

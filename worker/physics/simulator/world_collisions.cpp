@@ -123,12 +123,6 @@ void World::begin_after(std::uint32_t body, const Twist& twist, const EventKey& 
   changed_.push_back(body);
 }
 
-void World::wake_dependents(std::uint32_t body, const EventKey& event) {
-  for (const std::uint32_t dependent : resting_.wake(body)) {
-    if (is_resting(dependent)) begin_after(dependent, {}, event);
-  }
-}
-
 void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   changed_.clear();
   if (plain_spheres_ && free_spheres(a, b) && turns_[a] == 0 && turns_[b] == 0) {
@@ -196,7 +190,7 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   }
   if (!a_rests) begin_after(a, after.a, event);
   if (!b_rests) begin_after(b, after.b, event);
-  std::sort(changed_.begin(), changed_.end());
+  wake_on_those_that_left(event);
 }
 
 void World::collide_static(std::uint32_t body, std::uint32_t index, const EventKey& event) {
@@ -214,6 +208,7 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
         body,
         {.tick = tick,
          .partner = k_static_partner,
+         .feature = index,
          .friction = law.friction,
          .normal = contact.normal,
          .arm_m = contact.point_m - position_at(segments_[body].flight, tick)},
@@ -238,12 +233,14 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   if (caught) {
     log_touch(after.b);
     begin_caught(body, index, after.b, event);
+    wake_on_those_that_left(event);
     return;
   }
   if (constants_[body].is_sphere && scene_.slow.separation_speed_mps > 0)
     after.b = hop(round_body(body), contact.normal, after.b, hop_speed_mps());
   log_touch(after.b);
   begin_after(body, after.b, event);
+  wake_on_those_that_left(event);
 }
 
 void World::apply(const Control& control, const EventKey& event) {
@@ -255,34 +252,7 @@ void World::apply(const Control& control, const EventKey& event) {
   wake_dependents(body, event);
   resting_.disturbed(body);
   begin_after(body, twist, event);
-  std::sort(changed_.begin(), changed_.end());
-}
-
-bool World::rest(std::uint32_t body, const EventKey& event) {
-  changed_.clear();
-  const auto present = [&](std::uint32_t member) {
-    const Segment& segment = segments_[member];
-    const bool stays = stays_on_faces(member);
-    for (std::uint32_t i = 0; stays && i < supports_[member].count; ++i) {
-      resting_.still_touches(member,
-                             touch_of_support(member, supports_[member].features[i], event.tick));
-    }
-    return Resting::Present{.speed_mps = fastest_point_mps(member, twist_at(member, event.tick)),
-                            .weight_n = constants_[member].inertia.mass_kg * scene_.gravity_mps2,
-                            .reach_m = constants_[member].reach_m,
-                            .round = constants_[member].is_sphere,
-                            .in_balance = stays && is_zero(segment.flight.acceleration_mps2) &&
-                                          is_zero(segment.angular_acceleration_radps2)};
-  };
-  for (const std::uint32_t member : resting_.decide(body, event.tick, present)) {
-    Segment segment =
-        segment_after(member, event.tick, position_at(segments_[member].flight, event.tick), {});
-    segment.flight.acceleration_mps2 = Vec3::Zero();
-    segment.mode = MotionMode::resting;
-    begin_segment(member, segment, event);
-    changed_.push_back(member);
-  }
-  return !changed_.empty();
+  wake_on_those_that_left(event);
 }
 
 }  // namespace sleight::physics

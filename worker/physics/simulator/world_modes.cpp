@@ -185,11 +185,12 @@ void World::change_mode(std::uint32_t body, const EventKey& event) {
   const Twist twist = twist_at(body, event.tick);
   if (!supports.leaves_there) {
     begin_on_faces(body, supports.all(), twist, event);
-    return;
+  } else {
+    // Over the border: what lies there is met as anything else, at once if it goes on level.
+    resting_.flies(body, event.tick);
+    begin_after(body, twist, event);
   }
-  // Over the border: what lies there is met as anything else, at once if it goes on level.
-  resting_.flies(body, event.tick);
-  begin_after(body, twist, event);
+  wake_on_those_that_left(event);
 }
 
 TouchRecord World::touch_of_support(std::uint32_t body, std::uint32_t feature, Tick tick) const {

@@ -42,7 +42,7 @@ Prediction looked_ahead(Tick tick, const Examine& examine) {
   return {.tick = tick, .certain = false};
 }
 
-/// Goes on with the searches of a pair's parts up to `now`. examine(i, tick, cache) looks at the
+/// Goes on with the searches of a pair's parts up to `now`. examine(i, tick, search) looks at the
 /// i-th pair of parts. The first collision counts, of the parts with the least number.
 template <class Examine>
 Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& examine) {
@@ -52,7 +52,7 @@ Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& ex
     bool certain = false;
     while (search.next <= now && !certain) {
       if (++search.looks > k_examined_ticks_max) return {.tick = now, .feature = k_gave_up};
-      const Examined examined = examine(i, search.next, search.cache);
+      const Examined examined = examine(i, search.next, search);
       certain = examined.collides;
       if (!certain) search.next = examined.next;
     }
@@ -83,8 +83,23 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint3
   }
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
     return {};
-  // First stage: the spheres that hold them.
   const Tick begin = std::max(flights_[a].begin, flights_[b].begin);
+  const std::size_t pairs =
+      std::size_t{constants_[a].part_count} * std::size_t{constants_[b].part_count};
+  // Nothing to look for while both stay near places in which they are clear of each other.
+  const PlacesOfPair places = places_.enabled() ? places_.of(a, b, begin) : 0;
+  if (places != 0 && search != k_no_search) {
+    bool all_clear = true;
+    for (const PieceSearch& part : searches_.of(search))
+      all_clear = all_clear && part.clear_in == places;
+    if (all_clear) {
+      const Tick until = places_.until(a, b);
+      for (PieceSearch& part : searches_.fresh(search, pairs))
+        part.next = until;
+      return {.tick = until};
+    }
+  }
+  // First stage: the spheres that hold them.
   TickCount span = 0;
   if (both_free) {
     const MovingPoint first = centre_at(a, begin);
@@ -95,8 +110,6 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint3
     if (span >= k_tick_max.value) return {};
   }
   // Second stage: the parts.
-  const std::size_t pairs =
-      std::size_t{constants_[a].part_count} * std::size_t{constants_[b].part_count};
   for (PieceSearch& part : searches_.fresh(search, pairs))
     part.next = begin + span;
   return look(a, b, now, search);
@@ -108,8 +121,8 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
   const Refractory refractory = recent_.of(a, b);
   const double reach_a_m = constants_[a].reach_m;
   const double reach_b_m = constants_[b].reach_m;
-  const Prediction prediction =
-      advanced(searches_.of(search), now, [&](std::uint32_t i, Tick tick, SeparationCache& cache) {
+  const Prediction prediction = advanced(
+      searches_.of(search), now, [&](std::uint32_t i, Tick tick, PieceSearch& search_of_parts) {
         PieceContact contact;
         const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
           Examined apart;
@@ -117,9 +130,15 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
                             std::min(reach_a_m, reach_b_m), tick, apart))
             return apart;
           return examine_pieces(part_at(a, i / of_b, tick), part_at(b, i % of_b, tick), tick,
-                                touch_m, cache, contact);
+                                touch_m, search_of_parts.cache, contact);
         });
-        if (examined.collides) found_ = {tick, a, b, i, contact};
+        if (examined.collides) {
+          found_ = {tick, a, b, i, contact};
+        } else if (places_.enabled()) {
+          const PlacesOfPair places = places_.of(a, b, tick);
+          if (places != 0 && examined.gap_m > places_.clear_m(a, b))
+            search_of_parts.clear_in = places;
+        }
         return examined;
       });
   if (prediction.feature == k_gave_up) note_failure("the search for a collision gives up", a, now);
@@ -205,12 +224,12 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
   const Refractory refractory = recent_.of(body, k_static | index);
   if (!constants_[body].is_sphere) {
     const Prediction prediction = advanced(
-        searches_.of(search), now, [&](std::uint32_t part, Tick tick, SeparationCache& cache) {
+        searches_.of(search), now, [&](std::uint32_t part, Tick tick, PieceSearch& search_of_part) {
           PieceContact contact;
           const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
             if (index >= statics_.plane_count()) {
               return examine_pieces(statics_.piece(index), part_at(body, part, tick), tick, touch_m,
-                                    cache, contact);
+                                    search_of_part.cache, contact);
             }
             Examined above;
             if (sphere_above(statics_.plane(index), centre_at(body, tick), constants_[body].reach_m,

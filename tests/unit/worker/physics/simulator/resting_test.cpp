@@ -217,6 +217,64 @@ TEST(Resting, ASupporterThatIsPushedAwayWakesWhatItCarries) {
   EXPECT_LT(run.recording.segments({1}).back().segment.flight.position_m.z(), 0.011);
 }
 
+TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
+  // Goal: a body that wakes because its supporter moved wakes what lies on it only if it leaves its
+  // place. Method: the lowest of three cubes at rest is touched or knocked away; the middle one
+  // wakes at once in both cases, the top one only in the second, and then it comes down.
+  const Tick push = Tick{} + ticks_after(0.5);
+  for (const double speed_mps : {0.002, 3.0}) {
+    Scene scene = two_cubes();
+    scene.bodies.push_back(cube_at({0, 0.001, 0.0505}));
+    scene.controls.push_back({.tick = push, .body = {0}, .velocity_change_mps = {speed_mps, 0, 0}});
+    const RecordedRun run = testing::recorded(scene, 3);
+    ASSERT_EQ(run.error, "");
+    for (std::uint32_t body = 0; body < 3; ++body)
+      EXPECT_EQ(mode_at(run, body, push - 1), MotionMode::resting);
+    EXPECT_EQ(mode_at(run, 1, push), MotionMode::free);
+    EXPECT_EQ(mode_at(run, 2, push), MotionMode::resting);
+    EXPECT_TRUE(all_rest(run));
+    const FreeFlight& top = run.recording.segments({2}).back().segment.flight;
+    if (speed_mps < 1) {
+      EXPECT_LT(top.begin, push);
+    } else {
+      EXPECT_GT(top.begin, push);
+      EXPECT_LT(top.position_m.z(), 0.045);
+    }
+  }
+}
+
+TEST(Resting, NothingHangsInTheAir) {
+  // Goal: who sleeps while his supporter wakes and leaves comes down with it. Method: a heap of
+  // grains whose lowest ones are knocked about; at the end, all at rest, each grain is lifted by a
+  // hair and let go, and comes to rest where it was.
+  Scene scene = scenes::grain_heap(20, 3).scene;
+  for (std::uint32_t body = 0; body < 5; ++body) {
+    scene.controls.push_back({.tick = Tick{} + ticks_after(1.5 + 0.1 * body),
+                              .body = {body},
+                              .velocity_change_mps = {0.8, 0.1 * body, 0}});
+  }
+  const RecordedRun run = testing::recorded(scene, 6);
+  ASSERT_EQ(run.error, "");
+  ASSERT_TRUE(all_rest(run));
+  Scene again = scene;
+  again.controls.clear();
+  for (std::uint32_t body = 0; body < again.bodies.size(); ++body) {
+    const FreeFlight& flight = run.recording.segments({body}).back().segment.flight;
+    again.bodies[body].start = {.pose = {flight.position_m, flight.orientation}, .twist = {}};
+    again.bodies[body].start_tick = {};
+  }
+  const RecordedRun released = testing::recorded(again, 3);
+  ASSERT_EQ(released.error, "");
+  double most_m = 0;
+  for (std::uint32_t body = 0; body < again.bodies.size(); ++body) {
+    const FreeFlight& flight = released.recording.segments({body}).back().segment.flight;
+    most_m =
+        std::max(most_m, math::norm(flight.position_m - again.bodies[body].start.pose.position_m));
+  }
+  std::printf("released at once, they move by %.2e m at most\n", most_m);
+  EXPECT_LT(most_m, 5e-4);
+}
+
 TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
   // Goal: a resting body takes a soft blow as static geometry does. Method: a ball that flies at a
   // resting cube; the speed that the cube would get is below or above wake_speed_mps.

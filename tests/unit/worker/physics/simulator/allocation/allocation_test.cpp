@@ -42,7 +42,7 @@ TEST(Allocation, TheEventLoopAllocatesNothing) {
                      {"boxed spheres", scenes::boxed_spheres(64, 1), 200},
                      {"boxed polyhedra", scenes::boxed_polyhedra(30, 1), 80},
                      {"rain", scenes::rain(40, 1), 0.9},
-                     {"heap", scenes::grain_heap(30, 1), 1.2},
+                     {"heap", scenes::grain_heap(30, 1), 0.6},
                      {"hourglass", scenes::hourglass(20, 1), 2}};
   for (const Case& one : cases) {
     for (const BroadPhaseKind boxes :
