@@ -94,8 +94,10 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint3
       all_clear = all_clear && part.clear_in == places;
     if (all_clear) {
       const Tick until = places_.until(a, b);
-      for (PieceSearch& part : searches_.fresh(search, pairs))
+      for (PieceSearch& part : searches_.of(search)) {
         part.next = until;
+        part.looks = 0;
+      }
       return {.tick = until};
     }
   }
