@@ -39,7 +39,9 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake) {
   if (across == 0 || across * stop_s <= k_straight * speed ||
       (forward > 0 && across <= k_straight * forward))
     return {direction, stop_s};
-  const double turn = std::clamp(std::sqrt(k_slip_error_mps / speed), k_turn, k_turn_max);
+  // What a turn by so much does wrong is its square times the friction of the time that it takes.
+  const double allowed = std::max(k_slip_error_mps, k_turn * k_turn * speed);
+  const double turn = std::clamp(std::sqrt(allowed * across / (brake * speed)), k_turn, k_turn_max);
   const double span_s = std::min({turn * speed / across, speed / brake, stop_s});
   return {math::normalized(slip + (0.5 * span_s) * pull), span_s};
 }

@@ -149,6 +149,7 @@ class Engine {
   PairGraph graph_;
   std::vector<std::vector<StaticEdge>> statics_;
   std::vector<Bound> bounds_;
+  std::vector<std::vector<std::uint32_t>> candidates_;  ///< of static features, by body
   std::vector<Box> static_boxes_;       ///< what each body's list of static features is good for
   std::vector<Box> all_boxes_;          ///< scratch of the synchronous algorithm
   std::vector<std::uint32_t> near_;     ///< scratch

@@ -84,16 +84,30 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
 /// Makes sure that all static features near a box are in the body's list. Whether the list changed.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
-  if (!world_.has_statics() || world_.static_count(body) == 0 || holds(static_boxes_[body], box))
-    return false;
-  const auto margin = static_cast<float>(k_static_margin_radii * world_.reach_m(body));
-  Box& wide = static_boxes_[body];
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    wide.low_m[axis] = box.low_m[axis] - margin;
-    wide.high_m[axis] = box.high_m[axis] + margin;
+  if (!world_.has_statics() || world_.static_count(body) == 0) return false;
+  if (!holds(static_boxes_[body], box)) {
+    const auto margin = static_cast<float>(k_static_margin_radii * world_.reach_m(body));
+    Box& wide = static_boxes_[body];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      wide.low_m[axis] = box.low_m[axis] - margin;
+      wide.high_m[axis] = box.high_m[axis] + margin;
+    }
+    candidates_[body].clear();
+    world_.statics_near(body, wide, candidates_[body]);
   }
   near_.clear();
-  world_.statics_near(body, wide, near_);
+  for (const std::uint32_t index : candidates_[body]) {
+    if (world_.static_overlaps(body, index, box)) near_.push_back(index);
+  }
+  const auto same = [&] {
+    const std::vector<StaticEdge>& list = statics_[body];
+    if (list.size() != near_.size()) return false;
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+      if (list[i].index != near_[i]) return false;
+    }
+    return true;
+  };
+  if (same()) return false;
   // What was watched before keeps its prediction; both lists ascend.
   std::vector<StaticEdge>& list = statics_[body];
   const std::size_t before = list.size();
@@ -107,7 +121,7 @@ bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
     } else {
       StaticEdge edge{.index = index};
       ++counts_.predictions;
-      edge.prediction = world_.predict_static(body, index, now_, edge.search);
+      edge.prediction = world_.predict_static(body, index, now_, edge.search, bounds_[body].expiry);
       list.push_back(edge);
     }
   }

@@ -47,6 +47,7 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
   near_.reserve(k_static_room);
   bounds_.resize(count);
   static_boxes_.resize(count);
+  candidates_.resize(count);
   changes_.assign(count, 0);
   is_watched_.assign(count, 0);
   reads_ahead_ = count >= k_read_ahead_bodies;
@@ -296,7 +297,8 @@ void Engine<Boxes, Queue>::examine(std::uint32_t body, const EventKey& event) {
     ++counts_.examined;
     const std::uint32_t index = event.higher & ~k_static;
     for (StaticEdge& edge : statics_[body]) {
-      if (edge.index == index) edge.prediction = world_.look_static(body, index, now_, edge.search);
+      if (edge.index == index)
+        edge.prediction = world_.look_static(body, index, now_, edge.search, bounds_[body].expiry);
     }
   } else {
     ++counts_.examined;
@@ -441,7 +443,8 @@ template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_statics(std::uint32_t body) {
   for (StaticEdge& edge : statics_of(body)) {
     ++counts_.predictions;
-    edge.prediction = world_.predict_static(body, edge.index, now_, edge.search);
+    edge.prediction =
+        world_.predict_static(body, edge.index, now_, edge.search, bounds_[body].expiry);
   }
 }
 

@@ -23,9 +23,28 @@ double first_rise_s(double distance, double rate, double curvature) {
   return rate > 0 ? -2 * distance / (rate + root) : k_forever_s;
 }
 
+/// Part of a sphere's radius from which a line or a point is at least away when it touches.
+constexpr double k_approach_at = 0.5;
+
 Tick later(Tick tick, double span_s) {
   if (!(span_s < seconds(k_tick_max.value))) return k_never;
   return tick + std::max<TickCount>(1, ticks_before(span_s));
+}
+
+/// Of a centre that moves at c from a line or a point, at right angles to the line.
+GapState round_state(const Vec3& c, const Vec3& velocity_mps, const Vec3& acceleration_mps2,
+                     double radius_m, double coordinates_m) {
+  const double distance_m = math::norm(c);
+  const double c_v = math::dot(c, velocity_mps);
+  return {.gap_m = distance_m - radius_m,
+          .rate_mps = c_v / distance_m,
+          .fall_mps2 = math::norm(acceleration_mps2),
+          .coordinates_m = coordinates_m,
+          .is_round = true,
+          .c_v = c_v,
+          .c_v_rate = math::dot(velocity_mps, velocity_mps) + math::dot(c, acceleration_mps2),
+          .c_v_second = 3 * math::dot(velocity_mps, acceleration_mps2),
+          .least_c_v = k_approach_at * k_approach_mps * radius_m};
 }
 
 }  // namespace
@@ -33,30 +52,25 @@ Tick later(Tick tick, double span_s) {
 GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double radius_m) {
   const Vec3 from = centre.position_m - feature.point_m;
   const double coordinates_m = std::max(math::norm(centre.position_m), math::norm(feature.point_m));
+  const Vec3& velocity_mps = centre.velocity_mps;
+  const Vec3& pull_mps2 = centre.acceleration_mps2;
   switch (feature.kind) {
     case FeatureKind::face:
       return {.gap_m = math::dot(feature.direction, from) - radius_m,
-              .rate_mps = math::dot(feature.direction, centre.velocity_mps),
-              .fall_mps2 = std::max(0.0, -math::dot(feature.direction, centre.acceleration_mps2)),
+              .rate_mps = math::dot(feature.direction, velocity_mps),
+              .fall_mps2 = std::max(0.0, -math::dot(feature.direction, pull_mps2)),
               .coordinates_m = coordinates_m};
     case FeatureKind::edge: {
-      const Vec3 across = from - math::dot(feature.direction, from) * feature.direction;
-      const double distance_m = math::norm(across);
-      const Vec3& pull = centre.acceleration_mps2;
-      const Vec3 pull_across = pull - math::dot(feature.direction, pull) * feature.direction;
-      return {.gap_m = distance_m - radius_m,
-              .rate_mps = math::dot(across, centre.velocity_mps) / distance_m,
-              .fall_mps2 = math::norm(pull_across),
-              .coordinates_m = coordinates_m};
+      const auto across = [&](const Vec3& v) -> Vec3 {
+        return v - math::dot(feature.direction, v) * feature.direction;
+      };
+      return round_state(across(from), across(velocity_mps), across(pull_mps2), radius_m,
+                         coordinates_m);
     }
     case FeatureKind::vertex:
       break;
   }
-  const double distance_m = math::norm(from);
-  return {.gap_m = distance_m - radius_m,
-          .rate_mps = math::dot(from, centre.velocity_mps) / distance_m,
-          .fall_mps2 = math::norm(centre.acceleration_mps2),
-          .coordinates_m = coordinates_m};
+  return round_state(from, velocity_mps, pull_mps2, radius_m, coordinates_m);
 }
 
 Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m) {
@@ -83,6 +97,9 @@ double failing_for_s(const GapState& state, double touch_m) {
   if (state.rate_mps >= -k_approach_mps) {
     if (fall == 0) return k_forever_s;
     failing_s = std::max(failing_s, (state.rate_mps + k_approach_mps) / fall);
+    const double left = state.c_v + state.least_c_v;
+    if (state.is_round && left > 0)
+      failing_s = std::max(failing_s, first_rise_s(-left, -state.c_v_rate, -state.c_v_second));
     failing_s = std::max(failing_s, k_seconds_per_tick);
   }
   return failing_s;
@@ -118,12 +135,8 @@ Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides
 
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
                          double touch_m, Tick tick) {
-  const double distance_m = math::norm(relative.position_m);
-  const GapState state{
-      .gap_m = distance_m - radii_m,
-      .rate_mps = math::dot(relative.position_m, relative.velocity_mps) / distance_m,
-      .fall_mps2 = math::norm(relative.acceleration_mps2),
-      .coordinates_m = coordinates_m};
+  const GapState state = round_state(relative.position_m, relative.velocity_mps,
+                                     relative.acceleration_mps2, radii_m, coordinates_m);
   const double span_s = failing_for_s(state, touch_m);
   if (span_s == 0) return {.collides = true, .next = tick};
   return {.collides = false, .next = later(tick, span_s)};

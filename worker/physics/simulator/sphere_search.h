@@ -15,7 +15,13 @@
 //   rate(t + h) >= rate(t) - A h
 //
 // and each condition that fails at a tick gives a span during which it must go on failing. The
-// search skips the longest of them, at least a tick, and judges again from the segments alone. For
+// search skips the longest of them, at least a tick, and judges again from the segments alone. A
+// sphere that rolls along an edge comes and goes so slowly that the second bound shows a few ticks;
+// there c.v, with c from the edge or vertex to the centre, tells when the rate changes its sign:
+//
+//   c.v (t + h) = c.v + (v.v + c.a) h + 3/2 v.a h^2 + 1/2 a.a h^3
+//
+// For
 // two balls in free flight A is 0 and the touch has a closed form; it is used as such.
 //
 // Invariants
@@ -64,13 +70,20 @@ struct RegionSide {
   bool strict = false;
 };
 
-/// Gap between a sphere and a feature's plane, line or point, its rate, and a bound on how fast the
-/// rate may fall.
+/// Gap between a sphere and a feature's plane, line or point, its rate, and bounds on how that may
+/// fall.
 struct GapState {
   double gap_m = 0;
   double rate_mps = 0;
   double fall_mps2 = 0;      ///< A above, >= 0
   double coordinates_m = 0;  ///< size of the numbers that the gap is the difference of
+  // Of a line or a point: c.v of the centre c from it, which has the rate's sign, is a cubic in
+  // time. Its first terms, without the last, which only raises it.
+  bool is_round = false;
+  double c_v = 0;         ///< m^2/s
+  double c_v_rate = 0;    ///< v.v + c.a, m^2/s^2
+  double c_v_second = 0;  ///< 3 v.a, m^2/s^3
+  double least_c_v = 0;   ///< below this, as a positive number, it approaches
 };
 
 GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double radius_m);

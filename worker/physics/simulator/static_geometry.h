@@ -39,6 +39,9 @@
 
 namespace sleight::physics {
 
+/// Whether some of a box is not outside of a plane.
+bool reaches(const HalfSpace& outside, const Box& box);
+
 /// What a piece or feature belongs to.
 struct StaticOwner {
   std::uint32_t name = 0;  ///< index of its name
@@ -92,6 +95,16 @@ class StaticGeometry {
   }
   void pieces_near(const Box& box, std::vector<std::uint32_t>& found) const {
     near(box, piece_tree_, found);
+  }
+
+  /// Whether one of them does.
+  bool feature_overlaps(std::uint32_t index, const Box& box) const {
+    return index < plane_count_ ? reaches(planes_[index], box)
+                                : overlap(feature_boxes_[index - plane_count_], box);
+  }
+  bool piece_overlaps(std::uint32_t index, const Box& box) const {
+    return index < plane_count_ ? reaches(planes_[index], box)
+                                : overlap(piece_boxes_[index - plane_count_], box);
   }
 
   /// The name of the solid that holds a point: a plane's lower side, a polyhedron, a closed mesh.

@@ -107,6 +107,10 @@ class World {
   // others pieces.
   std::uint32_t static_count(std::uint32_t body) const;
   void statics_near(std::uint32_t body, const Box& box, std::vector<std::uint32_t>& found) const;
+  bool static_overlaps(std::uint32_t body, std::uint32_t index, const Box& box) const {
+    return constants_[body].is_sphere ? statics_.feature_overlaps(index, box)
+                                      : statics_.piece_overlaps(index, box);
+  }
   const std::string& static_name(std::uint32_t body, std::uint32_t index) const;
 
   // Predictions. `search` keeps what a search of convex pieces has done so far; it is taken when
@@ -144,8 +148,9 @@ class World {
   /// Goes on with a prediction that was not certain. REQUIRES: its tick is `now`.
   Prediction look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t search);
   Prediction predict_static(std::uint32_t body, std::uint32_t index, Tick now,
-                            std::uint32_t& search);
-  Prediction look_static(std::uint32_t body, std::uint32_t index, Tick now, std::uint32_t search);
+                            std::uint32_t& search, Tick until);
+  Prediction look_static(std::uint32_t body, std::uint32_t index, Tick now, std::uint32_t search,
+                         Tick until);
   void end_search(std::uint32_t& search) { searches_.release(search); }
   /// Ends all. From now on searches may, or may not, leave out pairs that stay near places in which
   /// they are clear of each other (near_places.h).

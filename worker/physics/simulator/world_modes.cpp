@@ -24,7 +24,7 @@ constexpr double k_press_mps2 = 1e-12;
 
 /// A sphere that is too slow to hop over an edge or a vertex goes straight on until it is so far
 /// above it, and falls back.
-constexpr double k_rise_m = 1e-9;
+constexpr double k_rise_m = 1e-8;
 
 /// Least h > 0 at which distance + rate h + curvature h^2 / 2 falls below 0; infinite if never.
 /// REQUIRES: distance >= 0.
@@ -53,7 +53,7 @@ bool World::is_caught(std::uint32_t body, std::uint32_t feature, double approach
     return false;
   }
   return statics_.feature(feature).kind == FeatureKind::face ||
-         fastest_point_mps(body, twist_at(body, tick)) < 2 * slow_mps;
+         fastest_point_mps(body, twist_at(body, tick)) < 16 * slow_mps;
 }
 
 RoundBody World::round_body(std::uint32_t body) const {

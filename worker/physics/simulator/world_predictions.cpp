@@ -32,12 +32,13 @@ Examined examined_at(Tick tick, const Refractory& refractory, const Examine& exa
 
 /// A few looks of a search without a state, from a tick on.
 template <class Examine>
-Prediction looked_ahead(Tick tick, const Examine& examine) {
+Prediction looked_ahead(Tick tick, Tick until, const Examine& examine) {
   for (int look = 0; look < k_looks_ahead; ++look) {
     const Examined examined = examine(tick);
     if (examined.collides) return {.tick = tick, .certain = true};
     if (examined.next == k_never) return {};
     tick = examined.next;
+    if (tick > until) break;
   }
   return {.tick = tick, .certain = false};
 }
@@ -165,7 +166,7 @@ Prediction World::predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) c
     return {};
   const double radii_m = constants_[a].reach_m + constants_[b].reach_m;
   const Refractory refractory = refractory_of_spheres(a, b);
-  return looked_ahead(from, [&](Tick tick) {
+  return looked_ahead(from, k_never, [&](Tick tick) {
     const MovingPoint p = centre_at(a, tick);
     const MovingPoint q = centre_at(b, tick);
     const MovingPoint relative{.position_m = between_at(a, b, tick),
@@ -213,16 +214,16 @@ Prediction World::predict_any_image(std::uint32_t a, std::uint32_t b, Tick now) 
 // ---- a body and static geometry -----------------------------------------------------------------
 
 Prediction World::predict_static(std::uint32_t body, std::uint32_t index, Tick now,
-                                 std::uint32_t& search) {
+                                 std::uint32_t& search, Tick until) {
   if (segments_[body].mode == MotionMode::resting) return {};
-  if (constants_[body].is_sphere) return look_static(body, index, now, search);
+  if (constants_[body].is_sphere) return look_static(body, index, now, search, until);
   for (PieceSearch& part : searches_.fresh(search, constants_[body].part_count))
     part.next = flights_[body].begin;
-  return look_static(body, index, now, search);
+  return look_static(body, index, now, search, until);
 }
 
 Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
-                              std::uint32_t search) {
+                              std::uint32_t search, Tick until) {
   const Refractory refractory = recent_.of(body, k_static | index);
   if (!constants_[body].is_sphere) {
     const Prediction prediction = advanced(
@@ -251,7 +252,7 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
   if (stays_on_faces(body) && supports_[body].holds(index)) return {};
   const SphereFeature& feature = statics_.feature(index);
   const double radius_m = constants_[body].reach_m;
-  return looked_ahead(now, [&](Tick tick) {
+  return looked_ahead(now, until, [&](Tick tick) {
     const MovingPoint centre = centre_at(body, tick);
     return examined_at(tick, refractory, [&](double touch_m) {
       return examine(feature, statics_.sides(feature), centre, radius_m, touch_m, tick);
