@@ -149,11 +149,11 @@ class Engine {
   PairGraph graph_;
   std::vector<std::vector<StaticEdge>> statics_;
   std::vector<Bound> bounds_;
-  std::vector<std::vector<std::uint32_t>> candidates_;  ///< of static features, by body
-  std::vector<Box> static_boxes_;       ///< what each body's list of static features is good for
-  std::vector<Box> all_boxes_;          ///< scratch of the synchronous algorithm
-  std::vector<std::uint32_t> near_;     ///< scratch
-  std::vector<std::uint32_t> changes_;  ///< of each body's motion
+  std::vector<std::vector<std::uint32_t>> candidates_;  ///< static features in a wider box
+  std::vector<Box> static_boxes_;                       ///< that one
+  std::vector<Box> all_boxes_;                          ///< scratch of the synchronous algorithm
+  std::vector<std::uint32_t> near_;                     ///< scratch
+  std::vector<std::uint32_t> changes_;                  ///< of each body's motion
   std::vector<std::uint8_t> is_watched_;
   std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
   std::size_t next_control_ = 0;

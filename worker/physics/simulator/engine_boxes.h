@@ -81,7 +81,8 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
   refresh_key(body);
 }
 
-/// Makes sure that all static features near a box are in the body's list. Whether the list changed.
+/// Makes the body's list that of the static features that it may meet in a box, by way of those in
+/// a wider one. Whether the list changed.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
   if (!world_.has_statics() || world_.static_count(body) == 0) return false;
@@ -92,24 +93,19 @@ bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
       wide.low_m[axis] = box.low_m[axis] - margin;
       wide.high_m[axis] = box.high_m[axis] + margin;
     }
-    candidates_[body].clear();
-    world_.statics_near(body, wide, candidates_[body]);
+    std::vector<std::uint32_t>& candidates = candidates_[body];
+    candidates.clear();
+    world_.statics_near(body, wide, candidates);
+    std::erase_if(candidates,
+                  [&](std::uint32_t index) { return !world_.static_overlaps(body, index, wide); });
   }
   near_.clear();
   for (const std::uint32_t index : candidates_[body]) {
     if (world_.static_overlaps(body, index, box)) near_.push_back(index);
   }
-  const auto same = [&] {
-    const std::vector<StaticEdge>& list = statics_[body];
-    if (list.size() != near_.size()) return false;
-    for (std::size_t i = 0; i < near_.size(); ++i) {
-      if (list[i].index != near_[i]) return false;
-    }
-    return true;
-  };
-  if (same()) return false;
-  // What was watched before keeps its prediction; both lists ascend.
   std::vector<StaticEdge>& list = statics_[body];
+  if (std::ranges::equal(list, near_, {}, &StaticEdge::index)) return false;
+  // What was watched before keeps its prediction; both lists ascend.
   const std::size_t before = list.size();
   std::size_t old = 0;
   for (const std::uint32_t index : near_) {

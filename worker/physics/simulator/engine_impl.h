@@ -19,6 +19,8 @@ inline constexpr std::size_t k_list_room = 16;
 inline constexpr std::size_t k_list_average = 48;
 /// The same for the static geometry near a body, whose lists are twice as long for a moment.
 inline constexpr std::size_t k_static_room = 96;
+/// And for what is near enough to be looked at again with each box.
+inline constexpr std::size_t k_candidate_room = 256;
 /// From so many bodies on, the next event is read ahead; what fewer need is in the second cache,
 /// and a gas of 1,000 spheres would be 5% slower.
 inline constexpr std::uint32_t k_read_ahead_bodies = 4000;
@@ -42,12 +44,14 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
                           ? PairGraph::Room{.list = std::max(count, 1U), .average = 0}
                           : PairGraph::Room{.list = k_list_room, .average = k_list_average});
   statics_.resize(count);
-  for (std::uint32_t body = 0; body < count; ++body)
+  candidates_.resize(count);
+  for (std::uint32_t body = 0; body < count; ++body) {
     statics_[body].reserve(world.static_count(body) > 0 ? k_static_room : 0);
+    candidates_[body].reserve(world.static_count(body) > 0 ? k_candidate_room : 0);
+  }
   near_.reserve(k_static_room);
   bounds_.resize(count);
   static_boxes_.resize(count);
-  candidates_.resize(count);
   changes_.assign(count, 0);
   is_watched_.assign(count, 0);
   reads_ahead_ = count >= k_read_ahead_bodies;

@@ -410,6 +410,40 @@ const std::string* StaticGeometry::solid_at(const Vec3& point_m) const {
   return nullptr;
 }
 
+bool StaticGeometry::may_meet(std::uint32_t index, const Box& box, double radius_m) const {
+  // Where the centre may be, and k_touch_m more on all sides, which covers rounding.
+  Vec3 middle_m;
+  Vec3 half_m;
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    middle_m[i] = 0.5 * (double{box.low_m[axis]} + double{box.high_m[axis]});
+    half_m[i] = 0.5 * (double{box.high_m[axis]} - double{box.low_m[axis]}) - radius_m;
+  }
+  const auto spread = [&](const Vec3& normal) {
+    return (std::fabs(normal.x()) * half_m.x() + std::fabs(normal.y()) * half_m.y()) +
+           std::fabs(normal.z()) * half_m.z();
+  };
+  const SphereFeature& one = feature(index);
+  for (const RegionSide& side : sides(one)) {
+    const Vec3& normal = side.space.normal;
+    if (math::dot(normal, middle_m) + spread(normal) < side.space.offset_m) return false;
+  }
+  const Vec3 from = middle_m - one.point_m;
+  const double reach_m = radius_m + k_touch_m;
+  switch (one.kind) {
+    case FeatureKind::face:
+      return math::dot(one.direction, from) - spread(one.direction) <= reach_m;
+    case FeatureKind::edge: {
+      const double along_m = math::dot(one.direction, from);
+      const double away_m = reach_m + math::norm(half_m);
+      return math::dot(from, from) - along_m * along_m <= away_m * away_m;
+    }
+    case FeatureKind::vertex:
+      break;
+  }
+  return math::norm(from) <= reach_m + math::norm(half_m);
+}
+
 bool reaches(const HalfSpace& outside, const Box& box) {
   // The corner that lies deepest, and more than its rounding deeper.
   double deepest_m = -outside.offset_m;

@@ -97,11 +97,10 @@ class StaticGeometry {
     near(box, piece_tree_, found);
   }
 
-  /// Whether one of them does.
-  bool feature_overlaps(std::uint32_t index, const Box& box) const {
-    return index < plane_count_ ? reaches(planes_[index], box)
-                                : overlap(feature_boxes_[index - plane_count_], box);
-  }
+  /// Whether a sphere of a radius that stays in a box, and k_touch_m within it, may meet a feature
+  /// there: its centre comes into the feature's region, and near enough.
+  bool may_meet(std::uint32_t index, const Box& box, double radius_m) const;
+  /// Whether a piece reaches into a box.
   bool piece_overlaps(std::uint32_t index, const Box& box) const {
     return index < plane_count_ ? reaches(planes_[index], box)
                                 : overlap(piece_boxes_[index - plane_count_], box);

@@ -108,7 +108,7 @@ class World {
   std::uint32_t static_count(std::uint32_t body) const;
   void statics_near(std::uint32_t body, const Box& box, std::vector<std::uint32_t>& found) const;
   bool static_overlaps(std::uint32_t body, std::uint32_t index, const Box& box) const {
-    return constants_[body].is_sphere ? statics_.feature_overlaps(index, box)
+    return constants_[body].is_sphere ? statics_.may_meet(index, box, constants_[body].reach_m)
                                       : statics_.piece_overlaps(index, box);
   }
   const std::string& static_name(std::uint32_t body, std::uint32_t index) const;
@@ -291,9 +291,9 @@ class World {
   struct Supports {
     std::array<std::uint32_t, 3> features{};
     std::uint32_t count = 0;
-    Tick end = k_never;                ///< of the segment's accelerations
-    bool leaves_there = false;         ///< since the centre leaves a face's region
-    Tick met_body{-k_tick_max.value};  ///< when it last collided with another body
+    Tick end = k_never;                 ///< of the segment's accelerations
+    std::uint32_t leaves = UINT32_MAX;  ///< the one whose region the centre leaves then, if any
+    Tick met_body{-k_tick_max.value};   ///< when it last collided with another body
     std::span<const std::uint32_t> all() const { return std::span(features).first(count); }
     bool holds(std::uint32_t feature) const {
       return std::ranges::find(all(), feature) != all().end();

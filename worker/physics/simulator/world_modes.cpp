@@ -23,8 +23,8 @@ namespace {
 constexpr double k_press_mps2 = 1e-12;
 
 /// A sphere that is too slow to hop over an edge or a vertex goes straight on until it is so far
-/// above it, and falls back.
-constexpr double k_rise_m = 1e-8;
+/// above it, as a part of the height of its slowest bounces, and falls back.
+constexpr double k_rise_bounces = 0.5;
 
 /// Least h > 0 at which distance + rate h + curvature h^2 / 2 falls below 0; infinite if never.
 /// REQUIRES: distance >= 0.
@@ -131,25 +131,27 @@ void World::begin_staying(std::uint32_t body, const Supports& supports, const Co
   Supports& kept = supports_[body];
   kept.features = supports.features;
   kept.count = supports.count;
-  kept.leaves_there = false;
+  kept.leaves = UINT32_MAX;
   kept.end = after(event.tick, motion.lasts_s);
   for (const std::uint32_t feature : supports.all()) {
     if (statics_.feature(feature).kind != FeatureKind::face) {
       // Straight on from an edge, it leaves that.
-      const double way_m = std::sqrt(2 * k_rise_m * constants_[body].reach_m);
+      const double slow_mps = scene_.slow.separation_speed_mps;
+      const double bounce_m = 0.5 * slow_mps * slow_mps / math::norm(scene_.gravity_mps2);
+      const double way_m = std::sqrt(2 * k_rise_bounces * bounce_m * constants_[body].reach_m);
       const double speed_mps = math::norm(segment.flight.velocity_mps);
       const double pull = math::norm(segment.flight.acceleration_mps2);
       const double rate = speed_mps + std::sqrt(speed_mps * speed_mps + 2 * pull * way_m);
       const Tick rises = rate > 0 ? after(event.tick, 2 * way_m / rate) : k_never;
       if (rises < kept.end) {
         kept.end = rises;
-        kept.leaves_there = true;
+        kept.leaves = feature;
       }
     }
     const Tick leaves = leaves_region(segment, feature);
     if (leaves > kept.end) continue;
     kept.end = leaves;
-    kept.leaves_there = leaves != k_never;
+    kept.leaves = leaves != k_never ? feature : UINT32_MAX;
   }
   resting_.stays(body, event.tick, slow_from(body, segment, kept.end));
 }
@@ -183,13 +185,13 @@ void World::change_mode(std::uint32_t body, const EventKey& event) {
   changed_.clear();
   const Supports supports = supports_[body];
   const Twist twist = twist_at(body, event.tick);
-  if (!supports.leaves_there) {
-    begin_on_faces(body, supports.all(), twist, event);
-  } else {
-    // Over the border: what lies there is met as anything else, at once if it goes on level.
-    resting_.flies(body, event.tick);
-    begin_after(body, twist, event);
+  // Over the border of one: what lies there is met as anything else, at once if it goes on level.
+  std::array<std::uint32_t, 3> features{};
+  std::size_t count = 0;
+  for (const std::uint32_t feature : supports.all()) {
+    if (feature != supports.leaves) features[count++] = feature;
   }
+  begin_on_faces(body, std::span(features).first(count), twist, event);
   wake_on_those_that_left(event);
 }
 
