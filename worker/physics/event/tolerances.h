@@ -37,7 +37,7 @@ inline constexpr std::uint32_t k_examined_ticks_max = 1'000'000;
 /// m/s uses up half of k_touch_m in it.
 inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
 
-/// Spheres that approach faster than this collide at once all the same: the blows of a squeeze get
+/// Bodies that approach faster than this collide at once all the same: the blows of a squeeze get
 /// slower soon, and this one would sink them by more than 5e-11 m in a tick.
 inline constexpr double k_fast_approach_mps = 0.05;
 

@@ -118,25 +118,44 @@ struct AxisTurn {
   double valid_s = k_forever_s;  ///< the fall is right for so long
 };
 
-/// Which way the normal of the closest features turns, as far as their own turning decides it: with
-/// the face that is one of them, or so that it stays at right angles to both edges. 0 if a vertex
-/// meets a vertex or an edge.
+Vec3 direction_of(const MovingPiece& piece, Feature edge) {
+  const Edge& of = piece.view->edges[edge.index];
+  return math::product(piece.pose.rotation,
+                       piece.view->vertices_m[of.vertex[1]] - piece.view->vertices_m[of.vertex[0]]);
+}
+
+/// The turn of the line from a vertex to a vertex, or to an edge, with the edge and, where one of
+/// them has a radius and so they are far enough apart to say, with their motion past each other.
+Vec3 turn_of_line(const MovingPiece& a, const MovingPiece& b, const Closest& closest) {
+  const Vec3& n = closest.normal;
+  Vec3 normal_rate = Vec3::Zero();
+  if (a.radius_m + b.radius_m > 0 && closest.gap_m > 0) {
+    const Vec3 past_mps = velocity_of(b, closest.point_b_m) - velocity_of(a, closest.point_a_m);
+    normal_rate = (past_mps - math::dot(n, past_mps) * n) / closest.gap_m;
+  }
+  const bool edge_of_a = closest.feature_a.kind == FeatureKind::edge;
+  if (edge_of_a || closest.feature_b.kind == FeatureKind::edge) {
+    const MovingPiece& piece = edge_of_a ? a : b;
+    const Vec3 edge =
+        math::normalized(direction_of(piece, edge_of_a ? closest.feature_a : closest.feature_b));
+    const double along = -math::dot(n, math::cross(piece.angular_velocity_radps, edge));
+    normal_rate += (along - math::dot(normal_rate, edge)) * edge;
+  }
+  return math::cross(n, normal_rate);
+}
+
+/// Which way the normal of the closest features turns: with the face that is one of them, so that
+/// it stays at right angles to both edges, or with the line between others.
 Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& closest) {
   if (closest.feature_b.kind == FeatureKind::face) return b.angular_velocity_radps;
   if (closest.feature_a.kind == FeatureKind::face) return a.angular_velocity_radps;
-  if (closest.feature_a.kind != FeatureKind::edge || closest.feature_b.kind != FeatureKind::edge) {
-    return Vec3::Zero();
-  }
-  const auto direction = [](const MovingPiece& piece, Feature feature) {
-    const Edge& edge = piece.view->edges[feature.index];
-    return math::product(piece.pose.rotation, piece.view->vertices_m[edge.vertex[1]] -
-                                                  piece.view->vertices_m[edge.vertex[0]]);
-  };
+  if (closest.feature_a.kind != FeatureKind::edge || closest.feature_b.kind != FeatureKind::edge)
+    return turn_of_line(a, b, closest);
   // n' with n'.n = 0, n'.e = -n.(w x e) for both edges e: from the basis dual to e_a, e_b in their
   // plane.
   const Vec3& n = closest.normal;
-  const Vec3 edge_a = math::normalized(direction(a, closest.feature_a));
-  const Vec3 edge_b = math::normalized(direction(b, closest.feature_b));
+  const Vec3 edge_a = math::normalized(direction_of(a, closest.feature_a));
+  const Vec3 edge_b = math::normalized(direction_of(b, closest.feature_b));
   const double cosine = math::dot(edge_a, edge_b);
   const double sine2 = 1 - cosine * cosine;
   if (sine2 < 1e-4) return Vec3::Zero();

@@ -23,7 +23,8 @@
 //      and so, by the bound above, only which ticks are skipped: never what collides, or when.
 //      Hence whoever searches, and in whatever portions, finds the same collision.
 //   3. A look is skipped only under the bound above. It does not cover what turns the normal of two
-//      vertices, or of a vertex and an edge, while they are within k_touch_m of each other.
+//      vertices, or of a vertex and an edge, about the edge, while they are within k_touch_m of
+//      each other; spheres' normals it covers.
 // Thread safety: pure functions, but for the cache that they are given.
 #pragma once
 

@@ -188,8 +188,9 @@ Resting::Chosen Resting::supporting(const Log& log, TickCount slow) const {
   return 0;
 }
 
-void Resting::reset(std::size_t bodies, const SlowContacts& rule) {
+void Resting::reset(std::size_t bodies, const SlowContacts& rule, TickCount jam_span) {
   rule_ = rule;
+  jam_span_ = std::min(jam_span, rest_span());
   logs_.assign(enabled() ? bodies : 0, {});
   set_.reserve(bodies);
 }
@@ -238,7 +239,7 @@ void Resting::touched(std::uint32_t body, const TouchRecord& touch, double befor
     log.slow_since = touch.tick;
     log.due = touch.tick + rest_span();
   }
-  if (log.slow_collisions == 0 || touch.tick - log.counted_since > rest_span()) {
+  if (log.slow_collisions == 0 || touch.tick - log.counted_since > jam_span_) {
     log.slow_collisions = 0;
     log.counted_since = touch.tick;
   }

@@ -41,8 +41,8 @@ namespace sleight::physics {
 /// A body's partner is static geometry.
 inline constexpr std::uint32_t k_static_partner = UINT32_MAX;
 
-/// So many slow collisions without a fast one stand for any rest time: a body that is jammed
-/// between others collides without time passing.
+/// So many slow collisions without a fast one, in a few times that slow bounces take, stand for any
+/// rest time: a body that is jammed between others collides without time passing.
 inline constexpr std::uint32_t k_slow_collisions = 256;
 
 /// One impact as a body felt it.
@@ -73,7 +73,8 @@ class Resting {
     bool in_balance = false;  ///< it stays in contact without acceleration
   };
 
-  void reset(std::size_t bodies, const SlowContacts& rule);
+  /// So many slow collisions as make a body jammed must come within a span.
+  void reset(std::size_t bodies, const SlowContacts& rule, TickCount jam_span);
 
   static constexpr std::size_t k_records = 16;
   struct Touches {
@@ -179,6 +180,7 @@ class Resting {
   TickCount rest_span() const { return ticks_after(rule_.rest_time_s); }
 
   SlowContacts rule_;
+  TickCount jam_span_ = 0;
   std::vector<Log> logs_;
   std::vector<std::uint32_t> set_;  ///< scratch
   std::uint64_t round_ = 0;         ///< decisions so far

@@ -14,6 +14,9 @@ namespace {
 /// A sphere that has met another body stays on nothing for so many of its slowest bounces.
 constexpr double k_bounces_alone = 4;
 
+/// A body that collides often enough in so many of its slowest bounces is jammed.
+constexpr double k_jam_bounces = 5;
+
 double wrapped(double x, double period) {
   if (period == 0 || (x > 0 && x < 0.99 * period)) return x;
   const double inside = x - std::floor(x / period) * period;
@@ -64,7 +67,8 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     }
     constants_.push_back(constants);
   }
-  resting_.reset(count, scene_.slow);
+  const double bounce_s = pull_mps2 > 0 ? 2 * scene_.slow.separation_speed_mps / pull_mps2 : 1;
+  resting_.reset(count, scene_.slow, ticks_after(k_jam_bounces * bounce_s));
   recent_.reset(scene_.slow.separation_speed_mps > 0 ? count : 0);
   changed_.reserve(count);
   searches_.reserve(count);

@@ -258,6 +258,7 @@ class World {
   /// Counts a collision of a body; how many it had at this tick.
   std::uint32_t count_at(std::uint32_t body, Tick tick);
   /// Until when two spheres don't collide again, unless they come faster or closer (tolerances.h).
+  Refractory refractory_of_parts(std::uint32_t a, std::uint32_t b);
   Refractory refractory_of_spheres(std::uint32_t a, std::uint32_t b) const;
   Prediction predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) const;
   RigidImpactBody rigid_body(std::uint32_t body, Tick tick);

@@ -121,7 +121,7 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint3
 Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t search) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) return predict_spheres(a, b, now);
   const std::uint32_t of_b = constants_[b].part_count;
-  const Refractory refractory = recent_.of(a, b);
+  const Refractory refractory = refractory_of_parts(a, b);
   const double reach_a_m = constants_[a].reach_m;
   const double reach_b_m = constants_[b].reach_m;
   const Prediction prediction = advanced(
@@ -146,6 +146,26 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
       });
   if (prediction.feature == k_gave_up) note_failure("the search for a collision gives up", a, now);
   return prediction;
+}
+
+Refractory World::refractory_of_parts(std::uint32_t a, std::uint32_t b) {
+  const Refractory refractory = recent_.of(a, b);
+  const Tick begin = std::max(flights_[a].begin, flights_[b].begin);
+  if (refractory.until <= begin) return refractory;
+  // As for spheres, at the closest points of any two parts; mostly nothing of them is fast.
+  const MovingPiece& first = moving_at(a, begin);
+  const MovingPiece& second = moving_at(b, begin);
+  const double turning_mps = constants_[a].reach_m * math::norm(first.angular_velocity_radps) +
+                             constants_[b].reach_m * math::norm(second.angular_velocity_radps);
+  if (math::norm(second.velocity_mps - first.velocity_mps) + turning_mps < k_fast_approach_mps)
+    return refractory;
+  for (std::uint32_t i = 0; i < constants_[a].part_count; ++i) {
+    for (std::uint32_t j = 0; j < constants_[b].part_count; ++j) {
+      const PieceContact contact = contact_of(part_at(a, i, begin), part_at(b, j, begin));
+      if (contact.gap_m <= k_touch_m && contact.rate_mps < -k_fast_approach_mps) return {};
+    }
+  }
+  return refractory;
 }
 
 Refractory World::refractory_of_spheres(std::uint32_t a, std::uint32_t b) const {
