@@ -1,0 +1,104 @@
+// Pictures of words and bitmaps.
+#include "worker/worlds/spelling/pattern.h"
+
+#include <gtest/gtest.h>
+
+namespace sleight::worlds::spelling {
+namespace {
+
+std::string rows_of(const Pattern& pattern) {
+  std::string text;
+  for (std::uint32_t row = 0; row < pattern.rows; ++row) {
+    for (std::uint32_t column = 0; column < pattern.columns; ++column)
+      text += pattern.at(column, row) ? '#' : '.';
+    text += '\n';
+  }
+  return text;
+}
+
+TEST(Pattern, TheThesisExamples) {
+  // Goal: HI has ten bins of seven by five, ACM thirty of fifteen by seven (figures 2.7, 2.12).
+  // Method: count; look.
+  EXPECT_EQ(hi().columns, 7U);
+  EXPECT_EQ(hi().rows, 5U);
+  EXPECT_EQ(hi().count(), 10U);
+  const auto acm = pattern_of_word("ACM", Font::rows_5);
+  ASSERT_TRUE(acm.ok());
+  EXPECT_EQ(rows_of(acm.value()),
+            "...............\n"
+            "..#...##.#...#.\n"
+            ".#.#.#...##.##.\n"
+            ".###.#...#.#.#.\n"
+            ".#.#.#...#...#.\n"
+            ".#.#..##.#...#.\n"
+            "...............\n");
+  EXPECT_EQ(acm.value().count(), 30U);
+}
+
+TEST(Pattern, RowsComeBackAsTheyWere) {
+  // Goal: a bitmap is read as drawn, from any kind of lines. Method: there and back.
+  const std::string rows = "#.#\n.#.\n";
+  for (const std::string& text : {rows, "\n" + rows + "\n", std::string("#.#\r\n.#.\r\n")}) {
+    const auto pattern = pattern_of_rows(text);
+    ASSERT_TRUE(pattern.ok());
+    EXPECT_EQ(rows_of(pattern.value()), rows);
+  }
+}
+
+TEST(Pattern, ErrorsNameTheRowAndTheCharacter) {
+  // Goal: what is wrong can be found. Method: one of each.
+  EXPECT_EQ(pattern_of_rows("").error(), "it has no rows");
+  EXPECT_EQ(pattern_of_rows("#.\n#").error(), "row 2 has 1 characters, row 1 has 2");
+  EXPECT_EQ(pattern_of_rows("#.\n.x").error(), "row 2 has a 'x'; use '.' and '#' only");
+  EXPECT_EQ(pattern_of_word("", Font::rows_5).error(), "the word has no letters");
+  EXPECT_EQ(pattern_of_word("A?", Font::rows_7).error(),
+            "there is no picture of '?'; use A to Z, 0 to 9 and spaces, or a bitmap");
+}
+
+TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {
+  // Goal: no picture is missing, empty, wider than said, or that of another character. Method: all
+  // of them, alone.
+  for (const Font font : {Font::rows_5, Font::rows_7}) {
+    std::vector<Pattern> seen;
+    for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789")) {
+      const auto pattern = pattern_of_word(std::string(1, c), font);
+      ASSERT_TRUE(pattern.ok()) << c;
+      EXPECT_EQ(pattern.value().rows, static_cast<std::uint32_t>(font) + 2) << c;
+      // Something in the first and in the last row and column of the letter.
+      const Pattern& p = pattern.value();
+      std::uint32_t top = 0;
+      std::uint32_t bottom = 0;
+      std::uint32_t left = 0;
+      std::uint32_t right = 0;
+      for (std::uint32_t column = 0; column < p.columns; ++column) {
+        top += p.at(column, 1) ? 1 : 0;
+        bottom += p.at(column, p.rows - 2) ? 1 : 0;
+      }
+      for (std::uint32_t row = 0; row < p.rows; ++row) {
+        left += p.at(1, row) ? 1 : 0;
+        right += p.at(p.columns - 2, row) ? 1 : 0;
+      }
+      EXPECT_TRUE(top > 0 && bottom > 0 && left > 0 && right > 0) << c;
+      for (const Pattern& other : seen)
+        EXPECT_FALSE(other == p) << c;
+      seen.push_back(p);
+      const char small = c >= 'A' ? static_cast<char>(c - 'A' + 'a') : c;
+      EXPECT_EQ(pattern_of_word(std::string(1, small), font).value(), p) << c;
+    }
+  }
+}
+
+TEST(Pattern, CentredKeepsThePicture) {
+  // Goal: a picture may lie in a larger grid. Method: HI's letters in ten by six.
+  const Pattern pattern = centred(hi(), 10, 6);
+  EXPECT_EQ(rows_of(pattern),
+            "..........\n"
+            "..#.#.#...\n"
+            "..###.#...\n"
+            "..#.#.#...\n"
+            "..........\n"
+            "..........\n");
+}
+
+}  // namespace
+}  // namespace sleight::worlds::spelling

@@ -1,0 +1,207 @@
+// Proposals and their ratios.
+#include "worker/worlds/spelling/proposals.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <map>
+
+#include "common/math/elementary.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+random::Stream stream_of(std::uint64_t seed, std::uint64_t iteration) {
+  return random::Stream({.seed = seed, .purpose = random::Purpose::proposal}, iteration);
+}
+
+ProposalParameters only(Kind kind) {
+  ProposalParameters p{.change_all = 0,
+                       .change_vertices = 0,
+                       .change_ball = 0,
+                       .disable_balls = 0,
+                       .enable_balls = 0};
+  switch (kind) {
+    case Kind::change_all:
+      p.change_all = 1;
+      break;
+    case Kind::change_vertices:
+      p.change_vertices = 1;
+      break;
+    case Kind::change_ball:
+      p.change_ball = 1;
+      break;
+    case Kind::disable_balls:
+      p.disable_balls = 1;
+      break;
+    case Kind::enable_balls:
+      p.enable_balls = 1;
+      break;
+  }
+  return p;
+}
+
+State with_active(const Prior& prior, std::uint32_t active) {
+  State state;
+  state.offsets_m.assign(prior.vertices, Vec3::Zero());
+  for (std::uint32_t ball = 0; ball < prior.balls; ++ball) {
+    state.active.push_back(ball < active ? 1 : 0);
+    state.drops_m.push_back(ball < active ? Vec2(0.1 * ball, 0) : Vec2(0, 0));
+  }
+  return state;
+}
+
+TEST(Proposals, RatiosOfFlipsAreTheFormula) {
+  // Goal: log q ratio of disabling and enabling is the header's. Method: probabilities of the way
+  // there and back, multiplied out ball by ball.
+  const Prior prior{.vertices = 0, .balls = 6, .drop_half_m = {0.07, 0.05}};
+  const double area = 4 * 0.07 * 0.05;
+  const double f = 0.25;
+  for (std::uint32_t active = 0; active <= 6; ++active) {
+    const State state = with_active(prior, active);
+    for (const Kind kind : {Kind::disable_balls, Kind::enable_balls}) {
+      for (std::uint64_t i = 0; i < 50; ++i) {
+        random::Stream stream = stream_of(i, active);
+        const auto proposal = propose(prior, only(kind), state, stream);
+        double forward = 1;
+        double back = 1;
+        for (std::size_t ball = 0; ball < 6; ++ball) {
+          const bool was = state.active[ball] != 0;
+          const bool is = proposal.candidate.active[ball] != 0;
+          if (kind == Kind::disable_balls) {
+            if (was) forward *= is ? 1 - f : f;
+            if (!is) back *= was ? f / area : 1 - f;
+          } else {
+            if (!was) forward *= is ? f / area : 1 - f;
+            if (is) back *= was ? 1 - f : f;
+          }
+        }
+        EXPECT_NEAR(proposal.log_q_ratio, std::log(back / forward), 1e-12);
+        EXPECT_EQ(proposal.kind, static_cast<std::uint32_t>(kind));
+      }
+    }
+  }
+}
+
+TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
+  // Goal: the whole mixture leaves p_w times a constraint invariant. Method: three balls that are
+  // in a left or a right half, weights for each of the 27 cases; a long chain by Algorithm 2.1
+  // visits each as often as its share says (chi-square on every 40th state; a ratio without the
+  // powers of 1 - f, as printed, fails by far).
+  const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.5}};
+  ProposalParameters parameters;
+  parameters.vertex_probability = 0.5;
+  parameters.vertex_sd_m = 1;
+  parameters.ball_sd_m = 0.5;
+  const auto cell_of = [](const State& state) {
+    std::size_t cell = 0;
+    for (std::size_t ball = 0; ball < 3; ++ball) {
+      const std::size_t which = state.active[ball] == 0 ? 0 : (state.drops_m[ball].x() < 0 ? 1 : 2);
+      cell = 3 * cell + which;
+    }
+    return cell;
+  };
+  // Number of balls in the left half decides, and a vertex above 0 doubles it.
+  const auto log_constraint = [](const State& state) {
+    double sum = 0;
+    for (std::size_t ball = 0; ball < 3; ++ball)
+      sum += state.active[ball] != 0 && state.drops_m[ball].x() < 0 ? 0.8 : 0;
+    return sum * (state.offsets_m[0].x() > 0 ? 2 : 1);
+  };
+  std::array<double, 27> expected{};
+  double total = 0;
+  for (std::size_t cell = 0; cell < 27; ++cell) {
+    double share = 1;
+    double left = 0;
+    for (std::size_t ball = 0, rest = cell; ball < 3; ++ball, rest /= 3) {
+      share *= rest % 3 == 0 ? 0.5 : 0.25;
+      left += rest % 3 == 1 ? 0.8 : 0;
+    }
+    expected[cell] = share * 0.5 * (std::exp(left) + std::exp(2 * left));
+    total += expected[cell];
+  }
+  const auto statistic = [&](bool printed) {
+    State state = with_active(prior, 1);
+    std::array<double, 27> seen{};
+    constexpr int k_thin = 40;
+    constexpr int k_kept = 5'000;
+    for (int i = 0; i < k_thin * k_kept; ++i) {
+      random::Stream stream = stream_of(printed ? 8 : 7, static_cast<std::uint64_t>(i));
+      const auto proposal = propose(prior, parameters, state, stream);
+      double q = proposal.log_q_ratio;
+      if (printed && proposal.kind == static_cast<std::uint32_t>(Kind::disable_balls)) q = 0;
+      if (printed && proposal.kind == static_cast<std::uint32_t>(Kind::enable_balls)) q = 0;
+      const double log_ratio = prior.log_density(proposal.candidate) - prior.log_density(state) +
+                               log_constraint(proposal.candidate) - log_constraint(state) + q;
+      if (math::log(stream.uniform()) < log_ratio) state = proposal.candidate;
+      if (i % k_thin == 0) ++seen[cell_of(state)];
+    }
+    double chi_square = 0;
+    for (std::size_t cell = 0; cell < 27; ++cell) {
+      const double wanted = k_kept * expected[cell] / total;
+      chi_square += (seen[cell] - wanted) * (seen[cell] - wanted) / wanted;
+    }
+    return chi_square;
+  };
+  const boost::math::chi_squared law(26);
+  const double right = statistic(false);
+  const double wrong = statistic(true);
+  std::printf("chi-square %.1f with the ratios, %.1f without\n", right, wrong);
+  EXPECT_LT(right, boost::math::quantile(law, 1 - 1e-4));
+  EXPECT_GT(wrong, boost::math::quantile(law, 1 - 1e-12));
+}
+
+TEST(Proposals, DrawsBelongToTheDensity) {
+  // Goal: log p_w is normalised and scores what is drawn. Method: its mean over draws is minus the
+  // entropy that the formula gives; offsets have their deviation; half of the balls are active.
+  const Prior prior{.vertices = 40, .balls = 10, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
+  double log_density = 0;
+  double square = 0;
+  double active = 0;
+  constexpr int k_draws = 2000;
+  for (int i = 0; i < k_draws; ++i) {
+    random::Stream stream = stream_of(21, static_cast<std::uint64_t>(i));
+    const State state = prior.draw(stream);
+    log_density += prior.log_density(state) / k_draws;
+    for (const Vec3& offset_m : state.offsets_m)
+      square += math::dot(offset_m, offset_m) / (k_draws * 120.0);
+    active += state.active_count() / (k_draws * 10.0);
+  }
+  EXPECT_NEAR(std::sqrt(square), 1e-4, 1e-6);
+  EXPECT_NEAR(active, 0.5, 0.015);
+  const double of_offsets = -120 * (0.5 * std::log(2 * M_PI * std::exp(1.0)) + std::log(1e-4));
+  const double of_balls = -10 * std::log(2.0) - 5 * std::log(4 * 0.07 * 0.05);
+  EXPECT_NEAR(log_density, of_offsets + of_balls, 0.8);
+}
+
+TEST(Proposals, ABallMovesOnARing) {
+  // Goal: drop places stay in the region, wrapped at its edges, and the rest stays as it is.
+  // Method: many moves as long as the region.
+  const Prior prior{.vertices = 2, .balls = 3, .drop_half_m = {0.07, 0.05}};
+  State state = with_active(prior, 2);
+  state.drops_m[1] = {0.06, -0.04};
+  std::map<std::size_t, int> moved;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    random::Stream stream = stream_of(31, i);
+    ProposalParameters parameters = only(Kind::change_ball);
+    parameters.ball_sd_m = 0.1;
+    const auto proposal = propose(prior, parameters, state, stream);
+    EXPECT_EQ(proposal.log_q_ratio, 0);
+    EXPECT_EQ(proposal.candidate.active, state.active);
+    EXPECT_EQ(proposal.candidate.offsets_m, state.offsets_m);
+    for (std::size_t ball = 0; ball < 3; ++ball) {
+      const Vec2& drop_m = proposal.candidate.drops_m[ball];
+      EXPECT_LE(std::fabs(drop_m.x()), 0.07);
+      EXPECT_LE(std::fabs(drop_m.y()), 0.05);
+      if (drop_m != state.drops_m[ball]) ++moved[ball];
+    }
+  }
+  EXPECT_GT(moved[0], 440);
+  EXPECT_GT(moved[1], 440);
+  EXPECT_EQ(moved[2], 0);
+}
+
+}  // namespace
+}  // namespace sleight::worlds::spelling

@@ -1,0 +1,118 @@
+// Balls that spell: simulations, outcomes and their probabilities.
+#include "worker/worlds/spelling/spelling.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+State drops_in(const Spelling& world, std::uint32_t balls) {
+  State state;
+  state.offsets_m.assign(world.bins().vertex_count(), Vec3::Zero());
+  state.active.assign(world.balls(), 0);
+  state.drops_m.assign(world.balls(), Vec2(0, 0));
+  std::uint32_t ball = 0;
+  const Pattern& pattern = world.parameters().pattern;
+  for (std::uint32_t row = 0; row < pattern.rows; ++row) {
+    for (std::uint32_t column = 0; column < pattern.columns && ball < balls; ++column) {
+      if (!pattern.at(column, row)) continue;
+      const Vec3 middle_m = world.bins().floor_middle_m({column, pattern.rows - 1 - row});
+      state.active[ball] = 1;
+      state.drops_m[ball++] = {middle_m.x() + 1e-4, middle_m.y() - 2e-4};
+    }
+  }
+  return state;
+}
+
+TEST(Spelling, OutcomesCountDesignatedBins) {
+  // Goal: k counts designated bins with a ball below the partitions' height; everything else is
+  // elsewhere. Method: places by hand.
+  const Spelling world(Parameters{});
+  const Bins& bins = world.bins();
+  const Vec3 up(0, 0, 0.009);
+  const Vec3 designated = bins.floor_middle_m({1, 3});  // the H's upper left
+  const Vec3 other = bins.floor_middle_m({0, 0});
+  const auto judge = [&](std::vector<Vec3> places_m) { return world.judged(places_m); };
+  EXPECT_EQ(judge({designated + up}).filled, 1U);
+  EXPECT_EQ(judge({designated + up}).elsewhere, 0U);
+  EXPECT_EQ(judge({designated + up, designated + up}).filled, 1U);
+  EXPECT_EQ(judge({designated + up, designated + up}).elsewhere, 1U);
+  EXPECT_EQ(judge({other + up}).filled, 0U);
+  EXPECT_EQ(judge({designated + 2 * up}).filled, 0U);
+  EXPECT_EQ(judge({Vec3(1, 0, -5)}).elsewhere, 1U);
+  Outcome all{.filled = 10};
+  EXPECT_TRUE(world.satisfied(all));
+  EXPECT_EQ(world.log_constraint(all), 50);
+  all.elsewhere = 1;
+  EXPECT_FALSE(world.satisfied(all));
+  EXPECT_EQ(world.log_constraint({.failed = true}), -std::numeric_limits<double>::infinity());
+}
+
+TEST(Spelling, BallsComeToRestInBins) {
+  // Goal: balls dropped from 72 mm rest, nearly all of them on the floor of a bin, none lost in the
+  // geometry. Method: prior-drawn animations; each ball's height at rest.
+  const Spelling world(Parameters{});
+  std::uint32_t balls = 0;
+  std::uint32_t low = 0;
+  std::uint32_t at_rest = 0;
+  constexpr int k_animations = 40;
+  for (int i = 0; i < k_animations; ++i) {
+    random::Stream stream({.seed = 5, .purpose = random::Purpose::prior},
+                          static_cast<std::uint64_t>(i));
+    State state = world.draw_prior(stream);
+    const auto scene = world.scene(state);
+    ASSERT_TRUE(scene);
+    physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
+    ASSERT_FALSE(simulation.run_until(physics::Tick{} + physics::ticks_after(12)));
+    at_rest += simulation.kinetic_energy_j() == 0 ? 1 : 0;
+    for (std::uint32_t body = 0; body < scene->bodies.size(); ++body) {
+      const Vec3 place_m = simulation.pose({body}, simulation.now()).position_m;
+      const auto bin = world.bins().bin_at(place_m);
+      ++balls;
+      // Outside of the box they fall on; inside, the surface holds them.
+      if (bin) {
+        EXPECT_GT(place_m.z(), 0.008);
+      }
+      if (bin && place_m.z() < 0.0095) ++low;
+    }
+    const Outcome outcome = world.simulate(state);
+    EXPECT_FALSE(outcome.failed);
+    EXPECT_EQ(outcome.filled + outcome.elsewhere, scene->bodies.size());
+  }
+  std::printf("%u of %u balls on a floor, %u of %d animations at rest\n", low, balls, at_rest,
+              k_animations);
+  EXPECT_GT(low, 0.9 * balls);
+  EXPECT_GE(at_rest, 0.9 * k_animations);
+}
+
+TEST(Spelling, ADropAboveABinMostlyStaysThere) {
+  // Goal: drops that are aimed well spell more than others, so the outcome means something. Method:
+  // balls dropped near the middle of the designated bins.
+  const Spelling world(Parameters{});
+  const Outcome outcome = world.simulate(drops_in(world, 10));
+  std::printf("%u of 10 filled, %u elsewhere, at rest after %.2f s\n", outcome.filled,
+              outcome.elsewhere, outcome.end_s);
+  EXPECT_GE(outcome.filled, 4U);
+  EXPECT_EQ(outcome.filled + outcome.elsewhere, 10U);
+}
+
+TEST(Spelling, SimulationsAreFunctionsOfTheState) {
+  // Goal: no state outlives a simulation. Method: the same state twice, another one between.
+  const Spelling world(Parameters{});
+  const State state = drops_in(world, 5);
+  const Outcome first = world.simulate(state);
+  world.simulate(drops_in(world, 3));
+  const Outcome again = world.simulate(state);
+  EXPECT_EQ(first.filled, again.filled);
+  EXPECT_EQ(first.end_s, again.end_s);
+  const Outcome none = world.simulate(drops_in(world, 0));
+  EXPECT_EQ(none.filled, 0U);
+  EXPECT_TRUE(none.at_rest);
+}
+
+}  // namespace
+}  // namespace sleight::worlds::spelling

@@ -1,0 +1,142 @@
+#include "worker/worlds/spelling/proposals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "common/base/check.h"
+#include "common/math/elementary.h"
+#include "common/random/distributions.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+Vec3 gaussian(random::Stream& stream, double sd) {
+  const random::Normal normal{.mean = 0, .sd = sd};
+  const double x = normal.draw(stream);
+  const double y = normal.draw(stream);
+  const double z = normal.draw(stream);
+  return {x, y, z};
+}
+
+Vec2 draw_drop(const Prior& prior, random::Stream& stream) {
+  const Vec2& half_m = prior.drop_half_m;
+  const double x = random::Uniform{.low = -half_m.x(), .high = half_m.x()}.draw(stream);
+  const double y = random::Uniform{.low = -half_m.y(), .high = half_m.y()}.draw(stream);
+  return {x, y};
+}
+
+/// Onto [-half, half), as on a ring.
+double wrapped(double x, double half) {
+  const double turns = std::floor((x + half) / (2 * half));
+  return std::clamp(x - turns * (2 * half), -half, half);
+}
+
+Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
+  double u = stream.uniform();
+  const std::array shares{p.change_all, p.change_vertices, p.change_ball, p.disable_balls};
+  for (std::size_t kind = 0; kind < shares.size(); ++kind) {
+    if (u < shares[kind]) return static_cast<Kind>(kind);
+    u -= shares[kind];
+  }
+  return Kind::enable_balls;
+}
+
+/// Disables active balls, or enables the others, each with a probability. Returns log q ratio.
+double flip_balls(const Prior& prior, double probability, bool enable, State& state,
+                  random::Stream& stream) {
+  const auto present = static_cast<double>(state.active_count());
+  double flipped = 0;
+  for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
+    if ((state.active[ball] != 0) == enable || stream.uniform() >= probability) continue;
+    ++flipped;
+    state.active[ball] = enable ? 1 : 0;
+    state.drops_m[ball] = enable ? draw_drop(prior, stream) : Vec2(0, 0);
+  }
+  const double sign = enable ? -1 : 1;
+  const double stays = sign * (static_cast<double>(prior.balls) - 2 * present) + flipped;
+  return stays * math::log(1 - probability) - sign * flipped * prior.log_area();
+}
+
+}  // namespace
+
+std::uint32_t State::active_count() const {
+  return std::accumulate(active.begin(), active.end(), 0U);
+}
+
+double Prior::log_area() const {
+  return math::log(4 * drop_half_m.x() * drop_half_m.y());
+}
+
+State Prior::draw(random::Stream& stream) const {
+  State state;
+  for (std::uint32_t v = 0; v < vertices; ++v)
+    state.offsets_m.push_back(gaussian(stream, vertex_sd_m));
+  for (std::uint32_t ball = 0; ball < balls; ++ball) {
+    const bool active = random::Bernoulli{.p = 0.5}.draw(stream);
+    state.active.push_back(active ? 1 : 0);
+    state.drops_m.push_back(active ? draw_drop(*this, stream) : Vec2(0, 0));
+  }
+  return state;
+}
+
+double Prior::log_density(const State& state) const {
+  CHECK_EQ(state.offsets_m.size(), std::size_t{vertices});
+  CHECK_EQ(state.active.size(), std::size_t{balls});
+  const random::Normal normal{.mean = 0, .sd = vertex_sd_m};
+  double sum = 0;
+  for (const Vec3& offset_m : state.offsets_m) {
+    for (int axis = 0; axis < 3; ++axis)
+      sum += normal.log_density(offset_m[axis]);
+  }
+  sum += static_cast<double>(balls) * math::log(0.5);
+  for (std::size_t ball = 0; ball < balls; ++ball) {
+    if (state.active[ball] == 0) continue;
+    const Vec2& drop_m = state.drops_m[ball];
+    if (std::fabs(drop_m.x()) > drop_half_m.x() || std::fabs(drop_m.y()) > drop_half_m.y())
+      return -std::numeric_limits<double>::infinity();
+    sum -= log_area();
+  }
+  return sum;
+}
+
+sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& p,
+                                  const State& state, random::Stream& stream) {
+  const Kind kind = drawn_kind(p, stream);
+  sampling::Proposal<State> proposal{.candidate = state, .kind = static_cast<std::uint32_t>(kind)};
+  State& candidate = proposal.candidate;
+  switch (kind) {
+    case Kind::change_all:
+      candidate = prior.draw(stream);
+      proposal.log_q_ratio = prior.log_density(state) - prior.log_density(candidate);
+      break;
+    case Kind::change_vertices:
+      for (Vec3& offset_m : candidate.offsets_m) {
+        if (stream.uniform() < p.vertex_probability) offset_m += gaussian(stream, p.vertex_sd_m);
+      }
+      break;
+    case Kind::change_ball: {
+      const std::uint32_t active = state.active_count();
+      if (active == 0) break;
+      std::uint64_t wanted = random::UniformInteger{.count = active}.draw(stream);
+      std::size_t ball = 0;
+      while (state.active[ball] == 0 || wanted-- > 0)
+        ++ball;
+      const Vec2 direction = random::UniformDirection2{}.draw(stream);
+      const double length_m = random::Normal{.mean = 0, .sd = p.ball_sd_m}.draw(stream);
+      Vec2& drop_m = candidate.drops_m[ball];
+      for (int axis = 0; axis < 2; ++axis) {
+        drop_m[axis] = wrapped(drop_m[axis] + length_m * direction[axis], prior.drop_half_m[axis]);
+      }
+      break;
+    }
+    case Kind::disable_balls:
+    case Kind::enable_balls:
+      proposal.log_q_ratio =
+          flip_balls(prior, p.flip_probability, kind == Kind::enable_balls, candidate, stream);
+      break;
+  }
+  return proposal;
+}
+
+}  // namespace sleight::worlds::spelling

@@ -1,0 +1,70 @@
+// How spelling animations are changed (thesis A.2.2), with the ratios that make Algorithm 2.1
+// right.
+//
+// Each of the five kinds is its own reverse, but for disabling and enabling, which are one
+// another's and have the same probability. So each pair of kinds keeps the target by itself. With N
+// balls of which n are active and a the area that they are dropped from:
+//
+//   change_all       a draw from p_w, whatever the state was: log q ratio = log p_w of the present
+//                    state less that of the candidate
+//   change_vertices  each with a probability: plus an isotropic Gaussian; symmetric
+//   change_ball      one active ball, uniformly: its drop place, in a uniform direction, by a
+//                    Gaussian length, wrapped at the region's edges; symmetric
+//   disable_balls    each active ball with probability f: of m disabled ones, the way there has the
+//                    probability f^m (1-f)^(n-m), the way back f^m (1-f)^(N-n) a^-m, so
+//                    log q ratio = (N - 2 n + m) log(1-f) - m log a
+//   enable_balls     its mirror image: log q ratio = (2 n - N + m) log(1-f) + m log a
+//
+// A.2.2 has a^m and a^-m the other way round and no powers of 1-f. A kind that finds nothing to
+// change proposes the present state.
+// Thread safety: pure functions.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/math/vector.h"
+#include "common/random/stream.h"
+#include "worker/sampling/target.h"
+#include "worker/worlds/spelling/parameters.h"
+
+namespace sleight::worlds::spelling {
+
+using math::Vec2;
+using math::Vec3;
+
+/// What is uncertain of an animation.
+struct State {
+  std::vector<Vec3> offsets_m;       ///< of the partition vertices
+  std::vector<std::uint8_t> active;  ///< by ball: 1 if it takes part
+  std::vector<Vec2> drops_m;         ///< by ball: where it is dropped; 0 if it isn't
+  std::uint32_t active_count() const;
+  friend bool operator==(const State&, const State&) = default;
+};
+
+enum class Kind : std::uint8_t {
+  change_all,
+  change_vertices,
+  change_ball,
+  disable_balls,
+  enable_balls
+};
+inline constexpr std::uint32_t k_kinds = 5;
+
+/// The variables' distribution: p_w.
+struct Prior {
+  std::uint32_t vertices = 0;
+  std::uint32_t balls = 0;
+  double vertex_sd_m = 1;
+  Vec2 drop_half_m{1, 1};  ///< half the sides of the region that balls are dropped from
+
+  double log_area() const;
+  State draw(random::Stream& stream) const;
+  /// Normalised, with respect to lengths in metres; -infinity outside of the region.
+  double log_density(const State& state) const;
+};
+
+sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
+                                  const State& state, random::Stream& stream);
+
+}  // namespace sleight::worlds::spelling

@@ -1,0 +1,129 @@
+#include "worker/worlds/spelling/spelling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/base/check.h"
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+/// How long the simulation goes on before it is looked whether all balls are at rest.
+constexpr double k_look_every_s = 0.1;
+/// Balls keep this distance from the walls when they are dropped.
+constexpr double k_clear_m = 1e-6;
+
+/// When slow contacts end, in terms of how fast a ball is that falls by its diameter, and how long
+/// that takes: bounces below 1/100 of it, rest below 8/100.
+physics::SlowContacts slow_contacts(double diameter_m, double gravity_mps2) {
+  const double fall_mps = std::sqrt(gravity_mps2 * diameter_m);
+  return {.separation_speed_mps = 0.01 * fall_mps,
+          .rest_speed_mps = 0.08 * fall_mps,
+          .rest_time_s = 0.1 * std::sqrt(diameter_m / gravity_mps2)};
+}
+
+}  // namespace
+
+Spelling::Spelling(const Parameters& parameters)
+    : parameters_(parameters),
+      bins_(parameters.world, parameters.pattern.columns, parameters.pattern.rows),
+      prior_{.vertices = bins_.vertex_count(),
+             .balls = parameters.pattern.count(),
+             .vertex_sd_m = parameters.world.vertex_sd_m} {
+  const double inset_m = 0.5 * parameters_.world.ball_diameter_m + k_clear_m;
+  prior_.drop_half_m = {bins_.half_m().x() - inset_m, bins_.half_m().y() - inset_m};
+  CHECK(prior_.drop_half_m.x() > 0 && prior_.drop_half_m.y() > 0);
+}
+
+std::optional<physics::Scene> Spelling::scene(const State& state) const {
+  const WorldParameters& world = parameters_.world;
+  physics::Scene scene;
+  scene.gravity_mps2 = {0, 0, -world.gravity_mps2};
+  scene.contacts =
+      physics::ContactTable(1, {.restitution = world.restitution, .friction = world.friction});
+  scene.slow = slow_contacts(world.ball_diameter_m, world.gravity_mps2);
+  auto surface = bins_.surface(state.offsets_m);
+  if (!surface) return std::nullopt;
+  scene.meshes.push_back({.name = "bins", .mesh = std::move(surface)});
+  scene.convexes.assign(bins_.walls().begin(), bins_.walls().end());
+  const double radius_m = 0.5 * world.ball_diameter_m;
+  const double mass_kg =
+      world.density_kgpm3 * 4 / 3 * std::numbers::pi * radius_m * radius_m * radius_m;
+  for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
+    if (state.active[ball] == 0) continue;
+    const Vec2& drop_m = state.drops_m[ball];
+    const double start_s = world.drop_interval_s * static_cast<double>(ball);
+    physics::BodyDescription body;
+    body.name = "ball " + std::to_string(ball);
+    body.shape = physics::Sphere{.radius_m = radius_m};
+    body.inertia = physics::solid_ball_inertia(mass_kg, radius_m);
+    body.start.pose.position_m = {drop_m.x(), drop_m.y(), world.drop_height_m + radius_m};
+    body.start_tick = physics::Tick{} + physics::ticks_after(start_s);
+    scene.bodies.push_back(std::move(body));
+  }
+  return scene;
+}
+
+Outcome Spelling::simulate(const State& state) const {
+  const auto scene = this->scene(state);
+  if (!scene) return {.failed = true};
+  if (scene->bodies.empty()) return {.at_rest = true};
+  physics::SimulationOptions options;
+  options.record = false;
+  auto started = physics::Simulation::start(*scene, options);
+  if (!started) return {.failed = true};
+  physics::Simulation simulation = std::move(started).value();
+  const auto bodies = static_cast<std::uint32_t>(scene->bodies.size());
+
+  // Until all are at rest.
+  const physics::Tick last_drop = scene->bodies.back().start_tick;
+  const physics::Tick limit = last_drop + physics::ticks_after(parameters_.world.time_limit_s);
+  bool at_rest = false;
+  for (physics::Tick end = last_drop; !at_rest && end < limit;) {
+    end = std::min(limit, end + physics::ticks_after(k_look_every_s));
+    if (simulation.run_until(end)) return {.failed = true};
+    at_rest = simulation.kinetic_energy_j() == 0;
+  }
+  std::vector<Vec3> centres_m;
+  for (std::uint32_t body = 0; body < bodies; ++body)
+    centres_m.push_back(simulation.pose({body}, simulation.now()).position_m);
+  Outcome outcome = judged(centres_m);
+  outcome.end_s = physics::seconds(simulation.now() - physics::Tick{});
+  outcome.at_rest = at_rest;
+  return outcome;
+}
+
+bool Spelling::is_designated(const Bin& bin) const {
+  return parameters_.pattern.at(bin.column, bins_.rows() - 1 - bin.row);
+}
+
+Outcome Spelling::judged(std::span<const Vec3> centres_m) const {
+  Outcome outcome;
+  std::vector<std::uint8_t> filled(std::size_t{bins_.columns()} * bins_.rows());
+  for (const Vec3& centre_m : centres_m) {
+    const auto bin = bins_.bin_at(centre_m);
+    const bool inside = bin && centre_m.z() > 0 &&
+                        centre_m.z() < parameters_.world.partition_height_m && is_designated(*bin);
+    if (inside && filled[bin->row * bins_.columns() + bin->column] == 0) {
+      filled[bin->row * bins_.columns() + bin->column] = 1;
+      ++outcome.filled;
+    } else {
+      ++outcome.elsewhere;
+    }
+  }
+  return outcome;
+}
+
+double Spelling::log_constraint(const Outcome& outcome) const {
+  if (outcome.failed) return -std::numeric_limits<double>::infinity();
+  return outcome.filled * parameters_.constraint.log_lambda;
+}
+
+bool Spelling::satisfied(const Outcome& outcome) const {
+  return !outcome.failed && outcome.filled == balls() && outcome.elsewhere == 0;
+}
+
+}  // namespace sleight::worlds::spelling

@@ -1,0 +1,79 @@
+// The world of the balls that spell (thesis 2.4.3, A.2): which box, and which drops, make balls
+// come to rest in designated bins?
+//
+//   random variables  offsets of the partition vertices; which balls are active; where these are
+//                     dropped
+//   log p_w           offsets: each coordinate N(0, vertex_sd); a ball is active with probability
+//                     1/2, its place uniform
+//   outcome           how many designated bins are filled at rest: a ball's centre in the bin,
+//   below
+//                     the partitions' height
+//   log p_c           k log lambda for k filled ones
+//   satisfied         all are filled, and no active ball is elsewhere
+//   proposal          A.2.2 with the ratios that it should have (proposals.h)
+//
+// There are as many balls as designated bins. Ball i is dropped from rest at i drop intervals; an
+// inactive one leaves its gap. A ball that leaves the box falls on, and is elsewhere.
+//
+// Thread-safe: immutable after construction.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/random/stream.h"
+#include "worker/physics/simulator/scene.h"
+#include "worker/sampling/target.h"
+#include "worker/worlds/spelling/bins.h"
+#include "worker/worlds/spelling/parameters.h"
+#include "worker/worlds/spelling/proposals.h"
+
+namespace sleight::worlds::spelling {
+
+struct Outcome {
+  std::uint32_t filled = 0;     ///< designated bins with a ball
+  std::uint32_t elsewhere = 0;  ///< active balls that fill none, second ones in a bin included
+  double end_s = 0;             ///< when the last one came to rest, or the time limit
+  bool at_rest = false;         ///< before the time limit
+  bool failed = false;          ///< the simulator could not go on: no animation
+};
+
+class Spelling {
+ public:
+  using State = spelling::State;
+  using Outcome = spelling::Outcome;
+
+  explicit Spelling(const Parameters& parameters);
+
+  const Parameters& parameters() const { return parameters_; }
+  const Bins& bins() const { return bins_; }
+  const Prior& prior() const { return prior_; }
+  std::uint32_t balls() const { return prior_.balls; }
+
+  State draw_prior(random::Stream& stream) const { return prior_.draw(stream); }
+  double log_prior(const State& state) const { return prior_.log_density(state); }
+  Outcome simulate(const State& state) const;
+  double log_constraint(const Outcome& outcome) const;
+  bool satisfied(const Outcome& outcome) const;
+  sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
+    return spelling::propose(prior_, parameters_.proposal, state, stream);
+  }
+  std::uint32_t proposal_kinds() const { return k_kinds; }
+
+  /// The simulation's scene; its bodies are the active balls in ascending order. Nothing if the
+  /// offsets turn the box inside out.
+  std::optional<physics::Scene> scene(const State& state) const;
+  /// Which bins centres are in, given that everything is as it will stay.
+  Outcome judged(std::span<const Vec3> centres_m) const;
+
+ private:
+  bool is_designated(const Bin& bin) const;
+
+  Parameters parameters_;
+  Bins bins_;
+  Prior prior_;
+};
+
+static_assert(sampling::Target<Spelling>);
+
+}  // namespace sleight::worlds::spelling
