@@ -21,8 +21,8 @@
 // by the moment c N r.
 //
 // Where a slip turns, as that of a ball thrown across a slope, its direction is held at what it
-// will be half way, for as long as it turns by a 32nd of a radian (up to half a radian where it is
-// slower than 0.01 m/s: held_slip.h); then the motion is asked for anew.
+// will be half way, for as long as it turns by a 32nd of a radian (up to half a radian where that
+// does little: held_slip.h); then the motion is asked for anew.
 //
 // Invariants
 //   1. Nothing gains energy: friction and resistance never act along the motion that they brake,

@@ -13,11 +13,16 @@
 namespace sleight::physics {
 
 inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
-/// By how much the direction of a slip may turn, in radians, before the motion is asked for again.
+/// By how much the direction of a slip may turn, in radians, before the motion is asked for again:
+/// at least so much,
 inline constexpr double k_turn = 1.0 / 32;
+/// and up to so much as long as it errs by less than this or, if that is more, by a 1024th of the
+/// slip.
 inline constexpr double k_turn_max = 0.5;
-/// A turn by so much errs by about so much of the slip: more is allowed where that is small.
 inline constexpr double k_slip_error_mps = 1e-5;
+/// It is asked for again after so many times the time in which friction alone would stop the slip:
+/// a direction held for longer would swing about the one in which the slip becomes steady.
+inline constexpr double k_stops = 4;
 /// A slip that would turn by less than this until it ends is straight.
 inline constexpr double k_straight = 1e-9;
 
@@ -27,9 +32,8 @@ struct HeldSlip {
 };
 
 /// Of a slip that a pull changes and friction brakes: half way, under the friction that acts along
-/// the direction held, it has that direction. (Friction doesn't turn a slip; had its direction at
-/// the start a part in this, the direction held would swing about the one in which slip becomes
-/// steady.)
+/// the direction held, it has that direction. (Friction doesn't turn a slip; the direction held
+/// would swing also if its direction at the start had a part in it.)
 inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake) {
   const double speed = math::norm(slip);
   const Vec3 direction = slip / speed;
@@ -42,7 +46,7 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake) {
   // What a turn by so much does wrong is its square times the friction of the time that it takes.
   const double allowed = std::max(k_slip_error_mps, k_turn * k_turn * speed);
   const double turn = std::clamp(std::sqrt(allowed * across / (brake * speed)), k_turn, k_turn_max);
-  const double span_s = std::min({turn * speed / across, speed / brake, stop_s});
+  const double span_s = std::min({turn * speed / across, k_stops * speed / brake, stop_s});
   return {math::normalized(slip + (0.5 * span_s) * pull), span_s};
 }
 

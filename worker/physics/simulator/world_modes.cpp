@@ -26,6 +26,9 @@ constexpr double k_press_mps2 = 1e-12;
 /// above it, as a part of the height of its slowest bounces, and falls back.
 constexpr double k_rise_bounces = 0.5;
 
+/// Over an edge or a vertex it hops if it is faster than so many times its slowest bounces.
+constexpr double k_edge_speeds = 16;
+
 /// Least h > 0 at which distance + rate h + curvature h^2 / 2 falls below 0; infinite if never.
 /// REQUIRES: distance >= 0.
 double first_fall_s(double distance, double rate, double curvature) {
@@ -53,7 +56,7 @@ bool World::is_caught(std::uint32_t body, std::uint32_t feature, double approach
     return false;
   }
   return statics_.feature(feature).kind == FeatureKind::face ||
-         fastest_point_mps(body, twist_at(body, tick)) < 16 * slow_mps;
+         math::norm(twist_at(body, tick).velocity_mps) < k_edge_speeds * slow_mps;
 }
 
 RoundBody World::round_body(std::uint32_t body) const {
