@@ -67,6 +67,19 @@ std::optional<physics::Scene> Spelling::scene(const State& state) const {
   return scene;
 }
 
+bool Spelling::run(const physics::Scene& scene, physics::Simulation& simulation,
+                   bool& at_rest) const {
+  const physics::Tick last_drop = scene.bodies.back().start_tick;
+  const physics::Tick limit = last_drop + physics::ticks_after(parameters_.world.time_limit_s);
+  at_rest = false;
+  for (physics::Tick end = last_drop; !at_rest && end < limit;) {
+    end = std::min(limit, end + physics::ticks_after(k_look_every_s));
+    if (simulation.run_until(end)) return false;
+    at_rest = simulation.kinetic_energy_j() == 0;
+  }
+  return true;
+}
+
 Outcome Spelling::simulate(const State& state) const {
   const auto scene = this->scene(state);
   if (!scene) return {.failed = true};
@@ -76,24 +89,46 @@ Outcome Spelling::simulate(const State& state) const {
   auto started = physics::Simulation::start(*scene, options);
   if (!started) return {.failed = true};
   physics::Simulation simulation = std::move(started).value();
-  const auto bodies = static_cast<std::uint32_t>(scene->bodies.size());
-
-  // Until all are at rest.
-  const physics::Tick last_drop = scene->bodies.back().start_tick;
-  const physics::Tick limit = last_drop + physics::ticks_after(parameters_.world.time_limit_s);
   bool at_rest = false;
-  for (physics::Tick end = last_drop; !at_rest && end < limit;) {
-    end = std::min(limit, end + physics::ticks_after(k_look_every_s));
-    if (simulation.run_until(end)) return {.failed = true};
-    at_rest = simulation.kinetic_energy_j() == 0;
-  }
+  if (!run(*scene, simulation, at_rest)) return {.failed = true};
   std::vector<Vec3> centres_m;
-  for (std::uint32_t body = 0; body < bodies; ++body)
+  for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
     centres_m.push_back(simulation.pose({body}, simulation.now()).position_m);
   Outcome outcome = judged(centres_m);
   outcome.end_s = physics::seconds(simulation.now() - physics::Tick{});
   outcome.at_rest = at_rest;
   return outcome;
+}
+
+Animation Spelling::animate(const State& state) const {
+  Animation animation;
+  for (std::uint32_t ball = 0; ball < balls(); ++ball) {
+    if (state.active[ball] != 0) animation.balls.push_back(ball);
+  }
+  if (animation.balls.empty()) return animation;
+  const auto scene = this->scene(state);
+  CHECK(scene.has_value());
+  physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
+  bool at_rest = false;
+  CHECK(run(*scene, simulation, at_rest));
+  animation.recording = simulation.recording();
+  return animation;
+}
+
+std::vector<int> Spelling::balls_of_bins(const State& state) const {
+  std::vector<int> balls(std::size_t{bins_.columns()} * bins_.rows(), -1);
+  const Animation animation = animate(state);
+  for (std::size_t body = 0; body < animation.balls.size(); ++body) {
+    const auto segments = animation.recording.segments({static_cast<std::uint32_t>(body)});
+    const Vec3& centre_m = segments.back().segment.flight.position_m;
+    const auto bin = bins_.bin_at(centre_m);
+    if (!bin || centre_m.z() <= 0 || centre_m.z() >= parameters_.world.partition_height_m ||
+        !is_designated(*bin))
+      continue;
+    int& ball = balls[bin->row * bins_.columns() + bin->column];
+    if (ball < 0) ball = static_cast<int>(animation.balls[body]);
+  }
+  return balls;
 }
 
 bool Spelling::is_designated(const Bin& bin) const {

@@ -22,7 +22,9 @@
 #include <vector>
 
 #include "common/random/stream.h"
+#include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/scene.h"
+#include "worker/physics/simulator/simulation.h"
 #include "worker/sampling/target.h"
 #include "worker/worlds/spelling/bins.h"
 #include "worker/worlds/spelling/parameters.h"
@@ -36,6 +38,12 @@ struct Outcome {
   double end_s = 0;             ///< when the last one came to rest, or the time limit
   bool at_rest = false;         ///< before the time limit
   bool failed = false;          ///< the simulator could not go on: no animation
+};
+
+/// A whole animation, to rest or to the time limit.
+struct Animation {
+  physics::Recording recording;        ///< of the active balls
+  std::vector<std::uint32_t> balls{};  ///< which they are, in the recording's order
 };
 
 class Spelling {
@@ -63,10 +71,17 @@ class Spelling {
   /// The simulation's scene; its bodies are the active balls in ascending order. Nothing if the
   /// offsets turn the box inside out.
   std::optional<physics::Scene> scene(const State& state) const;
+  /// REQUIRES: a state whose simulation did not fail.
+  Animation animate(const State& state) const;
+  /// By bin, row by row from the lowest y: the number of the ball that fills it, if it is
+  /// designated, -1 if none.
+  std::vector<int> balls_of_bins(const State& state) const;
   /// Which bins centres are in, given that everything is as it will stay.
   Outcome judged(std::span<const Vec3> centres_m) const;
 
  private:
+  /// Runs to rest or to the limit. False if it could not go on; sets at_rest.
+  bool run(const physics::Scene& scene, physics::Simulation& simulation, bool& at_rest) const;
   bool is_designated(const Bin& bin) const;
 
   Parameters parameters_;

@@ -1,0 +1,192 @@
+#include "worker/worlds/spelling/reader.h"
+
+#include <cmath>
+#include <vector>
+
+#include "common/base/check.h"
+#include "worker/physics/simulator/segment.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+archive::WorldLayout make_layout(const Spelling& world) {
+  const archive::Dimension vertex{.name = "partition_vertex", .size = world.bins().vertex_count()};
+  const archive::Dimension ball{.name = "ball", .size = world.balls()};
+  const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
+  const archive::Dimension xy{.name = "axis_xy", .size = 2};
+  const archive::Dimension quaternion{.name = "quaternion_wxyz", .size = 4};
+  return {.world = "spelling",
+          .variables = {{.name = "vertex_offset_m",
+                         .dims = {vertex, xyz},
+                         .unit = "m",
+                         .meaning = "how far each partition vertex is moved"},
+                        {.name = "active",
+                         .dims = {ball},
+                         .unit = "1",
+                         .meaning = "1 if the ball takes part, else 0"},
+                        {.name = "drop_m",
+                         .dims = {ball, xy},
+                         .unit = "m",
+                         .meaning = "where the ball is dropped, from the middle of the box; 0 if "
+                                    "inactive"}},
+          .outcomes =
+              {{.name = "filled",
+                .dims = {},
+                .unit = "1",
+                .meaning = "designated bins with a ball at rest"},
+               {.name = "elsewhere",
+                .dims = {},
+                .unit = "1",
+                .meaning = "active balls that fill no designated bin"},
+               {.name = "end_s", .dims = {}, .unit = "s", .meaning = "when the simulation ended"},
+               {.name = "at_rest",
+                .dims = {},
+                .unit = "1",
+                .meaning = "1 if all balls were at rest then, 0 if not, -1 if the simulation "
+                           "could not go on"}},
+          .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
+                             "enable_balls"},
+          .segment_columns = {
+              {.name = "ball", .dims = {}, .unit = "1", .meaning = "which ball moves"},
+              {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the segment begins"},
+              {.name = "mode",
+               .dims = {},
+               .unit = "1",
+               .meaning = "0 flies, 1 slides, 2 rolls, 3 rests"},
+              {.name = "position_m",
+               .dims = {xyz},
+               .unit = "m",
+               .meaning = "the ball's centre there, from the middle of the box on the floor's rim"},
+              {.name = "velocity_mps",
+               .dims = {xyz},
+               .unit = "m s-1",
+               .meaning = "the centre's velocity just after the segment's first instant"},
+              {.name = "acceleration_mps2",
+               .dims = {xyz},
+               .unit = "m s-2",
+               .meaning = "the centre's acceleration all along"},
+              {.name = "orientation",
+               .dims = {quaternion},
+               .unit = "1",
+               .meaning = "from the ball's frame to the box's at the segment's beginning"},
+              {.name = "angular_velocity_radps",
+               .dims = {xyz},
+               .unit = "rad s-1",
+               .meaning = "in the box's frame at the segment's beginning"},
+              {.name = "angular_acceleration_radps2",
+               .dims = {xyz},
+               .unit = "rad s-2",
+               .meaning = "in the box's frame all along"}}};
+}
+
+class SpellingReader final : public archive::StateReader {
+ public:
+  explicit SpellingReader(const Parameters& parameters)
+      : world_(parameters), layout_(make_layout(world_)) {}
+
+  const archive::WorldLayout& layout() const override { return layout_; }
+
+  std::vector<double> variables(base::BytesView state) const override {
+    const State decoded = this->decoded(state);
+    std::vector<double> values;
+    for (const Vec3& offset_m : decoded.offsets_m)
+      values.insert(values.end(), {offset_m.x(), offset_m.y(), offset_m.z()});
+    for (const std::uint8_t active : decoded.active)
+      values.push_back(active);
+    for (const Vec2& drop_m : decoded.drops_m)
+      values.insert(values.end(), {drop_m.x(), drop_m.y()});
+    return values;
+  }
+
+  double likeness_distance(base::BytesView a, base::BytesView b) const override {
+    const std::vector<int> left = world_.balls_of_bins(decoded(a));
+    const std::vector<int> right = world_.balls_of_bins(decoded(b));
+    double unlike = 0;
+    for (std::size_t bin = 0; bin < left.size(); ++bin)
+      unlike += left[bin] != right[bin] ? 1 : 0;
+    return unlike / static_cast<double>(world_.balls());
+  }
+
+  archive::Recording record(base::BytesView state) const override {
+    const Animation animation = world_.animate(decoded(state));
+    archive::Recording recording{.columns = 22, .values = {}};
+    for (std::size_t body = 0; body < animation.balls.size(); ++body) {
+      const auto id = physics::BodyId{static_cast<std::uint32_t>(body)};
+      for (const auto& [segment, cause] : animation.recording.segments(id)) {
+        const physics::FreeFlight& flight = segment.flight;
+        auto& values = recording.values;
+        const auto put = [&](const Vec3& v) { values.insert(values.end(), {v.x(), v.y(), v.z()}); };
+        values.insert(values.end(), {static_cast<double>(animation.balls[body]),
+                                     physics::seconds(flight.begin - physics::Tick{}),
+                                     static_cast<double>(segment.mode)});
+        put(flight.position_m);
+        put(flight.velocity_mps);
+        put(flight.acceleration_mps2);
+        const auto& q = flight.orientation;
+        values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
+        put(flight.angular_velocity_radps);
+        put(segment.angular_acceleration_radps2);
+      }
+    }
+    return recording;
+  }
+
+ private:
+  State decoded(base::BytesView bytes) const {
+    auto state = decode(world_.prior(), bytes);
+    CHECK(state.has_value());
+    return *std::move(state);
+  }
+
+  Spelling world_;
+  archive::WorldLayout layout_;
+};
+
+}  // namespace
+
+std::unique_ptr<archive::StateReader> make_state_reader(const Parameters& parameters) {
+  return std::make_unique<SpellingReader>(parameters);
+}
+
+base::Bytes encode(const State& state) {
+  std::vector<double> values;
+  for (const Vec3& offset_m : state.offsets_m)
+    values.insert(values.end(), {offset_m.x(), offset_m.y(), offset_m.z()});
+  for (const std::uint8_t active : state.active)
+    values.push_back(active);
+  for (const Vec2& drop_m : state.drops_m)
+    values.insert(values.end(), {drop_m.x(), drop_m.y()});
+  const base::BytesView bytes = base::bytes_of(std::span<const double>(values));
+  return {bytes.begin(), bytes.end()};
+}
+
+std::optional<State> decode(const Prior& prior, base::BytesView bytes) {
+  base::ByteReader reader(bytes);
+  bool good = true;
+  const auto next = [&] {
+    const std::optional<double> value = reader.get<double>();
+    good = good && value && std::isfinite(*value);
+    return good ? *value : 0;
+  };
+  State state;
+  for (std::uint32_t v = 0; v < prior.vertices; ++v) {
+    const double x = next();
+    const double y = next();
+    const double z = next();
+    state.offsets_m.emplace_back(x, y, z);
+  }
+  for (std::uint32_t ball = 0; ball < prior.balls; ++ball) {
+    const double active = next();
+    good = good && (active == 0 || active == 1);
+    state.active.push_back(active == 1 ? 1 : 0);
+  }
+  for (std::uint32_t ball = 0; ball < prior.balls; ++ball) {
+    const double x = next();
+    const double y = next();
+    state.drops_m.emplace_back(x, y);
+  }
+  if (!good || !reader.at_end()) return std::nullopt;
+  return state;
+}
+
+}  // namespace sleight::worlds::spelling

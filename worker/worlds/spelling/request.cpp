@@ -1,0 +1,178 @@
+#include "worker/worlds/spelling/request.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace sleight::worlds::spelling {
+namespace {
+
+constexpr std::array<request::Named<Font>, 2> k_fonts{
+    {{"5 rows", Font::rows_5}, {"7 rows", Font::rows_7}}};
+
+struct Lengths {
+  double minimum_mm = 0.001;
+  double maximum_mm = 1000;
+  std::string_view help;
+};
+
+void length_mm(request::Binder& binder, std::string_view key, double& value_m,
+               const Lengths& options) {
+  double value_mm = std::round(value_m * 1e12) * 1e-9;
+  binder.number(key, value_mm,
+                {.minimum = options.minimum_mm,
+                 .maximum = options.maximum_mm,
+                 .unit = "mm",
+                 .help = options.help});
+  value_m = value_mm * 1e-3;
+}
+
+/// The pattern that the keys ask for.
+void bind_pattern(request::Binder& world, Pattern& pattern) {
+  std::string word;
+  std::string bitmap;
+  Font font = Font::rows_5;
+  std::optional<std::uint32_t> columns;
+  std::optional<std::uint32_t> rows;
+  world.text("word", word,
+             {.characters_max = 20,
+              .help = "what the balls spell: A to Z, 0 to 9 and spaces; the thesis's HI if neither "
+                      "this nor a bitmap is given"});
+  world.choice<Font>("font", font, k_fonts, "how high the word's letters are");
+  world.text("bitmap", bitmap,
+             {.characters_max = (k_columns_max + 2) * (k_rows_max + 2),
+              .help = "in place of a word: rows of '.' and '#', one line each"});
+  world.optional_integer<std::uint32_t>(
+      "columns", columns,
+      {.minimum = 1, .maximum = k_columns_max, .help = "of bins; the pattern's if not given"});
+  world.optional_integer<std::uint32_t>(
+      "rows", rows,
+      {.minimum = 1, .maximum = k_rows_max, .help = "of bins; the pattern's if not given"});
+  if (!world.valid("word") || !world.valid("bitmap") || !world.valid("font")) return;
+  if (!word.empty() && !bitmap.empty()) {
+    world.error("bitmap", "give a word or a bitmap, not both");
+    return;
+  }
+  pattern = hi();
+  if (!word.empty() || !bitmap.empty()) {
+    const char* key = word.empty() ? "bitmap" : "word";
+    const auto given = word.empty() ? pattern_of_rows(bitmap) : pattern_of_word(word, font);
+    if (!given) {
+      world.error(key, given.error());
+      return;
+    }
+    pattern = given.value();
+    if (pattern.count() == 0) {
+      world.error(key, "it designates no bin");
+      return;
+    }
+  }
+  if (!world.valid("columns") || !world.valid("rows")) return;
+  const auto fits = [&](const char* key, std::uint32_t wanted, std::uint32_t needed) {
+    if (wanted >= needed) return true;
+    world.error(key, fmt::format("the pattern needs {}", needed));
+    return false;
+  };
+  const std::uint32_t all_columns = columns.value_or(pattern.columns);
+  const std::uint32_t all_rows = rows.value_or(pattern.rows);
+  if (!fits("columns", all_columns, pattern.columns) || !fits("rows", all_rows, pattern.rows))
+    return;
+  const char* key = word.empty() ? "bitmap" : "word";
+  if (all_columns > k_columns_max || all_rows > k_rows_max || all_columns * all_rows < 2) {
+    world.error(key, fmt::format("it needs {} x {} bins; 2 bins to {} x {} can be had", all_columns,
+                                 all_rows, k_columns_max, k_rows_max));
+    return;
+  }
+  pattern = centred(pattern, all_columns, all_rows);
+}
+
+void bind_world(request::Binder& world, WorldParameters& p) {
+  length_mm(world, "bin_mm", p.bin_m, {.minimum_mm = 1, .help = "clear side of a bin"});
+  length_mm(world, "partition_mm", p.partition_m,
+            {.minimum_mm = 0.1, .help = "thickness of the partitions"});
+  length_mm(world, "partition_height_mm", p.partition_height_m,
+            {.minimum_mm = 0.1, .help = "height of the partitions"});
+  length_mm(world, "box_height_mm", p.box_height_m, {.minimum_mm = 1, .help = "of its walls"});
+  length_mm(world, "drop_height_mm", p.drop_height_m,
+            {.minimum_mm = 1, .help = "of a ball's lowest point when it is dropped"});
+  length_mm(world, "vertex_sd_mm", p.vertex_sd_m,
+            {.help = "standard deviation of each coordinate of a partition vertex"});
+  length_mm(world, "dome_mm", p.dome_m, {.help = "height of a floor's middle above its rim"});
+  length_mm(world, "ball_diameter_mm", p.ball_diameter_m, {.minimum_mm = 0.5, .help = "of a ball"});
+  world.number("density_kgpm3", p.density_kgpm3,
+               {.minimum = 1, .maximum = 30000, .unit = "kg/m3", .help = "of the balls; glass"});
+  world.number(
+      "drop_interval_s", p.drop_interval_s,
+      {.minimum = 0.001, .maximum = 100, .unit = "s", .help = "ball i is dropped at i times this"});
+  world.number("restitution", p.restitution,
+               {.minimum = 0, .maximum = 1, .help = "of all impacts"});
+  world.number("friction", p.friction, {.minimum = 0, .maximum = 10, .help = "of all contacts"});
+  world.number("gravity_mps2", p.gravity_mps2,
+               {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "downwards"});
+  world.number("time_limit_s", p.time_limit_s,
+               {.minimum = 0.01,
+                .maximum = 1000,
+                .unit = "s",
+                .help = "after the last drop, for balls that do not come to rest"});
+  if (world.valid("ball_diameter_mm") && world.valid("bin_mm") && p.ball_diameter_m >= p.bin_m)
+    world.error("ball_diameter_mm", "a ball must fit into a bin");
+  if (world.valid("vertex_sd_mm") && world.valid("partition_mm") &&
+      p.vertex_sd_m > 0.1 * p.partition_m)
+    world.error("vertex_sd_mm", "must be at most a tenth of partition_mm");
+  if (world.valid("drop_height_mm") && world.valid("partition_height_mm") &&
+      p.drop_height_m <= p.partition_height_m + 10 * p.vertex_sd_m)
+    world.error("drop_height_mm", "balls must be dropped above the partitions");
+}
+
+void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
+  const auto share = [&](std::string_view key, double& value, std::string_view help) {
+    sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
+  };
+  share("change_all", p.change_all, "share of proposals that draw everything anew");
+  share("change_vertices", p.change_vertices, "share of those that move partition vertices");
+  share("change_ball", p.change_ball, "share of those that drop one ball elsewhere");
+  share("disable_balls", p.disable_balls, "share of those that take balls out");
+  share("enable_balls", p.enable_balls, "share of those that bring balls in: disable_balls too");
+  share("vertex_probability", p.vertex_probability, "with which a proposal moves each vertex");
+  length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m,
+            {.minimum_mm = 1e-6, .help = "standard deviation of each coordinate of that move"});
+  length_mm(sampler, "ball_move_sd_mm", p.ball_sd_m,
+            {.help = "standard deviation of how far a ball's drop moves"});
+  sampler.number("flip_probability", p.flip_probability,
+                 {.minimum = 0,
+                  .above_minimum = true,
+                  .maximum = 1,
+                  .below_maximum = true,
+                  .help = "with which each ball is taken out or brought in"});
+  for (const char* key :
+       {"change_all", "change_vertices", "change_ball", "disable_balls", "enable_balls"}) {
+    if (!sampler.valid(key)) return;
+  }
+  const double sum =
+      p.change_all + p.change_vertices + p.change_ball + p.disable_balls + p.enable_balls;
+  if (std::fabs(sum - 1) > 1e-9)
+    sampler.error("change_all", fmt::format("the five shares add up to {:.6g}, not to 1", sum));
+  if (p.disable_balls != p.enable_balls)
+    sampler.error("enable_balls", "must equal disable_balls: one is the other's way back");
+}
+
+}  // namespace
+
+request::WorldBinding request_binding(Parameters& parameters) {
+  return {
+      "spelling", "balls dropped into a box of bins that come to rest in designated ones",
+      [&parameters](request::Binder& world, request::Binder& constraint, request::Binder& sampler) {
+        parameters = Parameters{};
+        bind_pattern(world, parameters.pattern);
+        bind_world(world, parameters.world);
+        constraint.number("log_lambda", parameters.constraint.log_lambda,
+                          {.minimum = 0,
+                           .maximum = 100,
+                           .help = "p_c = lambda^k for k filled bins; the natural logarithm"});
+        bind_proposal(sampler, parameters.proposal);
+      }};
+}
+
+}  // namespace sleight::worlds::spelling
