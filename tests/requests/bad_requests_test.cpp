@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "worker/worlds/ball_2d/request.h"
+#include "worker/worlds/spelling/request.h"
 
 namespace sleight {
 namespace {
@@ -112,8 +113,34 @@ TEST(Corpus, CheckFailsWhereItShould) {
 TEST(ShippedRequests, AreReadWithoutErrors) {
   const auto files = files_with(SLEIGHT_REQUESTS, ".toml");
   EXPECT_FALSE(files.empty());
-  for (const fs::path& file : files)
-    EXPECT_EQ(errors_of(file), "");
+  worlds::ball_2d::Parameters ball;
+  worlds::spelling::Parameters spelling;
+  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(ball),
+                                                 worlds::spelling::request_binding(spelling)};
+  for (const fs::path& file : files) {
+    const auto request = request::read_request(contents(file), file.filename().string(), known);
+    EXPECT_TRUE(request) << file << ": " << (request ? "" : to_string(request.error().front()));
+  }
+}
+
+// requests/hi.toml spells out the defaults too, but for what a chain is asked to do.
+TEST(ShippedRequests, HiSpellsOutTheDefaults) {
+  worlds::spelling::Parameters parameters;
+  const std::vector<request::WorldBinding> known{worlds::spelling::request_binding(parameters)};
+  const auto request =
+      request::read_request(contents(fs::path(SLEIGHT_REQUESTS) / "hi.toml"), "hi.toml", known);
+  ASSERT_TRUE(request) << to_string(request.error().front());
+  EXPECT_EQ(parameters.pattern, worlds::spelling::hi());
+  const std::string full = normalised_text(request.value());
+  const auto bare = request::read_request(
+      "[world]\nname = \"spelling\"\n[sampler]\nchains = 1\niterations_per_scan = 10\n"
+      "[stop]\nscans = 2000\n[output]\nthin = 10\n",
+      "bare.toml", known);
+  ASSERT_TRUE(bare);
+  const std::uint64_t seed = request.value().sampler.seed;
+  const std::string plain = normalised_text(with_seed(bare.value(), seed));
+  EXPECT_NE(full.find("bin_mm"), std::string::npos);
+  EXPECT_EQ(plain.substr(plain.find("bin_mm")), full.substr(full.find("bin_mm")));
 }
 
 // requests/ball_2d.toml spells out the thesis's numbers: they are the defaults, bit for bit.

@@ -7,6 +7,9 @@
 #include "worker/sampling/independent_chains.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/request.h"
+#include "worker/worlds/spelling/reader.h"
+#include "worker/worlds/spelling/request.h"
+#include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::run {
 namespace {
@@ -33,10 +36,29 @@ class Ball2dEntry final : public WorldEntry {
   worlds::ball_2d::Parameters parameters_;
 };
 
+class SpellingEntry final : public WorldEntry {
+ public:
+  request::WorldBinding binding() override {
+    return worlds::spelling::request_binding(parameters_);
+  }
+  std::unique_ptr<plan::UnitWorker> make_worker(
+      const request::DirectionRequest& request) const override {
+    return std::make_unique<ChainWorker<worlds::spelling::Spelling>>(
+        worlds::spelling::Spelling(parameters_), worker_options(request));
+  }
+  std::unique_ptr<archive::StateReader> make_reader() const override {
+    return worlds::spelling::make_state_reader(parameters_);
+  }
+
+ private:
+  worlds::spelling::Parameters parameters_;
+};
+
 }  // namespace
 
 Catalogue::Catalogue() {
   worlds_.push_back({"ball_2d", std::make_unique<Ball2dEntry>()});
+  worlds_.push_back({"spelling", std::make_unique<SpellingEntry>()});
 }
 
 std::vector<request::WorldBinding> Catalogue::bindings() {

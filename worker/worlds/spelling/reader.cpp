@@ -1,10 +1,10 @@
 #include "worker/worlds/spelling/reader.h"
 
-#include <cmath>
 #include <vector>
 
 #include "common/base/check.h"
 #include "worker/physics/simulator/segment.h"
+#include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
 namespace {
@@ -47,7 +47,7 @@ archive::WorldLayout make_layout(const Spelling& world) {
           .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
                              "enable_balls"},
           .segment_columns = {
-              {.name = "ball", .dims = {}, .unit = "1", .meaning = "which ball moves"},
+              {.name = "moving_ball", .dims = {}, .unit = "1", .meaning = "which ball moves"},
               {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the segment begins"},
               {.name = "mode",
                .dims = {},
@@ -133,7 +133,7 @@ class SpellingReader final : public archive::StateReader {
 
  private:
   State decoded(base::BytesView bytes) const {
-    auto state = decode(world_.prior(), bytes);
+    auto state = world_.decode(bytes);
     CHECK(state.has_value());
     return *std::move(state);
   }
@@ -146,47 +146,6 @@ class SpellingReader final : public archive::StateReader {
 
 std::unique_ptr<archive::StateReader> make_state_reader(const Parameters& parameters) {
   return std::make_unique<SpellingReader>(parameters);
-}
-
-base::Bytes encode(const State& state) {
-  std::vector<double> values;
-  for (const Vec3& offset_m : state.offsets_m)
-    values.insert(values.end(), {offset_m.x(), offset_m.y(), offset_m.z()});
-  for (const std::uint8_t active : state.active)
-    values.push_back(active);
-  for (const Vec2& drop_m : state.drops_m)
-    values.insert(values.end(), {drop_m.x(), drop_m.y()});
-  const base::BytesView bytes = base::bytes_of(std::span<const double>(values));
-  return {bytes.begin(), bytes.end()};
-}
-
-std::optional<State> decode(const Prior& prior, base::BytesView bytes) {
-  base::ByteReader reader(bytes);
-  bool good = true;
-  const auto next = [&] {
-    const std::optional<double> value = reader.get<double>();
-    good = good && value && std::isfinite(*value);
-    return good ? *value : 0;
-  };
-  State state;
-  for (std::uint32_t v = 0; v < prior.vertices; ++v) {
-    const double x = next();
-    const double y = next();
-    const double z = next();
-    state.offsets_m.emplace_back(x, y, z);
-  }
-  for (std::uint32_t ball = 0; ball < prior.balls; ++ball) {
-    const double active = next();
-    good = good && (active == 0 || active == 1);
-    state.active.push_back(active == 1 ? 1 : 0);
-  }
-  for (std::uint32_t ball = 0; ball < prior.balls; ++ball) {
-    const double x = next();
-    const double y = next();
-    state.drops_m.emplace_back(x, y);
-  }
-  if (!good || !reader.at_end()) return std::nullopt;
-  return state;
 }
 
 }  // namespace sleight::worlds::spelling

@@ -157,6 +157,12 @@ double Spelling::log_constraint(const Outcome& outcome) const {
   return outcome.filled * parameters_.constraint.log_lambda;
 }
 
+std::vector<double> Spelling::outcome_values(const Outcome& outcome) const {
+  const double at_rest = outcome.failed ? -1 : (outcome.at_rest ? 1 : 0);
+  return {static_cast<double>(outcome.filled), static_cast<double>(outcome.elsewhere),
+          outcome.end_s, at_rest};
+}
+
 bool Spelling::satisfied(const Outcome& outcome) const {
   return !outcome.failed && outcome.filled == balls() && outcome.elsewhere == 0;
 }

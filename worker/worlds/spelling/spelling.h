@@ -29,6 +29,7 @@
 #include "worker/worlds/spelling/bins.h"
 #include "worker/worlds/spelling/parameters.h"
 #include "worker/worlds/spelling/proposals.h"
+#include "worker/worlds/spelling/state_bytes.h"
 
 namespace sleight::worlds::spelling {
 
@@ -67,6 +68,13 @@ class Spelling {
     return spelling::propose(prior_, parameters_.proposal, state, stream);
   }
   std::uint32_t proposal_kinds() const { return k_kinds; }
+
+  base::Bytes encode(const State& state) const { return spelling::encode(state); }
+  std::optional<State> decode(base::BytesView bytes) const {
+    return spelling::decode(prior_, bytes);
+  }
+  /// In the order of the archive layout's outcomes.
+  std::vector<double> outcome_values(const Outcome& outcome) const;
 
   /// The simulation's scene; its bodies are the active balls in ascending order. Nothing if the
   /// offsets turn the box inside out.

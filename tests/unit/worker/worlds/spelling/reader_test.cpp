@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/worlds/spelling/spelling.h"
+
 namespace sleight::worlds::spelling {
 namespace {
 
