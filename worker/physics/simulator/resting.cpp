@@ -231,7 +231,7 @@ void Resting::touched(std::uint32_t body, const TouchRecord& touch, double befor
   if (before_mps >= rule_.rest_speed_mps || after_mps >= rule_.rest_speed_mps ||
       parting_mps > k_slow_parting * rule_.separation_speed_mps) {
     log.slow_since = k_never;
-    log.due = k_never;
+    log.due = due_if_not_slow(log, touch.tick);
     log.slow_collisions = 0;
     return;
   }
@@ -260,7 +260,7 @@ void Resting::flies(std::uint32_t body, Tick now) {
   Log& log = logs_[body];
   if (log.slow_since <= now) return;
   log.slow_since = k_never;
-  log.due = k_never;
+  log.due = due_if_not_slow(log, now);
 }
 
 void Resting::disturbed(std::uint32_t body) {

@@ -177,6 +177,10 @@ class Resting {
   /// Records of the last rest_time_s, moved to the front of the list.
   std::span<const TouchRecord> recent(Log& log, Tick now) const;
   void record(Log& log, const TouchRecord& touch) const;
+  /// A body in its place is looked at again all the same: others may rest on it.
+  Tick due_if_not_slow(const Log& log, Tick now) const {
+    return log.in_place ? now + rest_span() : k_never;
+  }
   TickCount rest_span() const { return ticks_after(rule_.rest_time_s); }
 
   SlowContacts rule_;
