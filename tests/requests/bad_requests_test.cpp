@@ -134,7 +134,7 @@ TEST(ShippedRequests, HiSpellsOutTheDefaults) {
   const std::string full = normalised_text(request.value());
   const auto bare = request::read_request(
       "[world]\nname = \"spelling\"\n[sampler]\nchains = 1\niterations_per_scan = 10\n"
-      "[stop]\nscans = 2000\n[output]\nthin = 10\n",
+      "[stop]\nscans = 2001\n[output]\nthin = 10\nkeep_per_lineage = 20\n",
       "bare.toml", known);
   ASSERT_TRUE(bare);
   const std::uint64_t seed = request.value().sampler.seed;

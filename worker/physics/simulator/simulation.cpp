@@ -107,6 +107,9 @@ Pose Simulation::pose(BodyId body, Tick tick) const {
 Twist Simulation::twist(BodyId body, Tick tick) const {
   return impl_->world.twist_at(body.value, tick);
 }
+MotionMode Simulation::mode(BodyId body) const {
+  return impl_->world.segment(body.value).mode;
+}
 double Simulation::kinetic_energy_j() const {
   return impl_->world.kinetic_energy_j(now());
 }

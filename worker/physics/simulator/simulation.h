@@ -76,6 +76,8 @@ class Simulation {
   /// not beyond now().
   Pose pose(BodyId body, Tick tick) const;
   Twist twist(BodyId body, Tick tick) const;
+  /// At present. REQUIRES: the body has started.
+  MotionMode mode(BodyId body) const;
   /// Of all bodies that have started.
   double kinetic_energy_j() const;
   const Counts& counts() const;

@@ -1,5 +1,6 @@
 #include "worker/worlds/spelling/bins.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -177,6 +178,10 @@ Bins::Bins(const WorldParameters& world, std::uint32_t columns, std::uint32_t ro
       block("south wall", {-x - k_wall_m, -y - k_wall_m, bottom}, {x + k_wall_m, -y, top}));
   walls_.push_back(
       block("north wall", {-x - k_wall_m, y, bottom}, {x + k_wall_m, y + k_wall_m, top}));
+}
+
+physics::StaticPlane Bins::ground() const {
+  return {.name = "ground", .outside = {.normal = {0, 0, 1}, .offset_m = -2 * k_below_m}};
 }
 
 std::optional<Bin> Bins::bin_at(const Vec3& place_m) const {

@@ -63,6 +63,8 @@ class Bins {
   std::shared_ptr<const physics::TriangleMesh> surface(std::span<const Vec3> offsets_m) const;
   /// The walls of the box.
   std::span<const physics::StaticConvex> walls() const { return walls_; }
+  /// What the box stands on, at the lower end of its walls.
+  physics::StaticPlane ground() const;
 
  private:
   struct Builder;

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "common/base/check.h"
+#include "common/request/text.h"
 
 namespace sleight::worlds::spelling {
 namespace {
@@ -108,6 +109,12 @@ const Glyph* glyph_of(char character, Font font) {
   return font == Font::rows_5 ? find(k_five) : find(k_seven);
 }
 
+/// The first character as people may see it.
+std::string character_at(std::string_view text) {
+  const auto first = request::front_code_point(text);
+  return request::printable(text.substr(0, first ? first->bytes : 1), 8);
+}
+
 Pattern empty_pattern(std::uint32_t columns, std::uint32_t rows) {
   return {.columns = columns,
           .rows = rows,
@@ -144,8 +151,10 @@ base::Result<Pattern, std::string> pattern_of_rows(std::string_view rows) {
     }
     for (std::size_t column = 0; column < pattern.columns; ++column) {
       const char character = lines[row][column];
-      if (character != '.' && character != '#')
-        return of_row + " has a '" + std::string(1, character) + "'; use '.' and '#' only";
+      if (character != '.' && character != '#') {
+        return of_row + " has a '" + character_at(lines[row].substr(column)) + "' in column " +
+               std::to_string(column + 1) + "; use '.' and '#' only";
+      }
       pattern.designated[row * pattern.columns + column] = character == '#' ? 1 : 0;
     }
   }
@@ -156,10 +165,10 @@ base::Result<Pattern, std::string> pattern_of_word(std::string_view word, Font f
   if (word.empty()) return std::string("the word has no letters");
   std::vector<const Glyph*> glyphs;
   std::uint32_t width = 0;
-  for (const char character : word) {
-    const Glyph* glyph = glyph_of(character, font);
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const Glyph* glyph = glyph_of(word[i], font);
     if (glyph == nullptr) {
-      return "there is no picture of '" + std::string(1, character) +
+      return "there is no picture of '" + character_at(word.substr(i)) +
              "'; use A to Z, 0 to 9 and spaces, or a bitmap";
     }
     glyphs.push_back(glyph);

@@ -1,5 +1,7 @@
 // Which bins shall hold a ball: a picture of rows and columns, from a word or from rows of '.' and
 // '#'.
+//
+// Thread safety: values and pure functions.
 #pragma once
 
 #include <cstdint>

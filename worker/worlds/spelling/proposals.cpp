@@ -1,7 +1,9 @@
 #include "worker/worlds/spelling/proposals.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "common/base/check.h"
@@ -33,13 +35,18 @@ double wrapped(double x, double half) {
 }
 
 Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
-  double u = stream.uniform();
-  const std::array shares{p.change_all, p.change_vertices, p.change_ball, p.disable_balls};
+  const std::array shares{p.change_all, p.change_vertices, p.change_ball, p.disable_balls,
+                          p.enable_balls};
+  // Of their sum, which is 1 to rounding; the last one that has a share at all takes that.
+  double u = stream.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
+  std::size_t drawn = 0;
   for (std::size_t kind = 0; kind < shares.size(); ++kind) {
-    if (u < shares[kind]) return static_cast<Kind>(kind);
+    if (shares[kind] == 0) continue;
+    drawn = kind;
+    if (u < shares[kind]) break;
     u -= shares[kind];
   }
-  return Kind::enable_balls;
+  return static_cast<Kind>(drawn);
 }
 
 /// Disables active balls, or enables the others, each with a probability. Returns log q ratio.

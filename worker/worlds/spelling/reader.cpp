@@ -39,11 +39,11 @@ archive::WorldLayout make_layout(const Spelling& world) {
                 .unit = "1",
                 .meaning = "active balls that fill no designated bin"},
                {.name = "end_s", .dims = {}, .unit = "s", .meaning = "when the simulation ended"},
-               {.name = "at_rest",
+               {.name = "end",
                 .dims = {},
                 .unit = "1",
-                .meaning = "1 if all balls were at rest then, 0 if not, -1 if the simulation "
-                           "could not go on"}},
+                .meaning = "why it ended: 0 all at rest, 1 time limit, 2 no room to start, 3 "
+                           "the simulator could not go on"}},
           .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
                              "enable_balls"},
           .segment_columns = {

@@ -2,6 +2,7 @@
 //
 // Likeness distance of two animations: the share of designated bins that are not filled by the same
 // ball in both.
+// Thread safety: readers may be used from several threads.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,6 @@
 #include "worker/worlds/spelling/request.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -20,13 +21,13 @@ struct Lengths {
 
 void length_mm(request::Binder& binder, std::string_view key, double& value_m,
                const Lengths& options) {
-  double value_mm = std::round(value_m * 1e12) * 1e-9;
+  double value_mm = std::round(value_m * 1e12) / 1e9;
   binder.number(key, value_mm,
                 {.minimum = options.minimum_mm,
                  .maximum = options.maximum_mm,
                  .unit = "mm",
                  .help = options.help});
-  value_m = value_mm * 1e-3;
+  value_m = value_mm / 1e3;
 }
 
 /// The pattern that the keys ask for.
@@ -36,10 +37,11 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
   Font font = Font::rows_5;
   std::optional<std::uint32_t> columns;
   std::optional<std::uint32_t> rows;
-  world.text("word", word,
-             {.characters_max = 20,
-              .help = "what the balls spell: A to Z, 0 to 9 and spaces; the thesis's HI if neither "
-                      "this nor a bitmap is given"});
+  world.text(
+      "word", word,
+      {.characters_max = 20,
+       .help = "what the balls spell: A to Z, 0 to 9 and spaces; without it and a bitmap the "
+               "thesis's HI, which is smaller than this font's"});
   world.choice<Font>("font", font, k_fonts, "how high the word's letters are");
   world.text("bitmap", bitmap,
              {.characters_max = (k_columns_max + 2) * (k_rows_max + 2),
@@ -69,6 +71,12 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
       return;
     }
   }
+  if (pattern.columns > k_columns_max || pattern.rows > k_rows_max) {
+    world.error(word.empty() ? "bitmap" : "word",
+                fmt::format("it needs {} x {} bins, and {} x {} can be had", pattern.columns,
+                            pattern.rows, k_columns_max, k_rows_max));
+    return;
+  }
   if (!world.valid("columns") || !world.valid("rows")) return;
   const auto fits = [&](const char* key, std::uint32_t wanted, std::uint32_t needed) {
     if (wanted >= needed) return true;
@@ -79,19 +87,59 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
   const std::uint32_t all_rows = rows.value_or(pattern.rows);
   if (!fits("columns", all_columns, pattern.columns) || !fits("rows", all_rows, pattern.rows))
     return;
-  const char* key = word.empty() ? "bitmap" : "word";
-  if (all_columns > k_columns_max || all_rows > k_rows_max || all_columns * all_rows < 2) {
-    world.error(key, fmt::format("it needs {} x {} bins; 2 bins to {} x {} can be had", all_columns,
-                                 all_rows, k_columns_max, k_rows_max));
+  if (all_columns * all_rows < 2) {
+    world.error(word.empty() ? "bitmap" : "word", "a box has 2 bins at least; add columns or rows");
     return;
   }
   pattern = centred(pattern, all_columns, all_rows);
 }
 
+/// What sizes ask of each other.
+void check_sizes(request::Binder& world, const WorldParameters& p) {
+  for (const char* key : {"bin_mm", "partition_mm", "partition_height_mm", "drop_height_mm",
+                          "vertex_sd_mm", "dome_mm", "ball_diameter_mm"}) {
+    if (!world.valid(key)) return;
+  }
+  const auto mm = [](double value_m) { return fmt::format("{:.6g}", 1e3 * value_m); };
+  // A bit of room on each side, else a box that is one bin wide leaves no place to drop from.
+  constexpr double k_room_m = 1e-5;
+  if (p.ball_diameter_m > p.bin_m - k_room_m) {
+    world.error("ball_diameter_mm", fmt::format("must be at most {}, {} less than bin_mm",
+                                                mm(p.bin_m - k_room_m), mm(k_room_m)));
+    return;
+  }
+  constexpr double k_slack = 1 + 1e-9;
+  const double most_sd_m = 0.1 * std::min(p.partition_m, p.partition_height_m);
+  if (p.vertex_sd_m > k_slack * most_sd_m) {
+    world.error("vertex_sd_mm", fmt::format("must be at most {}, a tenth of partition_mm and of "
+                                            "partition_height_mm",
+                                            mm(most_sd_m)));
+    return;
+  }
+  const double least_drop_m = p.partition_height_m + 10 * p.vertex_sd_m;
+  if (p.drop_height_m < least_drop_m) {
+    world.error("drop_height_mm",
+                fmt::format("must be at least {}, above all partitions: their height and 10 times "
+                            "vertex_sd_mm",
+                            mm(least_drop_m)));
+    return;
+  }
+  // A ball at rest touches two partitions and the dome's slope.
+  const double radius_m = 0.5 * p.ball_diameter_m;
+  const double slope = 2 * p.dome_m / p.bin_m;
+  const double lowest_m = radius_m * std::sqrt(1 + slope * slope) +
+                          p.dome_m * (1 - (p.bin_m - p.ball_diameter_m) / p.bin_m);
+  if (p.partition_height_m <= lowest_m) {
+    world.error("partition_height_mm",
+                fmt::format("must be above {}, where the centre of a ball at rest is in its bin",
+                            mm(lowest_m)));
+  }
+}
+
 void bind_world(request::Binder& world, WorldParameters& p) {
   length_mm(world, "bin_mm", p.bin_m, {.minimum_mm = 1, .help = "clear side of a bin"});
   length_mm(world, "partition_mm", p.partition_m,
-            {.minimum_mm = 0.1, .help = "thickness of the partitions"});
+            {.minimum_mm = 0.1, .maximum_mm = 30, .help = "thickness of the partitions"});
   length_mm(world, "partition_height_mm", p.partition_height_m,
             {.minimum_mm = 0.1, .help = "height of the partitions"});
   length_mm(world, "box_height_mm", p.box_height_m, {.minimum_mm = 1, .help = "of its walls"});
@@ -105,7 +153,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                {.minimum = 1, .maximum = 30000, .unit = "kg/m3", .help = "of the balls; glass"});
   world.number(
       "drop_interval_s", p.drop_interval_s,
-      {.minimum = 0.001, .maximum = 100, .unit = "s", .help = "ball i is dropped at i times this"});
+      {.minimum = 0.001, .maximum = 10, .unit = "s", .help = "ball i is dropped at i times this"});
   world.number("restitution", p.restitution,
                {.minimum = 0, .maximum = 1, .help = "of all impacts"});
   world.number("friction", p.friction, {.minimum = 0, .maximum = 10, .help = "of all contacts"});
@@ -113,17 +161,10 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "downwards"});
   world.number("time_limit_s", p.time_limit_s,
                {.minimum = 0.01,
-                .maximum = 1000,
+                .maximum = 100,
                 .unit = "s",
                 .help = "after the last drop, for balls that do not come to rest"});
-  if (world.valid("ball_diameter_mm") && world.valid("bin_mm") && p.ball_diameter_m >= p.bin_m)
-    world.error("ball_diameter_mm", "a ball must fit into a bin");
-  if (world.valid("vertex_sd_mm") && world.valid("partition_mm") &&
-      p.vertex_sd_m > 0.1 * p.partition_m)
-    world.error("vertex_sd_mm", "must be at most a tenth of partition_mm");
-  if (world.valid("drop_height_mm") && world.valid("partition_height_mm") &&
-      p.drop_height_m <= p.partition_height_m + 10 * p.vertex_sd_m)
-    world.error("drop_height_mm", "balls must be dropped above the partitions");
+  check_sizes(world, p);
 }
 
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {

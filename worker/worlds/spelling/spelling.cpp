@@ -35,7 +35,8 @@ Spelling::Spelling(const Parameters& parameters)
              .vertex_sd_m = parameters.world.vertex_sd_m} {
   const double inset_m = 0.5 * parameters_.world.ball_diameter_m + k_clear_m;
   prior_.drop_half_m = {bins_.half_m().x() - inset_m, bins_.half_m().y() - inset_m};
-  CHECK(prior_.drop_half_m.x() > 0 && prior_.drop_half_m.y() > 0);
+  CHECK_GT(prior_.drop_half_m.x(), 0);
+  CHECK_GT(prior_.drop_half_m.y(), 0);
 }
 
 std::optional<physics::Scene> Spelling::scene(const State& state) const {
@@ -49,6 +50,7 @@ std::optional<physics::Scene> Spelling::scene(const State& state) const {
   if (!surface) return std::nullopt;
   scene.meshes.push_back({.name = "bins", .mesh = std::move(surface)});
   scene.convexes.assign(bins_.walls().begin(), bins_.walls().end());
+  scene.planes.push_back(bins_.ground());
   const double radius_m = 0.5 * world.ball_diameter_m;
   const double mass_kg =
       world.density_kgpm3 * 4 / 3 * std::numbers::pi * radius_m * radius_m * radius_m;
@@ -67,36 +69,43 @@ std::optional<physics::Scene> Spelling::scene(const State& state) const {
   return scene;
 }
 
-bool Spelling::run(const physics::Scene& scene, physics::Simulation& simulation,
-                   bool& at_rest) const {
+End Spelling::run(const physics::Scene& scene, physics::Simulation& simulation) const {
   const physics::Tick last_drop = scene.bodies.back().start_tick;
   const physics::Tick limit = last_drop + physics::ticks_after(parameters_.world.time_limit_s);
-  at_rest = false;
-  for (physics::Tick end = last_drop; !at_rest && end < limit;) {
+  for (physics::Tick end = last_drop; end < limit;) {
     end = std::min(limit, end + physics::ticks_after(k_look_every_s));
-    if (simulation.run_until(end)) return false;
-    at_rest = simulation.kinetic_energy_j() == 0;
+    if (const auto error = simulation.run_until(end)) {
+      return error->kind == physics::SceneError::Kind::overlap ? End::impossible
+                                                               : End::search_failed;
+    }
+    bool all_rest = true;
+    for (std::uint32_t body = 0; body < scene.bodies.size(); ++body)
+      all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
+    if (all_rest) return End::at_rest;
   }
-  return true;
+  return End::time_limit;
 }
 
 Outcome Spelling::simulate(const State& state) const {
   const auto scene = this->scene(state);
-  if (!scene) return {.failed = true};
-  if (scene->bodies.empty()) return {.at_rest = true};
+  if (!scene) return {.end = End::impossible};
+  if (scene->bodies.empty()) return {};
   physics::SimulationOptions options;
   options.record = false;
   auto started = physics::Simulation::start(*scene, options);
-  if (!started) return {.failed = true};
+  if (!started) return {.end = End::impossible};
   physics::Simulation simulation = std::move(started).value();
-  bool at_rest = false;
-  if (!run(*scene, simulation, at_rest)) return {.failed = true};
-  std::vector<Vec3> centres_m;
-  for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
-    centres_m.push_back(simulation.pose({body}, simulation.now()).position_m);
-  Outcome outcome = judged(centres_m);
+  const End end = run(*scene, simulation);
+  if (end != End::at_rest && end != End::time_limit) return {.end = end};
+  std::vector<Vec3> resting_m;
+  for (std::uint32_t body = 0; body < scene->bodies.size(); ++body) {
+    if (simulation.mode({body}) == physics::MotionMode::resting)
+      resting_m.push_back(simulation.pose({body}, simulation.now()).position_m);
+  }
+  const auto others = static_cast<std::uint32_t>(scene->bodies.size() - resting_m.size());
+  Outcome outcome = judged(resting_m, others);
   outcome.end_s = physics::seconds(simulation.now() - physics::Tick{});
-  outcome.at_rest = at_rest;
+  outcome.end = end;
   return outcome;
 }
 
@@ -109,8 +118,8 @@ Animation Spelling::animate(const State& state) const {
   const auto scene = this->scene(state);
   CHECK(scene.has_value());
   physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
-  bool at_rest = false;
-  CHECK(run(*scene, simulation, at_rest));
+  const End end = run(*scene, simulation);
+  CHECK(end == End::at_rest || end == End::time_limit);
   animation.recording = simulation.recording();
   return animation;
 }
@@ -120,29 +129,32 @@ std::vector<int> Spelling::balls_of_bins(const State& state) const {
   const Animation animation = animate(state);
   for (std::size_t body = 0; body < animation.balls.size(); ++body) {
     const auto segments = animation.recording.segments({static_cast<std::uint32_t>(body)});
-    const Vec3& centre_m = segments.back().segment.flight.position_m;
-    const auto bin = bins_.bin_at(centre_m);
-    if (!bin || centre_m.z() <= 0 || centre_m.z() >= parameters_.world.partition_height_m ||
-        !is_designated(*bin))
-      continue;
+    const physics::Segment& last = segments.back().segment;
+    if (last.mode != physics::MotionMode::resting) continue;
+    const auto bin = filled_bin(last.flight.position_m);
+    if (!bin) continue;
     int& ball = balls[bin->row * bins_.columns() + bin->column];
     if (ball < 0) ball = static_cast<int>(animation.balls[body]);
   }
   return balls;
 }
 
-bool Spelling::is_designated(const Bin& bin) const {
-  return parameters_.pattern.at(bin.column, bins_.rows() - 1 - bin.row);
+std::optional<Bin> Spelling::filled_bin(const Vec3& centre_m) const {
+  const auto bin = bins_.bin_at(centre_m);
+  const bool inside =
+      bin && centre_m.z() > 0 && centre_m.z() < parameters_.world.partition_height_m;
+  // Rows of a pattern are counted from the top.
+  if (!inside || !parameters_.pattern.at(bin->column, bins_.rows() - 1 - bin->row))
+    return std::nullopt;
+  return bin;
 }
 
-Outcome Spelling::judged(std::span<const Vec3> centres_m) const {
-  Outcome outcome;
+Outcome Spelling::judged(std::span<const Vec3> resting_m, std::uint32_t others) const {
+  Outcome outcome{.elsewhere = others};
   std::vector<std::uint8_t> filled(std::size_t{bins_.columns()} * bins_.rows());
-  for (const Vec3& centre_m : centres_m) {
-    const auto bin = bins_.bin_at(centre_m);
-    const bool inside = bin && centre_m.z() > 0 &&
-                        centre_m.z() < parameters_.world.partition_height_m && is_designated(*bin);
-    if (inside && filled[bin->row * bins_.columns() + bin->column] == 0) {
+  for (const Vec3& centre_m : resting_m) {
+    const auto bin = filled_bin(centre_m);
+    if (bin && filled[bin->row * bins_.columns() + bin->column] == 0) {
       filled[bin->row * bins_.columns() + bin->column] = 1;
       ++outcome.filled;
     } else {
@@ -153,18 +165,17 @@ Outcome Spelling::judged(std::span<const Vec3> centres_m) const {
 }
 
 double Spelling::log_constraint(const Outcome& outcome) const {
-  if (outcome.failed) return -std::numeric_limits<double>::infinity();
+  if (!outcome.is_animation()) return -std::numeric_limits<double>::infinity();
   return outcome.filled * parameters_.constraint.log_lambda;
 }
 
 std::vector<double> Spelling::outcome_values(const Outcome& outcome) const {
-  const double at_rest = outcome.failed ? -1 : (outcome.at_rest ? 1 : 0);
   return {static_cast<double>(outcome.filled), static_cast<double>(outcome.elsewhere),
-          outcome.end_s, at_rest};
+          outcome.end_s, static_cast<double>(outcome.end)};
 }
 
 bool Spelling::satisfied(const Outcome& outcome) const {
-  return !outcome.failed && outcome.filled == balls() && outcome.elsewhere == 0;
+  return outcome.is_animation() && outcome.filled == balls() && outcome.elsewhere == 0;
 }
 
 }  // namespace sleight::worlds::spelling

@@ -5,16 +5,19 @@
 //                     dropped
 //   log p_w           offsets: each coordinate N(0, vertex_sd); a ball is active with probability
 //                     1/2, its place uniform
-//   outcome           how many designated bins are filled at rest: a ball's centre in the bin,
-//   below
-//                     the partitions' height
-//   log p_c           k log lambda for k filled ones
+//   outcome           k, how many designated bins are filled: a ball at rest whose centre is in the
+//                     bin, below the partitions' height
+//   log p_c           k log lambda; -infinity if there is no simulation
 //   satisfied         all are filled, and no active ball is elsewhere
 //   proposal          A.2.2 with the ratios that it should have (proposals.h)
 //
 // There are as many balls as designated bins. Ball i is dropped from rest at i drop intervals; an
-// inactive one leaves its gap. A ball that leaves the box falls on, and is elsewhere.
+// inactive one leaves its gap. The box stands on the ground; a ball that leaves it is elsewhere, as
+// is one that is not at rest at the time limit.
 //
+// Invariants
+//   1. An animation is a function of the state and the parameters.
+//   2. Balls that are not at rest fill nothing, so a satisfied animation has come to its end.
 // Thread-safe: immutable after construction.
 #pragma once
 
@@ -33,12 +36,22 @@
 
 namespace sleight::worlds::spelling {
 
+/// How a simulation ended.
+enum class End : std::uint8_t {
+  at_rest,
+  time_limit,    ///< some ball still moved
+  impossible,    ///< two balls start in one place, or offsets turn the box inside out
+  search_failed  ///< the simulator could not go on
+};
+
 struct Outcome {
-  std::uint32_t filled = 0;     ///< designated bins with a ball
+  std::uint32_t filled = 0;     ///< designated bins with a ball at rest
   std::uint32_t elsewhere = 0;  ///< active balls that fill none, second ones in a bin included
-  double end_s = 0;             ///< when the last one came to rest, or the time limit
-  bool at_rest = false;         ///< before the time limit
-  bool failed = false;          ///< the simulator could not go on: no animation
+  /// When that was clear: the simulation is looked at each tenth of a second after the last drop.
+  double end_s = 0;
+  End end = End::at_rest;
+
+  bool is_animation() const { return end == End::at_rest || end == End::time_limit; }
 };
 
 /// A whole animation, to rest or to the time limit.
@@ -79,18 +92,19 @@ class Spelling {
   /// The simulation's scene; its bodies are the active balls in ascending order. Nothing if the
   /// offsets turn the box inside out.
   std::optional<physics::Scene> scene(const State& state) const;
-  /// REQUIRES: a state whose simulation did not fail.
+  /// REQUIRES: a state whose simulation is an animation.
   Animation animate(const State& state) const;
   /// By bin, row by row from the lowest y: the number of the ball that fills it, if it is
   /// designated, -1 if none.
   std::vector<int> balls_of_bins(const State& state) const;
-  /// Which bins centres are in, given that everything is as it will stay.
-  Outcome judged(std::span<const Vec3> centres_m) const;
+  /// What balls at rest with their centres in these places, and so many others, come to.
+  Outcome judged(std::span<const Vec3> resting_m, std::uint32_t others) const;
 
  private:
-  /// Runs to rest or to the limit. False if it could not go on; sets at_rest.
-  bool run(const physics::Scene& scene, physics::Simulation& simulation, bool& at_rest) const;
-  bool is_designated(const Bin& bin) const;
+  /// Runs to rest or to the limit.
+  End run(const physics::Scene& scene, physics::Simulation& simulation) const;
+  /// The designated bin that a ball at rest fills, if any.
+  std::optional<Bin> filled_bin(const Vec3& centre_m) const;
 
   Parameters parameters_;
   Bins bins_;

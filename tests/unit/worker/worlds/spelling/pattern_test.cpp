@@ -49,7 +49,7 @@ TEST(Pattern, ErrorsNameTheRowAndTheCharacter) {
   // Goal: what is wrong can be found. Method: one of each.
   EXPECT_EQ(pattern_of_rows("").error(), "it has no rows");
   EXPECT_EQ(pattern_of_rows("#.\n#").error(), "row 2 has 1 characters, row 1 has 2");
-  EXPECT_EQ(pattern_of_rows("#.\n.x").error(), "row 2 has a 'x'; use '.' and '#' only");
+  EXPECT_EQ(pattern_of_rows("#.\n.x").error(), "row 2 has a 'x' in column 2; use '.' and '#' only");
   EXPECT_EQ(pattern_of_word("", Font::rows_5).error(), "the word has no letters");
   EXPECT_EQ(pattern_of_word("A?", Font::rows_7).error(),
             "there is no picture of '?'; use A to Z, 0 to 9 and spaces, or a bitmap");

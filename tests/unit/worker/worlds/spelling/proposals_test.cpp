@@ -6,6 +6,7 @@
 #include <array>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "common/math/elementary.h"
@@ -90,7 +91,7 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
   // in a left or a right half, weights for each of the 27 cases; a long chain by Algorithm 2.1
   // visits each as often as its share says (chi-square on every 40th state; a ratio without the
   // powers of 1 - f, as printed, fails by far).
-  const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.5}};
+  const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.3}};
   ProposalParameters parameters;
   parameters.vertex_probability = 0.5;
   parameters.vertex_sd_m = 1;
@@ -131,8 +132,11 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
       random::Stream stream = stream_of(printed ? 8 : 7, static_cast<std::uint64_t>(i));
       const auto proposal = propose(prior, parameters, state, stream);
       double q = proposal.log_q_ratio;
-      if (printed && proposal.kind == static_cast<std::uint32_t>(Kind::disable_balls)) q = 0;
-      if (printed && proposal.kind == static_cast<std::uint32_t>(Kind::enable_balls)) q = 0;
+      // As A.2.2 has it, but for the power of the area, which would not leave any ball.
+      if (printed && proposal.kind >= static_cast<std::uint32_t>(Kind::disable_balls)) {
+        q = prior.log_area() * (static_cast<double>(proposal.candidate.active_count()) -
+                                static_cast<double>(state.active_count()));
+      }
       const double log_ratio = prior.log_density(proposal.candidate) - prior.log_density(state) +
                                log_constraint(proposal.candidate) - log_constraint(state) + q;
       if (math::log(stream.uniform()) < log_ratio) state = proposal.candidate;
@@ -151,6 +155,39 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
   std::printf("chi-square %.1f with the ratios, %.1f without\n", right, wrong);
   EXPECT_LT(right, boost::math::quantile(law, 1 - 1e-4));
   EXPECT_GT(wrong, boost::math::quantile(law, 1 - 1e-12));
+}
+
+TEST(Proposals, KindsHaveTheirShares) {
+  // Goal: each kind comes as often as asked, and none that has no share. Method: counts.
+  const Prior prior{.vertices = 3, .balls = 4, .drop_half_m = {0.2, 0.05}};
+  const ProposalParameters parameters{.change_all = 0.1,
+                                      .change_vertices = 0.7 - 1e-10,
+                                      .change_ball = 0.2,
+                                      .disable_balls = 0,
+                                      .enable_balls = 0,
+                                      .vertex_probability = 1,
+                                      .vertex_sd_m = 1};
+  std::array<int, k_kinds> seen{};
+  for (std::uint64_t i = 0; i < 10'000; ++i) {
+    random::Stream stream = stream_of(41, i);
+    const State state = with_active(prior, 2);
+    const auto proposal = propose(prior, parameters, state, stream);
+    ++seen[proposal.kind];
+    if (proposal.kind == static_cast<std::uint32_t>(Kind::change_all)) {
+      EXPECT_NEAR(proposal.log_q_ratio,
+                  prior.log_density(state) - prior.log_density(proposal.candidate), 1e-12);
+    } else {
+      EXPECT_EQ(proposal.log_q_ratio, 0);
+    }
+    if (proposal.kind == static_cast<std::uint32_t>(Kind::change_vertices)) {
+      EXPECT_EQ(proposal.candidate.drops_m, state.drops_m);
+      EXPECT_NE(proposal.candidate.offsets_m, state.offsets_m);
+    }
+  }
+  EXPECT_NEAR(seen[0], 1000, 150);
+  EXPECT_NEAR(seen[1], 7000, 230);
+  EXPECT_NEAR(seen[2], 2000, 200);
+  EXPECT_EQ(seen[3] + seen[4], 0);
 }
 
 TEST(Proposals, DrawsBelongToTheDensity) {

@@ -42,7 +42,8 @@ TEST(SpellingReader, StatesComeBackFromTheirBytes) {
 
 TEST(SpellingReader, NamesFitValues) {
   // Goal: as many values as the layout names, and recordings whose rows are segments in order.
-  // Method: count; each ball's first row is its drop, its last one at rest in its bin.
+  // Method: count; each ball's first row is its drop, its last one at rest;
+  // as many outcomes.
   const Parameters parameters;
   const Spelling world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -75,6 +76,8 @@ TEST(SpellingReader, NamesFitValues) {
     EXPECT_NEAR(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])), 1, 1e-12);
   }
   EXPECT_EQ(balls, state.active_count());
+  EXPECT_EQ(recording.values[recording.values.size() - columns + 2], 3);
+  EXPECT_EQ(world.outcome_values(world.simulate(state)).size(), reader->layout().outcomes.size());
 }
 
 TEST(SpellingReader, LikenessIsADistance) {

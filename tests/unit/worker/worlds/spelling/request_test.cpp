@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <vector>
+
+#include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
 namespace {
@@ -30,13 +33,22 @@ TEST(SpellingRequest, DefaultsAreTheThesis) {
   ASSERT_TRUE(read(parameters, "").ok());
   const Parameters defaults;
   EXPECT_EQ(parameters.pattern, hi());
+  const auto bits = [](const Parameters& p) {
+    const WorldParameters& w = p.world;
+    const ProposalParameters& q = p.proposal;
+    return std::vector<double>{w.bin_m,           w.partition_m,     w.partition_height_m,
+                               w.box_height_m,    w.drop_height_m,   w.vertex_sd_m,
+                               w.dome_m,          w.ball_diameter_m, w.density_kgpm3,
+                               w.drop_interval_s, w.restitution,     w.friction,
+                               w.gravity_mps2,    w.time_limit_s,    p.constraint.log_lambda,
+                               q.change_all,      q.change_vertices, q.change_ball,
+                               q.disable_balls,   q.enable_balls,    q.vertex_probability,
+                               q.vertex_sd_m,     q.ball_sd_m,       q.flip_probability};
+  };
+  EXPECT_EQ(bits(parameters), bits(defaults));
   EXPECT_EQ(parameters.world.bin_m, 0.020);
-  EXPECT_EQ(parameters.world.partition_m, 0.002);
   EXPECT_EQ(parameters.world.partition_height_m, 0.012);
-  EXPECT_EQ(parameters.world.vertex_sd_m, defaults.world.vertex_sd_m);
-  EXPECT_EQ(parameters.proposal.vertex_sd_m, defaults.proposal.vertex_sd_m);
-  EXPECT_EQ(parameters.proposal.ball_sd_m, 0.020);
-  EXPECT_EQ(parameters.constraint.log_lambda, 5);
+  EXPECT_EQ(parameters.world.drop_height_m, 0.072);
 }
 
 TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
@@ -56,6 +68,22 @@ TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
   EXPECT_EQ(parameters.pattern.count(), 2U);
 }
 
+TEST(SpellingRequest, WhatIsAcceptedCanBeMade) {
+  // Goal: no request that is read stops the program. Method: boxes one bin wide, with the largest
+  // ball that is taken.
+  for (const char* keys : {"bitmap = \"#\\n#\"\nball_diameter_mm = 19.99\nbox_height_mm = 60",
+                           "bitmap = \"#.\"\nball_diameter_mm = 19.99"}) {
+    Parameters parameters;
+    ASSERT_EQ(complaint(keys), "") << keys;
+    ASSERT_TRUE(read(parameters, keys).ok());
+    const Spelling world(parameters);
+    random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 0);
+    const State state = world.draw_prior(stream);
+    const Outcome outcome = world.simulate(state);
+    EXPECT_EQ(outcome.filled + outcome.elsewhere, state.active_count());
+  }
+}
+
 TEST(SpellingRequest, ErrorsSayWhatToDo) {
   // Goal: what can't be is refused, with the key. Method: one of each.
   EXPECT_NE(complaint("word = \"A\"\nbitmap = \"#.\"").find("not both"), std::string::npos);
@@ -63,10 +91,16 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
   EXPECT_NE(complaint("bitmap = \"#.\\n#\"").find("row 2 has 1 characters"), std::string::npos);
   EXPECT_NE(complaint("bitmap = \"..\"").find("designates no bin"), std::string::npos);
   EXPECT_NE(complaint("bitmap = \"#\"").find("2 bins"), std::string::npos);
+  EXPECT_NE(complaint("word = \"\u00c9\"").find("picture of '\u00c9'"), std::string::npos);
+  EXPECT_NE(complaint("bitmap = \"#\\t\"").find("\\u{9}"), std::string::npos);
   EXPECT_NE(complaint("columns = 6").find("the pattern needs 7"), std::string::npos);
-  EXPECT_NE(complaint("word = \"ABCDEFGHIJKL\"").find("can be had"), std::string::npos);
-  EXPECT_NE(complaint("ball_diameter_mm = 20").find("fit into a bin"), std::string::npos);
-  EXPECT_NE(complaint("drop_height_mm = 12").find("above the partitions"), std::string::npos);
+  EXPECT_NE(complaint("word = \"ABCDEFGHIJKL\"").find("48 x 7 bins, and 40 x 12"),
+            std::string::npos);
+  EXPECT_NE(complaint("ball_diameter_mm = 20").find("at most 19.99"), std::string::npos);
+  EXPECT_NE(complaint("drop_height_mm = 12").find("at least 13"), std::string::npos);
+  EXPECT_NE(complaint("partition_height_mm = 8").find("must be above 8."), std::string::npos);
+  EXPECT_NE(complaint("vertex_sd_mm = 0.5").find("at most 0.2"), std::string::npos);
+  EXPECT_EQ(complaint("partition_mm = 0.3\nvertex_sd_mm = 0.03"), "");
   EXPECT_NE(complaint("[sampler]\nchange_all = 0.5").find("add up to 1.46"), std::string::npos);
   EXPECT_NE(complaint("[sampler]\nenable_balls = 0.15\ndisable_balls = 0.17").find("way back"),
             std::string::npos);
