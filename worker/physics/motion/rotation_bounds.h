@@ -11,6 +11,9 @@
 // Thread safety: pure functions.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "worker/physics/motion/free_flight.h"
 
 namespace sleight::physics {
@@ -35,6 +38,16 @@ RotationBounds general_rotation_bounds(const Vec3& principal_kgm2, const Vec3& b
 /// Speed, relative to the centre of mass, of any point of the body within a radius of it.
 inline double turning_speed_mps_max(const RotationBounds& bounds, double radius_m) {
   return bounds.angular_speed_radps * radius_m;
+}
+
+/// How far any point within a radius of the centre is in one pose from where it was in another, at
+/// most. Unit quaternions a distance d apart, or d from the other's negative, differ by a turn of
+/// 4 asin(d / 2), which moves a point by at most 2 d of its radius.
+inline double moved_m_max(const Pose& then, const Pose& now, double radius_m) {
+  const Eigen::Vector4d& p = then.orientation.coeffs();
+  const Eigen::Vector4d& q = now.orientation.coeffs();
+  const double apart = std::sqrt(std::min((q - p).squaredNorm(), (q + p).squaredNorm()));
+  return math::norm(now.position_m - then.position_m) + 2 * apart * radius_m;
 }
 
 /// Acceleration, relative to the centre of mass, of any such point:

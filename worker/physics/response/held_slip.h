@@ -43,10 +43,15 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake) {
   if (across == 0 || across * stop_s <= k_straight * speed ||
       (forward > 0 && across <= k_straight * forward))
     return {direction, stop_s};
-  // What a turn by so much does wrong is its square times the friction of the time that it takes.
-  const double allowed = std::max(k_slip_error_mps, k_turn * k_turn * speed);
-  const double turn = std::clamp(std::sqrt(allowed * across / (brake * speed)), k_turn, k_turn_max);
-  const double span_s = std::min({turn * speed / across, k_stops * speed / brake, stop_s});
+  // Half way the direction is right, so a turn does wrong what friction does meanwhile, times its
+  // square. In `stops` times its stopping time friction does so many times the slip; in the time
+  // that the turn takes, at most brake / across times the slip. Whichever allows more.
+  const auto span_of = [&](double turn_squared, double stops) {
+    const double turn = std::clamp(std::sqrt(turn_squared), k_turn, k_turn_max);
+    return std::min({turn * speed / across, stops * speed / brake, stop_s});
+  };
+  const double allowed = std::max(k_slip_error_mps, k_turn * k_turn * speed) / speed;
+  const double span_s = std::max(span_of(allowed, 1), span_of(allowed * across / brake, k_stops));
   return {math::normalized(slip + (0.5 * span_s) * pull), span_s};
 }
 

@@ -110,10 +110,7 @@ Scene floor_scene(double size_m, const SurfaceLaw& law) {
 }  // namespace
 
 SlowContacts slow_contacts_of(double size_m) {
-  const double fall_mps = std::sqrt(k_gravity_mps2 * size_m);
-  return {.separation_speed_mps = 0.01 * fall_mps,
-          .rest_speed_mps = 0.08 * fall_mps,
-          .rest_time_s = 0.1 * std::sqrt(size_m / k_gravity_mps2)};
+  return physics::slow_contacts_of(size_m, k_gravity_mps2);
 }
 
 Setting boxed_polyhedra(std::uint32_t bodies, std::uint64_t seed) {

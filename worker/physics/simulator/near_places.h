@@ -18,7 +18,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/math/vector.h"
 #include "worker/physics/motion/rotation_bounds.h"
 
 namespace sleight::physics {
@@ -31,11 +30,10 @@ class NearPlaces {
   /// A body at a tick, and how fast its points move from then on.
   struct Motion {
     Tick begin{};
-    Vec3 position_m = Vec3::Zero();
-    Quat orientation = Quat::Identity();  ///< of a sphere: any, but always the same one
-    double speed_mps = 0;                 ///< of any point, if the centre goes straight on
-    double acceleration_mps2 = 0;         ///< of the centre
-    bool stays = false;                   ///< it doesn't move at all
+    Pose pose{};                   ///< of a sphere: with any orientation, but always the same one
+    double speed_mps = 0;          ///< of any point, if the centre goes straight on
+    double acceleration_mps2 = 0;  ///< of the centre
+    bool stays = false;            ///< it doesn't move at all
   };
 
   /// No body has a place. Those that would have one for less than `least` get none; with 0 bodies
@@ -52,7 +50,7 @@ class NearPlaces {
     Place& place = of_body_[body];
     const double room_m = k_room * reach_m;
     if (place.number != 0) {
-      place.until = until(motion, room_m - moved_m(place, reach_m, motion));
+      place.until = until(motion, room_m - moved_m_max(place.pose, motion.pose, reach_m));
       if (place.until - motion.begin >= least_) return;
     }
     place.until = until(motion, room_m);
@@ -61,8 +59,7 @@ class NearPlaces {
       return;
     }
     place.number = ++number_;
-    place.position_m = motion.position_m;
-    place.orientation = motion.orientation;
+    place.pose = motion.pose;
     place.room_m = room_m;
   }
 
@@ -94,19 +91,9 @@ class NearPlaces {
   struct Place {
     std::uint32_t number = 0;  ///< 0: none
     Tick until{};
-    Vec3 position_m = Vec3::Zero();
-    Quat orientation = Quat::Identity();
+    Pose pose{};
     double room_m = 0;
   };
-
-  /// How far a body's points are from where they were, at most. Unit quaternions a distance d apart
-  /// differ by a turn of 4 asin(d / 2), which moves points by at most 2 d of the reach.
-  static double moved_m(const Place& place, double reach_m, const Motion& motion) {
-    const Eigen::Vector4d& then = place.orientation.coeffs();
-    const Eigen::Vector4d& now = motion.orientation.coeffs();
-    const double turn = std::sqrt(std::min((now - then).squaredNorm(), (now + then).squaredNorm()));
-    return math::norm(motion.position_m - place.position_m) + 2 * turn * reach_m;
-  }
 
   /// When its points have moved so far, at the earliest.
   static Tick until(const Motion& motion, double way_m) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/math/vector.h"
+#include "worker/physics/motion/rotation_bounds.h"
 
 namespace sleight::physics {
 namespace {
@@ -306,13 +307,7 @@ void Resting::woke(std::uint32_t body, Tick now, const Pose& pose) {
 bool Resting::has_left(std::uint32_t body, const Pose& pose, double speed_mps,
                        double reach_m) const {
   if (speed_mps >= rule_.rest_speed_mps) return true;
-  const Pose& place = logs_[body].place;
-  const Eigen::Vector4d& then = place.orientation.coeffs();
-  const Eigen::Vector4d& now = pose.orientation.coeffs();
-  // Half of a turn is the distance of the unit quaternions, of either sign.
-  const double turn_rad =
-      2 * std::sqrt(std::min((now - then).squaredNorm(), (now + then).squaredNorm()));
-  return math::norm(pose.position_m - place.position_m) + turn_rad * reach_m > k_in_place * reach_m;
+  return moved_m_max(logs_[body].place, pose, reach_m) > k_in_place * reach_m;
 }
 
 }  // namespace sleight::physics

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -86,6 +87,15 @@ struct SlowContacts {
   double rest_speed_mps = 0;
   double rest_time_s = 0;
 };
+
+/// What suits bodies of a size, in terms of how fast one is that falls by that, and how long it
+/// takes: bounces are at least 1/100 of this speed, rest is below 8/100, for a tenth of that time.
+inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
+  const double fall_mps = std::sqrt(gravity_mps2 * size_m);
+  return {.separation_speed_mps = 0.01 * fall_mps,
+          .rest_speed_mps = 0.08 * fall_mps,
+          .rest_time_s = 0.1 * std::sqrt(size_m / gravity_mps2)};
+}
 
 /// Something that a user or a script does to a body: its velocities jump.
 struct Control {

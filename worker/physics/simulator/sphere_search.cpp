@@ -8,6 +8,8 @@ namespace sleight::physics {
 namespace {
 
 constexpr double k_forever_s = std::numeric_limits<double>::infinity();
+/// What a sphere touches is at least this part of its radius from its centre.
+constexpr double k_approach_at = 0.5;
 
 /// Least h >= 0 at which distance + rate h + curvature h^2 / 2 >= 0. REQUIRES: distance < 0.
 double first_rise_s(double distance, double rate, double curvature) {
@@ -22,9 +24,6 @@ double first_rise_s(double distance, double rate, double curvature) {
   // It rises, turns and falls: the first root, if it comes at all.
   return rate > 0 ? -2 * distance / (rate + root) : k_forever_s;
 }
-
-/// Part of a sphere's radius from which a line or a point is at least away when it touches.
-constexpr double k_approach_at = 0.5;
 
 Tick later(Tick tick, double span_s) {
   if (!(span_s < seconds(k_tick_max.value))) return k_never;

@@ -21,8 +21,7 @@
 //
 //   c.v (t + h) = c.v + (v.v + c.a) h + 3/2 v.a h^2 + 1/2 a.a h^3
 //
-// For
-// two balls in free flight A is 0 and the touch has a closed form; it is used as such.
+// For two balls in free flight A is 0 and the touch has a closed form; it is used as such.
 //
 // Invariants
 //   1. A tick is skipped only under such a bound, lowered by the rounding of what was computed.

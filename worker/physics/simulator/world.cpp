@@ -242,13 +242,13 @@ void World::note_place(std::uint32_t body) {
   const double reach_m = constants_[body].reach_m;
   const bool round = constants_[body].is_sphere;
   const double turning_mps = round ? 0 : turning_speed_mps_max(turning_[body].bounds, reach_m);
-  places_.began(body, reach_m,
-                {.begin = segment.flight.begin,
-                 .position_m = segment.flight.position_m,
-                 .orientation = round ? Quat::Identity() : segment.flight.orientation,
-                 .speed_mps = math::norm(segment.flight.velocity_mps) + turning_mps,
-                 .acceleration_mps2 = math::norm(segment.flight.acceleration_mps2),
-                 .stays = segment.mode == MotionMode::resting});
+  places_.began(
+      body, reach_m,
+      {.begin = segment.flight.begin,
+       .pose = {segment.flight.position_m, round ? Quat::Identity() : segment.flight.orientation},
+       .speed_mps = math::norm(segment.flight.velocity_mps) + turning_mps,
+       .acceleration_mps2 = math::norm(segment.flight.acceleration_mps2),
+       .stays = segment.mode == MotionMode::resting});
 }
 
 // ---- static geometry ----------------------------------------------------------------------------

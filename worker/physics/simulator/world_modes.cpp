@@ -134,7 +134,7 @@ void World::begin_staying(std::uint32_t body, const Supports& supports, const Co
   Supports& kept = supports_[body];
   kept.features = supports.features;
   kept.count = supports.count;
-  kept.leaves = UINT32_MAX;
+  kept.leaves = Supports::k_none;
   kept.end = after(event.tick, motion.lasts_s);
   for (const std::uint32_t feature : supports.all()) {
     if (statics_.feature(feature).kind != FeatureKind::face) {
@@ -154,7 +154,7 @@ void World::begin_staying(std::uint32_t body, const Supports& supports, const Co
     const Tick leaves = leaves_region(segment, feature);
     if (leaves > kept.end) continue;
     kept.end = leaves;
-    kept.leaves = leaves != k_never ? feature : UINT32_MAX;
+    kept.leaves = leaves != k_never ? feature : Supports::k_none;
   }
   resting_.stays(body, event.tick, slow_from(body, segment, kept.end));
 }

@@ -1,5 +1,6 @@
-// Who may go to rest.
-#include <array>
+// Who goes to rest, what carries him as well as what he touched, and who wakes.
+#include <algorithm>
+#include <limits>
 
 #include "worker/physics/simulator/world.h"
 
@@ -82,8 +83,7 @@ void World::wake_dependents(std::uint32_t body, const EventKey& event) {
 bool World::has_left(std::uint32_t body, Tick tick) {
   if (!resting_.in_place(body)) return false;
   const double speed_mps = fastest_point_mps(body, twist_at(body, tick));
-  Pose pose = pose_at(body, tick);
-  return resting_.has_left(body, pose, speed_mps, constants_[body].reach_m);
+  return resting_.has_left(body, pose_at(body, tick), speed_mps, constants_[body].reach_m);
 }
 
 void World::wake_on_those_that_left(const EventKey& event) {

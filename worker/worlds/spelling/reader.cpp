@@ -87,15 +87,8 @@ class SpellingReader final : public archive::StateReader {
   const archive::WorldLayout& layout() const override { return layout_; }
 
   std::vector<double> variables(base::BytesView state) const override {
-    const State decoded = this->decoded(state);
-    std::vector<double> values;
-    for (const Vec3& offset_m : decoded.offsets_m)
-      values.insert(values.end(), {offset_m.x(), offset_m.y(), offset_m.z()});
-    for (const std::uint8_t active : decoded.active)
-      values.push_back(active);
-    for (const Vec2& drop_m : decoded.drops_m)
-      values.insert(values.end(), {drop_m.x(), drop_m.y()});
-    return values;
+    // The layout's variables are in the order of the bytes.
+    return values_of(decoded(state));
   }
 
   double likeness_distance(base::BytesView a, base::BytesView b) const override {

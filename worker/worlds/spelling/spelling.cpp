@@ -11,19 +11,10 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// How long the simulation goes on before it is looked whether all balls are at rest.
+/// After the last drop it is looked so often whether all balls are at rest.
 constexpr double k_look_every_s = 0.1;
 /// Balls keep this distance from the walls when they are dropped.
 constexpr double k_clear_m = 1e-6;
-
-/// When slow contacts end, in terms of how fast a ball is that falls by its diameter, and how long
-/// that takes: bounces below 1/100 of it, rest below 8/100.
-physics::SlowContacts slow_contacts(double diameter_m, double gravity_mps2) {
-  const double fall_mps = std::sqrt(gravity_mps2 * diameter_m);
-  return {.separation_speed_mps = 0.01 * fall_mps,
-          .rest_speed_mps = 0.08 * fall_mps,
-          .rest_time_s = 0.1 * std::sqrt(diameter_m / gravity_mps2)};
-}
 
 }  // namespace
 
@@ -45,7 +36,7 @@ std::optional<physics::Scene> Spelling::scene(const State& state) const {
   scene.gravity_mps2 = {0, 0, -world.gravity_mps2};
   scene.contacts =
       physics::ContactTable(1, {.restitution = world.restitution, .friction = world.friction});
-  scene.slow = slow_contacts(world.ball_diameter_m, world.gravity_mps2);
+  scene.slow = physics::slow_contacts_of(world.ball_diameter_m, world.gravity_mps2);
   auto surface = bins_.surface(state.offsets_m);
   if (!surface) return std::nullopt;
   scene.meshes.push_back({.name = "bins", .mesh = std::move(surface)});

@@ -1,11 +1,10 @@
 #include "worker/worlds/spelling/state_bytes.h"
 
 #include <cmath>
-#include <vector>
 
 namespace sleight::worlds::spelling {
 
-base::Bytes encode(const State& state) {
+std::vector<double> values_of(const State& state) {
   std::vector<double> values;
   for (const Vec3& offset_m : state.offsets_m)
     values.insert(values.end(), {offset_m.x(), offset_m.y(), offset_m.z()});
@@ -13,6 +12,11 @@ base::Bytes encode(const State& state) {
     values.push_back(active);
   for (const Vec2& drop_m : state.drops_m)
     values.insert(values.end(), {drop_m.x(), drop_m.y()});
+  return values;
+}
+
+base::Bytes encode(const State& state) {
+  const std::vector<double> values = values_of(state);
   const base::BytesView bytes = base::bytes_of(std::span<const double>(values));
   return {bytes.begin(), bytes.end()};
 }

@@ -19,8 +19,7 @@ constexpr double k_room_m = 0.01 * k_reach_m;
 
 NearPlaces::Motion motion_of(const FreeFlight& flight, const Inertia& inertia) {
   return {.begin = flight.begin,
-          .position_m = flight.position_m,
-          .orientation = flight.orientation,
+          .pose = {flight.position_m, flight.orientation},
           .speed_mps = math::norm(flight.velocity_mps) +
                        turning_speed_mps_max(rotation_bounds(flight, inertia), k_reach_m),
           .acceleration_mps2 = math::norm(flight.acceleration_mps2)};

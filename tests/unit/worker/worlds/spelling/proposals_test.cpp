@@ -19,28 +19,11 @@ random::Stream stream_of(std::uint64_t seed, std::uint64_t iteration) {
 }
 
 ProposalParameters only(Kind kind) {
-  ProposalParameters p{.change_all = 0,
-                       .change_vertices = 0,
-                       .change_ball = 0,
-                       .disable_balls = 0,
-                       .enable_balls = 0};
-  switch (kind) {
-    case Kind::change_all:
-      p.change_all = 1;
-      break;
-    case Kind::change_vertices:
-      p.change_vertices = 1;
-      break;
-    case Kind::change_ball:
-      p.change_ball = 1;
-      break;
-    case Kind::disable_balls:
-      p.disable_balls = 1;
-      break;
-    case Kind::enable_balls:
-      p.enable_balls = 1;
-      break;
-  }
+  ProposalParameters p;
+  const std::array shares{&p.change_all, &p.change_vertices, &p.change_ball, &p.disable_balls,
+                          &p.enable_balls};
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    *shares[i] = i == static_cast<std::size_t>(kind) ? 1 : 0;
   return p;
 }
 

@@ -41,9 +41,8 @@ TEST(SpellingReader, StatesComeBackFromTheirBytes) {
 }
 
 TEST(SpellingReader, NamesFitValues) {
-  // Goal: as many values as the layout names, and recordings whose rows are segments in order.
-  // Method: count; each ball's first row is its drop, its last one at rest;
-  // as many outcomes.
+  // Goal: as many values and outcomes as the layout names, and recordings whose rows are segments
+  // in order. Method: count; each ball's first row is its drop, the last row is at rest.
   const Parameters parameters;
   const Spelling world(parameters);
   const auto reader = make_state_reader(parameters);
