@@ -65,7 +65,7 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
     return motion;
   }
   const double brake = contact.friction * load_mps2 * mobility;
-  if (norm(slip) > k_stick_mps) {
+  if (norm(slip) > body.stick_mps) {
     HeldSlip along = held_slip(slip, pull_mps2, brake);
     along.lasts_s =
         std::min(along.lasts_s, stop_s(slip, pull_mps2 - brake * along.direction, along.direction));

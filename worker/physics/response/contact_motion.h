@@ -46,9 +46,16 @@ struct LastingContact {
   double rolling_friction = 0;  ///< c
 };
 
+/// A slip slower than this is over, if nothing else is said. Slides end at a whole tick, some 1e-8
+/// m/s after it was 0.
+inline constexpr double k_stick_mps = 1e-6;
+
 struct RoundBody {
   double radius_m = 0;
   double gyration = 0.4;  ///< k = I / (m r^2)
+  /// A slip slower than this is over: a slip that something pulls on from the side turns ever
+  /// faster as it dies, and would be asked for some thirty times.
+  double stick_mps = k_stick_mps;
 };
 
 struct ContactMotion {
@@ -64,8 +71,6 @@ struct ContactMotion {
   double lasts_s = std::numeric_limits<double>::infinity();
 };
 
-/// A slip slower than this is over. Slides end at a whole tick, some 1e-8 m/s after it was 0.
-inline constexpr double k_stick_mps = 1e-6;
 /// Two faces whose normals have a sine below this, or a cosine below that, are no valley: the one
 /// is too flat to say along which line it runs, the other a slit of less than 0.8 degrees, which
 /// presses on a sphere with more than seventy times its weight.

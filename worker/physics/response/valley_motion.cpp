@@ -51,7 +51,7 @@ class Valley {
   ContactMotion motion() {
     for (std::size_t i = 0; i < 2; ++i) {
       const Vec3 slip = slip_at(i);
-      slips_[i] = norm(slip) > k_stick_mps || contacts_[i].friction == 0;
+      slips_[i] = norm(slip) > body_.stick_mps || contacts_[i].friction == 0;
       direction_[i] =
           slips_[i] && norm(slip) > 0 ? Vec3(math::normalized(slip)) : Vec3(Vec3::Zero());
     }
@@ -253,7 +253,7 @@ class Valley {
   /// stick at the end.
   double short_while_s(std::size_t i) const {
     const double rate = norm(slip_rate(i));
-    return std::max(k_begin_s, rate > 0 ? 2 * k_stick_mps / rate : 0);
+    return std::max(k_begin_s, rate > 0 ? 2 * body_.stick_mps / rate : 0);
   }
 
   /// Slips in the directions that they have half way, and for how long.

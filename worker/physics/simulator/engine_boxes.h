@@ -14,6 +14,10 @@ inline constexpr double k_least_box_radii = 0.2;
 /// It lasts at most as long as its body takes for so many radii. A longer box would be on another
 /// level of the grid than most, which every move had to search as well.
 inline constexpr double k_most_box_radii = 2.5;
+/// The same for a body with many static features near it: the fewer a box holds, the fewer are
+/// asked for at each change of motion.
+inline constexpr double k_most_box_radii_among_many = 0.7;
+inline constexpr std::size_t k_many_statics = 12;
 /// A box is wider than its body's path by this share of the body's radius on each side, so that it
 /// holds the body for a while after a collision as well.
 inline constexpr double k_box_pad_radii = 0.2;
@@ -27,7 +31,7 @@ inline constexpr double k_span_factor_min = 0.5;
 inline constexpr double k_span_factor_max = 1.3;
 /// Boxes in which static features are looked for are larger by this share of the body's radius, so
 /// that most new boxes lie within the last such box.
-inline constexpr double k_static_margin_radii = 0.5;
+inline constexpr double k_static_margin_radii = 0.7;
 /// A box of the synchronous algorithm lasts at most as long as the fastest body takes for its
 /// radius.
 inline constexpr double k_synchronous_step_radii = 1;
@@ -63,8 +67,10 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
   const double factor =
       std::clamp(k_neighbours_wanted / (neighbours + 1e-3), k_span_factor_min, k_span_factor_max);
   const auto wanted = static_cast<TickCount>(factor * static_cast<double>(now_ - bound.made));
+  const bool among_many = world_.is_sphere(body) && candidates_[body].size() > k_many_statics;
+  const double most_radii = among_many ? k_most_box_radii_among_many : k_most_box_radii;
   const TickCount span = std::min(std::min(std::max(wanted, least_span(body)), k_tick_max - now_),
-                                  world_.span_of_travel(body, now_, k_most_box_radii));
+                                  world_.span_of_travel(body, now_, most_radii));
   const double radius_m = world_.reach_m(body) * (1 + k_box_pad_radii) + k_touch_m;
   const Tick end = now_ + world_.limited_span(body, now_, span, k_box_pad_radii);
   const Box box = path_box(world_.path(body), radius_m, now_, end);
@@ -77,6 +83,12 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
   if (predict_new) fetch_next_neighbours();
   watch_statics(body, box);
   if (!predict_new) return;
+  // Some were looked at for as long as the last box held.
+  for (StaticEdge& edge : statics_of(body)) {
+    if (edge.prediction.certain || edge.prediction.tick > now_ + 1) continue;
+    ++counts_.predictions;
+    edge.prediction = world_.look_static(body, edge.index, now_, edge.search, bound.expiry);
+  }
   sink.finish();
   refresh_key(body);
 }
@@ -96,8 +108,6 @@ bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
     std::vector<std::uint32_t>& candidates = candidates_[body];
     candidates.clear();
     world_.statics_near(body, wide, candidates);
-    std::erase_if(candidates,
-                  [&](std::uint32_t index) { return !world_.static_overlaps(body, index, wide); });
   }
   near_.clear();
   for (const std::uint32_t index : candidates_[body]) {

@@ -9,6 +9,7 @@
 
 #include "worker/physics/simulator/engine.h"
 #include "worker/physics/simulator/engine_boxes.h"
+#include "worker/physics/simulator/engine_suspension.h"
 
 namespace sleight::physics {
 
@@ -54,6 +55,8 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
   static_boxes_.resize(count);
   changes_.assign(count, 0);
   is_watched_.assign(count, 0);
+  suspended_.assign(count, Suspended::no);
+  to_resume_.reserve(count);
   reads_ahead_ = count >= k_read_ahead_bodies;
   if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
 
@@ -140,6 +143,7 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
     now_ = event.key.tick;
     if (reads_ahead_) fetch_next();
     process(event);
+    if (!to_resume_.empty()) resume(event.key);
     if (!world_.failure().empty()) fail(SceneError::Kind::search_failed, world_.failure());
     if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
   }
@@ -214,6 +218,7 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
     // Put the body there, to find what it would touch.
     world_.place(body, world_.segment_of_start(state, event.tick));
     watch(body);
+    if (!to_resume_.empty()) resume(event);
     const std::string obstacle = obstacle_of(body);
     if (obstacle.empty()) break;
 
@@ -279,7 +284,7 @@ void Engine<Boxes, Queue>::bodies_changed() {
   for (const std::uint32_t body : world_.changed())
     ++changes_[body];
   for (const std::uint32_t body : world_.changed()) {
-    motion_changed(body);
+    if (!suspend(body)) motion_changed(body);
     if (body == world_.changed().front()) fetch_next_neighbours();
   }
 }
@@ -323,6 +328,8 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
   ++next_control_;
   schedule_control();
   if (!world_.started(control.body.value)) return;
+  comes_near(control.body.value);
+  if (!to_resume_.empty()) resume(event);
   world_.apply(control, event);
   bodies_changed();
 }
@@ -445,10 +452,12 @@ void Engine<Boxes, Queue>::predict_last(std::uint32_t body, std::size_t count) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_statics(std::uint32_t body) {
+  // What comes after the first change of the body's motion needn't be known.
+  Tick until = std::min(bounds_[body].expiry, world_.mode_end(body));
   for (StaticEdge& edge : statics_of(body)) {
     ++counts_.predictions;
-    edge.prediction =
-        world_.predict_static(body, edge.index, now_, edge.search, bounds_[body].expiry);
+    edge.prediction = world_.predict_static(body, edge.index, now_, edge.search, until);
+    if (edge.prediction.certain) until = std::min(until, edge.prediction.tick);
   }
 }
 

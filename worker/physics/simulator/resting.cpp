@@ -12,8 +12,6 @@ namespace {
 /// A body wakes from a blow that would give it this many times the speed below which it rests: more
 /// than slow neighbours can.
 constexpr double k_wake_over_rest = 4;
-/// Balance may miss by this part of the weight.
-constexpr double k_balance_tolerance = 0.002;
 /// Slow bounces part at the least separation speed, or up to twice as fast.
 constexpr double k_slow_parting = 2;
 /// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
@@ -150,12 +148,13 @@ Resting::Chosen Resting::carrying(std::span<const TouchRecord> contacts, const P
 
 Resting::Chosen Resting::supporting(const Log& log, TickCount slow) const {
   const auto contacts = log.touches();
+  if (log.state.stance == Stance::slides) return 0;
   const bool weightless = is_zero(log.state.weight_n);
   const auto pushes_up = [&](const TouchRecord& touch) {
     return weightless || math::dot(touch.normal, log.state.weight_n) < 0;
   };
   // Without a weight that could be balanced, on all that may carry it.
-  if (weightless || is_jammed(log) || log.state.in_balance) {
+  if (weightless || is_jammed(log) || log.state.stance == Stance::holds) {
     Chosen all = 0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       if (!pushes_up(contacts[k])) continue;

@@ -38,6 +38,9 @@
 
 namespace sleight::physics {
 
+/// Balance may miss by this part of the weight.
+inline constexpr double k_balance_tolerance = 0.002;
+
 /// A body's partner is static geometry.
 inline constexpr std::uint32_t k_static_partner = UINT32_MAX;
 
@@ -64,13 +67,19 @@ bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, doub
 
 class Resting {
  public:
+  /// What is known of a body's balance without a look at its contacts.
+  enum class Stance : std::uint8_t {
+    unknown,
+    holds,  ///< it stays in contact, and would not accelerate if it stood still
+    slides  ///< it touches only what it stays on, and would accelerate
+  };
   /// What the decision needs to know of a body at present.
   struct Present {
     double speed_mps = 0;  ///< of its fastest point, at most
     Vec3 weight_n = Vec3::Zero();
     double reach_m = 0;
-    bool round = false;       ///< a sphere: it may stand where others would topple
-    bool in_balance = false;  ///< it stays in contact without acceleration
+    bool round = false;  ///< a sphere: it may stand where others would topple
+    Stance stance = Stance::unknown;
   };
 
   /// So many slow collisions as make a body jammed must come within a span.
@@ -107,6 +116,14 @@ class Resting {
   void still_touches(std::uint32_t body, const TouchRecord& touch) { record(logs_[body], touch); }
   /// The body's motion changed for another reason.
   void disturbed(std::uint32_t body);
+
+  /// Whether a body touched nothing in the last rest_time_s but these features of static geometry.
+  bool touched_only(std::uint32_t body, Tick now, std::span<const std::uint32_t> features) {
+    return std::ranges::all_of(recent(logs_[body], now), [&](const TouchRecord& touch) {
+      return touch.partner == k_static_partner &&
+             std::ranges::find(features, touch.feature) != features.end();
+    });
+  }
 
   /// When the body asks next whether it may rest; k_never if it isn't slow.
   Tick due(std::uint32_t body) const { return logs_[body].due; }
@@ -266,7 +283,9 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
                                                const PresentOf& present) {
   if (!gather(body, now, present)) {
     Log& log = logs_[body];
-    log.due = now + std::max<TickCount>(1, rest_span() / 2);
+    // What slides is asked again when it slides otherwise (stays).
+    const bool slides = log.state.stance == Stance::slides;
+    log.due = now + std::max<TickCount>(1, slides ? 4 * rest_span() : rest_span() / 2);
     log.slow_collisions = 0;
     if (present(body).speed_mps >= rule_.rest_speed_mps) disturbed(body);
     return {};

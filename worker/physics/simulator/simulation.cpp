@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/base/check.h"
 #include "worker/physics/broad_phase/hierarchical_grid.h"
 #include "worker/physics/broad_phase/sweep_and_prune.h"
 #include "worker/physics/event/calendar_queue.h"
@@ -20,6 +21,7 @@ class AnyEngine {
   virtual Tick now() const = 0;
   virtual const Counts& counts() const = 0;
   virtual Takeover state() const = 0;
+  virtual bool is_suspended(std::uint32_t body) const = 0;
 };
 
 template <class Boxes, class Queue>
@@ -31,6 +33,7 @@ class EngineOf final : public AnyEngine {
   Tick now() const override { return engine_.now(); }
   const Counts& counts() const override { return engine_.counts(); }
   Takeover state() const override { return engine_.state(); }
+  bool is_suspended(std::uint32_t body) const override { return engine_.is_suspended(body); }
 
  private:
   Engine<Boxes, Queue> engine_;
@@ -52,7 +55,11 @@ std::unique_ptr<AnyEngine> engine_with(World& world, QueueKind queue, const Engi
 
 std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& options,
                                      const std::optional<Takeover>& from) {
+  const bool suspends = options.confinement != nullptr;
+  CHECK(!suspends || (options.algorithm == Algorithm::asynchronous && !options.record &&
+                      options.sample_every == 0 && !from));
   const EngineOptions chosen{.algorithm = options.algorithm,
+                             .confinement = options.confinement,
                              .sample_every = options.sample_every,
                              .on_sample = options.on_sample};
   return options.broad_phase == BroadPhaseKind::sweep_and_prune
@@ -65,7 +72,7 @@ std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& opti
 class Simulation::Impl {
  public:
   Impl(const Scene& scene, const SimulationOptions& options)
-      : world(scene, options.record, options.segments_reserved),
+      : world(scene, options.record, options.orientations, options.segments_reserved),
         engine(engine_of(world, options, std::nullopt)) {}
 
   World world;
@@ -112,6 +119,9 @@ MotionMode Simulation::mode(BodyId body) const {
 }
 double Simulation::kinetic_energy_j() const {
   return impl_->world.kinetic_energy_j(now());
+}
+bool Simulation::is_suspended(BodyId body) const {
+  return impl_->engine->is_suspended(body.value);
 }
 const Counts& Simulation::counts() const {
   return impl_->engine->counts();

@@ -70,11 +70,21 @@ bool inside(const ConvexPolyhedron& polyhedron, const Vec3& point_m) {
   });
 }
 
-/// Whether a closed mesh is solid at a point: by the solid angles of its triangles (van Oosterom
-/// and Strackee 1983, equation 8), which add up to the number of times that it goes around it.
-bool inside(const TriangleMesh& mesh, const Vec3& point_m) {
-  double angle = 0;
+/// Whether the normals of a closed mesh point inwards: then it is a hollow in a solid without end.
+bool is_hollow(const TriangleMesh& mesh) {
   double volume = 0;
+  for (const TriangleCorners& corners : mesh.triangles()) {
+    const Vec3& a = mesh.vertices_m()[corners[0]];
+    volume += math::dot(
+        a, math::cross(mesh.vertices_m()[corners[1]] - a, mesh.vertices_m()[corners[2]] - a));
+  }
+  return volume < 0;
+}
+
+/// How often a closed mesh goes around a point: by the solid angles of its triangles (van Oosterom
+/// and Strackee 1983, equation 8).
+double turns_around(const TriangleMesh& mesh, const Vec3& point_m) {
+  double angle = 0;
   for (const TriangleCorners& corners : mesh.triangles()) {
     const Vec3 a = mesh.vertices_m()[corners[0]] - point_m;
     const Vec3 b = mesh.vertices_m()[corners[1]] - point_m;
@@ -82,15 +92,19 @@ bool inside(const TriangleMesh& mesh, const Vec3& point_m) {
     const double la = math::norm(a);
     const double lb = math::norm(b);
     const double lc = math::norm(c);
-    const double six_volumes = math::dot(a, math::cross(b, c));
     const double cosine =
         ((la * lb * lc + math::dot(a, b) * lc) + math::dot(b, c) * la) + math::dot(c, a) * lb;
-    angle += 2 * math::atan2(six_volumes, cosine);
-    volume += six_volumes;
+    angle += 2 * math::atan2(math::dot(a, math::cross(b, c)), cosine);
   }
-  // A mesh whose normals point inwards is a hollow in a solid without end.
-  const double turns = angle / (4 * std::numbers::pi) + (volume < 0 ? 1 : 0);
-  return turns > 0.5;
+  return angle / (4 * std::numbers::pi);
+}
+
+bool holds(const Box& box, const Vec3& point_m) {
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    if (point_m[i] < double{box.low_m[axis]} || point_m[i] > double{box.high_m[axis]}) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -215,7 +229,18 @@ void StaticGeometry::add_mesh(const StaticMesh& placed) {
   for (const Vec3& v : mesh.vertices_m())
     corner_boxes_.push_back(box_around(v));
   if (for_spheres_) add_features(mesh, owner);
-  if (is_closed(mesh)) solids_.push_back({.owner = owner, .polyhedron = {}, .mesh = placed.mesh});
+  if (is_closed(mesh)) {
+    constexpr float k_infinity = std::numeric_limits<float>::infinity();
+    Box box{.low_m = {k_infinity, k_infinity, k_infinity},
+            .high_m = {-k_infinity, -k_infinity, -k_infinity}};
+    for (const Box& corner : corner_boxes_)
+      box = joined(box, corner);
+    solids_.push_back({.owner = owner,
+                       .polyhedron = {},
+                       .mesh = placed.mesh,
+                       .box = box,
+                       .hollow = is_hollow(mesh)});
+  }
   if (!for_pieces_) return;
   for (const TriangleCorners& corners : mesh.triangles()) {
     triangles_.emplace_back(mesh.vertices_m()[corners[0]], mesh.vertices_m()[corners[1]],
@@ -398,14 +423,18 @@ void StaticGeometry::add_features(const ConvexView& view, StaticOwner owner) {
 
 // ---- questions ----------------------------------------------------------------------------------
 
+bool StaticGeometry::is_solid_at(const Solid& solid, const Vec3& point_m) {
+  if (solid.polyhedron) return inside(*solid.polyhedron, point_m);
+  const double turns = holds(solid.box, point_m) ? turns_around(*solid.mesh, point_m) : 0;
+  return turns + (solid.hollow ? 1 : 0) > 0.5;
+}
+
 const std::string* StaticGeometry::solid_at(const Vec3& point_m) const {
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     if (math::dot(planes_[i].normal, point_m) < planes_[i].offset_m) return &names_[i];
   }
   for (const Solid& solid : solids_) {
-    const bool holds =
-        solid.polyhedron ? inside(*solid.polyhedron, point_m) : inside(*solid.mesh, point_m);
-    if (holds) return &names_[solid.owner.name];
+    if (is_solid_at(solid, point_m)) return &names_[solid.owner.name];
   }
   return nullptr;
 }
@@ -424,24 +453,19 @@ bool StaticGeometry::may_meet(std::uint32_t index, const Box& box, double radius
            std::fabs(normal.z()) * half_m.z();
   };
   const SphereFeature& one = feature(index);
-  for (const RegionSide& side : sides(one)) {
-    const Vec3& normal = side.space.normal;
-    if (math::dot(normal, middle_m) + spread(normal) < side.space.offset_m) return false;
-  }
   const Vec3 from = middle_m - one.point_m;
   const double reach_m = radius_m + k_touch_m;
-  switch (one.kind) {
-    case FeatureKind::face:
-      return math::dot(one.direction, from) - spread(one.direction) <= reach_m;
-    case FeatureKind::edge: {
-      const double along_m = math::dot(one.direction, from);
-      const double away_m = reach_m + math::norm(half_m);
-      return math::dot(from, from) - along_m * along_m <= away_m * away_m;
-    }
-    case FeatureKind::vertex:
-      break;
+  if (one.kind == FeatureKind::face) {
+    if (math::dot(one.direction, from) - spread(one.direction) > reach_m) return false;
+  } else {
+    const double along_m = math::dot(one.direction, from);  // of a vertex 0
+    const double away_m = reach_m + math::norm(half_m);
+    if (math::dot(from, from) - along_m * along_m > away_m * away_m) return false;
   }
-  return math::norm(from) <= reach_m + math::norm(half_m);
+  return std::ranges::all_of(sides(one), [&](const RegionSide& side) {
+    const Vec3& normal = side.space.normal;
+    return math::dot(normal, middle_m) + spread(normal) >= side.space.offset_m;
+  });
 }
 
 bool reaches(const HalfSpace& outside, const Box& box) {
@@ -458,14 +482,27 @@ bool reaches(const HalfSpace& outside, const Box& box) {
   return deepest_m <= size_m * k_rounding_ulps;
 }
 
-void StaticGeometry::near(const Box& box, const BoxTree& tree,
-                          std::vector<std::uint32_t>& found) const {
+template <class May>
+void StaticGeometry::near(const Box& box, const BoxTree& tree, std::vector<std::uint32_t>& found,
+                          const May& may) const {
   for (std::uint32_t i = 0; i < plane_count(); ++i) {
-    if (reaches(planes_[i], box)) found.push_back(i);
+    if (reaches(planes_[i], box) && may(i)) found.push_back(i);
   }
   const auto planes = static_cast<std::ptrdiff_t>(found.size());
-  tree.for_each_overlap(box, [&](std::uint32_t i) { found.push_back(plane_count() + i); });
+  tree.for_each_overlap(box, [&](std::uint32_t i) {
+    if (may(plane_count() + i)) found.push_back(plane_count() + i);
+  });
   std::sort(found.begin() + planes, found.end());
+}
+
+void StaticGeometry::features_near(const Box& box, double radius_m,
+                                   std::vector<std::uint32_t>& found) const {
+  near(box, feature_tree_, found,
+       [&](std::uint32_t index) { return may_meet(index, box, radius_m); });
+}
+
+void StaticGeometry::pieces_near(const Box& box, std::vector<std::uint32_t>& found) const {
+  near(box, piece_tree_, found, [&](std::uint32_t index) { return piece_overlaps(index, box); });
 }
 
 }  // namespace sleight::physics

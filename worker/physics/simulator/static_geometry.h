@@ -89,13 +89,11 @@ class StaticGeometry {
     return names_[piece_owners_[index].name];
   }
 
-  /// Appends the indices of what a box overlaps, in ascending order.
-  void features_near(const Box& box, std::vector<std::uint32_t>& found) const {
-    near(box, feature_tree_, found);
-  }
-  void pieces_near(const Box& box, std::vector<std::uint32_t>& found) const {
-    near(box, piece_tree_, found);
-  }
+  /// Appends the indices of what a sphere of a radius may meet in a box (may_meet), in ascending
+  /// order.
+  void features_near(const Box& box, double radius_m, std::vector<std::uint32_t>& found) const;
+  /// The same of pieces that a box overlaps.
+  void pieces_near(const Box& box, std::vector<std::uint32_t>& found) const;
 
   /// Whether a sphere of a radius that stays in a box, and k_touch_m within it, may meet a feature
   /// there: its centre comes into the feature's region, and near enough.
@@ -109,7 +107,7 @@ class StaticGeometry {
   /// The name of the solid that holds a point: a plane's lower side, a polyhedron, a closed mesh.
   /// Null if none does. A body that starts wholly inside of one touches no feature of its surface.
   /// The answer is exact but for points within rounding of a surface. Not fast: some 60 ns per
-  /// triangle of each closed mesh.
+  /// triangle of each closed mesh in whose box it is.
   const std::string* solid_at(const Vec3& point_m) const;
 
  private:
@@ -133,14 +131,20 @@ class StaticGeometry {
   void add_feature(SphereFeature feature, std::uint32_t first_side, const Box& box,
                    StaticOwner owner);
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(sides_.size()); }
-  void near(const Box& box, const BoxTree& tree, std::vector<std::uint32_t>& found) const;
+  template <class May>
+  void near(const Box& box, const BoxTree& tree, std::vector<std::uint32_t>& found,
+            const May& may) const;
 
   /// What is solid inside.
   struct Solid {
     StaticOwner owner;
     std::shared_ptr<const ConvexPolyhedron> polyhedron;  ///< or
     std::shared_ptr<const TriangleMesh> mesh;
+    Box box{};            ///< of the mesh
+    bool hollow = false;  ///< the mesh's normals point inwards: outside of it all is solid
   };
+
+  static bool is_solid_at(const Solid& solid, const Vec3& point_m);
 
   bool for_spheres_ = false;
   bool for_pieces_ = false;

@@ -25,8 +25,8 @@ double wrapped(double x, double period) {
 
 }  // namespace
 
-World::World(const Scene& scene, bool record, std::size_t segments_reserved)
-    : scene_(scene), statics_(scene_), record_(record) {
+World::World(const Scene& scene, bool record, bool orientations, std::size_t segments_reserved)
+    : scene_(scene), statics_(scene_), record_(record), orientations_(orientations) {
   const std::size_t count = scene_.bodies.size();
   flights_.resize(count);
   segments_.resize(count);
@@ -163,6 +163,7 @@ MovingPoint World::centre_at(std::uint32_t body, Tick tick) const {
 
 Quat World::orientation_at(std::uint32_t body, Tick tick) {
   const FreeFlight& flight = segments_[body].flight;
+  if (constants_[body].is_sphere && !orientations_) return flight.orientation;
   if (constants_[body].is_sphere)
     return math::normalized(orientation_of(segments_[body], constants_[body].inertia, tick));
   if (is_zero(flight.angular_velocity_radps)) return flight.orientation;
@@ -260,7 +261,7 @@ std::uint32_t World::static_count(std::uint32_t body) const {
 void World::statics_near(std::uint32_t body, const Box& box,
                          std::vector<std::uint32_t>& found) const {
   if (constants_[body].is_sphere) {
-    statics_.features_near(box, found);
+    statics_.features_near(box, constants_[body].reach_m, found);
   } else {
     statics_.pieces_near(box, found);
   }

@@ -69,7 +69,8 @@ struct Path {
 class World {
  public:
   /// Borrows nothing: the scene is copied.
-  World(const Scene& scene, bool record, std::size_t segments_reserved);
+  /// Without `orientations`, spheres keep the one that they begin with: nothing else depends on it.
+  World(const Scene& scene, bool record, bool orientations, std::size_t segments_reserved);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -103,6 +104,7 @@ class World {
   void begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause);
 
   bool has_statics() const { return has_statics_; }
+  bool is_sphere(std::uint32_t body) const { return constants_[body].is_sphere; }
   // What static geometry a body may meet. Indices are a body's own affair: spheres meet features,
   // others pieces.
   std::uint32_t static_count(std::uint32_t body) const;
@@ -322,6 +324,8 @@ class World {
   Tick leaves_region(const Segment& segment, std::uint32_t feature) const;
   /// The first tick from which on a segment's body is slower than it must be for rest.
   Tick slow_from(std::uint32_t body, const Segment& segment, Tick end) const;
+  /// Whether a sphere that stays would begin to move from rest. REQUIRES: stays_on_faces.
+  Resting::Stance stance_of(std::uint32_t body, Tick tick);
   TouchRecord touch_of_support(std::uint32_t body, std::uint32_t feature, Tick tick) const;
 
   Scene scene_;
@@ -369,6 +373,7 @@ class World {
   };
   Images images_;
   bool record_ = true;
+  bool orientations_ = true;
   bool periodic_ = false;
   bool has_statics_ = false;
   bool has_modes_ = false;      ///< bodies that may have mode events

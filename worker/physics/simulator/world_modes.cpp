@@ -26,6 +26,9 @@ constexpr double k_press_mps2 = 1e-12;
 /// above it, as a part of the height of its slowest bounces, and falls back.
 constexpr double k_rise_bounces = 0.5;
 
+/// A slip is over when it is slower than this part of its slowest bounces.
+constexpr double k_stick_bounces = 0.1;
+
 /// Over an edge or a vertex it hops if it is faster than so many times its slowest bounces.
 constexpr double k_edge_speeds = 16;
 
@@ -64,7 +67,8 @@ RoundBody World::round_body(std::uint32_t body) const {
   const double radius_m = constants.reach_m;
   return {.radius_m = radius_m,
           .gyration = constants.inertia.principal_kgm2.x() /
-                      (constants.inertia.mass_kg * radius_m * radius_m)};
+                      (constants.inertia.mass_kg * radius_m * radius_m),
+          .stick_mps = std::max(k_stick_mps, k_stick_bounces * scene_.slow.separation_speed_mps)};
 }
 
 LastingContact World::lasting_contact(std::uint32_t body, std::uint32_t feature, Tick tick) const {
@@ -202,6 +206,7 @@ TouchRecord World::touch_of_support(std::uint32_t body, std::uint32_t feature, T
   const LastingContact contact = lasting_contact(body, feature, tick);
   return {.tick = tick,
           .partner = k_static_partner,
+          .feature = feature,
           .friction = contact.friction,
           .normal = contact.normal,
           .arm_m = -constants_[body].reach_m * contact.normal};

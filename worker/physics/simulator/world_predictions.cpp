@@ -12,7 +12,7 @@ namespace {
 
 /// A search goes on for so many looks before it waits for the time at which the next one is due:
 /// most pairs change their motion before.
-constexpr int k_looks_ahead = 4;
+constexpr int k_looks_ahead = 32;
 
 double size_of(const Vec3& v) {
   return std::max({std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
@@ -75,16 +75,16 @@ void World::note_failure(std::string what, std::uint32_t body, Tick tick) {
 // ---- two bodies ---------------------------------------------------------------------------------
 
 Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t& search) {
+  const Tick begin = std::max(flights_[a].begin, flights_[b].begin);
   const bool both_free =
       segments_[a].mode == MotionMode::free && segments_[b].mode == MotionMode::free;
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
-    const bool closed = both_free && refractory_of_spheres(a, b).until <=
-                                         std::max(flights_[a].begin, flights_[b].begin);
-    return closed ? predict_free_spheres(a, b, now) : predict_spheres(a, b, now);
+    const bool closed = both_free && refractory_of_spheres(a, b).until <= begin;
+    // One that catches up meets the other one where that is by now.
+    return closed ? predict_free_spheres(a, b, now) : predict_spheres(a, b, std::max(now, begin));
   }
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
     return {};
-  const Tick begin = std::max(flights_[a].begin, flights_[b].begin);
   const std::size_t pairs =
       std::size_t{constants_[a].part_count} * std::size_t{constants_[b].part_count};
   // Nothing to look for while both stay near places in which they are clear of each other.
@@ -244,8 +244,8 @@ Prediction World::predict_static(std::uint32_t body, std::uint32_t index, Tick n
 
 Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
                               std::uint32_t search, Tick until) {
-  const Refractory refractory = recent_.of(body, k_static | index);
   if (!constants_[body].is_sphere) {
+    const Refractory refractory = recent_.of(body, k_static | index);
     const Prediction prediction = advanced(
         searches_.of(search), now, [&](std::uint32_t part, Tick tick, PieceSearch& search_of_part) {
           PieceContact contact;
@@ -272,6 +272,10 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
   if (stays_on_faces(body) && supports_[body].holds(index)) return {};
   const SphereFeature& feature = statics_.feature(index);
   const double radius_m = constants_[body].reach_m;
+  if (until < k_tick_max && keeps_clear(feature, statics_.sides(feature), centre_at(body, now),
+                                        radius_m, seconds(until + 1 - now)))
+    return {.tick = until + 1, .certain = false};
+  const Refractory refractory = recent_.of(body, k_static | index);
   return looked_ahead(now, until, [&](Tick tick) {
     const MovingPoint centre = centre_at(body, tick);
     return examined_at(tick, refractory, [&](double touch_m) {

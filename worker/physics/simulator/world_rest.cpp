@@ -1,5 +1,6 @@
 // Who goes to rest, what carries him as well as what he touched, and who wakes.
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "worker/physics/simulator/world.h"
@@ -41,19 +42,18 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, double near_m,
 std::size_t World::rest(std::uint32_t body, const EventKey& event) {
   changed_.clear();
   const auto present = [&](std::uint32_t member) {
-    const Segment& segment = segments_[member];
     const bool stays = stays_on_faces(member);
     for (std::uint32_t i = 0; stays && i < supports_[member].count; ++i) {
       resting_.still_touches(member,
                              touch_of_support(member, supports_[member].features[i], event.tick));
     }
     if (!constants_[member].is_sphere) note_near_corners(member, event.tick);
-    return Resting::Present{.speed_mps = fastest_point_mps(member, twist_at(member, event.tick)),
-                            .weight_n = constants_[member].inertia.mass_kg * scene_.gravity_mps2,
-                            .reach_m = constants_[member].reach_m,
-                            .round = constants_[member].is_sphere,
-                            .in_balance = stays && is_zero(segment.flight.acceleration_mps2) &&
-                                          is_zero(segment.angular_acceleration_radps2)};
+    return Resting::Present{
+        .speed_mps = fastest_point_mps(member, twist_at(member, event.tick)),
+        .weight_n = constants_[member].inertia.mass_kg * scene_.gravity_mps2,
+        .reach_m = constants_[member].reach_m,
+        .round = constants_[member].is_sphere,
+        .stance = stays ? stance_of(member, event.tick) : Resting::Stance::unknown};
   };
   for (const std::uint32_t member : resting_.decide(body, event.tick, present)) {
     Segment segment =
@@ -69,6 +69,23 @@ std::size_t World::rest(std::uint32_t body, const EventKey& event) {
     wake_dependents(body, event);
   }
   return count;
+}
+
+Resting::Stance World::stance_of(std::uint32_t body, Tick tick) {
+  const std::span<const std::uint32_t> features = supports_[body].all();
+  std::array<LastingContact, 3> contacts;
+  for (std::size_t i = 0; i < features.size(); ++i)
+    contacts[i] = lasting_contact(body, features[i], tick);
+  const ContactMotion still = contact_motion(
+      round_body(body), std::span(contacts).first(features.size()), {}, scene_.gravity_mps2);
+  const double allowed_mps2 = k_balance_tolerance * math::norm(scene_.gravity_mps2);
+  const double turning_mps2 =
+      constants_[body].reach_m * math::norm(still.angular_acceleration_radps2);
+  if (std::popcount(still.pressed) == static_cast<int>(features.size()) &&
+      math::norm(still.acceleration_mps2) + turning_mps2 <= allowed_mps2)
+    return Resting::Stance::holds;
+  return resting_.touched_only(body, tick, features) ? Resting::Stance::slides
+                                                     : Resting::Stance::unknown;
 }
 
 void World::wake_dependents(std::uint32_t body, const EventKey& event) {

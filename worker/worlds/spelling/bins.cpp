@@ -83,6 +83,11 @@ struct Bins::Builder {
     return tops.at({i, j, inner_x(i) ? x : 0, inner_y(j) ? y : 0});
   }
 
+  /// The same, where there is one.
+  std::uint32_t corner(std::uint32_t i, std::uint32_t j, std::uint32_t x, std::uint32_t y) const {
+    return inner_x(i) || inner_y(j) ? top(i, j, x, y) : k_no_vertex;
+  }
+
   void add_tops() {
     for (std::uint32_t j = 0; j <= bins.rows_; ++j) {
       for (std::uint32_t i = 0; i <= bins.columns_; ++i) {
@@ -161,6 +166,12 @@ Bins::Bins(const WorldParameters& world, std::uint32_t columns, std::uint32_t ro
       builder.add_bin(i, j);
   }
   builder.close_below();
+  for (std::uint32_t j = 0; j < rows; ++j) {
+    for (std::uint32_t i = 0; i < columns; ++i) {
+      corners_.push_back({builder.corner(i, j, 1, 1), builder.corner(i + 1, j, 0, 1),
+                          builder.corner(i + 1, j + 1, 0, 0), builder.corner(i, j + 1, 1, 0)});
+    }
+  }
   auto mesh = physics::TriangleMesh::make(builder.vertices_m, builder.triangles,
                                           physics::MeshClosure::closed);
   CHECK(mesh.ok());

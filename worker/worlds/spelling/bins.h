@@ -32,6 +32,8 @@ namespace sleight::worlds::spelling {
 using math::Vec2;
 using math::Vec3;
 
+inline constexpr std::uint32_t k_no_vertex = UINT32_MAX;
+
 /// A bin, counted from the lowest x and y.
 struct Bin {
   std::uint32_t column = 0;
@@ -58,6 +60,10 @@ class Bins {
   /// the one at larger coordinates.
   std::optional<Bin> bin_at(const Vec3& place_m) const;
   Vec3 floor_middle_m(const Bin& bin) const;
+  /// The partition vertices at a bin's corners; k_no_vertex in a corner of the box.
+  const std::array<std::uint32_t, 4>& corners(const Bin& bin) const {
+    return corners_[std::size_t{bin.row} * columns_ + bin.column];
+  }
 
   /// The surface with its partition vertices moved. Nothing if the offsets turn it inside out.
   std::shared_ptr<const physics::TriangleMesh> surface(std::span<const Vec3> offsets_m) const;
@@ -74,6 +80,7 @@ class Bins {
   std::uint32_t rows_;
   std::uint32_t vertex_count_ = 0;
   Vec2 half_m_{0, 0};
+  std::vector<std::array<std::uint32_t, 4>> corners_;  ///< by bin
   std::shared_ptr<const physics::TriangleMesh> mesh_;
   std::vector<physics::StaticConvex> walls_;
 };

@@ -30,7 +30,10 @@ struct WorldParameters {
   double restitution = 0.6;
   double friction = 0.2;
   double gravity_mps2 = 9.81;
-  double time_limit_s = 10;  ///< after the last drop, if the balls are not at rest before
+  double bounce_end_mps = 0.01;  ///< bounces that would part more slowly than this end: 5 um high
+  double rest_speed_mps = 0.03;  ///< a ball whose fastest point is slower than this
+  double rest_time_s = 0.004;    ///< for so long rests, where it is in balance
+  double time_limit_s = 10;      ///< after the last drop, if the balls are not at rest before
 };
 
 struct ConstraintParameters {

@@ -7,6 +7,7 @@
 
 #include "common/base/check.h"
 #include "worker/physics/simulator/simulation.h"
+#include "worker/worlds/spelling/traps.h"
 
 namespace sleight::worlds::spelling {
 namespace {
@@ -36,7 +37,9 @@ std::optional<physics::Scene> Spelling::scene(const State& state) const {
   scene.gravity_mps2 = {0, 0, -world.gravity_mps2};
   scene.contacts =
       physics::ContactTable(1, {.restitution = world.restitution, .friction = world.friction});
-  scene.slow = physics::slow_contacts_of(world.ball_diameter_m, world.gravity_mps2);
+  scene.slow = {.separation_speed_mps = world.bounce_end_mps,
+                .rest_speed_mps = world.rest_speed_mps,
+                .rest_time_s = world.rest_time_s};
   auto surface = bins_.surface(state.offsets_m);
   if (!surface) return std::nullopt;
   scene.meshes.push_back({.name = "bins", .mesh = std::move(surface)});
@@ -69,34 +72,70 @@ End Spelling::run(const physics::Scene& scene, physics::Simulation& simulation) 
       return error->kind == physics::SceneError::Kind::overlap ? End::impossible
                                                                : End::search_failed;
     }
-    bool all_rest = true;
-    for (std::uint32_t body = 0; body < scene.bodies.size(); ++body)
-      all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
-    if (all_rest) return End::at_rest;
+    bool all_stay = true;
+    for (std::uint32_t body = 0; body < scene.bodies.size() && all_stay; ++body) {
+      all_stay = simulation.mode({body}) == physics::MotionMode::resting ||
+                 simulation.is_suspended({body});
+    }
+    if (all_stay) return End::settled;
   }
   return End::time_limit;
 }
 
 Outcome Spelling::simulate(const State& state) const {
+  return simulate(state, false);
+}
+
+Outcome Spelling::simulate_to_rest(const State& state) const {
+  return simulate(state, true);
+}
+
+Outcome Spelling::simulate(const State& state, bool to_rest) const {
   const auto scene = this->scene(state);
   if (!scene) return {.end = End::impossible};
   if (scene->bodies.empty()) return {};
+  const Traps traps(parameters_.world, bins_, state.offsets_m);
+  std::vector<Vec3> suspended_at_m(scene->bodies.size());
   physics::SimulationOptions options;
   options.record = false;
+  options.orientations = false;
+  if (!to_rest) {
+    options.confinement = [&](physics::BodyId body,
+                              const physics::Segment& segment) -> std::optional<physics::Box> {
+      const physics::FreeFlight& flight = segment.flight;
+      const auto place =
+          traps.of(flight.position_m, {.velocity_mps = flight.velocity_mps,
+                                       .angular_velocity_radps = flight.angular_velocity_radps});
+      if (!place) return std::nullopt;
+      suspended_at_m[body.value] = flight.position_m;
+      return place->box;
+    };
+  }
   auto started = physics::Simulation::start(*scene, options);
   if (!started) return {.end = End::impossible};
   physics::Simulation simulation = std::move(started).value();
   const End end = run(*scene, simulation);
-  if (end != End::at_rest && end != End::time_limit) return {.end = end};
-  std::vector<Vec3> resting_m;
+  if (end != End::settled && end != End::time_limit) return {.end = end};
+
+  std::vector<Vec3> staying_m;
+  bool all_stay = true;
   for (std::uint32_t body = 0; body < scene->bodies.size(); ++body) {
-    if (simulation.mode({body}) == physics::MotionMode::resting)
-      resting_m.push_back(simulation.pose({body}, simulation.now()).position_m);
+    if (simulation.is_suspended({body})) {
+      staying_m.push_back(suspended_at_m[body]);
+      continue;
+    }
+    const Vec3 place_m = simulation.pose({body}, simulation.now()).position_m;
+    if (simulation.mode({body}) == physics::MotionMode::resting ||
+        traps.of(place_m, simulation.twist({body}, simulation.now()))) {
+      staying_m.push_back(place_m);
+    } else {
+      all_stay = false;
+    }
   }
-  const auto others = static_cast<std::uint32_t>(scene->bodies.size() - resting_m.size());
-  Outcome outcome = judged(resting_m, others);
+  const auto others = static_cast<std::uint32_t>(scene->bodies.size() - staying_m.size());
+  Outcome outcome = judged(staying_m, others);
   outcome.end_s = physics::seconds(simulation.now() - physics::Tick{});
-  outcome.end = end;
+  outcome.end = all_stay ? End::settled : End::time_limit;
   return outcome;
 }
 
@@ -110,7 +149,7 @@ Animation Spelling::animate(const State& state) const {
   CHECK(scene.has_value());
   physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
   const End end = run(*scene, simulation);
-  CHECK(end == End::at_rest || end == End::time_limit);
+  CHECK(end == End::settled || end == End::time_limit);
   animation.recording = simulation.recording();
   return animation;
 }
@@ -140,10 +179,10 @@ std::optional<Bin> Spelling::filled_bin(const Vec3& centre_m) const {
   return bin;
 }
 
-Outcome Spelling::judged(std::span<const Vec3> resting_m, std::uint32_t others) const {
+Outcome Spelling::judged(std::span<const Vec3> staying_m, std::uint32_t others) const {
   Outcome outcome{.elsewhere = others};
   std::vector<std::uint8_t> filled(std::size_t{bins_.columns()} * bins_.rows());
-  for (const Vec3& centre_m : resting_m) {
+  for (const Vec3& centre_m : staying_m) {
     const auto bin = filled_bin(centre_m);
     if (bin && filled[bin->row * bins_.columns() + bin->column] == 0) {
       filled[bin->row * bins_.columns() + bin->column] = 1;

@@ -5,19 +5,24 @@
 //                     dropped
 //   log p_w           offsets: each coordinate N(0, vertex_sd); a ball is active with probability
 //                     1/2, its place uniform
-//   outcome           k, how many designated bins are filled: a ball at rest whose centre is in the
-//                     bin, below the partitions' height
+//   outcome           k, how many designated bins are filled: a ball whose centre is in the bin,
+//                     below the partitions' height, at rest or for good (traps.h)
 //   log p_c           k log lambda; -infinity if there is no simulation
 //   satisfied         all are filled, and no active ball is elsewhere
 //   proposal          A.2.2 with the ratios that it should have (proposals.h)
 //
 // There are as many balls as designated bins. Ball i is dropped from rest at i drop intervals; an
 // inactive one leaves its gap. The box stands on the ground; a ball that leaves it is elsewhere, as
-// is one that is not at rest at the time limit.
+// is one that still moves at the time limit and may yet go anywhere.
+//
+// Deciding early. A ball that is trapped in its bin is not simulated any further until another one
+// comes near; when all are trapped or at rest, the outcome is clear. It is what the whole
+// simulation comes to, which simulate_to_rest runs. Most of a ball's bounces come after it is
+// trapped.
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
-//   2. Balls that are not at rest fill nothing, so a satisfied animation has come to its end.
+//   2. What is decided early is what a run to rest would find.
 // Thread-safe: immutable after construction.
 #pragma once
 
@@ -38,8 +43,8 @@ namespace sleight::worlds::spelling {
 
 /// How a simulation ended.
 enum class End : std::uint8_t {
-  at_rest,
-  time_limit,    ///< some ball still moved
+  settled,       ///< every ball is at rest, or in its bin for good
+  time_limit,    ///< some ball moved for too long
   impossible,    ///< two balls start in one place, or offsets turn the box inside out
   search_failed  ///< the simulator could not go on
 };
@@ -49,9 +54,9 @@ struct Outcome {
   std::uint32_t elsewhere = 0;  ///< active balls that fill none, second ones in a bin included
   /// When that was clear: the simulation is looked at each tenth of a second after the last drop.
   double end_s = 0;
-  End end = End::at_rest;
+  End end = End::settled;
 
-  bool is_animation() const { return end == End::at_rest || end == End::time_limit; }
+  bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
 
 /// A whole animation, to rest or to the time limit.
@@ -74,7 +79,10 @@ class Spelling {
 
   State draw_prior(random::Stream& stream) const { return prior_.draw(stream); }
   double log_prior(const State& state) const { return prior_.log_density(state); }
+  /// As far as it takes to know the outcome.
   Outcome simulate(const State& state) const;
+  /// Until all balls are at rest: the same but for `end_s`.
+  Outcome simulate_to_rest(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
   bool satisfied(const Outcome& outcome) const;
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
@@ -97,13 +105,15 @@ class Spelling {
   /// By bin, row by row from the lowest y: the number of the ball that fills it, if it is
   /// designated, -1 if none.
   std::vector<int> balls_of_bins(const State& state) const;
-  /// What balls at rest with their centres in these places, and so many others, come to.
-  Outcome judged(std::span<const Vec3> resting_m, std::uint32_t others) const;
+  /// What balls that stay with their centres in these places, and so many others, come to.
+  Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
 
  private:
-  /// Runs to rest or to the limit.
+  /// Runs until all balls are at rest or suspended, or to the limit. How it ended, as far as it
+  /// didn't fail: at the limit, time_limit.
   End run(const physics::Scene& scene, physics::Simulation& simulation) const;
-  /// The designated bin that a ball at rest fills, if any.
+  Outcome simulate(const State& state, bool to_rest) const;
+  /// The designated bin that a ball in its place fills, if any.
   std::optional<Bin> filled_bin(const Vec3& centre_m) const;
 
   Parameters parameters_;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/random/stream.h"
 #include "worker/physics/scenes/scenes.h"
@@ -155,11 +156,13 @@ void expect_closest(const StaticGeometry& geometry, const TriangleMesh& mesh, co
   Box box;
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
-    box.low_m[axis] = static_cast<float>(p[i] - expected_m);
-    box.high_m[axis] = static_cast<float>(p[i] + expected_m);
+    // Rounded outwards: the sphere lies in it.
+    constexpr float k_far = std::numeric_limits<float>::infinity();
+    box.low_m[axis] = std::nextafter(static_cast<float>(p[i] - expected_m), -k_far);
+    box.high_m[axis] = std::nextafter(static_cast<float>(p[i] + expected_m), k_far);
   }
   std::vector<std::uint32_t> near;
-  geometry.features_near(box, near);
+  geometry.features_near(box, expected_m, near);
   EXPECT_TRUE(std::ranges::is_sorted(near, std::less_equal<>{}) || near.size() < 2);
   EXPECT_TRUE(std::ranges::binary_search(near, closest.feature));
 }

@@ -179,7 +179,7 @@ TEST(Spelling, SimulationsAreFunctionsOfTheState) {
   EXPECT_EQ(first.end_s, again.end_s);
   const Outcome none = world.simulate(drops_in(world, 0));
   EXPECT_EQ(none.filled, 0U);
-  EXPECT_EQ(none.end, End::at_rest);
+  EXPECT_EQ(none.end, End::settled);
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+#include "worker/worlds/spelling/traps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/vector.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+/// Far more than rounding, and than the errors of pieces of motion, add to a height.
+constexpr double k_margin_m = 1e-4;
+/// A solid ball's I / (m r^2).
+constexpr double k_gyration = 0.4;
+
+}  // namespace
+
+std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist& twist) const {
+  const double radius_m = 0.5 * world_.ball_diameter_m;
+  const Vec3 turning_mps = radius_m * twist.angular_velocity_radps;
+  const double energy = math::dot(twist.velocity_mps, twist.velocity_mps) +
+                        k_gyration * math::dot(turning_mps, turning_mps);
+  const double reaches_m = centre_m.z() + energy / (2 * world_.gravity_mps2) + k_margin_m;
+  // Most balls are too fast for a look at the bin.
+  if (!(centre_m.z() > 0) || reaches_m > world_.partition_height_m) return std::nullopt;
+  const auto bin = bins_.bin_at(centre_m);
+  if (!bin) return std::nullopt;
+  double lowest_m = world_.partition_height_m;
+  double lean_m = 0;  // of the partitions, outwards
+  for (const std::uint32_t corner : bins_.corners(*bin)) {
+    if (corner == k_no_vertex) continue;
+    const Vec3& offset_m = offsets_m_[corner];
+    lowest_m = std::min(lowest_m, world_.partition_height_m + offset_m.z());
+    lean_m = std::max({lean_m, std::fabs(offset_m.x()), std::fabs(offset_m.y())});
+  }
+  if (reaches_m > lowest_m) return std::nullopt;
+  const Vec3 middle_m = bins_.floor_middle_m(*bin);
+  const double half_m = 0.5 * world_.bin_m + lean_m + k_margin_m;
+  // Partitions that lean over into the next bin would not keep balls apart.
+  if (half_m > 0.5 * (world_.bin_m + world_.partition_m)) return std::nullopt;
+  physics::Box box;
+  for (int i = 0; i < 2; ++i) {
+    if (std::fabs(centre_m[i] - middle_m[i]) > half_m - radius_m) return std::nullopt;
+    const auto axis = static_cast<std::size_t>(i);
+    box.low_m[axis] = static_cast<float>(middle_m[i] - half_m);
+    box.high_m[axis] = static_cast<float>(middle_m[i] + half_m);
+  }
+  box.low_m[2] = static_cast<float>(-k_margin_m);
+  box.high_m[2] = static_cast<float>(reaches_m + radius_m);
+  return Place{.bin = *bin, .box = box};
+}
+
+}  // namespace sleight::worlds::spelling
