@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 #include <vector>
 
+#include "clients/cli/kept_animations.h"
 #include "clients/cli/request_numbers.h"
 #include "clients/cli/trace.h"
 #include "common/archive/format.h"
@@ -17,10 +17,9 @@
 namespace sleight::cli {
 namespace {
 
-constexpr std::size_t k_chains_drawn_max = 6;
 constexpr int k_points_per_hop = 40;
 
-/// Most hops of a path: a damaged archive must not make a picture of gigabytes.
+/// Most hops of a path.
 constexpr std::uint64_t k_hops_max = 10'000;
 
 /// Panels beside each other.
@@ -75,57 +74,6 @@ void append_hop(const Segments& segments, std::size_t row, const Asked& asked,
                        0.5 * asked.gravity_mps2 * t * t;
     path.push_back({x_m / asked.diameter_m, z_m / asked.diameter_m});
   }
-}
-
-/// One number of each kept animation.
-std::vector<double> of_animations(const archive::Source& source, std::string_view dataset) {
-  return read_rows(source, archive::k_animations, dataset, 1,
-                   {.count = archive::summary_of(source).animations});
-}
-
-/// Where the segments of an animation lie. Throws base::Error(bad_archive) when it says nonsense.
-Rows segments_of(const archive::Source& source, double start, double count) {
-  const std::uint64_t segments = archive::summary_of(source).segments;
-  // In doubles, before any cast: the numbers are not trusted, and none may be NaN.
-  const bool whole = start >= 0 && count >= 0 && std::trunc(start) == start &&
-                     std::trunc(count) == count && start + count <= static_cast<double>(segments);
-  if (!whole || count > static_cast<double>(k_hops_max)) {
-    throw base::Error(
-        base::ExitCode::bad_archive,
-        fmt::format("{}: an animation claims {} segments from {}; there are {}, and at most {} to "
-                    "a path",
-                    source.name(), count, start, segments, k_hops_max));
-  }
-  return {.first = static_cast<std::uint64_t>(start), .count = static_cast<std::uint64_t>(count)};
-}
-
-/// Which animations to draw: the first of each lineage, then the others, in the archive's order.
-std::vector<std::size_t> choose(const archive::Source& source, std::optional<std::uint64_t> only,
-                                std::size_t count) {
-  const std::vector<double> chain = of_animations(source, "chain");
-  const std::vector<double> lineage = of_animations(source, "lineage");
-  std::set<std::pair<double, double>> seen;
-  std::vector<std::size_t> first;
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < chain.size(); ++i) {
-    if (only && chain[i] != static_cast<double>(*only)) continue;
-    (seen.emplace(chain[i], lineage[i]).second ? first : others).push_back(i);
-  }
-  first.insert(first.end(), others.begin(), others.end());
-  first.resize(std::min(first.size(), count));
-  return first;
-}
-
-/// Why there is nothing to draw, and what to do.
-[[noreturn]] void refuse_empty(const archive::Source& source, std::optional<std::uint64_t> chain) {
-  const archive::Summary summary = archive::summary_of(source);
-  const std::string whose = chain ? fmt::format(" of chain {}", *chain) : "";
-  const char* why = summary.keep_max <= 0           ? "its request keeps none: keep_max = 0"
-                    : summary.keep_per_lineage <= 0 ? "its request keeps none: keep_per_lineage = 0"
-                    : chain                         ? "try another chain or run more scans"
-                                                    : "run more scans";
-  throw base::Error(
-      fmt::format("{}: it holds no satisfying animation{} to draw; {}", source.name(), whose, why));
 }
 
 /// The range of nearly all values, so that the few of a chain's way from its start don't flatten
@@ -190,15 +138,7 @@ plot::Figure ball_2d_trace(const archive::Source& source, std::optional<std::uin
                                                 .label = "satisfied"});
   plot::Panel log_p{.title = "log p", .x_label = asked.step, .y_label = "log p"};
 
-  std::vector<std::uint64_t> chains;
-  if (chain) {
-    chains.push_back(*chain);
-  } else {
-    const std::uint64_t all = stats_size(source, "chain");
-    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(all, k_chains_drawn_max); ++i) {
-      chains.push_back(i);
-    }
-  }
+  const std::vector<std::uint64_t> chains = chains_to_draw(source, chain);
   std::vector<double> all_landings;
   std::vector<double> all_log_p;
   for (std::size_t i = 0; i < chains.size(); ++i) {
@@ -227,11 +167,7 @@ plot::Figure ball_2d_trace(const archive::Source& source, std::optional<std::uin
 plot::Figure ball_2d_paths(const archive::Source& source, std::optional<std::uint64_t> chain,
                            std::size_t count) {
   const Asked asked = asked_of(source);
-  if (chain) check_chain(source, *chain);
-  const std::vector<std::size_t> chosen = choose(source, chain, count);
-  if (chosen.empty()) refuse_empty(source, chain);
-  const std::vector<double> start = of_animations(source, "segment_start");
-  const std::vector<double> hops = of_animations(source, "segment_count");
+  const std::vector<std::size_t> chosen = choose_animations(source, chain, count);
   const std::vector<double> chains = of_animations(source, "chain");
   const std::vector<double> scans = of_animations(source, "draw");
   const std::size_t columns = std::min(chosen.size(), k_columns_max);
@@ -243,7 +179,7 @@ plot::Figure ball_2d_paths(const archive::Source& source, std::optional<std::uin
                       .panels = {}};
   for (const std::size_t i : chosen) {
     plot::Panel panel =
-        path_panel(read_segments(source, segments_of(source, start[i], hops[i])), asked);
+        path_panel(read_segments(source, segments_of(source, i, k_hops_max)), asked);
     panel.title = fmt::format("chain {}, draw {}", chains[i], scans[i]);
     panel.legend = i == chosen.front();
     figure.panels.push_back(std::move(panel));

@@ -9,6 +9,7 @@
 
 #include "clients/cli/archive_commands.h"
 #include "clients/cli/main_direct.h"
+#include "clients/cli/main_spelling_box.h"
 #include "clients/cli/output.h"
 #include "clients/cli/plot_command.h"
 #include "common/archive/csv.h"
@@ -108,8 +109,11 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
   command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
   command->add_option("-o,--output", options.output, "A picture; the terminal if not given")
       ->type_name("FILE.svg|FILE.png");
-  command->add_option("--what", options.what, "trace: outcome and log p; paths: the motion")
-      ->check(CLI::IsMember({"trace", "paths"}))
+  command
+      ->add_option("--what", options.what,
+                   "trace: outcome and log p; paths: the motion (ball_2d); animations: the motion "
+                   "(spelling)")
+      ->check(CLI::IsMember({"trace", "paths", "animations"}))
       ->capture_default_str();
   command->add_option("--chain", options.chain, "Only this chain")
       ->check(CLI::Range(std::uint64_t{0}, k_number_max).description(""))
@@ -117,7 +121,7 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
   command->add_option("--draws", options.draws, "Only the first so many draws")
       ->check(CLI::Range(std::uint64_t{1}, k_number_max).description(""))
       ->type_name("N");
-  command->add_option("--count", options.count, "Paths to draw")
+  command->add_option("--count", options.count, "Paths or animations to draw")
       ->check(CLI::Range(1, 12))
       ->type_name("N")
       ->capture_default_str();
@@ -125,8 +129,11 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
       "Examples:\n"
       "  sleight plot ball.h5\n"
       "  sleight plot ball.h5 --chain 0 --draws 1000 -o figure_2_4.svg\n"
-      "  sleight plot ball.h5 --what paths -o figure_2_3.png");
-  command->callback([&] { action = [&] { return cli::plot_archive(options); }; });
+      "  sleight plot ball.h5 --what paths -o figure_2_3.png\n"
+      "  sleight plot hi.h5 --chain 0 -o hi_filled.svg\n"
+      "  sleight plot hi.h5 --what animations --count 4 -o hi_animations.png");
+  command->callback(
+      [&] { action = [&] { return cli::plot_archive(options, read_spelling_box); }; });
 }
 
 int main_of(int argc, char** argv) {

@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "clients/cli/ball_2d_figures.h"
 #include "clients/cli/output.h"
 #include "clients/cli/request_numbers.h"
+#include "clients/cli/spelling_figures.h"
 #include "clients/cli/trace.h"
 #include "clients/plot/save.h"
 #include "clients/plot/terminal.h"
@@ -26,16 +28,15 @@ plot::Figure plain_trace(const archive::Source& source, const PlotOptions& optio
   std::vector<std::string> names = outcome_names(source);
   names.emplace_back("lp");
   const std::string step = scan_label(RequestNumbers(summary.request_text, source.name()));
-  const std::uint64_t chains = options.chain ? 1 : stats_size(source, "chain");
+  const std::vector<std::uint64_t> chains = chains_to_draw(source, options.chain);
   for (const std::string& name : names) {
     plot::Panel panel{.title = name, .x_label = step, .y_label = name};
-    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(chains, 6); ++i) {
-      const std::uint64_t chain = options.chain.value_or(i);
-      panel.series.push_back(
-          plot::Steps{.points = trace(source, name, {.chain = chain, .draws = options.draws}, 1),
-                      .color = plot::palette::series(i),
-                      .label = fmt::format("chain {}", chain),
-                      .width_px = 1});
+    for (std::size_t i = 0; i < chains.size(); ++i) {
+      panel.series.push_back(plot::Steps{
+          .points = trace(source, name, {.chain = chains[i], .draws = options.draws}, 1),
+          .color = plot::palette::series(i),
+          .label = fmt::format("chain {}", chains[i]),
+          .width_px = 1});
     }
     figure.panels.push_back(std::move(panel));
     figure.height_px += 280;
@@ -43,13 +44,42 @@ plot::Figure plain_trace(const archive::Source& source, const PlotOptions& optio
   return figure;
 }
 
-plot::Figure figure_of(const archive::Source& source, const PlotOptions& options) {
-  const bool ball = archive::summary_of(source).world == "ball_2d";
+SpellingBox spelling_box_of(const archive::Source& source, const SpellingBoxReader& read) {
+  auto box = read(archive::summary_of(source).request_text);
+  if (box) return std::move(box).value();
+  throw base::Error(base::ExitCode::bad_archive,
+                    source.name() + ": its request is none of balls that spell: " + box.error());
+}
+
+plot::Figure figure_of(const archive::Source& source, const PlotOptions& options,
+                       const SpellingBoxReader& read_box) {
+  const std::string world = archive::summary_of(source).world;
   if (options.what == "paths") {
-    if (ball) return ball_2d_paths(source, options.chain, options.count);
-    throw base::Error(base::ExitCode::usage, "paths can be drawn for ball_2d archives only");
+    if (world == "ball_2d") return ball_2d_paths(source, options.chain, options.count);
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("paths can be drawn of ball_2d archives only, and {} is of the "
+                    "world {}{}",
+                    source.name(), world, world == "spelling" ? "; try --what animations" : ""));
   }
-  return ball ? ball_2d_trace(source, options.chain, options.draws) : plain_trace(source, options);
+  if (options.what == "animations") {
+    if (world == "spelling") {
+      // A terminal's dots are too few for the frames.
+      return spelling_animations(
+          source, spelling_box_of(source, read_box),
+          {.chain = options.chain, .count = options.count, .frames = !options.output.empty()});
+    }
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("animations can be drawn of spelling archives only, and {} is of "
+                    "the world {}{}",
+                    source.name(), world, world == "ball_2d" ? "; try --what paths" : ""));
+  }
+  if (world == "ball_2d") return ball_2d_trace(source, options.chain, options.draws);
+  if (world == "spelling") {
+    return spelling_trace(source, spelling_box_of(source, read_box), options.chain, options.draws);
+  }
+  return plain_trace(source, options);
 }
 
 void draw_on_terminal(const plot::Figure& figure) {
@@ -62,11 +92,11 @@ void draw_on_terminal(const plot::Figure& figure) {
 
 }  // namespace
 
-int plot_archive(const PlotOptions& options) {
+int plot_archive(const PlotOptions& options, const SpellingBoxReader& spelling_box) {
   if (!options.output.empty()) refuse_same_file(options.path, options.output);
   const auto draw = [&] {
     const auto source = archive::hdf5::open_file(options.path);
-    const plot::Figure figure = figure_of(*source, options);
+    const plot::Figure figure = figure_of(*source, options, spelling_box);
     if (options.output.empty()) {
       draw_on_terminal(figure);
     } else {

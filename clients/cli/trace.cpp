@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <variant>
 
@@ -16,6 +17,9 @@ namespace {
 
 /// Draws read at a time.
 constexpr std::uint64_t k_batch = 65536;
+
+/// More lines in one panel can't be told apart: the palette has so many colours.
+constexpr std::uint64_t k_chains_drawn_max = 6;
 
 /// What /sample_stats holds of every world; all else of dims (chain, draw) are its outcomes.
 constexpr std::array<std::string_view, 6> k_common = {"lp",        "log_prior", "log_constraint",
@@ -134,6 +138,17 @@ void check_chain(const archive::Source& source, std::uint64_t chain) {
   throw base::Error(base::ExitCode::usage,
                     fmt::format("{}: no chain {}; it has {} chains, counted from 0", source.name(),
                                 chain, chains));
+}
+
+std::vector<std::uint64_t> chains_to_draw(const archive::Source& source,
+                                          std::optional<std::uint64_t> asked) {
+  if (asked) {
+    check_chain(source, *asked);
+    return {*asked};
+  }
+  std::vector<std::uint64_t> chains(std::min(stats_size(source, "chain"), k_chains_drawn_max));
+  std::iota(chains.begin(), chains.end(), std::uint64_t{0});
+  return chains;
 }
 
 std::vector<std::string> outcome_names(const archive::Source& source) {

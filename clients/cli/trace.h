@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,11 @@ void check_chain(const archive::Source& source, std::uint64_t chain);
 
 /// Size of a dimension of /sample_stats.
 std::uint64_t stats_size(const archive::Source& source, std::string_view dimension);
+
+/// The chains whose traces are drawn into one panel: the one asked for, or the first six. Throws
+/// base::Error(usage) when the archive has no such chain.
+std::vector<std::uint64_t> chains_to_draw(const archive::Source& source,
+                                          std::optional<std::uint64_t> asked);
 
 /// Names of the world's outcome scalars, in order.
 std::vector<std::string> outcome_names(const archive::Source& source);

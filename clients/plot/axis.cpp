@@ -138,6 +138,11 @@ struct Extents {
     add({disc.center.x + disc.radius_x, disc.center.y + radius_y});
     x_margin = true;
   }
+  void operator()(const Rectangle& rectangle) {
+    add(rectangle.low);
+    add(rectangle.high);
+    x_margin = true;
+  }
   void operator()(const Text& text) {
     add(text.at);
     x_margin = true;

@@ -127,6 +127,16 @@ struct Disc {
   bool filled = true;
 };
 
+/// With the axes' directions, from one corner to the other.
+struct Rectangle {
+  Point low = {};
+  Point high = {};
+  Color color = palette::k_grey;
+  std::string label = {};
+  bool filled = true;
+  double width_px = 1.4;  ///< of the outline, where not filled
+};
+
 enum class Anchor { start, middle, end };
 
 /// Words at a point: their baseline starts, is centred or ends there.
@@ -136,10 +146,13 @@ struct Text {
   Anchor anchor = Anchor::start;
   Color color = palette::k_ink;
   double size_px = 12;
+  /// A label within a disc or box: the point is the middle of its height, and it has no white rim,
+  /// which sets words off from lines beneath.
+  bool inside = false;
 };
 
-using Series =
-    std::variant<Line, Steps, Markers, HorizontalBand, HorizontalLine, Arrow, Disc, Text>;
+using Series = std::variant<Line, Steps, Markers, HorizontalBand, HorizontalLine, Arrow, Disc,
+                            Rectangle, Text>;
 
 struct Panel {
   std::string title = {};
@@ -150,6 +163,9 @@ struct Panel {
   std::optional<Range> y_range = std::nullopt;
   /// One unit of x is as long as one of y; the range with room to spare grows on both sides.
   bool equal_aspect = false;
+  /// Without: no ticks, axis labels or grid in a file, the frame fills its cell. For drawings that
+  /// are no diagram. A terminal shows them always.
+  bool axes = true;
   bool grid = true;
   bool legend = true;
   /// Height beside the other rows of the figure; a row takes its largest.

@@ -47,6 +47,9 @@ LegendEntry entry_of(const Series& series) {
     LegendEntry operator()(const Disc& s) const {
       return {s.label, s.filled ? Swatch::area : Swatch::line, s.color};
     }
+    LegendEntry operator()(const Rectangle& s) const {
+      return {s.label, s.filled ? Swatch::area : Swatch::line, s.color};
+    }
     LegendEntry operator()(const Text&) const { return {}; }
   };
   return std::visit(Visitor{}, series);
@@ -108,6 +111,7 @@ RowMargins row_margins_of(const Panel& panel, std::size_t legend_rows) {
   RowMargins out;
   out.above = panel.title.empty() ? 4 : style::k_panel_title + 9;
   if (legend_rows > 0) out.above += style::k_legend_row * static_cast<double>(legend_rows) + 4;
+  if (!panel.axes) return out;
   out.below = style::k_tick_length + 4 + style::k_tick_label + 2;
   if (!panel.x_label.empty()) out.below += k_label_gap + style::k_axis_label;
   return out;
@@ -137,10 +141,11 @@ PanelLayout place(const Panel& panel, Box cell, ColumnMargins sides, RowMargins 
   if (panel.equal_aspect) {
     out.ranges = with_equal_aspect(out.ranges, out.frame.width, out.frame.height);
   }
-  out.y_ticks = y_ticks_of(out.ranges.y, out.frame.height);
-  out.x_ticks = x_ticks_of(out.ranges.x, out.frame.width);
   out.title =
       fitted(printable(panel.title), style::k_panel_title, width + sides.right, Weight::bold);
+  if (!panel.axes) return out;
+  out.y_ticks = y_ticks_of(out.ranges.y, out.frame.height);
+  out.x_ticks = x_ticks_of(out.ranges.x, out.frame.width);
   out.x_label = fitted(printable(panel.x_label), style::k_axis_label, width);
   out.y_label = fitted(printable(panel.y_label), style::k_axis_label, out.frame.height);
   return out;
@@ -149,6 +154,7 @@ PanelLayout place(const Panel& panel, Box cell, ColumnMargins sides, RowMargins 
 // The side margins that a placed panel's texts need.
 ColumnMargins sides_of(const Panel& panel, const PanelLayout& placed) {
   ColumnMargins sides;
+  if (!panel.axes) return sides;
   sides.left = style::k_tick_length + 4 + widest(placed.y_ticks.labels);
   if (!panel.y_label.empty()) sides.left += k_label_gap + style::k_axis_label;
   // A tick label at an end of the x axis reaches beyond the frame by half its width.

@@ -16,6 +16,8 @@ constexpr Color k_grid{0xE9, 0xE9, 0xE9};
 constexpr Color k_axis{0x66, 0x66, 0x66};
 constexpr double k_infinity_mark = 4;  // half a side of the triangle at the edge, pixels
 constexpr double k_head_length = 8;    // of an arrow, pixels, at a width of 2
+constexpr double k_half_capital =
+    0.36;  // a text's baseline is so far below its middle, of its size
 
 void draw_arrow(SvgWriter& svg, Point from, Point to, Stroke stroke) {
   const double dx = to.x - from.x;
@@ -78,10 +80,24 @@ class SeriesPainter {
       svg_.ellipse_outline(center, radius_x, radius_y, {.color = disc.color, .width = 1.4});
     }
   }
+  void operator()(const Rectangle& rectangle) const {
+    if (!is_drawable(rectangle.low) || !is_drawable(rectangle.high)) return;
+    const Point a = layout_.to_pixels(rectangle.low);
+    const Point b = layout_.to_pixels(rectangle.high);
+    const Box box{std::min(a.x, b.x), std::min(a.y, b.y), std::abs(b.x - a.x), std::abs(b.y - a.y)};
+    if (rectangle.filled) {
+      svg_.rectangle(box, rectangle.color);
+    } else {
+      svg_.rectangle_outline(box, {.color = rectangle.color, .width = rectangle.width_px});
+    }
+  }
   void operator()(const Text& text) const {
     if (!is_drawable(text.at)) return;
-    svg_.text(layout_.to_pixels(text.at), printable(text.text),
-              {.size = text.size_px, .color = text.color, .anchor = text.anchor, .halo = true});
+    Point at = layout_.to_pixels(text.at);
+    if (text.inside) at.y += k_half_capital * text.size_px;
+    svg_.text(
+        at, printable(text.text),
+        {.size = text.size_px, .color = text.color, .anchor = text.anchor, .halo = !text.inside});
   }
 
  private:
@@ -154,8 +170,7 @@ void draw_axes(SvgWriter& svg, const PanelLayout& layout) {
       {frame.left, frame.top}, {frame.left, frame.bottom()}, {frame.right(), frame.bottom()}};
   svg.polyline(corners, {.color = k_axis});
   const double tick = style::k_tick_length;
-  // A label's baseline is this far below its middle.
-  const double half_digit = 0.36 * style::k_tick_label;
+  const double half_digit = k_half_capital * style::k_tick_label;
   for (std::size_t i = 0; i < layout.x_ticks.values.size(); ++i) {
     const double x = layout.to_pixels({layout.x_ticks.values[i], layout.ranges.y.low}).x;
     svg.segment({x, frame.bottom()}, {x, frame.bottom() + tick}, {.color = k_axis});
@@ -176,7 +191,7 @@ void draw_axes(SvgWriter& svg, const PanelLayout& layout) {
 }
 
 void draw_legend_entry(SvgWriter& svg, const LegendEntry& entry) {
-  const double y = entry.baseline - 0.36 * style::k_legend;
+  const double y = entry.baseline - k_half_capital * style::k_legend;
   const double width = style::k_legend_swatch;
   switch (entry.swatch) {
     case Swatch::line:
@@ -202,7 +217,7 @@ void draw_panel(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) {
   for (const Series& series : panel.series) {
     if (const auto* band = std::get_if<HorizontalBand>(&series)) draw_band(svg, layout, *band);
   }
-  if (panel.grid) draw_grid(svg, layout);
+  if (panel.grid && panel.axes) draw_grid(svg, layout);
   // The data, cut to the frame; a line upon the edge keeps its whole width.
   svg.begin_clipped({layout.frame.left - 1, layout.frame.top - 1, layout.frame.width + 2,
                      layout.frame.height + 2});
@@ -210,7 +225,7 @@ void draw_panel(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) {
     std::visit(SeriesPainter(svg, layout), series);
   svg.end_group();
   // Axes and words.
-  draw_axes(svg, layout);
+  if (panel.axes) draw_axes(svg, layout);
   svg.text({layout.frame.left, layout.cell.top + style::k_panel_title}, layout.title,
            {.size = style::k_panel_title, .weight = Weight::bold});
   for (const LegendEntry& entry : layout.legend)

@@ -84,6 +84,11 @@ void SvgWriter::rectangle(Box box, Color fill) {
                       number(box.top), number(box.width), number(box.height), fill_of(fill));
 }
 
+void SvgWriter::rectangle_outline(Box box, Stroke stroke) {
+  out_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" {}/>\n", number(box.left),
+                      number(box.top), number(box.width), number(box.height), stroke_of(stroke));
+}
+
 void SvgWriter::segment(Point from, Point to, Stroke stroke) {
   out_ += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" {}/>\n", number(from.x),
                       number(from.y), number(to.x), number(to.y), stroke_of(stroke));

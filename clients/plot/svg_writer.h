@@ -39,6 +39,7 @@ class SvgWriter {
   void end_group();
 
   void rectangle(Box box, Color fill);
+  void rectangle_outline(Box box, Stroke stroke);
   void segment(Point from, Point to, Stroke stroke);
   /// Joined points; nothing for fewer than two.
   void polyline(std::span<const Point> points, Stroke stroke);

@@ -88,6 +88,15 @@ class DotPainter {
       if (disc.filled) canvas_.line(corner(i), corner(k_disc_corners - i), disc.color);
     }
   }
+  /// The outline alone: dots have no lighter shade that what stands in front could be seen upon.
+  void operator()(const Rectangle& rectangle) const {
+    if (!is_drawable(rectangle.low) || !is_drawable(rectangle.high)) return;
+    const Point a = to_dots(rectangle.low);
+    const Point b = to_dots(rectangle.high);
+    const Point corners[] = {a, {b.x, a.y}, b, {a.x, b.y}, a};
+    for (std::size_t i = 1; i < std::size(corners); ++i)
+      canvas_.line(corners[i - 1], corners[i], rectangle.color);
+  }
   void operator()(const Text& text) const {
     if (!is_drawable(text.at)) return;
     const Point at = to_dots(text.at);

@@ -36,6 +36,10 @@
 namespace sleight::request {
 namespace {
 
+/// What may stand behind a dot in a bitmap's string, as the normalised text has it on one line, but
+/// in no dotted key.
+constexpr std::string_view k_never_after_a_keys_dot = ".#\\";
+
 constexpr std::size_t k_value_characters_max = 40;
 constexpr std::size_t k_syntax_message_characters_max = 300;
 
@@ -71,7 +75,10 @@ std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
                                   "UTF-8",
                                   static_cast<unsigned char>(text[0]))}};
     }
-    if (c->value == '.' && ++dots > k_dots_per_line_max) {
+    const bool may_nest =
+        c->value == '.' &&
+        (text.size() < 2 || k_never_after_a_keys_dot.find(text[1]) == std::string_view::npos);
+    if (may_nest && ++dots > k_dots_per_line_max) {
       return {{place, fmt::format("more than {} dots on one line; keys of a request do not nest",
                                   k_dots_per_line_max)}};
     }

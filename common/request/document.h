@@ -51,12 +51,13 @@ struct Document {
 };
 
 inline constexpr std::size_t k_request_bytes_max = std::size_t{1} << 20;
-/// Dots on one line. A dotted key nests as deep as it has dots, and toml++ 3.3 frees nested tables
-/// by recursion without a limit: a megabyte of `a.a.a` would overflow the stack.
+/// Dots on one line that a key may follow. A dotted key nests as deep as it has dots, and
+/// toml++ 3.3 frees nested tables by recursion without a limit: a megabyte of `a.a.a` would
+/// overflow the stack.
 inline constexpr std::size_t k_dots_per_line_max = 100;
 
 /// Reads TOML 1.0. What fails is reported alone, being where reading ended: not UTF-8, not TOML,
-/// doubled keys, longer than k_request_bytes_max, more dots than k_dots_per_line_max.
+/// doubled keys, longer than k_request_bytes_max, more dots of keys than k_dots_per_line_max.
 base::Result<Document, Diagnostic> parse_document(std::string_view text, std::string_view file);
 
 /// As in "found ...": `found the string "4"`, `found 1.5`, `found an array`. Printable and short.

@@ -1,5 +1,8 @@
 """Goal: balls are directed to spell, and the archive holds what happened. Method: a small word of
-two bins, by threads, by mpirun, on processors without AVX2; the archive read back with h5py."""
+two bins, by threads, by mpirun, on processors without AVX2; the archive read back with h5py, drawn
+and looked at as SVG."""
+
+import re
 
 import h5py
 import numpy
@@ -64,6 +67,91 @@ class Spelling(ProgramTest):
                     env={"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA"})
         for name in ["two.h5", "ranks.h5", "plain.h5"]:
             self.assertEqual(self.path(name).read_bytes(), self.path("one.h5").read_bytes(), name)
+
+    def test_pictures(self):
+        archive = self.path("two.h5")
+        self.direct(self.request(), archive)
+        for what in ["trace", "animations"]:
+            for ending, head in [("svg", b"<svg"), ("png", b"\x89PNG")]:
+                picture = self.path(f"{what}.{ending}")
+                self.succeed(sleight("plot", archive, "--what", what, "-o", picture))
+                self.assertTrue(picture.read_bytes().startswith(head))
+        svg = self.path("animations.svg").read_text()
+        with h5py.File(archive) as file:
+            kept = min(3, len(file["animations/animation"]))
+            found = {(int(chain), 2 * int(draw)) for chain, draw in
+                     zip(file["animations/chain"], file["animations/draw"])}
+        shown = re.findall(r"chain (\d+), iteration (\d+)<", svg)
+        self.assertEqual(len(shown), kept)
+        self.assertLessEqual({(int(chain), int(step)) for chain, step in shown}, found)
+        # Two bins of six are tinted; eight instants, in order for each animation.
+        self.assertEqual(svg.count('fill="#f4b8a0"'), 2 * kept)
+        times = [float(time) for time in re.findall(r">(?:from the front, )?([0-9.]+) s", svg)]
+        self.assertEqual(len(times), 8 * kept)
+        for i in range(0, len(times), 8):
+            self.assertEqual(times[i:i + 8], sorted(times[i:i + 8]))
+        self.assertEqual(svg.count(" s, at rest<"), kept)
+        one = self.succeed(sleight("plot", archive, "--what", "animations", "--count", "1"))
+        self.assertEqual(one.stdout.count("iteration"), 1)
+        filled = self.path("filled.svg")
+        self.succeed(sleight("plot", archive, "--chain", "1", "-o", filled))
+        self.assertIn(">filled bins<", filled.read_text())
+        self.assertIn(">all 2<", filled.read_text())
+        self.assertNotIn("chain 0", filled.read_text())
+
+    def test_words_are_drawn_too(self):
+        # The bins of a word are the world's knowledge; the largest box is one whose request has
+        # its whole bitmap on one line.
+        for world, tinted in [('word = "I"', 5), ('bitmap = "#"\ncolumns = 40\nrows = 12', 1)]:
+            request = self.path("word.toml")
+            request.write_text(re.sub(r'bitmap = """.*?"""', world, REQUEST, flags=re.S))
+            archive = self.path("word.h5")
+            self.direct(request, archive, "--fresh")
+            self.succeed(sleight("plot", archive, "-o", self.path("word.svg")))
+            self.assertIn(f">all {tinted}<", self.path("word.svg").read_text())
+
+    def test_pictures_that_there_are_not(self):
+        archive = self.path("two.h5")
+        self.direct(self.request(), archive)
+        ball = self.path("ball.h5")
+        self.direct(self.write_request(scans=2), ball)
+        none = self.path("none.toml")
+        none.write_text(REQUEST.replace("scans = 40", "scans = 1"))
+        self.direct(none, self.path("none.h5"))
+        for of, what, code, words in [(ball, "animations", 2, "try --what paths"),
+                                      (archive, "paths", 2, "try --what animations"),
+                                      (archive, "smoke", 2, "smoke"),
+                                      (self.path("none.h5"), "animations", 5,
+                                       "no satisfying animation to draw; run more scans")]:
+            result = sleight("plot", of, "--what", what, "-o", self.path("no.svg"))
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertIn(words, result.stderr)
+            self.assertFalse(self.path("no.svg").exists())
+
+    def test_damaged_motions_are_refused(self):
+        self.direct(self.request(), self.path("two.h5"))
+        for dataset, value, words in [("moving_ball", 2, "balls that its request doesn't have"),
+                                      ("moving_ball", numpy.nan, "balls that its request"),
+                                      ("start_s", numpy.nan, "not in the order of time"),
+                                      ("segment_count", 1 << 62, "segments from"),
+                                      ("segment_count", 0, "moves no ball")]:
+            damaged = self.path("damaged.h5")
+            damaged.write_bytes(self.path("two.h5").read_bytes())
+            with h5py.File(damaged, "r+") as file:
+                file["animations"][dataset][:] = value
+            result = sleight("plot", damaged, "--what", "animations", "-o", self.path("no.svg"))
+            self.assertEqual(result.returncode, 6, result.stderr)
+            self.assertIn(words, result.stderr)
+            self.assertNotIn("crashed", result.stderr)
+        # What is drawn far away or nowhere is no crash.
+        for value in [numpy.nan, numpy.inf, 1e300]:
+            damaged.write_bytes(self.path("two.h5").read_bytes())
+            with h5py.File(damaged, "r+") as file:
+                for dataset in ["position_m", "velocity_mps", "acceleration_mps2"]:
+                    file["animations"][dataset][:] = value
+            self.succeed(sleight("plot", damaged, "--what", "animations", "-o",
+                                 self.path("far.svg")))
+            self.assertNotIn("nan", self.path("far.svg").read_text())
 
     def test_a_wrong_bitmap_is_told(self):
         path = self.path("bad.toml")

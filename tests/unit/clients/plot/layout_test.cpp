@@ -64,6 +64,19 @@ TEST(Layout, LinesUpPanelsOfAColumn) {
   EXPECT_DOUBLE_EQ(layout.panels[0].frame.right(), layout.panels[1].frame.right());
 }
 
+TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
+  // Goal: a panel that is no diagram has its whole cell below the title, so that its units can be
+  // pixels. Method: the frame's sides; no ticks are left.
+  const Panel panel{.title = "a drawing", .x_label = "x", .y_label = "y", .axes = false};
+  const PanelLayout layout = layout_of({.panels = {panel}}).panels[0];
+  EXPECT_DOUBLE_EQ(layout.frame.left, layout.cell.left);
+  EXPECT_DOUBLE_EQ(layout.frame.right(), layout.cell.right());
+  EXPECT_DOUBLE_EQ(layout.frame.bottom(), layout.cell.bottom());
+  EXPECT_DOUBLE_EQ(layout.frame.top, layout.cell.top + style::k_panel_title + 9);
+  EXPECT_TRUE(layout.x_ticks.values.empty());
+  EXPECT_TRUE(layout.y_ticks.values.empty());
+}
+
 TEST(Layout, LegendNamesEachLabelOnceAndWraps) {
   // Goal: three arrows of one label are one entry, and entries that do not fit a row open another,
   // none beyond the frame. Method: many labels in a narrow figure.

@@ -110,7 +110,14 @@ TEST(Svg, DrawsEachKindOfSeries) {
   EXPECT_EQ(occurrences(svg_of(Arrow{}), "<polygon"), 0U);
   EXPECT_EQ(occurrences(svg_of(Disc{}), "<ellipse"), 1U);
   EXPECT_EQ(occurrences(svg_of(Disc{.filled = false}), "<ellipse"), 1U);
+  // The page and the frame's clip are rectangles too.
+  EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}}), "<rect"), 3U);
+  EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}, .filled = false}), "fill=\"none\""),
+            1U + occurrences(svg_of(Rectangle{.high = {1, 1}}), "fill=\"none\""));
+  EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, k_inf}}), "<rect"), 2U);
   EXPECT_EQ(occurrences(svg_of(Text{.text = "words"}), ">words<"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Text{.text = "words"}), "paint-order"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Text{.text = "words", .inside = true}), "paint-order"), 0U);
   EXPECT_EQ(occurrences(svg_of(Line{.label = "legend"}), ">legend<"), 1U);
 }
 

@@ -90,6 +90,18 @@ TEST(Document, RefusesDeepKeysInEveryDisguise) {
   }
 }
 
+TEST(Document, TakesBitmapsOnOneLine) {
+  // Goal: the normalised text of the largest bitmap, all on one line, can be read; dotted keys
+  // can't hide among such dots. Method: 12 rows of 40, escaped line ends; long keys behind them.
+  const std::string bitmap = "a = \"" + repeated(repeated(".", 39) + "#\\U0000000A", 6) +
+                             repeated(repeated(".", 40) + "\\U0000000A", 6) + "\"";
+  EXPECT_EQ(error_of(bitmap), "");
+  EXPECT_NE(
+      error_of("a = { b = \"" + repeated(".", 300) + "\", c" + repeated(".c", 200000) + " = 1 }")
+          .find("do not nest"),
+      std::string::npos);
+}
+
 TEST(Document, HoldsTheDeepestFileThatIsAllowed) {
   // Eight inline tables one in another, a line each, every line with as many dots as it may have.
   std::string deep = "a" + repeated(".a", k_dots_per_line_max) + " = ";

@@ -1,0 +1,73 @@
+#include "clients/cli/kept_animations.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "common/archive/format.h"
+#include "common/archive/summary.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+/// Why there is nothing to draw, and what to do.
+[[noreturn]] void refuse_empty(const archive::Source& source, std::optional<std::uint64_t> chain) {
+  const archive::Summary summary = archive::summary_of(source);
+  const std::string whose = chain ? fmt::format(" of chain {}", *chain) : "";
+  const char* why = summary.keep_max <= 0           ? "its request keeps none: keep_max = 0"
+                    : summary.keep_per_lineage <= 0 ? "its request keeps none: keep_per_lineage = 0"
+                    : chain                         ? "try another chain or run more scans"
+                                                    : "run more scans";
+  throw base::Error(
+      fmt::format("{}: it holds no satisfying animation{} to draw; {}", source.name(), whose, why));
+}
+
+}  // namespace
+
+std::vector<double> of_animations(const archive::Source& source, std::string_view dataset) {
+  return read_rows(source, archive::k_animations, dataset, 1,
+                   {.count = archive::summary_of(source).animations});
+}
+
+Rows segments_of(const archive::Source& source, std::size_t animation, std::uint64_t most) {
+  const std::uint64_t segments = archive::summary_of(source).segments;
+  const Rows own{.first = animation, .count = 1};
+  const double start = read_rows(source, archive::k_animations, "segment_start", 1, own).front();
+  const double count = read_rows(source, archive::k_animations, "segment_count", 1, own).front();
+  // In doubles, before any cast: the numbers are not trusted, and none may be NaN.
+  const bool whole = start >= 0 && count >= 0 && std::trunc(start) == start &&
+                     std::trunc(count) == count && start + count <= static_cast<double>(segments);
+  if (!whole || count > static_cast<double>(most)) {
+    throw base::Error(
+        base::ExitCode::bad_archive,
+        fmt::format("{}: an animation claims {} segments from {}; there are {}, and at most {} to "
+                    "an animation",
+                    source.name(), count, start, segments, most));
+  }
+  return {.first = static_cast<std::uint64_t>(start), .count = static_cast<std::uint64_t>(count)};
+}
+
+std::vector<std::size_t> choose_animations(const archive::Source& source,
+                                           std::optional<std::uint64_t> only, std::size_t count) {
+  if (only) check_chain(source, *only);
+  const std::vector<double> chain = of_animations(source, "chain");
+  const std::vector<double> lineage = of_animations(source, "lineage");
+  std::set<std::pair<double, double>> seen;
+  std::vector<std::size_t> first;
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    if (only && chain[i] != static_cast<double>(*only)) continue;
+    (seen.emplace(chain[i], lineage[i]).second ? first : others).push_back(i);
+  }
+  first.insert(first.end(), others.begin(), others.end());
+  first.resize(std::min(first.size(), count));
+  if (first.empty()) refuse_empty(source, only);
+  return first;
+}
+
+}  // namespace sleight::cli

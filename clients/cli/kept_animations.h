@@ -1,0 +1,28 @@
+// Which of an archive's kept animations to draw, and where their motions lie.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "clients/cli/trace.h"
+#include "common/archive/model.h"
+
+namespace sleight::cli {
+
+/// One number of each kept animation.
+std::vector<double> of_animations(const archive::Source& source, std::string_view dataset);
+
+/// Rows along `segment` of one animation, as the archive claims them. Throws
+/// base::Error(bad_archive) when they are not within the table or more than `most`: a damaged
+/// archive must not make a picture of gigabytes.
+Rows segments_of(const archive::Source& source, std::size_t animation, std::uint64_t most);
+
+/// Up to `count` animations, of one chain or of all: the first of each lineage, then the others, in
+/// the archive's order. Throws base::Error that says why when there is none, usage when there is no
+/// such chain.
+std::vector<std::size_t> choose_animations(const archive::Source& source,
+                                           std::optional<std::uint64_t> chain, std::size_t count);
+
+}  // namespace sleight::cli

@@ -1,0 +1,321 @@
+// Goal: the pictures of balls that spell show what an archive holds: which bins shall be filled,
+// each ball where its motion puts it, instants in order. Method: a small archive of known motions,
+// drawn; the figure's series and the SVG's elements are counted and measured.
+#include "clients/cli/spelling_figures.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <regex>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "clients/cli/spelling_motions.h"
+#include "clients/plot/layout.h"
+#include "clients/plot/svg.h"
+#include "common/archive/format.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Le;
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Two of three bins in a row.
+SpellingBox small_box() {
+  return {.columns = 3,
+          .rows = 1,
+          .designated = {true, false, true},
+          .bin_mm = 20,
+          .partition_mm = 2,
+          .partition_height_mm = 12,
+          .box_height_mm = 36,
+          .drop_height_mm = 72,
+          .ball_diameter_mm = 16};
+}
+
+/// What a test changes of an archive.
+struct Contents {
+  double animations = 2;
+  std::vector<double> ball{0, 0, 1, 1};
+  std::vector<double> start_s{0, 0.4, 0.15, 1.0};
+  /// Ball 0 flies for 0.4 s, then lies in the left bin; ball 1 hangs for 0.85 s, then lies in the
+  /// right one.
+  std::vector<double> position_m{0.01, 0,    0.08, -0.022, 0.001, 0.009,
+                                 0.02, 0.01, 0.08, 0.022,  0,     0.009};
+  std::vector<double> velocity_mps{0.01, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  std::vector<double> acceleration_mps2{0, 0, -0.2, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+};
+
+/// An archive of equal animations of two balls, in chains 0, 1, ...; and two chains of four scans,
+/// ten iterations each.
+class SmallArchive final : public archive::Source {
+ public:
+  explicit SmallArchive(const Contents& contents = {}) : contents_(contents) {
+    const auto count = static_cast<std::size_t>(contents.animations);
+    const archive::Dimension segment{"segment", count * contents.ball.size()};
+    const archive::Dimension xyz{"axis_xyz", 3};
+    groups_ = {
+        {.name = "/",
+         .attributes = {{"format_version", std::int64_t{1}},
+                        {"world", "spelling"},
+                        {"inference_library_version", "0"},
+                        {"content_digest", ""}},
+         .datasets = {{.name = "request", .type = archive::ElementType::text}}},
+        {.name = "/posterior", .attributes = {{"thin", std::int64_t{1}}}},
+        {.name = "/sample_stats"},
+        {.name = "/animations",
+         .attributes = {{"keep_max", std::int64_t{9}}, {"keep_per_lineage", std::int64_t{9}}}}};
+    add("/posterior", "draw", {{"draw", 4}}, {0, 1, 2, 3});
+    add("/sample_stats", "chain", {{"chain", 2}}, {0, 1});
+    add("/sample_stats", "draw", {{"draw", 4}}, {0, 1, 2, 3});
+    add("/sample_stats", "filled", {{"chain", 2}, {"draw", 4}}, {0, 1, 1, 2, 0, 0, 0, 1});
+    add("/sample_stats", "lp", {{"chain", 2}, {"draw", 4}}, {-9, -5, -5, -3, -9, -9, -9, -5});
+    const auto each = [&](double first, double step) {
+      std::vector<double> values(count);
+      for (std::size_t i = 0; i < count; ++i)
+        values[i] = first + step * static_cast<double>(i);
+      return values;
+    };
+    const auto rows = static_cast<double>(contents.ball.size());
+    for (const auto& [name, values] :
+         {std::pair{"animation", each(0, 1)}, std::pair{"chain", each(0, 1)},
+          std::pair{"draw", each(3, 0)}, std::pair{"lineage", each(0, 0)},
+          std::pair{"segment_start", each(0, rows)}, std::pair{"segment_count", each(rows, 0)}})
+      add("/animations", name, {{"animation", count}}, values);
+    const auto repeated = [&](const std::vector<double>& values) {
+      std::vector<double> all;
+      for (std::size_t i = 0; i < count; ++i)
+        all.insert(all.end(), values.begin(), values.end());
+      return all;
+    };
+    add("/animations", "segment", {segment}, std::vector<double>(segment.size));
+    add("/animations", "moving_ball", {segment}, repeated(contents.ball));
+    add("/animations", "start_s", {segment}, repeated(contents.start_s));
+    add("/animations", "position_m", {segment, xyz}, repeated(contents.position_m));
+    add("/animations", "velocity_mps", {segment, xyz}, repeated(contents.velocity_mps));
+    add("/animations", "acceleration_mps2", {segment, xyz}, repeated(contents.acceleration_mps2));
+  }
+
+  std::string name() const override { return "small.h5"; }
+  const std::vector<archive::Group>& groups() const override { return groups_; }
+  archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
+                       std::uint64_t count) const override {
+    if (dataset == "request")
+      return std::vector<std::string>{"[sampler]\niterations_per_scan = 10\n"};
+    const std::vector<double>& values = values_.at(archive::path_of(group, dataset));
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
+    return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
+  }
+
+ private:
+  void add(std::string_view group, const char* dataset, std::vector<archive::Dimension> dims,
+           std::vector<double> values) {
+    const auto found = std::ranges::find(groups_, group, &archive::Group::name);
+    found->datasets.push_back({.name = dataset, .dims = std::move(dims)});
+    values_[archive::path_of(group, dataset)] = std::move(values);
+  }
+
+  Contents contents_;
+  std::vector<archive::Group> groups_;
+  std::map<std::string, std::vector<double>> values_;
+};
+
+template <class Kind>
+std::vector<Kind> all_of(const plot::Panel& panel) {
+  std::vector<Kind> found;
+  for (const plot::Series& series : panel.series) {
+    if (const auto* one = std::get_if<Kind>(&series)) found.push_back(*one);
+  }
+  return found;
+}
+
+/// Where filled discs stand, as (x, y).
+std::vector<plot::Point> balls_of(const plot::Panel& panel) {
+  std::vector<plot::Point> centers;
+  for (const plot::Disc& disc : all_of<plot::Disc>(panel)) {
+    if (disc.filled) centers.push_back(disc.center);
+  }
+  return centers;
+}
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+base::ExitCode failure_of(const std::function<void()>& work, const std::string& words) {
+  try {
+    work();
+  } catch (const base::Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(words));
+    return error.exit_code();
+  }
+  ADD_FAILURE() << "not refused: " << words;
+  return base::ExitCode::ok;
+}
+
+TEST(SpellingMotions, FollowTheSegments) {
+  // Goal: a ball is where its segment in force puts it, and nowhere before its drop. Method: by
+  // hand, at and between the starts.
+  const SmallArchive source;
+  const std::vector<BallMotion> balls = read_motions(source, 1, 2);
+  ASSERT_EQ(balls.size(), 2U);
+  EXPECT_EQ(balls[1].ball(), 1U);
+  EXPECT_EQ(balls[1].place_at(0.149), std::nullopt);
+  const PlaceMm start = balls[1].place_at(0.15).value();
+  EXPECT_DOUBLE_EQ(start[0], 20);
+  EXPECT_DOUBLE_EQ(start[1], 10);
+  EXPECT_DOUBLE_EQ(start[2], 80);
+  const PlaceMm flying = balls[0].place_at(0.3).value();
+  EXPECT_DOUBLE_EQ(flying[0], 10 + 10 * 0.3);
+  EXPECT_DOUBLE_EQ(flying[2], 80 - 100 * 0.3 * 0.3);
+  EXPECT_DOUBLE_EQ(balls[0].place_at(0.4).value()[0], -22);
+  EXPECT_DOUBLE_EQ(balls[0].place_at(99).value()[0], -22);
+}
+
+TEST(SpellingMotions, DamagedOnesAreRefused) {
+  // Goal: numbers of a hostile archive are refused by name. Method: one wrong number at a time.
+  const auto refused = [](const Contents& contents, const char* words) {
+    EXPECT_EQ(failure_of([&] { read_motions(SmallArchive(contents), 0, 2); }, words),
+              base::ExitCode::bad_archive);
+  };
+  for (const double ball : {-1.0, 2.0, 1e300, k_nan})
+    refused({.ball = {0, 0, 1, ball}}, "moves balls that its request doesn't have");
+  for (const double start : {-1.0, k_nan, std::numeric_limits<double>::infinity()})
+    refused({.start_s = {0, start, 0, 1}}, "not in the order of time");
+  refused(
+      {.ball = {}, .start_s = {}, .position_m = {}, .velocity_mps = {}, .acceleration_mps2 = {}},
+      "moves no ball");
+}
+
+TEST(SpellingFigures, ShowBinsAndBallsFromAbove) {
+  // Goal: bins to fill are tinted, others not, and balls at rest lie where they lie. Method: the
+  // view from above alone, which is in millimetres of the box.
+  const SmallArchive source;
+  const plot::Figure figure =
+      spelling_animations(source, small_box(), {.chain = 1, .count = 4, .frames = false});
+  ASSERT_EQ(figure.panels.size(), 1U);
+  const plot::Panel& panel = figure.panels.front();
+  EXPECT_EQ(panel.title, "chain 1, iteration 30");
+  const auto rectangles = all_of<plot::Rectangle>(panel);
+  ASSERT_EQ(rectangles.size(), 5U);  // the partitions' colour, three bins, the walls
+  EXPECT_EQ(rectangles[1].color, rectangles[3].color);
+  EXPECT_NE(rectangles[1].color, rectangles[2].color);
+  EXPECT_DOUBLE_EQ(rectangles[1].low.x, -32);
+  EXPECT_DOUBLE_EQ(rectangles[3].high.x, 32);
+  EXPECT_THAT(balls_of(panel), ElementsAre(plot::Point{-22, 1}, plot::Point{22, 0}));
+  const auto discs = all_of<plot::Disc>(panel);
+  EXPECT_THAT(discs, Each(::testing::Field(&plot::Disc::radius_x, 8)));
+  EXPECT_NE(discs.front().color, discs.back().color);
+  std::vector<std::string> numbers;
+  for (const plot::Text& text : all_of<plot::Text>(panel))
+    numbers.push_back(text.text);
+  EXPECT_THAT(numbers, ElementsAre("1", "2"));
+}
+
+TEST(SpellingFigures, ShowInstantsInOrder) {
+  // Goal: eight frames from the first drop to rest, each with the balls dropped by then. Method:
+  // times and circles out of the SVG, of which there are two of each ball and view.
+  const SmallArchive source;
+  const plot::Figure figure = spelling_animations(source, small_box(), {.count = 1});
+  const std::string svg = plot::to_svg(figure);
+  std::vector<double> times;
+  const std::regex time(">(?:from the front, )?([0-9.]+) s");
+  for (std::sregex_iterator i(svg.begin(), svg.end(), time), end; i != end; ++i)
+    times.push_back(std::stod((*i)[1]));
+  ASSERT_EQ(times.size(), 8U);
+  EXPECT_TRUE(std::ranges::is_sorted(times));
+  EXPECT_EQ(times.front(), 0);
+  EXPECT_EQ(times.back(), 1);
+  EXPECT_THAT(svg, HasSubstr(">1.00 s, at rest<"));
+  EXPECT_EQ(occurrences(svg, "from above, at rest"), 1U);
+  // Of the times 0, 0.09, 0.18, ... the first two are before the second drop.
+  EXPECT_EQ(occurrences(svg, "<ellipse"), 2U * (2 + 8 + 6));
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  // The last frame shows what the view from above does, mirrored nowhere.
+  const std::vector<plot::Point> balls = balls_of(figure.panels.front());
+  const auto last = std::span(balls).last(2);
+  EXPECT_NE(last[0].x, last[1].x);
+  EXPECT_DOUBLE_EQ(last[0].y, last[1].y);
+}
+
+TEST(SpellingFigures, FitTheirPanelsForAnyBox) {
+  // Goal: nothing of an animation is cut off and its scale is that of the panel's units, for the
+  // narrowest box to the largest. Method: extents of all that is drawn; the SVG's frame.
+  const SmallArchive source;
+  for (const auto& [columns, rows] :
+       {std::pair{2U, 1U}, {1U, 12U}, {7U, 5U}, {15U, 7U}, {40U, 1U}, {40U, 12U}}) {
+    SpellingBox box = small_box();
+    box.columns = columns;
+    box.rows = rows;
+    box.designated = std::vector<bool>(std::size_t{columns} * rows, true);
+    for (const double drop_height_mm : {20.0, 72.0, 1000.0}) {
+      box.drop_height_mm = drop_height_mm;
+      const plot::Figure figure = spelling_animations(source, box, {.count = 2});
+      ASSERT_EQ(figure.panels.size(), 2U);
+      const plot::Panel& panel = figure.panels.front();
+      for (const plot::Rectangle& rectangle : all_of<plot::Rectangle>(panel)) {
+        ASSERT_LT(rectangle.low.x, rectangle.high.x);
+        ASSERT_LT(rectangle.low.y, rectangle.high.y);
+        ASSERT_GE(rectangle.low.x, -1e-9) << columns << " x " << rows << ", " << drop_height_mm;
+        ASSERT_GE(rectangle.low.y, -1e-9);
+        ASSERT_LE(rectangle.high.x, panel.x_range->high + 1e-9);
+        ASSERT_LE(rectangle.high.y, panel.y_range->high + 1e-9);
+      }
+      const plot::PanelLayout layout = plot::layout_of(figure).panels.front();
+      EXPECT_NEAR(layout.frame.width, panel.x_range->high, 0.01);
+      EXPECT_NEAR(layout.frame.height, panel.y_range->high, 0.01);
+    }
+  }
+}
+
+TEST(SpellingFigures, TraceCountsIterations) {
+  // Goal: filled bins stand over iterations, not scans, below a line at all of them. Method: the
+  // series of one chain and of all.
+  const SmallArchive source;
+  const plot::Figure one = spelling_trace(source, small_box(), 0, 3);
+  ASSERT_EQ(one.panels.size(), 2U);
+  const auto steps = all_of<plot::Steps>(one.panels[0]);
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_THAT(steps[0].points,
+              ElementsAre(plot::Point{0, 0}, plot::Point{10, 1}, plot::Point{20, 1}));
+  const auto lines = all_of<plot::HorizontalLine>(one.panels[0]);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].y, 2);
+  EXPECT_EQ(lines[0].label, "all 2");
+  EXPECT_EQ(all_of<plot::Steps>(spelling_trace(source, small_box(), {}, 0).panels[1]).size(), 2U);
+  EXPECT_EQ(failure_of([&] { spelling_trace(source, small_box(), 2, 0); }, "no chain 2"),
+            base::ExitCode::usage);
+}
+
+TEST(SpellingFigures, NothingToDrawIsSaid) {
+  // Goal: without a kept animation one learns why and what to do. Method: none at all; none of a
+  // chain; no such chain.
+  const auto drawn = [](double animations, std::optional<std::uint64_t> chain) {
+    return [=] {
+      spelling_animations(SmallArchive({.animations = animations}), small_box(),
+                          {.chain = chain, .count = 4});
+    };
+  };
+  EXPECT_EQ(failure_of(drawn(0, {}), "no satisfying animation to draw; run more scans"),
+            base::ExitCode::environment);
+  EXPECT_EQ(failure_of(drawn(1, 1), "no satisfying animation of chain 1"),
+            base::ExitCode::environment);
+  EXPECT_EQ(failure_of(drawn(1, 2), "no chain 2"), base::ExitCode::usage);
+}
+
+}  // namespace
+}  // namespace sleight::cli
