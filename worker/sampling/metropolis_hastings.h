@@ -3,8 +3,14 @@
 // Draws are addressed by (seed, chain, replica, purpose, iteration), so an iteration's outcome is a
 // pure function of the state before it. The proposal and the acceptance have streams of their own:
 // a proposal that draws more or fewer numbers doesn't shift anything else.
+//
+// Simulations cost all the time there is, so none is made whose result is known: not of a candidate
+// that is the current state, and not of one that would be rejected even at the greatest constraint
+// density that it may have (BoundsConstraint; the number that decides is drawn before). Exactly:
+// the ratio never falls, in its rounded arithmetic either, as that density grows.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -31,6 +37,7 @@ struct ChainStreams {
 struct StepReport {
   std::uint32_t kind = 0;  ///< of the proposal
   bool accepted = false;
+  bool simulated = false;  ///< whether it took a simulation to know
 };
 
 /// Lines 1 and 2 of Algorithm 2.1: the start, an exact draw from the prior, simulated.
@@ -65,17 +72,31 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   random::Stream proposal_stream = streams.at(random::Purpose::proposal, iteration);
   auto proposal = target.propose(current.state, proposal_stream);
 
-  // Simulate it.
-  Sample<T> candidate = evaluate(target, std::move(proposal.candidate));
+  const double log_u = math::log(streams.at(random::Purpose::acceptance, iteration).uniform());
+  const auto accepts = [&](double log_prior, double log_constraint) {
+    return log_u < log_acceptance_ratio(current.log_prior, current.log_constraint, log_prior,
+                                        log_constraint, inverse_temperature, proposal.log_q_ratio);
+  };
 
-  // Accept it with probability min(1, ratio).
-  const double log_ratio =
-      log_acceptance_ratio(current.log_prior, current.log_constraint, candidate.log_prior,
-                           candidate.log_constraint, inverse_temperature, proposal.log_q_ratio);
-  const double u = streams.at(random::Purpose::acceptance, iteration).uniform();
-  const bool accepted = math::log(u) < log_ratio;
-  if (accepted) current = std::move(candidate);
-  return {.kind = proposal.kind, .accepted = accepted};
+  // It may be known what comes of it.
+  if constexpr (std::equality_comparable<typename T::State>) {
+    if (proposal.candidate == current.state) {
+      return {.kind = proposal.kind, .accepted = accepts(current.log_prior, current.log_constraint)};
+    }
+  }
+  const double log_prior = target.log_prior(proposal.candidate);
+  if constexpr (BoundsConstraint<T>) {
+    if (!accepts(log_prior, target.log_constraint_at_most(proposal.candidate)))
+      return {.kind = proposal.kind, .accepted = false};
+  }
+
+  // Simulate it, and accept it with probability min(1, ratio).
+  typename T::Outcome outcome = target.simulate(proposal.candidate);
+  const double log_constraint = target.log_constraint(outcome);
+  const bool accepted = accepts(log_prior, log_constraint);
+  if (accepted)
+    current = {std::move(proposal.candidate), std::move(outcome), log_prior, log_constraint};
+  return {.kind = proposal.kind, .accepted = accepted, .simulated = true};
 }
 
 }  // namespace sleight::sampling

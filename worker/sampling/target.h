@@ -43,6 +43,13 @@ concept Target = std::copyable<typename T::State> && std::copyable<typename T::O
   { target.proposal_kinds() } -> std::convertible_to<std::uint32_t>;
 };
 
+/// A target that knows, without a simulation, a bound that a state's log_constraint can't exceed:
+/// then a candidate that couldn't be accepted even so need not be simulated.
+template <class T>
+concept BoundsConstraint = Target<T> && requires(const T& target, const typename T::State& state) {
+  { target.log_constraint_at_most(state) } -> std::same_as<double>;
+};
+
 /// A state together with everything that was computed from it. log_prior and log_constraint always
 /// belong to this state: they travel together, so that no old density outlives an acceptance.
 template <Target T>

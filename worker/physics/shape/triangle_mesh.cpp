@@ -41,11 +41,6 @@ std::vector<DirectedSide> sides_of(std::span<const TriangleCorners> triangles) {
   return sides;
 }
 
-void sort_unique(std::vector<std::uint32_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
 }  // namespace
 
 base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> vertices_m,
@@ -201,6 +196,16 @@ void TriangleMesh::derive_vertex(std::uint32_t vertex) {
 }
 
 std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove> moves) {
+  is_moved_.resize(std::max({triangles_.size(), edges_.size(), vertices_m_.size()}));
+  const auto add_once = [&](std::uint32_t item, std::vector<std::uint32_t>& items) {
+    if (is_moved_[item] != 0) return;
+    is_moved_[item] = 1;
+    items.push_back(item);
+  };
+  const auto unmark = [&](const std::vector<std::uint32_t>& items) {
+    for (const std::uint32_t item : items)
+      is_moved_[item] = 0;
+  };
   // The new positions, and the triangles about them.
   old_positions_m_.clear();
   moved_triangles_.clear();
@@ -210,36 +215,39 @@ std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove>
     vertices_m_[move.vertex] = move.position_m;
     for (std::size_t i = triangles_first_[move.vertex];
          i < triangles_first_[move.vertex + std::size_t{1}]; ++i)
-      moved_triangles_.push_back(triangles_about_[i]);
+      add_once(triangles_about_[i], moved_triangles_);
   }
-  sort_unique(moved_triangles_);
+  unmark(moved_triangles_);
   // Checks; on an error the positions go back in reverse order, for vertices that came twice.
   std::optional<MeshError> error;
   for (const std::uint32_t t : moved_triangles_) {
-    if (!error) error = check_triangle(t);
+    if (error && error->triangle < t) continue;
+    if (const auto wrong = check_triangle(t)) error = wrong;
   }
   for (const VertexMove& move : moves) {
     if (!error && !finite(vertices_m_[move.vertex]))
       error = MeshError{.kind = MeshError::Kind::vertex_not_finite, .vertex = move.vertex};
   }
+  moved_edges_.clear();
+  moved_vertices_.clear();
   if (error) {
     for (std::size_t i = moves.size(); i-- > 0;)
       vertices_m_[moves[i].vertex] = old_positions_m_[i];
     return error;
   }
   // Faces, then the edges of these, then the ends of those.
-  moved_edges_.clear();
-  moved_vertices_.clear();
   for (const std::uint32_t t : moved_triangles_) {
     derive_face(t);
-    moved_edges_.insert(moved_edges_.end(), triangle_edges_[t].begin(), triangle_edges_[t].end());
+    for (const std::uint32_t e : triangle_edges_[t])
+      add_once(e, moved_edges_);
   }
-  sort_unique(moved_edges_);
+  unmark(moved_edges_);
   for (const std::uint32_t e : moved_edges_) {
     derive_edge(e);
-    moved_vertices_.insert(moved_vertices_.end(), edges_[e].vertex.begin(), edges_[e].vertex.end());
+    for (const std::uint32_t v : edges_[e].vertex)
+      add_once(v, moved_vertices_);
   }
-  sort_unique(moved_vertices_);
+  unmark(moved_vertices_);
   for (const std::uint32_t v : moved_vertices_)
     derive_vertex(v);
   return std::nullopt;

@@ -109,11 +109,22 @@ class TriangleMesh {
     return triangle_edges_[triangle];
   }
 
+  /// The edges that end at a vertex, ascending.
+  std::span<const std::uint32_t> edges_at(std::uint32_t vertex) const {
+    return std::span(edges_about_)
+        .subspan(edges_first_[vertex],
+                 edges_first_[vertex + std::size_t{1}] - edges_first_[vertex]);
+  }
+
   /// Puts vertices elsewhere, the last one given counting if a vertex comes twice, and derives
   /// again what hangs on them: some 0.25 us for each triangle about. No allocation once the largest
   /// set of vertices has been moved. On an error, of the lowest triangle concerned, nothing
   /// changes. REQUIRES: the vertices exist.
   [[nodiscard]] std::optional<MeshError> move_vertices(std::span<const VertexMove> moves);
+  /// The edges of the triangles that the last move changed, and the ends of these edges: in no
+  /// particular order, each once.
+  std::span<const std::uint32_t> moved_edges() const { return moved_edges_; }
+  std::span<const std::uint32_t> moved_vertices() const { return moved_vertices_; }
 
  private:
   TriangleMesh() = default;
@@ -135,6 +146,7 @@ class TriangleMesh {
   // Room for move_vertices.
   std::vector<Vec3> old_positions_m_;
   std::vector<std::uint32_t> moved_triangles_, moved_edges_, moved_vertices_;
+  std::vector<std::uint8_t> is_moved_;  ///< all 0 between uses
 };
 
 }  // namespace sleight::physics

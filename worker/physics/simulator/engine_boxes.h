@@ -44,6 +44,15 @@ inline bool holds(const Box& outer, const Box& inner) {
   return true;
 }
 
+inline Box wider(const Box& box, float margin_m) {
+  Box wide;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    wide.low_m[axis] = box.low_m[axis] - margin_m;
+    wide.high_m[axis] = box.high_m[axis] + margin_m;
+  }
+  return wide;
+}
+
 /// A body began a segment at this tick: it keeps its box if that holds it long enough.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::motion_changed(std::uint32_t body) {
@@ -99,12 +108,10 @@ template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
   if (!world_.has_statics() || world_.static_count(body) == 0) return false;
   if (!holds(static_boxes_[body], box)) {
+    // A body that flies past would leave the wider box at once.
     const auto margin = static_cast<float>(k_static_margin_radii * world_.reach_m(body));
     Box& wide = static_boxes_[body];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      wide.low_m[axis] = box.low_m[axis] - margin;
-      wide.high_m[axis] = box.high_m[axis] + margin;
-    }
+    wide = wider(box, holds(wider(wide, margin), box) ? margin : 0);
     std::vector<std::uint32_t>& candidates = candidates_[body];
     candidates.clear();
     world_.statics_near(body, wide, candidates);

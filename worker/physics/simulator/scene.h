@@ -75,6 +75,9 @@ struct StaticMesh {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  ///< in the world's frame
   MaterialId material{};
+  /// Bounding volumes allow for vertices that are moved by so much in each coordinate, between
+  /// simulations (StaticGeometry::refresh). Changes no result.
+  double slack_m = 0;
 };
 
 /// How slow contacts end. All 0: they never do, as in a gas.

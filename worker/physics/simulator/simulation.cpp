@@ -72,7 +72,10 @@ std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& opti
 class Simulation::Impl {
  public:
   Impl(const Scene& scene, const SimulationOptions& options)
-      : world(scene, options.record, options.orientations, options.segments_reserved),
+      : world(scene, {.record = options.record,
+                      .orientations = options.orientations,
+                      .segments_reserved = options.segments_reserved,
+                      .statics = options.statics}),
         engine(engine_of(world, options, std::nullopt)) {}
 
   World world;

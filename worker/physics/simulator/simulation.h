@@ -35,6 +35,7 @@
 #include "worker/physics/simulator/engine_options.h"
 #include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/scene.h"
+#include "worker/physics/simulator/static_geometry.h"
 
 namespace sleight::physics {
 
@@ -52,6 +53,11 @@ struct SimulationOptions {
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
   TickCount sample_every = 0;          ///< sampling events from tick 0 on; 0: none
   std::function<void(Tick)> on_sample{};
+  /// The scene's static geometry, for who simulates many scenes that share it or change little of
+  /// it: not changed while a simulation that has it runs. Null: it is made.
+  /// REQUIRES: made from a scene with this one's static geometry, and with bodies of its kinds and of
+  /// its greatest sphere.
+  std::shared_ptr<const StaticGeometry> statics{};
   /// Bodies that can be left alone, for who wants to know only where they end up. REQUIRES: the
   /// asynchronous algorithm, no recording, no sampling events, and no taking over.
   Confinement confinement{};

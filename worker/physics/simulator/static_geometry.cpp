@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
+#include "common/base/check.h"
 #include "common/math/elementary.h"
 
 namespace sleight::physics {
@@ -36,6 +38,21 @@ Box joined(const Box& a, const Box& b) {
     box.high_m[axis] = std::max(a.high_m[axis], b.high_m[axis]);
   }
   return box;
+}
+
+/// Rounded outwards.
+Box wider(const Box& box, double margin_m) {
+  if (margin_m == 0) return box;
+  constexpr float k_outwards = 1 + 0x1p-20F;
+  Box wide;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float margin = k_outwards * (static_cast<float>(margin_m) +
+                                       0x1p-20F * std::max(std::fabs(box.low_m[axis]),
+                                                           std::fabs(box.high_m[axis])));
+    wide.low_m[axis] = box.low_m[axis] - margin;
+    wide.high_m[axis] = box.high_m[axis] + margin;
+  }
+  return wide;
 }
 
 Box box_around(std::span<const Vec3> points_m) {
@@ -135,6 +152,7 @@ void StaticGeometry::clear() {
   piece_boxes_.clear();
   names_.clear();
   solids_.clear();
+  meshes_.clear();
 }
 
 void StaticGeometry::assign(const Scene& scene) {
@@ -156,7 +174,7 @@ void StaticGeometry::assign(const Scene& scene) {
     const TriangleMesh& mesh = *placed.mesh;
     const std::size_t triangles = mesh.triangles().size();
     sizes.features += 2 * triangles + mesh.edges().size() + mesh.vertices_m().size();
-    sizes.sides += 8 * triangles + 6 * mesh.edges().size();
+    sizes.sides += 8 * triangles + 6 * mesh.edges().size() + mesh.vertices_m().size();
     sizes.pieces += triangles;
     sizes.triangles += triangles;
   }
@@ -172,8 +190,33 @@ void StaticGeometry::assign(const Scene& scene) {
     names_.push_back(name_of("mesh", scene.meshes[i].name, i));
     add_mesh(scene.meshes[i]);
   }
-  feature_tree_ = BoxTree(feature_boxes_);
+  plant_feature_tree();
   piece_tree_ = BoxTree(piece_boxes_);
+  in_piece_tree_.resize(piece_boxes_.size());
+  std::iota(in_piece_tree_.begin(), in_piece_tree_.end(), plane_count());
+}
+
+/// Over what can be met, or may be once vertices have moved.
+void StaticGeometry::plant_feature_tree() {
+  in_feature_tree_.clear();
+  tree_boxes_.clear();
+  const auto add = [&](std::uint32_t from, std::uint32_t to, bool all) {
+    for (std::uint32_t i = from; i < to; ++i) {
+      if (!all && is_absent(features_[i])) continue;
+      in_feature_tree_.push_back(i);
+      tree_boxes_.push_back(feature_boxes_[i - plane_count_]);
+    }
+  };
+  std::uint32_t done = plane_count();
+  for (const MeshPlace& place : meshes_) {
+    const auto end =
+        static_cast<std::uint32_t>(place.first_vertex + place.mesh->vertices_m().size());
+    add(done, place.first_face, false);
+    add(place.first_face, end, place.slack_m > 0);
+    done = end;
+  }
+  add(done, feature_count(), false);
+  feature_tree_ = BoxTree(tree_boxes_);
 }
 
 void StaticGeometry::reserve(const Sizes& sizes) {
@@ -228,19 +271,20 @@ void StaticGeometry::add_mesh(const StaticMesh& placed) {
   corner_boxes_.clear();
   for (const Vec3& v : mesh.vertices_m())
     corner_boxes_.push_back(box_around(v));
-  if (for_spheres_) add_features(mesh, owner);
   if (is_closed(mesh)) {
     constexpr float k_infinity = std::numeric_limits<float>::infinity();
     Box box{.low_m = {k_infinity, k_infinity, k_infinity},
             .high_m = {-k_infinity, -k_infinity, -k_infinity}};
     for (const Box& corner : corner_boxes_)
       box = joined(box, corner);
+    box = wider(box, placed.slack_m);
     solids_.push_back({.owner = owner,
                        .polyhedron = {},
                        .mesh = placed.mesh,
                        .box = box,
                        .hollow = is_hollow(mesh)});
   }
+  if (for_spheres_) add_features(placed, owner);
   if (!for_pieces_) return;
   for (const TriangleCorners& corners : mesh.triangles()) {
     triangles_.emplace_back(mesh.vertices_m()[corners[0]], mesh.vertices_m()[corners[1]],
@@ -268,102 +312,193 @@ void StaticGeometry::add_feature(SphereFeature feature, std::uint32_t first_side
 
 // ---- the features of a mesh ---------------------------------------------------------------------
 
-void StaticGeometry::add_features(const TriangleMesh& mesh, StaticOwner owner) {
-  const bool closed = is_closed(mesh);
+void StaticGeometry::add_features(const StaticMesh& placed, StaticOwner owner) {
+  const TriangleMesh& mesh = *placed.mesh;
+  const auto triangles = static_cast<std::uint32_t>(mesh.triangles().size());
+  const auto edges = static_cast<std::uint32_t>(mesh.edges().size());
+  const auto vertices = static_cast<std::uint32_t>(mesh.vertices_m().size());
+  MeshPlace place{.mesh = placed.mesh,
+                  .solid = solids_.size() - 1,
+                  .closed = is_closed(mesh),
+                  .slack_m = placed.slack_m,
+                  .margins = margins_of(mesh.vertices_m())};
+  // Room for all: of a face three sides and itself, of an edge its ends and two faces, of a vertex
+  // one for each of its edges.
+  const std::uint32_t faces = place.closed ? triangles : 2 * triangles;
+  place.first_face = feature_count();
+  place.first_edge = place.first_face + faces;
+  place.first_vertex = place.first_edge + edges;
+  place.face_sides = side_count();
+  place.edge_sides = place.face_sides + 4 * faces;
+  std::uint32_t sides = place.edge_sides + 4 * edges;
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    place.vertex_sides.push_back(sides);
+    sides += std::max(1U, static_cast<std::uint32_t>(mesh.edges_at(v).size()));
+  }
+  features_.resize(place.first_vertex + vertices);
+  feature_owners_.resize(features_.size(), owner);
+  feature_boxes_.resize(features_.size() - plane_count_);
+  sides_.resize(sides);
+  for (std::uint32_t t = 0; t < triangles; ++t)
+    write_face(place, t);
+  for (std::uint32_t e = 0; e < edges; ++e)
+    write_edge(place, e);
+  for (std::uint32_t v = 0; v < vertices; ++v)
+    write_vertex(place, v);
+  write_boxes(place);
+  meshes_.push_back(std::move(place));
+}
+
+void StaticGeometry::refresh(std::size_t index) {
+  CHECK(!for_pieces_);
+  if (!for_spheres_) return;
+  MeshPlace& place = meshes_[index];
+  const TriangleMesh& mesh = *place.mesh;
   const Margins margins = margins_of(mesh.vertices_m());
-  for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
-    const TriangleCorners& corners = mesh.triangles()[t];
-    const MeshFace& face = mesh.faces()[t];
-    std::array<double, 3> margins_m{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const bool flat = mesh.edges()[mesh.edges_of(t)[k]].kind == EdgeKind::flat;
-      margins_m[k] = flat ? margins.flat_m : margins.border_m;
-    }
-    const Box first_two = joined(corner_boxes_[corners[0]], corner_boxes_[corners[1]]);
-    const Box box = joined(first_two, corner_boxes_[corners[2]]);
-    const Vec3 point_m = mesh.vertices_m()[corners[0]];
-    for (int back = 0; back < (closed ? 1 : 2); ++back) {
-      const std::uint32_t first = side_count();
-      add_face(face, margins_m, back != 0);
-      add_feature({.kind = FeatureKind::face,
-                   .point_m = point_m,
-                   .direction = back != 0 ? Vec3(-face.normal) : face.normal},
-                  first, box, owner);
+  if (margins.border_m != place.margins.border_m) {
+    // The size of the whole has changed, and every region by a rounding.
+    place.margins = margins;
+    for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t)
+      write_face(place, t);
+    for (std::uint32_t e = 0; e < mesh.edges().size(); ++e)
+      write_edge(place, e);
+    for (std::uint32_t v = 0; v < mesh.vertices_m().size(); ++v)
+      write_vertex(place, v);
+  }
+  for (const std::uint32_t e : mesh.moved_edges()) {
+    write_edge(place, e);
+    // How far a face reaches depends on how flat its edges are.
+    for (const std::uint32_t t : mesh.edges()[e].triangle) {
+      if (t != k_no_triangle) write_face(place, t);
     }
   }
-  for (std::uint32_t e = 0; e < mesh.edges().size(); ++e) {
-    const MeshEdge& edge = mesh.edges()[e];
-    if (!is_met(edge, closed)) continue;
-    const std::uint32_t first = side_count();
-    const Vec3& direction = edge.direction;
-    const Vec3& end_m = mesh.vertices_m()[edge.vertex[1]];
-    sides_.push_back(open_side(direction, math::dot(direction, edge.start_m)));
-    sides_.push_back(open_side(-direction, -math::dot(direction, end_m)));
-    for (const std::uint32_t t : edge.triangle) {
-      if (t == k_no_triangle) continue;
-      const auto& edges = mesh.edges_of(t);
-      const auto k = static_cast<std::size_t>(std::ranges::find(edges, e) - edges.begin());
-      const MeshFace& face = mesh.faces()[t];
-      sides_.push_back(open_side(-face.inward[k], -face.inward_offset_m[k]));
-    }
-    add_feature({.kind = FeatureKind::edge, .point_m = edge.start_m, .direction = direction}, first,
-                joined(corner_boxes_[edge.vertex[0]], corner_boxes_[edge.vertex[1]]), owner);
+  bool within = place.slack_m > 0;
+  for (const std::uint32_t v : mesh.moved_vertices()) {
+    write_vertex(place, v);
+    for (int i = 0; i < 3 && within; ++i)
+      within = std::fabs(mesh.vertices_m()[v][i] - place.homes_m[v][i]) <= place.slack_m;
   }
-  add_vertices(mesh, owner, margins);
+  if (within) return;
+  write_boxes(place);
+  if (place.closed) {
+    Box& box = solids_[place.solid].box;
+    box = wider(box_around(mesh.vertices_m()), place.slack_m);
+  }
+  plant_feature_tree();
+}
+
+/// A region that holds nothing.
+void StaticGeometry::set_absent(SphereFeature& feature) {
+  feature.regions_end = feature.regions_begin + 1;
+  sides_[feature.regions_begin] = closed_side(Vec3::Zero(), 1, 0);
+}
+
+bool StaticGeometry::is_absent(const SphereFeature& feature) const {
+  return feature.regions_end == feature.regions_begin + 1 &&
+         is_zero(sides_[feature.regions_begin].space.normal);
 }
 
 /// The region above a face, or below it.
-void StaticGeometry::add_face(const MeshFace& face, const std::array<double, 3>& margins_m,
-                              bool back) {
-  for (std::size_t k = 0; k < 3; ++k)
-    sides_.push_back(closed_side(face.inward[k], face.inward_offset_m[k], margins_m[k]));
-  sides_.push_back(back ? open_side(-face.normal, -face.offset_m)
-                        : closed_side(face.normal, face.offset_m, 0));
+void StaticGeometry::write_face(const MeshPlace& place, std::uint32_t triangle) {
+  const TriangleMesh& mesh = *place.mesh;
+  const MeshFace& face = mesh.faces()[triangle];
+  const Vec3& corner_m = mesh.vertices_m()[mesh.triangles()[triangle][0]];
+  for (std::uint32_t back = 0; back < (place.closed ? 1U : 2U); ++back) {
+    const std::uint32_t at = place.closed ? triangle : 2 * triangle + back;
+    std::uint32_t side = place.face_sides + 4 * at;
+    features_[place.first_face + at] = {.kind = FeatureKind::face,
+                                        .point_m = corner_m,
+                                        .direction = back != 0 ? Vec3(-face.normal) : face.normal,
+                                        .regions_begin = side,
+                                        .regions_end = side + 4};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool flat = mesh.edges()[mesh.edges_of(triangle)[k]].kind == EdgeKind::flat;
+      sides_[side++] = closed_side(face.inward[k], face.inward_offset_m[k],
+                                   flat ? place.margins.flat_m : place.margins.border_m);
+    }
+    sides_[side] = back != 0 ? open_side(-face.normal, -face.offset_m)
+                             : closed_side(face.normal, face.offset_m, 0);
+  }
 }
 
-/// The vertices at which some edge is met. All edges at such a vertex bound its region.
-void StaticGeometry::add_vertices(const TriangleMesh& mesh, StaticOwner owner,
-                                  const Margins& margins) {
-  const bool closed = is_closed(mesh);
-  const std::size_t count = mesh.vertices_m().size();
-  met_.assign(count, 0);
-  for (const MeshEdge& edge : mesh.edges()) {
-    if (is_met(edge, closed)) met_[edge.vertex[0]] = met_[edge.vertex[1]] = 1;
+void StaticGeometry::write_edge(const MeshPlace& place, std::uint32_t index) {
+  const TriangleMesh& mesh = *place.mesh;
+  const MeshEdge& edge = mesh.edges()[index];
+  const std::uint32_t first = place.edge_sides + 4 * index;
+  SphereFeature& feature = features_[place.first_edge + index];
+  feature = {.kind = FeatureKind::edge,
+             .point_m = edge.start_m,
+             .direction = edge.direction,
+             .regions_begin = first};
+  if (!is_met(edge, place.closed)) {
+    set_absent(feature);
+    return;
   }
-  // Each vertex's share of the table, then its half-spaces.
-  first_sides_.assign(count, 0);
-  for (const MeshEdge& edge : mesh.edges()) {
-    for (const std::uint32_t v : edge.vertex)
-      first_sides_[v] += met_[v];
+  std::uint32_t side = first;
+  const Vec3& direction = edge.direction;
+  const Vec3& end_m = mesh.vertices_m()[edge.vertex[1]];
+  sides_[side++] = open_side(direction, math::dot(direction, edge.start_m));
+  sides_[side++] = open_side(-direction, -math::dot(direction, end_m));
+  for (const std::uint32_t t : edge.triangle) {
+    if (t == k_no_triangle) continue;
+    const auto& edges = mesh.edges_of(t);
+    const auto k = static_cast<std::size_t>(std::ranges::find(edges, index) - edges.begin());
+    const MeshFace& face = mesh.faces()[t];
+    sides_[side++] = open_side(-face.inward[k], -face.inward_offset_m[k]);
   }
-  std::uint32_t next = side_count();
-  std::uint32_t begin = next;
-  for (std::uint32_t& first : first_sides_) {
-    const std::uint32_t share = first;
-    first = next;
-    next += share;
-  }
-  sides_.resize(next);
-  for (const MeshEdge& edge : mesh.edges()) {
+  feature.regions_end = side;
+}
+
+/// A vertex at which some edge is met. All edges at it bound its region.
+void StaticGeometry::write_vertex(const MeshPlace& place, std::uint32_t vertex) {
+  const TriangleMesh& mesh = *place.mesh;
+  const Vec3& place_m = mesh.vertices_m()[vertex];
+  SphereFeature& feature = features_[place.first_vertex + vertex];
+  feature = {.kind = FeatureKind::vertex,
+             .point_m = place_m,
+             .regions_begin = place.vertex_sides[vertex]};
+  std::uint32_t side = feature.regions_begin;
+  bool met = false;
+  for (const std::uint32_t e : mesh.edges_at(vertex)) {
+    const MeshEdge& edge = mesh.edges()[e];
+    met = met || is_met(edge, place.closed);
     // The direction as the edge has it, so that a point is on one side for both or for neither.
-    const auto [start, end] = edge.vertex;
     const Vec3& direction = edge.direction;
-    if (met_[start] != 0) {
-      sides_[first_sides_[start]++] =
-          closed_side(-direction, -math::dot(direction, edge.start_m), margins.border_m);
-    }
-    if (met_[end] != 0) {
-      sides_[first_sides_[end]++] =
-          closed_side(direction, math::dot(direction, mesh.vertices_m()[end]), margins.border_m);
+    sides_[side++] = edge.vertex[0] == vertex
+                         ? closed_side(-direction, -math::dot(direction, edge.start_m),
+                                       place.margins.border_m)
+                         : closed_side(direction, math::dot(direction, place_m),
+                                       place.margins.border_m);
+  }
+  feature.regions_end = side;
+  if (!met) set_absent(feature);
+}
+
+void StaticGeometry::write_boxes(MeshPlace& place) {
+  const TriangleMesh& mesh = *place.mesh;
+  corner_boxes_.clear();
+  for (const Vec3& v : mesh.vertices_m())
+    corner_boxes_.push_back(wider(box_around(v), place.slack_m));
+  if (place.slack_m > 0)
+    place.homes_m.assign(mesh.vertices_m().begin(), mesh.vertices_m().end());
+  const auto box_of = [&](std::uint32_t feature) -> Box& {
+    return feature_boxes_[feature - plane_count_];
+  };
+  const std::uint32_t backs = place.closed ? 1 : 2;
+  for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
+    const TriangleCorners& corners = mesh.triangles()[t];
+    const Box first_two = joined(corner_boxes_[corners[0]], corner_boxes_[corners[1]]);
+    for (std::uint32_t back = 0; back < backs; ++back) {
+      box_of(place.first_face + backs * t + back) =
+          joined(first_two, corner_boxes_[corners[2]]);
     }
   }
-  for (std::uint32_t v = 0; v < count; ++v) {
-    if (met_[v] == 0) continue;
-    add_feature({.kind = FeatureKind::vertex, .point_m = mesh.vertices_m()[v]}, begin,
-                corner_boxes_[v], owner);
-    features_.back().regions_end = first_sides_[v];
-    begin = first_sides_[v];
+  for (std::uint32_t e = 0; e < mesh.edges().size(); ++e) {
+    const auto& [start, end] = mesh.edges()[e].vertex;
+    box_of(place.first_edge + e) = joined(corner_boxes_[start], corner_boxes_[end]);
   }
+  for (std::uint32_t v = 0; v < mesh.vertices_m().size(); ++v)
+    box_of(place.first_vertex + v) = corner_boxes_[v];
 }
 
 // ---- the features of a convex -------------------------------------------------------------------
@@ -483,26 +618,27 @@ bool reaches(const HalfSpace& outside, const Box& box) {
 }
 
 template <class May>
-void StaticGeometry::near(const Box& box, const BoxTree& tree, std::vector<std::uint32_t>& found,
-                          const May& may) const {
+void StaticGeometry::near(const Box& box, const BoxTree& tree,
+                          std::span<const std::uint32_t> in_tree,
+                          std::vector<std::uint32_t>& found, const May& may) const {
   for (std::uint32_t i = 0; i < plane_count(); ++i) {
     if (reaches(planes_[i], box) && may(i)) found.push_back(i);
   }
   const auto planes = static_cast<std::ptrdiff_t>(found.size());
   tree.for_each_overlap(box, [&](std::uint32_t i) {
-    if (may(plane_count() + i)) found.push_back(plane_count() + i);
+    if (may(in_tree[i])) found.push_back(in_tree[i]);
   });
   std::sort(found.begin() + planes, found.end());
 }
 
 void StaticGeometry::features_near(const Box& box, double radius_m,
                                    std::vector<std::uint32_t>& found) const {
-  near(box, feature_tree_, found,
+  near(box, feature_tree_, in_feature_tree_, found,
        [&](std::uint32_t index) { return may_meet(index, box, radius_m); });
 }
 
 void StaticGeometry::pieces_near(const Box& box, std::vector<std::uint32_t>& found) const {
-  near(box, piece_tree_, found, [&](std::uint32_t index) { return piece_overlaps(index, box); });
+  near(box, piece_tree_, in_piece_tree_, found, [&](std::uint32_t index) { return piece_overlaps(index, box); });
 }
 
 }  // namespace sleight::physics

@@ -13,15 +13,16 @@
 // serves both: of the two wedges between the sides it is the one on the convex side.
 //
 // Invariants
-//   1. Planes come first, then features of convexes, then those of meshes: per mesh its faces, then
-//      edges, then vertices, each in the mesh's order.
+//   1. Planes come first, then features of convexes, then those of meshes: per mesh its faces (of a
+//      sheet each twice), then edges, then vertices, each in the mesh's order. What of these can't
+//      be met has a region that holds nothing: so a feature keeps its index when vertices move.
 //   2. Every point outside of the solids lies in the region of the feature that it is closest to.
 //      Neighbours share their borders bit for bit, faces and vertices reach over them by some
 //      rounding errors: else a sphere might slip through a crack that is one of these wide. Where
 //      two regions overlap, gaps and normals agree to rounding.
 //   3. Features are there only if some body is a sphere, convex pieces only if some body is not.
-// Building takes some 35 ns per feature and 130 ns per triangle as a piece, so a scene whose mesh
-// moved is built anew. Thread safety: const functions may run at once.
+// Building takes some 35 ns per feature and 130 ns per triangle as a piece; refresh, for spheres, the
+// same for those about the vertices that moved. Thread safety: const functions may run at once.
 #pragma once
 
 #include <cstdint>
@@ -55,6 +56,9 @@ class StaticGeometry {
   /// Becomes what a new one would be, and takes up the room of what it was: several times faster
   /// where the system hands out and takes back memory by pages.
   void assign(const Scene& scene);
+  /// A mesh, by its place in the scene, has had vertices moved: becomes what a new one would be, from
+  /// what the mesh says of its last move. REQUIRES: nothing but spheres meets it.
+  void refresh(std::size_t mesh);
   // Pieces point into arrays of this object, which stay where they are when it is moved.
   StaticGeometry(StaticGeometry&&) noexcept = default;
   StaticGeometry& operator=(StaticGeometry&&) noexcept = default;
@@ -124,16 +128,33 @@ class StaticGeometry {
   void add_convex(const StaticConvex& convex);
   void add_mesh(const StaticMesh& mesh);
   void add_features(const ConvexView& view, StaticOwner owner);
-  void add_features(const TriangleMesh& mesh, StaticOwner owner);
-  void add_face(const MeshFace& face, const std::array<double, 3>& margins_m, bool back);
-  void add_vertices(const TriangleMesh& mesh, StaticOwner owner, const Margins& margins);
+  void add_features(const StaticMesh& placed, StaticOwner owner);
+  /// Where a mesh's features and their regions are.
+  struct MeshPlace {
+    std::shared_ptr<const TriangleMesh> mesh;
+    std::size_t solid = 0;  ///< if it is closed
+    bool closed = false;
+    double slack_m = 0;
+    Margins margins;
+    std::vector<Vec3> homes_m{};  ///< of the vertices, when boxes were made; none without slack
+    std::uint32_t first_face = 0, first_edge = 0, first_vertex = 0;
+    std::uint32_t face_sides = 0, edge_sides = 0;
+    std::vector<std::uint32_t> vertex_sides{};
+  };
+  void write_face(const MeshPlace& place, std::uint32_t triangle);
+  void write_edge(const MeshPlace& place, std::uint32_t edge);
+  void write_vertex(const MeshPlace& place, std::uint32_t vertex);
+  void write_boxes(MeshPlace& place);
+  void set_absent(SphereFeature& feature);
+  bool is_absent(const SphereFeature& feature) const;
+  void plant_feature_tree();
   void add_piece(const ConvexView& view, const Box& box, StaticOwner owner);
   void add_feature(SphereFeature feature, std::uint32_t first_side, const Box& box,
                    StaticOwner owner);
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(sides_.size()); }
   template <class May>
-  void near(const Box& box, const BoxTree& tree, std::vector<std::uint32_t>& found,
-            const May& may) const;
+  void near(const Box& box, const BoxTree& tree, std::span<const std::uint32_t> in_tree,
+            std::vector<std::uint32_t>& found, const May& may) const;
 
   /// What is solid inside.
   struct Solid {
@@ -160,14 +181,16 @@ class StaticGeometry {
   std::vector<MovingPiece> pieces_;
   std::vector<StaticOwner> piece_owners_;
   std::vector<Box> piece_boxes_;  ///< from plane_count_ on
+  std::vector<MeshPlace> meshes_;
   BoxTree feature_tree_;
+  std::vector<std::uint32_t> in_feature_tree_;  ///< by place there: which feature
+  std::vector<std::uint32_t> in_piece_tree_;
   BoxTree piece_tree_;
   std::vector<std::string> names_;
   std::vector<Solid> solids_;
   // Room for building.
   std::vector<Box> corner_boxes_;
-  std::vector<std::uint32_t> first_sides_;
-  std::vector<std::uint8_t> met_;
+  std::vector<Box> tree_boxes_;
 };
 
 /// Whether some of a box is not outside of a plane.

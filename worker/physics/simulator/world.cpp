@@ -25,8 +25,12 @@ double wrapped(double x, double period) {
 
 }  // namespace
 
-World::World(const Scene& scene, bool record, bool orientations, std::size_t segments_reserved)
-    : scene_(scene), statics_(scene_), record_(record), orientations_(orientations) {
+World::World(const Scene& scene, const Options& options)
+    : scene_(scene),
+      shared_statics_(options.statics ? options.statics : std::make_shared<StaticGeometry>(scene_)),
+      statics_(*shared_statics_),
+      record_(options.record),
+      orientations_(options.orientations) {
   const std::size_t count = scene_.bodies.size();
   flights_.resize(count);
   segments_.resize(count);
@@ -73,7 +77,7 @@ World::World(const Scene& scene, bool record, bool orientations, std::size_t seg
   changed_.reserve(count);
   searches_.reserve(count);
   at_tick_.resize(count);
-  recording_.reset(record ? count : 0, segments_reserved);
+  recording_.reset(record_ ? count : 0, options.segments_reserved);
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double period_m = scene_.period_m[axis];

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -68,9 +69,14 @@ struct Path {
 
 class World {
  public:
-  /// Borrows nothing: the scene is copied.
-  /// Without `orientations`, spheres keep the one that they begin with: nothing else depends on it.
-  World(const Scene& scene, bool record, bool orientations, std::size_t segments_reserved);
+  /// Shares the static geometry if that is given; else it borrows nothing: the scene is copied.
+  struct Options {
+    bool record = true;
+    bool orientations = true;  ///< without, spheres keep the one that they begin with
+    std::size_t segments_reserved = 0;
+    std::shared_ptr<const StaticGeometry> statics{};  ///< of the scene; if null it is made
+  };
+  World(const Scene& scene, const Options& options);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -329,7 +335,8 @@ class World {
   TouchRecord touch_of_support(std::uint32_t body, std::uint32_t feature, Tick tick) const;
 
   Scene scene_;
-  StaticGeometry statics_;
+  std::shared_ptr<const StaticGeometry> shared_statics_;
+  const StaticGeometry& statics_;
   NearVector<Flight> flights_;
   NearVector<Segment> segments_;
   NearVector<BodyConstants> constants_;

@@ -67,6 +67,10 @@ class Bins {
 
   /// The surface with its partition vertices moved. Nothing if the offsets turn it inside out.
   std::shared_ptr<const physics::TriangleMesh> surface(std::span<const Vec3> offsets_m) const;
+  /// A copy of the surface, without offsets.
+  std::shared_ptr<physics::TriangleMesh> unmoved_surface() const {
+    return std::make_shared<physics::TriangleMesh>(*mesh_);
+  }
   /// The walls of the box.
   std::span<const physics::StaticConvex> walls() const { return walls_; }
   /// What the box stands on, at the lower end of its walls.

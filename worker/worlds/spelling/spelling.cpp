@@ -14,6 +14,8 @@ namespace {
 
 /// After the last drop it is looked so often whether all balls are at rest.
 constexpr double k_look_every_s = 0.1;
+/// Bounding volumes of the partitions allow for offsets of so many standard deviations.
+constexpr double k_slack_sds = 8;
 /// Balls keep this distance from the walls when they are dropped.
 constexpr double k_clear_m = 1e-6;
 
@@ -32,6 +34,13 @@ Spelling::Spelling(const Parameters& parameters)
 }
 
 std::optional<physics::Scene> Spelling::scene(const State& state) const {
+  auto surface = bins_.surface(state.offsets_m);
+  if (!surface) return std::nullopt;
+  return scene_in(state, std::move(surface));
+}
+
+physics::Scene Spelling::scene_in(const State& state,
+                                  std::shared_ptr<const physics::TriangleMesh> surface) const {
   const WorldParameters& world = parameters_.world;
   physics::Scene scene;
   scene.gravity_mps2 = {0, 0, -world.gravity_mps2};
@@ -40,9 +49,8 @@ std::optional<physics::Scene> Spelling::scene(const State& state) const {
   scene.slow = {.separation_speed_mps = world.bounce_end_mps,
                 .rest_speed_mps = world.rest_speed_mps,
                 .rest_time_s = world.rest_time_s};
-  auto surface = bins_.surface(state.offsets_m);
-  if (!surface) return std::nullopt;
-  scene.meshes.push_back({.name = "bins", .mesh = std::move(surface)});
+  scene.meshes.push_back(
+      {.name = "bins", .mesh = std::move(surface), .slack_m = k_slack_sds * world.vertex_sd_m});
   scene.convexes.assign(bins_.walls().begin(), bins_.walls().end());
   scene.planes.push_back(bins_.ground());
   const double radius_m = 0.5 * world.ball_diameter_m;
@@ -82,6 +90,15 @@ End Spelling::run(const physics::Scene& scene, physics::Simulation& simulation) 
   return End::time_limit;
 }
 
+std::unique_ptr<BoxGeometry> Spelling::new_geometry() const {
+  // Any ball will do: all are alike.
+  State state{.offsets_m = std::vector<Vec3>(bins_.vertex_count(), Vec3::Zero()),
+              .active = {1},
+              .drops_m = {Vec2(0, 0)}};
+  auto mesh = bins_.unmoved_surface();
+  return std::make_unique<BoxGeometry>(scene_in(state, mesh), mesh, bins_.vertex_count());
+}
+
 Outcome Spelling::simulate(const State& state) const {
   return simulate(state, false);
 }
@@ -91,14 +108,16 @@ Outcome Spelling::simulate_to_rest(const State& state) const {
 }
 
 Outcome Spelling::simulate(const State& state, bool to_rest) const {
-  const auto scene = this->scene(state);
-  if (!scene) return {.end = End::impossible};
-  if (scene->bodies.empty()) return {};
+  const BoxGeometries::Loan geometry = geometries_->borrow([&] { return new_geometry(); });
+  if (!geometry->move_to(bins_, state.offsets_m)) return {.end = End::impossible};
+  const physics::Scene scene = scene_in(state, geometry->mesh());
+  if (scene.bodies.empty()) return {};
   const Traps traps(parameters_.world, bins_, state.offsets_m);
-  std::vector<Vec3> suspended_at_m(scene->bodies.size());
+  std::vector<Vec3> suspended_at_m(scene.bodies.size());
   physics::SimulationOptions options;
   options.record = false;
   options.orientations = false;
+  options.statics = geometry->statics();
   if (!to_rest) {
     options.confinement = [&](physics::BodyId body,
                               const physics::Segment& segment) -> std::optional<physics::Box> {
@@ -111,15 +130,15 @@ Outcome Spelling::simulate(const State& state, bool to_rest) const {
       return place->box;
     };
   }
-  auto started = physics::Simulation::start(*scene, options);
+  auto started = physics::Simulation::start(scene, options);
   if (!started) return {.end = End::impossible};
   physics::Simulation simulation = std::move(started).value();
-  const End end = run(*scene, simulation);
+  const End end = run(scene, simulation);
   if (end != End::settled && end != End::time_limit) return {.end = end};
 
   std::vector<Vec3> staying_m;
   bool all_stay = true;
-  for (std::uint32_t body = 0; body < scene->bodies.size(); ++body) {
+  for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) {
     if (simulation.is_suspended({body})) {
       staying_m.push_back(suspended_at_m[body]);
       continue;
@@ -132,7 +151,7 @@ Outcome Spelling::simulate(const State& state, bool to_rest) const {
       all_stay = false;
     }
   }
-  const auto others = static_cast<std::uint32_t>(scene->bodies.size() - staying_m.size());
+  const auto others = static_cast<std::uint32_t>(scene.bodies.size() - staying_m.size());
   Outcome outcome = judged(staying_m, others);
   outcome.end_s = physics::seconds(simulation.now() - physics::Tick{});
   outcome.end = all_stay ? End::settled : End::time_limit;

@@ -26,7 +26,9 @@
 // Thread-safe: immutable after construction.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "common/random/stream.h"
@@ -35,6 +37,7 @@
 #include "worker/physics/simulator/simulation.h"
 #include "worker/sampling/target.h"
 #include "worker/worlds/spelling/bins.h"
+#include "worker/worlds/spelling/box_geometry.h"
 #include "worker/worlds/spelling/parameters.h"
 #include "worker/worlds/spelling/proposals.h"
 #include "worker/worlds/spelling/state_bytes.h"
@@ -84,6 +87,10 @@ class Spelling {
   /// Until all balls are at rest: the same but for `end_s`.
   Outcome simulate_to_rest(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
+  /// Each active ball fills a bin at most.
+  double log_constraint_at_most(const State& state) const {
+    return std::max(0.0, state.active_count() * parameters_.constraint.log_lambda);
+  }
   bool satisfied(const Outcome& outcome) const;
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
     return spelling::propose(prior_, parameters_.proposal, state, stream);
@@ -113,14 +120,19 @@ class Spelling {
   /// didn't fail: at the limit, time_limit.
   End run(const physics::Scene& scene, physics::Simulation& simulation) const;
   Outcome simulate(const State& state, bool to_rest) const;
+  /// The scene of a state in a box with such a surface.
+  physics::Scene scene_in(const State& state,
+                          std::shared_ptr<const physics::TriangleMesh> surface) const;
+  std::unique_ptr<BoxGeometry> new_geometry() const;
   /// The designated bin that a ball in its place fills, if any.
   std::optional<Bin> filled_bin(const Vec3& centre_m) const;
 
   Parameters parameters_;
   Bins bins_;
   Prior prior_;
+  std::unique_ptr<BoxGeometries> geometries_ = std::make_unique<BoxGeometries>();
 };
 
-static_assert(sampling::Target<Spelling>);
+static_assert(sampling::BoundsConstraint<Spelling>);
 
 }  // namespace sleight::worlds::spelling

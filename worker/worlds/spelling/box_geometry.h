@@ -1,0 +1,72 @@
+// The box of bins as a simulator meets it, kept between simulations: only what has moved is made
+// anew, since most proposals move few partition vertices or none.
+//
+// Thread safety: BoxGeometry none; BoxGeometries may be used by several threads at once.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "worker/physics/shape/triangle_mesh.h"
+#include "worker/physics/simulator/scene.h"
+#include "worker/physics/simulator/static_geometry.h"
+#include "worker/worlds/spelling/bins.h"
+
+namespace sleight::worlds::spelling {
+
+class BoxGeometry {
+ public:
+  /// `with_bodies`: the scene of a box without offsets, and with a body.
+  BoxGeometry(const physics::Scene& with_bodies, std::shared_ptr<physics::TriangleMesh> mesh,
+              std::uint32_t vertices);
+
+  /// Moves the partition vertices there. False if that turns the box inside out; then nothing has
+  /// changed.
+  [[nodiscard]] bool move_to(const Bins& bins, std::span<const Vec3> offsets_m);
+
+  /// As it is until the next move.
+  const std::shared_ptr<physics::TriangleMesh>& mesh() const { return mesh_; }
+  const std::shared_ptr<physics::StaticGeometry>& statics() const { return statics_; }
+
+ private:
+  std::shared_ptr<physics::TriangleMesh> mesh_;
+  std::shared_ptr<physics::StaticGeometry> statics_;
+  std::vector<Vec3> offsets_m_;  ///< present ones
+  std::vector<physics::VertexMove> moves_;
+};
+
+/// Lends each simulation that runs one of its own.
+class BoxGeometries {
+ public:
+  class Loan {
+   public:
+    Loan(BoxGeometries& from, std::unique_ptr<BoxGeometry> geometry)
+        : from_(from), geometry_(std::move(geometry)) {}
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+    ~Loan();
+    BoxGeometry& operator*() const { return *geometry_; }
+    BoxGeometry* operator->() const { return geometry_.get(); }
+
+   private:
+    BoxGeometries& from_;
+    std::unique_ptr<BoxGeometry> geometry_;
+  };
+
+  /// One that is free, or what `make` makes.
+  template <class Make>
+  Loan borrow(const Make& make) {
+    if (auto free = take()) return Loan(*this, std::move(free));
+    return Loan(*this, make());
+  }
+
+ private:
+  std::unique_ptr<BoxGeometry> take();
+
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<BoxGeometry>> free_;
+};
+
+}  // namespace sleight::worlds::spelling
