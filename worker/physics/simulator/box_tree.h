@@ -12,6 +12,7 @@
 // Thread safety: const functions may run at once.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -29,19 +30,17 @@ class BoxTree {
   /// Calls visit(index) for each overlapping box, in no particular order but always the same.
   template <class Visit>
   void for_each_overlap(const Box& box, Visit&& visit) const {
-    std::uint32_t at = 0;
-    const auto end = static_cast<std::uint32_t>(nodes_.size());
-    while (at < end) {
-      const Node& node = nodes_[at];
-      if (!meets(node.box, box)) {
-        at = node.skip;
-        continue;
-      }
-      for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        if (meets(boxes_[i], box)) visit(indices_[i]);
-      }
-      ++at;
-    }
+    for_each_that([&](const Box& other) { return meets(other, box); }, visit);
+  }
+
+  /// The same for each box that is within a distance, or by rounding a little more: fewer than
+  /// overlap a box that is wider by it.
+  template <class Visit>
+  void for_each_within(const Box& box, float distance_m, Visit&& visit) const {
+    constexpr float k_rounding = 1 + 0x1p-18F;
+    const float most_m2 = k_rounding * distance_m * distance_m;
+    for_each_that([&](const Box& other) { return square_distance_m2(other, box) <= most_m2; },
+                  visit);
   }
 
  private:
@@ -62,6 +61,32 @@ class BoxTree {
       apart |= static_cast<unsigned>(b.low_m[axis] > a.high_m[axis]);
     }
     return apart == 0;
+  }
+  static float square_distance_m2(const Box& a, const Box& b) {
+    float sum_m2 = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float apart_m = std::max(std::max(a.low_m[axis] - b.high_m[axis],
+                                              b.low_m[axis] - a.high_m[axis]),
+                                     0.0F);
+      sum_m2 += apart_m * apart_m;
+    }
+    return sum_m2;
+  }
+  template <class Test, class Visit>
+  void for_each_that(const Test& test, Visit& visit) const {
+    std::uint32_t at = 0;
+    const auto end = static_cast<std::uint32_t>(nodes_.size());
+    while (at < end) {
+      const Node& node = nodes_[at];
+      if (!test(node.box)) {
+        at = node.skip;
+        continue;
+      }
+      for (std::uint32_t i = node.begin; i < node.end; ++i) {
+        if (test(boxes_[i])) visit(indices_[i]);
+      }
+      ++at;
+    }
   }
   Box build(std::span<const std::uint32_t> codes, std::uint32_t begin, std::uint32_t end);
 

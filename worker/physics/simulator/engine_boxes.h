@@ -117,9 +117,7 @@ bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
     world_.statics_near(body, wide, candidates);
   }
   near_.clear();
-  for (const std::uint32_t index : candidates_[body]) {
-    if (world_.static_overlaps(body, index, box)) near_.push_back(index);
-  }
+  world_.statics_in(body, box, candidates_[body], near_);
   std::vector<StaticEdge>& list = statics_[body];
   if (std::ranges::equal(list, near_, {}, &StaticEdge::index)) return false;
   // What was watched before keeps its prediction; both lists ascend.

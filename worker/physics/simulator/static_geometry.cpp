@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
@@ -192,8 +191,6 @@ void StaticGeometry::assign(const Scene& scene) {
   }
   plant_feature_tree();
   piece_tree_ = BoxTree(piece_boxes_);
-  in_piece_tree_.resize(piece_boxes_.size());
-  std::iota(in_piece_tree_.begin(), in_piece_tree_.end(), plane_count());
 }
 
 /// Over what can be met, or may be once vertices have moved.
@@ -574,33 +571,13 @@ const std::string* StaticGeometry::solid_at(const Vec3& point_m) const {
   return nullptr;
 }
 
-bool StaticGeometry::may_meet(std::uint32_t index, const Box& box, double radius_m) const {
-  // Where the centre may be, and k_touch_m more on all sides, which covers rounding.
-  Vec3 middle_m;
-  Vec3 half_m;
+CentreRange::CentreRange(const Box& box, double radius_m) : reach_m(radius_m + k_touch_m) {
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
     middle_m[i] = 0.5 * (double{box.low_m[axis]} + double{box.high_m[axis]});
     half_m[i] = 0.5 * (double{box.high_m[axis]} - double{box.low_m[axis]}) - radius_m;
   }
-  const auto spread = [&](const Vec3& normal) {
-    return (std::fabs(normal.x()) * half_m.x() + std::fabs(normal.y()) * half_m.y()) +
-           std::fabs(normal.z()) * half_m.z();
-  };
-  const SphereFeature& one = feature(index);
-  const Vec3 from = middle_m - one.point_m;
-  const double reach_m = radius_m + k_touch_m;
-  if (one.kind == FeatureKind::face) {
-    if (math::dot(one.direction, from) - spread(one.direction) > reach_m) return false;
-  } else {
-    const double along_m = math::dot(one.direction, from);  // of a vertex 0
-    const double away_m = reach_m + math::norm(half_m);
-    if (math::dot(from, from) - along_m * along_m > away_m * away_m) return false;
-  }
-  return std::ranges::all_of(sides(one), [&](const RegionSide& side) {
-    const Vec3& normal = side.space.normal;
-    return math::dot(normal, middle_m) + spread(normal) >= side.space.offset_m;
-  });
+  away_m = reach_m + math::norm(half_m);
 }
 
 bool reaches(const HalfSpace& outside, const Box& box) {
@@ -617,28 +594,41 @@ bool reaches(const HalfSpace& outside, const Box& box) {
   return deepest_m <= size_m * k_rounding_ulps;
 }
 
-template <class May>
-void StaticGeometry::near(const Box& box, const BoxTree& tree,
-                          std::span<const std::uint32_t> in_tree,
-                          std::vector<std::uint32_t>& found, const May& may) const {
-  for (std::uint32_t i = 0; i < plane_count(); ++i) {
-    if (reaches(planes_[i], box) && may(i)) found.push_back(i);
-  }
-  const auto planes = static_cast<std::ptrdiff_t>(found.size());
-  tree.for_each_overlap(box, [&](std::uint32_t i) {
-    if (may(in_tree[i])) found.push_back(in_tree[i]);
-  });
-  std::sort(found.begin() + planes, found.end());
-}
-
 void StaticGeometry::features_near(const Box& box, double radius_m,
                                    std::vector<std::uint32_t>& found) const {
-  near(box, feature_tree_, in_feature_tree_, found,
-       [&](std::uint32_t index) { return may_meet(index, box, radius_m); });
+  const CentreRange centre(box, radius_m);
+  for (std::uint32_t i = 0; i < plane_count(); ++i) {
+    if (reaches(planes_[i], box) && may_meet(i, centre)) found.push_back(i);
+  }
+  // Where the centre may be; to rounding, and by what counts as a touch, more.
+  Box centres;
+  float size_m = 0;
+  const auto radius = static_cast<float>(radius_m);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float low = box.low_m[axis] + radius;
+    const float high = box.high_m[axis] - radius;
+    centres.low_m[axis] = std::min(low, high);
+    centres.high_m[axis] = std::max(low, high);
+    size_m = std::max({size_m, std::fabs(box.low_m[axis]), std::fabs(box.high_m[axis])});
+  }
+  const float reach_m =
+      radius + static_cast<float>(2 * k_touch_m) + 0x1p-21F * (size_m + radius);
+  const auto in_tree = static_cast<std::ptrdiff_t>(found.size());
+  feature_tree_.for_each_within(centres, reach_m, [&](std::uint32_t i) {
+    const std::uint32_t index = in_feature_tree_[i];
+    if (!is_absent(features_[index]) && may_meet(index, centre)) found.push_back(index);
+  });
+  std::sort(found.begin() + in_tree, found.end());
 }
 
 void StaticGeometry::pieces_near(const Box& box, std::vector<std::uint32_t>& found) const {
-  near(box, piece_tree_, in_piece_tree_, found, [&](std::uint32_t index) { return piece_overlaps(index, box); });
+  for (std::uint32_t i = 0; i < plane_count(); ++i) {
+    if (reaches(planes_[i], box)) found.push_back(i);
+  }
+  const auto in_tree = static_cast<std::ptrdiff_t>(found.size());
+  piece_tree_.for_each_overlap(box,
+                               [&](std::uint32_t i) { found.push_back(plane_count() + i); });
+  std::sort(found.begin() + in_tree, found.end());
 }
 
 }  // namespace sleight::physics

@@ -25,6 +25,7 @@
 // same for those about the vertices that moved. Thread safety: const functions may run at once.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -47,6 +48,22 @@ bool reaches(const HalfSpace& outside, const Box& box);
 struct StaticOwner {
   std::uint32_t name = 0;  ///< index of its name
   MaterialId material{};
+};
+
+/// Where the centre of a sphere may be while the sphere stays in a box, and k_touch_m more on all
+/// sides, which covers rounding.
+struct CentreRange {
+  CentreRange(const Box& box, double radius_m);
+  Vec3 middle_m;
+  Vec3 half_m;
+  double reach_m;  ///< the radius, and what counts as a touch
+  double away_m;   ///< from the middle, of what is within reach of any corner
+
+  /// How far it goes along a direction from its middle.
+  double spread_m(const Vec3& direction) const {
+    return (std::fabs(direction.x()) * half_m.x() + std::fabs(direction.y()) * half_m.y()) +
+           std::fabs(direction.z()) * half_m.z();
+  }
 };
 
 class StaticGeometry {
@@ -93,15 +110,30 @@ class StaticGeometry {
     return names_[piece_owners_[index].name];
   }
 
-  /// Appends the indices of what a sphere of a radius may meet in a box (may_meet), in ascending
+  /// Appends the indices of what a sphere of a radius that stays in a box may meet, in ascending
   /// order.
   void features_near(const Box& box, double radius_m, std::vector<std::uint32_t>& found) const;
   /// The same of pieces that a box overlaps.
   void pieces_near(const Box& box, std::vector<std::uint32_t>& found) const;
 
-  /// Whether a sphere of a radius that stays in a box, and k_touch_m within it, may meet a feature
-  /// there: its centre comes into the feature's region, and near enough.
-  bool may_meet(std::uint32_t index, const Box& box, double radius_m) const;
+  /// Whether a sphere may meet a feature: its centre comes into the feature's region, and near
+  /// enough. Inline, since this is asked for each feature near each new box.
+  bool may_meet(std::uint32_t index, const CentreRange& centre) const {
+    const SphereFeature& one = features_[index];
+    const Vec3 from = centre.middle_m - one.point_m;
+    const double along_m = math::dot(one.direction, from);  // of a vertex 0
+    if (one.kind == FeatureKind::face) {
+      if (along_m - centre.spread_m(one.direction) > centre.reach_m) return false;
+    } else if (math::dot(from, from) - along_m * along_m > centre.away_m * centre.away_m) {
+      return false;
+    }
+    for (std::uint32_t i = one.regions_begin; i < one.regions_end; ++i) {
+      const HalfSpace& side = sides_[i].space;
+      if (math::dot(side.normal, centre.middle_m) + centre.spread_m(side.normal) < side.offset_m)
+        return false;
+    }
+    return true;
+  }
   /// Whether a piece reaches into a box.
   bool piece_overlaps(std::uint32_t index, const Box& box) const {
     return index < plane_count_ ? reaches(planes_[index], box)
@@ -152,9 +184,6 @@ class StaticGeometry {
   void add_feature(SphereFeature feature, std::uint32_t first_side, const Box& box,
                    StaticOwner owner);
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(sides_.size()); }
-  template <class May>
-  void near(const Box& box, const BoxTree& tree, std::span<const std::uint32_t> in_tree,
-            std::vector<std::uint32_t>& found, const May& may) const;
 
   /// What is solid inside.
   struct Solid {
@@ -184,7 +213,6 @@ class StaticGeometry {
   std::vector<MeshPlace> meshes_;
   BoxTree feature_tree_;
   std::vector<std::uint32_t> in_feature_tree_;  ///< by place there: which feature
-  std::vector<std::uint32_t> in_piece_tree_;
   BoxTree piece_tree_;
   std::vector<std::string> names_;
   std::vector<Solid> solids_;

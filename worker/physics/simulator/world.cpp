@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "worker/physics/motion/invariants.h"
@@ -268,6 +269,20 @@ void World::statics_near(std::uint32_t body, const Box& box,
     statics_.features_near(box, constants_[body].reach_m, found);
   } else {
     statics_.pieces_near(box, found);
+  }
+}
+
+void World::statics_in(std::uint32_t body, const Box& box, std::span<const std::uint32_t> some,
+                       std::vector<std::uint32_t>& found) const {
+  if (constants_[body].is_sphere) {
+    const CentreRange centre(box, constants_[body].reach_m);
+    std::ranges::copy_if(some, std::back_inserter(found), [&](std::uint32_t index) {
+      return statics_.may_meet(index, centre);
+    });
+  } else {
+    std::ranges::copy_if(some, std::back_inserter(found), [&](std::uint32_t index) {
+      return statics_.piece_overlaps(index, box);
+    });
   }
 }
 

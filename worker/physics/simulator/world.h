@@ -115,10 +115,9 @@ class World {
   // others pieces.
   std::uint32_t static_count(std::uint32_t body) const;
   void statics_near(std::uint32_t body, const Box& box, std::vector<std::uint32_t>& found) const;
-  bool static_overlaps(std::uint32_t body, std::uint32_t index, const Box& box) const {
-    return constants_[body].is_sphere ? statics_.may_meet(index, box, constants_[body].reach_m)
-                                      : statics_.piece_overlaps(index, box);
-  }
+  /// Of some of these, in their order, what it may meet in a box.
+  void statics_in(std::uint32_t body, const Box& box, std::span<const std::uint32_t> some,
+                  std::vector<std::uint32_t>& found) const;
   const std::string& static_name(std::uint32_t body, std::uint32_t index) const;
 
   // Predictions. `search` keeps what a search of convex pieces has done so far; it is taken when

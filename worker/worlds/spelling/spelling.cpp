@@ -15,7 +15,7 @@ namespace {
 /// After the last drop it is looked so often whether all balls are at rest.
 constexpr double k_look_every_s = 0.1;
 /// Bounding volumes of the partitions allow for offsets of so many standard deviations.
-constexpr double k_slack_sds = 8;
+constexpr double k_slack_sds = 5;
 /// Balls keep this distance from the walls when they are dropped.
 constexpr double k_clear_m = 1e-6;
 
