@@ -96,6 +96,7 @@ std::string kept_animations(const archive::Summary& summary) {
 void print_for_people(const std::string& path, const Facts& facts) {
   const archive::Summary& summary = facts.summary;
   fmt::print("{}: {} samples\n\n", path, summary.world);
+  if (!summary.warning.empty()) fmt::print("  warning      {}\n", summary.warning);
   fmt::print("  chains       {}\n", summary.chains);
   fmt::print("  scans        {} of each chain\n", summary.scans);
   fmt::print("  states       {} of each chain (every {}. scan)\n", summary.states, summary.thin);
@@ -113,6 +114,7 @@ nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
   return {{"archive", path},
           {"world", summary.world},
           {"format_version", summary.format_version},
+          {"warning", summary.warning},
           {"chains", summary.chains},
           {"scans", summary.scans},
           {"states", summary.states},

@@ -132,6 +132,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
         "give scans as well to bound it");
   }
   const auto reader = catalogue.world(request.world).make_reader();
+  if (!reader->layout().warning.empty()) spdlog::warn("{}", reader->layout().warning);
   const auto plan = run::make_plan(request);
   coordinator::ProgressPrinter printer(request.world, stderr);
   coordinator::RunOptions options{.output = arguments.output,

@@ -27,6 +27,9 @@ inline constexpr std::string_view k_request = "request";
 inline constexpr std::string_view k_content_digest = "content_digest";
 inline constexpr std::string_view k_inference_library_version = "inference_library_version";
 
+/// Root attribute, only there where something must be known of the samples: that they are biased.
+inline constexpr std::string_view k_warning = "warning";
+
 /// Elements that one pass over a dataset holds at a time, in every writer and reader: 128 KiB of
 /// doubles. More buys no speed; much less makes the calls into HDF5 show.
 inline constexpr std::size_t k_batch_elements = 16384;

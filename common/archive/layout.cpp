@@ -351,6 +351,7 @@ void write_root(const WorldLayout& layout, const ArchiveOptions& options, Sink& 
   sink.set_attribute(k_root, {"inference_library", std::string(k_inference_library)});
   sink.set_attribute(k_root,
                      {std::string(k_inference_library_version), options.inference_library_version});
+  if (!layout.warning.empty()) sink.set_attribute(k_root, {std::string(k_warning), layout.warning});
   DatasetSpec request{.name = std::string(k_request), .type = ElementType::text};
   request.attributes = {{"long_name", std::string("request that reproduces this archive, TOML")}};
   request.text_bytes = options.request_text.size();

@@ -28,6 +28,11 @@ T attribute_of(const Source& source, std::string_view group, std::string_view na
   return *value;
 }
 
+std::string warning_of(const Source& source) {
+  if (find_attribute(group_of(source, k_root).attributes, k_warning) == nullptr) return {};
+  return attribute_of<std::string>(source, k_root, k_warning);
+}
+
 std::uint64_t size_of(const Source& source, std::string_view group, std::string_view dim) {
   const DatasetSpec* coordinate = find_dataset(group_of(source, group), dim);
   if (coordinate == nullptr || coordinate->dims.size() != 1) {
@@ -53,6 +58,7 @@ Summary summary_of(const Source& source) {
       .inference_library_version =
           attribute_of<std::string>(source, k_root, k_inference_library_version),
       .content_digest = attribute_of<std::string>(source, k_root, k_content_digest),
+      .warning = warning_of(source),
       .request_text = request_of(source),
       .chains = size_of(source, k_sample_stats, "chain"),
       .scans = size_of(source, k_sample_stats, "draw"),

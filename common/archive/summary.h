@@ -13,6 +13,7 @@ struct Summary {
   std::string world;
   std::string inference_library_version;
   std::string content_digest;  ///< as stored, not recomputed
+  std::string warning;         ///< what must be known of the samples; empty: nothing
   std::string request_text;    ///< normalised TOML that reproduces the archive
   std::uint64_t chains = 0;
   std::uint64_t scans = 0;   ///< of each chain

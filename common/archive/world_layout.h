@@ -39,6 +39,9 @@ struct WorldLayout {
   std::vector<Variable> outcomes;           ///< scalars of each scan
   std::vector<std::string> proposal_kinds;  ///< at least one
   std::vector<Variable> segment_columns;    ///< of a recording; each row is one segment
+  /// What whoever uses the samples must know, one line; empty: nothing. Programs say it when a run
+  /// starts, and its archive carries it.
+  std::string warning = {};
 };
 
 /// The motion of one animation: segments in order, a row each.

@@ -153,6 +153,22 @@ class Spelling(ProgramTest):
                                  self.path("far.svg")))
             self.assertNotIn("nan", self.path("far.svg").read_text())
 
+    def test_a_biased_kernel_is_labelled(self):
+        path = self.path("thesis.toml")
+        path.write_text(REQUEST.replace("[sampler]", '[sampler]\nkernel = "thesis"'))
+        label = "biased kernel: thesis (A.2.2 as printed)"
+        self.assertIn(label, self.direct(path, self.path("thesis.h5")).stderr)
+        self.succeed(sleight("archive", "verify", self.path("thesis.h5")))
+        self.assertIn(label, sleight("archive", "info", self.path("thesis.h5")).stdout)
+        info = self.info(self.path("thesis.h5"))
+        self.assertEqual(info["warning"], label)
+        self.assertIn('kernel = "thesis"', info["request"])
+        with h5py.File(self.path("thesis.h5")) as archive:
+            self.assertEqual(archive.attrs["warning"].decode(), label)
+        # The correct kernel says nothing of the kind.
+        self.assertNotIn("biased", self.direct(self.request(), self.path("two.h5")).stderr)
+        self.assertEqual(self.info(self.path("two.h5"))["warning"], "")
+
     def test_a_wrong_bitmap_is_told(self):
         path = self.path("bad.toml")
         path.write_text(REQUEST.replace(".#.\n.#.", ".#.\n.#"))

@@ -21,6 +21,16 @@ Vec3 gaussian(random::Stream& stream, double sd) {
   return {x, y, z};
 }
 
+/// A length N(0, sd), of either sign, in a uniform direction: denser near 0 than a Gaussian.
+Vec3 length_and_direction(random::Stream& stream, double sd) {
+  const Vec3 direction = random::UniformDirection3{}.draw(stream);
+  return random::Normal{.mean = 0, .sd = sd}.draw(stream) * direction;
+}
+
+Vec3 draw_offset(Kernel kernel, double sd, random::Stream& stream) {
+  return kernel == Kernel::thesis ? length_and_direction(stream, sd) : gaussian(stream, sd);
+}
+
 Vec2 draw_drop(const Prior& prior, random::Stream& stream) {
   const Vec2& half_m = prior.drop_half_m;
   const double x = random::Uniform{.low = -half_m.x(), .high = half_m.x()}.draw(stream);
@@ -50,19 +60,20 @@ Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
 }
 
 /// Disables active balls, or enables the others, each with a probability. Returns log q ratio.
-double flip_balls(const Prior& prior, double probability, bool enable, State& state,
+double flip_balls(const Prior& prior, const ProposalParameters& p, bool enable, State& state,
                   random::Stream& stream) {
   const auto present = static_cast<double>(state.active_count());
   double flipped = 0;
   for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
-    if ((state.active[ball] != 0) == enable || stream.uniform() >= probability) continue;
+    if ((state.active[ball] != 0) == enable || stream.uniform() >= p.flip_probability) continue;
     ++flipped;
     state.active[ball] = enable ? 1 : 0;
     state.drops_m[ball] = enable ? draw_drop(prior, stream) : Vec2(0, 0);
   }
   const double sign = enable ? -1 : 1;
+  if (p.kernel == Kernel::thesis) return sign * flipped * prior.log_area();
   const double stays = sign * (static_cast<double>(prior.balls) - 2 * present) + flipped;
-  return stays * math::log(1 - probability) - sign * flipped * prior.log_area();
+  return stays * math::log(1 - p.flip_probability) - sign * flipped * prior.log_area();
 }
 
 }  // namespace
@@ -76,15 +87,7 @@ double Prior::log_area() const {
 }
 
 State Prior::draw(random::Stream& stream) const {
-  State state;
-  for (std::uint32_t v = 0; v < vertices; ++v)
-    state.offsets_m.push_back(gaussian(stream, vertex_sd_m));
-  for (std::uint32_t ball = 0; ball < balls; ++ball) {
-    const bool active = random::Bernoulli{.p = 0.5}.draw(stream);
-    state.active.push_back(active ? 1 : 0);
-    state.drops_m.push_back(active ? draw_drop(*this, stream) : Vec2(0, 0));
-  }
-  return state;
+  return draw_state(*this, Kernel::correct, stream);
 }
 
 double Prior::log_density(const State& state) const {
@@ -107,6 +110,18 @@ double Prior::log_density(const State& state) const {
   return sum;
 }
 
+State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream) {
+  State state;
+  for (std::uint32_t v = 0; v < prior.vertices; ++v)
+    state.offsets_m.push_back(draw_offset(kernel, prior.vertex_sd_m, stream));
+  for (std::uint32_t ball = 0; ball < prior.balls; ++ball) {
+    const bool active = random::Bernoulli{.p = 0.5}.draw(stream);
+    state.active.push_back(active ? 1 : 0);
+    state.drops_m.push_back(active ? draw_drop(prior, stream) : Vec2(0, 0));
+  }
+  return state;
+}
+
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& p,
                                   const State& state, random::Stream& stream) {
   const Kind kind = drawn_kind(p, stream);
@@ -114,12 +129,14 @@ sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& 
   State& candidate = proposal.candidate;
   switch (kind) {
     case Kind::change_all:
-      candidate = prior.draw(stream);
-      proposal.log_q_ratio = prior.log_density(state) - prior.log_density(candidate);
+      candidate = draw_state(prior, p.kernel, stream);
+      if (p.kernel == Kernel::correct)
+        proposal.log_q_ratio = prior.log_density(state) - prior.log_density(candidate);
       break;
     case Kind::change_vertices:
       for (Vec3& offset_m : candidate.offsets_m) {
-        if (stream.uniform() < p.vertex_probability) offset_m += gaussian(stream, p.vertex_sd_m);
+        if (stream.uniform() < p.vertex_probability)
+          offset_m += draw_offset(p.kernel, p.vertex_sd_m, stream);
       }
       break;
     case Kind::change_ball: {
@@ -139,8 +156,7 @@ sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& 
     }
     case Kind::disable_balls:
     case Kind::enable_balls:
-      proposal.log_q_ratio =
-          flip_balls(prior, p.flip_probability, kind == Kind::enable_balls, candidate, stream);
+      proposal.log_q_ratio = flip_balls(prior, p, kind == Kind::enable_balls, candidate, stream);
       break;
   }
   return proposal;

@@ -15,8 +15,20 @@
 //                    log q ratio = (N - 2 n + m) log(1-f) - m log a
 //   enable_balls     its mirror image: log q ratio = (2 n - N + m) log(1-f) + m log a
 //
-// A.2.2 has a^m and a^-m the other way round and no powers of 1-f. A kind that finds nothing to
-// change proposes the present state.
+// A kind that finds nothing to change proposes the present state.
+//
+// All this is Kernel::correct. Kernel::thesis does what A.2.2 and A.2.1 print, which is biased:
+//
+//   change_all       offsets are lengths N(0, vertex_sd) in uniform directions, though p_w scores
+//                    the isotropic Gaussian; taken for symmetric, log q ratio = 0. Chains start
+//                    from such a draw
+//   change_vertices  plus a length N(0, vertex_sd) in a uniform direction; symmetric
+//   disable_balls    log q ratio = m log a: the text has a for "a ball", so a^m for m of them
+//   enable_balls     log q ratio = -m log a
+//
+// so a^m and a^-m are the other way round, and there are no powers of 1-f. Its results depend on
+// the unit of a, which is the square metre here: with a below 1 balls are brought in and hardly
+// taken out again. In a unit in which a is above 1 it would leave no ball.
 // Thread safety: pure functions.
 #pragma once
 
@@ -63,6 +75,10 @@ struct Prior {
   /// Normalised, with respect to lengths in metres; -infinity outside of the region.
   double log_density(const State& state) const;
 };
+
+/// What a chain of this kernel starts from, and what its change_all proposes. For Kernel::correct
+/// it is prior.draw(stream).
+State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream);
 
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
                                   const State& state, random::Stream& stream);

@@ -82,7 +82,10 @@ archive::WorldLayout make_layout(const Spelling& world) {
 class SpellingReader final : public archive::StateReader {
  public:
   explicit SpellingReader(const Parameters& parameters)
-      : world_(parameters), layout_(make_layout(world_)) {}
+      : world_(parameters), layout_(make_layout(world_)) {
+    if (parameters.proposal.kernel == Kernel::thesis)
+      layout_.warning = "biased kernel: thesis (A.2.2 as printed)";
+  }
 
   const archive::WorldLayout& layout() const override { return layout_; }
 

@@ -13,6 +13,9 @@ namespace {
 constexpr std::array<request::Named<Font>, 2> k_fonts{
     {{"5 rows", Font::rows_5}, {"7 rows", Font::rows_7}}};
 
+constexpr std::array<request::Named<Kernel>, 2> k_kernels{
+    {{"correct", Kernel::correct}, {"thesis", Kernel::thesis}}};
+
 struct Lengths {
   double minimum_mm = 0.001;
   double maximum_mm = 1000;
@@ -167,7 +170,24 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   check_sizes(world, p);
 }
 
+/// Methods other than the thesis's own build upon the distribution that the kernel should have.
+void check_kernel(request::Binder& sampler, Kernel kernel) {
+  if (kernel != Kernel::thesis || !sampler.valid("method")) return;
+  const auto method = std::ranges::find(
+      sampler.keys(), "method", [](const auto& bound) { return std::string_view(bound.spec.key); });
+  if (method->value != "\"metropolis_hastings\"") {
+    sampler.error("kernel",
+                  fmt::format("\"thesis\" is biased and goes with method \"metropolis_hastings\" "
+                              "alone, found {}",
+                              method->value));
+  }
+}
+
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
+  sampler.choice<Kernel>(
+      "kernel", p.kernel, k_kernels,
+      "thesis: A.2.2 as printed, which is biased; for the thesis's figures only");
+  check_kernel(sampler, p.kernel);
   const auto share = [&](std::string_view key, double& value, std::string_view help) {
     sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
   };

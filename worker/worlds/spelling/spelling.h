@@ -23,6 +23,8 @@
 // Invariants
 //   1. An animation is a function of the state and the parameters.
 //   2. What is decided early is what a run to rest would find.
+//   3. With Kernel::thesis draws and ratios are those that A.2.2 prints: invariants 1 and 2 of a
+//      target (target.h) do not hold, and Algorithm 2.1 has another distribution.
 // Thread-safe: immutable after construction.
 #pragma once
 
@@ -80,7 +82,9 @@ class Spelling {
   const Prior& prior() const { return prior_; }
   std::uint32_t balls() const { return prior_.balls; }
 
-  State draw_prior(random::Stream& stream) const { return prior_.draw(stream); }
+  State draw_prior(random::Stream& stream) const {
+    return draw_state(prior_, parameters_.proposal.kernel, stream);
+  }
   double log_prior(const State& state) const { return prior_.log_density(state); }
   /// As far as it takes to know the outcome.
   Outcome simulate(const State& state) const;

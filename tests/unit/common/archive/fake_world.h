@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/archive/layout.h"
@@ -35,7 +36,7 @@ inline double unit_of(std::uint64_t x) {
 
 class FakeReader final : public StateReader {
  public:
-  FakeReader() {
+  explicit FakeReader(std::string warning = {}) {
     const Dimension collision{"collision", 3};
     const Dimension axis{"axis", 2};
     layout_ = {.world = "fake",
@@ -46,7 +47,8 @@ class FakeReader final : public StateReader {
                             {"bounces", {}, "1", "how often it bounces"}},
                .proposal_kinds = {"all", "one_normal"},
                .segment_columns = {{"start_s", {}, "s", "time at which the segment starts"},
-                                   {"position_m", {axis}, "m", "place at which it starts"}}};
+                                   {"position_m", {axis}, "m", "place at which it starts"}},
+               .warning = std::move(warning)};
   }
 
   const WorldLayout& layout() const override { return layout_; }

@@ -9,6 +9,7 @@
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
 #include "common/archive/summary.h"
+#include "common/archive/verify.h"
 #include "tests/unit/common/archive/fake_world.h"
 
 namespace sleight::archive {
@@ -127,6 +128,24 @@ TEST(Layout, SmallestRuns) {
     EXPECT_EQ(summary.request_text, options_for(options).request_text);
     EXPECT_EQ(summary.thin, 7);
   }
+}
+
+TEST(Layout, AWarningIsKept) {
+  // Goal: what a world says of its samples is in the archive and in its digest. Method: one run
+  // with and without.
+  const FakeRunOptions options;
+  const auto archived = [&](MemoryArchive& archive, const std::string& warning) {
+    return write_digested(archive, [&](Sink& sink) {
+      write_archive(FakeRun(options), FakeReader(warning), options_for(options), sink);
+    });
+  };
+  MemoryArchive plain;
+  MemoryArchive biased;
+  EXPECT_NE(archived(plain, ""), archived(biased, "biased kernel"));
+  EXPECT_EQ(summary_of(plain).warning, "");
+  EXPECT_EQ(find_attribute(plain.group(k_root).attributes, k_warning), nullptr);
+  EXPECT_EQ(summary_of(biased).warning, "biased kernel");
+  EXPECT_THAT(verify(biased), ::testing::IsEmpty());
 }
 
 TEST(Digest, CoversContentAndLeavesOutTheVersion) {

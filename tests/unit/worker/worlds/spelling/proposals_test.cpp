@@ -73,7 +73,7 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
   // Goal: the whole mixture leaves p_w times a constraint invariant. Method: three balls that are
   // in a left or a right half, weights for each of the 27 cases; a long chain by Algorithm 2.1
   // visits each as often as its share says (chi-square on every 40th state; a ratio without the
-  // powers of 1 - f, as printed, fails by far).
+  // powers of 1 - f, as printed, fails by far, and Kernel::thesis further).
   const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.3}};
   ProposalParameters parameters;
   parameters.vertex_probability = 0.5;
@@ -106,13 +106,14 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
     expected[cell] = share * 0.5 * (std::exp(left) + std::exp(2 * left));
     total += expected[cell];
   }
-  const auto statistic = [&](bool printed) {
+  const auto statistic = [&](std::uint64_t seed, Kernel kernel, bool printed) {
+    parameters.kernel = kernel;
     State state = with_active(prior, 1);
     std::array<double, 27> seen{};
     constexpr int k_thin = 40;
     constexpr int k_kept = 5'000;
     for (int i = 0; i < k_thin * k_kept; ++i) {
-      random::Stream stream = stream_of(printed ? 8 : 7, static_cast<std::uint64_t>(i));
+      random::Stream stream = stream_of(seed, static_cast<std::uint64_t>(i));
       const auto proposal = propose(prior, parameters, state, stream);
       double q = proposal.log_q_ratio;
       // As A.2.2 has it, but for the power of the area, which would not leave any ball.
@@ -133,11 +134,83 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
     return chi_square;
   };
   const boost::math::chi_squared law(26);
-  const double right = statistic(false);
-  const double wrong = statistic(true);
-  std::printf("chi-square %.1f with the ratios, %.1f without\n", right, wrong);
+  const double right = statistic(7, Kernel::correct, false);
+  const double wrong = statistic(8, Kernel::correct, true);
+  const double thesis = statistic(9, Kernel::thesis, false);
+  std::printf("chi-square %.1f with the ratios, %.1f without, %.1f as printed\n", right, wrong,
+              thesis);
   EXPECT_LT(right, boost::math::quantile(law, 1 - 1e-4));
   EXPECT_GT(wrong, boost::math::quantile(law, 1 - 1e-12));
+  EXPECT_GT(thesis, boost::math::quantile(law, 1 - 1e-12));
+}
+
+TEST(Proposals, ThesisRatiosAreThosePrinted) {
+  // Goal: Kernel::thesis weighs as A.2.2 prints: a for each disabled ball, 1/a for each enabled
+  // one, nothing for the rest. Method: draws of each kind.
+  const Prior prior{.vertices = 5, .balls = 6, .drop_half_m = {0.07, 0.05}};
+  const double log_area = std::log(4 * 0.07 * 0.05);
+  for (std::uint32_t kind = 0; kind < k_kinds; ++kind) {
+    ProposalParameters parameters = only(static_cast<Kind>(kind));
+    parameters.kernel = Kernel::thesis;
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      const State state = with_active(prior, static_cast<std::uint32_t>(i % 7));
+      random::Stream stream = stream_of(i, kind);
+      const auto proposal = propose(prior, parameters, state, stream);
+      const double disabled = static_cast<double>(state.active_count()) -
+                              static_cast<double>(proposal.candidate.active_count());
+      const bool flips = kind >= static_cast<std::uint32_t>(Kind::disable_balls);
+      EXPECT_NEAR(proposal.log_q_ratio, flips ? disabled * log_area : 0, 1e-12);
+      EXPECT_EQ(proposal.kind, kind);
+    }
+  }
+}
+
+TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
+  // Goal: Kernel::thesis draws an offset's length, not its coordinates, from the Gaussian, in every
+  // direction alike, at the start, in change_all and in change_vertices. Method: the mean square of
+  // lengths is sd^2 (of the Gaussian density that scores them it is 3 sd^2), that of each
+  // coordinate a third; so the mean exponent of p_w is -1/2 a vertex.
+  const Prior prior{.vertices = 100, .balls = 2, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
+  constexpr double k_draws = 400;
+  const auto mean_square = [&](double sd, const auto& draw) {
+    Vec3 sum = Vec3::Zero();
+    for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(k_draws); ++i) {
+      random::Stream stream = stream_of(51, i);
+      for (const Vec3& offset_m : draw(stream).offsets_m)
+        sum += offset_m.cwiseProduct(offset_m) / (sd * sd * k_draws * prior.vertices);
+    }
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(sum[axis], 1.0 / 3, 0.015);
+    return sum.sum();
+  };
+  ProposalParameters parameters = only(Kind::change_all);
+  parameters.kernel = Kernel::thesis;
+  parameters.vertex_probability = 1;
+  const State zero = with_active(prior, 0);
+  const double start = mean_square(
+      1e-4, [&](random::Stream& stream) { return draw_state(prior, Kernel::thesis, stream); });
+  EXPECT_NEAR(start, 1, 0.03);
+  const double all = mean_square(1e-4, [&](random::Stream& stream) {
+    return propose(prior, parameters, zero, stream).candidate;
+  });
+  EXPECT_NEAR(all, 1, 0.03);
+  parameters.change_all = 0;
+  parameters.change_vertices = 1;
+  const double moved = mean_square(parameters.vertex_sd_m, [&](random::Stream& stream) {
+    return propose(prior, parameters, zero, stream).candidate;
+  });
+  EXPECT_NEAR(moved, 1, 0.03);
+}
+
+TEST(Proposals, CorrectDrawsAreThePriors) {
+  // Goal: the choice of a kernel changes no bit of the correct one. Method: the same streams.
+  const Prior prior{.vertices = 7, .balls = 3, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    random::Stream a = stream_of(61, i);
+    random::Stream b = stream_of(61, i);
+    EXPECT_EQ(draw_state(prior, Kernel::correct, a), prior.draw(b));
+    EXPECT_EQ(a.uniform(), b.uniform());
+  }
 }
 
 TEST(Proposals, KindsHaveTheirShares) {

@@ -79,6 +79,15 @@ TEST(SpellingReader, NamesFitValues) {
   EXPECT_EQ(world.outcome_values(world.simulate(state)).size(), reader->layout().outcomes.size());
 }
 
+TEST(SpellingReader, BiasedSamplesSaySo) {
+  // Goal: archives of the thesis's kernel carry a warning, others none. Method: both layouts.
+  Parameters parameters;
+  EXPECT_EQ(make_state_reader(parameters)->layout().warning, "");
+  parameters.proposal.kernel = Kernel::thesis;
+  EXPECT_EQ(make_state_reader(parameters)->layout().warning,
+            "biased kernel: thesis (A.2.2 as printed)");
+}
+
 TEST(SpellingReader, LikenessIsADistance) {
   // Goal: 0 for the same animation, more for others, symmetric, at most 1. Method: prior draws.
   const Parameters parameters;

@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "common/request/document.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
@@ -104,6 +105,43 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
   EXPECT_NE(complaint("[sampler]\nchange_all = 0.5").find("add up to 1.46"), std::string::npos);
   EXPECT_NE(complaint("[sampler]\nenable_balls = 0.15\ndisable_balls = 0.17").find("way back"),
             std::string::npos);
+}
+
+TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
+  // Goal: the biased kernel comes by its own key only, and that key is in what archives store.
+  // Method: read with it, without it and with a slip in it.
+  Parameters parameters;
+  const auto plain = read(parameters, "");
+  ASSERT_TRUE(plain.ok());
+  EXPECT_EQ(parameters.proposal.kernel, Kernel::correct);
+  EXPECT_NE(normalised_text(plain.value()).find("kernel = \"correct\""), std::string::npos);
+  const auto biased = read(parameters, "[sampler]\nkernel = \"thesis\"");
+  ASSERT_TRUE(biased.ok());
+  EXPECT_EQ(parameters.proposal.kernel, Kernel::thesis);
+  EXPECT_NE(normalised_text(biased.value()).find("kernel = \"thesis\""), std::string::npos);
+  EXPECT_NE(identity_text(biased.value()), identity_text(plain.value()));
+  EXPECT_NE(complaint("[sampler]\nkernel = \"printed\"").find("\"correct\""), std::string::npos);
+}
+
+TEST(SpellingRequest, TheThesisKernelGoesWithItsOwnMethodAlone) {
+  // Goal: no method that builds upon the distribution takes the biased kernel. Method: the binding
+  // after a key `method` that has another choice.
+  const auto complaint_of = [](const std::string& method, const std::string& kernel) {
+    const auto document = request::parse_document(
+        "[sampler]\nmethod = \"" + method + "\"\nkernel = \"" + kernel + "\"\n", "r.toml");
+    request::Diagnostics diagnostics("r.toml");
+    request::Binder world("world", nullptr, diagnostics);
+    request::Binder constraint("constraint", nullptr, diagnostics);
+    request::Binder sampler("sampler", document.value().find("sampler"), diagnostics);
+    std::string chosen = "metropolis_hastings";
+    sampler.text("method", chosen, {});
+    Parameters parameters;
+    request_binding(parameters).bind(world, constraint, sampler);
+    return diagnostics.empty() ? "" : diagnostics.sorted().front().message;
+  };
+  EXPECT_EQ(complaint_of("metropolis_hastings", "thesis"), "");
+  EXPECT_EQ(complaint_of("parallel_tempering", "correct"), "");
+  EXPECT_NE(complaint_of("parallel_tempering", "thesis").find("alone, found"), std::string::npos);
 }
 
 }  // namespace
