@@ -127,6 +127,7 @@ struct Extents {
     y.add(band.high);
   }
   void operator()(const HorizontalLine& line) { y.add(line.y); }
+  void operator()(const VerticalLine& line) { x.add(line.x); }
   void operator()(const Arrow& arrow) {
     add(arrow.from);
     add(arrow.to);

@@ -108,6 +108,15 @@ struct HorizontalLine {
   bool dashed = true;
 };
 
+/// An event: over the panel's whole height.
+struct VerticalLine {
+  double x = 0;
+  std::string label = {};
+  Color color = palette::k_ink;
+  double width_px = 1.2;
+  bool dashed = true;
+};
+
 /// A shaft with a filled head at `to`.
 struct Arrow {
   Point from = {};
@@ -151,8 +160,8 @@ struct Text {
   bool inside = false;
 };
 
-using Series = std::variant<Line, Steps, Markers, HorizontalBand, HorizontalLine, Arrow, Disc,
-                            Rectangle, Text>;
+using Series = std::variant<Line, Steps, Markers, HorizontalBand, HorizontalLine, VerticalLine,
+                            Arrow, Disc, Rectangle, Text>;
 
 struct Panel {
   std::string title = {};

@@ -43,6 +43,9 @@ LegendEntry entry_of(const Series& series) {
     LegendEntry operator()(const HorizontalLine& s) const {
       return {s.label, s.dashed ? Swatch::dashed_line : Swatch::line, s.color};
     }
+    LegendEntry operator()(const VerticalLine& s) const {
+      return {s.label, s.dashed ? Swatch::dashed_line : Swatch::line, s.color};
+    }
     LegendEntry operator()(const Arrow& s) const { return {s.label, Swatch::arrow, s.color}; }
     LegendEntry operator()(const Disc& s) const {
       return {s.label, s.filled ? Swatch::area : Swatch::line, s.color};

@@ -61,6 +61,12 @@ class SeriesPainter {
     svg_.segment({layout_.frame.left, y}, {layout_.frame.right(), y},
                  {.color = line.color, .width = line.width_px, .dashed = line.dashed});
   }
+  void operator()(const VerticalLine& line) const {
+    if (!(std::abs(line.x) < k_infinite)) return;
+    const double x = layout_.to_pixels({line.x, layout_.ranges.y.low}).x;
+    svg_.segment({x, layout_.frame.top}, {x, layout_.frame.bottom()},
+                 {.color = line.color, .width = line.width_px, .dashed = line.dashed});
+  }
   void operator()(const Arrow& arrow) const {
     if (!is_drawable(arrow.from) || !is_drawable(arrow.to)) return;
     draw_arrow(svg_, layout_.to_pixels(arrow.from), layout_.to_pixels(arrow.to),

@@ -70,6 +70,11 @@ class DotPainter {
   void operator()(const HorizontalLine& line) const {
     across(line.y, line.color, line.dashed ? 2 : 1);
   }
+  void operator()(const VerticalLine& line) const {
+    if (!(std::abs(line.x) < k_infinite)) return;
+    canvas_.line(to_dots({line.x, ranges_.y.low}), to_dots({line.x, ranges_.y.high}), line.color,
+                 line.dashed ? 2 : 1);
+  }
   void operator()(const Arrow& arrow) const {
     if (!is_drawable(arrow.from) || !is_drawable(arrow.to)) return;
     canvas_.line(to_dots(arrow.from), to_dots(arrow.to), arrow.color);

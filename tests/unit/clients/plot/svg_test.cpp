@@ -106,6 +106,8 @@ TEST(Svg, DrawsEachKindOfSeries) {
   EXPECT_EQ(occurrences(svg_of(Markers{.points = {{0, 0}, {1, 1}}}), "h0"), 2U);
   EXPECT_EQ(occurrences(svg_of(HorizontalBand{.low = 1, .high = 2}), "fill-opacity"), 1U);
   EXPECT_EQ(occurrences(svg_of(HorizontalLine{.y = 1}), "stroke-dasharray"), 1U);
+  EXPECT_EQ(occurrences(svg_of(VerticalLine{.x = 1}), "stroke-dasharray"), 1U);
+  EXPECT_EQ(occurrences(svg_of(VerticalLine{.x = NAN}), "stroke-dasharray"), 0U);
   EXPECT_EQ(occurrences(svg_of(Arrow{.from = {0, 0}, .to = {1, 1}}), "<polygon"), 1U);
   EXPECT_EQ(occurrences(svg_of(Arrow{}), "<polygon"), 0U);
   EXPECT_EQ(occurrences(svg_of(Disc{}), "<ellipse"), 1U);

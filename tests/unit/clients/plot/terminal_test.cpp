@@ -78,6 +78,16 @@ TEST(Terminal, UsesBraille) {
   EXPECT_TRUE(lines[3].ends_with("⢀")) << lines[3];
 }
 
+TEST(Terminal, DrawsVerticalLines) {
+  // Goal: a line over the whole height at its x. Method: one at the right edge, drawn through.
+  const Panel panel{.x_range = Range{0, 1},
+                    .y_range = Range{0, 1},
+                    .series = {VerticalLine{.x = 1, .dashed = false}}};
+  const auto lines = lines_of(to_terminal(panel, {.columns = 24, .rows = 6}));
+  for (int row = 0; row < 4; ++row)
+    EXPECT_TRUE(lines[static_cast<std::size_t>(row)].ends_with("⢸")) << lines[0];
+}
+
 TEST(Terminal, MarksInfinitiesAndSurvivesNothing) {
   // Goal: minus infinity shows at the lower edge; an empty panel is axes alone. Method: both.
   const Panel panel{
