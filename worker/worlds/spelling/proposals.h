@@ -28,7 +28,7 @@
 //
 // so a^m and a^-m are the other way round, and there are no powers of 1-f. Its results depend on
 // the unit of a, which is the square metre here: with a below 1 balls are brought in and hardly
-// taken out again. In a unit in which a is above 1 it would leave no ball.
+// taken out again. In square millimetres it would leave no ball.
 // Thread safety: pure functions.
 #pragma once
 

@@ -1,0 +1,25 @@
+// Figures 2.8 to 2.12 as pictures and text.
+//
+// Thread safety: pure functions.
+#pragma once
+
+#include <string>
+
+#include "clients/plot/figure.h"
+#include "tests/thesis/figures_2/chain.h"
+#include "tests/thesis/figures_2/statistics.h"
+
+namespace sleight::thesis {
+
+/// k at each iteration.
+plot::Figure filled_figure(const std::string& title, const Chain& chain);
+
+/// log p(A) at each iteration, with a dashed line where the change-all effect is.
+plot::Figure log_p_figure(const std::string& title, const Chain& chain,
+                          const Statistics& statistics);
+
+/// Two orders side by side, as the pattern is seen from above: each designated bin has the number
+/// of the ball that fills it, from 1 in the order of drops, `--` if it stays empty.
+std::string order_text(const worlds::spelling::Pattern& pattern, const Orders& orders);
+
+}  // namespace sleight::thesis

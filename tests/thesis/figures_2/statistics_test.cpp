@@ -1,0 +1,61 @@
+// Goal: the numbers beside the thesis's text count what they say. Method: short chains by hand.
+#include "tests/thesis/figures_2/statistics.h"
+
+#include <gtest/gtest.h>
+
+namespace sleight::thesis {
+namespace {
+
+using worlds::spelling::Kind;
+
+Chain chain_of(const std::vector<std::uint32_t>& filled) {
+  Chain chain{.balls = 10, .vertices = 2};
+  for (const std::uint32_t k : filled) {
+    chain.iterations.push_back({.filled = k,
+                                .log_p = 5.0 * k,
+                                .log_p_offsets = -4,
+                                .kind = Kind::change_ball,
+                                .accepted = true});
+  }
+  return chain;
+}
+
+TEST(Statistics, VisitsEndWhenTheSpellingIsLeft) {
+  const Statistics none = statistics_of(chain_of({3, 9, 9, 4}));
+  EXPECT_FALSE(none.first_correct);
+  EXPECT_EQ(none.visits, 0U);
+  EXPECT_EQ(none.longest_visit, 0U);
+  // One visit of five iterations, in which a ball is elsewhere for two, and one of a single one.
+  const Statistics two = statistics_of(chain_of({8, 10, 9, 8, 10, 10, 7, 10}));
+  EXPECT_EQ(two.first_correct, 1U);
+  EXPECT_EQ(two.visits, 2U);
+  EXPECT_EQ(two.longest_visit, 5U);
+  EXPECT_EQ(two.correct_share, 0.5);
+  EXPECT_EQ(two.log_p_offsets, -2);
+}
+
+TEST(Statistics, TheChangeAllEffectFallsInKAndRisesInLogP) {
+  Chain chain = chain_of({10, 7, 10, 8, 10, 6});
+  for (Iteration& iteration : chain.iterations)
+    iteration.kind = Kind::change_all;
+  chain.iterations[1].log_p = 51;
+  chain.iterations[1].log_p_offsets = 26;
+  chain.iterations[3].log_p = 51;  // two balls are not sharp
+  Statistics statistics = statistics_of(chain);
+  EXPECT_EQ(statistics.sharp_change_alls, 2U);  // the second lets log p fall
+  EXPECT_EQ(statistics.change_all_effects, std::vector<std::uint64_t>{1});
+  EXPECT_EQ(statistics.effect_log_p_offsets, 30);
+  EXPECT_EQ(statistics.proposed[0], 5U);
+  EXPECT_EQ(statistics.accepted[0], 5U);
+  // Another kind is no change-all, and what is not accepted changes nothing.
+  chain.iterations[1].kind = Kind::change_vertices;
+  EXPECT_TRUE(statistics_of(chain).change_all_effects.empty());
+  chain.iterations[1].kind = Kind::change_all;
+  chain.iterations[1].accepted = false;
+  statistics = statistics_of(chain);
+  EXPECT_TRUE(statistics.change_all_effects.empty());
+  EXPECT_EQ(statistics.accepted[0], 4U);
+}
+
+}  // namespace
+}  // namespace sleight::thesis
