@@ -1,10 +1,10 @@
 #include "tests/thesis/figures_2/chain.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "common/base/check.h"
-#include "tests/thesis/figures_2/statistics.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/worlds/spelling/spelling.h"
 
@@ -43,7 +43,7 @@ class BestStates {
       away_ = false;
       last_ = sample.state;
     }
-    away_ = away_ || k + k_sharp_drop <= most_;
+    away_ = away_ || k < most_;
   }
 
   std::vector<State> take() {
@@ -84,20 +84,40 @@ Chain run_chain(const worlds::spelling::Parameters& parameters, const ChainOptio
   return chain;
 }
 
-Orders most_different_orders(const worlds::spelling::Parameters& parameters,
+std::vector<Order> orders_of(const worlds::spelling::Parameters& parameters,
                              const std::vector<State>& states) {
-  CHECK(!states.empty());
   const Spelling world(parameters);
-  std::vector<std::vector<int>> orders;
+  std::vector<Order> orders;
   for (const State& state : states)
     orders.push_back(world.balls_of_bins(state));
-  Orders most{.first = orders.front(), .second = orders.front()};
+  return orders;
+}
+
+std::uint32_t different_bins(const Order& a, const Order& b) {
+  CHECK_EQ(a.size(), b.size());
+  std::uint32_t different = 0;
+  for (std::size_t bin = 0; bin < a.size(); ++bin)
+    different += a[bin] != b[bin] ? 1 : 0;
+  return different;
+}
+
+std::uint32_t distinct_count(const std::vector<Order>& orders, std::uint32_t balls) {
+  std::vector<const Order*> counted;
+  for (const Order& order : orders) {
+    const bool new_one = std::ranges::all_of(
+        counted, [&](const Order* other) { return 2 * different_bins(order, *other) >= balls; });
+    if (new_one) counted.push_back(&order);
+  }
+  return static_cast<std::uint32_t>(counted.size());
+}
+
+std::pair<Order, Order> most_different(const std::vector<Order>& orders) {
+  CHECK(!orders.empty());
+  std::pair most{orders.front(), orders.front()};
   for (std::size_t a = 0; a < orders.size(); ++a) {
     for (std::size_t b = a + 1; b < orders.size(); ++b) {
-      std::uint32_t different = 0;
-      for (std::size_t bin = 0; bin < orders[a].size(); ++bin)
-        different += orders[a][bin] != orders[b][bin] ? 1 : 0;
-      if (different > most.different) most = {orders[a], orders[b], different};
+      if (different_bins(orders[a], orders[b]) > different_bins(most.first, most.second))
+        most = {orders[a], orders[b]};
     }
   }
   return most;

@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "worker/worlds/spelling/parameters.h"
@@ -28,12 +29,12 @@ struct Chain {
   std::uint32_t balls = 0;                 ///< designated bins: the largest k
   std::uint32_t vertices = 0;              ///< partition vertices
   std::vector<Iteration> iterations = {};  ///< the start, which nothing proposed, and then each
-  /// Of the largest k that came up: the first state of each visit (statistics.h), of the first
-  /// k_states_max visits, and the last state.
+  /// Of the largest k that came up: the first state of each stay (statistics.h), of the first
+  /// k_states_max stays, and the last state.
   std::vector<worlds::spelling::State> best = {};
 };
 
-inline constexpr std::size_t k_states_max = 30;
+inline constexpr std::size_t k_states_max = 100;
 
 struct ChainOptions {
   std::uint64_t iterations = 20'000;
@@ -44,14 +45,21 @@ struct ChainOptions {
 Chain run_chain(const worlds::spelling::Parameters& parameters, const ChainOptions& options,
                 std::atomic<std::uint64_t>& done);
 
-/// In which order balls fill the designated bins in the two of these states that differ most.
-struct Orders {
-  std::vector<int> first;       ///< by bin, row by row from the lowest y: the ball, -1 if none
-  std::vector<int> second;      ///< likewise
-  std::uint32_t different = 0;  ///< designated bins that other balls fill
-};
-/// REQUIRES: at least one state, each with an animation.
-Orders most_different_orders(const worlds::spelling::Parameters& parameters,
+/// In which order balls fill the designated bins: by bin, row by row from the lowest y, the number
+/// of the ball, -1 if none.
+using Order = std::vector<int>;
+
+/// REQUIRES: each state has an animation.
+std::vector<Order> orders_of(const worlds::spelling::Parameters& parameters,
                              const std::vector<worlds::spelling::State>& states);
+
+/// Bins that hold another ball, or one in one order alone.
+std::uint32_t different_bins(const Order& a, const Order& b);
+
+/// How many of these, counted in turn, differ from all counted before in half of the balls' bins.
+std::uint32_t distinct_count(const std::vector<Order>& orders, std::uint32_t balls);
+
+/// The two that differ most. REQUIRES: one at least.
+std::pair<Order, Order> most_different(const std::vector<Order>& orders);
 
 }  // namespace sleight::thesis

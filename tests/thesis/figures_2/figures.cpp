@@ -45,12 +45,13 @@ plot::Figure log_p_figure(const std::string& title, const Chain& chain,
   return wide(title, std::move(panel));
 }
 
-std::string order_text(const worlds::spelling::Pattern& pattern, const Orders& orders) {
+std::string order_text(const worlds::spelling::Pattern& pattern,
+                       const std::pair<Order, Order>& orders) {
   std::string text;
   for (std::uint32_t row = 0; row < pattern.rows; ++row) {
     // Bins are counted from the lowest y, a pattern's rows from the top.
     const std::size_t first_bin = std::size_t{pattern.rows - 1 - row} * pattern.columns;
-    for (const std::vector<int>* balls : {&orders.first, &orders.second}) {
+    for (const Order* balls : {&orders.first, &orders.second}) {
       for (std::uint32_t column = 0; column < pattern.columns; ++column) {
         const int ball = (*balls)[first_bin + column];
         text += !pattern.at(column, row) ? "  ." : ball < 0 ? " --" : fmt::format("{:3}", ball + 1);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "clients/plot/figure.h"
 #include "tests/thesis/figures_2/chain.h"
@@ -20,6 +21,7 @@ plot::Figure log_p_figure(const std::string& title, const Chain& chain,
 
 /// Two orders side by side, as the pattern is seen from above: each designated bin has the number
 /// of the ball that fills it, from 1 in the order of drops, `--` if it stays empty.
-std::string order_text(const worlds::spelling::Pattern& pattern, const Orders& orders);
+std::string order_text(const worlds::spelling::Pattern& pattern,
+                       const std::pair<Order, Order>& orders);
 
 }  // namespace sleight::thesis

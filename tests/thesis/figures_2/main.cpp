@@ -55,6 +55,7 @@ struct Plan {
 struct Result {
   Chain chain;
   Statistics statistics;
+  std::vector<Order> orders;  ///< of the chain's best states
   double elapsed_s = 0;
 };
 
@@ -156,6 +157,7 @@ std::vector<Result> run_all(const std::vector<Plan>& plans, unsigned threads) {
       try {
         results[i].chain = run_chain(plans[i].parameters, plans[i].options, done[i]);
         results[i].statistics = statistics_of(results[i].chain);
+        results[i].orders = orders_of(plans[i].parameters, results[i].chain.best);
       } catch (...) {
         failures[i] = std::current_exception();
       }
@@ -220,10 +222,15 @@ void print_table(const std::vector<Plan>& plans, const std::vector<Result>& resu
     const auto& first = r.statistics.first_correct;
     return first ? fmt::format("{}", *first) : std::string("never");
   });
-  print_row("visits to a correct spelling", results,
+  print_row("stays with all correct", results, [](const Result& r) { return r.statistics.stays; });
+  print_row("longest stay, iterations", results,
+            [](const Result& r) { return r.statistics.longest_stay; });
+  print_row(fmt::format("visits, with {} balls lost between", k_sharp_drop), results,
             [](const Result& r) { return r.statistics.visits; });
-  print_row("longest visit, iterations", results,
-            [](const Result& r) { return r.statistics.longest_visit; });
+  print_row("correct spellings of which any two differ in half of the balls", results,
+            [](const Result& r) {
+              return r.statistics.first_correct ? distinct_count(r.orders, r.chain.balls) : 0;
+            });
   print_row("iterations with all correct", results, [](const Result& r) {
     return fmt::format("{:.1f}%", 100 * r.statistics.correct_share);
   });
@@ -249,16 +256,16 @@ void print_table(const std::vector<Plan>& plans, const std::vector<Result>& resu
 }
 
 void print_orders(const Plan& plan, const Result& result) {
-  if (!plan.draws("2.12") || result.chain.best.empty()) return;
-  const Orders orders = most_different_orders(plan.parameters, result.chain.best);
+  if (!plan.draws("2.12") || result.orders.empty()) return;
+  const auto orders = most_different(result.orders);
   std::uint32_t most = 0;
   for (const Iteration& iteration : result.chain.iterations)
     most = std::max(most, iteration.filled);
   fmt::print(
       "\n{}, {} kernel: two animations with {} of {} bins filled; {} bins have different "
       "balls\n\n{}",
-      plan.what, name_of(plan.kernel), most, result.chain.balls, orders.different,
-      order_text(plan.parameters.pattern, orders));
+      plan.what, name_of(plan.kernel), most, result.chain.balls,
+      different_bins(orders.first, orders.second), order_text(plan.parameters.pattern, orders));
 }
 
 void reproduce(const Arguments& arguments) {

@@ -9,22 +9,23 @@ namespace {
 
 using worlds::spelling::Kind;
 
-void count_visits(const Chain& chain, Statistics& statistics) {
+void count_stays(const Chain& chain, Statistics& statistics) {
   bool away = true;
-  std::uint64_t begin = 0;
+  std::uint64_t stay = 0;
   std::uint64_t correct = 0;
   for (std::uint64_t i = 0; i < chain.iterations.size(); ++i) {
     const std::uint32_t k = chain.iterations[i].filled;
     if (k + k_sharp_drop <= chain.balls) away = true;
-    if (k != chain.balls) continue;
+    if (k != chain.balls) {
+      stay = 0;
+      continue;
+    }
     ++correct;
     if (!statistics.first_correct) statistics.first_correct = i;
-    if (away) {
-      away = false;
-      begin = i;
-      ++statistics.visits;
-    }
-    statistics.longest_visit = std::max(statistics.longest_visit, i - begin + 1);
+    if (stay++ == 0) ++statistics.stays;
+    if (away) ++statistics.visits;
+    away = false;
+    statistics.longest_stay = std::max(statistics.longest_stay, stay);
   }
   statistics.correct_share =
       static_cast<double>(correct) / static_cast<double>(chain.iterations.size());
@@ -56,7 +57,7 @@ void count_proposals(const Chain& chain, Statistics& statistics) {
 Statistics statistics_of(const Chain& chain) {
   CHECK(!chain.iterations.empty());
   Statistics statistics;
-  count_visits(chain, statistics);
+  count_stays(chain, statistics);
   count_proposals(chain, statistics);
   for (const Iteration& iteration : chain.iterations)
     statistics.log_p_offsets += iteration.log_p_offsets;

@@ -1,11 +1,13 @@
 // What section 2.4.3 says of its chains, as numbers.
 //
-// A visit is a stay with a correct spelling: it begins when all designated bins are filled, and
-// ends when k has fallen k_sharp_drop below that. Leaving and finding again is one visit more;
-// changing one ball and changing it back is not.
+// A stay is a run of iterations with all designated bins filled. A visit has one or more stays, and
+// ends when k has fallen k_sharp_drop below that: changing one ball and changing it back is a stay
+// more and no visit.
 //
 // The change-all effect (figure 2.9): a change_all is accepted, k falls by k_sharp_drop or more,
-// and log p(A) rises. Thread safety: pure functions.
+// and log p(A) rises.
+//
+// Thread safety: pure functions.
 #pragma once
 
 #include <array>
@@ -23,9 +25,9 @@ inline constexpr std::uint32_t k_sharp_drop = 3;
 struct Statistics {
   std::optional<std::uint64_t> first_correct;  ///< iteration; the start is 0
   std::uint64_t visits = 0;
-  std::uint64_t longest_visit =
-      0;                     ///< iterations between its first and its last correct one, both in
-  double correct_share = 0;  ///< of all iterations
+  std::uint64_t stays = 0;
+  std::uint64_t longest_stay = 0;                 ///< iterations
+  double correct_share = 0;                       ///< of all iterations
   std::uint64_t sharp_change_alls = 0;            ///< accepted ones that lowered k by k_sharp_drop
   std::vector<std::uint64_t> change_all_effects;  ///< at which iterations
   double effect_log_p_offsets = 0;  ///< what these gained in log p of the offsets, mean

@@ -20,16 +20,29 @@ Chain chain_of(const std::vector<std::uint32_t>& filled) {
   return chain;
 }
 
+TEST(Statistics, DistinctOrdersDifferInHalf) {
+  const std::vector<Order> orders{
+      {0, -1, 1, 2, 3}, {1, -1, 0, 2, 3}, {1, -1, 2, 0, 3}, {0, 1, 2, -1, 3}};
+  EXPECT_EQ(different_bins(orders[0], orders[1]), 2U);
+  EXPECT_EQ(different_bins(orders[1], orders[2]), 2U);
+  EXPECT_EQ(distinct_count(orders, 4), 4U);
+  EXPECT_EQ(distinct_count(orders, 5), 3U);  // the second is too near to the first
+  EXPECT_EQ(distinct_count({}, 4), 0U);
+  const auto most = most_different(orders);
+  EXPECT_EQ(different_bins(most.first, most.second), 4U);
+}
+
 TEST(Statistics, VisitsEndWhenTheSpellingIsLeft) {
   const Statistics none = statistics_of(chain_of({3, 9, 9, 4}));
   EXPECT_FALSE(none.first_correct);
   EXPECT_EQ(none.visits, 0U);
-  EXPECT_EQ(none.longest_visit, 0U);
-  // One visit of five iterations, in which a ball is elsewhere for two, and one of a single one.
+  EXPECT_EQ(none.longest_stay, 0U);
+  // One visit in which a ball is elsewhere for two iterations, and one of a single iteration.
   const Statistics two = statistics_of(chain_of({8, 10, 9, 8, 10, 10, 7, 10}));
   EXPECT_EQ(two.first_correct, 1U);
   EXPECT_EQ(two.visits, 2U);
-  EXPECT_EQ(two.longest_visit, 5U);
+  EXPECT_EQ(two.stays, 3U);
+  EXPECT_EQ(two.longest_stay, 2U);
   EXPECT_EQ(two.correct_share, 0.5);
   EXPECT_EQ(two.log_p_offsets, -2);
 }
