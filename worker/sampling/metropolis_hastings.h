@@ -81,7 +81,8 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   // It may be known what comes of it.
   if constexpr (std::equality_comparable<typename T::State>) {
     if (proposal.candidate == current.state) {
-      return {.kind = proposal.kind, .accepted = accepts(current.log_prior, current.log_constraint)};
+      return {.kind = proposal.kind,
+              .accepted = accepts(current.log_prior, current.log_constraint)};
     }
   }
   const double log_prior = target.log_prior(proposal.candidate);

@@ -65,9 +65,8 @@ class BoxTree {
   static float square_distance_m2(const Box& a, const Box& b) {
     float sum_m2 = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float apart_m = std::max(std::max(a.low_m[axis] - b.high_m[axis],
-                                              b.low_m[axis] - a.high_m[axis]),
-                                     0.0F);
+      const float apart_m =
+          std::max(std::max(a.low_m[axis] - b.high_m[axis], b.low_m[axis] - a.high_m[axis]), 0.0F);
       sum_m2 += apart_m * apart_m;
     }
     return sum_m2;

@@ -55,8 +55,8 @@ struct SimulationOptions {
   std::function<void(Tick)> on_sample{};
   /// The scene's static geometry, for who simulates many scenes that share it or change little of
   /// it: not changed while a simulation that has it runs. Null: it is made.
-  /// REQUIRES: made from a scene with this one's static geometry, and with bodies of its kinds and of
-  /// its greatest sphere.
+  /// REQUIRES: made from a scene with this one's static geometry, and with bodies of its kinds and
+  /// of its greatest sphere.
   std::shared_ptr<const StaticGeometry> statics{};
   /// Bodies that can be left alone, for who wants to know only where they end up. REQUIRES: the
   /// asynchronous algorithm, no recording, no sampling events, and no taking over.

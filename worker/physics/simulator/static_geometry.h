@@ -21,8 +21,8 @@
 //      rounding errors: else a sphere might slip through a crack that is one of these wide. Where
 //      two regions overlap, gaps and normals agree to rounding.
 //   3. Features are there only if some body is a sphere, convex pieces only if some body is not.
-// Building takes some 35 ns per feature and 130 ns per triangle as a piece; refresh, for spheres, the
-// same for those about the vertices that moved. Thread safety: const functions may run at once.
+// Building takes some 35 ns per feature and 130 ns per triangle as a piece; refresh, for spheres,
+// the same for those about the vertices that moved. Thread safety: const functions may run at once.
 #pragma once
 
 #include <cmath>
@@ -73,8 +73,8 @@ class StaticGeometry {
   /// Becomes what a new one would be, and takes up the room of what it was: several times faster
   /// where the system hands out and takes back memory by pages.
   void assign(const Scene& scene);
-  /// A mesh, by its place in the scene, has had vertices moved: becomes what a new one would be, from
-  /// what the mesh says of its last move. REQUIRES: nothing but spheres meets it.
+  /// A mesh, by its place in the scene, has had vertices moved: becomes what a new one would be,
+  /// from what the mesh says of its last move. REQUIRES: nothing but spheres meets it.
   void refresh(std::size_t mesh);
   // Pieces point into arrays of this object, which stay where they are when it is moved.
   StaticGeometry(StaticGeometry&&) noexcept = default;

@@ -276,13 +276,11 @@ void World::statics_in(std::uint32_t body, const Box& box, std::span<const std::
                        std::vector<std::uint32_t>& found) const {
   if (constants_[body].is_sphere) {
     const CentreRange centre(box, constants_[body].reach_m);
-    std::ranges::copy_if(some, std::back_inserter(found), [&](std::uint32_t index) {
-      return statics_.may_meet(index, centre);
-    });
+    std::ranges::copy_if(some, std::back_inserter(found),
+                         [&](std::uint32_t index) { return statics_.may_meet(index, centre); });
   } else {
-    std::ranges::copy_if(some, std::back_inserter(found), [&](std::uint32_t index) {
-      return statics_.piece_overlaps(index, box);
-    });
+    std::ranges::copy_if(some, std::back_inserter(found),
+                         [&](std::uint32_t index) { return statics_.piece_overlaps(index, box); });
   }
 }
 
