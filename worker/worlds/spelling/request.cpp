@@ -162,6 +162,17 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   world.number("friction", p.friction, {.minimum = 0, .maximum = 10, .help = "of all contacts"});
   world.number("gravity_mps2", p.gravity_mps2,
                {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "downwards"});
+  world.number("bounce_end", p.bounce_end,
+               {.minimum = 0.001,
+                .maximum = 0.1,
+                .help = "of sqrt(gravity x diameter): bounces that would part more slowly end"});
+  world.number("rest_speed", p.rest_speed,
+               {.minimum = 0.002,
+                .maximum = 0.5,
+                .help = "of sqrt(gravity x diameter): a ball in balance that is slower rests"});
+  world.number(
+      "rest_time", p.rest_time,
+      {.minimum = 0.01, .maximum = 10, .help = "of sqrt(diameter / gravity): after so long"});
   world.number("time_limit_s", p.time_limit_s,
                {.minimum = 0.01,
                 .maximum = 100,

@@ -46,9 +46,10 @@ physics::Scene Spelling::scene_in(const State& state,
   scene.gravity_mps2 = {0, 0, -world.gravity_mps2};
   scene.contacts =
       physics::ContactTable(1, {.restitution = world.restitution, .friction = world.friction});
-  scene.slow = {.separation_speed_mps = world.bounce_end_mps,
-                .rest_speed_mps = world.rest_speed_mps,
-                .rest_time_s = world.rest_time_s};
+  const double fall_mps = std::sqrt(world.gravity_mps2 * world.ball_diameter_m);
+  scene.slow = {.separation_speed_mps = world.bounce_end * fall_mps,
+                .rest_speed_mps = world.rest_speed * fall_mps,
+                .rest_time_s = world.rest_time * fall_mps / world.gravity_mps2};
   scene.meshes.push_back(
       {.name = "bins", .mesh = std::move(surface), .slack_m = k_slack_sds * world.vertex_sd_m});
   scene.convexes.assign(bins_.walls().begin(), bins_.walls().end());

@@ -41,7 +41,8 @@ TEST(SpellingRequest, DefaultsAreTheThesis) {
                                w.box_height_m,    w.drop_height_m,   w.vertex_sd_m,
                                w.dome_m,          w.ball_diameter_m, w.density_kgpm3,
                                w.drop_interval_s, w.restitution,     w.friction,
-                               w.gravity_mps2,    w.time_limit_s,    p.constraint.log_lambda,
+                               w.gravity_mps2,    w.bounce_end,      w.rest_speed,
+                               w.rest_time,       w.time_limit_s,    p.constraint.log_lambda,
                                q.change_all,      q.change_vertices, q.change_ball,
                                q.disable_balls,   q.enable_balls,    q.vertex_probability,
                                q.vertex_sd_m,     q.ball_sd_m,       q.flip_probability};
