@@ -21,7 +21,8 @@ constexpr double k_firm = 0.003;
 /// edge grows e-fold in 0.97 sqrt(size / g), its moment about the edge over its weight: some
 /// 700-fold meanwhile where the rest time is 0.1 sqrt(size / g).
 constexpr TickCount k_patience = 64;
-/// A body that woke is in its place as long as it has moved by less than this part of its reach.
+/// A body that woke, or stays, is in its place as long as it has moved by less than this part of
+/// its reach.
 constexpr double k_in_place = 0.005;
 /// Sweeps over all pushes in the search for balance.
 constexpr int k_balance_sweeps_max = 400;
@@ -146,15 +147,29 @@ Resting::Chosen Resting::carrying(std::span<const TouchRecord> contacts, const P
   return pushing;
 }
 
-Resting::Chosen Resting::supporting(const Log& log, TickCount slow) const {
+void Resting::note_stay(Log& log, Tick now) const {
+  const double moved_m = math::norm(log.state.centre_m - log.stays_at_m);
+  if (log.candidate && log.stays_since <= now && log.stays_since >= log.slow_since &&
+      moved_m <= k_in_place * log.state.reach_m)
+    return;
+  log.stays_since = log.candidate ? now : k_never;
+  log.stays_at_m = log.state.centre_m;
+}
+
+bool Resting::has_stayed(const Log& log, Tick now) const {
+  return log.stays_since <= now && (now - log.stays_since) / k_patience >= rest_span();
+}
+
+Resting::Chosen Resting::supporting(const Log& log, Tick now) const {
+  const TickCount slow = now - log.slow_since;
   const auto contacts = log.touches();
-  if (log.state.stance == Stance::slides) return 0;
+  if (log.state.stance == Stance::slides && !has_stayed(log, now)) return 0;
   const bool weightless = is_zero(log.state.weight_n);
   const auto pushes_up = [&](const TouchRecord& touch) {
     return weightless || math::dot(touch.normal, log.state.weight_n) < 0;
   };
   // Without a weight that could be balanced, on all that may carry it.
-  if (weightless || is_jammed(log) || log.state.stance == Stance::holds) {
+  if (weightless || is_jammed(log) || has_stayed(log, now) || log.state.stance == Stance::holds) {
     Chosen all = 0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       if (!pushes_up(contacts[k])) continue;

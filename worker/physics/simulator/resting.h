@@ -9,7 +9,10 @@
 //     and could if its centre were a little to any side. What else it touches may still move (a
 //     heap into which grains fall rests from below). A sphere needn't stand so firmly; nor need
 //     another body that has been slow for 64 times as long, in which what balances on an edge
-//     topples, while a cube that rocks on two opposite corners does not.
+//     topples, while a cube that rocks on two opposite corners does not. And who has been slow for
+//     so long without leaving his place stands on what pushes him up, whatever the contacts say: a
+//     ball on a ledge that leans on another one may lack a thousandth of its weight, and yet only
+//     bounce by micrometres for ever.
 // The last one keeps what is slow because it is about to topple or to slide from being frozen.
 // Everything is read from recorded contacts, so the decision is a function of the events so far.
 //
@@ -78,6 +81,7 @@ class Resting {
     double speed_mps = 0;  ///< of its fastest point, at most
     Vec3 weight_n = Vec3::Zero();
     double reach_m = 0;
+    Vec3 centre_m = Vec3::Zero();
     bool round = false;  ///< a sphere: it may stand where others would topple
     Stance stance = Stance::unknown;
   };
@@ -159,6 +163,8 @@ class Resting {
     bool has_place = false;  ///< some may have rested on it since it was there
     bool in_place = false;   ///< awake, and others may still rest on it
     Pose place{};
+    Tick stays_since = k_never;  ///< slow, and about there all the time; as decisions found it
+    Vec3 stays_at_m = Vec3::Zero();
     // Of the last decision in which the body was looked at.
     bool candidate = false;  ///< it may rest, as far as is known
     std::uint32_t carried = 0;
@@ -178,15 +184,18 @@ class Resting {
   /// any side, or as it is, and then for long enough to have toppled otherwise. None if they don't.
   Chosen carrying(std::span<const TouchRecord> contacts, const Present& state,
                   TickCount slow) const;
-  /// The same of those contacts of a body that it may lean on. A jammed one leans on all that push
-  /// it up.
-  Chosen supporting(const Log& log, TickCount slow) const;
+  /// The same of those contacts of a body that it may lean on. One that is jammed, or has stayed,
+  /// leans on all that push it up.
+  Chosen supporting(const Log& log, Tick now) const;
   bool may_lean_on(const TouchRecord& touch) const {
     if (touch.partner == k_static_partner) return true;
     const Log& other = logs_[touch.partner];
     return other.rests || (other.round == round_ && other.candidate);
   }
   static bool is_jammed(const Log& log) { return log.slow_collisions >= k_slow_collisions; }
+  /// Whether a candidate has been about its place for so long that it must be standing.
+  bool has_stayed(const Log& log, Tick now) const;
+  void note_stay(Log& log, Tick now) const;
   /// Finds the greatest set around a body of which each is slow and in balance by what may rest
   /// with it, and leaves it in set_. Whether the body is in it.
   template <class PresentOf>
@@ -219,13 +228,14 @@ bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
     log.candidate = !recent(log, now).empty() && log.slow_since != k_never &&
                     (now - log.slow_since >= rest_span() || is_jammed(log)) &&
                     log.state.speed_mps < rule_.rest_speed_mps;
+    note_stay(log, now);
     if (log.candidate) set_.push_back(member);
   };
   // Whoever isn't carried by all that may rest is carried by no part of it. The body itself comes
   // first, since mostly that settles it.
   const auto check = [&](std::uint32_t member) {
     Log& log = logs_[member];
-    log.carried = supporting(log, now - log.slow_since);
+    log.carried = supporting(log, now);
     log.candidate = log.carried != 0;
     return log.candidate;
   };

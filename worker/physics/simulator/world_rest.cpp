@@ -52,6 +52,7 @@ std::size_t World::rest(std::uint32_t body, const EventKey& event) {
         .speed_mps = fastest_point_mps(member, twist_at(member, event.tick)),
         .weight_n = constants_[member].inertia.mass_kg * scene_.gravity_mps2,
         .reach_m = constants_[member].reach_m,
+        .centre_m = position_at(segments_[member].flight, event.tick),
         .round = constants_[member].is_sphere,
         .stance = stays ? stance_of(member, event.tick) : Resting::Stance::unknown};
   };
