@@ -18,7 +18,7 @@ bool Engine<Boxes, Queue>::suspend(std::uint32_t body) {
   // What has neighbours mostly has them in its confinement too.
   if (!options_.confinement || catches_up_ || !graph_.others_of(body).empty()) return false;
   const Segment& segment = world_.segment(body);
-  if (segment.mode == MotionMode::resting) return false;
+  if (segment.mode == MotionMode::resting || world_.has_met_lately(body, now_)) return false;
   const std::optional<Box> box = options_.confinement({body}, segment);
   if (!box) return false;
   Sink sink{*this, body, false};

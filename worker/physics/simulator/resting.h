@@ -104,6 +104,8 @@ class Resting {
   }
 
   bool enabled() const { return rule_.rest_speed_mps > 0; }
+  /// How long what a body touched counts.
+  TickCount rest_span() const { return ticks_after(rule_.rest_time_s); }
   double wake_speed_mps() const;
 
   /// A collision of a body: its fastest point's speed before and after, and how fast the contact
@@ -207,8 +209,6 @@ class Resting {
   Tick due_if_not_slow(const Log& log, Tick now) const {
     return log.in_place ? now + rest_span() : k_never;
   }
-  TickCount rest_span() const { return ticks_after(rule_.rest_time_s); }
-
   SlowContacts rule_;
   TickCount jam_span_ = 0;
   std::vector<Log> logs_;

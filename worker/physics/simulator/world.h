@@ -186,6 +186,11 @@ class World {
                ? turning_[body].track.horizon()
                : k_never;
   }
+  /// Whether a body has met another one so lately that decisions about rest still look at that.
+  bool has_met_lately(std::uint32_t body, Tick now) const {
+    if (!resting_.enabled()) return false;
+    return supports_.empty() || now - supports_[body].met_body <= resting_.rest_span();
+  }
   /// What went wrong in a prediction or a collision; empty if nothing did.
   const std::string& failure() const { return failure_; }
   std::span<const std::uint32_t> changed() const { return changed_; }
