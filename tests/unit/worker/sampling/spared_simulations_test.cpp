@@ -1,0 +1,221 @@
+// Simulations that are not made since their result is known.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <limits>
+
+#include "worker/sampling/metropolis_hastings.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t k_places = 8;
+constexpr std::uint64_t k_steps = 4000;
+constexpr std::uint64_t k_seed = 20'260'512;
+
+/// Places 2 and 5 break the constraint. Place 7 has no prior density: it is proposed in vain.
+constexpr std::array<double, k_places> k_log_prior{-1.5,  -2.5,  -1.25, -3.5,
+                                                   -2.25, -1.75, -4,    -k_infinity};
+constexpr std::array<double, k_places> k_log_constraint{0,    2,           -k_infinity, 4,
+                                                        -1.5, -k_infinity, 7,           7};
+/// Some are the value itself, some far above it, one says nothing.
+constexpr std::array<double, k_places> k_at_most{0, 2.5, -0.5, 4, k_infinity, -k_infinity, 7.5, 7};
+
+struct Plain {
+  std::size_t place = 0;
+};
+struct Comparable {
+  std::size_t place = 0;
+  friend bool operator==(const Comparable&, const Comparable&) = default;
+};
+
+/// A walk over places. Kind 0 goes anywhere and isn't symmetric; kind 1 proposes the present state,
+/// with a ratio that not every draw accepts.
+template <class S>
+struct Walk {
+  using State = S;
+  using Outcome = std::size_t;
+  std::uint64_t* simulations = nullptr;
+
+  State draw_prior(random::Stream& stream) const { return {stream.bits() % (k_places - 1)}; }
+  double log_prior(const State& state) const { return k_log_prior[state.place]; }
+  Outcome simulate(const State& state) const {
+    ++*simulations;
+    return state.place;
+  }
+  double log_constraint(Outcome outcome) const { return k_log_constraint[outcome]; }
+  bool satisfied(Outcome outcome) const { return outcome == 6; }
+  std::uint32_t proposal_kinds() const { return 2; }
+  Proposal<State> propose(const State& state, random::Stream& stream) const {
+    if (stream.uniform() < 0.2)
+      return {.candidate = state, .log_q_ratio = 0.5 - stream.uniform(), .kind = 1};
+    const std::size_t place = stream.bits() % k_places;
+    const double log_q_ratio = 0.25 * (static_cast<double>(place) - 3);
+    return {.candidate = {place}, .log_q_ratio = log_q_ratio, .kind = 0};
+  }
+};
+
+template <class S>
+struct BoundedWalk : Walk<S> {
+  double log_constraint_at_most(const S& state) const { return k_at_most[state.place]; }
+};
+
+static_assert(Target<Walk<Plain>> && !BoundsConstraint<Walk<Plain>>);
+static_assert(BoundsConstraint<BoundedWalk<Plain>> && BoundsConstraint<BoundedWalk<Comparable>>);
+static_assert(!std::equality_comparable<Plain> && std::equality_comparable<Comparable>);
+
+constexpr std::array<double, 4> k_betas{0, 0.125, 0.7, 1};
+
+ChainStreams streams_of(std::uint32_t chain) {
+  return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
+}
+
+/// What Algorithm 2.1 says of a step, by simulating always: the reference.
+template <class S>
+StepReport plain_step(const Walk<S>& target, double beta, const ChainStreams& streams,
+                      std::uint64_t step, Sample<Walk<S>>& current) {
+  random::Stream stream = streams.at(random::Purpose::proposal, step);
+  const Proposal<S> proposal = target.propose(current.state, stream);
+  const Sample<Walk<S>> candidate = evaluate(target, proposal.candidate);
+  const double log_u = math::log(streams.at(random::Purpose::acceptance, step).uniform());
+  const double ratio =
+      log_acceptance_ratio(current.log_prior, current.log_constraint, candidate.log_prior,
+                           candidate.log_constraint, beta, proposal.log_q_ratio);
+  const bool accepted = log_u < ratio;
+  if (accepted) current = candidate;
+  return {.kind = proposal.kind, .accepted = accepted, .simulated = true};
+}
+
+struct Tally {
+  std::uint64_t simulated = 0, accepted = 0, same = 0, same_accepted = 0, out_of_zero = 0;
+};
+
+/// Runs a chain beside the reference. `expected(report, same)` says whether it needs a simulation.
+template <class T, class Expected>
+Tally compare(double beta, std::uint32_t chain, const Expected& expected) {
+  using S = typename T::State;
+  std::uint64_t simulations = 0;
+  std::uint64_t reference_simulations = 0;
+  T target;
+  target.simulations = &simulations;
+  const Walk<S> reference{&reference_simulations};
+  const ChainStreams streams = streams_of(chain);
+  Sample<T> sample = initialize(target, streams);
+  Sample<Walk<S>> plain = initialize(reference, streams);
+  Tally tally;
+  for (std::uint64_t step = 1; step <= k_steps; ++step) {
+    const std::uint64_t before = simulations;
+    const bool from_zero = plain.log_constraint == -k_infinity;
+    const Sample<Walk<S>> from = plain;
+    const StepReport report = metropolis_hastings_step(target, beta, streams, step, sample);
+    const StepReport whole = plain_step(reference, beta, streams, step, plain);
+    EXPECT_EQ(report.kind, whole.kind) << step;
+    EXPECT_EQ(report.accepted, whole.accepted) << step;
+    EXPECT_EQ(sample.state.place, plain.state.place) << step;
+    EXPECT_EQ(sample.outcome, plain.outcome) << step;
+    EXPECT_EQ(sample.log_prior, plain.log_prior) << step;
+    EXPECT_EQ(sample.log_constraint, plain.log_constraint) << step;
+    EXPECT_EQ(simulations - before, report.simulated ? 1U : 0U) << step;
+    random::Stream stream = streams.at(random::Purpose::proposal, step);
+    const Proposal<S> proposal = reference.propose(from.state, stream);
+    const bool same = proposal.candidate.place == from.state.place;
+    EXPECT_EQ(report.simulated, expected(step, from, proposal, whole)) << step;
+    if (::testing::Test::HasFailure()) return tally;
+    tally.simulated += report.simulated ? 1 : 0;
+    tally.accepted += report.accepted ? 1 : 0;
+    tally.same += same ? 1 : 0;
+    tally.same_accepted += same && report.accepted ? 1 : 0;
+    tally.out_of_zero += from_zero && report.accepted && !same ? 1 : 0;
+  }
+  EXPECT_EQ(reference_simulations, k_steps + 1);
+  EXPECT_EQ(simulations, tally.simulated + 1);
+  return tally;
+}
+
+/// Whether the bound leaves a candidate any chance, as probabilities.
+template <class S>
+bool has_a_chance(double beta, std::uint64_t step, std::uint32_t chain, const Sample<Walk<S>>& from,
+                  const Proposal<S>& proposal) {
+  const std::size_t place = proposal.candidate.place;
+  const double u = streams_of(chain).at(random::Purpose::acceptance, step).uniform();
+  const double prior = k_log_prior[place] - from.log_prior + proposal.log_q_ratio;
+  if (beta == 0 || from.log_constraint == -k_infinity) return u < std::exp(prior);
+  return u < std::exp(prior + beta * (k_at_most[place] - from.log_constraint));
+}
+
+TEST(SparedSimulations, ATargetThatKnowsNothingSimulatesAll) {
+  // Goal: without operator== and without a bound nothing is spared, not even a candidate of no
+  // prior density. Method: chains beside the reference, at four inverse temperatures.
+  for (const double beta : k_betas) {
+    const Tally tally =
+        compare<Walk<Plain>>(beta, 1, [](auto, const auto&, const auto&, auto) { return true; });
+    EXPECT_EQ(tally.simulated, k_steps);
+  }
+}
+
+TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
+  // Goal: with operator== the chain is the same and such candidates cost nothing; they are still
+  // judged by their ratio. Method: as above; out of a start of zero density too.
+  std::uint64_t out_of_zero = 0;
+  for (const double beta : k_betas) {
+    for (std::uint32_t chain = 0; chain < 6; ++chain) {
+      const Tally tally = compare<Walk<Comparable>>(
+          beta, chain, [](auto, const auto& from, const auto& proposal, auto) {
+            return !(proposal.candidate == from.state);
+          });
+      EXPECT_EQ(tally.simulated, k_steps - tally.same);
+      EXPECT_GT(tally.same, k_steps / 5);
+      // Some ratios lie below 1, and not all of them are accepted.
+      EXPECT_GT(tally.same_accepted, tally.same / 2);
+      EXPECT_LT(tally.same_accepted, tally.same);
+      out_of_zero += tally.out_of_zero;
+    }
+  }
+  EXPECT_GT(out_of_zero, 500U);
+}
+
+TEST(SparedSimulations, ACandidateThatTheBoundRejectsIsNotSimulated) {
+  // Goal: with a bound the chain is the same, and a simulation is made exactly where a constraint
+  // density at the bound would be accepted: at beta 0, and out of zero density, exactly of those
+  // that are. Method: as above, with the ratio as probabilities.
+  for (const double beta : k_betas) {
+    std::uint64_t simulated = 0;
+    std::uint64_t accepted = 0;
+    for (std::uint32_t chain = 0; chain < 6; ++chain) {
+      const Tally tally = compare<BoundedWalk<Plain>>(
+          beta, chain, [&](auto step, const auto& from, const auto& proposal, const auto& whole) {
+            const bool chance = has_a_chance(beta, step, chain, from, proposal);
+            if (beta == 0 || from.log_constraint == -k_infinity) {
+              EXPECT_EQ(chance, whole.accepted);
+            }
+            return chance;
+          });
+      EXPECT_LT(tally.simulated, k_steps * 9 / 10);
+      simulated += tally.simulated;
+      accepted += tally.accepted;
+    }
+    if (beta == 0) {
+      EXPECT_EQ(simulated, accepted);
+    } else {
+      EXPECT_GT(simulated, accepted);
+    }
+  }
+}
+
+TEST(SparedSimulations, BothTogether) {
+  // Goal: a target that has both spares both. Method: as above.
+  for (const double beta : k_betas) {
+    const Tally tally = compare<BoundedWalk<Comparable>>(
+        beta, 9, [&](auto step, const auto& from, const auto& proposal, auto) {
+          return !(proposal.candidate == from.state) && has_a_chance(beta, step, 9, from, proposal);
+        });
+    EXPECT_LT(tally.simulated, k_steps * 7 / 10);
+    EXPECT_GT(tally.accepted, k_steps / 10);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::sampling
