@@ -436,7 +436,9 @@ void Engine<Boxes, Queue>::predict_all(std::uint32_t body) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_last(std::uint32_t body, std::size_t count) {
   const std::span<PairEdge> edges = graph_.edges_of(body).last(count);
-  const bool flies = options_.algorithm != Algorithm::all_pairs && world_.in_free_flight(body);
+  // One that catches up may have neighbours whose flights begin later.
+  const bool flies =
+      options_.algorithm != Algorithm::all_pairs && !catches_up_ && world_.in_free_flight(body);
   if (flies && world_.predict_flight(body, edges, changes_, now_)) {
     counts_.predictions += edges.size();
     return;

@@ -149,7 +149,8 @@ class World {
   Prediction predict_free_spheres_at(std::uint32_t a, std::uint32_t b, const Vec3& shift_m) const;
   /// predict_free_spheres for some edges of a body; `changes` are of all bodies. False if some of
   /// the others are not in free flight: those edges are predicted as not colliding, and the caller
-  /// must do them again. REQUIRES: in_free_flight(body).
+  /// must do them again. REQUIRES: in_free_flight(body); none of the others' flights begins after
+  /// `now`.
   bool predict_flight(std::uint32_t body, std::span<PairEdge> edges,
                       std::span<const std::uint32_t> changes, Tick now) const;
   /// Goes on with a prediction that was not certain. REQUIRES: its tick is `now`.
