@@ -23,17 +23,6 @@ bool inside(const ConvexPolyhedron& polyhedron, const Vec3& point_m) {
   });
 }
 
-/// Whether the normals of a closed mesh point inwards: then it is a hollow in a solid without end.
-bool is_hollow(const TriangleMesh& mesh) {
-  double volume = 0;
-  for (const TriangleCorners& corners : mesh.triangles()) {
-    const Vec3& a = mesh.vertices_m()[corners[0]];
-    volume += math::dot(
-        a, math::cross(mesh.vertices_m()[corners[1]] - a, mesh.vertices_m()[corners[2]] - a));
-  }
-  return volume < 0;
-}
-
 /// How often a closed mesh goes around a point: by the solid angles of its triangles (van Oosterom
 /// and Strackee 1983, equation 8).
 double turns_around(const TriangleMesh& mesh, const Vec3& point_m) {

@@ -76,6 +76,7 @@ void StaticGeometry::refresh(std::size_t index) {
       if (t != k_no_triangle) write_face(place, t);
     }
   }
+  if (place.closed) solids_[place.solid].hollow = is_hollow(mesh);
   bool within = place.slack_m > 0;
   for (const std::uint32_t v : mesh.moved_vertices()) {
     write_vertex(place, v);

@@ -72,4 +72,15 @@ inline bool is_closed(const TriangleMesh& mesh) {
                               [](const MeshEdge& edge) { return edge.kind == EdgeKind::boundary; });
 }
 
+/// Whether the normals of a closed mesh point inwards: then it is a hollow in a solid without end.
+inline bool is_hollow(const TriangleMesh& mesh) {
+  double volume = 0;
+  for (const TriangleCorners& corners : mesh.triangles()) {
+    const Vec3& a = mesh.vertices_m()[corners[0]];
+    volume += math::dot(
+        a, math::cross(mesh.vertices_m()[corners[1]] - a, mesh.vertices_m()[corners[2]] - a));
+  }
+  return volume < 0;
+}
+
 }  // namespace sleight::physics
