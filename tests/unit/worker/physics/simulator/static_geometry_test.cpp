@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "common/random/stream.h"
+#include "tests/unit/worker/physics/simulator/random_meshes.h"
 #include "worker/physics/scenes/scenes.h"
 #include "worker/physics/shape/convex_polyhedron.h"
 #include "worker/physics/simulator/simulation.h"
@@ -19,17 +20,15 @@
 namespace sleight::physics {
 namespace {
 
-using Triangles = std::vector<TriangleCorners>;
+using testing::mesh_of;
+using testing::open_mesh;
+using testing::Raw;
+using testing::sheet;
+using testing::star;
+using testing::vector_between;
 
 random::Stream stream_of(std::uint64_t part) {
   return random::Stream({.seed = 12, .purpose = random::Purpose::scene}, part);
-}
-
-Vec3 vector_between(random::Stream& stream, double low, double high) {
-  Vec3 v;
-  for (int i = 0; i < 3; ++i)
-    v[i] = low + (high - low) * stream.uniform();
-  return v;
 }
 
 // ---- the slow reference -------------------------------------------------------------------------
@@ -63,58 +62,6 @@ double distance_to_mesh(const TriangleMesh& mesh, const Vec3& p) {
 }
 
 // ---- scenes -------------------------------------------------------------------------------------
-
-struct Raw {
-  std::vector<Vec3> vertices_m;
-  Triangles triangles;
-};
-
-/// n x n squares of an edge at heights up to `high_m`; one in three vertices stays at 0, and one
-/// square in two has the other diagonal.
-Raw sheet(std::uint32_t n, double edge_m, double high_m, random::Stream& stream) {
-  Raw raw;
-  for (std::uint32_t y = 0; y <= n; ++y) {
-    for (std::uint32_t x = 0; x <= n; ++x) {
-      const double height_m = stream.bits() % 3 == 0 ? 0 : high_m * stream.uniform();
-      raw.vertices_m.emplace_back(edge_m * x, edge_m * y, height_m);
-    }
-  }
-  for (std::uint32_t y = 0; y < n; ++y) {
-    for (std::uint32_t x = 0; x < n; ++x) {
-      const std::uint32_t a = y * (n + 1) + x;
-      const std::uint32_t b = a + n + 1;
-      if (stream.bits() % 2 == 0) {
-        raw.triangles.insert(raw.triangles.end(), {{a, a + 1, b + 1}, {a, b + 1, b}});
-      } else {
-        raw.triangles.insert(raw.triangles.end(), {{a, a + 1, b}, {a + 1, b + 1, b}});
-      }
-    }
-  }
-  return raw;
-}
-
-/// A ball of triangles whose corners are moved in and out: closed, with edges of every kind.
-Raw star(random::Stream& stream, double roughness) {
-  const ConvexPolyhedron ball = icosphere(1, 1).value();
-  Raw raw;
-  for (const Vec3& v : ball.vertices_m())
-    raw.vertices_m.push_back((1 - roughness * stream.uniform()) * v);
-  for (const Face& face : ball.faces()) {
-    const auto sides = ball.sides_of(face);
-    for (std::size_t i = 1; i + 1 < sides.size(); ++i)
-      raw.triangles.push_back({sides[0].vertex, sides[i].vertex, sides[i + 1].vertex});
-  }
-  return raw;
-}
-
-std::shared_ptr<const TriangleMesh> mesh_of(const Raw& raw, MeshClosure closure) {
-  return std::make_shared<const TriangleMesh>(
-      TriangleMesh::make(raw.vertices_m, raw.triangles, closure).value());
-}
-
-std::shared_ptr<const TriangleMesh> open_mesh(const Raw& raw) {
-  return mesh_of(raw, MeshClosure::may_be_open);
-}
 
 /// A body of each sort, so that features and pieces are there.
 Scene scene_of(std::shared_ptr<const TriangleMesh> mesh) {
