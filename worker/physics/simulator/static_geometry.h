@@ -94,6 +94,12 @@ class StaticGeometry {
     return std::span(sides_).subspan(feature.regions_begin,
                                      feature.regions_end - feature.regions_begin);
   }
+  /// Whether nothing can meet a feature as its mesh is now.
+  bool is_absent(std::uint32_t index) const { return is_absent(features_[index]); }
+  /// Of a feature itself, wherever its mesh's slack lets its vertices be. REQUIRES: not a plane.
+  const Box& feature_box(std::uint32_t index) const { return feature_boxes_[index - plane_count_]; }
+  /// Those that the last refresh wrote anew; some may come twice.
+  std::span<const std::uint32_t> refreshed() const { return refreshed_; }
   const HalfSpace& plane(std::uint32_t index) const { return planes_[index]; }
   /// REQUIRES: plane_count() <= index < piece_count().
   const MovingPiece& piece(std::uint32_t index) const { return pieces_[index - plane_count_]; }
@@ -216,6 +222,8 @@ class StaticGeometry {
   BoxTree piece_tree_;
   std::vector<std::string> names_;
   std::vector<Solid> solids_;
+  std::vector<std::uint32_t> refreshed_;
+  std::vector<std::uint8_t> is_written_;  ///< by triangle; all 0 between uses
   // Room for building.
   std::vector<Box> corner_boxes_;
   std::vector<Box> tree_boxes_;

@@ -59,27 +59,51 @@ void StaticGeometry::refresh(std::size_t index) {
   MeshPlace& place = meshes_[index];
   const TriangleMesh& mesh = *place.mesh;
   const Margins margins = margins_of(mesh.vertices_m());
+  refreshed_.clear();
+  const auto face = [&](std::uint32_t t) {
+    write_face(place, t);
+    const std::uint32_t backs = place.closed ? 1 : 2;
+    for (std::uint32_t back = 0; back < backs; ++back)
+      refreshed_.push_back(place.first_face + backs * t + back);
+  };
+  const auto edge = [&](std::uint32_t e) {
+    write_edge(place, e);
+    refreshed_.push_back(place.first_edge + e);
+  };
+  const auto vertex = [&](std::uint32_t v) {
+    write_vertex(place, v);
+    refreshed_.push_back(place.first_vertex + v);
+  };
   if (margins.border_m != place.margins.border_m) {
     // The size of the whole has changed, and every region by a rounding.
     place.margins = margins;
     for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t)
-      write_face(place, t);
+      face(t);
     for (std::uint32_t e = 0; e < mesh.edges().size(); ++e)
-      write_edge(place, e);
+      edge(e);
     for (std::uint32_t v = 0; v < mesh.vertices_m().size(); ++v)
-      write_vertex(place, v);
+      vertex(v);
+  }
+  // How far a face reaches depends on how flat its edges are, so faces beside those that moved are
+  // written too: once, at the first of their edges.
+  is_written_.resize(mesh.triangles().size());
+  for (const std::uint32_t e : mesh.moved_edges()) {
+    edge(e);
+    for (const std::uint32_t t : mesh.edges()[e].triangle) {
+      if (t == k_no_triangle || is_written_[t] != 0) continue;
+      is_written_[t] = 1;
+      face(t);
+    }
   }
   for (const std::uint32_t e : mesh.moved_edges()) {
-    write_edge(place, e);
-    // How far a face reaches depends on how flat its edges are.
     for (const std::uint32_t t : mesh.edges()[e].triangle) {
-      if (t != k_no_triangle) write_face(place, t);
+      if (t != k_no_triangle) is_written_[t] = 0;
     }
   }
   if (place.closed) solids_[place.solid].hollow = is_hollow(mesh);
   bool within = place.slack_m > 0;
   for (const std::uint32_t v : mesh.moved_vertices()) {
-    write_vertex(place, v);
+    vertex(v);
     for (int i = 0; i < 3 && within; ++i)
       within = std::fabs(mesh.vertices_m()[v][i] - place.homes_m[v][i]) <= place.slack_m;
   }

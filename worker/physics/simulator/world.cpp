@@ -12,12 +12,6 @@
 namespace sleight::physics {
 namespace {
 
-/// A sphere that has met another body stays on nothing for so many of its slowest bounces.
-constexpr double k_bounces_alone = 4;
-
-/// A body that collides often enough in so many of its slowest bounces is jammed.
-constexpr double k_jam_bounces = 5;
-
 double wrapped(double x, double period) {
   if (period == 0 || (x > 0 && x < 0.99 * period)) return x;
   const double inside = x - std::floor(x / period) * period;

@@ -24,6 +24,7 @@
 #include "worker/physics/response/rigid_impact.h"
 #include "worker/physics/response/sphere_impact.h"
 #include "worker/physics/simulator/lanes.h"
+#include "worker/physics/simulator/lasting_contact.h"
 #include "worker/physics/simulator/near_places.h"
 #include "worker/physics/simulator/pair_graph.h"
 #include "worker/physics/simulator/piece_searches.h"
@@ -327,12 +328,9 @@ class World {
   void begin_caught(std::uint32_t body, std::uint32_t feature, const Twist& twist,
                     const EventKey& event);
   RoundBody round_body(std::uint32_t body) const;
-  /// What a sphere that rolls leaves an edge or a resting body with: less than other bounces have,
-  /// as it is paid from its rolling.
-  double hop_speed_mps() const { return 0.25 * scene_.slow.separation_speed_mps; }
+  /// What a sphere that rolls leaves an edge or a resting body with.
+  double hop_speed_mps() const { return k_hop_share * scene_.slow.separation_speed_mps; }
   LastingContact lasting_contact(std::uint32_t body, std::uint32_t feature, Tick tick) const;
-  /// When the centre leaves the region of a face, by the segment's parabola.
-  Tick leaves_region(const Segment& segment, std::uint32_t feature) const;
   /// The first tick from which on a segment's body is slower than it must be for rest.
   Tick slow_from(std::uint32_t body, const Segment& segment, Tick end) const;
   /// Whether a sphere that stays would begin to move from rest. REQUIRES: stays_on_faces.

@@ -10,45 +10,11 @@
 // goes on bouncing from both: if it stayed on the face, nothing would be left to part it from the
 // other body, and the two would collide without time passing.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "worker/physics/simulator/world.h"
 
 namespace sleight::physics {
-namespace {
-
-/// A sphere that accelerates into a face by less than this doesn't press on it: over an hour, less
-/// than gravity in a tick.
-constexpr double k_press_mps2 = 1e-12;
-
-/// A sphere that is too slow to hop over an edge or a vertex goes straight on until it is so far
-/// above it, as a part of the height of its slowest bounces, and falls back.
-constexpr double k_rise_bounces = 0.5;
-
-/// A slip is over when it is slower than this part of its slowest bounces.
-constexpr double k_stick_bounces = 0.1;
-
-/// Over an edge or a vertex it hops if it is faster than so many times its slowest bounces.
-constexpr double k_edge_speeds = 16;
-
-/// Least h > 0 at which distance + rate h + curvature h^2 / 2 falls below 0; infinite if never.
-/// REQUIRES: distance >= 0.
-double first_fall_s(double distance, double rate, double curvature) {
-  const double discriminant = rate * rate - 2 * curvature * distance;
-  if (!(discriminant >= 0)) return std::numeric_limits<double>::infinity();
-  const double root = std::sqrt(discriminant);
-  if (rate < 0) return 2 * distance / (root - rate);
-  return curvature < 0 ? (rate + root) / -curvature : std::numeric_limits<double>::infinity();
-}
-
-/// A tick so much later, at least the next one.
-Tick after(Tick tick, double span_s) {
-  if (!(span_s < seconds(k_tick_max - tick))) return k_never;
-  return tick + std::max<TickCount>(1, ticks_after(span_s));
-}
-
-}  // namespace
 
 bool World::is_caught(std::uint32_t body, std::uint32_t feature, double approach_mps,
                       double restitution, Tick tick) {
@@ -63,12 +29,7 @@ bool World::is_caught(std::uint32_t body, std::uint32_t feature, double approach
 }
 
 RoundBody World::round_body(std::uint32_t body) const {
-  const BodyConstants& constants = constants_[body];
-  const double radius_m = constants.reach_m;
-  return {.radius_m = radius_m,
-          .gyration = constants.inertia.principal_kgm2.x() /
-                      (constants.inertia.mass_kg * radius_m * radius_m),
-          .stick_mps = std::max(k_stick_mps, k_stick_bounces * scene_.slow.separation_speed_mps)};
+  return physics::round_body(constants_[body].reach_m, constants_[body].inertia, scene_.slow);
 }
 
 LastingContact World::lasting_contact(std::uint32_t body, std::uint32_t feature, Tick tick) const {
@@ -79,48 +40,20 @@ LastingContact World::lasting_contact(std::uint32_t body, std::uint32_t feature,
           .rolling_friction = law.rolling_friction};
 }
 
-Tick World::leaves_region(const Segment& segment, std::uint32_t feature) const {
-  double leaves_s = std::numeric_limits<double>::infinity();
-  const FreeFlight& flight = segment.flight;
-  for (const RegionSide& side : statics_.sides(statics_.feature(feature))) {
-    const double inside_m = math::dot(side.space.normal, flight.position_m) - side.space.offset_m;
-    leaves_s =
-        std::min(leaves_s, first_fall_s(std::max(0.0, inside_m),
-                                        math::dot(side.space.normal, flight.velocity_mps),
-                                        math::dot(side.space.normal, flight.acceleration_mps2)));
-  }
-  return after(flight.begin, leaves_s);
-}
-
 void World::begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> features,
                            const Twist& twist, const EventKey& event) {
   std::array<LastingContact, 3> contacts;
   for (std::size_t i = 0; i < features.size(); ++i)
     contacts[i] = lasting_contact(body, features[i], event.tick);
-  const RoundBody round = round_body(body);
-  // The most faces that all carry it, while it does not press on the others.
-  for (std::size_t count = features.size(); count > 0; --count) {
-    for (std::uint32_t subset = 1; subset < std::uint32_t{1} << features.size(); ++subset) {
-      if (static_cast<std::size_t>(std::popcount(subset)) != count) continue;
-      Supports supports;
-      std::array<LastingContact, 3> chosen;
-      for (std::size_t i = 0; i < features.size(); ++i) {
-        if ((subset >> i & 1U) == 0) continue;
-        chosen[supports.count] = contacts[i];
-        supports.features[supports.count++] = features[i];
-      }
-      if (count == 2 && !is_valley(chosen[0].normal, chosen[1].normal)) continue;
-      const ContactMotion motion =
-          contact_motion(round, std::span(chosen).first(count), twist, scene_.gravity_mps2);
-      bool holds = motion.pressed == (std::uint32_t{1} << count) - 1;
-      for (std::size_t i = 0; i < features.size() && holds; ++i) {
-        const bool out = (subset >> i & 1U) == 0;
-        holds = !out || math::dot(motion.acceleration_mps2, contacts[i].normal) > -k_press_mps2;
-      }
-      if (!holds) continue;
-      begin_staying(body, supports, motion, event);
-      return;
+  const auto carried = carried_by(round_body(body), std::span(contacts).first(features.size()),
+                                  twist, scene_.gravity_mps2);
+  if (carried) {
+    Supports supports;
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      if ((carried->subset >> i & 1U) != 0) supports.features[supports.count++] = features[i];
     }
+    begin_staying(body, supports, carried->motion, event);
+    return;
   }
   resting_.flies(body, event.tick);
   begin_after(body, twist, event);
@@ -139,23 +72,18 @@ void World::begin_staying(std::uint32_t body, const Supports& supports, const Co
   kept.features = supports.features;
   kept.count = supports.count;
   kept.leaves = Supports::k_none;
-  kept.end = after(event.tick, motion.lasts_s);
+  kept.end = tick_after(event.tick, motion.lasts_s);
   for (const std::uint32_t feature : supports.all()) {
     if (statics_.feature(feature).kind != FeatureKind::face) {
       // Straight on from an edge, it leaves that.
-      const double slow_mps = scene_.slow.separation_speed_mps;
-      const double bounce_m = 0.5 * slow_mps * slow_mps / math::norm(scene_.gravity_mps2);
-      const double way_m = std::sqrt(2 * k_rise_bounces * bounce_m * constants_[body].reach_m);
-      const double speed_mps = math::norm(segment.flight.velocity_mps);
-      const double pull = math::norm(segment.flight.acceleration_mps2);
-      const double rate = speed_mps + std::sqrt(speed_mps * speed_mps + 2 * pull * way_m);
-      const Tick rises = rate > 0 ? after(event.tick, 2 * way_m / rate) : k_never;
+      const Tick rises =
+          leaves_edge(segment.flight, constants_[body].reach_m, scene_.slow, scene_.gravity_mps2);
       if (rises < kept.end) {
         kept.end = rises;
         kept.leaves = feature;
       }
     }
-    const Tick leaves = leaves_region(segment, feature);
+    const Tick leaves = leaves_region(segment.flight, statics_.sides(statics_.feature(feature)));
     if (leaves > kept.end) continue;
     kept.end = leaves;
     kept.leaves = leaves != k_never ? feature : Supports::k_none;
@@ -214,31 +142,8 @@ TouchRecord World::touch_of_support(std::uint32_t body, std::uint32_t feature, T
 
 Tick World::slow_from(std::uint32_t body, const Segment& segment, Tick end) const {
   if (!resting_.enabled()) return k_never;
-  const FreeFlight& flight = segment.flight;
-  const auto fastest_mps = [&](Tick tick) {
-    return fastest_point_mps(body, twist_of(segment, constants_[body].inertia, tick));
-  };
-  const double limit_mps = scene_.slow.rest_speed_mps;
-  if (fastest_mps(flight.begin) < limit_mps) return flight.begin;
-  // The speed is convex in time. Where one of its two parts is least, or at the end, it may be
-  // slow.
-  Tick slow = k_never;
-  const auto offer = [&](const Vec3& start, const Vec3& rate) {
-    const double square = math::dot(rate, rate);
-    const double least_s = square > 0 ? std::max(0.0, -math::dot(start, rate) / square) : 0;
-    const Tick least = std::min(after(flight.begin, least_s), end);
-    if (least < slow && fastest_mps(least) < limit_mps) slow = least;
-  };
-  offer(flight.velocity_mps, flight.acceleration_mps2);
-  offer(flight.angular_velocity_radps, segment.angular_acceleration_radps2);
-  if (end != k_never && end < slow && fastest_mps(end) < limit_mps) slow = end;
-  if (slow == k_never) return k_never;
-  Tick fast = flight.begin;
-  while (slow - fast > 1) {
-    const Tick middle = fast + (slow - fast) / 2;
-    (fastest_mps(middle) < limit_mps ? slow : fast) = middle;
-  }
-  return slow;
+  return physics::slow_from(segment, constants_[body].reach_m, constants_[body].inertia,
+                            scene_.slow, end);
 }
 
 }  // namespace sleight::physics

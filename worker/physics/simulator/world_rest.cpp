@@ -1,6 +1,5 @@
 // Who goes to rest, what carries him as well as what he touched, and who wakes.
 #include <algorithm>
-#include <bit>
 #include <limits>
 
 #include "worker/physics/simulator/world.h"
@@ -77,13 +76,7 @@ Resting::Stance World::stance_of(std::uint32_t body, Tick tick) {
   std::array<LastingContact, 3> contacts;
   for (std::size_t i = 0; i < features.size(); ++i)
     contacts[i] = lasting_contact(body, features[i], tick);
-  const ContactMotion still = contact_motion(
-      round_body(body), std::span(contacts).first(features.size()), {}, scene_.gravity_mps2);
-  const double allowed_mps2 = k_balance_tolerance * math::norm(scene_.gravity_mps2);
-  const double turning_mps2 =
-      constants_[body].reach_m * math::norm(still.angular_acceleration_radps2);
-  if (std::popcount(still.pressed) == static_cast<int>(features.size()) &&
-      math::norm(still.acceleration_mps2) + turning_mps2 <= allowed_mps2)
+  if (stands_on(round_body(body), std::span(contacts).first(features.size()), scene_.gravity_mps2))
     return Resting::Stance::holds;
   return resting_.touched_only(body, tick, features) ? Resting::Stance::slides
                                                      : Resting::Stance::unknown;

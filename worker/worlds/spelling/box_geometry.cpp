@@ -9,7 +9,8 @@ namespace sleight::worlds::spelling {
 BoxGeometry::BoxGeometry(const physics::Scene& with_bodies,
                          std::shared_ptr<physics::TriangleMesh> mesh, std::uint32_t vertices)
     : mesh_(std::move(mesh)),
-      statics_(std::make_shared<physics::StaticGeometry>(with_bodies)),
+      statics_(std::make_unique<physics::StaticGeometry>(with_bodies)),
+      near_(*statics_, std::get<physics::Sphere>(with_bodies.bodies.front().shape).radius_m),
       offsets_m_(vertices, Vec3::Zero()) {
   moves_.reserve(vertices);
 }
@@ -25,6 +26,7 @@ bool BoxGeometry::move_to(const Bins& bins, std::span<const Vec3> offsets_m) {
   if (mesh_->move_vertices(moves_)) return false;
   offsets_m_.assign(offsets_m.begin(), offsets_m.end());
   statics_->refresh(0);
+  near_.refresh();
   return true;
 }
 

@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "worker/physics/marbles/marbles.h"
+#include "worker/physics/marbles/near_features.h"
 #include "worker/physics/shape/triangle_mesh.h"
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/static_geometry.h"
@@ -28,11 +30,15 @@ class BoxGeometry {
 
   /// As it is until the next move.
   const std::shared_ptr<physics::TriangleMesh>& mesh() const { return mesh_; }
-  const std::shared_ptr<physics::StaticGeometry>& statics() const { return statics_; }
+  const physics::NearFeatures& near() const { return near_; }
+  /// Its memory serves one simulation after the other.
+  physics::Marbles& marbles() { return marbles_; }
 
  private:
   std::shared_ptr<physics::TriangleMesh> mesh_;
-  std::shared_ptr<physics::StaticGeometry> statics_;
+  std::unique_ptr<physics::StaticGeometry> statics_;
+  physics::NearFeatures near_;
+  physics::Marbles marbles_;
   std::vector<Vec3> offsets_m_;  ///< present ones
   std::vector<physics::VertexMove> moves_;
 };

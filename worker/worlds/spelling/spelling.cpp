@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/base/check.h"
+#include "worker/physics/marbles/marbles.h"
 #include "worker/physics/simulator/simulation.h"
 #include "worker/worlds/spelling/traps.h"
 
@@ -72,21 +73,20 @@ physics::Scene Spelling::scene_in(const State& state,
   return scene;
 }
 
-End Spelling::run(const physics::Scene& scene, physics::Simulation& simulation) const {
-  const physics::Tick last_drop = scene.bodies.back().start_tick;
-  const physics::Tick limit = last_drop + physics::ticks_after(parameters_.world.time_limit_s);
-  for (physics::Tick end = last_drop; end < limit;) {
+physics::Tick Spelling::limit_of(const physics::Scene& scene) const {
+  return scene.bodies.back().start_tick + physics::ticks_after(parameters_.world.time_limit_s);
+}
+
+template <class Engine, class AllStay>
+End Spelling::run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay) const {
+  const physics::Tick limit = limit_of(scene);
+  for (physics::Tick end = scene.bodies.back().start_tick; end < limit;) {
     end = std::min(limit, end + physics::ticks_after(k_look_every_s));
-    if (const auto error = simulation.run_until(end)) {
+    if (const auto error = engine.run_until(end)) {
       return error->kind == physics::SceneError::Kind::overlap ? End::impossible
                                                                : End::search_failed;
     }
-    bool all_stay = true;
-    for (std::uint32_t body = 0; body < scene.bodies.size() && all_stay; ++body) {
-      all_stay = simulation.mode({body}) == physics::MotionMode::resting ||
-                 simulation.is_suspended({body});
-    }
-    if (all_stay) return End::settled;
+    if (all_stay()) return End::settled;
   }
   return End::time_limit;
 }
@@ -114,47 +114,44 @@ Outcome Spelling::simulate(const State& state, bool to_rest) const {
   const physics::Scene scene = scene_in(state, geometry->mesh());
   if (scene.bodies.empty()) return {};
   const Traps traps(parameters_.world, bins_, state.offsets_m);
-  std::vector<Vec3> suspended_at_m(scene.bodies.size());
-  physics::SimulationOptions options;
-  options.record = false;
-  options.orientations = false;
-  options.statics = geometry->statics();
+  physics::MarbleConfinement confinement;
   if (!to_rest) {
-    options.confinement = [&](physics::BodyId body,
-                              const physics::Segment& segment) -> std::optional<physics::Box> {
-      const physics::FreeFlight& flight = segment.flight;
-      const auto place =
-          traps.of(flight.position_m, {.velocity_mps = flight.velocity_mps,
-                                       .angular_velocity_radps = flight.angular_velocity_radps});
-      if (!place) return std::nullopt;
-      suspended_at_m[body.value] = flight.position_m;
-      return place->box;
+    confinement = [&](physics::BodyId, const Vec3& centre_m,
+                      const physics::Twist& twist) -> std::optional<physics::Box> {
+      const auto place = traps.of(centre_m, twist);
+      return place ? std::optional(place->box) : std::nullopt;
     };
   }
-  auto started = physics::Simulation::start(scene, options);
-  if (!started) return {.end = End::impossible};
-  physics::Simulation simulation = std::move(started).value();
-  const End end = run(scene, simulation);
+  physics::Marbles& marbles = geometry->marbles();
+  marbles.start(scene, geometry->near(), limit_of(scene), confinement);
+  if (marbles.run_until(physics::Tick{})) return {.end = End::impossible};
+  std::vector<Traps::Ball> balls(scene.bodies.size());
+  const auto look = [&] {
+    for (std::uint32_t body = 0; body < balls.size(); ++body) {
+      // One that is left alone is trapped, and counts as it was.
+      const physics::Segment& segment = marbles.segment({body});
+      const bool alone = marbles.is_suspended({body});
+      balls[body] = {.centre_m = alone ? segment.flight.position_m : marbles.position_m({body}),
+                     .twist = alone ? physics::Twist{segment.flight.velocity_mps,
+                                                     segment.flight.angular_velocity_radps}
+                                    : marbles.twist({body}),
+                     .rests = segment.mode == physics::MotionMode::resting};
+    }
+  };
+  const End end = run(scene, marbles, [&] {
+    look();
+    return to_rest ? std::ranges::all_of(balls, &Traps::Ball::rests) : traps.all_stay(balls);
+  });
   if (end != End::settled && end != End::time_limit) return {.end = end};
 
   std::vector<Vec3> staying_m;
-  bool all_stay = true;
-  for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) {
-    if (simulation.is_suspended({body})) {
-      staying_m.push_back(suspended_at_m[body]);
-      continue;
-    }
-    const Vec3 place_m = simulation.pose({body}, simulation.now()).position_m;
-    if (simulation.mode({body}) == physics::MotionMode::resting ||
-        traps.of(place_m, simulation.twist({body}, simulation.now()))) {
-      staying_m.push_back(place_m);
-    } else {
-      all_stay = false;
-    }
+  for (const Traps::Ball& ball : balls) {
+    if (ball.rests || traps.of(ball.centre_m, ball.twist)) staying_m.push_back(ball.centre_m);
   }
+  const bool all_stay = staying_m.size() == balls.size();
   const auto others = static_cast<std::uint32_t>(scene.bodies.size() - staying_m.size());
   Outcome outcome = judged(staying_m, others);
-  outcome.end_s = physics::seconds(simulation.now() - physics::Tick{});
+  outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
   outcome.end = all_stay ? End::settled : End::time_limit;
   return outcome;
 }
@@ -168,7 +165,12 @@ Animation Spelling::animate(const State& state) const {
   const auto scene = this->scene(state);
   CHECK(scene.has_value());
   physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
-  const End end = run(*scene, simulation);
+  const End end = run(*scene, simulation, [&] {
+    bool all_rest = true;
+    for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
+      all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
+    return all_rest;
+  });
   CHECK(end == End::settled || end == End::time_limit);
   animation.recording = simulation.recording();
   return animation;

@@ -120,9 +120,11 @@ class Spelling {
   Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
 
  private:
-  /// Runs until all balls are at rest or suspended, or to the limit. How it ended, as far as it
-  /// didn't fail: at the limit, time_limit.
-  End run(const physics::Scene& scene, physics::Simulation& simulation) const;
+  /// Runs until all balls stay, or to the limit. How it ended, as far as it didn't fail: at the
+  /// limit, time_limit.
+  template <class Engine, class AllStay>
+  End run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay) const;
+  physics::Tick limit_of(const physics::Scene& scene) const;
   Outcome simulate(const State& state, bool to_rest) const;
   /// The scene of a state in a box with such a surface.
   physics::Scene scene_in(const State& state,

@@ -50,4 +50,30 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
   return Place{.bin = *bin, .box = box};
 }
 
+bool Traps::all_stay(std::span<const Ball> balls) const {
+  // The last ones to be dropped are the first ones to ask.
+  for (std::size_t i = balls.size(); i-- > 0;) {
+    const Ball& ball = balls[i];
+    if (ball.rests) continue;
+    const auto place = of(ball.centre_m, ball.twist);
+    if (!place) return false;
+    for (const Ball& other : balls) {
+      if (&other == &ball) continue;
+      if (!other.rests) {
+        if (bins_.bin_at(other.centre_m) == place->bin) return false;
+        continue;
+      }
+      const double radius_m = 0.5 * world_.ball_diameter_m;
+      bool apart = false;
+      for (int axis = 0; axis < 2; ++axis) {
+        const auto at = static_cast<std::size_t>(axis);
+        apart = apart || other.centre_m[axis] + radius_m < double{place->box.low_m[at]} ||
+                other.centre_m[axis] - radius_m > double{place->box.high_m[at]};
+      }
+      if (!apart) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace sleight::worlds::spelling

@@ -31,6 +31,16 @@ class Traps {
   /// Where a ball with its centre at a place is trapped; nothing if it may yet go elsewhere.
   std::optional<Place> of(const Vec3& centre_m, const physics::Twist& twist) const;
 
+  struct Ball {
+    Vec3 centre_m = Vec3::Zero();
+    physics::Twist twist{};
+    bool rests = false;
+  };
+  /// Whether each ball is where it will be for good: at rest, or trapped in a bin of its own that
+  /// no ball at rest reaches over. A function of where the balls are: who simulates them, and how
+  /// far, has no say in it, so long as a ball that is trapped is given as it is or was since it is.
+  bool all_stay(std::span<const Ball> balls) const;
+
  private:
   const WorldParameters& world_;
   const Bins& bins_;

@@ -1,0 +1,121 @@
+// Marbles do what a Simulation of the same scene does, bit for bit.
+#include "worker/physics/marbles/marbles.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "common/random/stream.h"
+#include "tests/unit/worker/physics/marbles/same_balls.h"
+#include "worker/physics/scenes/scenes.h"
+
+namespace sleight::physics {
+namespace {
+
+std::uint64_t scene_count() {
+  return std::getenv("SLEIGHT_SOAK") != nullptr ? 20'000 : 200;
+}
+
+/// The scene of marbles that slide and roll over planes, a pedestal and a sheet, with equal balls.
+scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
+  scenes::Setting setting = scenes::marbles(balls, seed);
+  std::uint32_t i = 0;
+  for (BodyDescription& body : setting.scene.bodies) {
+    const BodyDescription& first = setting.scene.bodies.front();
+    body.shape = first.shape;
+    body.inertia = first.inertia;
+    body.material = first.material;
+    body.start_tick = Tick{} + TickCount{seed % 2 == 0 ? 0 : 40'000'000} * i++;
+  }
+  return setting;
+}
+
+SimulationOptions places_only() {
+  SimulationOptions options;
+  options.record = false;
+  options.orientations = false;
+  return options;
+}
+
+TEST(Marbles, EqualASimulation) {
+  // Goal: invariant 1, on planes, convexes and sheets. Method: random scenes of up to 40 balls,
+  // looked at twenty times each.
+  for (std::uint64_t seed = 0; seed < scene_count(); ++seed) {
+    const scenes::Setting setting =
+        equal_marbles(seed % 10 == 9 ? 40 : 1 + static_cast<std::uint32_t>(seed % 15), seed);
+    const Scene& scene = setting.scene;
+    ASSERT_TRUE(are_marbles(scene));
+    auto started = Simulation::start(scene, places_only());
+    const StaticGeometry statics(scene);
+    const NearFeatures near(statics, std::get<Sphere>(scene.bodies[0].shape).radius_m);
+    const Tick end = Tick{} + ticks_after(setting.duration_s);
+    Marbles marbles;
+    marbles.start(scene, near, end);
+    ASSERT_EQ(started.ok(), !marbles.run_until(Tick{})) << "seed " << seed;
+    if (!started) continue;
+    Simulation simulation = std::move(started).value();
+    bool goes_on = true;
+    for (int look = 1; look <= 20 && goes_on; ++look) {
+      ASSERT_TRUE(testing::alike_at(simulation, marbles, Tick{end.value * look / 20}, goes_on))
+          << "seed " << seed;
+    }
+  }
+}
+
+TEST(Marbles, ComparerFindsADifference) {
+  // Goal: the comparison above can fail. Method: one ball starts a nanometre higher.
+  scenes::Setting setting = equal_marbles(5, 3);
+  auto simulation = Simulation::start(setting.scene, places_only()).value();
+  setting.scene.bodies[2].start.pose.position_m.z() += 1e-9;
+  const StaticGeometry statics(setting.scene);
+  const NearFeatures near(statics, std::get<Sphere>(setting.scene.bodies[0].shape).radius_m);
+  Marbles marbles;
+  const Tick end = Tick{} + ticks_after(0.2);
+  marbles.start(setting.scene, near, end);
+  bool goes_on = true;
+  EXPECT_FALSE(testing::alike_at(simulation, marbles, end, goes_on));
+}
+
+TEST(Marbles, OverlapsAreErrors) {
+  // Goal: balls that start in one place, or in something, are refused with the simulator's words.
+  for (const bool in_floor : {false, true}) {
+    scenes::Setting setting = equal_marbles(5, 4);
+    auto& bodies = setting.scene.bodies;
+    bodies[3].start.pose.position_m =
+        in_floor ? Vec3(0, 0, -0.5) : Vec3(bodies[1].start.pose.position_m + Vec3(1e-3, 0, 0));
+    auto started = Simulation::start(setting.scene, places_only());
+    ASSERT_FALSE(started.ok());
+    const StaticGeometry statics(setting.scene);
+    const NearFeatures near(statics, std::get<Sphere>(bodies[0].shape).radius_m);
+    Marbles marbles;
+    marbles.start(setting.scene, near, Tick{});
+    const auto error = marbles.run_until(Tick{});
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->kind, started.error().kind);
+    EXPECT_EQ(error->message, started.error().message);
+  }
+}
+
+TEST(Marbles, AreRecognised) {
+  // Goal: what the engine can't do is refused. Method: one change each.
+  const Scene scene = equal_marbles(3, 1).scene;
+  EXPECT_TRUE(are_marbles(scene));
+  Scene other = scene;
+  other.bodies[1].shape = Sphere{.radius_m = 0.001};
+  EXPECT_FALSE(are_marbles(other));
+  other = scene;
+  other.bodies[1].inertia.mass_kg *= 2;
+  EXPECT_FALSE(are_marbles(other));
+  other = scene;
+  other.bodies[1].material = MaterialId{1};
+  EXPECT_FALSE(are_marbles(other));
+  other = scene;
+  other.controls.push_back({});
+  EXPECT_FALSE(are_marbles(other));
+  other = scene;
+  other.slow = {};
+  EXPECT_FALSE(are_marbles(other));
+}
+
+}  // namespace
+}  // namespace sleight::physics

@@ -1,0 +1,130 @@
+// Balls that spell are simulated by an engine of their own: it does what the simulator does.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+
+#include "tests/unit/worker/physics/marbles/same_balls.h"
+#include "worker/physics/simulator/simulation.h"
+#include "worker/worlds/spelling/spelling.h"
+#include "worker/worlds/spelling/traps.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+using physics::Tick;
+using physics::ticks_after;
+
+std::uint64_t state_count() {
+  return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 : 300;
+}
+
+Pattern pattern_of(std::uint32_t columns, std::uint32_t rows) {
+  return {.columns = columns,
+          .rows = rows,
+          .designated = std::vector<std::uint8_t>(std::size_t{columns} * rows, 1)};
+}
+
+/// A prior draw; of some, all balls are active.
+State draw(const Spelling& world, std::uint64_t seed) {
+  random::Stream stream({.seed = 11, .purpose = random::Purpose::prior}, seed);
+  State state = world.draw_prior(stream);
+  for (std::size_t ball = 0; ball < state.active.size() && seed % 3 != 0; ++ball) {
+    if (state.active[ball] != 0) continue;
+    state.active[ball] = 1;
+    const double x = (2 * stream.uniform() - 1) * world.prior().drop_half_m.x();
+    const double y = (2 * stream.uniform() - 1) * world.prior().drop_half_m.y();
+    state.drops_m[ball] = {x, y};
+  }
+  return state;
+}
+
+/// What the two engines do with a state, and what the world says of it, if they are alike.
+void expect_alike(const Spelling& world, const State& state, bool to_rest) {
+  const auto scene = world.scene(state);
+  const Outcome outcome = to_rest ? world.simulate_to_rest(state) : world.simulate(state);
+  ASSERT_EQ(outcome.end == End::impossible && !scene, !scene);
+  if (!scene || scene->bodies.empty()) return;
+  const Traps traps(world.parameters().world, world.bins(), state.offsets_m);
+  physics::SimulationOptions options;
+  options.record = false;
+  options.orientations = false;
+  auto statics = std::make_shared<physics::StaticGeometry>(*scene);
+  options.statics = statics;
+  auto started = physics::Simulation::start(*scene, options);
+  const physics::NearFeatures near(*statics, 0.5 * world.parameters().world.ball_diameter_m);
+  const Tick last = scene->bodies.back().start_tick;
+  const Tick limit = last + ticks_after(world.parameters().world.time_limit_s);
+  physics::MarbleConfinement confinement;
+  if (!to_rest) {
+    confinement = [&](physics::BodyId, const Vec3& centre_m, const physics::Twist& twist) {
+      const auto place = traps.of(centre_m, twist);
+      return place ? std::optional(place->box) : std::nullopt;
+    };
+  }
+  physics::Marbles marbles;
+  marbles.start(*scene, near, limit, confinement);
+  ASSERT_EQ(started.ok(), !marbles.run_until(Tick{}));
+  if (!started) return;
+  physics::Simulation simulation = std::move(started).value();
+  bool goes_on = true;
+  for (Tick early{}; early < last && goes_on; early = early + ticks_after(0.07))
+    ASSERT_TRUE(physics::testing::alike_at(simulation, marbles, early, goes_on));
+  bool all_stay = false;
+  std::vector<Traps::Ball> balls(scene->bodies.size());
+  for (Tick look = last; look < limit && goes_on && !all_stay;) {
+    look = std::min(limit, look + ticks_after(0.1));
+    ASSERT_TRUE(physics::testing::alike_at(simulation, marbles, look, goes_on));
+    if (!goes_on) break;
+    bool all_rest = true;
+    for (std::uint32_t i = 0; i < balls.size(); ++i) {
+      balls[i] = {.centre_m = simulation.pose({i}, look).position_m,
+                  .twist = simulation.twist({i}, look),
+                  .rests = simulation.mode({i}) == physics::MotionMode::resting};
+      all_rest = all_rest && balls[i].rests;
+    }
+    all_stay = to_rest ? all_rest : traps.all_stay(balls);
+  }
+  EXPECT_EQ(outcome.is_animation(), goes_on);
+  if (!goes_on) return;
+  // The world looks at the same times, and sees the same.
+  std::vector<Vec3> staying_m;
+  for (const Traps::Ball& ball : balls) {
+    if (ball.rests || traps.of(ball.centre_m, ball.twist)) staying_m.push_back(ball.centre_m);
+  }
+  const Outcome expected =
+      world.judged(staying_m, static_cast<std::uint32_t>(balls.size() - staying_m.size()));
+  EXPECT_EQ(outcome.filled, expected.filled);
+  EXPECT_EQ(outcome.elsewhere, expected.elsewhere);
+  EXPECT_EQ(outcome.end_s, physics::seconds(simulation.now() - Tick{}));
+  EXPECT_EQ(outcome.end == End::settled, staying_m.size() == balls.size());
+}
+
+void expect_all_alike(const Pattern& pattern, std::uint64_t states) {
+  Parameters parameters;
+  parameters.pattern = pattern;
+  const Spelling world(parameters);
+  for (std::uint64_t seed = 0; seed < states; ++seed) {
+    SCOPED_TRACE("state " + std::to_string(seed));
+    expect_alike(world, draw(world, seed), seed % 2 == 0);
+    if (::testing::Test::HasFailure()) return;
+  }
+}
+
+// Goal: the world's engine gives the simulator's places, twists and modes bit for bit, whether or
+// not it leaves trapped balls alone, and the world's outcome, its end included, is a function of
+// these. Method: random states on grids of all sizes, on geometry that is kept and moved, against
+// simulations with new geometry that leave nothing out.
+TEST(SpellingMarbles, EqualASimulation) {
+  expect_all_alike(hi(), state_count());
+}
+TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
+  expect_all_alike(pattern_of(1, 2), state_count());
+  expect_all_alike(pattern_of(3, 3), state_count() / 3);
+}
+TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
+  expect_all_alike(pattern_of(15, 7), state_count() / 50);
+}
+
+}  // namespace
+}  // namespace sleight::worlds::spelling

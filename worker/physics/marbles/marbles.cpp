@@ -1,0 +1,304 @@
+// The event loop of marbles.
+#include "worker/physics/marbles/marbles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace sleight::physics {
+namespace {
+
+/// Marks an id in an event's key as that of static geometry (world.h).
+constexpr std::uint32_t k_static = std::uint32_t{1} << 31U;
+
+TouchBox touch_box_of(const Box& box) {
+  TouchBox result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    result.low_m[i] = box.low_m[i];
+    result.high_m[i] = box.high_m[i];
+  }
+  return result;
+}
+
+/// A box that overlaps none.
+TouchBox nowhere() {
+  constexpr float k_infinity = std::numeric_limits<float>::infinity();
+  return {.low_m = {k_infinity, k_infinity, k_infinity, 0},
+          .high_m = {-k_infinity, -k_infinity, -k_infinity, 0}};
+}
+
+}  // namespace
+
+bool are_marbles(const Scene& scene) {
+  if (!scene.controls.empty() || scene.period_m != std::array<double, 3>{}) return false;
+  if (!(scene.slow.separation_speed_mps > 0) || scene.bodies.empty()) return false;
+  const BodyDescription& first = scene.bodies.front();
+  const auto* ball = std::get_if<Sphere>(&first.shape);
+  if (ball == nullptr) return false;
+  return std::ranges::all_of(scene.bodies, [&](const BodyDescription& body) {
+    const auto* sphere = std::get_if<Sphere>(&body.shape);
+    return sphere != nullptr && sphere->radius_m == ball->radius_m &&
+           body.material == first.material && body.inertia.mass_kg == first.inertia.mass_kg &&
+           body.inertia.symmetry == InertiaSymmetry::spherical &&
+           body.inertia.principal_kgm2 == first.inertia.principal_kgm2 && !body.start_again;
+  });
+}
+
+void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
+                    MarbleConfinement confinement) {
+  scene_ = &scene;
+  near_ = &near;
+  statics_ = &near.statics();
+  confinement_ = std::move(confinement);
+  end_ = end;
+  now_ = Tick{};
+  const BodyDescription& first = scene.bodies.front();
+  radius_m_ = std::get<Sphere>(first.shape).radius_m;
+  CHECK_EQ(radius_m_, near.radius_m());
+  material_ = first.material;
+  inertia_ = first.inertia;
+  mass_ = sphere_mass(inertia_.mass_kg, radius_m_, inertia_.principal_kgm2.x());
+  round_ = round_body(radius_m_, inertia_, scene.slow);
+  const double pull_mps2 = math::norm(scene.gravity_mps2);
+  contacts_last_ = statics_->feature_count() > 0;
+  alone_for_ = contacts_last_ && pull_mps2 > 0
+                   ? ticks_after(k_bounces_alone * 2 * scene.slow.separation_speed_mps / pull_mps2)
+                   : 0;
+  const double bounce_s = pull_mps2 > 0 ? 2 * scene.slow.separation_speed_mps / pull_mps2 : 1;
+  const std::size_t count = scene.bodies.size();
+  resting_.reset(count, scene.slow, ticks_after(k_jam_bounces * bounce_s));
+  recent_.reset(count);
+  balls_.assign(count, {});
+  boxes_.assign(count, nowhere());
+  keys_.resize(count);
+  for (std::uint32_t ball = 0; ball < count; ++ball) {
+    keys_[ball] = {.tick = scene.bodies[ball].start_tick, .kind = EventKind::start, .lower = ball};
+  }
+  changed_.clear();
+  to_resume_.clear();
+  catches_up_ = false;
+  counts_ = {};
+  failure_.reset();
+}
+
+std::optional<SceneError> Marbles::run_until(Tick tick) {
+  CHECK_LE(tick.value, end_.value);
+  if (tick < now_) return failure_;
+  while (!failure_) {
+    const EventKey event = *std::ranges::min_element(keys_);
+    if (event.tick > tick) break;
+    CHECK_GE(event.tick.value, now_.value);
+    now_ = event.tick;
+    process(event);
+    if (!to_resume_.empty()) resume(event);
+  }
+  if (!failure_) now_ = tick;
+  return failure_;
+}
+
+void Marbles::process(const EventKey& event) {
+  const std::uint32_t ball = event.lower;
+  switch (event.kind) {
+    case EventKind::start:
+      start_ball(ball, event);
+      return;
+    case EventKind::collision:
+      if ((event.higher & k_static) != 0) {
+        ++counts_.static_collisions;
+        collide_static(ball, event.higher & ~k_static, event.tick);
+      } else {
+        ++counts_.collisions;
+        collide(ball, event.higher, event.tick);
+      }
+      balls_changed();
+      return;
+    case EventKind::mode:
+      ++counts_.modes;
+      change_mode(ball, event.tick);
+      balls_changed();
+      return;
+    case EventKind::rest:
+      ++counts_.rest_decisions;
+      if (rest(ball, event.tick) == 0) refresh_key(ball);
+      balls_changed();
+      return;
+    case EventKind::update:
+    case EventKind::control:
+    case EventKind::sample:
+      break;
+  }
+  CHECK(false);
+}
+
+void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
+  const StartState& state = scene_->bodies[ball].start;
+  balls_[ball].segment = {.flight = {.begin = event.tick,
+                                     .position_m = state.pose.position_m,
+                                     .velocity_mps = state.twist.velocity_mps,
+                                     .acceleration_mps2 = scene_->gravity_mps2,
+                                     .orientation = math::normalized(state.pose.orientation),
+                                     .angular_velocity_radps = state.twist.angular_velocity_radps}};
+  // Those that are left alone where it starts must be where they are by now.
+  const TouchBox here = path_box_of(ball, event.tick, event.tick);
+  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
+    if (!balls_[other].suspended || balls_[other].resumes || !overlaps(here, boxes_[other]))
+      continue;
+    balls_[other].resumes = true;
+    to_resume_.push_back(other);
+  }
+  if (!to_resume_.empty()) resume(event);
+  const std::string obstacle = obstacle_of(ball);
+  if (!obstacle.empty()) {
+    fail(SceneError::Kind::overlap,
+         fmt::format("{} can't start at {:.9g} s: it overlaps {}, or is within {} m of it",
+                     name(ball), seconds(event.tick - Tick{}), obstacle, k_touch_m));
+    return;
+  }
+  balls_[ball].started = true;
+  changed_.assign(1, ball);
+  balls_changed();
+}
+
+/// What a ball that starts overlaps, by name; empty if nothing.
+std::string Marbles::obstacle_of(std::uint32_t ball) {
+  const Vec3 place_m = place_at(ball, now_);
+  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
+    if (!balls_[other].started || balls_[other].suspended) continue;
+    const Vec3 between_m = ball < other ? Vec3(place_at(other, now_) - place_m)
+                                        : Vec3(place_m - place_at(other, now_));
+    if (math::norm(between_m) - (radius_m_ + radius_m_) <= k_touch_m) return name(other);
+  }
+  const MovingPoint centre{.position_m = place_m,
+                           .velocity_mps = balls_[ball].segment.flight.velocity_mps,
+                           .acceleration_mps2 = scene_->gravity_mps2};
+  std::uint32_t lowest = k_none;
+  const auto ask = [&](std::uint32_t index) {
+    const SphereFeature& feature = statics_->feature(index);
+    if (index < lowest && gap_to(feature, centre, radius_m_).gap_m <= k_touch_m &&
+        outside_for_s(statics_->sides(feature), centre) == 0)
+      lowest = index;
+  };
+  std::ranges::for_each(near_->strays(), ask);
+  std::ranges::for_each(near_->cell_at(place_m).features, ask);
+  if (lowest != k_none) return statics_->name_of_feature(lowest);
+  // Deep inside of a solid a ball may touch nothing of its surface.
+  const std::string* solid = statics_->solid_at(place_m);
+  return solid != nullptr ? *solid : "";
+}
+
+/// The balls that began a segment at this event get new predictions.
+void Marbles::balls_changed() {
+  const bool one = changed_.size() == 1;
+  if (one && suspend(changed_.front())) return;
+  for (const std::uint32_t ball : changed_) {
+    balls_[ball].suspended = false;
+    predict_static(ball, now_);
+    const Ball& own = balls_[ball];
+    boxes_[ball] = path_box_of(
+        ball, now_, is_resting(ball) ? now_ : std::min({own.static_tick, own.mode_end, end_}));
+  }
+  for (const std::uint32_t ball : changed_) {
+    if (!one && suspend(ball)) continue;
+    predict_pairs(ball);
+    refresh_key(ball);
+    for (std::uint32_t other = 0; other < balls_.size(); ++other) {
+      if (balls_[other].pair_other != ball || std::ranges::binary_search(changed_, other)) continue;
+      predict_pairs(other);
+      refresh_key(other);
+    }
+  }
+}
+
+/// A ball's motion has changed: leaves it alone if it may be. False if it goes on.
+bool Marbles::suspend(std::uint32_t ball) {
+  if (!confinement_ || catches_up_ || is_resting(ball)) return false;
+  // Decisions about rest still look at both.
+  if (resting_.enabled() && now_ - balls_[ball].met_body <= resting_.rest_span()) return false;
+  const FreeFlight& flight = balls_[ball].segment.flight;
+  const auto box = confinement_({ball}, flight.position_m,
+                                {.velocity_mps = flight.velocity_mps,
+                                 .angular_velocity_radps = flight.angular_velocity_radps});
+  if (!box) return false;
+  const TouchBox confined = touch_box_of(*box);
+  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
+    if (other != ball && overlaps(confined, boxes_[other])) return false;
+  }
+  boxes_[ball] = confined;
+  Ball& left = balls_[ball];
+  left.suspended = true;
+  left.resumes = false;
+  left.static_tick = left.pair_tick = k_never;
+  left.static_feature = left.pair_other = k_none;
+  keys_[ball] = k_no_event;
+  ++counts_.suspensions;
+  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
+    if (balls_[other].pair_other != ball) continue;
+    predict_pairs(other);
+    refresh_key(other);
+  }
+  return true;
+}
+
+/// Those that something has come near to catch up with the present: all their events before one
+/// that is taking place.
+void Marbles::resume(const EventKey& present) {
+  const Tick now = now_;
+  catches_up_ = true;
+  while (!failure_) {
+    if (!to_resume_.empty()) {
+      const std::uint32_t ball = to_resume_.back();
+      to_resume_.pop_back();
+      ++counts_.resumptions;
+      balls_[ball].suspended = false;
+      balls_[ball].resumes = false;
+      now_ = balls_[ball].segment.flight.begin;
+      changed_.assign(1, ball);
+      balls_changed();
+      continue;
+    }
+    const EventKey event = *std::ranges::min_element(keys_);
+    if (!(event < present)) break;
+    now_ = event.tick;
+    process(event);
+  }
+  catches_up_ = false;
+  now_ = now;
+}
+
+void Marbles::refresh_key(std::uint32_t index) {
+  const Ball& ball = balls_[index];
+  EventKey best = k_no_event;
+  const auto offer = [&](const EventKey& key) {
+    if (key < best) best = key;
+  };
+  if (ball.static_tick <= best.tick && ball.static_feature != k_none)
+    offer({.tick = ball.static_tick,
+           .kind = EventKind::collision,
+           .lower = index,
+           .higher = k_static | ball.static_feature});
+  if (ball.pair_other != k_none)
+    offer({.tick = ball.pair_tick,
+           .kind = EventKind::collision,
+           .lower = std::min(index, ball.pair_other),
+           .higher = std::max(index, ball.pair_other)});
+  if (ball.mode_end != k_never)
+    offer({.tick = ball.mode_end, .kind = EventKind::mode, .lower = index});
+  const Tick due = resting_.enabled() ? resting_.due(index) : k_never;
+  if (due != k_never) offer({.tick = due, .kind = EventKind::rest, .lower = index});
+  keys_[index] = best;
+}
+
+std::string Marbles::name(std::uint32_t ball) const {
+  const std::string& given = scene_->bodies[ball].name;
+  return given.empty() ? fmt::format("body {}", ball) : fmt::format("body '{}'", given);
+}
+
+void Marbles::fail(SceneError::Kind kind, std::string message) {
+  if (!failure_) failure_ = SceneError{kind, std::move(message)};
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,135 @@
+#include "worker/physics/simulator/lasting_contact.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "worker/physics/simulator/resting.h"
+
+namespace sleight::physics {
+namespace {
+
+/// A sphere that accelerates into a face by less than this doesn't press on it: over an hour, less
+/// than gravity in a tick.
+constexpr double k_press_mps2 = 1e-12;
+
+/// A sphere that is too slow to hop over an edge or a vertex goes straight on until it is so far
+/// above it, as a part of the height of its slowest bounces, and falls back.
+constexpr double k_rise_bounces = 0.5;
+
+/// A slip is over when it is slower than this part of its slowest bounces.
+constexpr double k_stick_bounces = 0.1;
+
+/// Least h > 0 at which distance + rate h + curvature h^2 / 2 falls below 0; infinite if never.
+/// REQUIRES: distance >= 0.
+double first_fall_s(double distance, double rate, double curvature) {
+  const double discriminant = rate * rate - 2 * curvature * distance;
+  if (!(discriminant >= 0)) return std::numeric_limits<double>::infinity();
+  const double root = std::sqrt(discriminant);
+  if (rate < 0) return 2 * distance / (root - rate);
+  return curvature < 0 ? (rate + root) / -curvature : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+Tick tick_after(Tick tick, double span_s) {
+  if (!(span_s < seconds(k_tick_max - tick))) return k_never;
+  return tick + std::max<TickCount>(1, ticks_after(span_s));
+}
+
+RoundBody round_body(double radius_m, const Inertia& inertia, const SlowContacts& slow) {
+  return {.radius_m = radius_m,
+          .gyration = inertia.principal_kgm2.x() / (inertia.mass_kg * radius_m * radius_m),
+          .stick_mps = std::max(k_stick_mps, k_stick_bounces * slow.separation_speed_mps)};
+}
+
+Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) {
+  double leaves_s = std::numeric_limits<double>::infinity();
+  for (const RegionSide& side : sides) {
+    const double inside_m = math::dot(side.space.normal, flight.position_m) - side.space.offset_m;
+    leaves_s =
+        std::min(leaves_s, first_fall_s(std::max(0.0, inside_m),
+                                        math::dot(side.space.normal, flight.velocity_mps),
+                                        math::dot(side.space.normal, flight.acceleration_mps2)));
+  }
+  return tick_after(flight.begin, leaves_s);
+}
+
+Tick leaves_edge(const FreeFlight& flight, double radius_m, const SlowContacts& slow,
+                 const Vec3& gravity_mps2) {
+  const double slow_mps = slow.separation_speed_mps;
+  const double bounce_m = 0.5 * slow_mps * slow_mps / math::norm(gravity_mps2);
+  const double way_m = std::sqrt(2 * k_rise_bounces * bounce_m * radius_m);
+  const double speed_mps = math::norm(flight.velocity_mps);
+  const double pull = math::norm(flight.acceleration_mps2);
+  const double rate = speed_mps + std::sqrt(speed_mps * speed_mps + 2 * pull * way_m);
+  return rate > 0 ? tick_after(flight.begin, 2 * way_m / rate) : k_never;
+}
+
+Tick slow_from(const Segment& segment, double radius_m, const Inertia& inertia,
+               const SlowContacts& slow_contacts, Tick end) {
+  const FreeFlight& flight = segment.flight;
+  const auto fastest_mps = [&](Tick tick) {
+    return fastest_point_mps(radius_m, twist_of(segment, inertia, tick));
+  };
+  const double limit_mps = slow_contacts.rest_speed_mps;
+  if (fastest_mps(flight.begin) < limit_mps) return flight.begin;
+  // The speed is convex in time. Where one of its two parts is least, or at the end, it may be
+  // slow.
+  Tick slow = k_never;
+  const auto offer = [&](const Vec3& start, const Vec3& rate) {
+    const double square = math::dot(rate, rate);
+    const double least_s = square > 0 ? std::max(0.0, -math::dot(start, rate) / square) : 0;
+    const Tick least = std::min(tick_after(flight.begin, least_s), end);
+    if (least < slow && fastest_mps(least) < limit_mps) slow = least;
+  };
+  offer(flight.velocity_mps, flight.acceleration_mps2);
+  offer(flight.angular_velocity_radps, segment.angular_acceleration_radps2);
+  if (end != k_never && end < slow && fastest_mps(end) < limit_mps) slow = end;
+  if (slow == k_never) return k_never;
+  Tick fast = flight.begin;
+  while (slow - fast > 1) {
+    const Tick middle = fast + (slow - fast) / 2;
+    (fastest_mps(middle) < limit_mps ? slow : fast) = middle;
+  }
+  return slow;
+}
+
+std::optional<Carried> carried_by(const RoundBody& round, std::span<const LastingContact> contacts,
+                                  const Twist& twist, const Vec3& gravity_mps2) {
+  for (std::size_t count = contacts.size(); count > 0; --count) {
+    for (std::uint32_t subset = 1; subset < std::uint32_t{1} << contacts.size(); ++subset) {
+      if (static_cast<std::size_t>(std::popcount(subset)) != count) continue;
+      std::array<LastingContact, 3> chosen;
+      std::size_t taken = 0;
+      for (std::size_t i = 0; i < contacts.size(); ++i) {
+        if ((subset >> i & 1U) != 0) chosen[taken++] = contacts[i];
+      }
+      if (count == 2 && !is_valley(chosen[0].normal, chosen[1].normal)) continue;
+      Carried carried{
+          .subset = subset,
+          .motion = contact_motion(round, std::span(chosen).first(count), twist, gravity_mps2)};
+      bool holds = carried.motion.pressed == (std::uint32_t{1} << count) - 1;
+      for (std::size_t i = 0; i < contacts.size() && holds; ++i) {
+        const bool out = (subset >> i & 1U) == 0;
+        holds =
+            !out || math::dot(carried.motion.acceleration_mps2, contacts[i].normal) > -k_press_mps2;
+      }
+      if (holds) return carried;
+    }
+  }
+  return std::nullopt;
+}
+
+bool stands_on(const RoundBody& round, std::span<const LastingContact> contacts,
+               const Vec3& gravity_mps2) {
+  const ContactMotion still = contact_motion(round, contacts, {}, gravity_mps2);
+  const double allowed_mps2 = k_balance_tolerance * math::norm(gravity_mps2);
+  const double turning_mps2 = round.radius_m * math::norm(still.angular_acceleration_radps2);
+  return std::popcount(still.pressed) == static_cast<int>(contacts.size()) &&
+         math::norm(still.acceleration_mps2) + turning_mps2 <= allowed_mps2;
+}
+
+}  // namespace sleight::physics
