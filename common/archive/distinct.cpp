@@ -27,10 +27,10 @@ void DistinctSelector::offer(base::ChainId chain, base::ScanIndex scan,
   CHECK(!record.state.empty());
   const auto lineage = by_lineage_.find(record.lineage);
   if (lineage == by_lineage_.end()) {
-    if (options_.keep_per_lineage == 0) return;
+    if (options_.keep_per_lineage == 0 || !reader_.plays_out(record.state)) return;
     by_lineage_[record.lineage] = {of_chain_.size()};
   } else {
-    if (!is_distinct(lineage->second, record)) return;
+    if (!is_distinct(lineage->second, record) || !reader_.plays_out(record.state)) return;
     lineage->second.push_back(of_chain_.size());
   }
   of_chain_.push_back({scan, chain, record});

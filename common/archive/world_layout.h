@@ -61,7 +61,11 @@ class StateReader {
   virtual std::vector<double> variables(base::BytesView state) const = 0;
   /// How unlike two animations look, in the world's own stated unit: 0 for equal ones.
   virtual double likeness_distance(base::BytesView a, base::BytesView b) const = 0;
-  /// The whole motion, simulated to its end.
+  /// Whether a satisfying state's whole motion can be had and ends as the outcome says: one that
+  /// was decided early may be more than the simulator can do, or takes too long to come to rest.
+  /// Only such states are kept as animations.
+  virtual bool plays_out(base::BytesView /*state*/) const { return true; }
+  /// The whole motion, simulated to its end. REQUIRES: plays_out(state).
   virtual Recording record(base::BytesView state) const = 0;
 };
 

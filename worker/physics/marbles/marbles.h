@@ -56,6 +56,8 @@ class Marbles {
     std::uint64_t rest_decisions = 0;
     std::uint64_t suspensions = 0;
     std::uint64_t resumptions = 0;
+
+    std::uint64_t events() const { return static_collisions + collisions + modes + rest_decisions; }
   };
 
   /// Begins before everything. Borrows the scene, and what is near, until the next start.

@@ -33,7 +33,7 @@ archive::WorldLayout make_layout(const Spelling& world) {
               {{.name = "filled",
                 .dims = {},
                 .unit = "1",
-                .meaning = "designated bins with a ball at rest"},
+                .meaning = "designated bins with a ball at rest, or in it for good"},
                {.name = "elsewhere",
                 .dims = {},
                 .unit = "1",
@@ -42,8 +42,8 @@ archive::WorldLayout make_layout(const Spelling& world) {
                {.name = "end",
                 .dims = {},
                 .unit = "1",
-                .meaning = "why it ended: 0 all at rest, 1 time limit, 2 no room to start, 3 "
-                           "the simulator could not go on"}},
+                .meaning = "why it ended: 0 all at rest or in their bins for good, 1 time limit, 2 "
+                           "no room to start, 3 the simulator could not go on"}},
           .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
                              "enable_balls"},
           .segment_columns = {
@@ -101,6 +101,10 @@ class SpellingReader final : public archive::StateReader {
     for (std::size_t bin = 0; bin < left.size(); ++bin)
       unlike += left[bin] != right[bin] ? 1 : 0;
     return unlike / static_cast<double>(world_.balls());
+  }
+
+  bool plays_out(base::BytesView state) const override {
+    return world_.satisfied(world_.simulate_to_rest(decoded(state)));
   }
 
   archive::Recording record(base::BytesView state) const override {

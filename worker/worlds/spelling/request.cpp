@@ -127,6 +127,17 @@ void check_sizes(request::Binder& world, const WorldParameters& p) {
                             mm(least_drop_m)));
     return;
   }
+  constexpr double k_thinnest = 1000;
+  if (p.bin_m > k_thinnest * p.partition_m) {
+    world.error("partition_mm", fmt::format("must be at least {}, a thousandth of bin_mm",
+                                            mm(p.bin_m / k_thinnest)));
+    return;
+  }
+  if (p.dome_m > p.partition_height_m) {
+    world.error("dome_mm",
+                fmt::format("must be at most {}: partition_height_mm", mm(p.partition_height_m)));
+    return;
+  }
   // A ball at rest touches two partitions and the dome's slope.
   const double radius_m = 0.5 * p.ball_diameter_m;
   const double slope = 2 * p.dome_m / p.bin_m;
@@ -134,7 +145,8 @@ void check_sizes(request::Binder& world, const WorldParameters& p) {
                           p.dome_m * (1 - (p.bin_m - p.ball_diameter_m) / p.bin_m);
   if (p.partition_height_m <= lowest_m) {
     world.error("partition_height_mm",
-                fmt::format("must be above {}, where the centre of a ball at rest is in its bin",
+                fmt::format("must be above {}, where the centre of a ball at rest is in its bin "
+                            "(by ball_diameter_mm, dome_mm and bin_mm)",
                             mm(lowest_m)));
   }
 }

@@ -17,6 +17,10 @@ namespace {
 constexpr double k_look_every_s = 0.1;
 /// Bounding volumes of the partitions allow for offsets of so many standard deviations.
 constexpr double k_slack_sds = 5;
+/// A ball has a hundred events, few have a thousand. One that is wedged, in a box that leaves it no
+/// room, would have a million until the time limit. A decision about rest takes as long as many.
+constexpr std::uint64_t k_work_per_ball_max = 5000;
+constexpr std::uint64_t k_work_of_decision = 20;
 /// Balls keep this distance from the walls when they are dropped.
 constexpr double k_clear_m = 1e-6;
 
@@ -77,8 +81,9 @@ physics::Tick Spelling::limit_of(const physics::Scene& scene) const {
   return scene.bodies.back().start_tick + physics::ticks_after(parameters_.world.time_limit_s);
 }
 
-template <class Engine, class AllStay>
-End Spelling::run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay) const {
+template <class Engine, class AllStay, class TakesTooLong>
+End Spelling::run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay,
+                  const TakesTooLong& takes_too_long) const {
   const physics::Tick limit = limit_of(scene);
   for (physics::Tick end = scene.bodies.back().start_tick; end < limit;) {
     end = std::min(limit, end + physics::ticks_after(k_look_every_s));
@@ -87,6 +92,7 @@ End Spelling::run(const physics::Scene& scene, Engine& engine, const AllStay& al
                                                                : End::search_failed;
     }
     if (all_stay()) return End::settled;
+    if (takes_too_long()) return End::search_failed;
   }
   return End::time_limit;
 }
@@ -101,16 +107,16 @@ std::unique_ptr<BoxGeometry> Spelling::new_geometry() const {
 }
 
 Outcome Spelling::simulate(const State& state) const {
-  return simulate(state, false);
+  return simulated(state, false).outcome;
 }
 
 Outcome Spelling::simulate_to_rest(const State& state) const {
-  return simulate(state, true);
+  return simulated(state, true).outcome;
 }
 
-Outcome Spelling::simulate(const State& state, bool to_rest) const {
+Spelling::Result Spelling::simulated(const State& state, bool to_rest) const {
   const BoxGeometries::Loan geometry = geometries_->borrow([&] { return new_geometry(); });
-  if (!geometry->move_to(bins_, state.offsets_m)) return {.end = End::impossible};
+  if (!geometry->move_to(bins_, state.offsets_m)) return {.outcome = {.end = End::impossible}};
   const physics::Scene scene = scene_in(state, geometry->mesh());
   if (scene.bodies.empty()) return {};
   const Traps traps(parameters_.world, bins_, state.offsets_m);
@@ -124,7 +130,7 @@ Outcome Spelling::simulate(const State& state, bool to_rest) const {
   }
   physics::Marbles& marbles = geometry->marbles();
   marbles.start(scene, geometry->near(), limit_of(scene), confinement);
-  if (marbles.run_until(physics::Tick{})) return {.end = End::impossible};
+  if (marbles.run_until(physics::Tick{})) return {.outcome = {.end = End::impossible}};
   std::vector<Traps::Ball> balls(scene.bodies.size());
   const auto look = [&] {
     for (std::uint32_t body = 0; body < balls.size(); ++body) {
@@ -138,22 +144,33 @@ Outcome Spelling::simulate(const State& state, bool to_rest) const {
                      .rests = segment.mode == physics::MotionMode::resting};
     }
   };
-  const End end = run(scene, marbles, [&] {
-    look();
-    return to_rest ? std::ranges::all_of(balls, &Traps::Ball::rests) : traps.all_stay(balls);
-  });
-  if (end != End::settled && end != End::time_limit) return {.end = end};
+  const End end = run(
+      scene, marbles,
+      [&] {
+        look();
+        return to_rest ? std::ranges::all_of(balls, &Traps::Ball::rests) : traps.all_stay(balls);
+      },
+      [&] {
+        const auto& done = marbles.counts();
+        return done.events() + k_work_of_decision * done.rest_decisions >
+               k_work_per_ball_max * balls.size();
+      });
+  if (end != End::settled && end != End::time_limit) return {.outcome = {.end = end}};
 
-  std::vector<Vec3> staying_m;
-  for (const Traps::Ball& ball : balls) {
-    if (ball.rests || traps.of(ball.centre_m, ball.twist)) staying_m.push_back(ball.centre_m);
+  Result result;
+  std::size_t body = 0;
+  for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
+    if (state.active[ball] == 0) continue;
+    const Traps::Ball& seen = balls[body++];
+    if (!seen.rests && !traps.of(seen.centre_m, seen.twist)) continue;
+    result.staying.push_back(ball);
+    result.places_m.push_back(seen.centre_m);
   }
-  const bool all_stay = staying_m.size() == balls.size();
-  const auto others = static_cast<std::uint32_t>(scene.bodies.size() - staying_m.size());
-  Outcome outcome = judged(staying_m, others);
-  outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
-  outcome.end = all_stay ? End::settled : End::time_limit;
-  return outcome;
+  const auto others = static_cast<std::uint32_t>(balls.size() - result.staying.size());
+  result.outcome = judged(result.places_m, others);
+  result.outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
+  result.outcome.end = others == 0 ? End::settled : End::time_limit;
+  return result;
 }
 
 Animation Spelling::animate(const State& state) const {
@@ -165,12 +182,15 @@ Animation Spelling::animate(const State& state) const {
   const auto scene = this->scene(state);
   CHECK(scene.has_value());
   physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
-  const End end = run(*scene, simulation, [&] {
-    bool all_rest = true;
-    for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
-      all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
-    return all_rest;
-  });
+  const End end = run(
+      *scene, simulation,
+      [&] {
+        bool all_rest = true;
+        for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
+          all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
+        return all_rest;
+      },
+      [] { return false; });
   CHECK(end == End::settled || end == End::time_limit);
   animation.recording = simulation.recording();
   return animation;
@@ -178,15 +198,12 @@ Animation Spelling::animate(const State& state) const {
 
 std::vector<int> Spelling::balls_of_bins(const State& state) const {
   std::vector<int> balls(std::size_t{bins_.columns()} * bins_.rows(), -1);
-  const Animation animation = animate(state);
-  for (std::size_t body = 0; body < animation.balls.size(); ++body) {
-    const auto segments = animation.recording.segments({static_cast<std::uint32_t>(body)});
-    const physics::Segment& last = segments.back().segment;
-    if (last.mode != physics::MotionMode::resting) continue;
-    const auto bin = filled_bin(last.flight.position_m);
+  const Result result = simulated(state, false);
+  for (std::size_t i = 0; i < result.staying.size(); ++i) {
+    const auto bin = filled_bin(result.places_m[i]);
     if (!bin) continue;
     int& ball = balls[bin->row * bins_.columns() + bin->column];
-    if (ball < 0) ball = static_cast<int>(animation.balls[body]);
+    if (ball < 0) ball = static_cast<int>(result.staying[i]);
   }
   return balls;
 }

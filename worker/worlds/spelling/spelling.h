@@ -51,7 +51,7 @@ enum class End : std::uint8_t {
   settled,       ///< every ball is at rest, or in its bin for good
   time_limit,    ///< some ball moved for too long
   impossible,    ///< two balls start in one place, or offsets turn the box inside out
-  search_failed  ///< the simulator could not go on
+  search_failed  ///< the simulator could not go on, or it took too many events
 };
 
 struct Outcome {
@@ -111,10 +111,10 @@ class Spelling {
   /// The simulation's scene; its bodies are the active balls in ascending order. Nothing if the
   /// offsets turn the box inside out.
   std::optional<physics::Scene> scene(const State& state) const;
-  /// REQUIRES: a state whose simulation is an animation.
+  /// REQUIRES: simulate_to_rest(state) is an animation.
   Animation animate(const State& state) const;
   /// By bin, row by row from the lowest y: the number of the ball that fills it, if it is
-  /// designated, -1 if none.
+  /// designated, -1 if none. As simulate counts them.
   std::vector<int> balls_of_bins(const State& state) const;
   /// What balls that stay with their centres in these places, and so many others, come to.
   Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
@@ -122,10 +122,17 @@ class Spelling {
  private:
   /// Runs until all balls stay, or to the limit. How it ended, as far as it didn't fail: at the
   /// limit, time_limit.
-  template <class Engine, class AllStay>
-  End run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay) const;
+  template <class Engine, class AllStay, class TakesTooLong>
+  End run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay,
+          const TakesTooLong& takes_too_long) const;
   physics::Tick limit_of(const physics::Scene& scene) const;
-  Outcome simulate(const State& state, bool to_rest) const;
+  /// What a simulation came to, and where those active balls are that stay there.
+  struct Result {
+    Outcome outcome{};
+    std::vector<std::uint32_t> staying{};  ///< balls
+    std::vector<Vec3> places_m{};
+  };
+  Result simulated(const State& state, bool to_rest) const;
   /// The scene of a state in a box with such a surface.
   physics::Scene scene_in(const State& state,
                           std::shared_ptr<const physics::TriangleMesh> surface) const;

@@ -25,7 +25,7 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
   if (!(centre_m.z() > 0) || reaches_m > world_.partition_height_m) return std::nullopt;
   const auto bin = bins_.bin_at(centre_m);
   if (!bin) return std::nullopt;
-  double lowest_m = world_.partition_height_m;
+  double lowest_m = std::min(world_.partition_height_m, world_.box_height_m);
   double lean_m = 0;  // of the partitions, outwards
   for (const std::uint32_t corner : bins_.corners(*bin)) {
     if (corner == k_no_vertex) continue;
