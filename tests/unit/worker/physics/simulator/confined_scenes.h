@@ -212,7 +212,9 @@ inline Scene cups(std::uint64_t seed) {
       start.pose.position_m = Vec3(cup_m[0], cup_m[1], scenes::between(again, 0.045, 0.1)) +
                               scenes::vector_between(again, -0.02, 0.02);
       start.pose.position_m.z() += 0.02;
-      start.twist = {.velocity_mps = scenes::vector_between(again, -0.3, 0.3),
+      // Half of them fall straight: going back from there, too, they would meet what is in the cup.
+      const double aside_mps = again.bits() % 2 == 0 ? 0.3 : 0.03;
+      start.twist = {.velocity_mps = scenes::vector_between(again, -aside_mps, aside_mps),
                      .angular_velocity_radps = scenes::vector_between(again, -40, 40)};
       return start;
     };
