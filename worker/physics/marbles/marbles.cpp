@@ -182,8 +182,10 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
         outside_for_s(statics_->sides(feature), centre) == 0)
       lowest = index;
   };
-  std::ranges::for_each(near_->strays(), ask);
-  std::ranges::for_each(near_->cell_at(place_m).features, ask);
+  std::ranges::for_each(near_->everywhere(), ask);
+  const NearFeatures::Cell cell = near_->cell_at(place_m);
+  std::ranges::for_each(cell.faces, ask);
+  std::ranges::for_each(cell.corners, ask);
   if (lowest != k_none) return statics_->name_of_feature(lowest);
   // Deep inside of a solid a ball may touch nothing of its surface.
   const std::string* solid = statics_->solid_at(place_m);

@@ -98,6 +98,7 @@ class Marbles {
     // What it does next.
     Tick static_tick = k_never;
     std::uint32_t static_feature = k_none;
+    std::uint32_t last_feature = k_none;  ///< that it collided with
     Tick pair_tick = k_never;
     std::uint32_t pair_other = k_none;
     // Collisions at one tick, and in a window.
@@ -157,7 +158,11 @@ class Marbles {
 
   // When balls meet something (marbles_predictions.cpp).
   void predict_static(std::uint32_t ball, Tick from);
-  Tick first_touch(std::uint32_t ball, std::uint32_t feature, Tick from, Tick until) const;
+  struct Window;
+  Tick first_touch_of_face(const FreeFlight& flight, const SphereFeature& face,
+                           const Window& window) const;
+  Tick first_touch_of_corner(const FreeFlight& flight, const SphereFeature& corner,
+                             const Window& window) const;
   void predict_pairs(std::uint32_t ball);
   Tick predict_pair(std::uint32_t a, std::uint32_t b) const;
   Refractory refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const;

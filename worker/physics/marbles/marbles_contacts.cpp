@@ -151,6 +151,7 @@ void Marbles::collide(std::uint32_t a, std::uint32_t b, Tick tick) {
 
 void Marbles::collide_static(std::uint32_t ball, std::uint32_t feature, Tick tick) {
   changed_.clear();
+  balls_[ball].last_feature = feature;
   const Vec3 place_m = place_at(ball, tick);
   const Vec3 normal = normal_at(statics_->feature(feature), place_m);
   ContactLaw law =

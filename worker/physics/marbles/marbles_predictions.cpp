@@ -16,13 +16,18 @@ constexpr double k_pad_m = 2e-6;
 /// another one.
 constexpr int k_halvings = 4;
 
+constexpr double k_forever_s = std::numeric_limits<double>::infinity();
+
+/// More than roundings take from a root's time.
+constexpr double k_shrink = 1 - 0x1p-40;
+
 double size_of(const Vec3& v) {
   return std::max({std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
 }
 
 /// Less than the time that a point stays between two walls. REQUIRES: it is between them.
 double stays_s(double place, double speed, double pull, double low, double high) {
-  constexpr double k_shrink = 1 - 0x1p-30;
+  constexpr double k_less = 1 - 0x1p-30;
   const bool up = speed > 0 || (speed == 0 && pull > 0);
   const double ahead = up ? high - place : place - low;
   const double behind = up ? place - low : high - place;
@@ -31,12 +36,12 @@ double stays_s(double place, double speed, double pull, double low, double high)
   if (a >= 0) {
     if (ahead == std::numeric_limits<double>::infinity()) return ahead;
     const double root = std::sqrt(v * v + 2 * a * ahead);
-    return v + root > 0 ? k_shrink * (2 * ahead / (v + root))
+    return v + root > 0 ? k_less * (2 * ahead / (v + root))
                         : std::numeric_limits<double>::infinity();
   }
   const double discriminant = v * v + 2 * a * ahead;
-  if (discriminant >= 0) return k_shrink * (2 * ahead / (v + std::sqrt(discriminant)));
-  return k_shrink * ((v + std::sqrt(v * v - 2 * a * behind)) / -a);
+  if (discriminant >= 0) return k_less * (2 * ahead / (v + std::sqrt(discriminant)));
+  return k_less * ((v + std::sqrt(v * v - 2 * a * behind)) / -a);
 }
 
 /// Extent of a parabola between two times.
@@ -58,6 +63,97 @@ Extent extent_of(double place, double speed, double pull, double from_s, double 
   return extent;
 }
 
+/// What examine says of a face and a tick, but not for how long.
+bool face_collides(const SphereFeature& face, std::span<const RegionSide> sides,
+                   const MovingPoint& centre, double radius_m) {
+  const Vec3 from = centre.position_m - face.point_m;
+  if (math::dot(face.direction, from) - radius_m > k_touch_m) return false;
+  if (math::dot(face.direction, centre.velocity_mps) >= -k_approach_mps) return false;
+  return std::ranges::all_of(sides, [&](const RegionSide& side) {
+    const double inside_m = math::dot(side.space.normal, centre.position_m) - side.space.offset_m;
+    return side.strict ? inside_m > 0 : inside_m >= 0;
+  });
+}
+
+/// Whether a centre is outside of a region for a while, by one of its sides (keeps_clear).
+bool stays_outside(std::span<const RegionSide> sides, const MovingPoint& centre, double span_s) {
+  const double half_square = 0.5 * span_s * span_s;
+  for (std::size_t i = sides.size(); i-- > 0;) {
+    const Vec3& normal = sides[i].space.normal;
+    const double inside_m = math::dot(normal, centre.position_m) - sides[i].space.offset_m;
+    if (inside_m >= 0) continue;
+    const double comes_m = std::max(0.0, math::dot(normal, centre.velocity_mps)) * span_s +
+                           std::max(0.0, math::dot(normal, centre.acceleration_mps2)) * half_square;
+    if (inside_m + comes_m < -k_clear_margin_m) return true;
+  }
+  return false;
+}
+
+double size_of_point(const SphereFeature& feature) {
+  return (std::fabs(feature.point_m.x()) + std::fabs(feature.point_m.y())) +
+         std::fabs(feature.point_m.z());
+}
+
+/// Least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0; infinite if never. Each root
+/// is taken in the form without cancellation. REQUIRES: place > 0.
+double first_fall_s(double place, double rate, double curvature) {
+  if (rate >= 0 && curvature >= 0) return k_forever_s;
+  const double discriminant = rate * rate - 2 * curvature * place;
+  if (discriminant < 0) return k_forever_s;
+  const double root = std::sqrt(discriminant);
+  return rate < 0 ? 2 * place / (root - rate) : (rate + root) / -curvature;
+}
+
+/// A gap that is at least such a parabola in time: when it first is below 0 while it shrinks, at
+/// the earliest. `not_before_s`: until then it doesn't shrink.
+double falls_after_s(double excess_m, double rate_mps, double pull_mps2, double not_before_s) {
+  if (excess_m > 0) return std::max(not_before_s, first_fall_s(excess_m, rate_mps, pull_mps2));
+  const double discriminant = rate_mps * rate_mps - 2 * pull_mps2 * excess_m;
+  if (pull_mps2 < 0 && rate_mps > 0 && discriminant > 0) {
+    // It rises at once, and falls back.
+    const double root = std::sqrt(discriminant);
+    if (-2 * excess_m <= not_before_s * (rate_mps + root))
+      return std::max(not_before_s, (rate_mps + root) / -pull_mps2);
+  }
+  return not_before_s;
+}
+
+/// For how long an edge or a vertex can't be collided with, by touch and approach as examine judges
+/// them: 0 if both hold.
+double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre, double radius_m,
+                          double size_m) {
+  Vec3 away_m = centre.position_m - corner.point_m;
+  Vec3 velocity_mps = centre.velocity_mps;
+  Vec3 pull_mps2 = centre.acceleration_mps2;
+  if (corner.kind == FeatureKind::edge) {
+    away_m = away_m - math::dot(corner.direction, away_m) * corner.direction;
+    velocity_mps = velocity_mps - math::dot(corner.direction, velocity_mps) * corner.direction;
+    pull_mps2 = pull_mps2 - math::dot(corner.direction, pull_mps2) * corner.direction;
+  }
+  const double distance_m = math::norm(away_m);
+  const double gap_m = distance_m - radius_m;
+  const double c_v = math::dot(away_m, velocity_mps);
+  const double rate_mps = c_v / distance_m;
+  if (gap_m <= k_touch_m && rate_mps < -k_approach_mps) return 0;
+  // The distance is at least that from a plane through the line or point, at right angles to the
+  // way there. It doesn't shrink as long as c.v stays positive (sphere_search.h).
+  const double c_a = math::dot(away_m, pull_mps2);
+  double not_before_s = 0;
+  if (rate_mps >= -k_approach_mps) {
+    const double v_a = math::dot(velocity_mps, pull_mps2);
+    const double c_v_rate = math::dot(velocity_mps, velocity_mps) + c_a;
+    const double left = c_v + 0.5 * k_approach_mps * radius_m;
+    // left + c_v_rate h + 3/2 v.a h^2 falls to 0.
+    if (left > 0) {
+      not_before_s = first_fall_s(left, c_v_rate, 3 * v_a);
+      if (not_before_s == k_forever_s) return k_forever_s;
+    }
+  }
+  const double excess_m = gap_m - k_touch_m - k_rounding_ulps * (size_m + radius_m);
+  const double fails_s = falls_after_s(excess_m, rate_mps, c_a / distance_m, not_before_s);
+  return std::max(k_shrink * fails_s, k_seconds_per_tick);
+}
+
 MovingPoint centre_at(const FreeFlight& flight, Tick tick) {
   return {.position_m = position_at(flight, tick),
           .velocity_mps = velocity_at(flight, tick),
@@ -77,17 +173,58 @@ Examined examined_at(Tick tick, const Refractory& refractory, const Examine& exa
 
 // ---- static geometry ----------------------------------------------------------------------------
 
+/// A part of a path on which what is near stays the same.
+struct Marbles::Window {
+  Tick start{};
+  Tick stop{};
+  MovingPoint centre;  ///< at the start
+  double size_m = 0;   ///< of coordinates along the path
+  TouchBox box{};      ///< of the centre up to the stop
+  void make_box() {
+    const double span_s = seconds(stop - start);
+    const double half_square = 0.5 * span_s * span_s;
+    size_m = 0;
+    for (int i = 0; i < 3; ++i) {
+      size_m += std::fabs(centre.position_m[i]) + std::fabs(centre.velocity_mps[i]) * span_s +
+                std::fabs(centre.acceleration_mps2[i]) * half_square;
+    }
+    // A float lies within 2^-24 of its number.
+    const double pad_m = k_pad_m + 0x1p-22 * size_m;
+    for (int i = 0; i < 3; ++i) {
+      const double place = centre.position_m[i];
+      const double speed = centre.velocity_mps[i];
+      const double pull = centre.acceleration_mps2[i];
+      const double last = parabola(place, speed, pull, span_s);
+      double low = std::min(place, last);
+      double high = std::max(place, last);
+      if ((speed < 0) != (speed + pull * span_s < 0)) {
+        const double apex = place - 0.5 * speed * speed / pull;
+        low = std::min(low, apex);
+        high = std::max(high, apex);
+      }
+      const auto axis = static_cast<std::size_t>(i);
+      box.low_m[axis] = static_cast<float>(low - pad_m);
+      box.high_m[axis] = static_cast<float>(high + pad_m);
+    }
+  }
+};
+
 void Marbles::predict_static(std::uint32_t index, Tick from) {
   Ball& ball = balls_[index];
   ball.static_tick = k_never;
   ball.static_feature = k_none;
   if (ball.segment.mode == MotionMode::resting) return;
   const FreeFlight& flight = ball.segment.flight;
-  const bool stays = in_contact(ball.segment);
-  Tick until = std::min(end_, ball.mode_end);
-  for (Tick start = from; start <= until;) {
+  std::array<std::uint32_t, 3> stays{k_none, k_none, k_none};
+  if (in_contact(ball.segment)) std::ranges::copy(ball.all_supports(), stays.begin());
+  std::uint32_t asked = ball.last_feature;
+  if (std::ranges::find(stays, asked) != stays.end()) asked = k_none;
+  const Tick until = std::min(end_, ball.mode_end);
+  Window window{.start = from, .stop = until, .centre = {}};
+  for (; window.start <= until; window.start = window.stop + 1) {
     // As far as what is near the start is all that is near.
-    const MovingPoint centre = centre_at(flight, start);
+    window.centre = centre_at(flight, window.start);
+    const MovingPoint& centre = window.centre;
     const NearFeatures::Cell cell = near_->cell_at(centre.position_m);
     double stay_s = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
@@ -96,49 +233,90 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
           stay_s, stays_s(centre.position_m[i], centre.velocity_mps[i], centre.acceleration_mps2[i],
                           cell.low_m[axis], cell.high_m[axis]));
     }
-    Tick stop = until;
-    if (stay_s < seconds(until - start))
-      stop = std::min(until, start + std::max<TickCount>(1, ticks_before(stay_s)));
-    const double span_s = seconds(stop - start);
-    TouchBox path;
-    for (int i = 0; i < 3; ++i) {
-      const Extent extent = extent_of(centre.position_m[i], centre.velocity_mps[i],
-                                      centre.acceleration_mps2[i], 0, span_s);
-      const auto axis = static_cast<std::size_t>(i);
-      path.low_m[axis] = detail::float_below(extent.low - k_pad_m);
-      path.high_m[axis] = detail::float_above(extent.high + k_pad_m);
-    }
-    const auto ask = [&](std::uint32_t feature) {
-      if (!overlaps(path, near_->touch_box(feature))) return;
-      // What it stays on it doesn't meet before its mode event.
-      if (stays && std::ranges::find(ball.all_supports(), feature) != ball.all_supports().end())
-        return;
-      const Tick tick = first_touch(index, feature, start, stop);
-      if (tick > stop || (tick == ball.static_tick && feature > ball.static_feature)) return;
-      ball.static_tick = stop = tick;
+    window.stop = until;
+    if (stay_s < seconds(until - window.start))
+      window.stop = std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s)));
+    window.make_box();
+    const auto met = [&](std::uint32_t feature, Tick tick) {
+      if (tick > window.stop || (tick == ball.static_tick && feature > ball.static_feature)) return;
+      ball.static_tick = window.stop = tick;
       ball.static_feature = feature;
     };
-    for (const std::uint32_t feature : near_->strays())
-      ask(feature);
-    for (const std::uint32_t feature : cell.features)
-      ask(feature);
+    // What it stays on it doesn't meet before its mode event.
+    const auto stays_on = [&](std::uint32_t feature) {
+      return feature == stays[0] || feature == stays[1] || feature == stays[2];
+    };
+    const auto is_done = [&](std::uint32_t feature) {
+      return stays_on(feature) || (feature == asked && window.start == from);
+    };
+    // What it has just left is often what it meets next, and then the rest is too far away.
+    if (window.start == from && asked != k_none) {
+      const SphereFeature& last = statics_->feature(asked);
+      met(asked, last.kind == FeatureKind::face ? first_touch_of_face(flight, last, window)
+                                                : first_touch_of_corner(flight, last, window));
+      if (ball.static_feature != k_none) window.make_box();
+    }
+    const auto ask = [&](std::uint32_t face) {
+      if (!overlaps(window.box, near_->touch_box(face)) || is_done(face)) return;
+      met(face, first_touch_of_face(flight, statics_->feature(face), window));
+    };
+    for (const std::uint32_t face : near_->everywhere())
+      ask(face);
+    for (const std::uint32_t face : cell.faces)
+      ask(face);
+    // The path is mostly shorter by now.
+    if (ball.static_feature != k_none) window.make_box();
+    for (const std::uint32_t corner : cell.corners) {
+      if (!overlaps(window.box, near_->touch_box(corner)) || is_done(corner)) continue;
+      met(corner, first_touch_of_corner(flight, statics_->feature(corner), window));
+    }
     if (ball.static_feature != k_none) return;
-    start = stop + 1;
   }
 }
 
-Tick Marbles::first_touch(std::uint32_t index, std::uint32_t feature_index, Tick from,
-                          Tick until) const {
-  const FreeFlight& flight = balls_[index].segment.flight;
-  const SphereFeature& feature = statics_->feature(feature_index);
-  const std::span<const RegionSide> sides = statics_->sides(feature);
-  if (keeps_clear(feature, sides, centre_at(flight, from), radius_m_, seconds(until + 1 - from)))
-    return k_never;
-  for (Tick tick = from; tick <= until;) {
-    const Examined examined =
-        examine(feature, sides, centre_at(flight, tick), radius_m_, k_touch_m, tick);
-    if (examined.collides) return tick;
-    tick = examined.next;
+Tick Marbles::first_touch_of_face(const FreeFlight& flight, const SphereFeature& face,
+                                  const Window& window) const {
+  // The gap is a parabola: when it is small enough, and shrinks, at the earliest. Some rounding
+  // more counts as a touch.
+  const MovingPoint& centre = window.centre;
+  const Vec3& normal = face.direction;
+  const double size_m = window.size_m + size_of_point(face);
+  const double excess_m = math::dot(normal, centre.position_m - face.point_m) - radius_m_ -
+                          (k_touch_m + k_rounding_ulps * size_m);
+  const double rate_mps = math::dot(normal, centre.velocity_mps);
+  const double pull_mps2 = math::dot(normal, centre.acceleration_mps2);
+  double not_before_s = 0;
+  if (rate_mps >= -k_approach_mps) {
+    if (pull_mps2 >= 0) return k_never;
+    not_before_s = std::max(0.0, rate_mps) / -pull_mps2;
+  }
+  double after_s = falls_after_s(excess_m, rate_mps, pull_mps2, not_before_s);
+  after_s *= k_shrink;
+  if (!(after_s <= seconds(window.stop - window.start))) return k_never;
+  const std::span<const RegionSide> sides = statics_->sides(face);
+  for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop;) {
+    const MovingPoint now = centre_at(flight, tick);
+    if (face_collides(face, sides, now, radius_m_)) return tick;
+    tick = examine(face, sides, now, radius_m_, k_touch_m, tick).next;
+  }
+  return k_never;
+}
+
+Tick Marbles::first_touch_of_corner(const FreeFlight& flight, const SphereFeature& corner,
+                                    const Window& window) const {
+  const std::span<const RegionSide> sides = statics_->sides(corner);
+  if (stays_outside(sides, window.centre, seconds(window.stop + 1 - window.start))) return k_never;
+  const double size_m = window.size_m + size_of_point(corner);
+  const double short_s = 0x1p-6 * seconds(window.stop - window.start);
+  for (Tick tick = window.start; tick <= window.stop;) {
+    const MovingPoint centre = centre_at(flight, tick);
+    // Which side it is outside of needn't be known where it is far away.
+    double failing_s = corner_fails_for_s(corner, centre, radius_m_, size_m);
+    if (failing_s < short_s)
+      failing_s = std::max(failing_s, k_shrink * outside_for_s(sides, centre));
+    if (failing_s == 0) return tick;
+    if (!(failing_s <= seconds(window.stop - tick))) return k_never;
+    tick = tick + std::max<TickCount>(1, ticks_after(failing_s));
   }
   return k_never;
 }

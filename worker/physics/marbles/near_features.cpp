@@ -1,9 +1,5 @@
 #include "worker/physics/marbles/near_features.h"
 
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,10 +14,8 @@ constexpr float k_infinity = std::numeric_limits<float>::infinity();
 /// wider margins let a path stay longer. Speed only.
 constexpr double k_cell_radii = 0.5;
 constexpr double k_margin_radii = 0.4;
-/// Touch boxes may grow by this before they are strays.
+/// What outgrows its home gets one that is so much larger than need be on each side.
 constexpr double k_growth_radii = 0.15;
-/// When there are more strays than this, lists are made anew.
-constexpr std::size_t k_strays_max = 8;
 /// More cells than this are made larger.
 constexpr double k_cells_max = 1 << 16;
 /// Far more than rounding of what collisions are judged by.
@@ -99,22 +93,36 @@ bool holds(const TouchBox& outer, const TouchBox& inner) {
 
 }  // namespace
 
-bool overlaps(const TouchBox& a, const TouchBox& b) {
-#ifdef __SSE2__
-  const __m128 from_a = _mm_cmple_ps(_mm_load_ps(a.low_m.data()), _mm_load_ps(b.high_m.data()));
-  const __m128 from_b = _mm_cmple_ps(_mm_load_ps(b.low_m.data()), _mm_load_ps(a.high_m.data()));
-  return _mm_movemask_ps(_mm_and_ps(from_a, from_b)) == 15;
-#else
-  bool all = true;
-  for (std::size_t i = 0; i < 3; ++i)
-    all = all && a.low_m[i] <= b.high_m[i] && b.low_m[i] <= a.high_m[i];
-  return all;
-#endif
-}
-
 NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
     : statics_(statics), radius_m_(radius_m) {
-  make_lists();
+  const std::uint32_t count = statics_.feature_count();
+  homes_.assign(count, k_nowhere);
+  TouchBox all = k_nowhere;
+  for (std::uint32_t f = 0; f < count; ++f) {
+    touch_boxes_.push_back(touch_box_of(f));
+    if (f < statics_.plane_count()) everywhere_.push_back(f);
+    for (std::size_t i = 0; i < 3 && f >= statics_.plane_count(); ++i) {
+      all.low_m[i] = std::min(all.low_m[i], touch_boxes_[f].low_m[i]);
+      all.high_m[i] = std::max(all.high_m[i], touch_boxes_[f].high_m[i]);
+    }
+  }
+  cell_m_ = k_cell_radii * radius_m_;
+  if (all.low_m[0] <= all.high_m[0]) {
+    const auto cells = [&](std::size_t i) {
+      return std::max(1.0, std::ceil((double{all.high_m[i]} - double{all.low_m[i]}) / cell_m_));
+    };
+    while (cells(0) * cells(1) * cells(2) > k_cells_max)
+      cell_m_ *= 1.25;
+    for (std::size_t i = 0; i < 3; ++i) {
+      origin_m_[i] = double{all.low_m[i]};
+      counts_[i] = static_cast<std::uint32_t>(cells(i));
+    }
+  }
+  margin_m_ = k_margin_radii / k_cell_radii * cell_m_;
+  lists_.resize(std::size_t{counts_[0]} * counts_[1] * counts_[2]);
+  for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
+    if (!statics_.is_absent(f)) grow_home(f);
+  }
 }
 
 TouchBox NearFeatures::touch_box_of(std::uint32_t index) const {
@@ -156,95 +164,51 @@ TouchBox NearFeatures::touch_box_of(std::uint32_t index) const {
   return box;
 }
 
-template <class Visit>
-void NearFeatures::for_each_cell(const TouchBox& box, const Visit& visit) const {
-  std::array<std::uint32_t, 3> from{};
-  std::array<std::uint32_t, 3> to{};
+NearFeatures::Range NearFeatures::cells_of(const TouchBox& box) const {
+  Range range;
+  if (!(box.low_m[0] <= box.high_m[0])) return range;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto place = [&](double x) {
       return static_cast<std::uint32_t>(
           std::clamp(std::floor((x - origin_m_[i]) / cell_m_), 0.0, counts_[i] - 1.0));
     };
     // Some more than the margin: which cell a centre is in is a matter of rounding.
-    from[i] = place(double{box.low_m[i]} - 1.01 * margin_m_);
-    to[i] = place(double{box.high_m[i]} + 1.01 * margin_m_);
+    range.from[i] = place(double{box.low_m[i]} - 1.01 * margin_m_);
+    range.to[i] = place(double{box.high_m[i]} + 1.01 * margin_m_) + 1;
   }
-  for (std::uint32_t z = from[2]; z <= to[2]; ++z) {
-    for (std::uint32_t y = from[1]; y <= to[1]; ++y) {
-      for (std::uint32_t x = from[0]; x <= to[0]; ++x)
-        visit((std::size_t{z} * counts_[1] + y) * counts_[0] + x);
-    }
-  }
+  return range;
 }
 
-void NearFeatures::make_lists() {
-  const std::uint32_t count = statics_.feature_count();
-  touch_boxes_.resize(count);
-  homes_.resize(count, k_nowhere);
-  strays_.clear();
-  is_stray_.assign(count, 0);
-  TouchBox all = k_nowhere;
-  for (std::uint32_t f = 0; f < count; ++f) {
-    touch_boxes_[f] = touch_box_of(f);
-    if (f < statics_.plane_count()) {
-      strays_.push_back(f);
-      is_stray_[f] = 1;
-      continue;
-    }
-    // What has been met keeps the room that it had: so a few times of this are enough for all that
-    // vertices ever do.
-    const double growth_m = k_growth_radii * radius_m_;
-    const bool outgrown = !statics_.is_absent(f) && !holds(homes_[f], touch_boxes_[f]);
-    for (std::size_t i = 0; i < 3 && outgrown; ++i) {
-      homes_[f].low_m[i] =
-          std::min(homes_[f].low_m[i], padded_below(touch_boxes_[f].low_m[i], growth_m));
-      homes_[f].high_m[i] =
-          std::max(homes_[f].high_m[i], padded_above(touch_boxes_[f].high_m[i], growth_m));
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      all.low_m[i] = std::min(all.low_m[i], homes_[f].low_m[i]);
-      all.high_m[i] = std::max(all.high_m[i], homes_[f].high_m[i]);
+/// Makes a feature's home larger, so that it holds its touch box, and puts it in the lists that it
+/// wasn't in before.
+void NearFeatures::grow_home(std::uint32_t feature) {
+  const TouchBox& box = touch_boxes_[feature];
+  TouchBox& home = homes_[feature];
+  const Range before = cells_of(home);
+  const double growth_m = k_growth_radii * radius_m_;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (box.low_m[i] < home.low_m[i]) home.low_m[i] = padded_below(box.low_m[i], growth_m);
+    if (box.high_m[i] > home.high_m[i]) home.high_m[i] = padded_above(box.high_m[i], growth_m);
+  }
+  const Range now = cells_of(home);
+  const bool is_face = statics_.feature(feature).kind == FeatureKind::face;
+  for (std::uint32_t z = now.from[2]; z < now.to[2]; ++z) {
+    for (std::uint32_t y = now.from[1]; y < now.to[1]; ++y) {
+      for (std::uint32_t x = now.from[0]; x < now.to[0]; ++x) {
+        if (before.holds(x, y, z)) continue;
+        List& lists = lists_[list_of(x, y, z)];
+        std::vector<std::uint32_t>& list = is_face ? lists.faces : lists.corners;
+        list.insert(std::upper_bound(list.begin(), list.end(), feature), feature);
+      }
     }
   }
-  cell_m_ = k_cell_radii * radius_m_;
-  counts_ = {1, 1, 1};
-  if (all.low_m[0] <= all.high_m[0]) {
-    const auto cells = [&](std::size_t i) {
-      return std::max(1.0, std::ceil((double{all.high_m[i]} - double{all.low_m[i]}) / cell_m_));
-    };
-    while (cells(0) * cells(1) * cells(2) > k_cells_max)
-      cell_m_ *= 1.25;
-    for (std::size_t i = 0; i < 3; ++i) {
-      origin_m_[i] = double{all.low_m[i]};
-      counts_[i] = static_cast<std::uint32_t>(cells(i));
-    }
-  }
-  margin_m_ = k_margin_radii / k_cell_radii * cell_m_;
-  // Each list's length, then the lists.
-  first_.assign(std::size_t{counts_[0]} * counts_[1] * counts_[2] + 1, 0);
-  const auto each = [&](const auto& visit) {
-    for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
-      if (homes_[f].low_m[0] <= homes_[f].high_m[0])
-        for_each_cell(homes_[f], [&](std::size_t c) { visit(c, f); });
-    }
-  };
-  each([&](std::size_t cell, std::uint32_t) { ++first_[cell + 1]; });
-  for (std::size_t c = 1; c < first_.size(); ++c)
-    first_[c] += first_[c - 1];
-  members_.resize(first_.back());
-  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  each([&](std::size_t cell, std::uint32_t f) { members_[next[cell]++] = f; });
 }
 
 void NearFeatures::refresh() {
   for (const std::uint32_t f : statics_.refreshed()) {
     touch_boxes_[f] = touch_box_of(f);
-    if (is_stray_[f] != 0 || holds(homes_[f], touch_boxes_[f])) continue;
-    if (statics_.is_absent(f)) continue;
-    is_stray_[f] = 1;
-    strays_.insert(std::upper_bound(strays_.begin(), strays_.end(), f), f);
+    if (!statics_.is_absent(f) && !holds(homes_[f], touch_boxes_[f])) grow_home(f);
   }
-  if (strays_.size() > statics_.plane_count() + k_strays_max) make_lists();
 }
 
 NearFeatures::Cell NearFeatures::cell_at(const Vec3& centre_m) const {
@@ -260,8 +224,9 @@ NearFeatures::Cell NearFeatures::cell_at(const Vec3& centre_m) const {
     cell.high_m[i] =
         at[i] + 1 == counts_[i] ? k_far : origin_m_[i] + (whole + 1) * cell_m_ + margin_m_;
   }
-  const std::size_t index = (std::size_t{at[2]} * counts_[1] + at[1]) * counts_[0] + at[0];
-  cell.features = std::span(members_).subspan(first_[index], first_[index + 1] - first_[index]);
+  const List& lists = lists_[list_of(at[0], at[1], at[2])];
+  cell.faces = lists.faces;
+  cell.corners = lists.corners;
   return cell;
 }
 

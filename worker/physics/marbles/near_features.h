@@ -6,15 +6,19 @@
 // what has a touch box that the path's box overlaps: four numbers at a time.
 //
 // Vertices that move change touch boxes, which are made anew, and not lists: these are made for
-// touch boxes that are larger by some slack. A feature whose touch box outgrows that is a stray and
-// belongs to all cells.
+// homes, which hold touch boxes and some slack. A home only grows, when a touch box outgrows it; so
+// after a few moves of all vertices hardly any list changes.
 //
 // Invariants
 //   1. A ball whose centre is outside of a feature's touch box does not collide with it, rounding
 //      included.
-//   2. A list ascends, and holds every feature whose touch box overlaps the cell's reach.
+//   2. A list ascends, and holds every feature whose home overlaps the cell's reach.
 // Thread safety: const functions may run at once.
 #pragma once
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include <array>
 #include <cstdint>
@@ -33,8 +37,19 @@ struct alignas(32) TouchBox {
   std::array<float, 4> high_m{};
 };
 
-/// Whether two boxes overlap.
-bool overlaps(const TouchBox& a, const TouchBox& b);
+/// Whether two boxes overlap. Inline, since it is asked of all that is near a path.
+inline bool overlaps(const TouchBox& a, const TouchBox& b) {
+#ifdef __SSE2__
+  const __m128 from_a = _mm_cmple_ps(_mm_load_ps(a.low_m.data()), _mm_load_ps(b.high_m.data()));
+  const __m128 from_b = _mm_cmple_ps(_mm_load_ps(b.low_m.data()), _mm_load_ps(a.high_m.data()));
+  return _mm_movemask_ps(_mm_and_ps(from_a, from_b)) == 15;
+#else
+  bool all = true;
+  for (std::size_t i = 0; i < 3; ++i)
+    all = all && a.low_m[i] <= b.high_m[i] && b.low_m[i] <= a.high_m[i];
+  return all;
+#endif
+}
 
 class NearFeatures {
  public:
@@ -49,32 +64,45 @@ class NearFeatures {
   struct Cell {
     std::array<double, 3> low_m;   ///< of its reach: the cell, and some margin on each side
     std::array<double, 3> high_m;  ///< infinite where no cell is beyond
-    std::span<const std::uint32_t> features;
+    std::span<const std::uint32_t> faces;
+    std::span<const std::uint32_t> corners;  ///< edges and vertices
   };
   Cell cell_at(const Vec3& centre_m) const;
-  /// Those that belong to all cells.
-  std::span<const std::uint32_t> strays() const { return strays_; }
+  /// Faces that belong to all cells: planes.
+  std::span<const std::uint32_t> everywhere() const { return everywhere_; }
   const TouchBox& touch_box(std::uint32_t feature) const { return touch_boxes_[feature]; }
 
  private:
   TouchBox touch_box_of(std::uint32_t feature) const;
-  void make_lists();
-  template <class Visit>
-  void for_each_cell(const TouchBox& box, const Visit& visit) const;
+  void grow_home(std::uint32_t feature);
+  /// Cells from the first up to, and without, the last of each axis.
+  struct Range {
+    std::array<std::uint32_t, 3> from{};
+    std::array<std::uint32_t, 3> to{};
+    bool holds(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+      return x >= from[0] && x < to[0] && y >= from[1] && y < to[1] && z >= from[2] && z < to[2];
+    }
+  };
+  Range cells_of(const TouchBox& box) const;
+  std::size_t list_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    return (std::size_t{z} * counts_[1] + y) * counts_[0] + x;
+  }
 
   const StaticGeometry& statics_;
   double radius_m_;
   std::vector<TouchBox> touch_boxes_;
-  std::vector<TouchBox> homes_;  ///< of which lists were made
-  std::vector<std::uint32_t> strays_;
-  std::vector<std::uint8_t> is_stray_;
+  std::vector<TouchBox> homes_;  ///< for which lists were made
+  std::vector<std::uint32_t> everywhere_;
   // Cells, x fastest.
   std::array<double, 3> origin_m_{};
   std::array<std::uint32_t, 3> counts_{1, 1, 1};
   double cell_m_ = 1;
   double margin_m_ = 0;
-  std::vector<std::uint32_t> first_;  ///< of each cell's list in members_
-  std::vector<std::uint32_t> members_;
+  struct List {
+    std::vector<std::uint32_t> faces;
+    std::vector<std::uint32_t> corners;
+  };
+  std::vector<List> lists_;
 };
 
 }  // namespace sleight::physics
