@@ -111,18 +111,20 @@ void expect_all_alike(const Pattern& pattern, std::uint64_t states) {
   }
 }
 
-// Goal: the world's engine gives the simulator's places, twists and modes bit for bit, whether or
-// not it leaves trapped balls alone, and the world's outcome, its end included, is a function of
-// these. Method: random states on grids of all sizes, on geometry that is kept and moved, against
-// simulations with new geometry that leave nothing out.
 TEST(SpellingMarbles, EqualASimulation) {
+  // Goal: the world's engine gives the simulator's places, twists and modes bit for bit, whether or
+  // not it leaves trapped balls alone, and the world's outcome, its end included, is a function of
+  // these. Method: random states, on geometry that is kept and moved, against simulations with new
+  // geometry that leave nothing out.
   expect_all_alike(hi(), state_count());
 }
 TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
+  // Goal: the same where every bin is at a wall. Method: the same.
   expect_all_alike(pattern_of(1, 2), state_count());
   expect_all_alike(pattern_of(3, 3), state_count() / 3);
 }
 TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
+  // Goal: the same with many balls, ACM's grid. Method: the same.
   expect_all_alike(pattern_of(15, 7), state_count() / 50);
 }
 
