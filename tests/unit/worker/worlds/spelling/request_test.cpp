@@ -101,6 +101,11 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
   EXPECT_NE(complaint("ball_diameter_mm = 20").find("at most 19.99"), std::string::npos);
   EXPECT_NE(complaint("drop_height_mm = 12").find("at least 13"), std::string::npos);
   EXPECT_NE(complaint("partition_height_mm = 8").find("must be above 8."), std::string::npos);
+  EXPECT_NE(complaint("bin_mm = 1000\npartition_mm = 0.5\nvertex_sd_mm = 0.01")
+                .find("must be at least 1, a thousandth"),
+            std::string::npos);
+  EXPECT_NE(complaint("dome_mm = 12.5").find("must be at most 12: partition_height_mm"),
+            std::string::npos);
   EXPECT_NE(complaint("vertex_sd_mm = 0.5").find("at most 0.2"), std::string::npos);
   EXPECT_EQ(complaint("partition_mm = 0.3\nvertex_sd_mm = 0.03"), "");
   EXPECT_NE(complaint("[sampler]\nchange_all = 0.5").find("add up to 1.46"), std::string::npos);

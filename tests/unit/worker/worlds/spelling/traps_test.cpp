@@ -57,6 +57,15 @@ bool box_holds(const physics::Box& box, const Vec3& centre_m) {
   return true;
 }
 
+TEST(Traps, AWallThatIsLowerThanThePartitionsLetsBallsOut) {
+  // Goal: what bounds a bin is the lowest of all around it. Method: the same ball in boxes with
+  // walls of both heights.
+  OneBall ball;
+  EXPECT_TRUE(ball.place());
+  ball.world.box_height_m = 0.006;
+  EXPECT_FALSE(ball.place());
+}
+
 TEST(Traps, ABallAtRestInABinIsTrappedThere) {
   // Goal: the bin is the one that it is in, and the box holds it. Method: a ball on the floor of
   // each bin, in the middle and in a corner.
