@@ -95,6 +95,9 @@ class Marbles {
     std::uint32_t leaves = k_none;  ///< the one whose region its centre leaves at mode_end, if any
     Tick mode_end = k_never;
     Tick met_body{-k_tick_max.value};  ///< when it last collided with another ball
+    enum class Stance : std::uint8_t { unknown, stands, moves };
+    Stance stance = Stance::unknown;  ///< on its supports, where it was when it was last asked for
+    Tick stance_tick{};
     // What it does next.
     Tick static_tick = k_never;
     std::uint32_t static_feature = k_none;

@@ -37,6 +37,7 @@ void Marbles::begin_segment(std::uint32_t index, const Segment& segment) {
   Ball& ball = balls_[index];
   ball.segment = segment;
   ball.support_count = 0;
+  ball.stance = Ball::Stance::unknown;
   ball.mode_end = k_never;
   changed_.push_back(index);
 }
@@ -296,7 +297,7 @@ void Marbles::change_mode(std::uint32_t index, Tick tick) {
 std::size_t Marbles::rest(std::uint32_t index, Tick tick) {
   changed_.clear();
   const auto present = [&](std::uint32_t member) {
-    const Ball& ball = balls_[member];
+    Ball& ball = balls_[member];
     Resting::Present state{.speed_mps = fastest_point_mps(radius_m_, twist_at(member, tick)),
                            .weight_n = inertia_.mass_kg * scene_->gravity_mps2,
                            .reach_m = radius_m_,
@@ -314,7 +315,18 @@ std::size_t Marbles::rest(std::uint32_t index, Tick tick) {
                                       .normal = contacts[i].normal,
                                       .arm_m = -radius_m_ * contacts[i].normal});
     }
-    if (stands_on(round_, std::span(contacts).first(ball.support_count), scene_->gravity_mps2)) {
+    // How it would move from rest hangs on the normals alone, and those of faces stay as they are.
+    const bool same = ball.stance_tick == tick ||
+                      std::ranges::all_of(ball.all_supports(), [&](std::uint32_t feature) {
+                        return statics_->feature(feature).kind == FeatureKind::face;
+                      });
+    if (ball.stance == Ball::Stance::unknown || !same) {
+      ball.stance_tick = tick;
+      const bool stands =
+          stands_on(round_, std::span(contacts).first(ball.support_count), scene_->gravity_mps2);
+      ball.stance = stands ? Ball::Stance::stands : Ball::Stance::moves;
+    }
+    if (ball.stance == Ball::Stance::stands) {
       state.stance = Resting::Stance::holds;
     } else if (resting_.touched_only(member, tick, ball.all_supports())) {
       state.stance = Resting::Stance::slides;

@@ -14,7 +14,7 @@ constexpr double k_pad_m = 2e-6;
 
 /// A path's box is looked at in halves of halves, so many times, before it is taken to come near
 /// another one.
-constexpr int k_halvings = 4;
+constexpr int k_halvings = 6;
 
 constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 
@@ -160,6 +160,19 @@ MovingPoint centre_at(const FreeFlight& flight, Tick tick) {
           .acceleration_mps2 = flight.acceleration_mps2};
 }
 
+/// Whether two balls certainly don't touch for a while: their distance is at least that from a
+/// plane at right angles to the way between them.
+bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double span_s) {
+  const Vec3 between_m = b.position_m - a.position_m;
+  const double square = math::dot(between_m, between_m);
+  const double comes = std::min(0.0, math::dot(between_m, b.velocity_mps - a.velocity_mps));
+  const double falls =
+      std::min(0.0, math::dot(between_m, b.acceleration_mps2 - a.acceleration_mps2));
+  const double left = square + comes * span_s + 0.5 * falls * span_s * span_s;
+  const double reach_m = radii_m + (k_touch_m + k_clear_margin_m);
+  return left > 0 && left * left > reach_m * reach_m * square;
+}
+
 /// One look at a pair that may be refractory: examine(touch) judges the tick.
 template <class Examine>
 Examined examined_at(Tick tick, const Refractory& refractory, const Examine& examine) {
@@ -296,6 +309,7 @@ Tick Marbles::first_touch_of_face(const FreeFlight& flight, const SphereFeature&
   const std::span<const RegionSide> sides = statics_->sides(face);
   for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop;) {
     const MovingPoint now = centre_at(flight, tick);
+    if (stays_outside(sides, now, seconds(window.stop + 1 - tick))) return k_never;
     if (face_collides(face, sides, now, radius_m_)) return tick;
     tick = examine(face, sides, now, radius_m_, k_touch_m, tick).next;
   }
@@ -304,11 +318,16 @@ Tick Marbles::first_touch_of_face(const FreeFlight& flight, const SphereFeature&
 
 Tick Marbles::first_touch_of_corner(const FreeFlight& flight, const SphereFeature& corner,
                                     const Window& window) const {
-  const std::span<const RegionSide> sides = statics_->sides(corner);
-  if (stays_outside(sides, window.centre, seconds(window.stop + 1 - window.start))) return k_never;
   const double size_m = window.size_m + size_of_point(corner);
-  const double short_s = 0x1p-6 * seconds(window.stop - window.start);
-  for (Tick tick = window.start; tick <= window.stop;) {
+  const double span_s = seconds(window.stop - window.start);
+  // Mostly it is too far away, or the centre isn't where it can touch it.
+  const double first_s = corner_fails_for_s(corner, window.centre, radius_m_, size_m);
+  if (first_s > span_s) return k_never;
+  const std::span<const RegionSide> sides = statics_->sides(corner);
+  if (stays_outside(sides, window.centre, span_s + k_seconds_per_tick)) return k_never;
+  const double short_s = 0x1p-6 * span_s;
+  const Tick from = first_s > short_s ? window.start + ticks_after(first_s) : window.start;
+  for (Tick tick = from; tick <= window.stop;) {
     const MovingPoint centre = centre_at(flight, tick);
     // Which side it is outside of needn't be known where it is far away.
     double failing_s = corner_fails_for_s(corner, centre, radius_m_, size_m);
@@ -414,7 +433,11 @@ Tick Marbles::predict_pair(std::uint32_t a, std::uint32_t b) const {
   // Beyond the next change of either nobody asks.
   const auto next = [&](const Ball& ball) { return std::min(ball.static_tick, ball.mode_end); };
   const Tick until = std::min({end_, next(balls_[a]), next(balls_[b])});
-  for (Tick tick = std::max(now_, begin); tick <= until;) {
+  const Tick from = std::max(now_, begin);
+  if (from <= until &&
+      stay_apart(centre_at(first, from), centre_at(second, from), radii_m, seconds(until - from)))
+    return k_never;
+  for (Tick tick = from; tick <= until;) {
     const MovingPoint p = centre_at(first, tick);
     const MovingPoint q = centre_at(second, tick);
     const MovingPoint relative{.position_m = q.position_m - p.position_m,

@@ -13,7 +13,7 @@ constexpr float k_infinity = std::numeric_limits<float>::infinity();
 /// Cells and the margins about them, as parts of a ball's radius: smaller cells have shorter lists,
 /// wider margins let a path stay longer. Speed only.
 constexpr double k_cell_radii = 0.5;
-constexpr double k_margin_radii = 0.4;
+constexpr double k_margin_radii = 0.25;
 /// What outgrows its home gets one that is so much larger than need be on each side.
 constexpr double k_growth_radii = 0.15;
 /// More cells than this are made larger.
@@ -33,55 +33,74 @@ float padded_above(double x, double pad) {
   return static_cast<float>(x + (pad + std::fabs(x) * 0x1p-20));
 }
 
-/// Of unit vectors from a feature to a centre in its region: greatest component each way.
+/// Of unit vectors from a feature to a centre in its region: greatest component each way. As
+/// floats: touch boxes are wider than that by far.
 struct Spread {
-  std::array<double, 3> low{-1, -1, -1};
-  std::array<double, 3> high{1, 1, 1};
+  std::array<float, 3> low{};
+  std::array<float, 3> high{};
 };
+
+struct Direction {
+  float x, y, z;
+  explicit Direction(const Vec3& v)
+      : x(static_cast<float>(v.x())), y(static_cast<float>(v.y())), z(static_cast<float>(v.z())) {}
+  Direction(float x_of, float y_of, float z_of) : x(x_of), y(y_of), z(z_of) {}
+};
+Direction cross(const Direction& a, const Direction& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+float dot(const Direction& a, const Direction& b) {
+  return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+
+/// How far what is at right angles to a unit vector goes along an axis of which that has a part.
+float across(float part) {
+  return std::sqrt(std::max(0.0F, 1 - part * part));
+}
 
 /// From an edge: all at right angles to it, between its two faces if it has two.
 Spread spread_of_edge(const SphereFeature& edge, std::span<const RegionSide> sides) {
-  // Signs of components are taken for those of what is nearly 0 both ways.
-  constexpr double k_nearly = 1e-9;
-  Spread spread;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double along = edge.direction[static_cast<int>(i)];
-    const double amplitude = std::sqrt(std::max(0.0, 1 - along * along));
-    spread.low[i] = -amplitude;
-    spread.high[i] = amplitude;
-  }
+  const Direction along(edge.direction);
+  Spread spread{.low = {-across(along.x), -across(along.y), -across(along.z)},
+                .high = {across(along.x), across(along.y), across(along.z)}};
   if (sides.size() != 4) return spread;
-  // The region ends at rays at right angles to the sides' normals.
-  const Vec3& first = sides[2].space.normal;
-  const Vec3& second = sides[3].space.normal;
-  Vec3 ray_a = math::cross(first, edge.direction);
-  if (math::dot(ray_a, second) < 0) ray_a = -ray_a;
-  Vec3 ray_b = math::cross(second, edge.direction);
-  if (math::dot(ray_b, first) < 0) ray_b = -ray_b;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto axis = static_cast<int>(i);
-    // The way along an axis that is at right angles to the edge lies in the region, or the border
-    // goes furthest.
-    if (first[axis] < -k_nearly || second[axis] < -k_nearly)
-      spread.high[i] = std::max(ray_a[axis], ray_b[axis]);
-    if (first[axis] > k_nearly || second[axis] > k_nearly)
-      spread.low[i] = std::min(ray_a[axis], ray_b[axis]);
-  }
+  // The region ends at rays at right angles to the sides' normals, on the side of the other one:
+  // unless the two are so much alike that which side that is can't be said.
+  const Direction first(sides[2].space.normal);
+  const Direction second(sides[3].space.normal);
+  const Direction ray_a = cross(first, along);
+  const Direction ray_b = cross(second, along);
+  const float side_a = dot(ray_a, second);
+  const float side_b = dot(ray_b, first);
+  constexpr float k_unclear = 1e-4F;
+  if (std::fabs(side_a) < k_unclear || std::fabs(side_b) < k_unclear) return spread;
+  const float sign_a = side_a < 0 ? -1.0F : 1.0F;
+  const float sign_b = side_b < 0 ? -1.0F : 1.0F;
+  // The way along an axis that is at right angles to the edge lies in the region, or the border
+  // goes furthest.
+  const auto limit = [&](std::size_t i, float normal_a, float normal_b, float a, float b) {
+    constexpr float k_nearly = 1e-5F;
+    if (std::min(normal_a, normal_b) < -k_nearly) spread.high[i] = std::max(a, b);
+    if (std::max(normal_a, normal_b) > k_nearly) spread.low[i] = std::min(a, b);
+  };
+  limit(0, first.x, second.x, sign_a * ray_a.x, sign_b * ray_b.x);
+  limit(1, first.y, second.y, sign_a * ray_a.y, sign_b * ray_b.y);
+  limit(2, first.z, second.z, sign_a * ray_a.z, sign_b * ray_b.z);
   return spread;
 }
 
 /// From a vertex: at an obtuse angle to each of its edges.
 Spread spread_of_vertex(std::span<const RegionSide> sides) {
-  Spread spread;
+  Direction most(0, 0, 0);
+  Direction least(0, 0, 0);
   for (const RegionSide& side : sides) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double inwards = side.space.normal[static_cast<int>(i)];
-      const double most = std::sqrt(std::max(0.0, 1 - inwards * inwards));
-      if (inwards < 0) spread.high[i] = std::min(spread.high[i], most);
-      if (inwards > 0) spread.low[i] = std::max(spread.low[i], -most);
-    }
+    const Direction inwards(side.space.normal);
+    most = {std::max(most.x, inwards.x), std::max(most.y, inwards.y), std::max(most.z, inwards.z)};
+    least = {std::min(least.x, inwards.x), std::min(least.y, inwards.y),
+             std::min(least.z, inwards.z)};
   }
-  return spread;
+  return {.low = {-across(most.x), -across(most.y), -across(most.z)},
+          .high = {across(least.x), across(least.y), across(least.z)}};
 }
 
 bool holds(const TouchBox& outer, const TouchBox& inner) {
@@ -118,6 +137,7 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
       counts_[i] = static_cast<std::uint32_t>(cells(i));
     }
   }
+  cells_per_m_ = 1 / cell_m_;
   margin_m_ = k_margin_radii / k_cell_radii * cell_m_;
   lists_.resize(std::size_t{counts_[0]} * counts_[1] * counts_[2]);
   for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
@@ -141,25 +161,22 @@ TouchBox NearFeatures::touch_box_of(std::uint32_t index) const {
   }
   if (statics_.is_absent(index)) return k_nowhere;
   Spread spread;
-  switch (feature.kind) {
-    case FeatureKind::face:
-      for (std::size_t i = 0; i < 3; ++i)
-        spread.low[i] = spread.high[i] = feature.direction[static_cast<int>(i)];
-      break;
-    case FeatureKind::edge:
-      spread = spread_of_edge(feature, statics_.sides(feature));
-      break;
-    case FeatureKind::vertex:
-      spread = spread_of_vertex(statics_.sides(feature));
-      break;
+  if (feature.kind == FeatureKind::face) {
+    const Direction normal(feature.direction);
+    spread.low = spread.high = {normal.x, normal.y, normal.z};
+  } else if (feature.kind == FeatureKind::edge) {
+    spread = spread_of_edge(feature, statics_.sides(feature));
+  } else {
+    spread = spread_of_vertex(statics_.sides(feature));
   }
   const Box& own = statics_.feature_box(index);
+  const auto reach = static_cast<float>(reach_m);
   TouchBox box;
   for (std::size_t i = 0; i < 3; ++i) {
-    box.low_m[i] =
-        padded_below(double{own.low_m[i]} + std::min(0.0, reach_m * spread.low[i]), k_pad_m);
-    box.high_m[i] =
-        padded_above(double{own.high_m[i]} + std::max(0.0, reach_m * spread.high[i]), k_pad_m);
+    const float pad = static_cast<float>(k_pad_m) +
+                      0x1p-18F * (std::fabs(own.low_m[i]) + std::fabs(own.high_m[i]) + reach);
+    box.low_m[i] = own.low_m[i] + std::min(0.0F, reach * spread.low[i]) - pad;
+    box.high_m[i] = own.high_m[i] + std::max(0.0F, reach * spread.high[i]) + pad;
   }
   return box;
 }
@@ -216,10 +233,11 @@ NearFeatures::Cell NearFeatures::cell_at(const Vec3& centre_m) const {
   Cell cell{};
   std::array<std::uint32_t, 3> at{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double place = (centre_m[static_cast<int>(i)] - origin_m_[i]) / cell_m_;
+    const double place = (centre_m[static_cast<int>(i)] - origin_m_[i]) * cells_per_m_;
     const double last = counts_[i] - 1.0;
-    const double whole = std::floor(place < 0 ? 0 : (place > last ? last : place));
-    at[i] = static_cast<std::uint32_t>(whole);
+    const auto number = static_cast<std::int32_t>(place < 0 ? 0 : (place > last ? last : place));
+    const double whole = number;
+    at[i] = static_cast<std::uint32_t>(number);
     cell.low_m[i] = at[i] == 0 ? -k_far : origin_m_[i] + whole * cell_m_ - margin_m_;
     cell.high_m[i] =
         at[i] + 1 == counts_[i] ? k_far : origin_m_[i] + (whole + 1) * cell_m_ + margin_m_;

@@ -97,6 +97,7 @@ class NearFeatures {
   std::array<double, 3> origin_m_{};
   std::array<std::uint32_t, 3> counts_{1, 1, 1};
   double cell_m_ = 1;
+  double cells_per_m_ = 1;
   double margin_m_ = 0;
   struct List {
     std::vector<std::uint32_t> faces;

@@ -114,7 +114,11 @@ std::optional<MeshError> TriangleMesh::check_triangle(std::uint32_t triangle) co
   const Vec3& a = vertices_m_[corners[0]];
   const Vec3& b = vertices_m_[corners[1]];
   const Vec3& c = vertices_m_[corners[2]];
-  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+  // The root of the greatest square is the greatest root, to the bit.
+  const Vec3 ab = b - a;
+  const Vec3 bc = c - b;
+  const Vec3 ca = a - c;
+  const double longest = std::sqrt(std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)}));
   // Twice the area is the longest side times the height on it.
   if (!(norm(cross(b - a, c - a)) > k_mesh_sliver * (longest * longest)) || !(longest > 1e-60))
     return MeshError{.kind = Kind::degenerate_triangle, .triangle = triangle, .vertex = corners[0]};
@@ -150,12 +154,20 @@ void TriangleMesh::derive_face(std::uint32_t triangle) {
   const std::array<Vec3, 3> p{vertices_m_[corners[0]], vertices_m_[corners[1]],
                               vertices_m_[corners[2]]};
   MeshFace& face = faces_[triangle];
-  face.normal = math::normalized(cross(p[1] - p[0], p[2] - p[0]));
-  face.offset_m = dot(face.normal, p[0]);
-  for (std::size_t k = 0; k < 3; ++k) {
-    face.inward[k] = math::normalized(cross(face.normal, p[(k + 1) % 3] - p[k]));
-    face.inward_offset_m[k] = dot(face.inward[k], p[k]);
-  }
+  // As math::normalized does it, of what check_triangle has found to be long enough.
+  const Vec3 across = cross(p[1] - p[0], p[2] - p[0]);
+  const Vec3 normal = across / std::sqrt(dot(across, across));
+  face.normal = normal;
+  face.offset_m = dot(normal, p[0]);
+  const auto side = [&](std::size_t k, const Vec3& from, const Vec3& to) {
+    const Vec3 inwards = cross(normal, to - from);
+    const Vec3 unit = inwards / std::sqrt(dot(inwards, inwards));
+    face.inward[k] = unit;
+    face.inward_offset_m[k] = dot(unit, from);
+  };
+  side(0, p[0], p[1]);
+  side(1, p[1], p[2]);
+  side(2, p[2], p[0]);
 }
 
 void TriangleMesh::derive_edge(std::uint32_t index) {

@@ -118,13 +118,15 @@ TEST(SpellingMarbles, EqualASimulation) {
   // geometry that leave nothing out.
   expect_all_alike(hi(), state_count());
 }
+
 TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
   // Goal: the same where every bin is at a wall. Method: the same.
   expect_all_alike(pattern_of(1, 2), state_count());
   expect_all_alike(pattern_of(3, 3), state_count() / 3);
 }
+
 TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
-  // Goal: the same with many balls, ACM's grid. Method: the same.
+  // Goal: the same with many balls, on the grid of ACM. Method: the same.
   expect_all_alike(pattern_of(15, 7), state_count() / 50);
 }
 
