@@ -359,7 +359,17 @@ TouchBox Marbles::path_box_of(std::uint32_t index, Tick from, Tick to) const {
 
 bool Marbles::path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox& box,
                          int depth) const {
-  if (!overlaps(path_box_of(ball, from, to), box)) return false;
+  // Both boxes hold balls: their centres are further in, and touch at two radii.
+  const TouchBox path = path_box_of(ball, from, to);
+  double square = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double apart_m = std::max(double{path.low_m[i]} - double{box.high_m[i]},
+                                    double{box.low_m[i]} - double{path.high_m[i]}) +
+                           2 * radius_m_;
+    square += apart_m > 0 ? apart_m * apart_m : 0;
+  }
+  const double reach_m = 2 * (radius_m_ + k_pad_m);
+  if (square > reach_m * reach_m) return false;
   if (depth == k_halvings || to - from < 2) return true;
   const Tick middle = from + (to - from) / 2;
   return path_meets(ball, from, middle, box, depth + 1) ||
