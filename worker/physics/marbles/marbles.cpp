@@ -199,9 +199,7 @@ void Marbles::balls_changed() {
   for (const std::uint32_t ball : changed_) {
     balls_[ball].suspended = false;
     predict_static(ball, now_);
-    const Ball& own = balls_[ball];
-    boxes_[ball] = path_box_of(
-        ball, now_, is_resting(ball) ? now_ : std::min({own.static_tick, own.mode_end, end_}));
+    boxes_[ball] = path_box_of(ball, now_, next_of(ball));
   }
   for (const std::uint32_t ball : changed_) {
     if (!one && suspend(ball)) continue;

@@ -121,6 +121,11 @@ class Marbles {
   bool is_resting(std::uint32_t ball) const {
     return balls_[ball].segment.mode == MotionMode::resting;
   }
+  /// Up to when a ball's present motion goes on, other balls apart; of one at rest, the present.
+  Tick next_of(std::uint32_t ball) const {
+    const Ball& own = balls_[ball];
+    return is_resting(ball) ? now_ : std::min({own.static_tick, own.mode_end, end_});
+  }
   Twist twist_at(std::uint32_t ball, Tick tick) const;
   Vec3 place_at(std::uint32_t ball, Tick tick) const {
     return position_at(balls_[ball].segment.flight, tick);

@@ -14,7 +14,7 @@ constexpr double k_pad_m = 2e-6;
 
 /// A path's box is looked at in halves of halves, so many times, before it is taken to come near
 /// another one.
-constexpr int k_halvings = 6;
+constexpr int k_halvings = 5;
 
 constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 
@@ -387,8 +387,8 @@ void Marbles::predict_pairs(std::uint32_t index) {
   for (std::uint32_t other = 0; other < balls_.size(); ++other) {
     if (!overlaps(own, boxes_[other]) || other == index) continue;
     if (balls_[other].suspended) {
-      const Tick next = rests ? now_ : std::min({ball.static_tick, ball.mode_end, end_});
-      if (balls_[other].resumes || !path_meets(index, now_, next, boxes_[other], 0)) continue;
+      if (balls_[other].resumes || !path_meets(index, now_, next_of(index), boxes_[other], 0))
+        continue;
       balls_[other].resumes = true;
       to_resume_.push_back(other);
       continue;
@@ -441,8 +441,7 @@ Tick Marbles::predict_pair(std::uint32_t a, std::uint32_t b) const {
     return span >= k_tick_max.value ? k_never : begin + span;
   }
   // Beyond the next change of either nobody asks.
-  const auto next = [&](const Ball& ball) { return std::min(ball.static_tick, ball.mode_end); };
-  const Tick until = std::min({end_, next(balls_[a]), next(balls_[b])});
+  const Tick until = std::min(is_resting(a) ? end_ : next_of(a), is_resting(b) ? end_ : next_of(b));
   const Tick from = std::max(now_, begin);
   if (from <= until &&
       stay_apart(centre_at(first, from), centre_at(second, from), radii_m, seconds(until - from)))

@@ -46,7 +46,7 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
     box.high_m[axis] = static_cast<float>(middle_m[i] + half_m);
   }
   box.low_m[2] = static_cast<float>(-k_margin_m);
-  box.high_m[2] = static_cast<float>(reaches_m + radius_m);
+  box.high_m[2] = static_cast<float>(lowest_m + radius_m);
   return Place{.bin = *bin, .box = box};
 }
 
@@ -63,13 +63,18 @@ bool Traps::all_stay(std::span<const Ball> balls) const {
         if (bins_.bin_at(other.centre_m) == place->bin) return false;
         continue;
       }
+      // Its centre is more than two radii away from wherever the trapped one's may be.
       const double radius_m = 0.5 * world_.ball_diameter_m;
-      bool apart = false;
-      for (int axis = 0; axis < 2; ++axis) {
+      double square = 0;
+      for (int axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<std::size_t>(axis);
-        apart = apart || other.centre_m[axis] + radius_m < double{place->box.low_m[at]} ||
-                other.centre_m[axis] - radius_m > double{place->box.high_m[at]};
+        const double low_m = double{place->box.low_m[at]} + radius_m;
+        const double high_m = double{place->box.high_m[at]} - radius_m;
+        const double away_m =
+            std::max({0.0, low_m - other.centre_m[axis], other.centre_m[axis] - high_m});
+        square += away_m * away_m;
       }
+      const bool apart = square > 4 * radius_m * radius_m;
       if (!apart) return false;
     }
   }
