@@ -75,6 +75,7 @@ void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
   balls_.assign(count, {});
   boxes_.assign(count, nowhere());
   keys_.resize(count);
+  partners_.assign(count, k_none);
   for (std::uint32_t ball = 0; ball < count; ++ball) {
     keys_[ball] = {.tick = scene.bodies[ball].start_tick, .kind = EventKind::start, .lower = ball};
   }
@@ -206,7 +207,7 @@ void Marbles::balls_changed() {
     predict_pairs(ball);
     refresh_key(ball);
     for (std::uint32_t other = 0; other < balls_.size(); ++other) {
-      if (balls_[other].pair_other != ball || std::ranges::binary_search(changed_, other)) continue;
+      if (partners_[other] != ball || std::ranges::binary_search(changed_, other)) continue;
       predict_pairs(other);
       refresh_key(other);
     }
@@ -232,11 +233,11 @@ bool Marbles::suspend(std::uint32_t ball) {
   left.suspended = true;
   left.resumes = false;
   left.static_tick = left.pair_tick = k_never;
-  left.static_feature = left.pair_other = k_none;
+  left.static_feature = partners_[ball] = k_none;
   keys_[ball] = k_no_event;
   ++counts_.suspensions;
   for (std::uint32_t other = 0; other < balls_.size(); ++other) {
-    if (balls_[other].pair_other != ball) continue;
+    if (partners_[other] != ball) continue;
     predict_pairs(other);
     refresh_key(other);
   }
@@ -280,11 +281,12 @@ void Marbles::refresh_key(std::uint32_t index) {
            .kind = EventKind::collision,
            .lower = index,
            .higher = k_static | ball.static_feature});
-  if (ball.pair_other != k_none)
+  const std::uint32_t partner = partners_[index];
+  if (partner != k_none)
     offer({.tick = ball.pair_tick,
            .kind = EventKind::collision,
-           .lower = std::min(index, ball.pair_other),
-           .higher = std::max(index, ball.pair_other)});
+           .lower = std::min(index, partner),
+           .higher = std::max(index, partner)});
   if (ball.mode_end != k_never)
     offer({.tick = ball.mode_end, .kind = EventKind::mode, .lower = index});
   const Tick due = resting_.enabled() ? resting_.due(index) : k_never;

@@ -103,7 +103,6 @@ class Marbles {
     std::uint32_t static_feature = k_none;
     std::uint32_t last_feature = k_none;  ///< that it collided with
     Tick pair_tick = k_never;
-    std::uint32_t pair_other = k_none;
     // Collisions at one tick, and in a window.
     Tick at_tick{-1};
     std::uint32_t at_tick_count = 0;
@@ -193,8 +192,9 @@ class Marbles {
   bool contacts_last_ = false;
 
   std::vector<Ball> balls_;
-  std::vector<TouchBox> boxes_;  ///< of paths, or of confinements
-  std::vector<EventKey> keys_;   ///< of each ball's next event
+  std::vector<TouchBox> boxes_;          ///< of paths, or of confinements
+  std::vector<EventKey> keys_;           ///< of each ball's next event
+  std::vector<std::uint32_t> partners_;  ///< whom each ball meets next, if it does at pair_tick
   Resting resting_;
   RecentContacts recent_;
   std::vector<std::uint32_t> changed_;

@@ -269,8 +269,9 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
                                                 : first_touch_of_corner(flight, last, window));
       if (ball.static_feature != k_none) window.make_box();
     }
+    const std::span<const TouchBox> touch_boxes = near_->touch_boxes();
     const auto ask = [&](std::uint32_t face) {
-      if (!overlaps(window.box, near_->touch_box(face)) || is_done(face)) return;
+      if (!overlaps(window.box, touch_boxes[face]) || is_done(face)) return;
       met(face, first_touch_of_face(flight, statics_->feature(face), window));
     };
     for (const std::uint32_t face : near_->everywhere())
@@ -280,7 +281,7 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
     // The path is mostly shorter by now.
     if (ball.static_feature != k_none) window.make_box();
     for (const std::uint32_t corner : cell.corners) {
-      if (!overlaps(window.box, near_->touch_box(corner)) || is_done(corner)) continue;
+      if (!overlaps(window.box, touch_boxes[corner]) || is_done(corner)) continue;
       met(corner, first_touch_of_corner(flight, statics_->feature(corner), window));
     }
     if (ball.static_feature != k_none) return;
@@ -380,8 +381,9 @@ bool Marbles::path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox&
 /// that are left alone.
 void Marbles::predict_pairs(std::uint32_t index) {
   Ball& ball = balls_[index];
+  std::uint32_t& partner = partners_[index];
   ball.pair_tick = k_never;
-  ball.pair_other = k_none;
+  partner = k_none;
   const bool rests = is_resting(index);
   const TouchBox own = boxes_[index];
   for (std::uint32_t other = 0; other < balls_.size(); ++other) {
@@ -398,7 +400,7 @@ void Marbles::predict_pairs(std::uint32_t index) {
     // On a tie the key with the lower ids counts; others come in ascending order.
     if (tick >= ball.pair_tick) continue;
     ball.pair_tick = tick;
-    ball.pair_other = other;
+    partner = other;
   }
 }
 

@@ -112,39 +112,6 @@ bool holds(const TouchBox& outer, const TouchBox& inner) {
 
 }  // namespace
 
-NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
-    : statics_(statics), radius_m_(radius_m) {
-  const std::uint32_t count = statics_.feature_count();
-  homes_.assign(count, k_nowhere);
-  TouchBox all = k_nowhere;
-  for (std::uint32_t f = 0; f < count; ++f) {
-    touch_boxes_.push_back(touch_box_of(f));
-    if (f < statics_.plane_count()) everywhere_.push_back(f);
-    for (std::size_t i = 0; i < 3 && f >= statics_.plane_count(); ++i) {
-      all.low_m[i] = std::min(all.low_m[i], touch_boxes_[f].low_m[i]);
-      all.high_m[i] = std::max(all.high_m[i], touch_boxes_[f].high_m[i]);
-    }
-  }
-  cell_m_ = k_cell_radii * radius_m_;
-  if (all.low_m[0] <= all.high_m[0]) {
-    const auto cells = [&](std::size_t i) {
-      return std::max(1.0, std::ceil((double{all.high_m[i]} - double{all.low_m[i]}) / cell_m_));
-    };
-    while (cells(0) * cells(1) * cells(2) > k_cells_max)
-      cell_m_ *= 1.25;
-    for (std::size_t i = 0; i < 3; ++i) {
-      origin_m_[i] = double{all.low_m[i]};
-      counts_[i] = static_cast<std::uint32_t>(cells(i));
-    }
-  }
-  cells_per_m_ = 1 / cell_m_;
-  margin_m_ = k_margin_radii / k_cell_radii * cell_m_;
-  lists_.resize(std::size_t{counts_[0]} * counts_[1] * counts_[2]);
-  for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
-    if (!statics_.is_absent(f)) grow_home(f);
-  }
-}
-
 TouchBox NearFeatures::touch_box_of(std::uint32_t index) const {
   const SphereFeature& feature = statics_.feature(index);
   const double reach_m = radius_m_ + 2 * k_touch_m;
@@ -196,28 +163,89 @@ NearFeatures::Range NearFeatures::cells_of(const TouchBox& box) const {
   return range;
 }
 
-/// Makes a feature's home larger, so that it holds its touch box, and puts it in the lists that it
-/// wasn't in before.
-void NearFeatures::grow_home(std::uint32_t feature) {
+/// Calls visit(list) for the cells of a range that are not in another one.
+template <class Visit>
+void NearFeatures::for_each_cell(const Range& range, const Range& without,
+                                 const Visit& visit) const {
+  for (std::uint32_t z = range.from[2]; z < range.to[2]; ++z) {
+    for (std::uint32_t y = range.from[1]; y < range.to[1]; ++y) {
+      for (std::uint32_t x = range.from[0]; x < range.to[0]; ++x) {
+        if (!without.holds(x, y, z)) visit(list_of(x, y, z));
+      }
+    }
+  }
+}
+
+/// Makes a feature's home larger, so that it holds its touch box.
+void NearFeatures::enlarge_home(std::uint32_t feature) {
   const TouchBox& box = touch_boxes_[feature];
   TouchBox& home = homes_[feature];
-  const Range before = cells_of(home);
   const double growth_m = k_growth_radii * radius_m_;
   for (std::size_t i = 0; i < 3; ++i) {
     if (box.low_m[i] < home.low_m[i]) home.low_m[i] = padded_below(box.low_m[i], growth_m);
     if (box.high_m[i] > home.high_m[i]) home.high_m[i] = padded_above(box.high_m[i], growth_m);
   }
-  const Range now = cells_of(home);
+}
+
+/// The same, and puts it in the lists that it wasn't in before.
+void NearFeatures::grow_home(std::uint32_t feature) {
+  const Range before = cells_of(homes_[feature]);
+  enlarge_home(feature);
   const bool is_face = statics_.feature(feature).kind == FeatureKind::face;
-  for (std::uint32_t z = now.from[2]; z < now.to[2]; ++z) {
-    for (std::uint32_t y = now.from[1]; y < now.to[1]; ++y) {
-      for (std::uint32_t x = now.from[0]; x < now.to[0]; ++x) {
-        if (before.holds(x, y, z)) continue;
-        List& lists = lists_[list_of(x, y, z)];
-        std::vector<std::uint32_t>& list = is_face ? lists.faces : lists.corners;
-        list.insert(std::upper_bound(list.begin(), list.end(), feature), feature);
-      }
+  for_each_cell(cells_of(homes_[feature]), before, [&](std::size_t index) {
+    std::vector<std::uint32_t>& list = is_face ? lists_[index].faces : lists_[index].corners;
+    list.insert(std::upper_bound(list.begin(), list.end(), feature), feature);
+  });
+}
+
+NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
+    : statics_(statics), radius_m_(radius_m) {
+  const std::uint32_t count = statics_.feature_count();
+  homes_.assign(count, k_nowhere);
+  TouchBox all = k_nowhere;
+  for (std::uint32_t f = 0; f < count; ++f) {
+    touch_boxes_.push_back(touch_box_of(f));
+    if (f < statics_.plane_count()) everywhere_.push_back(f);
+    for (std::size_t i = 0; i < 3 && f >= statics_.plane_count(); ++i) {
+      all.low_m[i] = std::min(all.low_m[i], touch_boxes_[f].low_m[i]);
+      all.high_m[i] = std::max(all.high_m[i], touch_boxes_[f].high_m[i]);
     }
+  }
+  cell_m_ = k_cell_radii * radius_m_;
+  if (all.low_m[0] <= all.high_m[0]) {
+    const auto cells = [&](std::size_t i) {
+      return std::max(1.0, std::ceil((double{all.high_m[i]} - double{all.low_m[i]}) / cell_m_));
+    };
+    while (cells(0) * cells(1) * cells(2) > k_cells_max)
+      cell_m_ *= 1.25;
+    for (std::size_t i = 0; i < 3; ++i) {
+      origin_m_[i] = double{all.low_m[i]};
+      counts_[i] = static_cast<std::uint32_t>(cells(i));
+    }
+  }
+  cells_per_m_ = 1 / cell_m_;
+  margin_m_ = k_margin_radii / k_cell_radii * cell_m_;
+  lists_.resize(std::size_t{counts_[0]} * counts_[1] * counts_[2]);
+  // How long lists will be, then the lists.
+  std::vector<std::uint32_t> lengths(2 * lists_.size());
+  const auto is_corner = [&](std::uint32_t f) {
+    return statics_.feature(f).kind == FeatureKind::face ? 0U : 1U;
+  };
+  for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
+    if (statics_.is_absent(f)) continue;
+    enlarge_home(f);
+    for_each_cell(cells_of(homes_[f]), {},
+                  [&](std::size_t list) { ++lengths[2 * list + is_corner(f)]; });
+  }
+  for (std::size_t list = 0; list < lists_.size(); ++list) {
+    lists_[list].faces.reserve(lengths[2 * list]);
+    lists_[list].corners.reserve(lengths[2 * list + 1]);
+  }
+  for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
+    if (statics_.is_absent(f)) continue;
+    for_each_cell(cells_of(homes_[f]), {}, [&](std::size_t list) {
+      (is_corner(f) != 0 ? lists_[list].corners : lists_[list].faces).push_back(f);
+    });
   }
 }
 

@@ -70,10 +70,12 @@ class NearFeatures {
   Cell cell_at(const Vec3& centre_m) const;
   /// Faces that belong to all cells: planes.
   std::span<const std::uint32_t> everywhere() const { return everywhere_; }
-  const TouchBox& touch_box(std::uint32_t feature) const { return touch_boxes_[feature]; }
+  /// By feature.
+  std::span<const TouchBox> touch_boxes() const { return touch_boxes_; }
 
  private:
   TouchBox touch_box_of(std::uint32_t feature) const;
+  void enlarge_home(std::uint32_t feature);
   void grow_home(std::uint32_t feature);
   /// Cells from the first up to, and without, the last of each axis.
   struct Range {
@@ -84,6 +86,8 @@ class NearFeatures {
     }
   };
   Range cells_of(const TouchBox& box) const;
+  template <class Visit>
+  void for_each_cell(const Range& range, const Range& without, const Visit& visit) const;
   std::size_t list_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return (std::size_t{z} * counts_[1] + y) * counts_[0] + x;
   }
