@@ -192,8 +192,9 @@ struct Marbles::Window {
   Tick stop{};
   MovingPoint centre;  ///< at the start
   double size_m = 0;   ///< of coordinates along the path
-  TouchBox box{};      ///< of the centre up to the stop
-  void make_box() {
+  TouchBox box{};      ///< of the centre up to box_stop
+  Tick box_stop{};
+  void measure() {
     const double span_s = seconds(stop - start);
     const double half_square = 0.5 * span_s * span_s;
     size_m = 0;
@@ -201,6 +202,11 @@ struct Marbles::Window {
       size_m += std::fabs(centre.position_m[i]) + std::fabs(centre.velocity_mps[i]) * span_s +
                 std::fabs(centre.acceleration_mps2[i]) * half_square;
     }
+  }
+  void make_box() {
+    if (box_stop == stop) return;
+    box_stop = stop;
+    const double span_s = seconds(stop - start);
     // A float lies within 2^-24 of its number.
     const double pad_m = k_pad_m + 0x1p-22 * size_m;
     for (int i = 0; i < 3; ++i) {
@@ -249,7 +255,7 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
     window.stop = until;
     if (stay_s < seconds(until - window.start))
       window.stop = std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s)));
-    window.make_box();
+    window.measure();
     const auto met = [&](std::uint32_t feature, Tick tick) {
       if (tick > window.stop || (tick == ball.static_tick && feature > ball.static_feature)) return;
       ball.static_tick = window.stop = tick;
@@ -267,8 +273,9 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
       const SphereFeature& last = statics_->feature(asked);
       met(asked, last.kind == FeatureKind::face ? first_touch_of_face(flight, last, window)
                                                 : first_touch_of_corner(flight, last, window));
-      if (ball.static_feature != k_none) window.make_box();
     }
+    window.box_stop = window.start - 1;
+    window.make_box();
     const std::span<const TouchBox> touch_boxes = near_->touch_boxes();
     const auto ask = [&](std::uint32_t face) {
       if (!overlaps(window.box, touch_boxes[face]) || is_done(face)) return;
@@ -279,7 +286,7 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
     for (const std::uint32_t face : cell.faces)
       ask(face);
     // The path is mostly shorter by now.
-    if (ball.static_feature != k_none) window.make_box();
+    window.make_box();
     for (const std::uint32_t corner : cell.corners) {
       if (!overlaps(window.box, touch_boxes[corner]) || is_done(corner)) continue;
       met(corner, first_touch_of_corner(flight, statics_->feature(corner), window));
