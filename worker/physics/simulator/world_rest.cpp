@@ -87,14 +87,20 @@ void World::wake_dependents(std::uint32_t body, const EventKey& event) {
     if (!is_resting(dependent)) continue;
     begin_after(dependent, {}, event);
     const FreeFlight& flight = segments_[dependent].flight;
-    resting_.woke(dependent, event.tick, {flight.position_m, flight.orientation});
+    // How a sphere is turned makes no difference, and may not be known.
+    const bool round = constants_[dependent].is_sphere;
+    resting_.woke(dependent, event.tick,
+                  {flight.position_m, round ? Quat::Identity() : flight.orientation});
   }
 }
 
 bool World::has_left(std::uint32_t body, Tick tick) {
   if (!resting_.in_place(body)) return false;
   const double speed_mps = fastest_point_mps(body, twist_at(body, tick));
-  return resting_.has_left(body, pose_at(body, tick), speed_mps, constants_[body].reach_m);
+  const Pose pose = constants_[body].is_sphere
+                        ? Pose{position_at(segments_[body].flight, tick), Quat::Identity()}
+                        : pose_at(body, tick);
+  return resting_.has_left(body, pose, speed_mps, constants_[body].reach_m);
 }
 
 void World::wake_on_those_that_left(const EventKey& event) {
