@@ -39,7 +39,7 @@ void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
       "Examples:\n"
       "  sleight direct requests/ball_2d.toml -o ball.h5\n"
       "  sleight direct requests/ball_2d.toml -o ball.h5 --time-limit 20s\n"
-      "  sleight direct requests/ball_2d.toml -o other.h5 --seed 7 --json");
+      "  sleight direct requests/hi.toml -o hi.h5 --seed 7 --json");
   command->callback([&] { action = [&] { return direct(arguments); }; });
 }
 
@@ -53,7 +53,7 @@ void add_request_help(CLI::App& app, std::string& path, std::string& world, Acti
 
   CLI::App* keys = app.add_subcommand("keys", "List the worlds, or every request key of one");
   keys->add_option("world", world, "The world's name")->type_name("WORLD");
-  keys->footer("Examples:\n  sleight keys\n  sleight keys ball_2d");
+  keys->footer("Examples:\n  sleight keys\n  sleight keys ball_2d\n  sleight keys spelling");
   keys->callback([&] { action = [&] { return print_keys(world); }; });
 }
 

@@ -80,7 +80,7 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
       ->required()
       ->type_name("REQUEST.toml");
   app.add_option("-o,--output", arguments.output,
-                 "The archive; the run store is the folder OUTPUT.run beside it")
+                 "The archive, NAME.h5; the run store is the folder NAME.h5.run beside it")
       ->required()
       ->type_name("OUTPUT.h5");
   app.add_flag("--fresh", arguments.fresh, "Start over: give up an earlier run of this output");
