@@ -373,6 +373,10 @@ class Text(TidyTest):
                                   ("docs/a.md:2", "the path of one machine"))
         self.assert_clean({"docs/a.md": "build/wo" "rk/a and ${dir}/wo" "rk/ and /usr/bin\n"}, "text")
 
+    def test_compiled_programs(self):
+        self.assert_finds({"a": "\x7fELF\n"}, "text", ("a:1", "a compiled program"))
+        self.assert_clean({"a": "ELF\n"}, "text")
+
     def test_hosts_of_registries(self):
         for host in ("deb.deb" "ian.org", "registry.npm" "js.org", "ghcr" ".io", "pypi" ".org"):
             with self.subTest(host):

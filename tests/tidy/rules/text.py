@@ -1,4 +1,6 @@
-"""Text: no path of one machine, no registry host, no unfinished business, scripts that parse."""
+"""Text: no path of one machine, no registry host, no unfinished business, no compiled program,
+scripts that parse.
+"""
 
 import re
 import subprocess
@@ -35,6 +37,8 @@ _LINE_RULES = (
 
 def check(tree):
     for path in tree.files:
+        if tree.is_program(path):
+            yield Finding(path, 1, "a compiled program; keep what is built out of the project")
         text = tree.text(path)
         if len(text) <= BYTES_MAX:
             yield from _lines(path, text)

@@ -68,6 +68,10 @@ class Tree:
                 self._texts[path] = ""
         return self._texts[path]
 
+    def is_program(self, path):
+        with open(self.root / path, "rb") as file:
+            return file.read(4) == b"\x7fELF"
+
     def lines(self, path):
         return self.text(path).split("\n")
 
