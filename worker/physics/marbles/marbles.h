@@ -7,13 +7,13 @@
 // The next event of all is the least of one number per ball.
 //
 // Invariants
-//   1. Everything that happens is what happens in a Simulation of the same scene without
-//      orientations, bit for bit: the same rules (sphere_search.h, lasting_contact.h, resting.h,
-//      the responses) are asked at the same ticks in the same order (event.h). tests compare them.
+//   1. Everything that happens is what happens in a Simulation of the same scene, bit for bit: the
+//      same rules (sphere_search.h, lasting_contact.h, resting.h, the responses) are asked at the
+//      same ticks in the same order (event.h). tests compare them.
 //   2. A ball's box holds it from now to its own next event. The boxes of two balls that are not
 //      at rest overlap, or the two don't meet before the next event of one of them.
-//   3. A ball that is left alone (engine_options.h: Confinement) is in its confinement, which no
-//      other ball's box overlaps. Which balls are, and when, may differ from a Simulation's.
+//   3. A ball that is left alone is in its confinement, which no other ball's path comes near. It
+//      catches up with the present when one does: until then nothing else has touched it.
 // Nothing is allocated after start once lists have grown. Cost: some 7,000 instructions per event
 // among ten balls, 1 microsecond; of n balls some 40 n more. Thread safety: none.
 #pragma once
@@ -38,7 +38,9 @@
 
 namespace sleight::physics {
 
-/// As engine_options.h has it, of a ball that begins a motion with its centre at a place.
+/// Asked when a ball begins a motion with its centre at a place. A box that the ball, and k_touch_m
+/// around it, can't leave unless another ball touches it; nothing if there is none, or if what the
+/// ball does is of interest. The ball is then left alone until another one comes near that box.
 using MarbleConfinement =
     std::function<std::optional<Box>(BodyId marble, const Vec3& centre_m, const Twist& twist)>;
 

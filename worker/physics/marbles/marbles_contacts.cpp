@@ -351,14 +351,13 @@ void Marbles::wake_dependents(std::uint32_t ball, Tick tick) {
   for (const std::uint32_t dependent : resting_.wake(ball)) {
     if (!is_resting(dependent)) continue;
     begin_after(dependent, place_at(dependent, tick), {}, tick);
-    const FreeFlight& flight = balls_[dependent].segment.flight;
-    resting_.woke(dependent, tick, {flight.position_m, flight.orientation});
+    resting_.woke(dependent, tick, {place_at(dependent, tick), Quat::Identity()});
   }
 }
 
 bool Marbles::has_left(std::uint32_t ball, Tick tick) {
   if (!resting_.in_place(ball)) return false;
-  return resting_.has_left(ball, {place_at(ball, tick), balls_[ball].segment.flight.orientation},
+  return resting_.has_left(ball, {place_at(ball, tick), Quat::Identity()},
                            fastest_point_mps(radius_m_, twist_at(ball, tick)), radius_m_);
 }
 

@@ -55,8 +55,6 @@ class Engine {
 
   Tick now() const { return now_; }
   const Counts& counts() const { return counts_; }
-  /// Whether a body is left alone: its segment is not that of the present then.
-  bool is_suspended(std::uint32_t body) const { return suspended_[body] != Suspended::no; }
   /// What another one takes over.
   Takeover state() const { return {now_, counts_, failure_}; }
 
@@ -81,7 +79,6 @@ class Engine {
     std::size_t begun = 0;  ///< not predicted yet; the last ones in the body's list
     void begin(BodyId other) {
       engine.begin_pair(body, other.value, false);
-      engine.comes_near(other.value);
       ++begun;
     }
     void end(BodyId other) {
@@ -117,17 +114,6 @@ class Engine {
   std::string obstacle_of(std::uint32_t body);
   void watch(std::uint32_t body);
   void unwatch(std::uint32_t body);
-
-  // Bodies that are left alone (engine_suspension.h).
-  enum class Suspended : std::uint8_t { no, yes, resumes };
-  bool suspend(std::uint32_t body);
-  void resume(const EventKey& present);
-  /// A box has come to overlap a body's.
-  void comes_near(std::uint32_t body) {
-    if (suspended_[body] != Suspended::yes) return;
-    suspended_[body] = Suspended::resumes;
-    to_resume_.push_back(body);
-  }
 
   // Reading ahead.
   void fetch_next();
@@ -169,9 +155,6 @@ class Engine {
   std::vector<std::uint32_t> near_;                     ///< scratch
   std::vector<std::uint32_t> changes_;                  ///< of each body's motion
   std::vector<std::uint8_t> is_watched_;
-  std::vector<Suspended> suspended_;
-  std::vector<std::uint32_t> to_resume_;
-  bool catches_up_ = false;
   std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
   std::size_t next_control_ = 0;
   std::uint32_t present_ = 0;  ///< bodies that have started

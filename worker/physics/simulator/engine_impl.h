@@ -9,7 +9,6 @@
 
 #include "worker/physics/simulator/engine.h"
 #include "worker/physics/simulator/engine_boxes.h"
-#include "worker/physics/simulator/engine_suspension.h"
 
 namespace sleight::physics {
 
@@ -55,8 +54,6 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
   static_boxes_.resize(count);
   changes_.assign(count, 0);
   is_watched_.assign(count, 0);
-  suspended_.assign(count, Suspended::no);
-  to_resume_.reserve(count);
   reads_ahead_ = count >= k_read_ahead_bodies;
   if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
 
@@ -143,7 +140,6 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
     now_ = event.key.tick;
     if (reads_ahead_) fetch_next();
     process(event);
-    if (!to_resume_.empty()) resume(event.key);
     if (!world_.failure().empty()) fail(SceneError::Kind::search_failed, world_.failure());
     if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
   }
@@ -218,7 +214,6 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
     // Put the body there, to find what it would touch.
     world_.place(body, world_.segment_of_start(state, event.tick));
     watch(body);
-    if (!to_resume_.empty()) resume(event);
     const std::string obstacle = obstacle_of(body);
     if (obstacle.empty()) break;
 
@@ -284,7 +279,7 @@ void Engine<Boxes, Queue>::bodies_changed() {
   for (const std::uint32_t body : world_.changed())
     ++changes_[body];
   for (const std::uint32_t body : world_.changed()) {
-    if (!suspend(body)) motion_changed(body);
+    motion_changed(body);
     if (body == world_.changed().front()) fetch_next_neighbours();
   }
 }
@@ -328,8 +323,6 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
   ++next_control_;
   schedule_control();
   if (!world_.started(control.body.value)) return;
-  comes_near(control.body.value);
-  if (!to_resume_.empty()) resume(event);
   world_.apply(control, event);
   bodies_changed();
 }
@@ -436,9 +429,7 @@ void Engine<Boxes, Queue>::predict_all(std::uint32_t body) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_last(std::uint32_t body, std::size_t count) {
   const std::span<PairEdge> edges = graph_.edges_of(body).last(count);
-  // One that catches up may have neighbours whose flights begin later.
-  const bool flies =
-      options_.algorithm != Algorithm::all_pairs && !catches_up_ && world_.in_free_flight(body);
+  const bool flies = options_.algorithm != Algorithm::all_pairs && world_.in_free_flight(body);
   if (flies && world_.predict_flight(body, edges, changes_, now_)) {
     counts_.predictions += edges.size();
     return;

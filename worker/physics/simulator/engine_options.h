@@ -5,12 +5,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 
-#include "worker/physics/broad_phase/box.h"
-#include "worker/physics/event/event.h"
 #include "worker/physics/event/tick.h"
-#include "worker/physics/simulator/segment.h"
 
 namespace sleight::physics {
 
@@ -21,14 +17,8 @@ enum class Algorithm : std::uint8_t {
   all_pairs      ///< no bounding volumes, every pair is predicted: the reference
 };
 
-/// Asked after each change of a body's motion. A box that the body, and k_touch_m around it, can't
-/// leave unless another body touches it; nothing if there is none, or if what the body does is of
-/// interest. The body is then left alone until something else comes near that box.
-using Confinement = std::function<std::optional<Box>(BodyId body, const Segment& segment)>;
-
 struct EngineOptions {
   Algorithm algorithm = Algorithm::asynchronous;
-  Confinement confinement{};
   TickCount sample_every = 0;  ///< 0: no sampling events
   std::function<void(Tick)> on_sample{};
 };
@@ -44,8 +34,7 @@ struct Counts {
   std::uint64_t start_draws = 0;  ///< places drawn again because of an overlap
   std::uint64_t modes = 0;        ///< changes of a lasting contact: a slide ends, a face's border
   std::uint64_t rest_decisions = 0;
-  std::uint64_t rests = 0;        ///< bodies that went to rest
-  std::uint64_t suspensions = 0;  ///< bodies that were left alone for a while
+  std::uint64_t rests = 0;  ///< bodies that went to rest
   std::uint64_t samples = 0;
   std::uint64_t predictions = 0;
   std::uint64_t voids = 0;  ///< events that came up after a partner's change had made them void
@@ -70,7 +59,6 @@ inline Counts Counts::operator-(const Counts& earlier) const {
           .modes = modes - earlier.modes,
           .rest_decisions = rest_decisions - earlier.rest_decisions,
           .rests = rests - earlier.rests,
-          .suspensions = suspensions - earlier.suspensions,
           .samples = samples - earlier.samples,
           .predictions = predictions - earlier.predictions,
           .voids = voids - earlier.voids};

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "common/base/check.h"
 #include "worker/physics/broad_phase/hierarchical_grid.h"
 #include "worker/physics/broad_phase/sweep_and_prune.h"
 #include "worker/physics/event/calendar_queue.h"
@@ -21,7 +20,6 @@ class AnyEngine {
   virtual Tick now() const = 0;
   virtual const Counts& counts() const = 0;
   virtual Takeover state() const = 0;
-  virtual bool is_suspended(std::uint32_t body) const = 0;
 };
 
 template <class Boxes, class Queue>
@@ -33,7 +31,6 @@ class EngineOf final : public AnyEngine {
   Tick now() const override { return engine_.now(); }
   const Counts& counts() const override { return engine_.counts(); }
   Takeover state() const override { return engine_.state(); }
-  bool is_suspended(std::uint32_t body) const override { return engine_.is_suspended(body); }
 
  private:
   Engine<Boxes, Queue> engine_;
@@ -55,11 +52,7 @@ std::unique_ptr<AnyEngine> engine_with(World& world, QueueKind queue, const Engi
 
 std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& options,
                                      const std::optional<Takeover>& from) {
-  const bool suspends = options.confinement != nullptr;
-  CHECK(!suspends || (options.algorithm == Algorithm::asynchronous && !options.record &&
-                      options.sample_every == 0 && !from));
   const EngineOptions chosen{.algorithm = options.algorithm,
-                             .confinement = options.confinement,
                              .sample_every = options.sample_every,
                              .on_sample = options.on_sample};
   return options.broad_phase == BroadPhaseKind::sweep_and_prune
@@ -72,10 +65,7 @@ std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& opti
 class Simulation::Impl {
  public:
   Impl(const Scene& scene, const SimulationOptions& options)
-      : world(scene, {.record = options.record,
-                      .orientations = options.orientations,
-                      .segments_reserved = options.segments_reserved,
-                      .statics = options.statics}),
+      : world(scene, options.record, options.segments_reserved),
         engine(engine_of(world, options, std::nullopt)) {}
 
   World world;
@@ -122,9 +112,6 @@ MotionMode Simulation::mode(BodyId body) const {
 }
 double Simulation::kinetic_energy_j() const {
   return impl_->world.kinetic_energy_j(now());
-}
-bool Simulation::is_suspended(BodyId body) const {
-  return impl_->engine->is_suspended(body.value);
 }
 const Counts& Simulation::counts() const {
   return impl_->engine->counts();

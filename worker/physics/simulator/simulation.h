@@ -35,7 +35,6 @@
 #include "worker/physics/simulator/engine_options.h"
 #include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/scene.h"
-#include "worker/physics/simulator/static_geometry.h"
 
 namespace sleight::physics {
 
@@ -46,21 +45,10 @@ struct SimulationOptions {
   Algorithm algorithm = Algorithm::asynchronous;
   BroadPhaseKind broad_phase = BroadPhaseKind::hierarchical_grid;
   QueueKind queue = QueueKind::tournament;
-  bool record = true;  ///< keep the segments; the last of each body is always kept
-  /// Compute how spheres are turned. Without, each keeps the orientation that it began with: for
-  /// who wants places only, some 5% faster.
-  bool orientations = true;
+  bool record = true;                  ///< keep the segments; the last of each body is always kept
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
   TickCount sample_every = 0;          ///< sampling events from tick 0 on; 0: none
   std::function<void(Tick)> on_sample{};
-  /// The scene's static geometry, for who simulates many scenes that share it or change little of
-  /// it: not changed while a simulation that has it runs. Null: it is made.
-  /// REQUIRES: made from a scene with this one's static geometry, and with bodies of its kinds and
-  /// of its greatest sphere.
-  std::shared_ptr<const StaticGeometry> statics{};
-  /// Bodies that can be left alone, for who wants to know only where they end up. REQUIRES: the
-  /// asynchronous algorithm, no recording, no sampling events, and no taking over.
-  Confinement confinement{};
 };
 
 class Simulation {
@@ -84,13 +72,11 @@ class Simulation {
   Tick now() const;
   /// REQUIRES, here and below: the scene has the body.
   bool started(BodyId body) const;
-  /// REQUIRES: the body has started and is not suspended, and its present segment began at or
-  /// before the tick, which is not beyond now().
+  /// REQUIRES: the body has started, and its present segment began at or before the tick, which is
+  /// not beyond now().
   Pose pose(BodyId body, Tick tick) const;
   Twist twist(BodyId body, Tick tick) const;
-  /// Whether a body is left alone in its confinement: then it is somewhere in there.
-  bool is_suspended(BodyId body) const;
-  /// At present; of a body that is suspended, when it was. REQUIRES: the body has started.
+  /// At present. REQUIRES: the body has started.
   MotionMode mode(BodyId body) const;
   /// Of all bodies that have started.
   double kinetic_energy_j() const;

@@ -20,12 +20,8 @@ double wrapped(double x, double period) {
 
 }  // namespace
 
-World::World(const Scene& scene, const Options& options)
-    : scene_(scene),
-      shared_statics_(options.statics ? options.statics : std::make_shared<StaticGeometry>(scene_)),
-      statics_(*shared_statics_),
-      record_(options.record),
-      orientations_(options.orientations) {
+World::World(const Scene& scene, bool record, std::size_t segments_reserved)
+    : scene_(scene), statics_(scene_), record_(record) {
   const std::size_t count = scene_.bodies.size();
   flights_.resize(count);
   segments_.resize(count);
@@ -72,7 +68,7 @@ World::World(const Scene& scene, const Options& options)
   changed_.reserve(count);
   searches_.reserve(count);
   at_tick_.resize(count);
-  recording_.reset(record_ ? count : 0, options.segments_reserved);
+  recording_.reset(record_ ? count : 0, segments_reserved);
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double period_m = scene_.period_m[axis];
@@ -162,7 +158,6 @@ MovingPoint World::centre_at(std::uint32_t body, Tick tick) const {
 
 Quat World::orientation_at(std::uint32_t body, Tick tick) {
   const FreeFlight& flight = segments_[body].flight;
-  if (constants_[body].is_sphere && !orientations_) return flight.orientation;
   if (constants_[body].is_sphere)
     return math::normalized(orientation_of(segments_[body], constants_[body].inertia, tick));
   if (is_zero(flight.angular_velocity_radps)) return flight.orientation;

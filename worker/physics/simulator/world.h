@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -70,14 +69,8 @@ struct Path {
 
 class World {
  public:
-  /// Shares the static geometry if that is given; else it borrows nothing: the scene is copied.
-  struct Options {
-    bool record = true;
-    bool orientations = true;  ///< without, spheres keep the one that they begin with
-    std::size_t segments_reserved = 0;
-    std::shared_ptr<const StaticGeometry> statics{};  ///< of the scene; if null it is made
-  };
-  World(const Scene& scene, const Options& options);
+  /// Borrows nothing: the scene is copied.
+  World(const Scene& scene, bool record, std::size_t segments_reserved);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -150,8 +143,7 @@ class World {
   Prediction predict_free_spheres_at(std::uint32_t a, std::uint32_t b, const Vec3& shift_m) const;
   /// predict_free_spheres for some edges of a body; `changes` are of all bodies. False if some of
   /// the others are not in free flight: those edges are predicted as not colliding, and the caller
-  /// must do them again. REQUIRES: in_free_flight(body); none of the others' flights begins after
-  /// `now`.
+  /// must do them again. REQUIRES: in_free_flight(body).
   bool predict_flight(std::uint32_t body, std::span<PairEdge> edges,
                       std::span<const std::uint32_t> changes, Tick now) const;
   /// Goes on with a prediction that was not certain. REQUIRES: its tick is `now`.
@@ -187,11 +179,6 @@ class World {
     return constants_[body].inertia.symmetry == InertiaSymmetry::general
                ? turning_[body].track.horizon()
                : k_never;
-  }
-  /// Whether a body has met another one so lately that decisions about rest still look at that.
-  bool has_met_lately(std::uint32_t body, Tick now) const {
-    if (!resting_.enabled()) return false;
-    return supports_.empty() || now - supports_[body].met_body <= resting_.rest_span();
   }
   /// What went wrong in a prediction or a collision; empty if nothing did.
   const std::string& failure() const { return failure_; }
@@ -338,8 +325,7 @@ class World {
   TouchRecord touch_of_support(std::uint32_t body, std::uint32_t feature, Tick tick) const;
 
   Scene scene_;
-  std::shared_ptr<const StaticGeometry> shared_statics_;
-  const StaticGeometry& statics_;
+  StaticGeometry statics_;
   NearVector<Flight> flights_;
   NearVector<Segment> segments_;
   NearVector<BodyConstants> constants_;
@@ -383,7 +369,6 @@ class World {
   };
   Images images_;
   bool record_ = true;
-  bool orientations_ = true;
   bool periodic_ = false;
   bool has_statics_ = false;
   bool has_modes_ = false;      ///< bodies that may have mode events

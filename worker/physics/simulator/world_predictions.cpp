@@ -80,8 +80,7 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint3
       segments_[a].mode == MotionMode::free && segments_[b].mode == MotionMode::free;
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
     const bool closed = both_free && refractory_of_spheres(a, b).until <= begin;
-    // One that catches up meets the other one where that is by now.
-    return closed ? predict_free_spheres(a, b, now) : predict_spheres(a, b, std::max(now, begin));
+    return closed ? predict_free_spheres(a, b, now) : predict_spheres(a, b, now);
   }
   if (segments_[a].mode == MotionMode::resting && segments_[b].mode == MotionMode::resting)
     return {};

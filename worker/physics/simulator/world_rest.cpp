@@ -87,7 +87,7 @@ void World::wake_dependents(std::uint32_t body, const EventKey& event) {
     if (!is_resting(dependent)) continue;
     begin_after(dependent, {}, event);
     const FreeFlight& flight = segments_[dependent].flight;
-    // How a sphere is turned makes no difference, and may not be known.
+    // How a sphere is turned makes no difference.
     const bool round = constants_[dependent].is_sphere;
     resting_.woke(dependent, event.tick,
                   {flight.position_m, round ? Quat::Identity() : flight.orientation});

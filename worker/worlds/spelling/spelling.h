@@ -17,15 +17,14 @@
 //
 // Deciding early. A ball that is trapped in its bin is not simulated any further until another one
 // comes near; when all are trapped or at rest, the outcome is clear. It is what the whole
-// simulation comes to, which simulate_to_rest runs. Most of a ball's bounces come after it is
-// trapped.
+// simulation comes to, which simulate_to_rest runs.
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
 //   2. What is decided early is what a run to rest would find.
 //   3. With Kernel::thesis draws and ratios are those that A.2.2 prints: invariants 1 and 2 of a
 //      target (target.h) do not hold, and Algorithm 2.1 has another distribution.
-// Thread-safe: immutable after construction.
+// Thread safety: const functions may be called from several threads at once.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +54,7 @@ enum class End : std::uint8_t {
 };
 
 struct Outcome {
-  std::uint32_t filled = 0;     ///< designated bins with a ball at rest
+  std::uint32_t filled = 0;     ///< designated bins with a ball that stays there
   std::uint32_t elsewhere = 0;  ///< active balls that fill none, second ones in a bin included
   /// When that was clear: the simulation is looked at each tenth of a second after the last drop.
   double end_s = 0;

@@ -33,7 +33,6 @@ scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
 SimulationOptions places_only() {
   SimulationOptions options;
   options.record = false;
-  options.orientations = false;
   return options;
 }
 

@@ -48,11 +48,9 @@ void expect_alike(const Spelling& world, const State& state, bool to_rest) {
   const Traps traps(world.parameters().world, world.bins(), state.offsets_m);
   physics::SimulationOptions options;
   options.record = false;
-  options.orientations = false;
-  auto statics = std::make_shared<physics::StaticGeometry>(*scene);
-  options.statics = statics;
+  const physics::StaticGeometry statics(*scene);
   auto started = physics::Simulation::start(*scene, options);
-  const physics::NearFeatures near(*statics, 0.5 * world.parameters().world.ball_diameter_m);
+  const physics::NearFeatures near(statics, 0.5 * world.parameters().world.ball_diameter_m);
   const Tick last = scene->bodies.back().start_tick;
   const Tick limit = last + ticks_after(world.parameters().world.time_limit_s);
   physics::MarbleConfinement confinement;
