@@ -31,6 +31,9 @@ using BodyId = base::Id<struct BodyTag, std::uint32_t>;
 /// state after everything else.
 enum class EventKind : std::uint8_t { update, control, start, collision, mode, rest, sample };
 
+/// Marks the other's id in an event's key as that of static geometry.
+inline constexpr std::uint32_t k_static = std::uint32_t{1} << 31U;
+
 /// The order of events. Events of a single body leave `higher` and `feature` at 0 if they don't
 /// need them.
 struct EventKey {

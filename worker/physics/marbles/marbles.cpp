@@ -12,9 +12,6 @@
 namespace sleight::physics {
 namespace {
 
-/// Marks an id in an event's key as that of static geometry (world.h).
-constexpr std::uint32_t k_static = std::uint32_t{1} << 31U;
-
 TouchBox touch_box_of(const Box& box) {
   TouchBox result;
   for (std::size_t i = 0; i < 3; ++i) {

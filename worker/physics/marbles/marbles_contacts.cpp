@@ -227,23 +227,10 @@ void Marbles::begin_on_faces(std::uint32_t index, std::span<const std::uint32_t>
   for (std::size_t i = 0; i < features.size(); ++i) {
     if ((carried->subset >> i & 1U) != 0) ball.supports[ball.support_count++] = features[i];
   }
-  ball.leaves = k_none;
-  ball.mode_end = tick_after(tick, motion.lasts_s);
-  const FreeFlight& flight = ball.segment.flight;
-  for (const std::uint32_t one : ball.all_supports()) {
-    const SphereFeature& feature = statics_->feature(one);
-    if (feature.kind != FeatureKind::face) {
-      const Tick rises = leaves_edge(flight, radius_m_, scene_->slow, scene_->gravity_mps2);
-      if (rises < ball.mode_end) {
-        ball.mode_end = rises;
-        ball.leaves = one;
-      }
-    }
-    const Tick leaves = leaves_region(flight, statics_->sides(feature));
-    if (leaves > ball.mode_end) continue;
-    ball.mode_end = leaves;
-    ball.leaves = leaves != k_never ? one : k_none;
-  }
+  const StayEnd end = stay_end(ball.segment.flight, motion.lasts_s, ball.all_supports(), *statics_,
+                               radius_m_, scene_->slow, scene_->gravity_mps2);
+  ball.mode_end = end.tick;
+  ball.leaves = end.leaves;
   if (!resting_.enabled()) return;
   resting_.stays(index, tick,
                  slow_from(ball.segment, radius_m_, inertia_, scene_->slow, ball.mode_end));

@@ -21,10 +21,6 @@ constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 /// More than roundings take from a root's time.
 constexpr double k_shrink = 1 - 0x1p-40;
 
-double size_of(const Vec3& v) {
-  return std::max({std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
-}
-
 /// Less than the time that a point stays between two walls. REQUIRES: it is between them.
 double stays_s(double place, double speed, double pull, double low, double high) {
   constexpr double k_less = 1 - 0x1p-30;
@@ -92,16 +88,6 @@ bool stays_outside(std::span<const RegionSide> sides, const MovingPoint& centre,
 double size_of_point(const SphereFeature& feature) {
   return (std::fabs(feature.point_m.x()) + std::fabs(feature.point_m.y())) +
          std::fabs(feature.point_m.z());
-}
-
-/// Least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0; infinite if never. Each root
-/// is taken in the form without cancellation. REQUIRES: place > 0.
-double first_fall_s(double place, double rate, double curvature) {
-  if (rate >= 0 && curvature >= 0) return k_forever_s;
-  const double discriminant = rate * rate - 2 * curvature * place;
-  if (discriminant < 0) return k_forever_s;
-  const double root = std::sqrt(discriminant);
-  return rate < 0 ? 2 * place / (root - rate) : (rate + root) / -curvature;
 }
 
 /// A gap that is at least such a parabola in time: when it first is below 0 while it shrinks, at
@@ -173,15 +159,6 @@ bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, doub
   return left > 0 && left * left > reach_m * reach_m * square;
 }
 
-/// One look at a pair that may be refractory: examine(touch) judges the tick.
-template <class Examine>
-Examined examined_at(Tick tick, const Refractory& refractory, const Examine& examine) {
-  if (tick >= refractory.until) return examine(k_touch_m);
-  const Examined examined = examine(refractory.touch_m);
-  if (examined.collides || examined.next <= refractory.until) return examined;
-  return {.collides = false, .next = refractory.until};  // from then on, any touch counts again
-}
-
 }  // namespace
 
 // ---- static geometry ----------------------------------------------------------------------------
@@ -210,20 +187,11 @@ struct Marbles::Window {
     // A float lies within 2^-24 of its number.
     const double pad_m = k_pad_m + 0x1p-22 * size_m;
     for (int i = 0; i < 3; ++i) {
-      const double place = centre.position_m[i];
-      const double speed = centre.velocity_mps[i];
-      const double pull = centre.acceleration_mps2[i];
-      const double last = parabola(place, speed, pull, span_s);
-      double low = std::min(place, last);
-      double high = std::max(place, last);
-      if ((speed < 0) != (speed + pull * span_s < 0)) {
-        const double apex = place - 0.5 * speed * speed / pull;
-        low = std::min(low, apex);
-        high = std::max(high, apex);
-      }
+      const Extent extent = extent_of(centre.position_m[i], centre.velocity_mps[i],
+                                      centre.acceleration_mps2[i], 0, span_s);
       const auto axis = static_cast<std::size_t>(i);
-      box.low_m[axis] = static_cast<float>(low - pad_m);
-      box.high_m[axis] = static_cast<float>(high + pad_m);
+      box.low_m[axis] = static_cast<float>(extent.low - pad_m);
+      box.high_m[axis] = static_cast<float>(extent.high + pad_m);
     }
   }
 };
@@ -434,20 +402,7 @@ Tick Marbles::predict_pair(std::uint32_t a, std::uint32_t b) const {
   const double radii_m = radius_m_ + radius_m_;
   if (segment_a.mode == MotionMode::free && segment_b.mode == MotionMode::free &&
       refractory.until <= begin) {
-    // Both fall alike, so the later one's begin and the motion of one against the other decide.
-    const Vec3& g = scene_->gravity_mps2;
-    const double s = seconds(begin - first.begin);
-    const double t = seconds(begin - second.begin);
-    Vec3 between_m;
-    Vec3 relative_mps;
-    for (int i = 0; i < 3; ++i) {
-      const double p = parabola(first.position_m[i], first.velocity_mps[i], g[i], s);
-      const double q = parabola(second.position_m[i], second.velocity_mps[i], g[i], t);
-      between_m[i] = q - p;
-      relative_mps[i] = (second.velocity_mps[i] + t * g[i]) - (first.velocity_mps[i] + s * g[i]);
-    }
-    const TickCount span = collision_of_free_spheres(between_m, relative_mps, radii_m);
-    return span >= k_tick_max.value ? k_never : begin + span;
+    return collision_of_flights(first, second, scene_->gravity_mps2, Vec3(0, 0, 0), radii_m);
   }
   // Beyond the next change of either nobody asks.
   const Tick until = std::min(is_resting(a) ? end_ : next_of(a), is_resting(b) ? end_ : next_of(b));

@@ -22,16 +22,6 @@ constexpr double k_rise_bounces = 0.5;
 /// A slip is over when it is slower than this part of its slowest bounces.
 constexpr double k_stick_bounces = 0.1;
 
-/// Least h > 0 at which distance + rate h + curvature h^2 / 2 falls below 0; infinite if never.
-/// REQUIRES: distance >= 0.
-double first_fall_s(double distance, double rate, double curvature) {
-  const double discriminant = rate * rate - 2 * curvature * distance;
-  if (!(discriminant >= 0)) return std::numeric_limits<double>::infinity();
-  const double root = std::sqrt(discriminant);
-  if (rate < 0) return 2 * distance / (root - rate);
-  return curvature < 0 ? (rate + root) / -curvature : std::numeric_limits<double>::infinity();
-}
-
 }  // namespace
 
 Tick tick_after(Tick tick, double span_s) {
@@ -66,6 +56,23 @@ Tick leaves_edge(const FreeFlight& flight, double radius_m, const SlowContacts& 
   const double pull = math::norm(flight.acceleration_mps2);
   const double rate = speed_mps + std::sqrt(speed_mps * speed_mps + 2 * pull * way_m);
   return rate > 0 ? tick_after(flight.begin, 2 * way_m / rate) : k_never;
+}
+
+StayEnd stay_end(const FreeFlight& flight, double lasts_s, std::span<const std::uint32_t> features,
+                 const StaticGeometry& statics, double radius_m, const SlowContacts& slow,
+                 const Vec3& gravity_mps2) {
+  StayEnd end{.tick = tick_after(flight.begin, lasts_s)};
+  for (const std::uint32_t index : features) {
+    const SphereFeature& feature = statics.feature(index);
+    if (feature.kind != FeatureKind::face) {
+      // Straight on from an edge, it leaves that.
+      const Tick rises = leaves_edge(flight, radius_m, slow, gravity_mps2);
+      if (rises < end.tick) end = {rises, index};
+    }
+    const Tick leaves = leaves_region(flight, statics.sides(feature));
+    if (leaves <= end.tick) end = {leaves, leaves != k_never ? index : StayEnd::k_none};
+  }
+  return end;
 }
 
 Tick slow_from(const Segment& segment, double radius_m, const Inertia& inertia,

@@ -12,6 +12,7 @@
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/segment.h"
 #include "worker/physics/simulator/sphere_search.h"
+#include "worker/physics/simulator/static_geometry.h"
 
 namespace sleight::physics {
 
@@ -42,6 +43,18 @@ Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides);
 
 /// When a sphere that goes straight on from an edge or a vertex has left that.
 Tick leaves_edge(const FreeFlight& flight, double radius_m, const SlowContacts& slow,
+                 const Vec3& gravity_mps2);
+
+/// Until when a sphere stays as it does on some features, and the one whose region its centre
+/// leaves then, if that ends it.
+struct StayEnd {
+  static constexpr std::uint32_t k_none = UINT32_MAX;
+  Tick tick = k_never;
+  std::uint32_t leaves = k_none;
+};
+/// `lasts_s`: of the motion, by itself.
+StayEnd stay_end(const FreeFlight& flight, double lasts_s, std::span<const std::uint32_t> features,
+                 const StaticGeometry& statics, double radius_m, const SlowContacts& slow,
                  const Vec3& gravity_mps2);
 
 /// The first tick from which on a ball in contact is slower than it must be for rest; k_never if it

@@ -11,6 +11,7 @@
 
 #include "worker/physics/event/tick.h"
 #include "worker/physics/event/tolerances.h"
+#include "worker/physics/simulator/sphere_search.h"
 
 namespace sleight::physics {
 
@@ -19,6 +20,15 @@ struct Refractory {
   Tick until{};  ///< in the past: no longer
   double touch_m = k_touch_m;
 };
+
+/// One look at a pair that may be refractory: examine(touch) judges the tick.
+template <class Examine>
+Examined examined_at(Tick tick, const Refractory& refractory, const Examine& examine) {
+  if (tick >= refractory.until) return examine(k_touch_m);
+  const Examined examined = examine(refractory.touch_m);
+  if (examined.collides || examined.next <= refractory.until) return examined;
+  return {.collides = false, .next = refractory.until};  // from then on, any touch counts again
+}
 
 class RecentContacts {
  public:

@@ -30,11 +30,15 @@
 // Thread safety: pure functions.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <span>
 
 #include "worker/physics/distance/closest_points.h"
 #include "worker/physics/event/tick.h"
 #include "worker/physics/event/tolerances.h"
+#include "worker/physics/motion/free_flight.h"
 #include "worker/physics/motion/rigid_body.h"
 
 namespace sleight::physics {
@@ -95,6 +99,17 @@ double failing_for_s(const GapState& state, double touch_m);
 
 /// How long a centre must go on being outside of the region: 0 if it is inside.
 double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centre);
+
+/// Least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0; infinite if never. Each root
+/// is taken in the form without cancellation. REQUIRES: place >= 0.
+inline double first_fall_s(double place, double rate, double curvature) {
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  if (rate >= 0 && curvature >= 0) return k_infinite;
+  const double discriminant = rate * rate - 2 * curvature * place;
+  if (!(discriminant >= 0)) return k_infinite;
+  const double root = std::sqrt(discriminant);
+  return rate < 0 ? 2 * place / (root - rate) : (rate + root) / -curvature;
+}
 
 /// More than rounding does to a gap, at coordinates of up to a kilometre.
 inline constexpr double k_clear_margin_m = 1e-9;
@@ -159,6 +174,11 @@ struct Examined {
 Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
                  const MovingPoint& centre, double radius_m, double touch_m, Tick tick);
 
+/// Of a place's coordinates.
+inline double size_of(const Vec3& place_m) {
+  return std::max({std::fabs(place_m.x()), std::fabs(place_m.y()), std::fabs(place_m.z())});
+}
+
 /// Judges one tick for two spheres, given as the motion of the second centre against the first.
 /// `coordinates_m` is the size of the coordinates of which `relative` is the difference.
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
@@ -207,6 +227,28 @@ inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& re
       approach_of_free_spheres(dot(between_m, relative_mps), dot(between_m, between_m),
                                dot(relative_mps, relative_mps), radii_m);
   return approach.collides ? span_to_collision(approach) : k_tick_max.value;
+}
+
+/// When two spheres in flight collide, each given by its flight's begin, place and velocity there;
+/// k_never if they don't. `shift_m` is added to the second one's place.
+template <class Flight>
+Tick collision_of_flights(const Flight& first, const Flight& second, const Vec3& gravity_mps2,
+                          const Vec3& shift_m, double radii_m) {
+  // Both fall alike, so the later one's begin and the motion of one against the other decide.
+  const Tick begin = std::max(first.begin, second.begin);
+  const Vec3& g = gravity_mps2;
+  const double s = seconds(begin - first.begin);
+  const double t = seconds(begin - second.begin);
+  Vec3 between_m;
+  Vec3 relative_mps;
+  for (int i = 0; i < 3; ++i) {
+    const double p = parabola(first.position_m[i], first.velocity_mps[i], g[i], s);
+    const double q = parabola(second.position_m[i], second.velocity_mps[i], g[i], t);
+    between_m[i] = (q + shift_m[i]) - p;
+    relative_mps[i] = (second.velocity_mps[i] + t * g[i]) - (first.velocity_mps[i] + s * g[i]);
+  }
+  const TickCount span = collision_of_free_spheres(between_m, relative_mps, radii_m);
+  return span >= k_tick_max.value ? k_never : begin + span;
 }
 
 }  // namespace sleight::physics

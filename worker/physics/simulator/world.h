@@ -35,9 +35,6 @@
 
 namespace sleight::physics {
 
-/// Marks an id in an event's key as that of static geometry.
-inline constexpr std::uint32_t k_static = std::uint32_t{1} << 31U;
-
 /// What predictions of spheres read, in one cache line.
 struct alignas(64) Flight {
   Vec3 position_m = Vec3::Zero();
@@ -291,11 +288,11 @@ class World {
   // Lasting contact of spheres (world_modes.cpp).
   /// What a sphere in contact stays on.
   struct Supports {
-    static constexpr std::uint32_t k_none = UINT32_MAX;
     std::array<std::uint32_t, 3> features{};
     std::uint32_t count = 0;
-    Tick end = k_never;                ///< of the segment's accelerations
-    std::uint32_t leaves = k_none;     ///< the one whose region the centre leaves then, if any
+    Tick end = k_never;  ///< of the segment's accelerations
+    std::uint32_t leaves =
+        StayEnd::k_none;               ///< the one whose region the centre leaves then, if any
     Tick met_body{-k_tick_max.value};  ///< when it last collided with another body
     std::span<const std::uint32_t> all() const { return std::span(features).first(count); }
     bool holds(std::uint32_t feature) const {

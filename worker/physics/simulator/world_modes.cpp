@@ -71,23 +71,10 @@ void World::begin_staying(std::uint32_t body, const Supports& supports, const Co
   Supports& kept = supports_[body];
   kept.features = supports.features;
   kept.count = supports.count;
-  kept.leaves = Supports::k_none;
-  kept.end = tick_after(event.tick, motion.lasts_s);
-  for (const std::uint32_t feature : supports.all()) {
-    if (statics_.feature(feature).kind != FeatureKind::face) {
-      // Straight on from an edge, it leaves that.
-      const Tick rises =
-          leaves_edge(segment.flight, constants_[body].reach_m, scene_.slow, scene_.gravity_mps2);
-      if (rises < kept.end) {
-        kept.end = rises;
-        kept.leaves = feature;
-      }
-    }
-    const Tick leaves = leaves_region(segment.flight, statics_.sides(statics_.feature(feature)));
-    if (leaves > kept.end) continue;
-    kept.end = leaves;
-    kept.leaves = leaves != k_never ? feature : Supports::k_none;
-  }
+  const StayEnd end = stay_end(segment.flight, motion.lasts_s, supports.all(), statics_,
+                               constants_[body].reach_m, scene_.slow, scene_.gravity_mps2);
+  kept.end = end.tick;
+  kept.leaves = end.leaves;
   resting_.stays(body, event.tick, slow_from(body, segment, kept.end));
 }
 

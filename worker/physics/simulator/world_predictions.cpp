@@ -14,21 +14,8 @@ namespace {
 /// most pairs change their motion before.
 constexpr int k_looks_ahead = 32;
 
-double size_of(const Vec3& v) {
-  return std::max({std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
-}
-
 /// In place of a feature: the search exceeded its limit.
 constexpr std::uint32_t k_gave_up = UINT32_MAX;
-
-/// One look at a pair that may be refractory: examine(touch) judges the tick.
-template <class Examine>
-Examined examined_at(Tick tick, const Refractory& refractory, const Examine& examine) {
-  if (tick >= refractory.until) return examine(k_touch_m);
-  const Examined examined = examine(refractory.touch_m);
-  if (examined.collides || examined.next <= refractory.until) return examined;
-  return {.collides = false, .next = refractory.until};  // from then on, any touch counts again
-}
 
 /// A few looks of a search without a state, from a tick on.
 template <class Examine>
@@ -244,22 +231,22 @@ Prediction World::predict_static(std::uint32_t body, std::uint32_t index, Tick n
 Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
                               std::uint32_t search, Tick until) {
   if (!constants_[body].is_sphere) {
-    const Refractory refractory = recent_.of(body, k_static | index);
     const Prediction prediction = advanced(
         searches_.of(search), now, [&](std::uint32_t part, Tick tick, PieceSearch& search_of_part) {
           PieceContact contact;
-          const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
+          const auto examine_part = [&] {
             if (index >= statics_.plane_count()) {
-              return examine_pieces(statics_.piece(index), part_at(body, part, tick), tick, touch_m,
-                                    search_of_part.cache, contact);
+              return examine_pieces(statics_.piece(index), part_at(body, part, tick), tick,
+                                    k_touch_m, search_of_part.cache, contact);
             }
             Examined above;
             if (sphere_above(statics_.plane(index), centre_at(body, tick), constants_[body].reach_m,
                              tick, above))
               return above;
-            return examine_plane(statics_.plane(index), part_at(body, part, tick), tick, touch_m,
+            return examine_plane(statics_.plane(index), part_at(body, part, tick), tick, k_touch_m,
                                  contact);
-          });
+          };
+          const Examined examined = examine_part();
           if (examined.collides) found_ = {tick, body, k_static | index, part, contact};
           return examined;
         });
@@ -274,12 +261,9 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
   if (until < k_tick_max && keeps_clear(feature, statics_.sides(feature), centre_at(body, now),
                                         radius_m, seconds(until + 1 - now)))
     return {.tick = until + 1, .certain = false};
-  const Refractory refractory = recent_.of(body, k_static | index);
   return looked_ahead(now, until, [&](Tick tick) {
-    const MovingPoint centre = centre_at(body, tick);
-    return examined_at(tick, refractory, [&](double touch_m) {
-      return examine(feature, statics_.sides(feature), centre, radius_m, touch_m, tick);
-    });
+    return examine(feature, statics_.sides(feature), centre_at(body, tick), radius_m, k_touch_m,
+                   tick);
   });
 }
 

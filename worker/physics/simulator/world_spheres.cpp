@@ -25,23 +25,10 @@ Prediction World::predict_free_spheres_at(std::uint32_t a, std::uint32_t b,
                                           const Vec3& shift_m) const {
   const Flight& first = flights_[a];
   const Flight& second = flights_[b];
-  // Both fall alike, so the later one's begin and the motion of one against the other decide.
-  const Tick begin = std::max(first.begin, second.begin);
-  const Vec3& g = scene_.gravity_mps2;
-  const double s = seconds(begin - first.begin);
-  const double t = seconds(begin - second.begin);
-  Vec3 between_m;
-  Vec3 relative_mps;
-  for (int i = 0; i < 3; ++i) {
-    const double p = parabola(first.position_m[i], first.velocity_mps[i], g[i], s);
-    const double q = parabola(second.position_m[i], second.velocity_mps[i], g[i], t);
-    between_m[i] = (q + shift_m[i]) - p;
-    relative_mps[i] = (second.velocity_mps[i] + t * g[i]) - (first.velocity_mps[i] + s * g[i]);
-  }
-  const double reach_m = first.radius_m + second.radius_m;
-  const TickCount span = collision_of_free_spheres(between_m, relative_mps, reach_m);
-  if (span >= k_tick_max.value) return {};
-  return {.tick = begin + span, .certain = true};
+  const Tick tick = collision_of_flights(first, second, scene_.gravity_mps2, shift_m,
+                                         first.radius_m + second.radius_m);
+  if (tick == k_never) return {};
+  return {.tick = tick, .certain = true};
 }
 
 /// `k_fresh`: the body's flight begins at `now`, so that all is judged there and the body itself is

@@ -18,7 +18,8 @@ constexpr double k_look_every_s = 0.1;
 /// Bounding volumes of the partitions allow for offsets of so many standard deviations.
 constexpr double k_slack_sds = 5;
 /// Ten balls take some 500 events together until their outcome is decided. One that is wedged, in a
-/// box that leaves it no room, may have half a million. A decision about rest takes as long as many.
+/// box that leaves it no room, may have half a million. A decision about rest takes as long as
+/// many.
 constexpr std::uint64_t k_work_per_ball_max = 5000;
 constexpr std::uint64_t k_work_of_decision = 20;
 /// Balls keep this distance from the walls when they are dropped.

@@ -19,6 +19,7 @@
 #include "clients/plot/svg.h"
 #include "common/archive/format.h"
 #include "common/base/error.h"
+#include "tests/unit/clients/cli/failures.h"
 
 namespace sleight::cli {
 namespace {
@@ -153,17 +154,6 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
   for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
     ++count;
   return count;
-}
-
-base::ExitCode failure_of(const std::function<void()>& work, const std::string& words) {
-  try {
-    work();
-  } catch (const base::Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr(words));
-    return error.exit_code();
-  }
-  ADD_FAILURE() << "not refused: " << words;
-  return base::ExitCode::ok;
 }
 
 TEST(SpellingMotions, FollowTheSegments) {

@@ -11,11 +11,10 @@
 
 #include "common/archive/format.h"
 #include "common/base/error.h"
+#include "tests/unit/clients/cli/failures.h"
 
 namespace sleight::cli {
 namespace {
-
-using ::testing::HasSubstr;
 
 constexpr std::uint64_t k_chains = 2;
 
@@ -53,17 +52,6 @@ class ComputedSource final : public archive::Source {
   Value value_;
   std::vector<archive::Group> groups_;
 };
-
-base::ExitCode failure_of(const std::function<void()>& work, const std::string& words) {
-  try {
-    work();
-  } catch (const base::Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr(words));
-    return error.exit_code();
-  }
-  ADD_FAILURE() << "not refused: " << words;
-  return base::ExitCode::ok;
-}
 
 TEST(Trace, ShortOnesAreWhole) {
   const ComputedSource source(k_trace_points_max, [](std::uint64_t chain, std::uint64_t draw) {
