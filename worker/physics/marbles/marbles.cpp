@@ -223,7 +223,9 @@ bool Marbles::suspend(std::uint32_t ball) {
   if (!box) return false;
   const TouchBox confined = touch_box_of(*box);
   for (std::uint32_t other = 0; other < balls_.size(); ++other) {
-    if (other != ball && overlaps(confined, boxes_[other])) return false;
+    if (other == ball || !overlaps(confined, boxes_[other])) continue;
+    if (balls_[other].suspended || path_meets(other, now_, next_of(other), confined, 0))
+      return false;
   }
   boxes_[ball] = confined;
   Ball& left = balls_[ball];

@@ -96,6 +96,7 @@ class Marbles {
     std::uint32_t support_count = 0;
     std::uint32_t leaves = k_none;  ///< the one whose region its centre leaves at mode_end, if any
     Tick mode_end = k_never;
+    Vec3 half_way = Vec3::Zero();      ///< of a piece over an edge (lasting_contact.h)
     Tick met_body{-k_tick_max.value};  ///< when it last collided with another ball
     enum class Stance : std::uint8_t { unknown, stands, moves };
     Stance stance = Stance::unknown;  ///< on its supports, where it was when it was last asked for
@@ -157,7 +158,7 @@ class Marbles {
   LastingContact lasting_contact(std::uint32_t feature, const Vec3& place_m) const;
   void begin_on_faces(std::uint32_t ball, std::span<const std::uint32_t> features,
                       std::span<const LastingContact> contacts, const Vec3& place_m,
-                      const Twist& twist, Tick tick);
+                      const Twist& twist, bool rolled, Tick tick);
   void begin_caught(std::uint32_t ball, std::uint32_t feature, const Vec3& place_m,
                     const Twist& twist, Tick tick);
   void wake_dependents(std::uint32_t ball, Tick tick);

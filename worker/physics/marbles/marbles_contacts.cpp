@@ -24,6 +24,8 @@ double parting_mps(const Vec3& normal, const Vec3& arm_a_m, const Twist& a, cons
 
 Twist Marbles::twist_at(std::uint32_t ball, Tick tick) const {
   const Segment& segment = balls_[ball].segment;
+  if (in_contact(segment) && !is_zero(balls_[ball].half_way))
+    return twist_over_edge(round_, segment, balls_[ball].half_way, scene_->gravity_mps2, tick);
   Twist twist{.velocity_mps = velocity_at(segment.flight, tick),
               .angular_velocity_radps = segment.flight.angular_velocity_radps};
   if (in_contact(segment)) {
@@ -207,30 +209,28 @@ LastingContact Marbles::lasting_contact(std::uint32_t feature, const Vec3& place
 
 void Marbles::begin_on_faces(std::uint32_t index, std::span<const std::uint32_t> features,
                              std::span<const LastingContact> contacts, const Vec3& place_m,
-                             const Twist& twist, Tick tick) {
-  const auto carried = carried_by(round_, contacts, twist, scene_->gravity_mps2);
-  if (!carried) {
+                             const Twist& twist, bool rolled, Tick tick) {
+  const FreeFlight now{.begin = tick,
+                       .position_m = place_m,
+                       .velocity_mps = twist.velocity_mps,
+                       .acceleration_mps2 = scene_->gravity_mps2,
+                       .orientation = balls_[index].segment.flight.orientation,
+                       .angular_velocity_radps = twist.angular_velocity_radps};
+  const auto stay = stay_on(round_, features, contacts, now, rolled, *statics_, scene_->slow,
+                            scene_->gravity_mps2);
+  if (!stay) {
     resting_.flies(index, tick);
     begin_after(index, place_m, twist, tick);
     return;
   }
-  const ContactMotion& motion = carried->motion;
-  begin_segment(index, {.flight = {.begin = tick,
-                                   .position_m = place_m,
-                                   .velocity_mps = motion.start.velocity_mps,
-                                   .acceleration_mps2 = motion.acceleration_mps2,
-                                   .orientation = balls_[index].segment.flight.orientation,
-                                   .angular_velocity_radps = motion.start.angular_velocity_radps},
-                        .angular_acceleration_radps2 = motion.angular_acceleration_radps2,
-                        .mode = motion.rolls ? MotionMode::rolling : MotionMode::sliding});
+  begin_segment(index, stay->segment);
   Ball& ball = balls_[index];
   for (std::size_t i = 0; i < features.size(); ++i) {
-    if ((carried->subset >> i & 1U) != 0) ball.supports[ball.support_count++] = features[i];
+    if ((stay->subset >> i & 1U) != 0) ball.supports[ball.support_count++] = features[i];
   }
-  const StayEnd end = stay_end(ball.segment.flight, motion.lasts_s, ball.all_supports(), *statics_,
-                               radius_m_, scene_->slow, scene_->gravity_mps2);
-  ball.mode_end = end.tick;
-  ball.leaves = end.leaves;
+  ball.mode_end = stay->end;
+  ball.leaves = stay->leaves;
+  ball.half_way = stay->half_way;
   if (!resting_.enabled()) return;
   resting_.stays(index, tick,
                  slow_from(ball.segment, radius_m_, inertia_, scene_->slow, ball.mode_end));
@@ -257,12 +257,13 @@ void Marbles::begin_caught(std::uint32_t index, std::uint32_t feature, const Vec
                                   scene_->slow.separation_speed_mps;
   if (alone) count = 1;
   begin_on_faces(index, std::span(features).first(count), std::span(contacts).first(count), place_m,
-                 alone ? twist : along, tick);
+                 alone ? twist : along, false, tick);
 }
 
 void Marbles::change_mode(std::uint32_t index, Tick tick) {
   changed_.clear();
   const Ball& ball = balls_[index];
+  const bool rolled = ball.segment.mode == MotionMode::rolling;
   const Twist twist = twist_at(index, tick);
   const Vec3 place_m = place_at(index, tick);
   // Over the border of one: what lies there is met as anything else, at once if it goes on level.
@@ -275,7 +276,7 @@ void Marbles::change_mode(std::uint32_t index, Tick tick) {
     features[count++] = feature;
   }
   begin_on_faces(index, std::span(features).first(count), std::span(contacts).first(count), place_m,
-                 twist, tick);
+                 twist, rolled, tick);
   wake_on_those_that_left(tick);
 }
 

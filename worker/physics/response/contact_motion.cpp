@@ -66,7 +66,7 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
   }
   const double brake = contact.friction * load_mps2 * mobility;
   if (norm(slip) > body.stick_mps) {
-    HeldSlip along = held_slip(slip, pull_mps2, brake);
+    HeldSlip along = held_slip(slip, pull_mps2, brake, body.slip_error_mps());
     along.lasts_s =
         std::min(along.lasts_s, stop_s(slip, pull_mps2 - brake * along.direction, along.direction));
     slide(body, contact, pull_mps2, load_mps2, along, motion);
@@ -105,7 +105,7 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
       a *= pull > held ? (pull - held) / pull : 0;
     } else {
       const Vec3 now = math::normalized(v);
-      const HeldSlip along = held_slip(v, a, most(now));
+      const HeldSlip along = held_slip(v, a, most(now), body.slip_error_mps());
       a -= most(along.direction) * along.direction;
       lasts_s = std::min(along.lasts_s, stop_s(v, a, along.direction));
     }

@@ -31,6 +31,7 @@
 // Thread safety: pure functions.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -50,12 +51,18 @@ struct LastingContact {
 /// m/s after it was 0.
 inline constexpr double k_stick_mps = 1e-6;
 
+/// A direction of slip is held as long as the slip errs by less than this, if nothing else is said.
+inline constexpr double k_slip_error_mps = 1e-5;
+
 struct RoundBody {
   double radius_m = 0;
   double gyration = 0.4;  ///< k = I / (m r^2)
   /// A slip slower than this is over: a slip that something pulls on from the side turns ever
   /// faster as it dies, and would be asked for some thirty times.
   double stick_mps = k_stick_mps;
+
+  /// By how much a slip whose direction is held for a while may come out wrong.
+  double slip_error_mps() const { return std::max(k_slip_error_mps, 0.125 * stick_mps); }
 };
 
 struct ContactMotion {

@@ -16,10 +16,9 @@ inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 /// By how much the direction of a slip may turn, in radians, before the motion is asked for again:
 /// at least so much,
 inline constexpr double k_turn = 1.0 / 32;
-/// and up to so much as long as it errs by less than this or, if that is more, by a 1024th of the
-/// slip.
+/// and up to so much as long as it errs by less than an error allowed or, if that is more, by a
+/// 1024th of the slip.
 inline constexpr double k_turn_max = 0.5;
-inline constexpr double k_slip_error_mps = 1e-5;
 /// It is asked for again after so many times the time in which friction alone would stop the slip:
 /// a direction held for longer would swing about the one in which the slip becomes steady.
 inline constexpr double k_stops = 4;
@@ -34,7 +33,8 @@ struct HeldSlip {
 /// Of a slip that a pull changes and friction brakes: half way, under the friction that acts along
 /// the direction held, it has that direction. (Friction doesn't turn a slip; the direction held
 /// would swing also if its direction at the start had a part in it.)
-inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake) {
+/// `error_mps`: what doesn't matter, of the slip.
+inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, double error_mps) {
   const double speed = math::norm(slip);
   const Vec3 direction = slip / speed;
   const double forward = math::dot(pull, direction);
@@ -50,7 +50,7 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake) {
     const double turn = std::clamp(std::sqrt(turn_squared), k_turn, k_turn_max);
     return std::min({turn * speed / across, stops * speed / brake, stop_s});
   };
-  const double allowed = std::max(k_slip_error_mps, k_turn * k_turn * speed) / speed;
+  const double allowed = std::max(error_mps, k_turn * k_turn * speed) / speed;
   const double span_s = std::max(span_of(allowed, 1), span_of(allowed * across / brake, k_stops));
   return {math::normalized(slip + (0.5 * span_s) * pull), span_s};
 }

@@ -270,7 +270,9 @@ class Valley {
     for (std::size_t i = 0; i < 2; ++i) {
       if (begins_[i] && !settled[i]) lasts_s = std::min(lasts_s, short_while_s(i));
       if (slips_[i] && !begins_[i] && contacts_[i].friction > 0)
-        lasts_s = std::min(lasts_s, held_slip(slip_at(i), unbraked_rate(i), brake_of(i)).lasts_s);
+        lasts_s = std::min(
+            lasts_s,
+            held_slip(slip_at(i), unbraked_rate(i), brake_of(i), body_.slip_error_mps()).lasts_s);
     }
     bool turns = false;
     for (std::size_t i = 0; i < 2; ++i) {

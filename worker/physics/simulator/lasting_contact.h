@@ -38,40 +38,35 @@ inline double fastest_point_mps(double radius_m, const Twist& twist) {
   return math::norm(twist.velocity_mps) + turning;
 }
 
-/// When the centre leaves the region of a face, by the segment's parabola.
-Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides);
-
-/// When a sphere that goes straight on from an edge or a vertex has left that.
-Tick leaves_edge(const FreeFlight& flight, double radius_m, const SlowContacts& slow,
-                 const Vec3& gravity_mps2);
-
-/// Until when a sphere stays as it does on some features, and the one whose region its centre
-/// leaves then, if that ends it.
-struct StayEnd {
-  static constexpr std::uint32_t k_none = UINT32_MAX;
-  Tick tick = k_never;
-  std::uint32_t leaves = k_none;
-};
-/// `lasts_s`: of the motion, by itself.
-StayEnd stay_end(const FreeFlight& flight, double lasts_s, std::span<const std::uint32_t> features,
-                 const StaticGeometry& statics, double radius_m, const SlowContacts& slow,
-                 const Vec3& gravity_mps2);
-
 /// The first tick from which on a ball in contact is slower than it must be for rest; k_never if it
 /// isn't until its segment ends.
 Tick slow_from(const Segment& segment, double radius_m, const Inertia& inertia,
                const SlowContacts& slow, Tick end);
 
-/// Some of up to three contacts, as bits, and how a sphere moves that stays on them.
-struct Carried {
-  std::uint32_t subset = 0;
-  ContactMotion motion{};
+/// How a sphere stays on some of up to three features.
+struct Stay {
+  static constexpr std::uint32_t k_none = UINT32_MAX;
+  std::uint32_t subset = 0;  ///< bit i: of the features, it stays on the i-th
+  Segment segment;
+  Tick end = k_never;             ///< then all this is to be asked for again
+  std::uint32_t leaves = k_none;  ///< the feature that the sphere leaves then, if any
+  Vec3 half_way = Vec3::Zero();   ///< over an edge, piece by piece: of edge_motion.h; else 0
 };
 
-/// The most contacts that all carry a sphere, while it does not press on the others; nothing if
-/// none does. REQUIRES: at most three contacts.
-std::optional<Carried> carried_by(const RoundBody& round, std::span<const LastingContact> contacts,
-                                  const Twist& twist, const Vec3& gravity_mps2);
+/// What begins at a tick with a twist: it stays on the most features that all carry it, while it
+/// does not press on the others; nothing if none carries it. Over an edge alone it moves piece by
+/// piece (edge_motion.h). What it can't do in pieces it begins straight on, for some micrometres.
+/// `now`: the sphere's flight from this tick on, if it were free. `rolled`: it has rolled on all
+/// of the features up to now. REQUIRES: at most three features, their contacts.
+std::optional<Stay> stay_on(const RoundBody& round, std::span<const std::uint32_t> features,
+                            std::span<const LastingContact> contacts, const FreeFlight& now,
+                            bool rolled, const StaticGeometry& statics, const SlowContacts& slow,
+                            const Vec3& gravity_mps2);
+
+/// A sphere's twist over an edge, of a stay with such a half_way: what the segment says of its
+/// motion, without what its load has lifted it by.
+Twist twist_over_edge(const RoundBody& round, const Segment& segment, const Vec3& half_way,
+                      const Vec3& gravity_mps2, Tick tick);
 
 /// Whether a sphere in contact would not accelerate if it stood still.
 bool stands_on(const RoundBody& round, std::span<const LastingContact> contacts,

@@ -172,7 +172,11 @@ Pose World::pose_at(std::uint32_t body, Tick tick) {
 
 Twist World::twist_at(std::uint32_t body, Tick tick) {
   const FreeFlight& flight = segments_[body].flight;
-  if (in_contact(segments_[body])) return twist_of(segments_[body], constants_[body].inertia, tick);
+  if (in_contact(segments_[body])) {
+    const Vec3& half_way = supports_[body].half_way;
+    if (is_zero(half_way)) return twist_of(segments_[body], constants_[body].inertia, tick);
+    return twist_over_edge(round_body(body), segments_[body], half_way, scene_.gravity_mps2, tick);
+  }
   const bool constant = constants_[body].inertia.symmetry == InertiaSymmetry::spherical ||
                         is_zero(flight.angular_velocity_radps);
   if (!constant && turning_[body].placed_at == tick) {

@@ -290,10 +290,10 @@ class World {
   struct Supports {
     std::array<std::uint32_t, 3> features{};
     std::uint32_t count = 0;
-    Tick end = k_never;  ///< of the segment's accelerations
-    std::uint32_t leaves =
-        StayEnd::k_none;               ///< the one whose region the centre leaves then, if any
-    Tick met_body{-k_tick_max.value};  ///< when it last collided with another body
+    Tick end = k_never;                   ///< of the segment's accelerations
+    std::uint32_t leaves = Stay::k_none;  ///< the one whose region the centre leaves then, if any
+    Tick met_body{-k_tick_max.value};     ///< when it last collided with another body
+    Vec3 half_way = Vec3::Zero();         ///< of a piece over an edge (lasting_contact.h)
     std::span<const std::uint32_t> all() const { return std::span(features).first(count); }
     bool holds(std::uint32_t feature) const {
       return std::ranges::find(all(), feature) != all().end();
@@ -305,9 +305,7 @@ class World {
   /// A sphere with such a twist goes on from faces that it touches: it stays on those that carry
   /// it, if any do, or flies.
   void begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> features,
-                      const Twist& twist, const EventKey& event);
-  void begin_staying(std::uint32_t body, const Supports& supports, const ContactMotion& motion,
-                     const EventKey& event);
+                      const Twist& twist, bool rolled, const EventKey& event);
   /// The same when it has just lost its bounce on `feature`.
   void begin_caught(std::uint32_t body, std::uint32_t feature, const Twist& twist,
                     const EventKey& event);

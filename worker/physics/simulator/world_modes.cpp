@@ -2,9 +2,9 @@
 //
 // A sphere loses its bounce on a face where that would be slower than separation_speed_mps, and
 // stays there if gravity presses it on: on a face, in a valley of two, in a corner of three. Over
-// edges and vertices, on which it moves in no closed form, it hops (contact_motion.h). Too slow for
-// that, it takes them for faces as long as it doesn't move by more than some micrometres: so it
-// comes to rest between a face and an edge.
+// an edge it hops while it is fast (contact_motion.h), and then goes round it piece by piece
+// (edge_motion.h). Vertices, and edges beside something else, it takes for faces as long as it
+// doesn't move by more than some micrometres: so it comes to rest between a face and an edge.
 //
 // Only a sphere that has met no other body for some bounces stays. One that leans on another body
 // goes on bouncing from both: if it stayed on the face, nothing would be left to part it from the
@@ -41,41 +41,30 @@ LastingContact World::lasting_contact(std::uint32_t body, std::uint32_t feature,
 }
 
 void World::begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> features,
-                           const Twist& twist, const EventKey& event) {
+                           const Twist& twist, bool rolled, const EventKey& event) {
   std::array<LastingContact, 3> contacts;
   for (std::size_t i = 0; i < features.size(); ++i)
     contacts[i] = lasting_contact(body, features[i], event.tick);
-  const auto carried = carried_by(round_body(body), std::span(contacts).first(features.size()),
-                                  twist, scene_.gravity_mps2);
-  if (carried) {
-    Supports supports;
-    for (std::size_t i = 0; i < features.size(); ++i) {
-      if ((carried->subset >> i & 1U) != 0) supports.features[supports.count++] = features[i];
-    }
-    begin_staying(body, supports, carried->motion, event);
+  const Vec3 place_m = position_at(segments_[body].flight, event.tick);
+  const Segment now = segment_after(body, event.tick, place_m, twist);
+  const auto stay = stay_on(round_body(body), features, std::span(contacts).first(features.size()),
+                            now.flight, rolled, statics_, scene_.slow, scene_.gravity_mps2);
+  if (!stay) {
+    resting_.flies(body, event.tick);
+    begin_after(body, twist, event);
     return;
   }
-  resting_.flies(body, event.tick);
-  begin_after(body, twist, event);
-}
-
-void World::begin_staying(std::uint32_t body, const Supports& supports, const ContactMotion& motion,
-                          const EventKey& event) {
-  const Vec3 place_m = position_at(segments_[body].flight, event.tick);
-  Segment segment = segment_after(body, event.tick, place_m, motion.start);
-  segment.flight.acceleration_mps2 = motion.acceleration_mps2;
-  segment.angular_acceleration_radps2 = motion.angular_acceleration_radps2;
-  segment.mode = motion.rolls ? MotionMode::rolling : MotionMode::sliding;
-  begin_segment(body, segment, event);
+  begin_segment(body, stay->segment, event);
   changed_.push_back(body);
   Supports& kept = supports_[body];
-  kept.features = supports.features;
-  kept.count = supports.count;
-  const StayEnd end = stay_end(segment.flight, motion.lasts_s, supports.all(), statics_,
-                               constants_[body].reach_m, scene_.slow, scene_.gravity_mps2);
-  kept.end = end.tick;
-  kept.leaves = end.leaves;
-  resting_.stays(body, event.tick, slow_from(body, segment, kept.end));
+  kept.count = 0;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if ((stay->subset >> i & 1U) != 0) kept.features[kept.count++] = features[i];
+  }
+  kept.end = stay->end;
+  kept.leaves = stay->leaves;
+  kept.half_way = stay->half_way;
+  resting_.stays(body, event.tick, slow_from(body, stay->segment, kept.end));
 }
 
 void World::begin_caught(std::uint32_t body, std::uint32_t feature, const Twist& twist,
@@ -97,9 +86,9 @@ void World::begin_caught(std::uint32_t body, std::uint32_t feature, const Twist&
     along.velocity_mps = along_faces(std::span(contacts).first(count), twist.velocity_mps);
   if (plain ||
       math::norm(along.velocity_mps - twist.velocity_mps) >= scene_.slow.separation_speed_mps) {
-    begin_on_faces(body, std::span(features).first(1), twist, event);
+    begin_on_faces(body, std::span(features).first(1), twist, false, event);
   } else {
-    begin_on_faces(body, std::span(features).first(count), along, event);
+    begin_on_faces(body, std::span(features).first(count), along, false, event);
   }
 }
 
@@ -113,7 +102,8 @@ void World::change_mode(std::uint32_t body, const EventKey& event) {
   for (const std::uint32_t feature : supports.all()) {
     if (feature != supports.leaves) features[count++] = feature;
   }
-  begin_on_faces(body, std::span(features).first(count), twist, event);
+  const bool rolled = segments_[body].mode == MotionMode::rolling;
+  begin_on_faces(body, std::span(features).first(count), twist, rolled, event);
   wake_on_those_that_left(event);
 }
 

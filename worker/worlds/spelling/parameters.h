@@ -31,11 +31,12 @@ struct WorldParameters {
   double friction = 0.2;
   double gravity_mps2 = 9.81;
   // When slow contacts end, of sqrt(gravity x ball diameter) or its time: part of the model, since
-  // outcomes hang on it. With the sizes given: 0.01 m/s, a bounce of 5 um; 0.03 m/s; 4 ms.
-  double bounce_end = 0.025;  ///< bounces that would part more slowly end
-  double rest_speed = 0.08;   ///< a ball rests, where it is in balance, that was slower than this
-  double rest_time = 0.1;     ///< for so long, of sqrt(ball diameter / gravity)
-  double time_limit_s = 10;   ///< after the last drop, if the balls are not at rest before
+  // outcomes hang on it. With the sizes given: 0.02 m/s, a bounce of 20 um, half a pixel where the
+  // box fills a picture 3,840 wide; 0.063 m/s; 4 ms.
+  double bounce_end = 0.05;  ///< bounces that would part more slowly end
+  double rest_speed = 0.16;  ///< a ball rests, where it is in balance, that was slower than this
+  double rest_time = 0.1;    ///< for so long, of sqrt(ball diameter / gravity)
+  double time_limit_s = 10;  ///< after the last drop, if the balls are not at rest before
 };
 
 struct ConstraintParameters {

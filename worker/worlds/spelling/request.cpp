@@ -16,6 +16,8 @@ constexpr std::array<request::Named<Font>, 2> k_fonts{
 constexpr std::array<request::Named<Kernel>, 2> k_kernels{
     {{"correct", Kernel::correct}, {"thesis", Kernel::thesis}}};
 
+constexpr double k_rest_speeds_min = 2;
+
 struct Lengths {
   double minimum_mm = 0.001;
   double maximum_mm = 1000;
@@ -182,6 +184,12 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                {.minimum = 0.002,
                 .maximum = 0.5,
                 .help = "of sqrt(gravity x diameter): a ball in balance that is slower rests"});
+  // The slowest bounces would keep a ball from ever being so slow.
+  if (world.valid("bounce_end") && world.valid("rest_speed") &&
+      p.rest_speed < k_rest_speeds_min * p.bounce_end) {
+    world.error("rest_speed", fmt::format("must be at least {} times bounce_end, found {:.3g}",
+                                          k_rest_speeds_min, p.rest_speed / p.bounce_end));
+  }
   world.number(
       "rest_time", p.rest_time,
       {.minimum = 0.01, .maximum = 10, .help = "of sqrt(diameter / gravity): after so long"});

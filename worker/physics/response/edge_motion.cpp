@@ -1,0 +1,220 @@
+#include "worker/physics/response/edge_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/vector.h"
+
+namespace sleight::physics {
+namespace {
+
+using math::cross;
+using math::dot;
+using math::norm;
+
+/// Sine of half of a piece's angle: beyond that the plane half way is no longer like the cylinder.
+constexpr double k_sine_max = 0.2;
+/// A shorter piece is not worth an event, as part of the distance from the edge.
+constexpr double k_sine_min = 1e-4;
+/// Of the most that a piece may take, to begin with.
+constexpr double k_first_guess = 0.85;
+/// How often a piece that turns out to be too long is made shorter.
+constexpr int k_tries = 4;
+/// Of the square of its speed, what a piece may turn outwards.
+constexpr double k_turned_max = 0.25;
+/// A piece that would end shortly before a sphere turns back ends so much before.
+constexpr double k_before_turn = 0.4;
+
+/// The cube root of x in [0, 1], a little too large: Newton's method from above.
+double cube_root_above(double x) {
+  double root = std::sqrt(std::sqrt(x));
+  for (int i = 0; i < 16 && root > 0; ++i) {
+    const double next = (2 * root + x / (root * root)) / 3;
+    if (!(next < 0.99 * root)) return next;
+    root = next;
+  }
+  return root;
+}
+
+/// What a normal that turns under a sphere that rolls does to it: its surface would slip a little;
+/// friction stops that without taking energy.
+void keep_rolling(const RoundBody& body, const Vec3& normal, Twist& twist) {
+  Vec3& v = twist.velocity_mps;
+  Vec3& w = twist.angular_velocity_radps;
+  const double k = body.gyration;
+  const double inertia_m2 = k * body.radius_m * body.radius_m;
+  const double before = dot(v, v) + inertia_m2 * dot(w, w);
+  const Vec3 impulse = -(v - body.radius_m * cross(w, normal)) / (1 + 1 / k);
+  v += impulse;
+  w -= cross(normal, impulse) / (k * body.radius_m);
+  const double after = dot(v, v) + inertia_m2 * dot(w, w);
+  if (!(after > 0)) return;
+  const double share = std::sqrt(before / after);
+  v *= share;
+  w *= share;
+}
+
+/// A parabola over a chord, across the edge.
+struct Arch {
+  double chord_m;
+  double height_m;  ///< of the chord over the edge
+  double along_mps;
+  double up_mps;
+  double along_mps2;
+  double up_mps2;
+  double lasts_s;
+};
+
+/// How far it gets beyond the cylinder, at most. The square of the distance is t (T - t) q(t) more
+/// at t than at the ends, with a q of degree two.
+double most_rise_m(const Arch& arch, double distance_m) {
+  const double x_m = -0.5 * arch.chord_m;
+  const double c_2 = arch.along_mps * arch.along_mps + arch.up_mps * arch.up_mps +
+                     x_m * arch.along_mps2 + arch.height_m * arch.up_mps2;
+  const double c_3 = arch.along_mps * arch.along_mps2 + arch.up_mps * arch.up_mps2;
+  const double c_4 = 0.25 * (arch.along_mps2 * arch.along_mps2 + arch.up_mps2 * arch.up_mps2);
+  const double span_s = arch.lasts_s;
+  const double q_2 = -c_4;
+  const double q_1 = span_s * q_2 - c_3;
+  const double q_0 = span_s * q_1 - c_2;
+  const double top_s = q_2 < 0 ? std::clamp(-q_1 / (2 * q_2), 0.0, span_s) : 0;
+  const double most =
+      std::max(q_0 + top_s * (q_1 + top_s * q_2), q_0 + span_s * (q_1 + span_s * q_2));
+  return 0.125 * span_s * span_s * most / distance_m;
+}
+
+}  // namespace
+
+std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact& contact,
+                                    const EdgeLine& edge, const Twist& twist, bool rolled,
+                                    const Vec3& gravity_mps2, double rise_max_m) {
+  const double distance_m = edge.distance_m;
+  const Vec3& d = edge.direction;
+  const Vec3& outwards = contact.normal;
+  const double along_mps = dot(d, twist.velocity_mps);
+  const Vec3 around_mps = twist.velocity_mps - along_mps * d;
+  const double speed_mps = norm(around_mps);
+  Vec3 onwards = cross(d, outwards);
+  if (dot(onwards, around_mps) < 0) onwards = -onwards;
+  if (!(speed_mps > 0)) return std::nullopt;
+  const Vec3& w = twist.angular_velocity_radps;
+  const Vec3 slip = twist.velocity_mps - dot(outwards, twist.velocity_mps) * outwards -
+                    body.radius_m * cross(w, outwards);
+  const bool rolls = rolled || norm(slip) <= body.stick_mps;
+
+  // Gravity pulls it on or back, or friction does if it slips.
+  const double load_mps2 = -dot(gravity_mps2, outwards);
+  const double pull_mps2 = dot(gravity_mps2, onwards);
+  const double rolling_mps2 = pull_mps2 / (1 + body.gyration);
+  const double most_mps2 =
+      rolls ? std::fabs(rolling_mps2) : std::fabs(pull_mps2) + contact.friction * load_mps2;
+  if (!(load_mps2 > 0)) return std::nullopt;
+
+  // The rise is some a h T^2 / 4, with T = 2 D h / v, and a grows with h.
+  const double scaled_mps2 = rise_max_m * speed_mps * speed_mps / (distance_m * distance_m);
+  double sine = k_sine_max;
+  if (scaled_mps2 < most_mps2 * sine * sine * sine) sine = cube_root_above(scaled_mps2 / most_mps2);
+  sine = k_first_guess *
+         std::min(sine, std::sqrt(std::sqrt(scaled_mps2 * (1 + body.gyration) / load_mps2)));
+  bool turns = false;
+  if (rolls && rolling_mps2 < 0) {
+    const double way_m = 0.5 * speed_mps * speed_mps / -rolling_mps2;
+    turns = way_m * way_m <= 2 * distance_m * rise_max_m;
+    sine = std::min(sine, k_before_turn * way_m / distance_m);
+  }
+  for (int tries = 0; tries < k_tries; ++tries) {
+    if (turns) sine = 0;
+    if (!turns && sine < k_sine_min) return std::nullopt;
+    const double cosine = std::sqrt(1 - sine * sine);
+    LastingContact half_way = contact;
+    half_way.normal = cosine * outwards + sine * onwards;
+    const Vec3 tangent = cosine * onwards - sine * outwards;
+    Twist there{.velocity_mps = speed_mps * tangent + along_mps * d, .angular_velocity_radps = w};
+    if (rolls) {
+      keep_rolling(body, half_way.normal, there);
+    } else {
+      // The slip turns with the normal, so that a short look ahead doesn't make it another one.
+      there.angular_velocity_radps +=
+          dot(w, outwards) * (half_way.normal - outwards) + dot(w, onwards) * (tangent - onwards);
+    }
+    const double forwards_mps = dot(tangent, there.velocity_mps);
+    const Vec3 lightened_mps2 =
+        gravity_mps2 + (forwards_mps * forwards_mps / distance_m) * half_way.normal;
+    const ContactMotion motion =
+        contact_motion(body, std::span(&half_way, 1), there, lightened_mps2);
+    if (motion.pressed == 0) return std::nullopt;
+    const double v = dot(tangent, motion.start.velocity_mps);
+    const double a = dot(tangent, motion.acceleration_mps2);
+    if (!(v > 0)) return std::nullopt;
+    EdgePiece piece{.start = motion.start,
+                    .acceleration_mps2 = motion.acceleration_mps2,
+                    .angular_acceleration_radps2 = motion.angular_acceleration_radps2,
+                    .half_way = half_way.normal,
+                    .rolls = motion.rolls};
+    if (turns) {
+      // Up the tangent, and back to where it began.
+      if (!(a < 0) || !motion.rolls) return std::nullopt;
+      piece.lasts_s = 2 * v / -a;
+      if (!(piece.lasts_s <= motion.lasts_s)) return std::nullopt;
+      return piece;
+    }
+    const double chord_m = 2 * distance_m * sine;
+    const double gained = 2 * a * chord_m;  // of the square of its speed
+    double first_square = cosine * cosine * v * v;
+    if (a > 0) first_square -= sine * sine * gained;
+    const double last_square = first_square + gained;
+    if (!(first_square >= (1 - k_turned_max) * v * v) || !(last_square > 0)) {
+      sine *= 0.5;
+      continue;
+    }
+    const double first_mps = std::sqrt(first_square);
+    const double last_mps = std::sqrt(last_square);
+    const double lasts_s = 2 * chord_m / (first_mps + last_mps);
+    const double up_mps = sine / cosine * std::max(first_mps, last_mps);
+    if (most_rise_m({.chord_m = chord_m,
+                     .height_m = distance_m * cosine,
+                     .along_mps = first_mps,
+                     .up_mps = up_mps,
+                     .along_mps2 = a,
+                     .up_mps2 = -2 * up_mps / lasts_s,
+                     .lasts_s = lasts_s},
+                    distance_m) > rise_max_m) {
+      sine *= 0.7;
+      continue;
+    }
+    if (lasts_s > motion.lasts_s) {
+      sine *= 0.95 * motion.lasts_s / lasts_s;
+      continue;
+    }
+    // The spin belongs to the whole speed, of which the part along the chord changes faster.
+    const double slower = (first_mps + last_mps) / (v + std::sqrt(v * v + gained));
+    const Vec3 turning = cross(half_way.normal, tangent);
+    piece.angular_acceleration_radps2 +=
+        ((slower - 1) * dot(turning, piece.angular_acceleration_radps2)) * turning;
+    piece.start.velocity_mps += (first_mps - v) * tangent + up_mps * half_way.normal;
+    piece.acceleration_mps2 -= (2 * up_mps / lasts_s) * half_way.normal;
+    piece.lasts_s = lasts_s;
+    return piece;
+  }
+  return std::nullopt;
+}
+
+Twist without_lift(const RoundBody& body, const EdgeFlight& flight, const Vec3& gravity_mps2,
+                   const Vec3& moved_m, const Twist& twist) {
+  const double inertia_m2 = body.gyration * body.radius_m * body.radius_m;
+  const auto energy_of = [&](const Twist& of) {
+    return 0.5 * (dot(of.velocity_mps, of.velocity_mps) +
+                  inertia_m2 * dot(of.angular_velocity_radps, of.angular_velocity_radps));
+  };
+  const double energy = energy_of(twist);
+  const double lifted =
+      dot(flight.acceleration_mps2 - gravity_mps2, flight.half_way) * dot(flight.half_way, moved_m);
+  const double had = energy_of(flight.start) + dot(gravity_mps2, moved_m);
+  const double has = std::max(0.0, std::min(energy - std::max(0.0, lifted), had));
+  if (!(has < energy)) return twist;
+  const double share = std::sqrt(has / energy);
+  return {.velocity_mps = share * twist.velocity_mps,
+          .angular_velocity_radps = share * twist.angular_velocity_radps};
+}
+
+}  // namespace sleight::physics
