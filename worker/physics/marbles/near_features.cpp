@@ -18,14 +18,9 @@ constexpr double k_margin_radii = 0.15;
 constexpr double k_growth_radii = 0.15;
 /// More cells than this are made larger.
 constexpr double k_cells_max = 1 << 16;
-/// Far more than rounding of what collisions are judged by.
-constexpr double k_pad_m = 1e-6;
 
 constexpr TouchBox k_everywhere{.low_m = {-k_infinity, -k_infinity, -k_infinity, 0},
                                 .high_m = {k_infinity, k_infinity, k_infinity, 0}};
-constexpr TouchBox k_nowhere{.low_m = {k_infinity, k_infinity, k_infinity, 0},
-                             .high_m = {-k_infinity, -k_infinity, -k_infinity, 0}};
-
 float padded_below(double x, double pad) {
   return static_cast<float>(x - (pad + std::fabs(x) * 0x1p-20));
 }
@@ -33,86 +28,9 @@ float padded_above(double x, double pad) {
   return static_cast<float>(x + (pad + std::fabs(x) * 0x1p-20));
 }
 
-/// Of unit vectors from a feature to a centre in its region: greatest component each way. As
-/// floats: touch boxes are wider than that by far.
-struct Spread {
-  std::array<float, 3> low{};
-  std::array<float, 3> high{};
-};
-
-struct Direction {
-  float x, y, z;
-  explicit Direction(const Vec3& v)
-      : x(static_cast<float>(v.x())), y(static_cast<float>(v.y())), z(static_cast<float>(v.z())) {}
-  Direction(float x_of, float y_of, float z_of) : x(x_of), y(y_of), z(z_of) {}
-};
-Direction cross(const Direction& a, const Direction& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-float dot(const Direction& a, const Direction& b) {
-  return (a.x * b.x + a.y * b.y) + a.z * b.z;
-}
-
-/// How far what is at right angles to a unit vector goes along an axis of which that has a part.
-float across(float part) {
-  return std::sqrt(std::max(0.0F, 1 - part * part));
-}
-
-/// From an edge: all at right angles to it, between its two faces if it has two.
-Spread spread_of_edge(const SphereFeature& edge, std::span<const RegionSide> sides) {
-  const Direction along(edge.direction);
-  Spread spread{.low = {-across(along.x), -across(along.y), -across(along.z)},
-                .high = {across(along.x), across(along.y), across(along.z)}};
-  if (sides.size() != 4) return spread;
-  // The region ends at rays at right angles to the sides' normals, on the side of the other one:
-  // unless the two are so much alike that which side that is can't be said.
-  const Direction first(sides[2].space.normal);
-  const Direction second(sides[3].space.normal);
-  const Direction ray_a = cross(first, along);
-  const Direction ray_b = cross(second, along);
-  const float side_a = dot(ray_a, second);
-  const float side_b = dot(ray_b, first);
-  constexpr float k_unclear = 1e-4F;
-  if (std::fabs(side_a) < k_unclear || std::fabs(side_b) < k_unclear) return spread;
-  const float sign_a = side_a < 0 ? -1.0F : 1.0F;
-  const float sign_b = side_b < 0 ? -1.0F : 1.0F;
-  // The way along an axis that is at right angles to the edge lies in the region, or the border
-  // goes furthest.
-  const auto limit = [&](std::size_t i, float normal_a, float normal_b, float a, float b) {
-    constexpr float k_nearly = 1e-5F;
-    if (std::min(normal_a, normal_b) < -k_nearly) spread.high[i] = std::max(a, b);
-    if (std::max(normal_a, normal_b) > k_nearly) spread.low[i] = std::min(a, b);
-  };
-  limit(0, first.x, second.x, sign_a * ray_a.x, sign_b * ray_b.x);
-  limit(1, first.y, second.y, sign_a * ray_a.y, sign_b * ray_b.y);
-  limit(2, first.z, second.z, sign_a * ray_a.z, sign_b * ray_b.z);
-  return spread;
-}
-
-/// From a vertex: at an obtuse angle to each of its edges.
-Spread spread_of_vertex(std::span<const RegionSide> sides) {
-  Direction most(0, 0, 0);
-  Direction least(0, 0, 0);
-  for (const RegionSide& side : sides) {
-    const Direction inwards(side.space.normal);
-    most = {std::max(most.x, inwards.x), std::max(most.y, inwards.y), std::max(most.z, inwards.z)};
-    least = {std::min(least.x, inwards.x), std::min(least.y, inwards.y),
-             std::min(least.z, inwards.z)};
-  }
-  return {.low = {-across(most.x), -across(most.y), -across(most.z)},
-          .high = {across(least.x), across(least.y), across(least.z)}};
-}
-
-bool holds(const TouchBox& outer, const TouchBox& inner) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (inner.low_m[i] < outer.low_m[i] || inner.high_m[i] > outer.high_m[i]) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
-TouchBox NearFeatures::touch_box_of(std::uint32_t index) const {
+TouchBox NearFeatures::box_of_touches(std::uint32_t index) const {
   const SphereFeature& feature = statics_.feature(index);
   const double reach_m = radius_m_ + 2 * k_touch_m;
   if (index < statics_.plane_count()) {
@@ -121,31 +39,14 @@ TouchBox NearFeatures::touch_box_of(std::uint32_t index) const {
       // Centres may be anywhere below, too: a plane has no sides.
       const double slope = feature.direction[static_cast<int>(i)];
       const double place_m = feature.point_m[static_cast<int>(i)];
-      if (slope == 1) box.high_m[i] = padded_above(place_m + reach_m, k_pad_m);
-      if (slope == -1) box.low_m[i] = padded_below(place_m - reach_m, k_pad_m);
+      if (slope == 1) box.high_m[i] = padded_above(place_m + reach_m, k_touch_box_pad_m);
+      if (slope == -1) box.low_m[i] = padded_below(place_m - reach_m, k_touch_box_pad_m);
     }
     return box;
   }
   if (statics_.is_absent(index)) return k_nowhere;
-  Spread spread;
-  if (feature.kind == FeatureKind::face) {
-    const Direction normal(feature.direction);
-    spread.low = spread.high = {normal.x, normal.y, normal.z};
-  } else if (feature.kind == FeatureKind::edge) {
-    spread = spread_of_edge(feature, statics_.sides(feature));
-  } else {
-    spread = spread_of_vertex(statics_.sides(feature));
-  }
-  const Box& own = statics_.feature_box(index);
-  const auto reach = static_cast<float>(reach_m);
-  TouchBox box;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const float pad = static_cast<float>(k_pad_m) +
-                      0x1p-18F * (std::fabs(own.low_m[i]) + std::fabs(own.high_m[i]) + reach);
-    box.low_m[i] = own.low_m[i] + std::min(0.0F, reach * spread.low[i]) - pad;
-    box.high_m[i] = own.high_m[i] + std::max(0.0F, reach * spread.high[i]) + pad;
-  }
-  return box;
+  return touch_box_of(feature, statics_.sides(feature), statics_.feature_box(index),
+                      static_cast<float>(reach_m));
 }
 
 NearFeatures::Range NearFeatures::cells_of(const TouchBox& box) const {
@@ -204,7 +105,7 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
   homes_.assign(count, k_nowhere);
   TouchBox all = k_nowhere;
   for (std::uint32_t f = 0; f < count; ++f) {
-    touch_boxes_.push_back(touch_box_of(f));
+    touch_boxes_.push_back(box_of_touches(f));
     if (f < statics_.plane_count()) everywhere_.push_back(f);
     for (std::size_t i = 0; i < 3 && f >= statics_.plane_count(); ++i) {
       all.low_m[i] = std::min(all.low_m[i], touch_boxes_[f].low_m[i]);
@@ -251,8 +152,8 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
 
 void NearFeatures::refresh() {
   for (const std::uint32_t f : statics_.refreshed()) {
-    touch_boxes_[f] = touch_box_of(f);
-    if (!statics_.is_absent(f) && !holds(homes_[f], touch_boxes_[f])) grow_home(f);
+    touch_boxes_[f] = box_of_touches(f);
+    if (!holds(homes_[f], touch_boxes_[f])) grow_home(f);
   }
 }
 

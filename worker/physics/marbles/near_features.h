@@ -16,40 +16,17 @@
 // Thread safety: const functions may run at once.
 #pragma once
 
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "worker/physics/broad_phase/box.h"
+#include "worker/physics/marbles/touch_box.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/simulator/static_geometry.h"
 
 namespace sleight::physics {
-
-/// A box in whole registers; the fourth numbers are 0.
-struct alignas(32) TouchBox {
-  std::array<float, 4> low_m{};
-  std::array<float, 4> high_m{};
-};
-
-/// Whether two boxes overlap. Inline, since it is asked of all that is near a path.
-inline bool overlaps(const TouchBox& a, const TouchBox& b) {
-#ifdef __SSE2__
-  const __m128 from_a = _mm_cmple_ps(_mm_load_ps(a.low_m.data()), _mm_load_ps(b.high_m.data()));
-  const __m128 from_b = _mm_cmple_ps(_mm_load_ps(b.low_m.data()), _mm_load_ps(a.high_m.data()));
-  return _mm_movemask_ps(_mm_and_ps(from_a, from_b)) == 15;
-#else
-  bool all = true;
-  for (std::size_t i = 0; i < 3; ++i)
-    all = all && a.low_m[i] <= b.high_m[i] && b.low_m[i] <= a.high_m[i];
-  return all;
-#endif
-}
 
 class NearFeatures {
  public:
@@ -74,7 +51,7 @@ class NearFeatures {
   std::span<const TouchBox> touch_boxes() const { return touch_boxes_; }
 
  private:
-  TouchBox touch_box_of(std::uint32_t feature) const;
+  TouchBox box_of_touches(std::uint32_t feature) const;
   void enlarge_home(std::uint32_t feature);
   void grow_home(std::uint32_t feature);
   /// Cells from the first up to, and without, the last of each axis.

@@ -184,7 +184,11 @@ class StaticGeometry {
   void write_vertex(const MeshPlace& place, std::uint32_t vertex);
   void write_boxes(MeshPlace& place);
   void set_absent(SphereFeature& feature);
-  bool is_absent(const SphereFeature& feature) const;
+  bool is_absent(const SphereFeature& feature) const {
+    if (feature.regions_end != feature.regions_begin + 1) return false;
+    const Vec3& normal = sides_[feature.regions_begin].space.normal;
+    return normal.x() == 0 && normal.y() == 0 && normal.z() == 0;
+  }
   void plant_feature_tree();
   void add_piece(const ConvexView& view, const Box& box, StaticOwner owner);
   void add_feature(SphereFeature feature, std::uint32_t first_side, const Box& box,

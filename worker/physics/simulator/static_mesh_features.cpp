@@ -122,11 +122,6 @@ void StaticGeometry::set_absent(SphereFeature& feature) {
   sides_[feature.regions_begin] = closed_side(Vec3::Zero(), 1, 0);
 }
 
-bool StaticGeometry::is_absent(const SphereFeature& feature) const {
-  return feature.regions_end == feature.regions_begin + 1 &&
-         is_zero(sides_[feature.regions_begin].space.normal);
-}
-
 /// The region above a face, or below it.
 void StaticGeometry::write_face(const MeshPlace& place, std::uint32_t triangle) {
   const TriangleMesh& mesh = *place.mesh;

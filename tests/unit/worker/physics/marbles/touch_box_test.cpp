@@ -1,0 +1,148 @@
+// Touch boxes in vector registers against the same one number at a time.
+#include "worker/physics/marbles/touch_box.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/unit/worker/physics/simulator/random_meshes.h"
+#include "worker/physics/marbles/near_features.h"
+#include "worker/physics/scenes/scenes.h"
+#include "worker/physics/simulator/static_geometry.h"
+
+namespace sleight::physics {
+namespace {
+
+using testing::vector_between;
+using Axes = std::array<float, 3>;
+
+Axes axes_of(const Vec3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+Axes cross(const Axes& a, const Axes& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+float dot(const Axes& a, const Axes& b) {
+  return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+}
+float across(float part) {
+  return std::sqrt(std::max(0.0F, 1 - part * part));
+}
+
+/// From the feature to a centre, along one axis: the least and the greatest.
+std::pair<float, float> plain_spread(const SphereFeature& feature,
+                                     std::span<const RegionSide> sides, std::size_t i) {
+  const Axes along = axes_of(feature.direction);
+  if (feature.kind == FeatureKind::face) return {along[i], along[i]};
+  if (feature.kind == FeatureKind::vertex) {
+    float most = 0;
+    float smallest = 0;
+    for (const RegionSide& side : sides) {
+      most = std::max(most, axes_of(side.space.normal)[i]);
+      smallest = std::min(smallest, axes_of(side.space.normal)[i]);
+    }
+    return {-across(most), across(smallest)};
+  }
+  std::pair<float, float> spread{-across(along[i]), across(along[i])};
+  if (sides.size() != 4) return spread;
+  const Axes first = axes_of(sides[2].space.normal);
+  const Axes second = axes_of(sides[3].space.normal);
+  const Axes ray_a = cross(first, along);
+  const Axes ray_b = cross(second, along);
+  const float side_a = dot(ray_a, second);
+  const float side_b = dot(ray_b, first);
+  if (std::fabs(side_a) < 1e-4F || std::fabs(side_b) < 1e-4F) return spread;
+  const float a = side_a < 0 ? -ray_a[i] : ray_a[i];
+  const float b = side_b < 0 ? -ray_b[i] : ray_b[i];
+  if (std::min(first[i], second[i]) < -1e-5F) spread.second = std::max(a, b);
+  if (std::max(first[i], second[i]) > 1e-5F) spread.first = std::min(a, b);
+  return spread;
+}
+
+TouchBox plain_touch_box(const SphereFeature& feature, std::span<const RegionSide> sides,
+                         const Box& own, float reach) {
+  TouchBox box;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [least, greatest] = plain_spread(feature, sides, i);
+    const float pad = static_cast<float>(k_touch_box_pad_m) +
+                      0x1p-18F * (std::fabs(own.low_m[i]) + std::fabs(own.high_m[i]) + reach);
+    box.low_m[i] = own.low_m[i] + std::min(0.0F, reach * least) - pad;
+    box.high_m[i] = own.high_m[i] + std::max(0.0F, reach * greatest) + pad;
+  }
+  return box;
+}
+
+bool same(const TouchBox& a, const TouchBox& b) {
+  return a.low_m == b.low_m && a.high_m == b.high_m;
+}
+
+bool plain_holds(const TouchBox& outer, const TouchBox& inner) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (inner.low_m[i] < outer.low_m[i] || inner.high_m[i] > outer.high_m[i]) return false;
+  }
+  return true;
+}
+
+TEST(TouchBox, HasTheBitsOfThePlainComputation) {
+  // Goal: all axes at once give what one at a time does. Method: the features of stars, hollows and
+  // sheets, with edges of every kind; sides that make an edge's wedge unclear; and how many tell a
+  // box of another reach apart.
+  std::array<int, 3> kinds{};
+  int told_apart = 0;
+  for (std::uint64_t n = 0; n < 60; ++n) {
+    random::Stream stream({.seed = 41, .purpose = random::Purpose::scene}, n);
+    testing::Raw raw =
+        n % 3 == 0 ? testing::sheet(5, 0.2, 0.1, stream) : testing::star(stream, n % 2 == 0 ? 0 : 0.4);
+    if (n % 4 == 0) {
+      for (TriangleCorners& corners : raw.triangles)
+        std::swap(corners[0], corners[1]);
+    }
+    Scene scene = scenes::rain(1, 1).scene;
+    scene.meshes = {{.name = "it", .mesh = testing::open_mesh(raw)}};
+    const StaticGeometry geometry(scene);
+    const auto reach = static_cast<float>(0.01 + 0.2 * stream.uniform());
+    for (std::uint32_t f = geometry.plane_count(); f < geometry.feature_count(); ++f) {
+      const SphereFeature& feature = geometry.feature(f);
+      std::vector<RegionSide> sides(geometry.sides(feature).begin(), geometry.sides(feature).end());
+      if (feature.kind == FeatureKind::edge && stream.bits() % 8 == 0)
+        sides.back().space.normal = sides[sides.size() - 2].space.normal;
+      const Box& own = geometry.feature_box(f);
+      const TouchBox plain = plain_touch_box(feature, sides, own, reach);
+      ASSERT_TRUE(same(touch_box_of(feature, sides, own, reach), plain)) << n << ", " << f;
+      ++kinds[static_cast<std::size_t>(feature.kind)];
+      told_apart += same(touch_box_of(feature, sides, own, 1.001F * reach), plain) ? 0 : 1;
+    }
+  }
+  for (const int count : kinds)
+    EXPECT_GT(count, 1000);
+  EXPECT_GT(told_apart, kinds[0] + kinds[1]);
+}
+
+TEST(TouchBox, HoldsAsThePlainComparisonSays) {
+  // Goal: one box holds another one exactly if no side goes beyond. Method: corners from a few
+  // numbers, so that sides are often equal; and what nothing is in.
+  random::Stream stream({.seed = 42, .purpose = random::Purpose::scene}, 0);
+  const auto random_box = [&](float size) {
+    TouchBox box;
+    for (std::size_t i = 0; i < 3; ++i) {
+      box.low_m[i] = -size - static_cast<float>(stream.bits() % 2);
+      box.high_m[i] = size + static_cast<float>(stream.bits() % 2);
+    }
+    return box;
+  };
+  int held = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const TouchBox outer = random_box(1);
+    const TouchBox inner = random_box(i % 2 == 0 ? 1.0F : 0.5F);
+    ASSERT_EQ(holds(outer, inner), plain_holds(outer, inner));
+    held += holds(outer, inner) ? 1 : 0;
+    ASSERT_TRUE(holds(outer, k_nowhere));
+    ASSERT_FALSE(holds(k_nowhere, outer));
+  }
+  EXPECT_GT(held, 200);
+  EXPECT_LT(held, 1800);
+}
+
+}  // namespace
+}  // namespace sleight::physics

@@ -1,0 +1,148 @@
+#include "worker/physics/marbles/touch_box.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace sleight::physics {
+namespace {
+
+// Compilers take these for what the processor has. x, y, z; the fourth one is not used.
+using Four = float __attribute__((vector_size(16)));
+using Bits = std::int32_t __attribute__((vector_size(16)));
+using Two = double __attribute__((vector_size(16)));
+
+constexpr Bits k_sign{INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
+
+Four all(float x) {
+  return Four{x, x, x, x};
+}
+Bits bits_of(Four a) {
+  return reinterpret_cast<Bits>(a);
+}
+Four four_of(Bits a) {
+  return reinterpret_cast<Four>(a);
+}
+Four least(Four a, Four b) {
+  return a < b ? a : b;
+}
+Four greatest(Four a, Four b) {
+  return a > b ? a : b;
+}
+Four absolute(Four a) {
+  return four_of(bits_of(a) & ~k_sign);
+}
+Four roots(Four a) {
+#ifdef __SSE2__
+  return _mm_sqrt_ps(a);
+#else
+  return Four{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+#endif
+}
+
+/// As floats: touch boxes are wider than their rounding by far.
+Four direction_of(const Vec3& v) {
+#ifdef __SSE2__
+  return _mm_movelh_ps(_mm_cvtpd_ps(_mm_loadu_pd(v.data())), _mm_cvtpd_ps(_mm_load_sd(&v[2])));
+#else
+  return Four{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
+#endif
+}
+
+float dot(Four a, Four b) {
+  const Four each = a * b;
+  return (each[0] + each[1]) + each[2];
+}
+
+Four yzx(Four a) {
+  return __builtin_shufflevector(a, a, 1, 2, 0, 3);
+}
+Four zxy(Four a) {
+  return __builtin_shufflevector(a, a, 2, 0, 1, 3);
+}
+
+/// How far what is at right angles to a unit vector goes along each axis, of which that has a part.
+Four across(Four parts) {
+  return roots(greatest(1 - parts * parts, Four{}));
+}
+
+/// Of unit vectors from a feature to a centre in its region: the extent along each axis.
+struct Spread {
+  Four low;
+  Four high;
+};
+
+/// From an edge: all at right angles to it, between its two faces if it has two.
+Spread spread_of_edge(const SphereFeature& edge, std::span<const RegionSide> sides) {
+  const Four along = direction_of(edge.direction);
+  const Four furthest = across(along);
+  const Spread around{.low = -furthest, .high = furthest};
+  if (sides.size() != 4) return around;
+  // The region ends at rays at right angles to the sides' normals, on the side of the other one:
+  // unless the two are so much alike that which side that is can't be said.
+  const Four first = direction_of(sides[2].space.normal);
+  const Four second = direction_of(sides[3].space.normal);
+  const Four along_yzx = yzx(along);
+  const Four along_zxy = zxy(along);
+  const Four ray_a = yzx(first) * along_zxy - zxy(first) * along_yzx;
+  const Four ray_b = yzx(second) * along_zxy - zxy(second) * along_yzx;
+  const float side_a = dot(ray_a, second);
+  const float side_b = dot(ray_b, first);
+  constexpr float k_unclear = 1e-4F;
+  if (std::fabs(side_a) < k_unclear || std::fabs(side_b) < k_unclear) return around;
+  const Four border_a = four_of(bits_of(ray_a) ^ (bits_of(all(side_a)) & k_sign));
+  const Four border_b = four_of(bits_of(ray_b) ^ (bits_of(all(side_b)) & k_sign));
+  // The way along an axis that is at right angles to the edge lies in the region, or the border
+  // goes furthest.
+  const Four nearly = all(1e-5F);
+  return {.low = greatest(first, second) > nearly ? least(border_a, border_b) : around.low,
+          .high = least(first, second) < -nearly ? greatest(border_a, border_b) : around.high};
+}
+
+/// From a vertex: at an obtuse angle to each of its edges.
+Spread spread_of_vertex(std::span<const RegionSide> sides) {
+  Four most{};
+  Four smallest{};
+  for (const RegionSide& side : sides) {
+    const Four inwards = direction_of(side.space.normal);
+    most = greatest(inwards, most);
+    smallest = least(inwards, smallest);
+  }
+  return {.low = -across(most), .high = across(smallest)};
+}
+
+Spread spread_of(const SphereFeature& feature, std::span<const RegionSide> sides) {
+  if (feature.kind == FeatureKind::edge) return spread_of_edge(feature, sides);
+  if (feature.kind == FeatureKind::vertex) return spread_of_vertex(sides);
+  const Four normal = direction_of(feature.direction);
+  return {.low = normal, .high = normal};
+}
+
+}  // namespace
+
+TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
+                      const Box& own, float reach_m) {
+  // Six numbers in two loads that overlap.
+  std::array<float, 6> corners{};
+  static_assert(sizeof corners == sizeof own);
+  std::memcpy(corners.data(), &own, sizeof own);
+  Four low;
+  Four high;
+  std::memcpy(&low, corners.data(), sizeof low);
+  std::memcpy(&high, &corners[2], sizeof high);
+  high = __builtin_shufflevector(high, high, 1, 2, 3, 3);
+  const Four pad =
+      static_cast<float>(k_touch_box_pad_m) + 0x1p-18F * (absolute(low) + absolute(high) + reach_m);
+  const Spread spread = spread_of(feature, sides);
+  constexpr Bits k_axes{-1, -1, -1, 0};
+  low = (low + least(reach_m * spread.low, Four{})) - pad;
+  high = (high + greatest(reach_m * spread.high, Four{})) + pad;
+  low = four_of(bits_of(low) & k_axes);
+  high = four_of(bits_of(high) & k_axes);
+  TouchBox box;
+  std::memcpy(box.low_m.data(), &low, sizeof low);
+  std::memcpy(box.high_m.data(), &high, sizeof high);
+  return box;
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,78 @@
+// Touch boxes: where a ball's centre may be when the ball touches a feature.
+//
+// Idea. A feature is touched from within its region, so the way from the feature to the centre has
+// a known spread of directions: of a face its normal alone, of an edge what is at right angles to
+// it between its two faces, of a vertex what makes an obtuse angle with each of its edges. The
+// feature's box, enlarged by a ball's radius times that spread, holds every such centre. Vertices
+// that move change thousands of these boxes, so they are computed in vector registers, all axes at
+// once; each number has the bits of the same operations on floats one by one.
+//
+// Thread safety: pure functions.
+#pragma once
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+#include "worker/physics/broad_phase/box.h"
+#include "worker/physics/simulator/sphere_search.h"
+
+namespace sleight::physics {
+
+/// A box in whole registers; the fourth numbers are 0.
+struct alignas(32) TouchBox {
+  std::array<float, 4> low_m{};
+  std::array<float, 4> high_m{};
+};
+
+/// Holds no centre: of features that can't be met.
+inline constexpr TouchBox k_nowhere{
+    .low_m = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+              std::numeric_limits<float>::infinity(), 0},
+    .high_m = {-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+               -std::numeric_limits<float>::infinity(), 0}};
+
+/// More of a touch box on each side: far more than rounding of what collisions are judged by.
+inline constexpr double k_touch_box_pad_m = 1e-6;
+
+/// Whether two boxes overlap. Inline, since it is asked of all that is near a path.
+inline bool overlaps(const TouchBox& a, const TouchBox& b) {
+#ifdef __SSE2__
+  const __m128 from_a = _mm_cmple_ps(_mm_load_ps(a.low_m.data()), _mm_load_ps(b.high_m.data()));
+  const __m128 from_b = _mm_cmple_ps(_mm_load_ps(b.low_m.data()), _mm_load_ps(a.high_m.data()));
+  return _mm_movemask_ps(_mm_and_ps(from_a, from_b)) == 15;
+#else
+  bool all = true;
+  for (std::size_t i = 0; i < 3; ++i)
+    all = all && a.low_m[i] <= b.high_m[i] && b.low_m[i] <= a.high_m[i];
+  return all;
+#endif
+}
+
+/// Whether one box has no part outside of another one.
+inline bool holds(const TouchBox& outer, const TouchBox& inner) {
+#ifdef __SSE2__
+  const __m128 below =
+      _mm_cmplt_ps(_mm_load_ps(inner.low_m.data()), _mm_load_ps(outer.low_m.data()));
+  const __m128 above =
+      _mm_cmpgt_ps(_mm_load_ps(inner.high_m.data()), _mm_load_ps(outer.high_m.data()));
+  return _mm_movemask_ps(_mm_or_ps(below, above)) == 0;
+#else
+  bool all = true;
+  for (std::size_t i = 0; i < 3; ++i)
+    all = all && inner.low_m[i] >= outer.low_m[i] && inner.high_m[i] <= outer.high_m[i];
+  return all;
+#endif
+}
+
+/// Of a feature with a box of its own. `reach_m`: the radius, and what counts as a touch.
+/// REQUIRES: the feature can be met, and is no plane without sides.
+TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
+                      const Box& own, float reach_m);
+
+}  // namespace sleight::physics
