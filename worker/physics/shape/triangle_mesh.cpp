@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/base/check.h"
+#include "worker/physics/shape/face_pair.h"
 
 namespace sleight::physics {
 namespace {
@@ -83,7 +85,12 @@ base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> v
     const DirectedSide& left = swapped ? sides[i + 1] : first;
     edge.vertex = left.forward ? std::array{left.low, left.high} : std::array{left.high, left.low};
     edge.triangle[0] = left.triangle;
-    if (end - i == 2) edge.triangle[1] = (swapped ? first : sides[i + 1]).triangle;
+    edge.side[0] = left.side;
+    if (end - i == 2) {
+      const DirectedSide& right = swapped ? first : sides[i + 1];
+      edge.triangle[1] = right.triangle;
+      edge.side[1] = right.side;
+    }
     for (; i < end; ++i)
       mesh.triangle_edges_[sides[i].triangle][sides[i].side] =
           static_cast<std::uint32_t>(mesh.edges_.size());
@@ -92,13 +99,14 @@ base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> v
   mesh.index_vertices();
   // All that hangs on positions.
   mesh.faces_.resize(triangles.size());
-  mesh.exposed_.resize(vertices_m.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    mesh.derive_face(t);
-  for (std::uint32_t e = 0; e < mesh.edges_.size(); ++e)
+  mesh.exposing_edges_.resize(vertices_m.size());
+  std::vector<std::uint32_t> all(triangles.size());
+  std::iota(all.begin(), all.end(), 0U);
+  mesh.derive_faces(all);
+  for (std::uint32_t e = 0; e < mesh.edges_.size(); ++e) {
     mesh.derive_edge(e);
-  for (std::uint32_t v = 0; v < vertices_m.size(); ++v)
-    mesh.derive_vertex(v);
+    mesh.count_edge(mesh.edges_[e], EdgeKind::flat);
+  }
   return mesh;
 }
 
@@ -120,7 +128,8 @@ std::optional<MeshError> TriangleMesh::check_triangle(std::uint32_t triangle) co
   const Vec3 ca = a - c;
   const double longest = std::sqrt(std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)}));
   // Twice the area is the longest side times the height on it.
-  if (!(norm(cross(b - a, c - a)) > k_mesh_sliver * (longest * longest)) || !(longest > 1e-60))
+  if (!(norm(cross(b - a, c - a)) > k_mesh_sliver * (longest * longest)) ||
+      !(longest > k_mesh_point_m))
     return MeshError{.kind = Kind::degenerate_triangle, .triangle = triangle, .vertex = corners[0]};
   return std::nullopt;
 }
@@ -149,25 +158,22 @@ void TriangleMesh::index_vertices() {
   });
 }
 
-void TriangleMesh::derive_face(std::uint32_t triangle) {
-  const TriangleCorners& corners = triangles_[triangle];
-  const std::array<Vec3, 3> p{vertices_m_[corners[0]], vertices_m_[corners[1]],
-                              vertices_m_[corners[2]]};
-  MeshFace& face = faces_[triangle];
-  // As math::normalized does it, of what check_triangle has found to be long enough.
-  const Vec3 across = cross(p[1] - p[0], p[2] - p[0]);
-  const Vec3 normal = across / std::sqrt(dot(across, across));
-  face.normal = normal;
-  face.offset_m = dot(normal, p[0]);
-  const auto side = [&](std::size_t k, const Vec3& from, const Vec3& to) {
-    const Vec3 inwards = cross(normal, to - from);
-    const Vec3 unit = inwards / std::sqrt(dot(inwards, inwards));
-    face.inward[k] = unit;
-    face.inward_offset_m[k] = dot(unit, from);
+/// Whether none is degenerate.
+bool TriangleMesh::derive_faces(std::span<const std::uint32_t> triangles) {
+  const auto corners_m = [&](std::uint32_t triangle) -> face_pair::Corners {
+    const TriangleCorners& corners = triangles_[triangle];
+    return {&vertices_m_[corners[0]], &vertices_m_[corners[1]], &vertices_m_[corners[2]]};
   };
-  side(0, p[0], p[1]);
-  side(1, p[1], p[2]);
-  side(2, p[2], p[0]);
+  bool sound = true;
+  for (std::size_t i = 0; i < triangles.size(); i += 2) {
+    const std::uint32_t first = triangles[i];
+    // The last one of an odd number comes twice.
+    const std::uint32_t second = triangles[std::min(i + 1, triangles.size() - 1)];
+    const bool both =
+        face_pair::derive(corners_m(first), corners_m(second), faces_[first], faces_[second]);
+    sound = sound && both;
+  }
+  return sound;
 }
 
 void TriangleMesh::derive_edge(std::uint32_t index) {
@@ -184,30 +190,31 @@ void TriangleMesh::derive_edge(std::uint32_t index) {
   const MeshFace& right = faces_[edge.triangle[1]];
   edge.normal[1] = right.normal;
   // How far the right face falls below the left one's plane, on a unit away from the edge.
-  const auto& its_edges = triangle_edges_[edge.triangle[1]];
-  const auto side = static_cast<std::size_t>(std::find(its_edges.begin(), its_edges.end(), index) -
-                                             its_edges.begin());
-  const double rise = dot(edge.normal[0], right.inward[side]);
-  const bool folded = dot(edge.normal[0], edge.normal[1]) < 0;
+  const double rise = dot(edge.normal[0], right.inward[edge.side[1]]);
   if (rise < -k_mesh_flat_sine) {
     edge.kind = EdgeKind::convex;
   } else if (rise > k_mesh_flat_sine) {
     edge.kind = EdgeKind::concave;
   } else {
     // Two faces back to back make the sharpest edge there is.
+    const bool folded = dot(edge.normal[0], edge.normal[1]) < 0;
     edge.kind = folded ? EdgeKind::convex : EdgeKind::flat;
   }
 }
 
-void TriangleMesh::derive_vertex(std::uint32_t vertex) {
-  exposed_[vertex] = 0;
-  for (std::size_t i = edges_first_[vertex]; i < edges_first_[vertex + std::size_t{1}]; ++i) {
-    const EdgeKind kind = edges_[edges_about_[i]].kind;
-    if (kind == EdgeKind::convex || kind == EdgeKind::boundary) exposed_[vertex] = 1;
-  }
+/// An edge has another kind than before: tells its ends.
+void TriangleMesh::count_edge(const MeshEdge& edge, EdgeKind before) {
+  const auto exposes = [](EdgeKind kind) -> std::uint32_t {
+    return kind == EdgeKind::convex || kind == EdgeKind::boundary ? 1 : 0;
+  };
+  for (const std::uint32_t v : edge.vertex)
+    exposing_edges_[v] += exposes(edge.kind) - exposes(before);
 }
 
-std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove> moves) {
+/// The triangles about vertices that move, the edges of these, and the ends of those.
+void TriangleMesh::find_moved(std::span<const VertexMove> moves) {
+  // A world mostly moves all vertices that it ever moves, or few.
+  if (std::ranges::equal(moves, moves_of_, {}, &VertexMove::vertex)) return;
   is_moved_.resize(std::max({triangles_.size(), edges_.size(), vertices_m_.size()}));
   const auto add_once = [&](std::uint32_t item, std::vector<std::uint32_t>& items) {
     if (is_moved_[item] != 0) return;
@@ -218,19 +225,31 @@ std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove>
     for (const std::uint32_t item : items)
       is_moved_[item] = 0;
   };
-  // The new positions, and the triangles about them.
-  old_positions_m_.clear();
+  moves_of_.clear();
   moved_triangles_.clear();
+  moved_edges_.clear();
+  moved_vertices_.clear();
   for (const VertexMove& move : moves) {
-    CHECK_LT(move.vertex, vertices_m_.size());
-    old_positions_m_.push_back(vertices_m_[move.vertex]);
-    vertices_m_[move.vertex] = move.position_m;
+    moves_of_.push_back(move.vertex);
     for (std::size_t i = triangles_first_[move.vertex];
          i < triangles_first_[move.vertex + std::size_t{1}]; ++i)
       add_once(triangles_about_[i], moved_triangles_);
   }
   unmark(moved_triangles_);
-  // Checks; on an error the positions go back in reverse order, for vertices that came twice.
+  for (const std::uint32_t t : moved_triangles_) {
+    for (const std::uint32_t e : triangle_edges_[t])
+      add_once(e, moved_edges_);
+  }
+  unmark(moved_edges_);
+  for (const std::uint32_t e : moved_edges_) {
+    for (const std::uint32_t v : edges_[e].vertex)
+      add_once(v, moved_vertices_);
+  }
+  unmark(moved_vertices_);
+}
+
+/// What is wrong with the vertices where they are now. REQUIRES: something is.
+MeshError TriangleMesh::error_of_move(std::span<const VertexMove> moves) const {
   std::optional<MeshError> error;
   for (const std::uint32_t t : moved_triangles_) {
     if (error && error->triangle < t) continue;
@@ -240,28 +259,44 @@ std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove>
     if (!error && !finite(vertices_m_[move.vertex]))
       error = MeshError{.kind = MeshError::Kind::vertex_not_finite, .vertex = move.vertex};
   }
-  moved_edges_.clear();
-  moved_vertices_.clear();
-  if (error) {
+  CHECK(error.has_value());
+  return *error;
+}
+
+std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove> moves) {
+  for (const VertexMove& move : moves)
+    CHECK_LT(move.vertex, vertices_m_.size());
+  find_moved(moves);
+  flat_changes_.clear();
+  old_positions_m_.clear();
+  bool sound = true;
+  for (const VertexMove& move : moves) {
+    old_positions_m_.push_back(vertices_m_[move.vertex]);
+    vertices_m_[move.vertex] = move.position_m;
+  }
+  for (const VertexMove& move : moves)
+    sound = sound && finite(vertices_m_[move.vertex]);
+  // Faces say whether they are sound. If not all are, the positions go back, in reverse order for
+  // vertices that came twice, and the faces with them.
+  if (!derive_faces(moved_triangles_) || !sound) {
+    const MeshError error = error_of_move(moves);
     for (std::size_t i = moves.size(); i-- > 0;)
       vertices_m_[moves[i].vertex] = old_positions_m_[i];
+    derive_faces(moved_triangles_);
+    moves_of_.clear();
+    moved_triangles_.clear();
+    moved_edges_.clear();
+    moved_vertices_.clear();
     return error;
   }
-  // Faces, then the edges of these, then the ends of those.
-  for (const std::uint32_t t : moved_triangles_) {
-    derive_face(t);
-    for (const std::uint32_t e : triangle_edges_[t])
-      add_once(e, moved_edges_);
-  }
-  unmark(moved_edges_);
   for (const std::uint32_t e : moved_edges_) {
+    const EdgeKind before = edges_[e].kind;
     derive_edge(e);
-    for (const std::uint32_t v : edges_[e].vertex)
-      add_once(v, moved_vertices_);
+    const EdgeKind now = edges_[e].kind;
+    if (now == before) continue;
+    count_edge(edges_[e], before);
+    if (now == EdgeKind::flat || before == EdgeKind::flat) flat_changes_.push_back(e);
   }
-  unmark(moved_vertices_);
-  for (const std::uint32_t v : moved_vertices_)
-    derive_vertex(v);
   return std::nullopt;
 }
 

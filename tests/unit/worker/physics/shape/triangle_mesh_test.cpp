@@ -145,16 +145,102 @@ TEST(TriangleMesh, moved_equals_built_bit_for_bit) {
   expect_equal(mesh, at_first);
 }
 
+// A face as the definitions say, one number at a time.
+MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
+  MeshFace face;
+  face.normal = math::normalized(cross(b - a, c - a));
+  face.offset_m = dot(face.normal, a);
+  const std::array<Vec3, 4> around{a, b, c, a};
+  for (std::size_t k = 0; k < 3; ++k) {
+    face.inward[k] = math::normalized(cross(face.normal, around[k + 1] - around[k]));
+    face.inward_offset_m[k] = dot(face.inward[k], around[k]);
+  }
+  return face;
+}
+
+TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
+  // Goal: vector registers change no number, for whatever number of triangles. Method: sheets and
+  // balls of random corners, far from the origin too, when they are built and after moves, against
+  // the plain computation; what an edge says of itself likewise.
+  random::Stream stream({.seed = 23, .purpose = random::Purpose::prior}, 0);
+  const auto random_place = [&](double size) -> Vec3 {
+    const double x = stream.uniform();
+    const double y = stream.uniform();
+    return size * Vec3(x, y, stream.uniform());
+  };
+  const auto expect_plain = [](const TriangleMesh& mesh) {
+    const auto p = mesh.vertices_m();
+    for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
+      const auto [a, b, c] = mesh.triangles()[t];
+      ASSERT_EQ(mesh.faces()[t], plain_face(p[a], p[b], p[c])) << t;
+    }
+    for (std::uint32_t e = 0; e < mesh.edges().size(); ++e) {
+      const MeshEdge& edge = mesh.edges()[e];
+      const Vec3 along = p[edge.vertex[1]] - p[edge.vertex[0]];
+      ASSERT_EQ(edge.direction, math::normalized(along)) << e;
+      ASSERT_EQ(edge.length_m, norm(along)) << e;
+      for (std::size_t i = 0; i < 2 && edge.triangle[i] != k_no_triangle; ++i) {
+        ASSERT_EQ(mesh.edges_of(edge.triangle[i])[edge.side[i]], e);
+        ASSERT_EQ(edge.normal[i], mesh.faces()[edge.triangle[i]].normal) << e;
+      }
+    }
+  };
+  for (int i = 0; i < 40; ++i) {
+    Raw raw = i % 2 == 0 ? sheet(static_cast<std::uint32_t>(1 + i / 2))
+                         : triangulated(icosphere(1, 1).value());
+    const Vec3 shift = random_place(i % 3 == 0 ? 0 : 100);
+    for (Vec3& vertex : raw.vertices)
+      vertex += shift + random_place(0.2);
+    TriangleMesh mesh = raw.build(MeshClosure::may_be_open).value();
+    ASSERT_NO_FATAL_FAILURE(expect_plain(mesh));
+    for (int k = 0; k < 4; ++k) {
+      const auto v = static_cast<std::uint32_t>(stream.bits() % raw.vertices.size());
+      const std::vector<VertexMove> moves{{v, raw.vertices[v] + random_place(0.1)}};
+      ASSERT_FALSE(mesh.move_vertices(moves));
+      ASSERT_NO_FATAL_FAILURE(expect_plain(mesh));
+    }
+  }
+}
+
+TEST(TriangleMesh, a_face_that_is_too_thin_is_found_in_either_half) {
+  // Goal: the verdict on a move is that on a new mesh, whichever triangle of a pair is at fault.
+  // Method: each vertex of a sheet, put so near to a side that the height is just above the limit,
+  // just below it, or in the middle of nowhere.
+  const Raw raw = sheet(3);
+  int refused = 0;
+  for (std::uint32_t v = 0; v + 1 < raw.vertices.size(); ++v) {
+    for (const double height : {0.99 * k_mesh_sliver, 1.01 * k_mesh_sliver, 0.0, 1e61}) {
+      Raw moved = raw;
+      moved.vertices[v] = raw.vertices[v + 1] + Vec3(-1e-5 * height, height, 0);
+      TriangleMesh mesh = raw.build(MeshClosure::may_be_open).value();
+      const auto error = mesh.move_vertices(std::vector<VertexMove>{{v, moved.vertices[v]}});
+      const auto built = moved.build(MeshClosure::may_be_open);
+      ASSERT_EQ(error.has_value(), !built.ok()) << v << ", " << height;
+      if (error) {
+        ++refused;
+        ASSERT_EQ(*error, built.error());
+        ASSERT_NO_FATAL_FAILURE(expect_equal(mesh, raw.build(MeshClosure::may_be_open).value()));
+      } else {
+        ASSERT_NO_FATAL_FAILURE(expect_equal(mesh, built.value()));
+      }
+    }
+  }
+  EXPECT_GT(refused, 30);
+  EXPECT_LT(refused, 55);
+}
+
 TEST(TriangleMesh, a_move_lists_what_it_concerns) {
-  // Goal: moved_edges and moved_vertices are the edges of the triangles about the moved vertices,
-  // and the ends of these, each once; nothing after a move that is refused. Method: random moves,
-  // some of a vertex twice, against a search through all triangles; a sheet and a closed mesh.
+  // Goal: moved_triangles, moved_edges and moved_vertices are the triangles about the moved
+  // vertices, the edges of these, and their ends, each once; changed_edges those edges whose kind
+  // is another one; nothing after a move that is refused. Method: random moves, some of a vertex
+  // twice, against a search through all triangles; a sheet and a closed mesh.
   random::Stream stream({.seed = 22, .purpose = random::Purpose::prior}, 0);
   const auto sorted = [](std::span<const std::uint32_t> items) {
     std::vector<std::uint32_t> list(items.begin(), items.end());
     std::sort(list.begin(), list.end());
     return list;
   };
+  std::size_t changes = 0;
   for (const Raw& raw : {sheet(6), triangulated(icosphere(1, 1).value())}) {
     TriangleMesh mesh = raw.build(MeshClosure::may_be_open).value();
     for (int i = 0; i < 200; ++i) {
@@ -163,25 +249,45 @@ TEST(TriangleMesh, a_move_lists_what_it_concerns) {
       for (auto k = stream.bits() % 8; k > 0; --k) {
         const auto v = static_cast<std::uint32_t>(stream.bits() % raw.vertices.size());
         moved.insert(v);
-        moves.push_back({v, raw.vertices[v] + Vec3(0, 0, 0.1 * stream.uniform())});
+        const double rise_m = stream.bits() % 2 == 0 ? 0 : 0.1 * stream.uniform();
+        moves.push_back({v, raw.vertices[v] + Vec3(0, 0, rise_m)});
       }
+      // The same vertices as before, at times.
+      if (i % 5 == 0) {
+        ASSERT_FALSE(mesh.move_vertices(moves));
+      }
+      const std::vector<MeshEdge> before(mesh.edges().begin(), mesh.edges().end());
+      std::set<std::uint32_t> triangles;
       std::set<std::uint32_t> edges;
       std::set<std::uint32_t> ends;
       for (std::uint32_t t = 0; t < raw.triangles.size(); ++t) {
         if (std::ranges::none_of(raw.triangles[t], [&](auto v) { return moved.contains(v); }))
           continue;
+        triangles.insert(t);
         edges.insert(mesh.edges_of(t).begin(), mesh.edges_of(t).end());
         ends.insert(raw.triangles[t].begin(), raw.triangles[t].end());
       }
       ASSERT_FALSE(mesh.move_vertices(moves));
+      std::vector<std::uint32_t> changed;
+      for (std::uint32_t e = 0; e < before.size(); ++e) {
+        if ((before[e].kind == EdgeKind::flat) != (mesh.edges()[e].kind == EdgeKind::flat))
+          changed.push_back(e);
+      }
+      changes += changed.size();
+      ASSERT_EQ(sorted(mesh.moved_triangles()), std::vector(triangles.begin(), triangles.end()))
+          << i;
+      ASSERT_EQ(sorted(mesh.flat_changes()), changed) << i;
       ASSERT_EQ(sorted(mesh.moved_edges()), std::vector(edges.begin(), edges.end())) << i;
       ASSERT_EQ(sorted(mesh.moved_vertices()), std::vector(ends.begin(), ends.end())) << i;
     }
     const double nan = std::numeric_limits<double>::quiet_NaN();
     ASSERT_TRUE(mesh.move_vertices(std::vector<VertexMove>{{3, Vec3(0, 0, nan)}}));
+    EXPECT_TRUE(mesh.moved_triangles().empty());
     EXPECT_TRUE(mesh.moved_edges().empty());
     EXPECT_TRUE(mesh.moved_vertices().empty());
+    EXPECT_TRUE(mesh.flat_changes().empty());
   }
+  EXPECT_GT(changes, 200U);
 }
 
 TEST(TriangleMesh, a_bad_move_changes_nothing_and_says_why) {
