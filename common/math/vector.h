@@ -23,6 +23,7 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <concepts>
+#include <type_traits>
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
@@ -46,12 +47,19 @@ concept SameSize = int{T::RowsAtCompileTime} == int{U::RowsAtCompileTime};
 template <VectorExpression T>
 using Evaluated = Eigen::Matrix<double, T::RowsAtCompileTime, 1>;
 
+namespace detail {
+/// An argument, evaluated once: a vector stays where it is, since copies of it would go through
+/// memory in each call.
+template <VectorExpression T>
+using Held = std::conditional_t<std::same_as<T, Evaluated<T>>, const T&, const Evaluated<T>>;
+}  // namespace detail
+
 /// a.x b.x + a.y b.y [+ a.z b.z], added in this order.
 template <VectorExpression A, VectorExpression B>
 requires SameSize<A, B>
 double dot(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
-  const Evaluated<A> u = a;
-  const Evaluated<B> v = b;
+  const detail::Held<A> u = a.derived();
+  const detail::Held<B> v = b.derived();
   double sum = u[0] * v[0];
   for (Eigen::Index i = 1; i < u.size(); ++i)
     sum += u[i] * v[i];
@@ -61,7 +69,7 @@ double dot(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
 /// Length, in the unit of the components.
 template <VectorExpression A>
 double norm(const Eigen::MatrixBase<A>& a) {
-  const Evaluated<A> v = a;
+  const detail::Held<A> v = a.derived();
   return std::sqrt(dot(v, v));
 }
 
@@ -79,8 +87,8 @@ Evaluated<A> normalized(const Eigen::MatrixBase<A>& a) {
 template <VectorExpression A, VectorExpression B>
 requires(SameSize<A, B>&& SameSize<A, Vec2>) double cross(const Eigen::MatrixBase<A>& a,
                                                           const Eigen::MatrixBase<B>& b) {
-  const Vec2 u = a;
-  const Vec2 v = b;
+  const detail::Held<A> u = a.derived();
+  const detail::Held<B> v = b.derived();
   return u.x() * v.y() - u.y() * v.x();
 }
 
@@ -88,8 +96,8 @@ requires(SameSize<A, B>&& SameSize<A, Vec2>) double cross(const Eigen::MatrixBas
 template <VectorExpression A, VectorExpression B>
 requires(SameSize<A, B>&& SameSize<A, Vec3>) Vec3
     cross(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
-  const Vec3 u = a;
-  const Vec3 v = b;
+  const detail::Held<A> u = a.derived();
+  const detail::Held<B> v = b.derived();
   return {u.y() * v.z() - u.z() * v.y(), u.z() * v.x() - u.x() * v.z(),
           u.x() * v.y() - u.y() * v.x()};
 }
