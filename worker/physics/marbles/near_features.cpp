@@ -151,9 +151,16 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
 }
 
 void NearFeatures::refresh() {
+  const auto reach_m = static_cast<float>(radius_m_ + 2 * k_touch_m);
   for (const std::uint32_t f : statics_.refreshed()) {
-    touch_boxes_[f] = box_of_touches(f);
-    if (!holds(homes_[f], touch_boxes_[f])) grow_home(f);
+    const SphereFeature& feature = statics_.feature(f);
+    TouchBox& box = touch_boxes_[f];
+    if (StaticGeometry::is_absent(feature)) {
+      box = k_nowhere;
+      continue;
+    }
+    box = touch_box_of(feature, statics_.sides(feature), statics_.feature_box(f), reach_m);
+    if (!holds(homes_[f], box)) grow_home(f);
   }
 }
 

@@ -99,11 +99,13 @@ void StaticGeometry::assign(const Scene& scene) {
     const TriangleMesh& mesh = *placed.mesh;
     const std::size_t triangles = mesh.triangles().size();
     sizes.features += 2 * triangles + mesh.edges().size() + mesh.vertices_m().size();
-    sizes.sides += 8 * triangles + 6 * mesh.edges().size() + mesh.vertices_m().size();
+    sizes.sides += 8 * triangles + 6 * mesh.edges().size();
     sizes.pieces += triangles;
     sizes.triangles += triangles;
   }
+  ++sizes.sides;
   reserve(sizes);
+  if (for_spheres_) sides_.push_back(closed_side(Vec3::Zero(), 1, 0));
   for (const StaticPlane& plane : scene.planes)
     add_plane(plane);
   plane_count_ = planes_.size();

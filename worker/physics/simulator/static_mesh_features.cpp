@@ -35,22 +35,49 @@ void StaticGeometry::add_features(const StaticMesh& placed, StaticOwner owner) {
   place.face_sides = side_count();
   place.edge_sides = place.face_sides + 4 * faces;
   std::uint32_t sides = place.edge_sides + 4 * edges;
+  place.end_sides.resize(edges);
   for (std::uint32_t v = 0; v < vertices; ++v) {
     place.vertex_sides.push_back(sides);
-    sides += std::max(1U, static_cast<std::uint32_t>(mesh.edges_at(v).size()));
+    for (const std::uint32_t e : mesh.edges_at(v))
+      place.end_sides[e][mesh.edges()[e].vertex[0] == v ? 0 : 1] = sides++;
   }
+  place.vertex_sides.push_back(sides);
   features_.resize(place.first_vertex + vertices);
   feature_owners_.resize(features_.size(), owner);
   feature_boxes_.resize(features_.size() - plane_count_);
   sides_.resize(sides);
-  for (std::uint32_t t = 0; t < triangles; ++t)
-    write_face(place, t);
-  for (std::uint32_t e = 0; e < edges; ++e)
-    write_edge(place, e);
-  for (std::uint32_t v = 0; v < vertices; ++v)
-    write_vertex(place, v);
+  lay_out(place);
+  write_all(place);
   write_boxes(place);
   meshes_.push_back(std::move(place));
+}
+
+/// All that never changes.
+void StaticGeometry::lay_out(MeshPlace& place) {
+  for (std::uint32_t f = place.first_face; f < place.first_edge; ++f) {
+    const std::uint32_t side = place.face_sides + 4 * (f - place.first_face);
+    const bool back = !place.closed && (f - place.first_face) % 2 == 1;
+    features_[f] = {.kind = FeatureKind::face, .regions_begin = side, .regions_end = side + 4};
+    for (std::uint32_t k = 0; k < 4; ++k)
+      sides_[side + k].strict = back && k == 3;
+  }
+  for (std::uint32_t f = place.first_edge; f < place.first_vertex; ++f)
+    features_[f] = {.kind = FeatureKind::edge};
+  for (std::uint32_t side = place.edge_sides; side < place.vertex_sides.front(); ++side)
+    sides_[side].strict = true;
+  for (std::uint32_t f = place.first_vertex; f < feature_count(); ++f)
+    features_[f] = {.kind = FeatureKind::vertex};
+  for (std::uint32_t side = place.vertex_sides.front(); side < side_count(); ++side)
+    sides_[side].strict = false;
+}
+
+void StaticGeometry::write_all(const MeshPlace& place) {
+  for (std::uint32_t t = 0; t < place.mesh->triangles().size(); ++t)
+    write_face(place, t);
+  for (std::uint32_t e = 0; e < place.mesh->edges().size(); ++e)
+    write_edge(place, e);
+  for (std::uint32_t v = 0; v < place.mesh->vertices_m().size(); ++v)
+    write_vertex(place, v);
 }
 
 void StaticGeometry::refresh(std::size_t index) {
@@ -60,53 +87,25 @@ void StaticGeometry::refresh(std::size_t index) {
   const TriangleMesh& mesh = *place.mesh;
   const Margins margins = margins_of(mesh.vertices_m());
   refreshed_.clear();
-  const auto face = [&](std::uint32_t t) {
-    write_face(place, t);
-    const std::uint32_t backs = place.closed ? 1 : 2;
-    for (std::uint32_t back = 0; back < backs; ++back)
-      refreshed_.push_back(place.first_face + backs * t + back);
-  };
-  const auto edge = [&](std::uint32_t e) {
-    write_edge(place, e);
-    refreshed_.push_back(place.first_edge + e);
-  };
-  const auto vertex = [&](std::uint32_t v) {
-    write_vertex(place, v);
-    refreshed_.push_back(place.first_vertex + v);
-  };
   if (margins.border_m != place.margins.border_m) {
     // The size of the whole has changed, and every region by a rounding.
     place.margins = margins;
-    for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t)
-      face(t);
-    for (std::uint32_t e = 0; e < mesh.edges().size(); ++e)
-      edge(e);
-    for (std::uint32_t v = 0; v < mesh.vertices_m().size(); ++v)
-      vertex(v);
+    write_all(place);
+    for (std::uint32_t f = place.first_face; f < place.first_vertex + mesh.vertices_m().size(); ++f)
+      refreshed_.push_back(f);
+  } else {
+    write_moved(place);
   }
-  // How far a face reaches depends on how flat its edges are, so faces beside those that moved are
-  // written too: once, at the first of their edges.
-  is_written_.resize(mesh.triangles().size());
-  for (const std::uint32_t e : mesh.moved_edges()) {
-    edge(e);
-    for (const std::uint32_t t : mesh.edges()[e].triangle) {
-      if (t == k_no_triangle || is_written_[t] != 0) continue;
-      is_written_[t] = 1;
-      face(t);
-    }
-  }
-  for (const std::uint32_t e : mesh.moved_edges()) {
-    for (const std::uint32_t t : mesh.edges()[e].triangle) {
-      if (t != k_no_triangle) is_written_[t] = 0;
-    }
-  }
-  if (place.closed) solids_[place.solid].hollow = is_hollow(mesh);
   bool within = place.slack_m > 0;
   for (const std::uint32_t v : mesh.moved_vertices()) {
-    vertex(v);
-    for (int i = 0; i < 3 && within; ++i)
-      within = std::fabs(mesh.vertices_m()[v][i] - place.homes_m[v][i]) <= place.slack_m;
+    if (!within) break;
+    const Vec3& place_m = mesh.vertices_m()[v];
+    const Vec3& home_m = place.homes_m[v];
+    within = std::fabs(place_m.x() - home_m.x()) <= place.slack_m &&
+             std::fabs(place_m.y() - home_m.y()) <= place.slack_m &&
+             std::fabs(place_m.z() - home_m.z()) <= place.slack_m;
   }
+  if (place.closed && !(within && place.keeps_side)) solids_[place.solid].hollow = is_hollow(mesh);
   if (within) return;
   write_boxes(place);
   if (place.closed) {
@@ -116,10 +115,31 @@ void StaticGeometry::refresh(std::size_t index) {
   plant_feature_tree();
 }
 
-/// A region that holds nothing.
-void StaticGeometry::set_absent(SphereFeature& feature) {
-  feature.regions_end = feature.regions_begin + 1;
-  sides_[feature.regions_begin] = closed_side(Vec3::Zero(), 1, 0);
+/// What the mesh's last move has changed.
+void StaticGeometry::write_moved(const MeshPlace& place) {
+  const TriangleMesh& mesh = *place.mesh;
+  const std::uint32_t backs = place.closed ? 1 : 2;
+  const auto face = [&](std::uint32_t t) {
+    write_face(place, t);
+    for (std::uint32_t back = 0; back < backs; ++back)
+      refreshed_.push_back(place.first_face + backs * t + back);
+  };
+  for (const std::uint32_t t : mesh.moved_triangles())
+    face(t);
+  // How far a face reaches depends on how flat its edges are.
+  for (const std::uint32_t e : mesh.flat_changes()) {
+    for (const std::uint32_t t : mesh.edges()[e].triangle) {
+      if (t != k_no_triangle) face(t);
+    }
+  }
+  for (const std::uint32_t e : mesh.moved_edges()) {
+    write_edge(place, e);
+    refreshed_.push_back(place.first_edge + e);
+  }
+  for (const std::uint32_t v : mesh.moved_vertices()) {
+    write_vertex(place, v);
+    refreshed_.push_back(place.first_vertex + v);
+  }
 }
 
 /// The region above a face, or below it.
@@ -127,73 +147,77 @@ void StaticGeometry::write_face(const MeshPlace& place, std::uint32_t triangle) 
   const TriangleMesh& mesh = *place.mesh;
   const MeshFace& face = mesh.faces()[triangle];
   const Vec3& corner_m = mesh.vertices_m()[mesh.triangles()[triangle][0]];
+  const std::array<std::uint32_t, 3>& edges = mesh.edges_of(triangle);
   for (std::uint32_t back = 0; back < (place.closed ? 1U : 2U); ++back) {
     const std::uint32_t at = place.closed ? triangle : 2 * triangle + back;
-    std::uint32_t side = place.face_sides + 4 * at;
-    features_[place.first_face + at] = {.kind = FeatureKind::face,
-                                        .point_m = corner_m,
-                                        .direction = back != 0 ? Vec3(-face.normal) : face.normal,
-                                        .regions_begin = side,
-                                        .regions_end = side + 4};
+    SphereFeature& feature = features_[place.first_face + at];
+    RegionSide* const sides = &sides_[place.face_sides + std::size_t{4} * at];
+    feature.point_m = corner_m;
     for (std::size_t k = 0; k < 3; ++k) {
-      const bool flat = mesh.edges()[mesh.edges_of(triangle)[k]].kind == EdgeKind::flat;
-      sides_[side++] = closed_side(face.inward[k], face.inward_offset_m[k],
-                                   flat ? place.margins.flat_m : place.margins.border_m);
+      const bool flat = mesh.edges()[edges[k]].kind == EdgeKind::flat;
+      sides[k].space.normal = face.inward[k];
+      sides[k].space.offset_m =
+          face.inward_offset_m[k] - (flat ? place.margins.flat_m : place.margins.border_m);
     }
-    sides_[side] = back != 0 ? open_side(-face.normal, -face.offset_m)
-                             : closed_side(face.normal, face.offset_m, 0);
+    if (back != 0) {
+      feature.direction = -face.normal;
+      sides[3].space.offset_m = -face.offset_m;
+    } else {
+      feature.direction = face.normal;
+      sides[3].space.offset_m = face.offset_m;
+    }
+    sides[3].space.normal = feature.direction;
   }
 }
 
+/// An edge, and the sides that it is to its ends' regions.
 void StaticGeometry::write_edge(const MeshPlace& place, std::uint32_t index) {
   const TriangleMesh& mesh = *place.mesh;
   const MeshEdge& edge = mesh.edges()[index];
-  const std::uint32_t first = place.edge_sides + 4 * index;
+  const Vec3& direction = edge.direction;
+  const Vec3 back = -direction;
+  const double start = math::dot(direction, edge.start_m);
+  const double end = math::dot(direction, mesh.vertices_m()[edge.vertex[1]]);
+  // The direction as the edge has it, so that a point is on one side for both or for neither.
+  const auto& [at_start, at_end] = place.end_sides[index];
+  sides_[at_start].space.normal = back;
+  sides_[at_start].space.offset_m = -start - place.margins.border_m;
+  sides_[at_end].space.normal = direction;
+  sides_[at_end].space.offset_m = end - place.margins.border_m;
   SphereFeature& feature = features_[place.first_edge + index];
-  feature = {.kind = FeatureKind::edge,
-             .point_m = edge.start_m,
-             .direction = edge.direction,
-             .regions_begin = first};
+  feature.point_m = edge.start_m;
+  feature.direction = direction;
   if (!is_met(edge, place.closed)) {
-    set_absent(feature);
+    feature.regions_begin = k_nothing;
+    feature.regions_end = k_nothing + 1;
     return;
   }
-  std::uint32_t side = first;
-  const Vec3& direction = edge.direction;
-  const Vec3& end_m = mesh.vertices_m()[edge.vertex[1]];
-  sides_[side++] = open_side(direction, math::dot(direction, edge.start_m));
-  sides_[side++] = open_side(-direction, -math::dot(direction, end_m));
-  for (const std::uint32_t t : edge.triangle) {
-    if (t == k_no_triangle) continue;
-    const auto& edges = mesh.edges_of(t);
-    const auto k = static_cast<std::size_t>(std::ranges::find(edges, index) - edges.begin());
-    const MeshFace& face = mesh.faces()[t];
-    sides_[side++] = open_side(-face.inward[k], -face.inward_offset_m[k]);
+  feature.regions_begin = place.edge_sides + 4 * index;
+  RegionSide* const sides = &sides_[feature.regions_begin];
+  sides[0].space.normal = direction;
+  sides[0].space.offset_m = start;
+  sides[1].space.normal = back;
+  sides[1].space.offset_m = -end;
+  const std::uint32_t faces = edge.triangle[1] == k_no_triangle ? 1 : 2;
+  for (std::size_t i = 0; i < faces; ++i) {
+    const MeshFace& face = mesh.faces()[edge.triangle[i]];
+    sides[2 + i].space.normal = -face.inward[edge.side[i]];
+    sides[2 + i].space.offset_m = -face.inward_offset_m[edge.side[i]];
   }
-  feature.regions_end = side;
+  feature.regions_end = feature.regions_begin + 2 + faces;
 }
 
-/// A vertex at which some edge is met. All edges at it bound its region.
+/// A vertex at which some edge is met. All edges at it bound its region, and have written it.
 void StaticGeometry::write_vertex(const MeshPlace& place, std::uint32_t vertex) {
   const TriangleMesh& mesh = *place.mesh;
-  const Vec3& place_m = mesh.vertices_m()[vertex];
   SphereFeature& feature = features_[place.first_vertex + vertex];
-  feature = {
-      .kind = FeatureKind::vertex, .point_m = place_m, .regions_begin = place.vertex_sides[vertex]};
-  std::uint32_t side = feature.regions_begin;
-  bool met = false;
-  for (const std::uint32_t e : mesh.edges_at(vertex)) {
-    const MeshEdge& edge = mesh.edges()[e];
-    met = met || is_met(edge, place.closed);
-    // The direction as the edge has it, so that a point is on one side for both or for neither.
-    const Vec3& direction = edge.direction;
-    sides_[side++] =
-        edge.vertex[0] == vertex
-            ? closed_side(-direction, -math::dot(direction, edge.start_m), place.margins.border_m)
-            : closed_side(direction, math::dot(direction, place_m), place.margins.border_m);
-  }
-  feature.regions_end = side;
-  if (!met) set_absent(feature);
+  feature.point_m = mesh.vertices_m()[vertex];
+  const bool met = place.closed ? mesh.exposed(vertex)
+                                : std::ranges::any_of(mesh.edges_at(vertex), [&](std::uint32_t e) {
+                                    return is_met(mesh.edges()[e], false);
+                                  });
+  feature.regions_begin = met ? place.vertex_sides[vertex] : k_nothing;
+  feature.regions_end = met ? place.vertex_sides[vertex + std::size_t{1}] : k_nothing + 1;
 }
 
 void StaticGeometry::write_boxes(MeshPlace& place) {
@@ -201,7 +225,10 @@ void StaticGeometry::write_boxes(MeshPlace& place) {
   corner_boxes_.clear();
   for (const Vec3& v : mesh.vertices_m())
     corner_boxes_.push_back(wider(box_around(v), place.slack_m));
-  if (place.slack_m > 0) place.homes_m.assign(mesh.vertices_m().begin(), mesh.vertices_m().end());
+  if (place.slack_m > 0) {
+    place.homes_m.assign(mesh.vertices_m().begin(), mesh.vertices_m().end());
+    place.keeps_side = place.closed && keeps_side(mesh, place.slack_m);
+  }
   const auto box_of = [&](std::uint32_t feature) -> Box& {
     return feature_boxes_[feature - plane_count_];
   };

@@ -83,4 +83,28 @@ inline bool is_hollow(const TriangleMesh& mesh) {
   return volume < 0;
 }
 
+/// Whether a closed mesh stays hollow, or solid, while no coordinate of a vertex is further than
+/// slack_m from where it is now.
+inline bool keeps_side(const TriangleMesh& mesh, double slack_m) {
+  // While one vertex moves, the volume changes by that way times the area of the triangles about
+  // it, at most: a third of this counts. No side grows by more than both of its ends move.
+  const double way_m = std::sqrt(3) * slack_m;
+  double volume = 0;
+  double change = 0;
+  double rounding = 0;
+  for (const TriangleCorners& corners : mesh.triangles()) {
+    const Vec3& a = mesh.vertices_m()[corners[0]];
+    const Vec3 ab = mesh.vertices_m()[corners[1]] - a;
+    const Vec3 ac = mesh.vertices_m()[corners[2]] - a;
+    const Vec3 bc = ac - ab;
+    const Vec3 across = math::cross(ab, ac);
+    const double around_m = math::norm(ab) + math::norm(ac) + math::norm(bc);
+    const double term = math::dot(a, across);
+    volume += term;
+    rounding += std::fabs(term);
+    change += 3 * math::norm(across) + 4 * way_m * around_m + 12 * way_m * way_m;
+  }
+  return std::fabs(volume) > 1.001 * way_m * change + 1e-6 * rounding;
+}
+
 }  // namespace sleight::physics
