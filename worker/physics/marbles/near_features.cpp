@@ -151,17 +151,11 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
 }
 
 void NearFeatures::refresh() {
-  const auto reach_m = static_cast<float>(radius_m_ + 2 * k_touch_m);
-  for (const std::uint32_t f : statics_.refreshed()) {
-    const SphereFeature& feature = statics_.feature(f);
-    TouchBox& box = touch_boxes_[f];
-    if (StaticGeometry::is_absent(feature)) {
-      box = k_nowhere;
-      continue;
-    }
-    box = touch_box_of(feature, statics_.sides(feature), statics_.feature_box(f), reach_m);
-    if (!holds(homes_[f], box)) grow_home(f);
-  }
+  outgrown_.clear();
+  write_touch_boxes(statics_, statics_.refreshed(), static_cast<float>(radius_m_ + 2 * k_touch_m),
+                    homes_, touch_boxes_, outgrown_);
+  for (const std::uint32_t f : outgrown_)
+    grow_home(f);
 }
 
 NearFeatures::Cell NearFeatures::cell_at(const Vec3& centre_m) const {

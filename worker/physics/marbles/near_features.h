@@ -72,7 +72,8 @@ class NearFeatures {
   const StaticGeometry& statics_;
   double radius_m_;
   std::vector<TouchBox> touch_boxes_;
-  std::vector<TouchBox> homes_;  ///< for which lists were made
+  std::vector<TouchBox> homes_;          ///< for which lists were made
+  std::vector<std::uint32_t> outgrown_;  ///< while refreshing
   std::vector<std::uint32_t> everywhere_;
   // Cells, x fastest.
   std::array<double, 3> origin_m_{};

@@ -41,12 +41,23 @@ Four roots(Four a) {
 }
 
 /// As floats: touch boxes are wider than their rounding by far.
-Four direction_of(const Vec3& v) {
+Four floats_of(Two xy, Two z) {
 #ifdef __SSE2__
-  return _mm_movelh_ps(_mm_cvtpd_ps(_mm_loadu_pd(v.data())), _mm_cvtpd_ps(_mm_load_sd(&v[2])));
+  return _mm_movelh_ps(_mm_cvtpd_ps(xy), _mm_cvtpd_ps(z));
 #else
-  return Four{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
+  return Four{static_cast<float>(xy[0]), static_cast<float>(xy[1]), static_cast<float>(z[0]), 0};
 #endif
+}
+Two xy_of(const Vec3& v) {
+  Two xy;
+  std::memcpy(&xy, v.data(), sizeof xy);
+  return xy;
+}
+Two z_of(const Vec3& v) {
+  return Two{v.z(), 0};
+}
+Four direction_of(const Vec3& v) {
+  return floats_of(xy_of(v), z_of(v));
 }
 
 float dot(Four a, Four b) {
@@ -66,6 +77,11 @@ Four across(Four parts) {
   return roots(greatest(1 - parts * parts, Four{}));
 }
 
+struct Corners {
+  Four low;
+  Four high;
+};
+
 /// Of unit vectors from a feature to a centre in its region: the extent along each axis.
 struct Spread {
   Four low;
@@ -73,7 +89,8 @@ struct Spread {
 };
 
 /// From an edge: all at right angles to it, between its two faces if it has two.
-Spread spread_of_edge(const SphereFeature& edge, std::span<const RegionSide> sides) {
+[[gnu::always_inline]] inline Spread spread_of_edge(const SphereFeature& edge,
+                                                    std::span<const RegionSide> sides) {
   const Four along = direction_of(edge.direction);
   const Four furthest = across(along);
   const Spread around{.low = -furthest, .high = furthest};
@@ -100,49 +117,91 @@ Spread spread_of_edge(const SphereFeature& edge, std::span<const RegionSide> sid
 }
 
 /// From a vertex: at an obtuse angle to each of its edges.
-Spread spread_of_vertex(std::span<const RegionSide> sides) {
-  Four most{};
-  Four smallest{};
+[[gnu::always_inline]] inline Spread spread_of_vertex(std::span<const RegionSide> sides) {
+  // The greatest double is the greatest float.
+  Two most_xy{}, most_z{}, smallest_xy{}, smallest_z{};
   for (const RegionSide& side : sides) {
-    const Four inwards = direction_of(side.space.normal);
-    most = greatest(inwards, most);
-    smallest = least(inwards, smallest);
+    const Two xy = xy_of(side.space.normal);
+    const Two z = z_of(side.space.normal);
+    most_xy = most_xy > xy ? most_xy : xy;
+    most_z = most_z > z ? most_z : z;
+    smallest_xy = smallest_xy < xy ? smallest_xy : xy;
+    smallest_z = smallest_z < z ? smallest_z : z;
   }
-  return {.low = -across(most), .high = across(smallest)};
+  return {.low = -across(floats_of(most_xy, most_z)),
+          .high = across(floats_of(smallest_xy, smallest_z))};
 }
 
-Spread spread_of(const SphereFeature& feature, std::span<const RegionSide> sides) {
+[[gnu::always_inline]] inline Spread spread_of(const SphereFeature& feature,
+                                               std::span<const RegionSide> sides) {
   if (feature.kind == FeatureKind::edge) return spread_of_edge(feature, sides);
   if (feature.kind == FeatureKind::vertex) return spread_of_vertex(sides);
   const Four normal = direction_of(feature.direction);
   return {.low = normal, .high = normal};
 }
 
+/// Inline, so that a loop over features loads constants once.
+[[gnu::always_inline]] inline Corners corners_of(const SphereFeature& feature,
+                                                 std::span<const RegionSide> sides, const Box& own,
+                                                 float reach_m) {
+  const Spread spread = spread_of(feature, sides);
+  // Six numbers in two loads that overlap.
+  static_assert(sizeof own == 6 * sizeof(float));
+  Four low;
+  Four high;
+  std::memcpy(&low, &own, sizeof low);
+  std::memcpy(&high, reinterpret_cast<const char*>(&own) + 2 * sizeof(float), sizeof high);
+  high = __builtin_shufflevector(high, high, 1, 2, 3, 3);
+  const Four pad =
+      static_cast<float>(k_touch_box_pad_m) + 0x1p-18F * (absolute(low) + absolute(high) + reach_m);
+  constexpr Bits k_axes{-1, -1, -1, 0};
+  low = (low + least(reach_m * spread.low, Four{})) - pad;
+  high = (high + greatest(reach_m * spread.high, Four{})) + pad;
+  return {.low = four_of(bits_of(low) & k_axes), .high = four_of(bits_of(high) & k_axes)};
+}
+
+void put(const Corners& corners, TouchBox& box) {
+  std::memcpy(box.low_m.data(), &corners.low, sizeof corners.low);
+  std::memcpy(box.high_m.data(), &corners.high, sizeof corners.high);
+}
+
+/// Whether one box has no part outside of another one.
+bool is_in(const Corners& inner, const TouchBox& outer) {
+  Four low;
+  Four high;
+  std::memcpy(&low, outer.low_m.data(), sizeof low);
+  std::memcpy(&high, outer.high_m.data(), sizeof high);
+  const Bits beyond = (inner.low < low) | (inner.high > high);
+#ifdef __SSE2__
+  return _mm_movemask_ps(four_of(beyond)) == 0;
+#else
+  return (beyond[0] | beyond[1] | beyond[2]) == 0;
+#endif
+}
+
 }  // namespace
 
 TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
                       const Box& own, float reach_m) {
-  // Six numbers in two loads that overlap.
-  std::array<float, 6> corners{};
-  static_assert(sizeof corners == sizeof own);
-  std::memcpy(corners.data(), &own, sizeof own);
-  Four low;
-  Four high;
-  std::memcpy(&low, corners.data(), sizeof low);
-  std::memcpy(&high, &corners[2], sizeof high);
-  high = __builtin_shufflevector(high, high, 1, 2, 3, 3);
-  const Four pad =
-      static_cast<float>(k_touch_box_pad_m) + 0x1p-18F * (absolute(low) + absolute(high) + reach_m);
-  const Spread spread = spread_of(feature, sides);
-  constexpr Bits k_axes{-1, -1, -1, 0};
-  low = (low + least(reach_m * spread.low, Four{})) - pad;
-  high = (high + greatest(reach_m * spread.high, Four{})) + pad;
-  low = four_of(bits_of(low) & k_axes);
-  high = four_of(bits_of(high) & k_axes);
   TouchBox box;
-  std::memcpy(box.low_m.data(), &low, sizeof low);
-  std::memcpy(box.high_m.data(), &high, sizeof high);
+  put(corners_of(feature, sides, own, reach_m), box);
   return box;
+}
+
+void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint32_t> features,
+                       float reach_m, std::span<const TouchBox> homes, std::span<TouchBox> boxes,
+                       std::vector<std::uint32_t>& outgrown) {
+  for (const std::uint32_t f : features) {
+    const SphereFeature& feature = statics.feature(f);
+    if (StaticGeometry::is_absent(feature)) {
+      boxes[f] = k_nowhere;
+      continue;
+    }
+    const Corners corners =
+        corners_of(feature, statics.sides(feature), statics.feature_box(f), reach_m);
+    put(corners, boxes[f]);
+    if (!is_in(corners, homes[f])) outgrown.push_back(f);
+  }
 }
 
 }  // namespace sleight::physics

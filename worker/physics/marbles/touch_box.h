@@ -16,11 +16,14 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "worker/physics/broad_phase/box.h"
 #include "worker/physics/simulator/sphere_search.h"
+#include "worker/physics/simulator/static_geometry.h"
 
 namespace sleight::physics {
 
@@ -54,25 +57,15 @@ inline bool overlaps(const TouchBox& a, const TouchBox& b) {
 #endif
 }
 
-/// Whether one box has no part outside of another one.
-inline bool holds(const TouchBox& outer, const TouchBox& inner) {
-#ifdef __SSE2__
-  const __m128 below =
-      _mm_cmplt_ps(_mm_load_ps(inner.low_m.data()), _mm_load_ps(outer.low_m.data()));
-  const __m128 above =
-      _mm_cmpgt_ps(_mm_load_ps(inner.high_m.data()), _mm_load_ps(outer.high_m.data()));
-  return _mm_movemask_ps(_mm_or_ps(below, above)) == 0;
-#else
-  bool all = true;
-  for (std::size_t i = 0; i < 3; ++i)
-    all = all && inner.low_m[i] >= outer.low_m[i] && inner.high_m[i] <= outer.high_m[i];
-  return all;
-#endif
-}
-
 /// Of a feature with a box of its own. `reach_m`: the radius, and what counts as a touch.
 /// REQUIRES: the feature can be met, and is no plane without sides.
 TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
                       const Box& own, float reach_m);
+
+/// The same of features of static geometry, each at its index, k_nowhere for those that can't be
+/// met; appends those whose home, at the same index, doesn't hold their box. REQUIRES: no planes.
+void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint32_t> features,
+                       float reach_m, std::span<const TouchBox> homes, std::span<TouchBox> boxes,
+                       std::vector<std::uint32_t>& outgrown);
 
 }  // namespace sleight::physics

@@ -103,10 +103,10 @@ base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> v
   std::vector<std::uint32_t> all(triangles.size());
   std::iota(all.begin(), all.end(), 0U);
   mesh.derive_faces(all);
-  for (std::uint32_t e = 0; e < mesh.edges_.size(); ++e) {
-    mesh.derive_edge(e);
-    mesh.count_edge(mesh.edges_[e], EdgeKind::flat);
-  }
+  all.resize(mesh.edges_.size());
+  std::iota(all.begin(), all.end(), 0U);
+  mesh.derive_edges(all);
+  mesh.flat_changes_.clear();
   return mesh;
 }
 
@@ -176,29 +176,43 @@ bool TriangleMesh::derive_faces(std::span<const std::uint32_t> triangles) {
   return sound;
 }
 
-void TriangleMesh::derive_edge(std::uint32_t index) {
-  MeshEdge& edge = edges_[index];
-  edge.start_m = vertices_m_[edge.vertex[0]];
-  const Vec3 along = vertices_m_[edge.vertex[1]] - edge.start_m;
-  edge.length_m = norm(along);
-  edge.direction = along / edge.length_m;
-  edge.normal[0] = faces_[edge.triangle[0]].normal;
-  if (edge.triangle[1] == k_no_triangle) {
-    edge.kind = EdgeKind::boundary;
-    return;
-  }
-  const MeshFace& right = faces_[edge.triangle[1]];
-  edge.normal[1] = right.normal;
-  // How far the right face falls below the left one's plane, on a unit away from the edge.
-  const double rise = dot(edge.normal[0], right.inward[edge.side[1]]);
-  if (rise < -k_mesh_flat_sine) {
-    edge.kind = EdgeKind::convex;
-  } else if (rise > k_mesh_flat_sine) {
-    edge.kind = EdgeKind::concave;
-  } else {
-    // Two faces back to back make the sharpest edge there is.
-    const bool folded = dot(edge.normal[0], edge.normal[1]) < 0;
-    edge.kind = folded ? EdgeKind::convex : EdgeKind::flat;
+/// REQUIRES: their faces have been derived.
+void TriangleMesh::derive_edges(std::span<const std::uint32_t> numbers) {
+  // Compilers can't know that what is written is none of these addresses.
+  const Vec3* const vertices_m = vertices_m_.data();
+  const MeshFace* const faces = faces_.data();
+  MeshEdge* const edges = edges_.data();
+  flat_changes_.clear();
+  for (const std::uint32_t number : numbers) {
+    MeshEdge& edge = edges[number];
+    const Vec3 start_m = vertices_m[edge.vertex[0]];
+    const Vec3 along = vertices_m[edge.vertex[1]] - start_m;
+    const double length_m = norm(along);
+    const Vec3 normal = faces[edge.triangle[0]].normal;
+    edge.start_m = start_m;
+    edge.length_m = length_m;
+    edge.direction = along / length_m;
+    edge.normal[0] = normal;
+    EdgeKind kind = EdgeKind::boundary;
+    if (edge.triangle[1] != k_no_triangle) {
+      const MeshFace& right = faces[edge.triangle[1]];
+      edge.normal[1] = right.normal;
+      // How far the right face falls below the left one's plane, on a unit away from the edge.
+      const double rise = dot(normal, right.inward[edge.side[1]]);
+      if (rise < -k_mesh_flat_sine) {
+        kind = EdgeKind::convex;
+      } else if (rise > k_mesh_flat_sine) {
+        kind = EdgeKind::concave;
+      } else {
+        // Two faces back to back make the sharpest edge there is.
+        kind = dot(normal, right.normal) < 0 ? EdgeKind::convex : EdgeKind::flat;
+      }
+    }
+    const EdgeKind before = edge.kind;
+    if (kind == before) continue;
+    edge.kind = kind;
+    count_edge(edge, before);
+    if (kind == EdgeKind::flat || before == EdgeKind::flat) flat_changes_.push_back(number);
   }
 }
 
@@ -289,14 +303,7 @@ std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove>
     moved_vertices_.clear();
     return error;
   }
-  for (const std::uint32_t e : moved_edges_) {
-    const EdgeKind before = edges_[e].kind;
-    derive_edge(e);
-    const EdgeKind now = edges_[e].kind;
-    if (now == before) continue;
-    count_edge(edges_[e], before);
-    if (now == EdgeKind::flat || before == EdgeKind::flat) flat_changes_.push_back(e);
-  }
+  derive_edges(moved_edges_);
   return std::nullopt;
 }
 

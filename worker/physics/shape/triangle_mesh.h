@@ -140,7 +140,7 @@ class TriangleMesh {
   void find_moved(std::span<const VertexMove> moves);
   MeshError error_of_move(std::span<const VertexMove> moves) const;
   bool derive_faces(std::span<const std::uint32_t> triangles);
-  void derive_edge(std::uint32_t edge);
+  void derive_edges(std::span<const std::uint32_t> edges);
   void count_edge(const MeshEdge& edge, EdgeKind before);
 
   std::vector<Vec3> vertices_m_;

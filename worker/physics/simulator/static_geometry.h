@@ -185,17 +185,24 @@ class StaticGeometry {
     std::uint32_t first_face = 0, first_edge = 0, first_vertex = 0;
     std::uint32_t face_sides = 0, edge_sides = 0;
     std::vector<std::uint32_t> vertex_sides{};  ///< of vertex v from [v] to [v + 1]
+    /// By triangle: how far it reaches over each of its borders.
+    std::vector<std::array<double, 3>> face_margins_m{};
     /// By edge: its own among the sides of its ends.
     std::vector<std::array<std::uint32_t, 2>> end_sides{};
     bool keeps_side = false;  ///< no move within the slack turns it inside out
   };
   void lay_out(MeshPlace& place);
-  void write_face(const MeshPlace& place, std::uint32_t triangle);
-  void write_edge(const MeshPlace& place, std::uint32_t edge);
-  void write_vertex(const MeshPlace& place, std::uint32_t vertex);
+  void write_margins(MeshPlace& place, std::uint32_t triangle) const;
+  // Of some of the mesh's faces, edges and vertices, by their numbers there.
+  template <class Numbers>
+  void write_faces(const MeshPlace& place, const Numbers& triangles);
+  template <class Numbers>
+  void write_edges(const MeshPlace& place, const Numbers& numbers);
+  template <class Numbers>
+  void write_vertices(const MeshPlace& place, const Numbers& vertices);
   void write_boxes(MeshPlace& place);
-  void write_all(const MeshPlace& place);
-  void write_moved(const MeshPlace& place);
+  void write_all(MeshPlace& place);
+  void write_moved(MeshPlace& place);
   void plant_feature_tree();
   void add_piece(const ConvexView& view, const Box& box, StaticOwner owner);
   void add_feature(SphereFeature feature, std::uint32_t first_side, const Box& box,
@@ -234,6 +241,7 @@ class StaticGeometry {
   std::vector<std::string> names_;
   std::vector<Solid> solids_;
   std::vector<std::uint32_t> refreshed_;
+  std::vector<std::uint32_t> beside_;  ///< triangles, while refreshing
   // Room for building.
   std::vector<Box> corner_boxes_;
   std::vector<Box> tree_boxes_;

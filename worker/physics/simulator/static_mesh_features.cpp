@@ -1,6 +1,8 @@
 // The features of a mesh, and what happens to them when vertices move.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <ranges>
 
 #include "common/base/check.h"
 #include "worker/physics/simulator/static_geometry.h"
@@ -35,6 +37,7 @@ void StaticGeometry::add_features(const StaticMesh& placed, StaticOwner owner) {
   place.face_sides = side_count();
   place.edge_sides = place.face_sides + 4 * faces;
   std::uint32_t sides = place.edge_sides + 4 * edges;
+  place.face_margins_m.resize(triangles);
   place.end_sides.resize(edges);
   for (std::uint32_t v = 0; v < vertices; ++v) {
     place.vertex_sides.push_back(sides);
@@ -71,13 +74,16 @@ void StaticGeometry::lay_out(MeshPlace& place) {
     sides_[side].strict = false;
 }
 
-void StaticGeometry::write_all(const MeshPlace& place) {
-  for (std::uint32_t t = 0; t < place.mesh->triangles().size(); ++t)
-    write_face(place, t);
-  for (std::uint32_t e = 0; e < place.mesh->edges().size(); ++e)
-    write_edge(place, e);
-  for (std::uint32_t v = 0; v < place.mesh->vertices_m().size(); ++v)
-    write_vertex(place, v);
+void StaticGeometry::write_all(MeshPlace& place) {
+  const auto all = [](std::size_t count) {
+    return std::views::iota(0U, static_cast<std::uint32_t>(count));
+  };
+  const TriangleMesh& mesh = *place.mesh;
+  for (const std::uint32_t t : all(mesh.triangles().size()))
+    write_margins(place, t);
+  write_faces(place, all(mesh.triangles().size()));
+  write_edges(place, all(mesh.edges().size()));
+  write_vertices(place, all(mesh.vertices_m().size()));
 }
 
 void StaticGeometry::refresh(std::size_t index) {
@@ -86,13 +92,12 @@ void StaticGeometry::refresh(std::size_t index) {
   MeshPlace& place = meshes_[index];
   const TriangleMesh& mesh = *place.mesh;
   const Margins margins = margins_of(mesh.vertices_m());
-  refreshed_.clear();
   if (margins.border_m != place.margins.border_m) {
     // The size of the whole has changed, and every region by a rounding.
     place.margins = margins;
     write_all(place);
-    for (std::uint32_t f = place.first_face; f < place.first_vertex + mesh.vertices_m().size(); ++f)
-      refreshed_.push_back(f);
+    refreshed_.resize(place.first_vertex + mesh.vertices_m().size() - place.first_face);
+    std::iota(refreshed_.begin(), refreshed_.end(), place.first_face);
   } else {
     write_moved(place);
   }
@@ -116,108 +121,149 @@ void StaticGeometry::refresh(std::size_t index) {
 }
 
 /// What the mesh's last move has changed.
-void StaticGeometry::write_moved(const MeshPlace& place) {
+void StaticGeometry::write_moved(MeshPlace& place) {
   const TriangleMesh& mesh = *place.mesh;
-  const std::uint32_t backs = place.closed ? 1 : 2;
-  const auto face = [&](std::uint32_t t) {
-    write_face(place, t);
-    for (std::uint32_t back = 0; back < backs; ++back)
-      refreshed_.push_back(place.first_face + backs * t + back);
-  };
-  for (const std::uint32_t t : mesh.moved_triangles())
-    face(t);
-  // How far a face reaches depends on how flat its edges are.
+  // How far a face reaches depends on how flat its edges are: those beside what has moved are
+  // written too.
+  beside_.clear();
   for (const std::uint32_t e : mesh.flat_changes()) {
     for (const std::uint32_t t : mesh.edges()[e].triangle) {
-      if (t != k_no_triangle) face(t);
+      if (t == k_no_triangle) continue;
+      write_margins(place, t);
+      beside_.push_back(t);
     }
   }
-  for (const std::uint32_t e : mesh.moved_edges()) {
-    write_edge(place, e);
-    refreshed_.push_back(place.first_edge + e);
+  write_faces(place, mesh.moved_triangles());
+  write_faces(place, std::span<const std::uint32_t>(beside_));
+  write_edges(place, mesh.moved_edges());
+  write_vertices(place, mesh.moved_vertices());
+  const std::uint32_t backs = place.closed ? 1 : 2;
+  refreshed_.resize(backs * (mesh.moved_triangles().size() + beside_.size()) +
+                    mesh.moved_edges().size() + mesh.moved_vertices().size());
+  auto next = refreshed_.begin();
+  const auto add = [&](std::span<const std::uint32_t> numbers, std::uint32_t first,
+                       std::uint32_t each) {
+    for (const std::uint32_t number : numbers)
+      *next++ = first + each * number;
+  };
+  for (std::uint32_t back = 0; back < backs; ++back) {
+    add(mesh.moved_triangles(), place.first_face + back, backs);
+    add(beside_, place.first_face + back, backs);
   }
-  for (const std::uint32_t v : mesh.moved_vertices()) {
-    write_vertex(place, v);
-    refreshed_.push_back(place.first_vertex + v);
+  add(mesh.moved_edges(), place.first_edge, 1);
+  add(mesh.moved_vertices(), place.first_vertex, 1);
+}
+
+void StaticGeometry::write_margins(MeshPlace& place, std::uint32_t triangle) const {
+  const TriangleMesh& mesh = *place.mesh;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool flat = mesh.edges()[mesh.edges_of(triangle)[k]].kind == EdgeKind::flat;
+    place.face_margins_m[triangle][k] = flat ? place.margins.flat_m : place.margins.border_m;
   }
 }
 
-/// The region above a face, or below it.
-void StaticGeometry::write_face(const MeshPlace& place, std::uint32_t triangle) {
-  const TriangleMesh& mesh = *place.mesh;
-  const MeshFace& face = mesh.faces()[triangle];
-  const Vec3& corner_m = mesh.vertices_m()[mesh.triangles()[triangle][0]];
-  const std::array<std::uint32_t, 3>& edges = mesh.edges_of(triangle);
-  for (std::uint32_t back = 0; back < (place.closed ? 1U : 2U); ++back) {
-    const std::uint32_t at = place.closed ? triangle : 2 * triangle + back;
-    SphereFeature& feature = features_[place.first_face + at];
-    RegionSide* const sides = &sides_[place.face_sides + std::size_t{4} * at];
-    feature.point_m = corner_m;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const bool flat = mesh.edges()[edges[k]].kind == EdgeKind::flat;
-      sides[k].space.normal = face.inward[k];
-      sides[k].space.offset_m =
-          face.inward_offset_m[k] - (flat ? place.margins.flat_m : place.margins.border_m);
+// The loops below take the addresses of arrays once: compilers can't know that what they write is
+// none of these.
+
+/// The regions above faces, and below them.
+template <class Numbers>
+void StaticGeometry::write_faces(const MeshPlace& place, const Numbers& triangles) {
+  const Vec3* const vertices_m = place.mesh->vertices_m().data();
+  const TriangleCorners* const corners = place.mesh->triangles().data();
+  const MeshFace* const faces = place.mesh->faces().data();
+  const std::array<double, 3>* const margins_m = place.face_margins_m.data();
+  SphereFeature* const features = &features_[place.first_face];
+  RegionSide* const all_sides = &sides_[place.face_sides];
+  const std::uint32_t backs = place.closed ? 1 : 2;
+  for (const std::uint32_t t : triangles) {
+    const MeshFace& face = faces[t];
+    const std::array<double, 3>& margin_m = margins_m[t];
+    for (std::uint32_t back = 0; back < backs; ++back) {
+      const std::size_t at = std::size_t{backs} * t + back;
+      SphereFeature& feature = features[at];
+      RegionSide* const sides = all_sides + 4 * at;
+      feature.point_m = vertices_m[corners[t][0]];
+      for (std::size_t k = 0; k < 3; ++k) {
+        sides[k].space.normal = face.inward[k];
+        sides[k].space.offset_m = face.inward_offset_m[k] - margin_m[k];
+      }
+      const Vec3 normal = back != 0 ? Vec3(-face.normal) : face.normal;
+      feature.direction = normal;
+      sides[3].space.normal = normal;
+      sides[3].space.offset_m = back != 0 ? -face.offset_m : face.offset_m;
     }
-    if (back != 0) {
-      feature.direction = -face.normal;
-      sides[3].space.offset_m = -face.offset_m;
-    } else {
-      feature.direction = face.normal;
-      sides[3].space.offset_m = face.offset_m;
-    }
-    sides[3].space.normal = feature.direction;
   }
 }
 
-/// An edge, and the sides that it is to its ends' regions.
-void StaticGeometry::write_edge(const MeshPlace& place, std::uint32_t index) {
-  const TriangleMesh& mesh = *place.mesh;
-  const MeshEdge& edge = mesh.edges()[index];
-  const Vec3& direction = edge.direction;
-  const Vec3 back = -direction;
-  const double start = math::dot(direction, edge.start_m);
-  const double end = math::dot(direction, mesh.vertices_m()[edge.vertex[1]]);
-  // The direction as the edge has it, so that a point is on one side for both or for neither.
-  const auto& [at_start, at_end] = place.end_sides[index];
-  sides_[at_start].space.normal = back;
-  sides_[at_start].space.offset_m = -start - place.margins.border_m;
-  sides_[at_end].space.normal = direction;
-  sides_[at_end].space.offset_m = end - place.margins.border_m;
-  SphereFeature& feature = features_[place.first_edge + index];
-  feature.point_m = edge.start_m;
-  feature.direction = direction;
-  if (!is_met(edge, place.closed)) {
-    feature.regions_begin = k_nothing;
-    feature.regions_end = k_nothing + 1;
-    return;
+/// Edges, and the sides that they are to their ends' regions.
+template <class Numbers>
+void StaticGeometry::write_edges(const MeshPlace& place, const Numbers& numbers) {
+  const Vec3* const vertices_m = place.mesh->vertices_m().data();
+  const MeshFace* const faces = place.mesh->faces().data();
+  const MeshEdge* const edges = place.mesh->edges().data();
+  const std::array<std::uint32_t, 2>* const end_sides = place.end_sides.data();
+  const double border_m = place.margins.border_m;
+  const bool closed = place.closed;
+  const std::uint32_t edge_sides = place.edge_sides;
+  SphereFeature* const features = &features_[place.first_edge];
+  RegionSide* const all_sides = sides_.data();
+  for (const std::uint32_t number : numbers) {
+    const MeshEdge& edge = edges[number];
+    SphereFeature& feature = features[number];
+    const Vec3 direction = edge.direction;
+    const Vec3 back = -direction;
+    const double start = math::dot(direction, edge.start_m);
+    const double end = math::dot(direction, vertices_m[edge.vertex[1]]);
+    // The direction as the edge has it, so that a point is on one side for both or for neither.
+    HalfSpace& at_start = all_sides[end_sides[number][0]].space;
+    HalfSpace& at_end = all_sides[end_sides[number][1]].space;
+    at_start.normal = back;
+    at_start.offset_m = -start - border_m;
+    at_end.normal = direction;
+    at_end.offset_m = end - border_m;
+    feature.point_m = edge.start_m;
+    feature.direction = direction;
+    if (!is_met(edge, closed)) {
+      feature.regions_begin = k_nothing;
+      feature.regions_end = k_nothing + 1;
+      continue;
+    }
+    const std::uint32_t first = edge_sides + 4 * number;
+    RegionSide* const sides = all_sides + first;
+    sides[0].space.normal = direction;
+    sides[0].space.offset_m = start;
+    sides[1].space.normal = back;
+    sides[1].space.offset_m = -end;
+    const auto beside = [&](std::size_t i) {
+      const MeshFace& face = faces[edge.triangle[i]];
+      sides[2 + i].space.normal = -face.inward[edge.side[i]];
+      sides[2 + i].space.offset_m = -face.inward_offset_m[edge.side[i]];
+    };
+    const bool has_two = edge.triangle[1] != k_no_triangle;
+    beside(0);
+    if (has_two) beside(1);
+    feature.regions_begin = first;
+    feature.regions_end = first + (has_two ? 4 : 3);
   }
-  feature.regions_begin = place.edge_sides + 4 * index;
-  RegionSide* const sides = &sides_[feature.regions_begin];
-  sides[0].space.normal = direction;
-  sides[0].space.offset_m = start;
-  sides[1].space.normal = back;
-  sides[1].space.offset_m = -end;
-  const std::uint32_t faces = edge.triangle[1] == k_no_triangle ? 1 : 2;
-  for (std::size_t i = 0; i < faces; ++i) {
-    const MeshFace& face = mesh.faces()[edge.triangle[i]];
-    sides[2 + i].space.normal = -face.inward[edge.side[i]];
-    sides[2 + i].space.offset_m = -face.inward_offset_m[edge.side[i]];
-  }
-  feature.regions_end = feature.regions_begin + 2 + faces;
 }
 
-/// A vertex at which some edge is met. All edges at it bound its region, and have written it.
-void StaticGeometry::write_vertex(const MeshPlace& place, std::uint32_t vertex) {
+/// Vertices at which some edge is met. All edges at them bound their regions, and have written
+/// them.
+template <class Numbers>
+void StaticGeometry::write_vertices(const MeshPlace& place, const Numbers& vertices) {
   const TriangleMesh& mesh = *place.mesh;
-  SphereFeature& feature = features_[place.first_vertex + vertex];
-  feature.point_m = mesh.vertices_m()[vertex];
-  const bool met = place.closed ? mesh.exposed(vertex)
-                                : std::ranges::any_of(mesh.edges_at(vertex), [&](std::uint32_t e) {
-                                    return is_met(mesh.edges()[e], false);
-                                  });
-  feature.regions_begin = met ? place.vertex_sides[vertex] : k_nothing;
-  feature.regions_end = met ? place.vertex_sides[vertex + std::size_t{1}] : k_nothing + 1;
+  const auto is_met_in_sheet = [&](std::uint32_t vertex) {
+    return std::ranges::any_of(mesh.edges_at(vertex),
+                               [&](std::uint32_t e) { return is_met(mesh.edges()[e], false); });
+  };
+  SphereFeature* const features = &features_[place.first_vertex];
+  for (const std::uint32_t v : vertices) {
+    SphereFeature& feature = features[v];
+    feature.point_m = mesh.vertices_m()[v];
+    const bool met = place.closed ? mesh.exposed(v) : is_met_in_sheet(v);
+    feature.regions_begin = met ? place.vertex_sides[v] : k_nothing;
+    feature.regions_end = met ? place.vertex_sides[v + std::size_t{1}] : k_nothing + 1;
+  }
 }
 
 void StaticGeometry::write_boxes(MeshPlace& place) {

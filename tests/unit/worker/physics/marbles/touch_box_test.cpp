@@ -92,8 +92,8 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
   int told_apart = 0;
   for (std::uint64_t n = 0; n < 60; ++n) {
     random::Stream stream({.seed = 41, .purpose = random::Purpose::scene}, n);
-    testing::Raw raw =
-        n % 3 == 0 ? testing::sheet(5, 0.2, 0.1, stream) : testing::star(stream, n % 2 == 0 ? 0 : 0.4);
+    testing::Raw raw = n % 3 == 0 ? testing::sheet(5, 0.2, 0.1, stream)
+                                  : testing::star(stream, n % 2 == 0 ? 0 : 0.4);
     if (n % 4 == 0) {
       for (TriangleCorners& corners : raw.triangles)
         std::swap(corners[0], corners[1]);
@@ -119,29 +119,51 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
   EXPECT_GT(told_apart, kinds[0] + kinds[1]);
 }
 
-TEST(TouchBox, HoldsAsThePlainComparisonSays) {
-  // Goal: one box holds another one exactly if no side goes beyond. Method: corners from a few
-  // numbers, so that sides are often equal; and what nothing is in.
-  random::Stream stream({.seed = 42, .purpose = random::Purpose::scene}, 0);
-  const auto random_box = [&](float size) {
-    TouchBox box;
-    for (std::size_t i = 0; i < 3; ++i) {
-      box.low_m[i] = -size - static_cast<float>(stream.bits() % 2);
-      box.high_m[i] = size + static_cast<float>(stream.bits() % 2);
+TEST(TouchBox, ManyAreWrittenAtTheirIndices) {
+  // Goal: each feature that is named gets its box, one that can't be met none, and others stay as
+  // they are; those that outgrow their homes are told. Method: closed meshes, some edges of which
+  // are hollow, against one box at a time; homes that are the box itself, or end just short of one
+  // side of it, or a float beyond.
+  int absent = 0;
+  int outgrown_sides = 0;
+  for (std::uint64_t n = 0; n < 30; ++n) {
+    random::Stream stream({.seed = 43, .purpose = random::Purpose::scene}, n);
+    Scene scene = scenes::rain(1, 1).scene;
+    scene.meshes = {
+        {.name = "it", .mesh = testing::mesh_of(testing::star(stream, 0.4), MeshClosure::closed)}};
+    const StaticGeometry geometry(scene);
+    constexpr float k_reach_m = 0.05F;
+    std::vector<TouchBox> expected(geometry.feature_count());
+    std::vector<TouchBox> homes(geometry.feature_count());
+    std::vector<std::uint32_t> named;
+    std::vector<std::uint32_t> expected_outgrown;
+    for (std::uint32_t f = geometry.plane_count(); f < geometry.feature_count(); ++f) {
+      if (stream.bits() % 4 == 0) continue;
+      named.push_back(f);
+      absent += geometry.is_absent(f) ? 1 : 0;
+      const SphereFeature& feature = geometry.feature(f);
+      expected[f] = geometry.is_absent(f) ? k_nowhere
+                                          : plain_touch_box(feature, geometry.sides(feature),
+                                                            geometry.feature_box(f), k_reach_m);
+      homes[f] = expected[f];
+      const std::size_t axis = stream.bits() % 3;
+      const float way = stream.bits() % 2 == 0 ? 10.0F : -10.0F;
+      float& side = stream.bits() % 2 == 0 ? homes[f].low_m[axis] : homes[f].high_m[axis];
+      if (stream.bits() % 2 == 0) side = std::nextafter(side, way);
+      if (plain_holds(homes[f], expected[f])) continue;
+      expected_outgrown.push_back(f);
+      outgrown_sides |= 1 << (2 * axis + (way < 0 ? 1 : 0));
     }
-    return box;
-  };
-  int held = 0;
-  for (int i = 0; i < 2000; ++i) {
-    const TouchBox outer = random_box(1);
-    const TouchBox inner = random_box(i % 2 == 0 ? 1.0F : 0.5F);
-    ASSERT_EQ(holds(outer, inner), plain_holds(outer, inner));
-    held += holds(outer, inner) ? 1 : 0;
-    ASSERT_TRUE(holds(outer, k_nowhere));
-    ASSERT_FALSE(holds(k_nowhere, outer));
+    std::vector<TouchBox> boxes(geometry.feature_count());
+    std::vector<std::uint32_t> outgrown;
+    write_touch_boxes(geometry, named, k_reach_m, homes, boxes, outgrown);
+    for (std::uint32_t f = 0; f < geometry.feature_count(); ++f)
+      ASSERT_TRUE(same(boxes[f], expected[f])) << n << ", " << f;
+    std::ranges::sort(outgrown);
+    ASSERT_EQ(outgrown, expected_outgrown) << n;
   }
-  EXPECT_GT(held, 200);
-  EXPECT_LT(held, 1800);
+  EXPECT_GT(absent, 300);
+  EXPECT_EQ(outgrown_sides, 63);
 }
 
 }  // namespace

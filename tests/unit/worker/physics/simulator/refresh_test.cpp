@@ -10,6 +10,7 @@
 #include "tests/unit/worker/physics/simulator/random_meshes.h"
 #include "worker/physics/scenes/scenes.h"
 #include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/simulator/static_regions.h"
 
 namespace sleight::physics {
 namespace {
@@ -291,6 +292,67 @@ TEST(Refresh, AGeometryForNothingButPolyhedraIsLeftAsItIs) {
   StaticGeometry geometry(scene);
   geometry.refresh(1);
   EXPECT_EQ(geometry.feature_count(), 1U);
+}
+
+TEST(Refresh, AFlatSolidIsTurnedInsideOutWithinItsSlack) {
+  // Goal: whether a solid is hollow is looked at again unless its slack is too small for that to
+  // change. Method: stars, thick and very flat ones, whose vertices are mirrored: of the flat ones
+  // none leaves its slack. Mirrored twice they are as before.
+  for (std::uint64_t n = 0; n < 20; ++n) {
+    random::Stream stream({.seed = 34, .purpose = random::Purpose::scene}, n);
+    const bool is_flat = n % 2 == 1;
+    Subject subject{
+        .raw = testing::star(stream, 0.4), .closure = MeshClosure::closed, .slack_m = 0.005};
+    for (Vec3& vertex_m : subject.raw.vertices_m)
+      vertex_m.z() *= is_flat ? 0.001 : 1;
+    const auto mesh = subject.mesh();
+    ASSERT_EQ(keeps_side(*mesh, subject.slack_m), !is_flat) << n;
+    StaticGeometry geometry(subject.scene(mesh));
+    const Vec3 far_m(100, 100, 100);
+    for (int i = 0; i < 4; ++i) {
+      ASSERT_EQ(geometry.solid_at(far_m) != nullptr, i % 2 == 1) << n << ", " << i;
+      std::vector<VertexMove> moves;
+      for (std::uint32_t v = 0; v < mesh->vertices_m().size(); ++v) {
+        const Vec3& p = mesh->vertices_m()[v];
+        moves.push_back({v, {p.x(), p.y(), -p.z()}});
+      }
+      ASSERT_FALSE(mesh->move_vertices(moves));
+      geometry.refresh(1);
+    }
+  }
+}
+
+TEST(Refresh, AVolumeThatIsKeptIsKeptByAnyMove) {
+  // Goal: where keeps_side says so, no move within the slack changes the volume's sign; and it says
+  // so for slacks that are not very small. Method: stars moved to corners of their vertices' slack,
+  // those that take away most of the volume among them.
+  int kept = 0;
+  for (std::uint64_t n = 0; n < 200; ++n) {
+    random::Stream stream({.seed = 35, .purpose = random::Purpose::scene}, n);
+    const Raw raw = testing::star(stream, 0.4);
+    const auto mesh = Subject{.raw = raw, .closure = MeshClosure::closed}.mesh();
+    const double slack_m = 0.2 * stream.uniform();
+    if (!keeps_side(*mesh, slack_m)) continue;
+    ++kept;
+    const bool hollow = is_hollow(*mesh);
+    for (int i = 0; i < 10; ++i) {
+      std::vector<VertexMove> moves;
+      for (std::uint32_t v = 0; v < raw.vertices_m.size(); ++v) {
+        Vec3 place_m = raw.vertices_m[v];
+        for (int axis = 0; axis < 3; ++axis) {
+          const double inwards = place_m[axis] < 0 ? 1 : -1;
+          const double sign = i == 0 ? inwards : (stream.bits() % 2 == 0 ? 1 : -1);
+          place_m[axis] += sign * slack_m;
+        }
+        moves.push_back({v, place_m});
+      }
+      if (!mesh->move_vertices(moves)) {
+        ASSERT_EQ(is_hollow(*mesh), hollow) << n << ", " << i;
+      }
+    }
+  }
+  EXPECT_GT(kept, 20);
+  EXPECT_LT(kept, 180);
 }
 
 // ---- solids -------------------------------------------------------------------------------------
