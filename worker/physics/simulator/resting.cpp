@@ -127,15 +127,29 @@ class Balance {
 bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
                const Vec3& weight_at_m) {
   const double weight = math::norm(weight_n);
-  return weight == 0 || Balance(contacts, reach_m).carries(weight_n / weight, weight_at_m);
+  if (weight == 0) return true;
+  return Balance(contacts, reach_m).carries(weight_n / weight, weight_at_m);
+}
+
+bool falls_over(std::span<const TouchRecord> contacts, const Vec3& down, double reach_m) {
+  if (contacts.empty() || contacts.size() > 2) return false;
+  const Vec3& arm_m = contacts.front().arm_m;
+  const Vec3 axis =
+      contacts.size() == 2 ? Vec3(contacts[1].arm_m - arm_m) : math::cross(arm_m, down);
+  const Vec3 moves = math::cross(arm_m, axis);
+  const double work = math::dot(moves, down);
+  const double size = math::dot(moves, moves) + reach_m * reach_m * math::dot(axis, axis);
+  constexpr double k_more_than_rounding = 1 + 1e-6;
+  return work * work > k_more_than_rounding * k_balance_tolerance * k_balance_tolerance * size;
 }
 
 Resting::Chosen Resting::carrying(std::span<const TouchRecord> contacts, const Present& state,
                                   TickCount slow) const {
   const Vec3 down = state.weight_n / math::norm(state.weight_n);
+  const bool anyhow = state.round || slow / k_patience >= rest_span();
+  if (anyhow && falls_over(contacts, down, state.reach_m)) return 0;
   Balance balance(contacts, state.reach_m);
-  if (state.round || slow / k_patience >= rest_span())
-    return balance.carries(down, Vec3::Zero()) ? balance.pushing() : 0;
+  if (anyhow) return balance.carries(down, Vec3::Zero()) ? balance.pushing() : 0;
   // What carries the weight at the corners of a square carries it inside as well.
   const Vec3 first = any_tangent(down);
   const Vec3 second = math::cross(down, first);

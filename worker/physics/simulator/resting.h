@@ -68,6 +68,12 @@ struct TouchRecord {
 bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
                const Vec3& weight_at_m = Vec3::Zero());
 
+/// Whether one or two contacts certainly don't carry a weight at the centre, which is quickly seen:
+/// in a turn about the line through them, or about the one contact towards which the weight falls,
+/// no push does work. What the weight works meanwhile, over the size of that motion, is left of it
+/// at least. `down`: unit.
+bool falls_over(std::span<const TouchRecord> contacts, const Vec3& down, double reach_m);
+
 class Resting {
  public:
   /// What is known of a body's balance without a look at its contacts.
