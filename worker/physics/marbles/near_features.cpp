@@ -30,23 +30,25 @@ float padded_above(double x, double pad) {
 
 }  // namespace
 
-TouchBox NearFeatures::box_of_touches(std::uint32_t index) const {
-  const SphereFeature& feature = statics_.feature(index);
+TouchBox NearFeatures::touch_box_of_plane(std::uint32_t index) const {
+  const SphereFeature& plane = statics_.feature(index);
   const double reach_m = radius_m_ + 2 * k_touch_m;
-  if (index < statics_.plane_count()) {
-    TouchBox box = k_everywhere;
-    for (std::size_t i = 0; i < 3; ++i) {
-      // Centres may be anywhere below, too: a plane has no sides.
-      const double slope = feature.direction[static_cast<int>(i)];
-      const double place_m = feature.point_m[static_cast<int>(i)];
-      if (slope == 1) box.high_m[i] = padded_above(place_m + reach_m, k_touch_box_pad_m);
-      if (slope == -1) box.low_m[i] = padded_below(place_m - reach_m, k_touch_box_pad_m);
-    }
-    return box;
+  TouchBox box = k_everywhere;
+  for (std::size_t i = 0; i < 3; ++i) {
+    // Centres may be anywhere below, too: a plane has no sides.
+    const double slope = plane.direction[static_cast<int>(i)];
+    const double place_m = plane.point_m[static_cast<int>(i)];
+    if (slope == 1) box.high_m[i] = padded_above(place_m + reach_m, k_touch_box_pad_m);
+    if (slope == -1) box.low_m[i] = padded_below(place_m - reach_m, k_touch_box_pad_m);
   }
-  if (statics_.is_absent(index)) return k_nowhere;
-  return touch_box_of(feature, statics_.sides(feature), statics_.feature_box(index),
-                      static_cast<float>(reach_m));
+  return box;
+}
+
+/// Where features themselves are, which seldom changes: boxes have slack.
+void NearFeatures::measure_features() {
+  boxes_made_ = statics_.boxes_made();
+  for (std::uint32_t f = statics_.plane_count(); f < statics_.feature_count(); ++f)
+    extents_[f] = extent_of(statics_.feature_box(f), reach_m());
 }
 
 NearFeatures::Range NearFeatures::cells_of(const TouchBox& box) const {
@@ -103,10 +105,18 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
     : statics_(statics), radius_m_(radius_m) {
   const std::uint32_t count = statics_.feature_count();
   homes_.assign(count, k_nowhere);
+  touch_boxes_.assign(count, k_nowhere);
+  extents_.resize(count);
+  measure_features();
   TouchBox all = k_nowhere;
   for (std::uint32_t f = 0; f < count; ++f) {
-    touch_boxes_.push_back(box_of_touches(f));
-    if (f < statics_.plane_count()) everywhere_.push_back(f);
+    if (f < statics_.plane_count()) {
+      touch_boxes_[f] = touch_box_of_plane(f);
+      everywhere_.push_back(f);
+    } else if (!statics_.is_absent(f)) {
+      const SphereFeature& feature = statics_.feature(f);
+      touch_boxes_[f] = touch_box_of(feature, statics_.sides(feature), extents_[f], reach_m());
+    }
     for (std::size_t i = 0; i < 3 && f >= statics_.plane_count(); ++i) {
       all.low_m[i] = std::min(all.low_m[i], touch_boxes_[f].low_m[i]);
       all.high_m[i] = std::max(all.high_m[i], touch_boxes_[f].high_m[i]);
@@ -151,9 +161,10 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
 }
 
 void NearFeatures::refresh() {
+  if (boxes_made_ != statics_.boxes_made()) measure_features();
   outgrown_.clear();
-  write_touch_boxes(statics_, statics_.refreshed(), static_cast<float>(radius_m_ + 2 * k_touch_m),
-                    homes_, touch_boxes_, outgrown_);
+  write_touch_boxes(statics_, statics_.refreshed(), reach_m(),
+                    {.extents = extents_, .homes = homes_, .boxes = touch_boxes_}, outgrown_);
   for (const std::uint32_t f : outgrown_)
     grow_home(f);
 }

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "worker/physics/broad_phase/box.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/marbles/touch_box.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/simulator/static_geometry.h"
@@ -51,7 +52,9 @@ class NearFeatures {
   std::span<const TouchBox> touch_boxes() const { return touch_boxes_; }
 
  private:
-  TouchBox box_of_touches(std::uint32_t feature) const;
+  TouchBox touch_box_of_plane(std::uint32_t plane) const;
+  void measure_features();
+  float reach_m() const { return static_cast<float>(radius_m_ + 2 * k_touch_m); }
   void enlarge_home(std::uint32_t feature);
   void grow_home(std::uint32_t feature);
   /// Cells from the first up to, and without, the last of each axis.
@@ -72,6 +75,8 @@ class NearFeatures {
   const StaticGeometry& statics_;
   double radius_m_;
   std::vector<TouchBox> touch_boxes_;
+  std::vector<FeatureExtent> extents_;
+  std::uint64_t boxes_made_ = 0;         ///< the geometry's count when extents were
   std::vector<TouchBox> homes_;          ///< for which lists were made
   std::vector<std::uint32_t> outgrown_;  ///< while refreshing
   std::vector<std::uint32_t> everywhere_;

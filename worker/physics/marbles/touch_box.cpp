@@ -12,6 +12,7 @@ using Four = float __attribute__((vector_size(16)));
 using Bits = std::int32_t __attribute__((vector_size(16)));
 using Two = double __attribute__((vector_size(16)));
 
+constexpr Bits k_axes{-1, -1, -1, 0};
 constexpr Bits k_sign{INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
 
 Four all(float x) {
@@ -140,38 +141,34 @@ struct Spread {
   return {.low = normal, .high = normal};
 }
 
+Four four_of(const std::array<float, 4>& numbers) {
+  Four four;
+  std::memcpy(&four, numbers.data(), sizeof four);
+  return four;
+}
+void put(Four four, std::array<float, 4>& numbers) {
+  std::memcpy(numbers.data(), &four, sizeof four);
+}
+
 /// Inline, so that a loop over features loads constants once.
 [[gnu::always_inline]] inline Corners corners_of(const SphereFeature& feature,
-                                                 std::span<const RegionSide> sides, const Box& own,
-                                                 float reach_m) {
+                                                 std::span<const RegionSide> sides,
+                                                 const FeatureExtent& extent, float reach_m) {
   const Spread spread = spread_of(feature, sides);
-  // Six numbers in two loads that overlap.
-  static_assert(sizeof own == 6 * sizeof(float));
-  Four low;
-  Four high;
-  std::memcpy(&low, &own, sizeof low);
-  std::memcpy(&high, reinterpret_cast<const char*>(&own) + 2 * sizeof(float), sizeof high);
-  high = __builtin_shufflevector(high, high, 1, 2, 3, 3);
-  const Four pad =
-      static_cast<float>(k_touch_box_pad_m) + 0x1p-18F * (absolute(low) + absolute(high) + reach_m);
-  constexpr Bits k_axes{-1, -1, -1, 0};
-  low = (low + least(reach_m * spread.low, Four{})) - pad;
-  high = (high + greatest(reach_m * spread.high, Four{})) + pad;
+  const Four pad = four_of(extent.pad_m);
+  const Four low = (four_of(extent.low_m) + least(reach_m * spread.low, Four{})) - pad;
+  const Four high = (four_of(extent.high_m) + greatest(reach_m * spread.high, Four{})) + pad;
   return {.low = four_of(bits_of(low) & k_axes), .high = four_of(bits_of(high) & k_axes)};
 }
 
 void put(const Corners& corners, TouchBox& box) {
-  std::memcpy(box.low_m.data(), &corners.low, sizeof corners.low);
-  std::memcpy(box.high_m.data(), &corners.high, sizeof corners.high);
+  put(corners.low, box.low_m);
+  put(corners.high, box.high_m);
 }
 
 /// Whether one box has no part outside of another one.
 bool is_in(const Corners& inner, const TouchBox& outer) {
-  Four low;
-  Four high;
-  std::memcpy(&low, outer.low_m.data(), sizeof low);
-  std::memcpy(&high, outer.high_m.data(), sizeof high);
-  const Bits beyond = (inner.low < low) | (inner.high > high);
+  const Bits beyond = (inner.low < four_of(outer.low_m)) | (inner.high > four_of(outer.high_m));
 #ifdef __SSE2__
   return _mm_movemask_ps(four_of(beyond)) == 0;
 #else
@@ -181,26 +178,37 @@ bool is_in(const Corners& inner, const TouchBox& outer) {
 
 }  // namespace
 
+FeatureExtent extent_of(const Box& own, float reach_m) {
+  const Four low{own.low_m[0], own.low_m[1], own.low_m[2], 0};
+  const Four high{own.high_m[0], own.high_m[1], own.high_m[2], 0};
+  const Four pad =
+      static_cast<float>(k_touch_box_pad_m) + 0x1p-18F * (absolute(low) + absolute(high) + reach_m);
+  FeatureExtent extent;
+  put(low, extent.low_m);
+  put(high, extent.high_m);
+  put(four_of(bits_of(pad) & k_axes), extent.pad_m);
+  return extent;
+}
+
 TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
-                      const Box& own, float reach_m) {
+                      const FeatureExtent& extent, float reach_m) {
   TouchBox box;
-  put(corners_of(feature, sides, own, reach_m), box);
+  put(corners_of(feature, sides, extent, reach_m), box);
   return box;
 }
 
 void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint32_t> features,
-                       float reach_m, std::span<const TouchBox> homes, std::span<TouchBox> boxes,
+                       float reach_m, const TouchBoxes& table,
                        std::vector<std::uint32_t>& outgrown) {
   for (const std::uint32_t f : features) {
     const SphereFeature& feature = statics.feature(f);
     if (StaticGeometry::is_absent(feature)) {
-      boxes[f] = k_nowhere;
+      table.boxes[f] = k_nowhere;
       continue;
     }
-    const Corners corners =
-        corners_of(feature, statics.sides(feature), statics.feature_box(f), reach_m);
-    put(corners, boxes[f]);
-    if (!is_in(corners, homes[f])) outgrown.push_back(f);
+    const Corners corners = corners_of(feature, statics.sides(feature), table.extents[f], reach_m);
+    put(corners, table.boxes[f]);
+    if (!is_in(corners, table.homes[f])) outgrown.push_back(f);
   }
 }
 

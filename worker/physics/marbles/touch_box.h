@@ -57,15 +57,32 @@ inline bool overlaps(const TouchBox& a, const TouchBox& b) {
 #endif
 }
 
-/// Of a feature with a box of its own. `reach_m`: the radius, and what counts as a touch.
-/// REQUIRES: the feature can be met, and is no plane without sides.
-TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
-                      const Box& own, float reach_m);
+/// The part of a touch box that hangs on a feature's own box alone; the fourth numbers are 0.
+struct alignas(16) FeatureExtent {
+  std::array<float, 4> low_m{};
+  std::array<float, 4> high_m{};
+  std::array<float, 4> pad_m{};
+};
 
-/// The same of features of static geometry, each at its index, k_nowhere for those that can't be
-/// met; appends those whose home, at the same index, doesn't hold their box. REQUIRES: no planes.
+/// `reach_m`: the radius, and what counts as a touch.
+FeatureExtent extent_of(const Box& own, float reach_m);
+
+/// REQUIRES: the feature can be met, and is no plane without sides; its extent was made for the
+/// same reach.
+TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
+                      const FeatureExtent& extent, float reach_m);
+
+/// All by feature.
+struct TouchBoxes {
+  std::span<const FeatureExtent> extents;
+  std::span<const TouchBox> homes;
+  std::span<TouchBox> boxes;
+};
+
+/// Writes the touch boxes of some features, k_nowhere for those that can't be met, and appends to
+/// `outgrown` those that their homes don't hold. REQUIRES: no planes.
 void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint32_t> features,
-                       float reach_m, std::span<const TouchBox> homes, std::span<TouchBox> boxes,
+                       float reach_m, const TouchBoxes& table,
                        std::vector<std::uint32_t>& outgrown);
 
 }  // namespace sleight::physics

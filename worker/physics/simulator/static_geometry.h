@@ -102,6 +102,9 @@ class StaticGeometry {
   }
   /// Of a feature itself, wherever its mesh's slack lets its vertices be. REQUIRES: not a plane.
   const Box& feature_box(std::uint32_t index) const { return feature_boxes_[index - plane_count_]; }
+  /// How often refresh has made boxes of features anew: each time that a vertex was outside of its
+  /// slack.
+  std::uint64_t boxes_made() const { return boxes_made_; }
   /// Those that the last refresh wrote anew; some may come twice.
   std::span<const std::uint32_t> refreshed() const { return refreshed_; }
   const HalfSpace& plane(std::uint32_t index) const { return planes_[index]; }
@@ -240,6 +243,7 @@ class StaticGeometry {
   BoxTree piece_tree_;
   std::vector<std::string> names_;
   std::vector<Solid> solids_;
+  std::uint64_t boxes_made_ = 0;
   std::vector<std::uint32_t> refreshed_;
   std::vector<std::uint32_t> beside_;  ///< triangles, while refreshing
   // Room for building.

@@ -113,6 +113,7 @@ void StaticGeometry::refresh(std::size_t index) {
   if (place.closed && !(within && place.keeps_side)) solids_[place.solid].hollow = is_hollow(mesh);
   if (within) return;
   write_boxes(place);
+  ++boxes_made_;
   if (place.closed) {
     Box& box = solids_[place.solid].box;
     box = wider(box_around(mesh.vertices_m()), place.slack_m);
