@@ -150,7 +150,8 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
   }
   for (std::size_t list = 0; list < lists_.size(); ++list) {
     lists_[list].faces.reserve(lengths[2 * list]);
-    lists_[list].corners.reserve(lengths[2 * list + 1]);
+    // Flat edges that become convex come in later.
+    lists_[list].corners.reserve(lengths[2 * list + 1] + (lengths[2 * list + 1] + 1) / 2);
   }
   for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
     if (statics_.is_absent(f)) continue;

@@ -124,6 +124,58 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
   EXPECT_GT(told_apart, kinds[0] + kinds[1]);
 }
 
+TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
+  // Goal: after moves, what has been refreshed has the touch box that the geometry as it is now
+  // gives, and lists still name it. Method: a star of which one vertex goes a little way, and at
+  // times far beyond its slack, against the plain computation; each feature is looked for where
+  // its touch box has its middle.
+  int beyond = 0;
+  for (std::uint64_t n = 0; n < 10; ++n) {
+    random::Stream stream({.seed = 44, .purpose = random::Purpose::scene}, n);
+    const testing::Raw raw = testing::star(stream, 0.2);
+    const auto mesh = std::make_shared<TriangleMesh>(
+        TriangleMesh::make(raw.vertices_m, raw.triangles, MeshClosure::closed).value());
+    Scene scene = scenes::rain(1, 1).scene;
+    scene.bodies.resize(1);
+    constexpr double k_radius_m = 0.1;
+    scene.bodies[0].shape = Sphere{.radius_m = k_radius_m};
+    scene.meshes = {{.name = "it", .mesh = mesh, .slack_m = 0.01}};
+    StaticGeometry geometry(scene);
+    NearFeatures near(geometry, k_radius_m);
+    const auto reach = static_cast<float>(k_radius_m + 2 * k_touch_m);
+    for (int i = 0; i < 40; ++i) {
+      const auto v = static_cast<std::uint32_t>(stream.bits() % raw.vertices_m.size());
+      const double way_m = i % 4 == 3 ? 0.2 : 0.009;
+      const std::vector<VertexMove> moves{
+          {v, raw.vertices_m[v] + vector_between(stream, -way_m, way_m)}};
+      if (mesh->move_vertices(moves)) continue;
+      const std::uint64_t made = geometry.boxes_made();
+      geometry.refresh(0);
+      near.refresh();
+      beyond += geometry.boxes_made() != made ? 1 : 0;
+      for (const std::uint32_t f : geometry.refreshed()) {
+        if (geometry.is_absent(f)) {
+          ASSERT_TRUE(same(near.touch_boxes()[f], k_nowhere)) << n << ", " << i << ", " << f;
+          continue;
+        }
+        const SphereFeature& feature = geometry.feature(f);
+        const TouchBox plain =
+            plain_touch_box(feature, geometry.sides(feature), geometry.feature_box(f), reach);
+        ASSERT_TRUE(same(near.touch_boxes()[f], plain)) << n << ", " << i << ", " << f;
+        Vec3 middle_m;
+        for (int axis = 0; axis < 3; ++axis) {
+          const auto a = static_cast<std::size_t>(axis);
+          middle_m[axis] = 0.5 * (double{plain.low_m[a]} + double{plain.high_m[a]});
+        }
+        const NearFeatures::Cell cell = near.cell_at(middle_m);
+        const auto list = feature.kind == FeatureKind::face ? cell.faces : cell.corners;
+        ASSERT_TRUE(std::ranges::binary_search(list, f)) << n << ", " << i << ", " << f;
+      }
+    }
+  }
+  EXPECT_GT(beyond, 50);
+}
+
 TEST(TouchBox, ManyAreWrittenAtTheirIndices) {
   // Goal: each feature that is named gets its box, one that can't be met none, and others stay as
   // they are; those that outgrow their homes are told. Method: closed meshes, some edges of which
