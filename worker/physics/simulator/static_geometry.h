@@ -197,12 +197,9 @@ class StaticGeometry {
   void lay_out(MeshPlace& place);
   void write_margins(MeshPlace& place, std::uint32_t triangle) const;
   // Of some of the mesh's faces, edges and vertices, by their numbers there.
-  template <class Numbers>
-  void write_faces(const MeshPlace& place, const Numbers& triangles);
-  template <class Numbers>
-  void write_edges(const MeshPlace& place, const Numbers& numbers);
-  template <class Numbers>
-  void write_vertices(const MeshPlace& place, const Numbers& vertices);
+  void write_faces(const MeshPlace& place, std::span<const std::uint32_t> triangles);
+  void write_edges(const MeshPlace& place, std::span<const std::uint32_t> numbers);
+  void write_vertices(const MeshPlace& place, std::span<const std::uint32_t> vertices);
   void write_boxes(MeshPlace& place);
   void write_all(MeshPlace& place);
   void write_moved(MeshPlace& place);
@@ -246,6 +243,7 @@ class StaticGeometry {
   std::uint64_t boxes_made_ = 0;
   std::vector<std::uint32_t> refreshed_;
   std::vector<std::uint32_t> beside_;  ///< triangles, while refreshing
+  std::vector<std::uint32_t> every_;   ///< number there is of a mesh's faces, edges or vertices
   // Room for building.
   std::vector<Box> corner_boxes_;
   std::vector<Box> tree_boxes_;

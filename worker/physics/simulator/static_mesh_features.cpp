@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <ranges>
 
 #include "common/base/check.h"
 #include "worker/physics/simulator/static_geometry.h"
@@ -75,15 +74,17 @@ void StaticGeometry::lay_out(MeshPlace& place) {
 }
 
 void StaticGeometry::write_all(MeshPlace& place) {
-  const auto all = [](std::size_t count) {
-    return std::views::iota(0U, static_cast<std::uint32_t>(count));
-  };
   const TriangleMesh& mesh = *place.mesh;
-  for (const std::uint32_t t : all(mesh.triangles().size()))
+  const std::size_t triangles = mesh.triangles().size();
+  const std::size_t edges = mesh.edges().size();
+  const std::size_t vertices = mesh.vertices_m().size();
+  every_.resize(std::max({triangles, edges, vertices}));
+  std::iota(every_.begin(), every_.end(), 0U);
+  for (std::uint32_t t = 0; t < triangles; ++t)
     write_margins(place, t);
-  write_faces(place, all(mesh.triangles().size()));
-  write_edges(place, all(mesh.edges().size()));
-  write_vertices(place, all(mesh.vertices_m().size()));
+  write_faces(place, std::span(every_).first(triangles));
+  write_edges(place, std::span(every_).first(edges));
+  write_vertices(place, std::span(every_).first(vertices));
 }
 
 void StaticGeometry::refresh(std::size_t index) {
@@ -135,7 +136,7 @@ void StaticGeometry::write_moved(MeshPlace& place) {
     }
   }
   write_faces(place, mesh.moved_triangles());
-  write_faces(place, std::span<const std::uint32_t>(beside_));
+  write_faces(place, beside_);
   write_edges(place, mesh.moved_edges());
   write_vertices(place, mesh.moved_vertices());
   const std::uint32_t backs = place.closed ? 1 : 2;
@@ -167,14 +168,13 @@ void StaticGeometry::write_margins(MeshPlace& place, std::uint32_t triangle) con
 // none of these.
 
 /// The regions above faces, and below them.
-template <class Numbers>
-void StaticGeometry::write_faces(const MeshPlace& place, const Numbers& triangles) {
+void StaticGeometry::write_faces(const MeshPlace& place, std::span<const std::uint32_t> triangles) {
   const Vec3* const vertices_m = place.mesh->vertices_m().data();
   const TriangleCorners* const corners = place.mesh->triangles().data();
   const MeshFace* const faces = place.mesh->faces().data();
   const std::array<double, 3>* const margins_m = place.face_margins_m.data();
-  SphereFeature* const features = &features_[place.first_face];
-  RegionSide* const all_sides = &sides_[place.face_sides];
+  SphereFeature* const features = features_.data() + place.first_face;
+  RegionSide* const all_sides = sides_.data() + place.face_sides;
   const std::uint32_t backs = place.closed ? 1 : 2;
   for (const std::uint32_t t : triangles) {
     const MeshFace& face = faces[t];
@@ -197,8 +197,7 @@ void StaticGeometry::write_faces(const MeshPlace& place, const Numbers& triangle
 }
 
 /// Edges, and the sides that they are to their ends' regions.
-template <class Numbers>
-void StaticGeometry::write_edges(const MeshPlace& place, const Numbers& numbers) {
+void StaticGeometry::write_edges(const MeshPlace& place, std::span<const std::uint32_t> numbers) {
   const Vec3* const vertices_m = place.mesh->vertices_m().data();
   const MeshFace* const faces = place.mesh->faces().data();
   const MeshEdge* const edges = place.mesh->edges().data();
@@ -206,7 +205,7 @@ void StaticGeometry::write_edges(const MeshPlace& place, const Numbers& numbers)
   const double border_m = place.margins.border_m;
   const bool closed = place.closed;
   const std::uint32_t edge_sides = place.edge_sides;
-  SphereFeature* const features = &features_[place.first_edge];
+  SphereFeature* const features = features_.data() + place.first_edge;
   RegionSide* const all_sides = sides_.data();
   for (const std::uint32_t number : numbers) {
     const MeshEdge& edge = edges[number];
@@ -250,14 +249,14 @@ void StaticGeometry::write_edges(const MeshPlace& place, const Numbers& numbers)
 
 /// Vertices at which some edge is met. All edges at them bound their regions, and have written
 /// them.
-template <class Numbers>
-void StaticGeometry::write_vertices(const MeshPlace& place, const Numbers& vertices) {
+void StaticGeometry::write_vertices(const MeshPlace& place,
+                                    std::span<const std::uint32_t> vertices) {
   const TriangleMesh& mesh = *place.mesh;
   const auto is_met_in_sheet = [&](std::uint32_t vertex) {
     return std::ranges::any_of(mesh.edges_at(vertex),
                                [&](std::uint32_t e) { return is_met(mesh.edges()[e], false); });
   };
-  SphereFeature* const features = &features_[place.first_vertex];
+  SphereFeature* const features = features_.data() + place.first_vertex;
   for (const std::uint32_t v : vertices) {
     SphereFeature& feature = features[v];
     feature.point_m = mesh.vertices_m()[v];
