@@ -181,7 +181,7 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
       lowest = index;
   };
   std::ranges::for_each(near_->everywhere(), ask);
-  const NearFeatures::Cell cell = near_->cell_at(place_m);
+  const NearFeatures::Cell cell = near_->cell_at(Four::of(place_m));
   std::ranges::for_each(cell.faces, ask);
   std::ranges::for_each(cell.corners, ask);
   if (lowest != k_none) return statics_->name_of_feature(lowest);

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "worker/physics/marbles/marbles.h"
-#include "worker/physics/motion/motion_bounds.h"
+#include "worker/physics/marbles/path_bounds.h"
 
 namespace sleight::physics {
 namespace {
@@ -16,48 +16,16 @@ constexpr double k_pad_m = 2e-6;
 /// another one.
 constexpr int k_halvings = 5;
 
-constexpr double k_forever_s = std::numeric_limits<double>::infinity();
+using detail::k_forever_s;
+using detail::k_root_shrink;
 
-/// More than roundings take from a root's time.
-constexpr double k_shrink = 1 - 0x1p-40;
+/// A search that is one tick early, as rounding makes some, finds the collision at the next one; so
+/// many are judged before it is worth asking for how long it can't collide.
+constexpr int k_early_ticks = 2;
 
-/// Less than the time that a point stays between two walls. REQUIRES: it is between them.
-double stays_s(double place, double speed, double pull, double low, double high) {
-  constexpr double k_less = 1 - 0x1p-30;
-  const bool up = speed > 0 || (speed == 0 && pull > 0);
-  const double ahead = up ? high - place : place - low;
-  const double behind = up ? place - low : high - place;
-  const double v = std::fabs(speed);
-  const double a = up ? pull : -pull;
-  if (a >= 0) {
-    if (ahead == std::numeric_limits<double>::infinity()) return ahead;
-    const double root = std::sqrt(v * v + 2 * a * ahead);
-    return v + root > 0 ? k_less * (2 * ahead / (v + root))
-                        : std::numeric_limits<double>::infinity();
-  }
-  const double discriminant = v * v + 2 * a * ahead;
-  if (discriminant >= 0) return k_less * (2 * ahead / (v + std::sqrt(discriminant)));
-  return k_less * ((v + std::sqrt(v * v - 2 * a * behind)) / -a);
-}
-
-/// Extent of a parabola between two times.
-struct Extent {
-  double low;
-  double high;
-};
-Extent extent_of(double place, double speed, double pull, double from_s, double to_s) {
-  const double first = parabola(place, speed, pull, from_s);
-  const double last = parabola(place, speed, pull, to_s);
-  Extent extent{std::min(first, last), std::max(first, last)};
-  const double first_speed = speed + pull * from_s;
-  const double last_speed = speed + pull * to_s;
-  if ((first_speed < 0) != (last_speed < 0)) {
-    const double apex = place - 0.5 * speed * speed / pull;
-    extent.low = std::min(extent.low, apex);
-    extent.high = std::max(extent.high, apex);
-  }
-  return extent;
-}
+/// A corner's region is asked where it is touched; after so many ticks that were too early for a
+/// touch, at each.
+constexpr int k_steps_without_region = 6;
 
 /// What examine says of a face and a tick, but not for how long.
 bool face_collides(const SphereFeature& face, std::span<const RegionSide> sides,
@@ -69,39 +37,6 @@ bool face_collides(const SphereFeature& face, std::span<const RegionSide> sides,
     const double inside_m = math::dot(side.space.normal, centre.position_m) - side.space.offset_m;
     return side.strict ? inside_m > 0 : inside_m >= 0;
   });
-}
-
-/// Whether a centre is outside of a region for a while, by one of its sides (keeps_clear).
-bool stays_outside(std::span<const RegionSide> sides, const MovingPoint& centre, double span_s) {
-  const double half_square = 0.5 * span_s * span_s;
-  for (std::size_t i = sides.size(); i-- > 0;) {
-    const Vec3& normal = sides[i].space.normal;
-    const double inside_m = math::dot(normal, centre.position_m) - sides[i].space.offset_m;
-    if (inside_m >= 0) continue;
-    const double comes_m = std::max(0.0, math::dot(normal, centre.velocity_mps)) * span_s +
-                           std::max(0.0, math::dot(normal, centre.acceleration_mps2)) * half_square;
-    if (inside_m + comes_m < -k_clear_margin_m) return true;
-  }
-  return false;
-}
-
-double size_of_point(const SphereFeature& feature) {
-  return (std::fabs(feature.point_m.x()) + std::fabs(feature.point_m.y())) +
-         std::fabs(feature.point_m.z());
-}
-
-/// A gap that is at least such a parabola in time: when it first is below 0 while it shrinks, at
-/// the earliest. `not_before_s`: until then it doesn't shrink.
-double falls_after_s(double excess_m, double rate_mps, double pull_mps2, double not_before_s) {
-  if (excess_m > 0) return std::max(not_before_s, first_fall_s(excess_m, rate_mps, pull_mps2));
-  const double discriminant = rate_mps * rate_mps - 2 * pull_mps2 * excess_m;
-  if (pull_mps2 < 0 && rate_mps > 0 && discriminant > 0) {
-    // It rises at once, and falls back.
-    const double root = std::sqrt(discriminant);
-    if (-2 * excess_m <= not_before_s * (rate_mps + root))
-      return std::max(not_before_s, (rate_mps + root) / -pull_mps2);
-  }
-  return not_before_s;
 }
 
 /// For how long an edge or a vertex can't be collided with, by touch and approach as examine judges
@@ -137,7 +72,7 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
   }
   const double excess_m = gap_m - k_touch_m - k_rounding_ulps * (size_m + radius_m);
   const double fails_s = falls_after_s(excess_m, rate_mps, c_a / distance_m, not_before_s);
-  return std::max(k_shrink * fails_s, k_seconds_per_tick);
+  return std::max(k_root_shrink * fails_s, k_seconds_per_tick);
 }
 
 MovingPoint centre_at(const FreeFlight& flight, Tick tick) {
@@ -167,32 +102,31 @@ bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, doub
 struct Marbles::Window {
   Tick start{};
   Tick stop{};
-  MovingPoint centre;  ///< at the start
-  double size_m = 0;   ///< of coordinates along the path
-  TouchBox box{};      ///< of the centre up to box_stop
+  PathPart path;   ///< from start to stop
+  TouchBox box{};  ///< of the centre up to box_stop
   Tick box_stop{};
-  void measure() {
-    const double span_s = seconds(stop - start);
-    const double half_square = 0.5 * span_s * span_s;
-    size_m = 0;
-    for (int i = 0; i < 3; ++i) {
-      size_m += std::fabs(centre.position_m[i]) + std::fabs(centre.velocity_mps[i]) * span_s +
-                std::fabs(centre.acceleration_mps2[i]) * half_square;
-    }
+  void begin(const FreeFlight& flight) {
+    path.place_m = Four::of(flight.position_m);
+    path.velocity_mps = Four::of(flight.velocity_mps);
+    path.pull_mps2 = Four::of(flight.acceleration_mps2);
+    if (start == flight.begin) return;
+    const double s = seconds(start - flight.begin);
+    path.place_m = detail::parabolas(path.place_m, path.velocity_mps, path.pull_mps2, s);
+    path.velocity_mps = path.velocity_mps + Four::all(s) * path.pull_mps2;
+  }
+  void ends(Tick tick) {
+    stop = tick;
+    path.span_s = seconds(stop - start);
   }
   void make_box() {
     if (box_stop == stop) return;
     box_stop = stop;
-    const double span_s = seconds(stop - start);
+    const PathExtent extent =
+        extent_of(path.place_m, path.velocity_mps, path.pull_mps2, 0, path.span_s);
     // A float lies within 2^-24 of its number.
-    const double pad_m = k_pad_m + 0x1p-22 * size_m;
-    for (int i = 0; i < 3; ++i) {
-      const Extent extent = extent_of(centre.position_m[i], centre.velocity_mps[i],
-                                      centre.acceleration_mps2[i], 0, span_s);
-      const auto axis = static_cast<std::size_t>(i);
-      box.low_m[axis] = static_cast<float>(extent.low - pad_m);
-      box.high_m[axis] = static_cast<float>(extent.high + pad_m);
-    }
+    const Four pad_m = Four::axes(k_pad_m + 0x1p-22 * path.size_m);
+    box.low_m = floats_of(extent.low_m - pad_m);
+    box.high_m = floats_of(extent.high_m + pad_m);
   }
 };
 
@@ -207,34 +141,25 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
   std::uint32_t asked = ball.last_feature;
   if (std::ranges::find(stays, asked) != stays.end()) asked = k_none;
   const Tick until = std::min(end_, ball.mode_end);
-  Window window{.start = from, .stop = until, .centre = {}};
-  for (; window.start <= until; window.start = window.stop + 1) {
+  const TouchBox* const touch_boxes = near_->touch_boxes().data();
+  Tick best_tick = k_never;
+  std::uint32_t best = k_none;
+  Window window;
+  for (window.start = from; window.start <= until; window.start = window.stop + 1) {
     // As far as what is near the start is all that is near.
-    window.centre = centre_at(flight, window.start);
-    const MovingPoint& centre = window.centre;
-    const NearFeatures::Cell cell = near_->cell_at(centre.position_m);
-    double stay_s = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 3; ++i) {
-      const auto axis = static_cast<std::size_t>(i);
-      stay_s = std::min(
-          stay_s, stays_s(centre.position_m[i], centre.velocity_mps[i], centre.acceleration_mps2[i],
-                          cell.low_m[axis], cell.high_m[axis]));
-    }
+    window.begin(flight);
+    const NearFeatures::Cell cell = near_->cell_at(window.path.place_m);
+    const double stay_s = stays_s(window.path.place_m, window.path.velocity_mps,
+                                  window.path.pull_mps2, cell.low_m, cell.high_m);
     window.stop = until;
     if (stay_s < seconds(until - window.start))
       window.stop = std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s)));
-    window.measure();
+    window.path.lasts(seconds(window.stop - window.start), near_->coordinates_m());
     const auto met = [&](std::uint32_t feature, Tick tick) {
-      if (tick > window.stop || (tick == ball.static_tick && feature > ball.static_feature)) return;
-      ball.static_tick = window.stop = tick;
-      ball.static_feature = feature;
-    };
-    // What it stays on it doesn't meet before its mode event.
-    const auto stays_on = [&](std::uint32_t feature) {
-      return feature == stays[0] || feature == stays[1] || feature == stays[2];
-    };
-    const auto is_done = [&](std::uint32_t feature) {
-      return stays_on(feature) || (feature == asked && window.start == from);
+      if (tick > window.stop || (tick == best_tick && feature > best)) return;
+      window.ends(tick);
+      best_tick = tick;
+      best = feature;
     };
     // What it has just left is often what it meets next, and then the rest is too far away.
     if (window.start == from && asked != k_none) {
@@ -242,9 +167,13 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
       met(asked, last.kind == FeatureKind::face ? first_touch_of_face(flight, last, window)
                                                 : first_touch_of_corner(flight, last, window));
     }
+    // What it stays on it doesn't meet before its mode event.
+    const auto is_done = [&](std::uint32_t feature) {
+      return feature == stays[0] || feature == stays[1] || feature == stays[2] ||
+             (feature == asked && window.start == from);
+    };
     window.box_stop = window.start - 1;
     window.make_box();
-    const std::span<const TouchBox> touch_boxes = near_->touch_boxes();
     const auto ask = [&](std::uint32_t face) {
       if (!overlaps(window.box, touch_boxes[face]) || is_done(face)) return;
       met(face, first_touch_of_face(flight, statics_->feature(face), window));
@@ -259,56 +188,42 @@ void Marbles::predict_static(std::uint32_t index, Tick from) {
       if (!overlaps(window.box, touch_boxes[corner]) || is_done(corner)) continue;
       met(corner, first_touch_of_corner(flight, statics_->feature(corner), window));
     }
-    if (ball.static_feature != k_none) return;
+    if (best != k_none) break;
   }
+  ball.static_tick = best_tick;
+  ball.static_feature = best;
 }
 
 Tick Marbles::first_touch_of_face(const FreeFlight& flight, const SphereFeature& face,
                                   const Window& window) const {
-  // The gap is a parabola: when it is small enough, and shrinks, at the earliest. Some rounding
-  // more counts as a touch.
-  const MovingPoint& centre = window.centre;
-  const Vec3& normal = face.direction;
-  const double size_m = window.size_m + size_of_point(face);
-  const double excess_m = math::dot(normal, centre.position_m - face.point_m) - radius_m_ -
-                          (k_touch_m + k_rounding_ulps * size_m);
-  const double rate_mps = math::dot(normal, centre.velocity_mps);
-  const double pull_mps2 = math::dot(normal, centre.acceleration_mps2);
-  double not_before_s = 0;
-  if (rate_mps >= -k_approach_mps) {
-    if (pull_mps2 >= 0) return k_never;
-    not_before_s = std::max(0.0, rate_mps) / -pull_mps2;
-  }
-  double after_s = falls_after_s(excess_m, rate_mps, pull_mps2, not_before_s);
-  after_s *= k_shrink;
-  if (!(after_s <= seconds(window.stop - window.start))) return k_never;
+  const PathPart& path = window.path;
+  const double after_s = face_not_before_s(path, face, radius_m_);
+  if (!(after_s <= path.span_s)) return k_never;
   const std::span<const RegionSide> sides = statics_->sides(face);
-  for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop;) {
+  if (stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick)) return k_never;
+  int judged = 0;
+  for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
     const MovingPoint now = centre_at(flight, tick);
-    if (stays_outside(sides, now, seconds(window.stop + 1 - tick))) return k_never;
     if (face_collides(face, sides, now, radius_m_)) return tick;
-    tick = examine(face, sides, now, radius_m_, k_touch_m, tick).next;
+    tick = judged < k_early_ticks ? tick + 1
+                                  : examine(face, sides, now, radius_m_, k_touch_m, tick).next;
   }
   return k_never;
 }
 
 Tick Marbles::first_touch_of_corner(const FreeFlight& flight, const SphereFeature& corner,
                                     const Window& window) const {
-  const double size_m = window.size_m + size_of_point(corner);
-  const double span_s = seconds(window.stop - window.start);
-  // Mostly it is too far away, or the centre isn't where it can touch it.
-  const double first_s = corner_fails_for_s(corner, window.centre, radius_m_, size_m);
-  if (first_s > span_s) return k_never;
+  const PathPart& path = window.path;
+  const double after_s = corner_not_before_s(path, corner, radius_m_);
+  if (!(after_s <= path.span_s)) return k_never;
   const std::span<const RegionSide> sides = statics_->sides(corner);
-  if (stays_outside(sides, window.centre, span_s + k_seconds_per_tick)) return k_never;
-  const double short_s = 0x1p-6 * span_s;
-  const Tick from = first_s > short_s ? window.start + ticks_after(first_s) : window.start;
-  for (Tick tick = from; tick <= window.stop;) {
+  if (stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick)) return k_never;
+  int steps = 0;
+  for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++steps) {
     const MovingPoint centre = centre_at(flight, tick);
-    // Which side it is outside of needn't be known where it is far away.
-    double failing_s = corner_fails_for_s(corner, centre, radius_m_, size_m);
-    if (failing_s < short_s)
-      failing_s = std::max(failing_s, k_shrink * outside_for_s(sides, centre));
+    double failing_s = corner_fails_for_s(corner, centre, radius_m_, path.size_m);
+    if (failing_s == 0 || steps >= k_steps_without_region)
+      failing_s = std::max(failing_s, k_root_shrink * outside_for_s(sides, centre));
     if (failing_s == 0) return tick;
     if (!(failing_s <= seconds(window.stop - tick))) return k_never;
     tick = tick + std::max<TickCount>(1, ticks_after(failing_s));
@@ -320,17 +235,16 @@ Tick Marbles::first_touch_of_corner(const FreeFlight& flight, const SphereFeatur
 
 TouchBox Marbles::path_box_of(std::uint32_t index, Tick from, Tick to) const {
   const FreeFlight& flight = balls_[index].segment.flight;
-  const double from_s = seconds(from - flight.begin);
-  const double to_s = seconds(to - flight.begin);
-  TouchBox box;
-  for (int i = 0; i < 3; ++i) {
-    const Extent extent = extent_of(flight.position_m[i], flight.velocity_mps[i],
-                                    flight.acceleration_mps2[i], from_s, to_s);
-    const auto axis = static_cast<std::size_t>(i);
-    box.low_m[axis] = detail::float_below(extent.low - (radius_m_ + k_pad_m));
-    box.high_m[axis] = detail::float_above(extent.high + (radius_m_ + k_pad_m));
-  }
-  return box;
+  const PathExtent extent = extent_of(Four::of(flight.position_m), Four::of(flight.velocity_mps),
+                                      Four::of(flight.acceleration_mps2),
+                                      seconds(from - flight.begin), seconds(to - flight.begin));
+  // A float lies within 2^-24 of its number.
+  const Four pad_m = Four::axes(radius_m_ + k_pad_m);
+  const Four low_m = extent.low_m - pad_m;
+  const Four high_m = extent.high_m + pad_m;
+  const Four rounding = Four::all(0x1p-23);
+  return {.low_m = floats_of(low_m - rounding * fabs(low_m)),
+          .high_m = floats_of(high_m + rounding * fabs(high_m))};
 }
 
 bool Marbles::path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox& box,

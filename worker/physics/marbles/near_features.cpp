@@ -88,6 +88,10 @@ void NearFeatures::enlarge_home(std::uint32_t feature) {
     if (box.low_m[i] < home.low_m[i]) home.low_m[i] = padded_below(box.low_m[i], growth_m);
     if (box.high_m[i] > home.high_m[i]) home.high_m[i] = padded_above(box.high_m[i], growth_m);
   }
+  double size_m = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    size_m += double{std::max(std::fabs(home.low_m[i]), std::fabs(home.high_m[i]))};
+  coordinates_m_ = std::max(coordinates_m_, size_m);
 }
 
 /// The same, and puts it in the lists that it wasn't in before.
@@ -113,6 +117,7 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
     if (f < statics_.plane_count()) {
       touch_boxes_[f] = touch_box_of_plane(f);
       everywhere_.push_back(f);
+      coordinates_m_ = std::max(coordinates_m_, sum(fabs(Four::of(statics_.feature(f).point_m))));
     } else if (!statics_.is_absent(f)) {
       const SphereFeature& feature = statics_.feature(f);
       touch_boxes_[f] = touch_box_of(feature, statics_.sides(feature), extents_[f], reach_m());
@@ -136,6 +141,9 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
   }
   cells_per_m_ = 1 / cell_m_;
   margin_m_ = k_margin_radii / k_cell_radii * cell_m_;
+  for (std::size_t i = 0; i < 3; ++i)
+    last_cell_[i] = counts_[i] - 1.0;
+  strides_ = {1, 1.0 * counts_[0], 1.0 * counts_[0] * counts_[1], 0};
   lists_.resize(std::size_t{counts_[0]} * counts_[1] * counts_[2]);
   // How long lists will be, then the lists.
   std::vector<std::uint32_t> lengths(2 * lists_.size());
@@ -170,24 +178,22 @@ void NearFeatures::refresh() {
     grow_home(f);
 }
 
-NearFeatures::Cell NearFeatures::cell_at(const Vec3& centre_m) const {
-  constexpr double k_far = std::numeric_limits<double>::infinity();
-  Cell cell{};
-  std::array<std::uint32_t, 3> at{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double place = (centre_m[static_cast<int>(i)] - origin_m_[i]) * cells_per_m_;
-    const double last = counts_[i] - 1.0;
-    const auto number = static_cast<std::int32_t>(place < 0 ? 0 : (place > last ? last : place));
-    const double whole = number;
-    at[i] = static_cast<std::uint32_t>(number);
-    cell.low_m[i] = at[i] == 0 ? -k_far : origin_m_[i] + whole * cell_m_ - margin_m_;
-    cell.high_m[i] =
-        at[i] + 1 == counts_[i] ? k_far : origin_m_[i] + (whole + 1) * cell_m_ + margin_m_;
-  }
-  const List& lists = lists_[list_of(at[0], at[1], at[2])];
-  cell.faces = lists.faces;
-  cell.corners = lists.corners;
-  return cell;
+NearFeatures::Cell NearFeatures::cell_at(const Four& centre_m) const {
+  // Farther than any path, and its square is a number still.
+  const Four far = Four::all(1e30);
+  const Four none = Four::all(0.5);
+  const Four origin_m = Four::of(origin_m_);
+  const Four last = Four::of(last_cell_);
+  const Four place = (centre_m - origin_m) * Four::all(cells_per_m_);
+  const Four number = whole_part(max(min(place, last), Four::zero()));
+  const Four low_m = origin_m + (number * Four::all(cell_m_) - Four::all(margin_m_));
+  const Four high_m = low_m + Four::all(cell_m_ + 2 * margin_m_);
+  // Numbers are whole, and so is their sum: exact.
+  const List& lists = lists_[static_cast<std::size_t>(dot(number, Four::of(strides_)))];
+  return {.low_m = choose_if_less(number, none, Four::zero() - far, low_m),
+          .high_m = choose_if_less(last - none, number, far, high_m),
+          .faces = lists.faces,
+          .corners = lists.corners};
 }
 
 }  // namespace sleight::physics

@@ -23,6 +23,7 @@
 
 #include "worker/physics/broad_phase/box.h"
 #include "worker/physics/event/tolerances.h"
+#include "worker/physics/marbles/four.h"
 #include "worker/physics/marbles/touch_box.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/simulator/static_geometry.h"
@@ -40,16 +41,19 @@ class NearFeatures {
   const StaticGeometry& statics() const { return statics_; }
 
   struct Cell {
-    std::array<double, 3> low_m;   ///< of its reach: the cell, and some margin on each side
-    std::array<double, 3> high_m;  ///< infinite where no cell is beyond
+    Four low_m;   ///< of its reach: the cell, and some margin on each side
+    Four high_m;  ///< as good as infinite where no cell is beyond
     std::span<const std::uint32_t> faces;
     std::span<const std::uint32_t> corners;  ///< edges and vertices
   };
-  Cell cell_at(const Vec3& centre_m) const;
+  /// REQUIRES: the fourth number is 0.
+  Cell cell_at(const Four& centre_m) const;
   /// Faces that belong to all cells: planes.
   std::span<const std::uint32_t> everywhere() const { return everywhere_; }
   /// By feature.
   std::span<const TouchBox> touch_boxes() const { return touch_boxes_; }
+  /// No less than the sum of |coordinates| of any feature's point.
+  double coordinates_m() const { return coordinates_m_; }
 
  private:
   TouchBox touch_box_of_plane(std::uint32_t plane) const;
@@ -81,8 +85,11 @@ class NearFeatures {
   std::vector<std::uint32_t> outgrown_;  ///< while refreshing
   std::vector<std::uint32_t> everywhere_;
   // Cells, x fastest.
-  std::array<double, 3> origin_m_{};
+  std::array<double, 4> origin_m_{};
   std::array<std::uint32_t, 3> counts_{1, 1, 1};
+  std::array<double, 4> last_cell_{};  ///< of each axis: its number
+  std::array<double, 4> strides_{};    ///< from a list to that of the next cell along each axis
+  double coordinates_m_ = 0;
   double cell_m_ = 1;
   double cells_per_m_ = 1;
   double margin_m_ = 0;
