@@ -35,15 +35,13 @@ struct Four {
   static Four of(const std::array<double, 4>& numbers) {
     return {_mm_loadu_pd(numbers.data()), _mm_loadu_pd(numbers.data() + 2)};
   }
+  static Four of(const std::array<float, 4>& numbers) {
+    const __m128 whole = _mm_loadu_ps(numbers.data());
+    return {_mm_cvtps_pd(whole), _mm_cvtps_pd(_mm_movehl_ps(whole, whole))};
+  }
   static Four all(double x) { return {_mm_set1_pd(x), _mm_set1_pd(x)}; }
   /// The fourth number is 0.
   static Four axes(double x) { return {_mm_set1_pd(x), _mm_set_sd(x)}; }
-  std::array<double, 4> numbers() const {
-    std::array<double, 4> result;
-    _mm_storeu_pd(result.data(), xy);
-    _mm_storeu_pd(result.data() + 2, zw);
-    return result;
-  }
 };
 
 inline Four operator+(const Four& a, const Four& b) {
@@ -70,6 +68,10 @@ inline Four sqrt(const Four& a) {
 inline Four fabs(const Four& a) {
   const __m128d sign = _mm_set1_pd(-0.0);
   return {_mm_andnot_pd(sign, a.xy), _mm_andnot_pd(sign, a.zw)};
+}
+/// Whether one has a sign; some NaNs do.
+inline bool is_any_negative(const Four& a) {
+  return (_mm_movemask_pd(a.xy) | _mm_movemask_pd(a.zw)) != 0;
 }
 /// yes where a < b, else no.
 inline Four choose_if_less(const Four& a, const Four& b, const Four& yes, const Four& no) {
@@ -107,9 +109,11 @@ struct Four {
   static Four zero() { return {}; }
   static Four of(const Vec3& v) { return {{v.x(), v.y(), v.z(), 0}}; }
   static Four of(const std::array<double, 4>& numbers) { return {numbers}; }
+  static Four of(const std::array<float, 4>& numbers) {
+    return {{double{numbers[0]}, double{numbers[1]}, double{numbers[2]}, double{numbers[3]}}};
+  }
   static Four all(double x) { return {{x, x, x, x}}; }
   static Four axes(double x) { return {{x, x, x, 0}}; }
-  std::array<double, 4> numbers() const { return x; }
 };
 
 template <class Make>
@@ -139,6 +143,9 @@ inline Four sqrt(const Four& a) {
 }
 inline Four fabs(const Four& a) {
   return each_of([&](std::size_t i) { return std::fabs(a.x[i]); });
+}
+inline bool is_any_negative(const Four& a) {
+  return std::ranges::any_of(a.x, [](double x) { return std::signbit(x); });
 }
 inline Four choose_if_less(const Four& a, const Four& b, const Four& yes, const Four& no) {
   return each_of([&](std::size_t i) { return a.x[i] < b.x[i] ? yes.x[i] : no.x[i]; });

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "common/base/check.h"
@@ -19,13 +18,6 @@ TouchBox touch_box_of(const Box& box) {
     result.high_m[i] = box.high_m[i];
   }
   return result;
-}
-
-/// A box that overlaps none.
-TouchBox nowhere() {
-  constexpr float k_infinity = std::numeric_limits<float>::infinity();
-  return {.low_m = {k_infinity, k_infinity, k_infinity, 0},
-          .high_m = {-k_infinity, -k_infinity, -k_infinity, 0}};
 }
 
 }  // namespace
@@ -70,7 +62,7 @@ void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
   resting_.reset(count, scene.slow, ticks_after(k_jam_bounces * bounce_s));
   recent_.reset(count);
   balls_.assign(count, {});
-  boxes_.assign(count, nowhere());
+  boxes_.assign(count);
   keys_.resize(count);
   partners_.assign(count, k_none);
   for (std::uint32_t ball = 0; ball < count; ++ball) {
@@ -142,12 +134,11 @@ void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
                                      .angular_velocity_radps = state.twist.angular_velocity_radps}};
   // Those that are left alone where it starts must be where they are by now.
   const TouchBox here = path_box_of(ball, event.tick, event.tick);
-  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
-    if (!balls_[other].suspended || balls_[other].resumes || !overlaps(here, boxes_[other]))
-      continue;
+  boxes_.for_each_overlapping(here, [&](std::uint32_t other) {
+    if (!balls_[other].suspended || balls_[other].resumes) return;
     balls_[other].resumes = true;
     to_resume_.push_back(other);
-  }
+  });
   if (!to_resume_.empty()) resume(event);
   const std::string obstacle = obstacle_of(ball);
   if (!obstacle.empty()) {
@@ -193,18 +184,20 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
 /// The balls that began a segment at this event get new predictions.
 void Marbles::balls_changed() {
   const bool one = changed_.size() == 1;
+  // Said here, so that the loop over all of them is a tight one.
+  const auto count = size();
+  const std::uint32_t* const partners = partners_.data();
   if (one && suspend(changed_.front())) return;
   for (const std::uint32_t ball : changed_) {
     balls_[ball].suspended = false;
-    predict_static(ball, now_);
-    boxes_[ball] = path_box_of(ball, now_, next_of(ball));
+    predict_static(ball);
   }
   for (const std::uint32_t ball : changed_) {
     if (!one && suspend(ball)) continue;
     predict_pairs(ball);
     refresh_key(ball);
-    for (std::uint32_t other = 0; other < balls_.size(); ++other) {
-      if (partners_[other] != ball || std::ranges::binary_search(changed_, other)) continue;
+    for (std::uint32_t other = 0; other < count; ++other) {
+      if (partners[other] != ball || std::ranges::binary_search(changed_, other)) continue;
       predict_pairs(other);
       refresh_key(other);
     }
@@ -222,12 +215,14 @@ bool Marbles::suspend(std::uint32_t ball) {
                                  .angular_velocity_radps = flight.angular_velocity_radps});
   if (!box) return false;
   const TouchBox confined = touch_box_of(*box);
-  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
-    if (other == ball || !overlaps(confined, boxes_[other])) continue;
-    if (balls_[other].suspended || path_meets(other, now_, next_of(other), confined, 0))
-      return false;
-  }
-  boxes_[ball] = confined;
+  bool is_alone = true;
+  boxes_.for_each_overlapping(confined, [&](std::uint32_t other) {
+    if (other == ball || !is_alone) return;
+    is_alone =
+        !balls_[other].suspended && !path_meets(other, now_, next_of(other), confined, 0);
+  });
+  if (!is_alone) return false;
+  boxes_.set(ball, confined);
   Ball& left = balls_[ball];
   left.suspended = true;
   left.resumes = false;

@@ -28,7 +28,9 @@
 
 #include "worker/physics/broad_phase/box.h"
 #include "worker/physics/event/event.h"
+#include "worker/physics/marbles/ball_boxes.h"
 #include "worker/physics/marbles/near_features.h"
+#include "worker/physics/marbles/path_bounds.h"
 #include "worker/physics/response/contact_motion.h"
 #include "worker/physics/response/sphere_impact.h"
 #include "worker/physics/simulator/lasting_contact.h"
@@ -167,12 +169,12 @@ class Marbles {
   double hop_speed_mps() const { return k_hop_share * scene_->slow.separation_speed_mps; }
 
   // When balls meet something (marbles_predictions.cpp).
-  void predict_static(std::uint32_t ball, Tick from);
+  void predict_static(std::uint32_t ball);
   struct Window;
-  Tick first_touch_of_face(const FreeFlight& flight, const SphereFeature& face,
-                           const Window& window) const;
-  Tick first_touch_of_corner(const FreeFlight& flight, const SphereFeature& corner,
-                             const Window& window) const;
+  Tick meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
+                  double after_s) const;
+  Tick meets_corner(const FreeFlight& flight, const SphereFeature& corner, const Window& window,
+                    const CornerWay& way) const;
   void predict_pairs(std::uint32_t ball);
   Tick predict_pair(std::uint32_t a, std::uint32_t b) const;
   Refractory refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const;
@@ -195,7 +197,7 @@ class Marbles {
   bool contacts_last_ = false;
 
   std::vector<Ball> balls_;
-  std::vector<TouchBox> boxes_;          ///< of paths, or of confinements
+  BallBoxes boxes_;                      ///< of paths, or of confinements
   std::vector<EventKey> keys_;           ///< of each ball's next event
   std::vector<std::uint32_t> partners_;  ///< whom each ball meets next, if it does at pair_tick
   Resting resting_;

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "worker/physics/marbles/marbles.h"
-#include "worker/physics/marbles/path_bounds.h"
 
 namespace sleight::physics {
 namespace {
@@ -19,6 +18,9 @@ constexpr int k_halvings = 5;
 using detail::k_forever_s;
 using detail::k_root_shrink;
 
+/// Paths that are longer leave the cell in which they begin (20 ms).
+constexpr TickCount k_short = TickCount{1} << 24;
+
 /// A search that is one tick early, as rounding makes some, finds the collision at the next one; so
 /// many are judged before it is worth asking for how long it can't collide.
 constexpr int k_early_ticks = 2;
@@ -27,16 +29,32 @@ constexpr int k_early_ticks = 2;
 /// touch, at each.
 constexpr int k_steps_without_region = 6;
 
-/// What examine says of a face and a tick, but not for how long.
-bool face_collides(const SphereFeature& face, std::span<const RegionSide> sides,
-                   const MovingPoint& centre, double radius_m) {
-  const Vec3 from = centre.position_m - face.point_m;
-  if (math::dot(face.direction, from) - radius_m > k_touch_m) return false;
-  if (math::dot(face.direction, centre.velocity_mps) >= -k_approach_mps) return false;
+/// What examine says of a region and a tick.
+bool is_inside(std::span<const RegionSide> sides, const Vec3& centre_m) {
   return std::ranges::all_of(sides, [&](const RegionSide& side) {
-    const double inside_m = math::dot(side.space.normal, centre.position_m) - side.space.offset_m;
+    const double inside_m = math::dot(side.space.normal, centre_m) - side.space.offset_m;
     return side.strict ? inside_m > 0 : inside_m >= 0;
   });
+}
+
+/// What it says of a face, but for its region, and not for how long.
+bool touches_face(const SphereFeature& face, const MovingPoint& centre, double radius_m) {
+  const Vec3 from = centre.position_m - face.point_m;
+  return math::dot(face.direction, from) - radius_m <= k_touch_m &&
+         math::dot(face.direction, centre.velocity_mps) < -k_approach_mps;
+}
+
+/// The same of an edge or a vertex.
+bool touches_corner(const SphereFeature& corner, const MovingPoint& centre, double radius_m) {
+  Vec3 away_m = centre.position_m - corner.point_m;
+  Vec3 velocity_mps = centre.velocity_mps;
+  if (corner.kind == FeatureKind::edge) {
+    away_m = away_m - math::dot(corner.direction, away_m) * corner.direction;
+    velocity_mps = velocity_mps - math::dot(corner.direction, velocity_mps) * corner.direction;
+  }
+  const double distance_m = math::norm(away_m);
+  return distance_m - radius_m <= k_touch_m &&
+         math::dot(away_m, velocity_mps) / distance_m < -k_approach_mps;
 }
 
 /// For how long an edge or a vertex can't be collided with, by touch and approach as examine judges
@@ -81,6 +99,26 @@ MovingPoint centre_at(const FreeFlight& flight, Tick tick) {
           .acceleration_mps2 = flight.acceleration_mps2};
 }
 
+/// Of a ball whose centre stays within an extent.
+TouchBox ball_box(const PathExtent& extent, double radius_m) {
+  // A float lies within 2^-24 of its number.
+  const Four pad_m = Four::axes(radius_m + k_pad_m);
+  const Four low_m = extent.low_m - pad_m;
+  const Four high_m = extent.high_m + pad_m;
+  const Four rounding = Four::all(0x1p-23);
+  return {.low_m = floats_of(low_m - rounding * fabs(low_m)),
+          .high_m = floats_of(high_m + rounding * fabs(high_m))};
+}
+
+/// How far apart the centres of two balls are at least, squared, that stay in two boxes.
+double apart_m2(const TouchBox& a, const TouchBox& b, double radius_m) {
+  const Four gaps_m =
+      max(Four::of(a.low_m) - Four::of(b.high_m), Four::of(b.low_m) - Four::of(a.high_m)) +
+      Four::axes(2 * radius_m);
+  const Four apart_m = max(gaps_m, Four::zero());
+  return dot(apart_m, apart_m);
+}
+
 /// Whether two balls certainly don't touch for a while: their distance is at least that from a
 /// plane at right angles to the way between them.
 bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double span_s) {
@@ -102,10 +140,13 @@ bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, doub
 struct Marbles::Window {
   Tick start{};
   Tick stop{};
-  PathPart path;   ///< from start to stop
-  TouchBox box{};  ///< of the centre up to box_stop
-  Tick box_stop{};
+  PathPart path;                                  ///< from start to stop
+  PathExtent extent{Four::zero(), Four::zero()};  ///< of the centre from `begins` to measured_to
+  Tick begins{};
+  Tick measured_to{-1};
   void begin(const FreeFlight& flight) {
+    begins = start;
+    measured_to = start - 1;
     path.place_m = Four::of(flight.position_m);
     path.velocity_mps = Four::of(flight.velocity_mps);
     path.pull_mps2 = Four::of(flight.acceleration_mps2);
@@ -118,115 +159,150 @@ struct Marbles::Window {
     stop = tick;
     path.span_s = seconds(stop - start);
   }
-  void make_box() {
-    if (box_stop == stop) return;
-    box_stop = stop;
-    const PathExtent extent =
-        extent_of(path.place_m, path.velocity_mps, path.pull_mps2, 0, path.span_s);
+  /// Whether it may be worth a look if it ends where it is near its start.
+  bool is_short() const { return stop - start < k_short; }
+  bool is_within(const NearFeatures::Cell& cell) {
+    measure();
+    return !is_any_negative(extent.low_m - cell.low_m) &&
+           !is_any_negative(cell.high_m - extent.high_m);
+  }
+  void measure() {
+    if (measured_to == stop) return;
+    measured_to = stop;
+    extent = extent_of(path.place_m, path.velocity_mps, path.pull_mps2, path.span_s);
+  }
+  /// Of the centre. REQUIRES: it is measured, and its margins are known.
+  TouchBox centre_box() const {
     // A float lies within 2^-24 of its number.
     const Four pad_m = Four::axes(k_pad_m + 0x1p-22 * path.size_m);
-    box.low_m = floats_of(extent.low_m - pad_m);
-    box.high_m = floats_of(extent.high_m + pad_m);
+    return {.low_m = floats_of(extent.low_m - pad_m), .high_m = floats_of(extent.high_m + pad_m)};
   }
 };
 
-void Marbles::predict_static(std::uint32_t index, Tick from) {
+/// When a ball whose motion has changed now meets static geometry, and the box of its path up to
+/// its next event.
+void Marbles::predict_static(std::uint32_t index) {
   Ball& ball = balls_[index];
   ball.static_tick = k_never;
   ball.static_feature = k_none;
-  if (ball.segment.mode == MotionMode::resting) return;
   const FreeFlight& flight = ball.segment.flight;
-  std::array<std::uint32_t, 3> stays{k_none, k_none, k_none};
-  if (in_contact(ball.segment)) std::ranges::copy(ball.all_supports(), stays.begin());
-  std::uint32_t asked = ball.last_feature;
-  if (std::ranges::find(stays, asked) != stays.end()) asked = k_none;
+  if (ball.segment.mode == MotionMode::resting) {
+    boxes_.set(index, path_box_of(index, now_, now_));
+    return;
+  }
+  // What it stays on it doesn't meet before its mode event. What it has just left is often what it
+  // meets next, and then the rest is too far away: so that is asked first.
+  std::array<std::uint32_t, 4> done{k_none, k_none, k_none, k_none};
+  if (in_contact(ball.segment)) std::ranges::copy(ball.all_supports(), done.begin());
+  const std::uint32_t last = ball.last_feature;
+  if (last != done[0] && last != done[1] && last != done[2]) done[3] = last;
   const Tick until = std::min(end_, ball.mode_end);
-  const TouchBox* const touch_boxes = near_->touch_boxes().data();
   Tick best_tick = k_never;
   std::uint32_t best = k_none;
   Window window;
-  for (window.start = from; window.start <= until; window.start = window.stop + 1) {
+  const auto met = [&](std::uint32_t feature, Tick tick) {
+    if (tick > window.stop || (tick == best_tick && feature > best)) return;
+    window.ends(tick);
+    best_tick = tick;
+    best = feature;
+  };
+  const auto ask_face = [&](std::uint32_t index_of_face) {
+    const SphereFeature& face = statics_->feature(index_of_face);
+    const double after_s = face_not_before_s(window.path, face);
+    if (after_s <= window.path.span_s)
+      met(index_of_face, meets_face(flight, face, window, after_s));
+  };
+  const auto ask_corner = [&](std::uint32_t index_of_corner) {
+    const SphereFeature& corner = statics_->feature(index_of_corner);
+    const CornerWay way = corner_way(window.path, corner, radius_m_);
+    if (!stays_away(way, window.path.span_s))
+      met(index_of_corner, meets_corner(flight, corner, window, way));
+  };
+  const TouchBox* const touch_boxes = near_->touch_boxes().data();
+  const auto ask_each = [&](std::span<const std::uint32_t> features, const auto& ask) {
+    const TouchBox box = window.centre_box();
+    for (const std::uint32_t feature : features) {
+      if (overlaps(box, touch_boxes[feature]) && feature != done[0] && feature != done[1] &&
+          feature != done[2] && feature != done[3])
+        ask(feature);
+    }
+  };
+  for (window.start = now_; window.start <= until; window.start = window.stop + 1) {
     // As far as what is near the start is all that is near.
     window.begin(flight);
     const NearFeatures::Cell cell = near_->cell_at(window.path.place_m);
-    const double stay_s = stays_s(window.path.place_m, window.path.velocity_mps,
-                                  window.path.pull_mps2, cell.low_m, cell.high_m);
-    window.stop = until;
-    if (stay_s < seconds(until - window.start))
-      window.stop = std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s)));
-    window.path.lasts(seconds(window.stop - window.start), near_->coordinates_m());
-    const auto met = [&](std::uint32_t feature, Tick tick) {
-      if (tick > window.stop || (tick == best_tick && feature > best)) return;
-      window.ends(tick);
-      best_tick = tick;
-      best = feature;
-    };
-    // What it has just left is often what it meets next, and then the rest is too far away.
-    if (window.start == from && asked != k_none) {
-      const SphereFeature& last = statics_->feature(asked);
-      met(asked, last.kind == FeatureKind::face ? first_touch_of_face(flight, last, window)
-                                                : first_touch_of_corner(flight, last, window));
+    window.ends(until);
+    if (!window.is_short() || !window.is_within(cell)) {
+      const double stay_s = stays_s(window.path.place_m, window.path.velocity_mps,
+                                    window.path.pull_mps2, cell.low_m, cell.high_m);
+      if (stay_s < window.path.span_s)
+        window.ends(std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s))));
     }
-    // What it stays on it doesn't meet before its mode event.
-    const auto is_done = [&](std::uint32_t feature) {
-      return feature == stays[0] || feature == stays[1] || feature == stays[2] ||
-             (feature == asked && window.start == from);
-    };
-    window.box_stop = window.start - 1;
-    window.make_box();
-    const auto ask = [&](std::uint32_t face) {
-      if (!overlaps(window.box, touch_boxes[face]) || is_done(face)) return;
-      met(face, first_touch_of_face(flight, statics_->feature(face), window));
-    };
-    for (const std::uint32_t face : near_->everywhere())
-      ask(face);
-    for (const std::uint32_t face : cell.faces)
-      ask(face);
+    window.path.sets_margins(near_->coordinates_m(), radius_m_);
+    if (done[3] != k_none) {
+      if (statics_->feature(done[3]).kind == FeatureKind::face) {
+        ask_face(done[3]);
+      } else {
+        ask_corner(done[3]);
+      }
+    }
+    window.measure();
+    if (!near_->everywhere().empty()) ask_each(near_->everywhere(), ask_face);
+    ask_each(cell.faces, ask_face);
     // The path is mostly shorter by now.
-    window.make_box();
-    for (const std::uint32_t corner : cell.corners) {
-      if (!overlaps(window.box, touch_boxes[corner]) || is_done(corner)) continue;
-      met(corner, first_touch_of_corner(flight, statics_->feature(corner), window));
-    }
+    window.measure();
+    ask_each(cell.corners, ask_corner);
     if (best != k_none) break;
+    done[3] = k_none;
   }
   ball.static_tick = best_tick;
   ball.static_feature = best;
+  if (window.begins == now_) {
+    window.measure();
+    boxes_.set(index, ball_box(window.extent, radius_m_));
+  } else {
+    boxes_.set(index, path_box_of(index, now_, next_of(index)));
+  }
 }
 
-Tick Marbles::first_touch_of_face(const FreeFlight& flight, const SphereFeature& face,
-                                  const Window& window) const {
+/// `after_s`: from when on it may touch its plane.
+Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
+                         double after_s) const {
   const PathPart& path = window.path;
-  const double after_s = face_not_before_s(path, face, radius_m_);
-  if (!(after_s <= path.span_s)) return k_never;
   const std::span<const RegionSide> sides = statics_->sides(face);
   if (stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick)) return k_never;
   int judged = 0;
   for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
     const MovingPoint now = centre_at(flight, tick);
-    if (face_collides(face, sides, now, radius_m_)) return tick;
+    if (touches_face(face, now, radius_m_) && is_inside(sides, now.position_m)) return tick;
     tick = judged < k_early_ticks ? tick + 1
                                   : examine(face, sides, now, radius_m_, k_touch_m, tick).next;
   }
   return k_never;
 }
 
-Tick Marbles::first_touch_of_corner(const FreeFlight& flight, const SphereFeature& corner,
-                                    const Window& window) const {
+Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner,
+                           const Window& window, const CornerWay& way) const {
   const PathPart& path = window.path;
-  const double after_s = corner_not_before_s(path, corner, radius_m_);
+  const double after_s = corner_not_before_s(path, way);
   if (!(after_s <= path.span_s)) return k_never;
   const std::span<const RegionSide> sides = statics_->sides(corner);
   if (stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick)) return k_never;
-  int steps = 0;
-  for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++steps) {
-    const MovingPoint centre = centre_at(flight, tick);
-    double failing_s = corner_fails_for_s(corner, centre, radius_m_, path.size_m);
-    if (failing_s == 0 || steps >= k_steps_without_region)
-      failing_s = std::max(failing_s, k_root_shrink * outside_for_s(sides, centre));
-    if (failing_s == 0) return tick;
-    if (!(failing_s <= seconds(window.stop - tick))) return k_never;
-    tick = tick + std::max<TickCount>(1, ticks_after(failing_s));
+  int judged = 0;
+  for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
+    const MovingPoint now = centre_at(flight, tick);
+    const bool touches = touches_corner(corner, now, radius_m_);
+    if (touches && is_inside(sides, now.position_m)) return tick;
+    TickCount skips = 1;
+    if (touches || judged >= k_early_ticks) {
+      // Which side it is outside of is asked where it touches, or comes closer slowly.
+      double failing_s = touches ? 0 : corner_fails_for_s(corner, now, radius_m_, path.size_m);
+      if (touches || judged >= k_steps_without_region)
+        failing_s = std::max(failing_s, k_root_shrink * outside_for_s(sides, now));
+      if (!(failing_s <= seconds(window.stop - tick))) return k_never;
+      skips = std::max(skips, ticks_after(failing_s));
+    }
+    tick = tick + skips;
   }
   return k_never;
 }
@@ -235,31 +311,27 @@ Tick Marbles::first_touch_of_corner(const FreeFlight& flight, const SphereFeatur
 
 TouchBox Marbles::path_box_of(std::uint32_t index, Tick from, Tick to) const {
   const FreeFlight& flight = balls_[index].segment.flight;
-  const PathExtent extent = extent_of(Four::of(flight.position_m), Four::of(flight.velocity_mps),
-                                      Four::of(flight.acceleration_mps2),
-                                      seconds(from - flight.begin), seconds(to - flight.begin));
-  // A float lies within 2^-24 of its number.
-  const Four pad_m = Four::axes(radius_m_ + k_pad_m);
-  const Four low_m = extent.low_m - pad_m;
-  const Four high_m = extent.high_m + pad_m;
-  const Four rounding = Four::all(0x1p-23);
-  return {.low_m = floats_of(low_m - rounding * fabs(low_m)),
-          .high_m = floats_of(high_m + rounding * fabs(high_m))};
+  const Four velocity_mps = Four::of(flight.velocity_mps);
+  const Four pull_mps2 = Four::of(flight.acceleration_mps2);
+  Four first_m = Four::of(flight.position_m);
+  Four first_mps = velocity_mps;
+  const double to_s = seconds(to - flight.begin);
+  const Four last_m = detail::parabolas(first_m, velocity_mps, pull_mps2, to_s);
+  if (from != flight.begin) {
+    const double from_s = seconds(from - flight.begin);
+    first_m = detail::parabolas(first_m, velocity_mps, pull_mps2, from_s);
+    first_mps = first_mps + pull_mps2 * Four::all(from_s);
+  }
+  const PathExtent extent = extent_between(first_m, last_m, first_mps, pull_mps2,
+                                           velocity_mps + pull_mps2 * Four::all(to_s));
+  return ball_box(extent, radius_m_);
 }
 
 bool Marbles::path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox& box,
                          int depth) const {
   // Both boxes hold balls: their centres are further in, and touch at two radii.
-  const TouchBox path = path_box_of(ball, from, to);
-  double square = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double apart_m = std::max(double{path.low_m[i]} - double{box.high_m[i]},
-                                    double{box.low_m[i]} - double{path.high_m[i]}) +
-                           2 * radius_m_;
-    square += apart_m > 0 ? apart_m * apart_m : 0;
-  }
   const double reach_m = 2 * (radius_m_ + k_pad_m);
-  if (square > reach_m * reach_m) return false;
+  if (apart_m2(path_box_of(ball, from, to), box, radius_m_) > reach_m * reach_m) return false;
   if (depth == k_halvings || to - from < 2) return true;
   const Tick middle = from + (to - from) / 2;
   return path_meets(ball, from, middle, box, depth + 1) ||
@@ -274,23 +346,26 @@ void Marbles::predict_pairs(std::uint32_t index) {
   ball.pair_tick = k_never;
   partner = k_none;
   const bool rests = is_resting(index);
-  const TouchBox own = boxes_[index];
-  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
-    if (!overlaps(own, boxes_[other]) || other == index) continue;
+  const TouchBox own = boxes_.of(index);
+  const double reach_m = 2 * (radius_m_ + k_pad_m);
+  boxes_.for_each_overlapping(own, [&](std::uint32_t other) {
+    if (other == index) return;
     if (balls_[other].suspended) {
-      if (balls_[other].resumes || !path_meets(index, now_, next_of(index), boxes_[other], 0))
-        continue;
+      if (balls_[other].resumes || !path_meets(index, now_, next_of(index), boxes_.of(other), 0))
+        return;
       balls_[other].resumes = true;
       to_resume_.push_back(other);
-      continue;
+      return;
     }
-    if (rests && is_resting(other)) continue;
+    if (rests && is_resting(other)) return;
+    // Boxes overlap in their corners, where no ball is.
+    if (apart_m2(own, boxes_.of(other), radius_m_) > reach_m * reach_m) return;
     const Tick tick = predict_pair(std::min(index, other), std::max(index, other));
     // On a tie the key with the lower ids counts; others come in ascending order.
-    if (tick >= ball.pair_tick) continue;
+    if (tick >= ball.pair_tick) return;
     ball.pair_tick = tick;
     partner = other;
-  }
+  });
 }
 
 Refractory Marbles::refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const {

@@ -178,22 +178,4 @@ void NearFeatures::refresh() {
     grow_home(f);
 }
 
-NearFeatures::Cell NearFeatures::cell_at(const Four& centre_m) const {
-  // Farther than any path, and its square is a number still.
-  const Four far = Four::all(1e30);
-  const Four none = Four::all(0.5);
-  const Four origin_m = Four::of(origin_m_);
-  const Four last = Four::of(last_cell_);
-  const Four place = (centre_m - origin_m) * Four::all(cells_per_m_);
-  const Four number = whole_part(max(min(place, last), Four::zero()));
-  const Four low_m = origin_m + (number * Four::all(cell_m_) - Four::all(margin_m_));
-  const Four high_m = low_m + Four::all(cell_m_ + 2 * margin_m_);
-  // Numbers are whole, and so is their sum: exact.
-  const List& lists = lists_[static_cast<std::size_t>(dot(number, Four::of(strides_)))];
-  return {.low_m = choose_if_less(number, none, Four::zero() - far, low_m),
-          .high_m = choose_if_less(last - none, number, far, high_m),
-          .faces = lists.faces,
-          .corners = lists.corners};
-}
-
 }  // namespace sleight::physics

@@ -46,7 +46,7 @@ class NearFeatures {
     std::span<const std::uint32_t> faces;
     std::span<const std::uint32_t> corners;  ///< edges and vertices
   };
-  /// REQUIRES: the fourth number is 0.
+  /// Inline, since it is asked for each part of each path. REQUIRES: the fourth number is 0.
   Cell cell_at(const Four& centre_m) const;
   /// Faces that belong to all cells: planes.
   std::span<const std::uint32_t> everywhere() const { return everywhere_; }
@@ -99,5 +99,23 @@ class NearFeatures {
   };
   std::vector<List> lists_;
 };
+
+inline NearFeatures::Cell NearFeatures::cell_at(const Four& centre_m) const {
+  // Farther than any path, and its square is a number still.
+  const Four far = Four::all(1e30);
+  const Four half = Four::all(0.5);
+  const Four origin_m = Four::of(origin_m_);
+  const Four last = Four::of(last_cell_);
+  const Four place = (centre_m - origin_m) * Four::all(cells_per_m_);
+  const Four number = whole_part(max(min(place, last), Four::zero()));
+  const Four low_m = origin_m + (number * Four::all(cell_m_) - Four::all(margin_m_));
+  const Four high_m = low_m + Four::all(cell_m_ + 2 * margin_m_);
+  // Numbers are whole, and so is their sum: exact.
+  const List& lists = lists_[static_cast<std::size_t>(dot(number, Four::of(strides_)))];
+  return {.low_m = choose_if_less(number, half, Four::zero() - far, low_m),
+          .high_m = choose_if_less(last - half, number, far, high_m),
+          .faces = lists.faces,
+          .corners = lists.corners};
+}
 
 }  // namespace sleight::physics

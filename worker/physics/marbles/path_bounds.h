@@ -15,9 +15,10 @@
 //
 // Invariants
 //   1. Up to what is returned the ball does not collide with the feature: by touch, approach or
-//      region, as examine (sphere_search.h) computes them, rounding included.
+//      region, as examine (sphere_search.h) computes them, rounding included. A shorter path may
+//      keep a longer one's margins.
 //   2. Every margin is larger than what rounding does to the bound by a factor of 4 at least. With
-//      N the sum of all sizes that are added up on the way (size_m, and size_m times speed_mps for
+//      N the sum of all sizes that are added up on the way (size_m, and size_m times the speed for
 //      c.v), a bound here takes fewer than 16 roundings, each of 2^-53 N.
 // Thread safety: pure functions.
 #pragma once
@@ -33,25 +34,6 @@
 #include "worker/physics/simulator/sphere_search.h"
 
 namespace sleight::physics {
-
-/// A centre's parabola from a moment on, for a while.
-struct PathPart {
-  Four place_m;
-  Four velocity_mps;
-  Four pull_mps2;
-  double span_s = 0;
-  double size_m = 0;     ///< no less than sum of |coordinates|, along it, and of what is near
-  double speed_mps = 0;  ///< no less than sum of |velocities|, along it
-
-  /// REQUIRES: place, velocity and pull are set. `near_m`: sum of |coordinates| of what is near.
-  void lasts(double for_s, double near_m) {
-    span_s = for_s;
-    const double pull = sum(fabs(pull_mps2)) * for_s;
-    const double speed = sum(fabs(velocity_mps));
-    speed_mps = speed + pull;
-    size_m = near_m + sum(fabs(place_m)) + (speed + 0.5 * pull) * for_s;
-  }
-};
 
 namespace detail {
 
@@ -69,22 +51,57 @@ inline Four parabolas(const Four& place, const Four& speed, const Four& pull, do
 
 }  // namespace detail
 
+/// A centre's parabola from a moment on, for a while, and what margins go with it.
+struct PathPart {
+  Four place_m;
+  Four velocity_mps;
+  Four pull_mps2;
+  double span_s = 0;
+  double size_m = 0;         ///< no less than sum of |coordinates|, along it, and of what is near
+  double travel_m = 0;       ///< no less than it goes, along all axes together
+  double touch_m = 0;        ///< of a ball's centre and a face that may touch
+  double floor_mps = 0;      ///< a gap's rate above this is no approach
+  double floor_m2ps = 0;     ///< the same of c.v (corners)
+  double side_margin_m = 0;  ///< of region sides
+
+  /// For this path or the part of it that ends sooner. REQUIRES: the rest is set. `near_m`: sum of
+  /// |coordinates| of what is near.
+  void sets_margins(double near_m, double radius_m) {
+    const double for_s = span_s;
+    const double pull_mps = sum(fabs(pull_mps2)) * for_s;
+    const double speed_mps = sum(fabs(velocity_mps));
+    travel_m = (speed_mps + 0.5 * pull_mps) * for_s;
+    size_m = near_m + sum(fabs(place_m)) + travel_m;
+    touch_m = radius_m + (k_touch_m + k_rounding_ulps * size_m);
+    const double rounding_mps = detail::k_sum_ulps * (speed_mps + pull_mps);
+    floor_mps = rounding_mps - k_approach_mps;
+    // It approaches at c.v < -|c| k_approach, and what it touches is half of its radius away at
+    // least.
+    floor_m2ps = rounding_mps * size_m - 0.25 * k_approach_mps * radius_m;
+    side_margin_m = k_clear_margin_m + k_rounding_ulps * size_m;
+  }
+};
+
 /// Of the centre between two times of its flight, without any margin.
 struct PathExtent {
   Four low_m;
   Four high_m;
 };
-inline PathExtent extent_of(const Four& place_m, const Four& velocity_mps, const Four& pull_mps2,
-                            double from_s, double to_s) {
-  const Four first = detail::parabolas(place_m, velocity_mps, pull_mps2, from_s);
-  const Four last = detail::parabolas(place_m, velocity_mps, pull_mps2, to_s);
+inline PathExtent extent_between(const Four& first_m, const Four& last_m, const Four& velocity_mps,
+                                 const Four& pull_mps2, const Four& last_mps) {
+  PathExtent extent{min(first_m, last_m), max(first_m, last_m)};
   // Where the velocity's sign changes, the apex lies between. There the pull is not 0.
-  const Four turns =
-      (velocity_mps + pull_mps2 * Four::all(from_s)) * (velocity_mps + pull_mps2 * Four::all(to_s));
+  const Four turns = velocity_mps * last_mps;
+  if (!is_any_negative(turns)) return extent;
   const Four apex =
       choose_if_less(turns, Four::zero(),
-                     place_m - Four::all(0.5) * velocity_mps * velocity_mps / pull_mps2, first);
-  return {min(min(first, last), apex), max(max(first, last), apex)};
+                     first_m - Four::all(0.5) * velocity_mps * velocity_mps / pull_mps2, first_m);
+  return {min(extent.low_m, apex), max(extent.high_m, apex)};
+}
+inline PathExtent extent_of(const Four& place_m, const Four& velocity_mps, const Four& pull_mps2,
+                            double span_s) {
+  return extent_between(place_m, detail::parabolas(place_m, velocity_mps, pull_mps2, span_s),
+                        velocity_mps, pull_mps2, velocity_mps + pull_mps2 * Four::all(span_s));
 }
 
 /// Less than the time that a place stays between two walls in each coordinate. REQUIRES: it is
@@ -125,76 +142,89 @@ inline double falls_after_s(double excess_m, double rate_mps, double pull_mps2,
 }
 
 /// When a centre on a path may first touch a face's plane and approach it; infinite if it doesn't.
-inline double face_not_before_s(const PathPart& path, const SphereFeature& face, double radius_m) {
+inline double face_not_before_s(const PathPart& path, const SphereFeature& face) {
   const Four normal = Four::of(face.direction);
   const double rate_mps = dot(normal, path.velocity_mps);
   const double pull_mps2 = dot(normal, path.pull_mps2);
   // It never approaches.
   const double last_rate_mps = rate_mps + pull_mps2 * path.span_s;
-  if (std::min(rate_mps, last_rate_mps) > detail::k_sum_ulps * path.speed_mps - k_approach_mps)
-    return detail::k_forever_s;
+  if (rate_mps > path.floor_mps && last_rate_mps > path.floor_mps) return detail::k_forever_s;
   // It never touches: where it is lowest, at the end, unless it turns before. Some rounding more
   // counts as a touch.
-  const double excess_m = dot(normal, path.place_m - Four::of(face.point_m)) -
-                          (radius_m + (k_touch_m + k_rounding_ulps * path.size_m));
+  const double excess_m = dot(normal, path.place_m - Four::of(face.point_m)) - path.touch_m;
   if (excess_m > 0 && (pull_mps2 <= 0 || last_rate_mps <= 0) &&
-      excess_m + (rate_mps + 0.5 * pull_mps2 * path.span_s) * path.span_s > 0)
+      excess_m + 0.5 * (rate_mps + last_rate_mps) * path.span_s > 0)
     return detail::k_forever_s;
   const double not_before_s =
       rate_mps > 0 && pull_mps2 < 0 ? rate_mps / -pull_mps2 : 0;  // until then it goes away
   return detail::k_root_shrink * falls_after_s(excess_m, rate_mps, pull_mps2, not_before_s);
 }
 
-/// When a centre on a path may first touch an edge's line or a vertex and approach it; infinite if
-/// it doesn't.
-inline double corner_not_before_s(const PathPart& path, const SphereFeature& corner,
-                                  double radius_m) {
-  const double span_s = path.span_s;
-  const Four along = Four::of(corner.direction);  // of a vertex 0
+/// The way from an edge's line, or a vertex, to a centre: at right angles to the edge.
+struct CornerWay {
+  Four along;  ///< the edge's direction; of a vertex 0
+  double reach_m;
+  double c_c;
+  double c_v;
+  double c_a;
+};
+inline CornerWay corner_way(const PathPart& path, const SphereFeature& corner, double radius_m) {
+  const Four along = Four::of(corner.direction);
   const Four from = path.place_m - Four::of(corner.point_m);
   const Four c = from - Four::all(dot(along, from)) * along;
   const double c_c = dot(c, c);
-  const double c_v = dot(c, path.velocity_mps);
-  const double c_a = dot(c, path.pull_mps2);
-  // c.c is known to a part of size_m^2, so the distance is, near the touch, to that over the
-  // radius.
-  const double reach_m = radius_m + k_touch_m +
-                         detail::k_sum_ulps * (path.size_m + path.size_m * path.size_m / radius_m);
-  // It never touches: by the plane at right angles to the way there.
-  if (c_c > reach_m * reach_m) {
-    const double left = c_a <= 0 || c_v + c_a * span_s <= 0
-                            ? c_c + std::min(0.0, (c_v + 0.5 * c_a * span_s) * span_s)
-                            : c_c + std::min(0.0, c_v) * span_s;
-    if (left > 0 && left * left > reach_m * reach_m * c_c) return detail::k_forever_s;
-  }
-  const Four v = path.velocity_mps - Four::all(dot(along, path.velocity_mps)) * along;
-  const Four a = path.pull_mps2 - Four::all(dot(along, path.pull_mps2)) * along;
+  // c takes the rounding of coordinates; c.c, along the way, that of the square of its own size of
+  // up to the travel and twice its length, and the distance that over the diameter.
+  const double rounding_m =
+      detail::k_sum_ulps * (path.size_m + 2 * (path.travel_m * path.travel_m + c_c) / radius_m);
+  return {.along = along,
+          .reach_m = (radius_m + k_touch_m) + rounding_m,
+          .c_c = c_c,
+          .c_v = dot(c, path.velocity_mps),
+          .c_a = dot(c, path.pull_mps2)};
+}
+
+/// Whether a centre certainly doesn't touch an edge's line or a vertex: by the plane through that
+/// at right angles to the way there.
+inline bool stays_away(const CornerWay& way, double span_s) {
+  const double square = way.reach_m * way.reach_m;
+  if (!(way.c_c > square)) return false;
+  const double last_c_v = way.c_v + way.c_a * span_s;
+  // Where it is lowest, at an end; or at least, if it turns before.
+  const double change = way.c_a <= 0 || last_c_v <= 0 ? 0.5 * (way.c_v + last_c_v) : way.c_v;
+  const double left = way.c_c + std::min(0.0, change) * span_s;
+  return left > 0 && left * left > square * way.c_c;
+}
+
+/// When a centre on a path may first touch an edge's line or a vertex and approach it; infinite if
+/// it doesn't.
+inline double corner_not_before_s(const PathPart& path, const CornerWay& way) {
+  const double span_s = path.span_s;
+  const Four v = path.velocity_mps - Four::all(dot(way.along, path.velocity_mps)) * way.along;
+  const Four a = path.pull_mps2 - Four::all(dot(way.along, path.pull_mps2)) * way.along;
   const double v_a = dot(v, a);
   const double a_a = dot(a, a);
-  const double c_v_rate = dot(v, v) + c_a;
-  // It approaches at c.v < -|c| k_approach, and what it touches is half of its radius away at
-  // least.
-  const double least_c_v =
-      0.25 * k_approach_mps * radius_m - detail::k_sum_ulps * path.size_m * path.speed_mps;
+  const double c_v_rate = dot(v, v) + way.c_a;
+  const double square = way.reach_m * way.reach_m;
   double s = 0;
   constexpr int k_steps_max = 8;
   for (int step = 0; step < k_steps_max; ++step) {
-    const double c_c_now = c_c + (2 * c_v + (c_v_rate + (v_a + 0.25 * a_a * s) * s) * s) * s;
-    const double c_v_now = c_v + (c_v_rate + (1.5 * v_a + 0.5 * a_a * s) * s) * s;
-    const double c_a_now = c_a + (v_a + 0.5 * a_a * s) * s;
+    const double half = 0.5 * a_a * s;
+    const double c_c = way.c_c + (2 * way.c_v + (c_v_rate + (v_a + 0.5 * half) * s) * s) * s;
+    const double c_v = way.c_v + (c_v_rate + (1.5 * v_a + half) * s) * s;
+    const double rate = c_v_rate + 3 * (v_a + half) * s;
+    const double bend = v_a + 2 * half;
     // It doesn't approach as long as c.v stays positive; the last term of that only raises it.
-    const double left = c_v_now + least_c_v;
-    double not_before_s = 0;
-    if (left > 0)
-      not_before_s =
-          first_fall_s(left, c_v_rate + (3 * v_a + 1.5 * a_a * s) * s, 3 * v_a + 3 * a_a * s);
+    const double left = c_v - path.floor_m2ps;
+    const double not_before_s = left > 0 ? first_fall_s(left, rate, 3 * bend) : 0;
     if (!(detail::k_root_shrink * (s + not_before_s) <= span_s)) return detail::k_forever_s;
-    // All times the distance.
-    const double excess = c_c_now - reach_m * std::sqrt(std::max(0.0, c_c_now));
-    const double fails_s = falls_after_s(excess, c_v_now, c_a_now, not_before_s);
+    // Half of c.c's excess, h later: excess + c.v h + rate h^2 / 2 + bend h^3 / 2 + a.a h^4 / 8, of
+    // which the last two terms are no less than bend h^2 / 2 times what is left of the time.
+    const double least_rate = rate + std::min(0.0, bend) * (span_s - s);
+    const double fails_s = falls_after_s(0.5 * (c_c - square), c_v, least_rate, not_before_s);
     const double then_s = detail::k_root_shrink * (s + fails_s);
     if (!(then_s <= span_s)) return detail::k_forever_s;
-    constexpr double k_close = 1 + 0x1p-20;
+    constexpr double k_close = 1 + 0x1p-14;
     const bool close = then_s <= k_close * s + k_seconds_per_tick;
     s = then_s;
     if (close) break;
@@ -206,20 +236,18 @@ inline double corner_not_before_s(const PathPart& path, const SphereFeature& cor
 /// region's sides.
 inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& path, double from_s,
                           double to_s) {
-  const double margin_m = k_clear_margin_m + k_rounding_ulps * path.size_m;
+  const Four first_m = detail::parabolas(path.place_m, path.velocity_mps, path.pull_mps2, from_s);
+  const double for_s = to_s - from_s;
   for (std::size_t i = sides.size(); i-- > 0;) {
     const Four normal = Four::of(sides[i].space.normal);
-    const double inside_m = dot(normal, path.place_m) - (sides[i].space.offset_m - margin_m);
-    const double rate_mps = dot(normal, path.velocity_mps);
+    const double inside_m = dot(normal, first_m) - (sides[i].space.offset_m - path.side_margin_m);
+    if (inside_m >= 0) continue;
     const double pull_mps2 = dot(normal, path.pull_mps2);
-    const double first_m = inside_m + (rate_mps + 0.5 * pull_mps2 * from_s) * from_s;
-    if (first_m >= 0) continue;
-    const double last_m = inside_m + (rate_mps + 0.5 * pull_mps2 * to_s) * to_s;
-    if (last_m >= 0) continue;
-    // It may have been inside between, if it rises, turns and falls.
-    const double first_mps = rate_mps + pull_mps2 * from_s;
-    if (first_mps > 0 && rate_mps + pull_mps2 * to_s < 0 &&
-        first_m - 0.5 * first_mps * first_mps / pull_mps2 >= 0)
+    const double rate_mps = dot(normal, path.velocity_mps) + pull_mps2 * from_s;
+    const double last_rate_mps = rate_mps + pull_mps2 * for_s;
+    if (inside_m + 0.5 * (rate_mps + last_rate_mps) * for_s >= 0) continue;
+    // It may be inside between, if it rises, turns and falls.
+    if (rate_mps > 0 && last_rate_mps < 0 && inside_m - 0.5 * rate_mps * rate_mps / pull_mps2 >= 0)
       continue;
     return true;
   }
