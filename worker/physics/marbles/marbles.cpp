@@ -62,6 +62,7 @@ void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
   resting_.reset(count, scene.slow, ticks_after(k_jam_bounces * bounce_s));
   recent_.reset(count);
   balls_.assign(count, {});
+  surroundings_.assign(count, {});
   boxes_.assign(count);
   keys_.resize(count);
   partners_.assign(count, k_none);

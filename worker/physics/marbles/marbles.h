@@ -31,6 +31,7 @@
 #include "worker/physics/marbles/ball_boxes.h"
 #include "worker/physics/marbles/near_features.h"
 #include "worker/physics/marbles/path_bounds.h"
+#include "worker/physics/marbles/surroundings.h"
 #include "worker/physics/response/contact_motion.h"
 #include "worker/physics/response/sphere_impact.h"
 #include "worker/physics/simulator/lasting_contact.h"
@@ -174,8 +175,9 @@ class Marbles {
   Tick meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
                   double after_s) const;
   Tick meets_corner(const FreeFlight& flight, const SphereFeature& corner, const Window& window,
-                    const CornerWay& way) const;
+                    double after_s) const;
   void predict_pairs(std::uint32_t ball);
+  void comes_near(std::uint32_t ball, const TouchBox& own, std::uint32_t other);
   Tick predict_pair(std::uint32_t a, std::uint32_t b) const;
   Refractory refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const;
   TouchBox path_box_of(std::uint32_t ball, Tick from, Tick to) const;
@@ -197,6 +199,7 @@ class Marbles {
   bool contacts_last_ = false;
 
   std::vector<Ball> balls_;
+  std::vector<Surroundings> surroundings_;
   BallBoxes boxes_;                      ///< of paths, or of confinements
   std::vector<EventKey> keys_;           ///< of each ball's next event
   std::vector<std::uint32_t> partners_;  ///< whom each ball meets next, if it does at pair_tick

@@ -21,6 +21,10 @@ using detail::k_root_shrink;
 /// Paths that are longer leave the cell in which they begin (20 ms).
 constexpr TickCount k_short = TickCount{1} << 24;
 
+/// A ball has settled if it goes less than such a part of its radius: then it stays in its
+/// surroundings for some such motions. Speed only.
+constexpr double k_short_radii = 0.25 * k_settled_radii;
+
 /// A search that is one tick early, as rounding makes some, finds the collision at the next one; so
 /// many are judged before it is worth asking for how long it can't collide.
 constexpr int k_early_ticks = 2;
@@ -160,7 +164,7 @@ struct Marbles::Window {
     path.span_s = seconds(stop - start);
   }
   /// Whether it may be worth a look if it ends where it is near its start.
-  bool is_short() const { return stop - start < k_short; }
+  bool is_short() const { return stop - start <= k_short; }
   bool is_within(const NearFeatures::Cell& cell) {
     measure();
     return !is_any_negative(extent.low_m - cell.low_m) &&
@@ -171,6 +175,8 @@ struct Marbles::Window {
     measured_to = stop;
     extent = extent_of(path.place_m, path.velocity_mps, path.pull_mps2, path.span_s);
   }
+  /// At most, along all axes together. REQUIRES: it is measured.
+  double goes_m() const { return sum(extent.high_m - extent.low_m); }
   /// Of the centre. REQUIRES: it is measured, and its margins are known.
   TouchBox centre_box() const {
     // A float lies within 2^-24 of its number.
@@ -199,6 +205,7 @@ void Marbles::predict_static(std::uint32_t index) {
   const Tick until = std::min(end_, ball.mode_end);
   Tick best_tick = k_never;
   std::uint32_t best = k_none;
+  Surroundings& surroundings = surroundings_[index];
   Window window;
   const auto met = [&](std::uint32_t feature, Tick tick) {
     if (tick > window.stop || (tick == best_tick && feature > best)) return;
@@ -209,14 +216,17 @@ void Marbles::predict_static(std::uint32_t index) {
   const auto ask_face = [&](std::uint32_t index_of_face) {
     const SphereFeature& face = statics_->feature(index_of_face);
     const double after_s = face_not_before_s(window.path, face);
-    if (after_s <= window.path.span_s)
+    if (after_s <= window.path.span_s && !stays_outside(statics_->sides(face), window.path, after_s,
+                                                        window.path.span_s + k_seconds_per_tick))
       met(index_of_face, meets_face(flight, face, window, after_s));
   };
   const auto ask_corner = [&](std::uint32_t index_of_corner) {
     const SphereFeature& corner = statics_->feature(index_of_corner);
     const CornerWay way = corner_way(window.path, corner, radius_m_);
-    if (!stays_away(way, window.path.span_s))
-      met(index_of_corner, meets_corner(flight, corner, window, way));
+    if (stays_away(way, window.path.span_s)) return;
+    const double after_s = corner_not_before_s(window.path, way);
+    if (after_s <= window.path.span_s)
+      met(index_of_corner, meets_corner(flight, corner, window, after_s));
   };
   const TouchBox* const touch_boxes = near_->touch_boxes().data();
   const auto ask_each = [&](std::span<const std::uint32_t> features, const auto& ask) {
@@ -230,14 +240,10 @@ void Marbles::predict_static(std::uint32_t index) {
   for (window.start = now_; window.start <= until; window.start = window.stop + 1) {
     // As far as what is near the start is all that is near.
     window.begin(flight);
-    const NearFeatures::Cell cell = near_->cell_at(window.path.place_m);
-    window.ends(until);
-    if (!window.is_short() || !window.is_within(cell)) {
-      const double stay_s = stays_s(window.path.place_m, window.path.velocity_mps,
-                                    window.path.pull_mps2, cell.low_m, cell.high_m);
-      if (stay_s < window.path.span_s)
-        window.ends(std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s))));
-    }
+    const bool is_settled = surroundings.holds(window.path.place_m);
+    const NearFeatures::Cell cell =
+        is_settled ? surroundings.cell() : near_->cell_at(window.path.place_m);
+    window.ends(std::min(until, window.start + k_short));
     window.path.sets_margins(near_->coordinates_m(), radius_m_);
     if (done[3] != k_none) {
       if (statics_->feature(done[3]).kind == FeatureKind::face) {
@@ -246,19 +252,38 @@ void Marbles::predict_static(std::uint32_t index) {
         ask_corner(done[3]);
       }
     }
+    if (best == k_none) window.ends(until);
+    if (!window.is_short() || !window.is_within(cell)) {
+      const double stay_s = stays_s(window.path.place_m, window.path.velocity_mps,
+                                    window.path.pull_mps2, cell.low_m, cell.high_m);
+      if (stay_s < window.path.span_s)
+        window.ends(std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s))));
+      if (best_tick > window.stop) {
+        // It is asked again where it is near then.
+        best_tick = k_never;
+        best = k_none;
+      }
+      if (!window.is_short()) {
+        // For longer than it was asked for.
+        window.path.sets_margins(near_->coordinates_m(), radius_m_);
+        done[3] = k_none;
+      }
+    }
     window.measure();
     if (!near_->everywhere().empty()) ask_each(near_->everywhere(), ask_face);
     ask_each(cell.faces, ask_face);
     // The path is mostly shorter by now.
     window.measure();
     ask_each(cell.corners, ask_corner);
+    window.measure();
+    if (!is_settled && window.start == now_ && window.goes_m() < k_short_radii * radius_m_)
+      surroundings.settle(*near_, cell, window.path.place_m);
     if (best != k_none) break;
     done[3] = k_none;
   }
   ball.static_tick = best_tick;
   ball.static_feature = best;
   if (window.begins == now_) {
-    window.measure();
     boxes_.set(index, ball_box(window.extent, radius_m_));
   } else {
     boxes_.set(index, path_box_of(index, now_, next_of(index)));
@@ -268,26 +293,30 @@ void Marbles::predict_static(std::uint32_t index) {
 /// `after_s`: from when on it may touch its plane.
 Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
                          double after_s) const {
-  const PathPart& path = window.path;
   const std::span<const RegionSide> sides = statics_->sides(face);
-  if (stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick)) return k_never;
   int judged = 0;
   for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
     const MovingPoint now = centre_at(flight, tick);
-    if (touches_face(face, now, radius_m_) && is_inside(sides, now.position_m)) return tick;
-    tick = judged < k_early_ticks ? tick + 1
-                                  : examine(face, sides, now, radius_m_, k_touch_m, tick).next;
+    const bool touches = touches_face(face, now, radius_m_);
+    if (touches && is_inside(sides, now.position_m)) return tick;
+    if (touches) {
+      // It goes below the plane outside of its region, and may come into that, deep as it is.
+      const double outside_s = k_root_shrink * outside_for_s(sides, now);
+      if (!(outside_s <= seconds(window.stop - tick))) return k_never;
+      tick = tick + std::max<TickCount>(1, ticks_after(outside_s));
+    } else {
+      tick = judged < k_early_ticks ? tick + 1
+                                    : examine(face, sides, now, radius_m_, k_touch_m, tick).next;
+    }
   }
   return k_never;
 }
 
+/// The same of the edge's line, or the vertex.
 Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner,
-                           const Window& window, const CornerWay& way) const {
+                           const Window& window, double after_s) const {
   const PathPart& path = window.path;
-  const double after_s = corner_not_before_s(path, way);
-  if (!(after_s <= path.span_s)) return k_never;
   const std::span<const RegionSide> sides = statics_->sides(corner);
-  if (stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick)) return k_never;
   int judged = 0;
   for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
     const MovingPoint now = centre_at(flight, tick);
@@ -295,6 +324,8 @@ Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner
     if (touches && is_inside(sides, now.position_m)) return tick;
     TickCount skips = 1;
     if (touches || judged >= k_early_ticks) {
+      if (judged == 0 && stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick))
+        return k_never;
       // Which side it is outside of is asked where it touches, or comes closer slowly.
       double failing_s = touches ? 0 : corner_fails_for_s(corner, now, radius_m_, path.size_m);
       if (touches || judged >= k_steps_without_region)
@@ -341,31 +372,32 @@ bool Marbles::path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox&
 /// When a ball whose motion has changed meets another one, if first; wakes the attention of those
 /// that are left alone.
 void Marbles::predict_pairs(std::uint32_t index) {
-  Ball& ball = balls_[index];
-  std::uint32_t& partner = partners_[index];
-  ball.pair_tick = k_never;
-  partner = k_none;
-  const bool rests = is_resting(index);
+  balls_[index].pair_tick = k_never;
+  partners_[index] = k_none;
   const TouchBox own = boxes_.of(index);
-  const double reach_m = 2 * (radius_m_ + k_pad_m);
   boxes_.for_each_overlapping(own, [&](std::uint32_t other) {
-    if (other == index) return;
-    if (balls_[other].suspended) {
-      if (balls_[other].resumes || !path_meets(index, now_, next_of(index), boxes_.of(other), 0))
-        return;
-      balls_[other].resumes = true;
-      to_resume_.push_back(other);
-      return;
-    }
-    if (rests && is_resting(other)) return;
-    // Boxes overlap in their corners, where no ball is.
-    if (apart_m2(own, boxes_.of(other), radius_m_) > reach_m * reach_m) return;
-    const Tick tick = predict_pair(std::min(index, other), std::max(index, other));
-    // On a tie the key with the lower ids counts; others come in ascending order.
-    if (tick >= ball.pair_tick) return;
-    ball.pair_tick = tick;
-    partner = other;
+    if (other != index) comes_near(index, own, other);
   });
+}
+
+/// A ball's path comes near another one's, or near its confinement.
+void Marbles::comes_near(std::uint32_t index, const TouchBox& own, std::uint32_t other) {
+  if (balls_[other].suspended) {
+    if (balls_[other].resumes || !path_meets(index, now_, next_of(index), boxes_.of(other), 0))
+      return;
+    balls_[other].resumes = true;
+    to_resume_.push_back(other);
+    return;
+  }
+  if (is_resting(index) && is_resting(other)) return;
+  // Boxes overlap in their corners, where no ball is.
+  const double reach_m = 2 * (radius_m_ + k_pad_m);
+  if (apart_m2(own, boxes_.of(other), radius_m_) > reach_m * reach_m) return;
+  const Tick tick = predict_pair(std::min(index, other), std::max(index, other));
+  // On a tie the key with the lower ids counts; others come in ascending order.
+  if (tick >= balls_[index].pair_tick) return;
+  balls_[index].pair_tick = tick;
+  partners_[index] = other;
 }
 
 Refractory Marbles::refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const {

@@ -121,7 +121,8 @@ inline double stays_s(const Four& place, const Four& speed, const Four& pull, co
   const Four square = v * v;
   const Four at_ahead = square + twice * ahead;
   const Four root = sqrt(choose_if_less(at_ahead, zero, square - twice * behind, at_ahead));
-  const Four sum_of_speeds = v + root;
+  // A place at a wall, at rest, stays for no time, not for 0 / 0.
+  const Four sum_of_speeds = max(v + root, Four::all(1e-300));
   return k_less * least(choose_if_less(at_ahead, zero, sum_of_speeds, ahead + ahead) /
                         choose_if_less(at_ahead, zero, zero - a, sum_of_speeds));
 }

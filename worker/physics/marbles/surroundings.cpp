@@ -1,0 +1,51 @@
+#include "worker/physics/marbles/surroundings.h"
+
+#include "worker/physics/simulator/static_geometry.h"
+
+namespace sleight::physics {
+namespace {
+
+/// Far more than rounding, and than what counts as a touch, does to a place.
+constexpr double k_pad_m = 2e-6;
+
+}  // namespace
+
+void Surroundings::settle(const NearFeatures& near, const NearFeatures::Cell& cell,
+                          const Four& centre_m) {
+  const double half_m = k_settled_radii * near.radius_m();
+  // The fourth number of places is 0: its walls stand aside.
+  const Four half = Four::of(std::array<double, 4>{half_m, half_m, half_m, 1});
+  low_m_ = max(cell.low_m, centre_m - half);
+  high_m_ = min(cell.high_m, centre_m + half);
+  // Floats lie within 2^-24 of their numbers.
+  const double pad_m = k_pad_m + 0x1p-20 * (sum(fabs(centre_m)) + near.radius_m());
+  const Four axes = Four::axes(1);
+  const TouchBox centres{.low_m = floats_of(axes * (low_m_ - Four::all(pad_m))),
+                         .high_m = floats_of(axes * (high_m_ + Four::all(pad_m)))};
+  // Where all of the ball is.
+  Box balls;
+  const auto reach_m = static_cast<float>(near.radius_m() + pad_m);
+  for (std::size_t i = 0; i < 3; ++i) {
+    balls.low_m[i] = centres.low_m[i] - reach_m;
+    balls.high_m[i] = centres.high_m[i] + reach_m;
+  }
+  const CentreRange range(balls, near.radius_m());
+  std::size_t count = 0;
+  bool fits = true;
+  const auto take = [&](std::span<const std::uint32_t> features) {
+    for (const std::uint32_t feature : features) {
+      if (!overlaps(centres, near.touch_boxes()[feature]) ||
+          !near.statics().may_meet(feature, range))
+        continue;
+      fits = fits && count < k_most;
+      if (fits) features_[count++] = feature;
+    }
+  };
+  take(cell.faces);
+  face_count_ = static_cast<std::uint32_t>(count);
+  take(cell.corners);
+  corner_count_ = static_cast<std::uint32_t>(count) - face_count_;
+  if (!fits) *this = {};
+}
+
+}  // namespace sleight::physics
