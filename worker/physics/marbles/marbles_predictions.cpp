@@ -18,7 +18,7 @@ constexpr int k_halvings = 5;
 using detail::k_forever_s;
 using detail::k_root_shrink;
 
-/// Paths that are longer leave the cell in which they begin (20 ms).
+/// Paths that are longer mostly leave the cell in which they begin: 16 ms. Speed only.
 constexpr TickCount k_short = TickCount{1} << 24;
 
 /// A ball has settled if it goes less than such a part of its radius: then it stays in its
@@ -148,9 +148,11 @@ struct Marbles::Window {
   PathExtent extent{Four::zero(), Four::zero()};  ///< of the centre from `begins` to measured_to
   Tick begins{};
   Tick measured_to{-1};
+  TouchBox box{};  ///< of the centre, and some more, from `begins` to boxed_to
+  Tick boxed_to{-1};
   void begin(const FreeFlight& flight) {
     begins = start;
-    measured_to = start - 1;
+    measured_to = boxed_to = start - 1;
     path.place_m = Four::of(flight.position_m);
     path.velocity_mps = Four::of(flight.velocity_mps);
     path.pull_mps2 = Four::of(flight.acceleration_mps2);
@@ -163,7 +165,7 @@ struct Marbles::Window {
     stop = tick;
     path.span_s = seconds(stop - start);
   }
-  /// Whether it may be worth a look if it ends where it is near its start.
+  /// Whether it is worth a look if it ends where it is near its start.
   bool is_short() const { return stop - start <= k_short; }
   bool is_within(const NearFeatures::Cell& cell) {
     measure();
@@ -177,11 +179,16 @@ struct Marbles::Window {
   }
   /// At most, along all axes together. REQUIRES: it is measured.
   double goes_m() const { return sum(extent.high_m - extent.low_m); }
-  /// Of the centre. REQUIRES: it is measured, and its margins are known.
-  TouchBox centre_box() const {
+  /// Where it may meet what. REQUIRES: margins are known.
+  void make_box() {
+    if (boxed_to == stop) return;
+    boxed_to = stop;
+    measure();
+    path.goes(goes_m());
     // A float lies within 2^-24 of its number.
     const Four pad_m = Four::axes(k_pad_m + 0x1p-22 * path.size_m);
-    return {.low_m = floats_of(extent.low_m - pad_m), .high_m = floats_of(extent.high_m + pad_m)};
+    box.low_m = floats_of(extent.low_m - pad_m);
+    box.high_m = floats_of(extent.high_m + pad_m);
   }
 };
 
@@ -222,15 +229,15 @@ void Marbles::predict_static(std::uint32_t index) {
   };
   const auto ask_corner = [&](std::uint32_t index_of_corner) {
     const SphereFeature& corner = statics_->feature(index_of_corner);
-    const CornerWay way = corner_way(window.path, corner, radius_m_);
-    if (stays_away(way, window.path.span_s)) return;
-    const double after_s = corner_not_before_s(window.path, way);
+    const CornerWay way = corner_way(window.path, corner);
+    if (way.c_c > window.path.near_m2) return;
+    const double after_s = corner_not_before_s(window.path, way, radius_m_);
     if (after_s <= window.path.span_s)
       met(index_of_corner, meets_corner(flight, corner, window, after_s));
   };
   const TouchBox* const touch_boxes = near_->touch_boxes().data();
   const auto ask_each = [&](std::span<const std::uint32_t> features, const auto& ask) {
-    const TouchBox box = window.centre_box();
+    const TouchBox box = window.box;
     for (const std::uint32_t feature : features) {
       if (overlaps(box, touch_boxes[feature]) && feature != done[0] && feature != done[1] &&
           feature != done[2] && feature != done[3])
@@ -269,11 +276,11 @@ void Marbles::predict_static(std::uint32_t index) {
         done[3] = k_none;
       }
     }
-    window.measure();
+    window.make_box();
     if (!near_->everywhere().empty()) ask_each(near_->everywhere(), ask_face);
     ask_each(cell.faces, ask_face);
     // The path is mostly shorter by now.
-    window.measure();
+    window.make_box();
     ask_each(cell.corners, ask_corner);
     window.measure();
     if (!is_settled && window.start == now_ && window.goes_m() < k_short_radii * radius_m_)

@@ -6,11 +6,10 @@
 // tenth of what it costs to judge a tick: here are these bounds, and whoever asks judges ticks from
 // there on (marbles_predictions.cpp).
 //
-//   face    n.(p - q) is a parabola; that of a centre which falls on it is lowest at an end.
-//   corner  with c the way from an edge's line, or a vertex, to the centre at a time s, and h
-//   later,
-//             |c(s + h)| >= c.c(s + h) / |c|,  a parabola again,
-//           and c.c, c.v and c.a at any s are polynomials of five products, taken once.
+//   face    n.(p - q) is a parabola; that of a centre which falls is lowest at an end.
+//   corner  with c the way from an edge's line, or a vertex, to the centre at first, its plane at
+//           right angles gives |c(h)| >= c.c(h) / |c|, a parabola again; c.c itself is a polynomial
+//           in time whose first three terms are a parabola, and the others bounded.
 //   region  of a half-space the parabola's greatest value between two times.
 //
 // Invariants
@@ -57,21 +56,23 @@ struct PathPart {
   Four velocity_mps;
   Four pull_mps2;
   double span_s = 0;
-  double size_m = 0;         ///< no less than sum of |coordinates|, along it, and of what is near
-  double travel_m = 0;       ///< no less than it goes, along all axes together
-  double touch_m = 0;        ///< of a ball's centre and a face that may touch
+  double size_m = 0;    ///< no less than sum of |coordinates|, along it, and of what is near
+  double travel_m = 0;  ///< no less than it goes, along all axes together
+  double touch_m = 0;   ///< of a ball's centre and a face that may touch
+  double near_m = 0;    ///< the same, before it has gone where it goes
+  double near_m2 = 0;
   double floor_mps = 0;      ///< a gap's rate above this is no approach
   double floor_m2ps = 0;     ///< the same of c.v (corners)
   double side_margin_m = 0;  ///< of region sides
 
-  /// For this path or the part of it that ends sooner. REQUIRES: the rest is set. `near_m`: sum of
-  /// |coordinates| of what is near.
-  void sets_margins(double near_m, double radius_m) {
+  /// For this path or the part of it that ends sooner. REQUIRES: the rest is set. `around_m`: sum
+  /// of |coordinates| of what is near.
+  void sets_margins(double around_m, double radius_m) {
     const double for_s = span_s;
     const double pull_mps = sum(fabs(pull_mps2)) * for_s;
     const double speed_mps = sum(fabs(velocity_mps));
     travel_m = (speed_mps + 0.5 * pull_mps) * for_s;
-    size_m = near_m + sum(fabs(place_m)) + travel_m;
+    size_m = around_m + sum(fabs(place_m)) + travel_m;
     touch_m = radius_m + (k_touch_m + k_rounding_ulps * size_m);
     const double rounding_mps = detail::k_sum_ulps * (speed_mps + pull_mps);
     floor_mps = rounding_mps - k_approach_mps;
@@ -79,6 +80,13 @@ struct PathPart {
     // least.
     floor_m2ps = rounding_mps * size_m - 0.25 * k_approach_mps * radius_m;
     side_margin_m = k_clear_margin_m + k_rounding_ulps * size_m;
+    near_m = near_m2 = detail::k_forever_s;
+  }
+  /// It ends so far from where it starts at most, along all axes together: sooner than the margins
+  /// say, mostly.
+  void goes(double way_m) {
+    near_m = touch_m + way_m;
+    near_m2 = near_m * near_m;
   }
 };
 
@@ -145,6 +153,8 @@ inline double falls_after_s(double excess_m, double rate_mps, double pull_mps2,
 /// When a centre on a path may first touch a face's plane and approach it; infinite if it doesn't.
 inline double face_not_before_s(const PathPart& path, const SphereFeature& face) {
   const Four normal = Four::of(face.direction);
+  const double above_m = dot(normal, path.place_m - Four::of(face.point_m));
+  if (above_m > path.near_m) return detail::k_forever_s;
   const double rate_mps = dot(normal, path.velocity_mps);
   const double pull_mps2 = dot(normal, path.pull_mps2);
   // It never approaches.
@@ -152,7 +162,7 @@ inline double face_not_before_s(const PathPart& path, const SphereFeature& face)
   if (rate_mps > path.floor_mps && last_rate_mps > path.floor_mps) return detail::k_forever_s;
   // It never touches: where it is lowest, at the end, unless it turns before. Some rounding more
   // counts as a touch.
-  const double excess_m = dot(normal, path.place_m - Four::of(face.point_m)) - path.touch_m;
+  const double excess_m = above_m - path.touch_m;
   if (excess_m > 0 && (pull_mps2 <= 0 || last_rate_mps <= 0) &&
       excess_m + 0.5 * (rate_mps + last_rate_mps) * path.span_s > 0)
     return detail::k_forever_s;
@@ -164,55 +174,51 @@ inline double face_not_before_s(const PathPart& path, const SphereFeature& face)
 /// The way from an edge's line, or a vertex, to a centre: at right angles to the edge.
 struct CornerWay {
   Four along;  ///< the edge's direction; of a vertex 0
-  double reach_m;
+  Four c;
   double c_c;
-  double c_v;
-  double c_a;
 };
-inline CornerWay corner_way(const PathPart& path, const SphereFeature& corner, double radius_m) {
+inline CornerWay corner_way(const PathPart& path, const SphereFeature& corner) {
   const Four along = Four::of(corner.direction);
   const Four from = path.place_m - Four::of(corner.point_m);
   const Four c = from - Four::all(dot(along, from)) * along;
-  const double c_c = dot(c, c);
-  // c takes the rounding of coordinates; c.c, along the way, that of the square of its own size of
-  // up to the travel and twice its length, and the distance that over the diameter.
-  const double rounding_m =
-      detail::k_sum_ulps * (path.size_m + 2 * (path.travel_m * path.travel_m + c_c) / radius_m);
-  return {.along = along,
-          .reach_m = (radius_m + k_touch_m) + rounding_m,
-          .c_c = c_c,
-          .c_v = dot(c, path.velocity_mps),
-          .c_a = dot(c, path.pull_mps2)};
+  return {.along = along, .c = c, .c_c = dot(c, c)};
 }
 
-/// Whether a centre certainly doesn't touch an edge's line or a vertex: by the plane through that
-/// at right angles to the way there.
-inline bool stays_away(const CornerWay& way, double span_s) {
-  const double square = way.reach_m * way.reach_m;
-  if (!(way.c_c > square)) return false;
-  const double last_c_v = way.c_v + way.c_a * span_s;
-  // Where it is lowest, at an end; or at least, if it turns before.
-  const double change = way.c_a <= 0 || last_c_v <= 0 ? 0.5 * (way.c_v + last_c_v) : way.c_v;
-  const double left = way.c_c + std::min(0.0, change) * span_s;
-  return left > 0 && left * left > square * way.c_c;
+/// c takes the rounding of coordinates; c.c, along the way, that of the square of its own size of
+/// up to the travel and twice its length, and the distance that over the diameter.
+inline double corner_reach_m(const PathPart& path, const CornerWay& way, double radius_m) {
+  const double square = path.travel_m * path.travel_m + way.c_c;
+  return (radius_m + k_touch_m) + detail::k_sum_ulps * (path.size_m + 2 * square / radius_m);
 }
 
 /// When a centre on a path may first touch an edge's line or a vertex and approach it; infinite if
 /// it doesn't.
-inline double corner_not_before_s(const PathPart& path, const CornerWay& way) {
+inline double corner_not_before_s(const PathPart& path, const CornerWay& way, double radius_m) {
   const double span_s = path.span_s;
+  const double reach_m = corner_reach_m(path, way, radius_m);
+  const double square = reach_m * reach_m;
+  const double first_c_v = dot(way.c, path.velocity_mps);
+  const double first_c_a = dot(way.c, path.pull_mps2);
+  // It never touches: by the plane at right angles to the way there, where it is lowest, at an end;
+  // or at least, if it turns before.
+  if (way.c_c > square) {
+    const double last_c_v = first_c_v + first_c_a * span_s;
+    const double change =
+        first_c_a <= 0 || last_c_v <= 0 ? 0.5 * (first_c_v + last_c_v) : first_c_v;
+    const double left = way.c_c + std::min(0.0, change) * span_s;
+    if (left > 0 && left * left > square * way.c_c) return detail::k_forever_s;
+  }
   const Four v = path.velocity_mps - Four::all(dot(way.along, path.velocity_mps)) * way.along;
   const Four a = path.pull_mps2 - Four::all(dot(way.along, path.pull_mps2)) * way.along;
   const double v_a = dot(v, a);
   const double a_a = dot(a, a);
-  const double c_v_rate = dot(v, v) + way.c_a;
-  const double square = way.reach_m * way.reach_m;
+  const double c_v_rate = dot(v, v) + first_c_a;
   double s = 0;
   constexpr int k_steps_max = 8;
   for (int step = 0; step < k_steps_max; ++step) {
     const double half = 0.5 * a_a * s;
-    const double c_c = way.c_c + (2 * way.c_v + (c_v_rate + (v_a + 0.5 * half) * s) * s) * s;
-    const double c_v = way.c_v + (c_v_rate + (1.5 * v_a + half) * s) * s;
+    const double c_c = way.c_c + (2 * first_c_v + (c_v_rate + (v_a + 0.5 * half) * s) * s) * s;
+    const double c_v = first_c_v + (c_v_rate + (1.5 * v_a + half) * s) * s;
     const double rate = c_v_rate + 3 * (v_a + half) * s;
     const double bend = v_a + 2 * half;
     // It doesn't approach as long as c.v stays positive; the last term of that only raises it.
