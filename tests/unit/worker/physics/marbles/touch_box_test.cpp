@@ -167,7 +167,7 @@ TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
           const auto a = static_cast<std::size_t>(axis);
           middle_m[axis] = 0.5 * (double{plain.low_m[a]} + double{plain.high_m[a]});
         }
-        const NearFeatures::Cell cell = near.cell_at(middle_m);
+        const NearFeatures::Cell cell = near.cell_at(Four::of(middle_m));
         const auto list = feature.kind == FeatureKind::face ? cell.faces : cell.corners;
         ASSERT_TRUE(std::ranges::binary_search(list, f)) << n << ", " << i << ", " << f;
       }
