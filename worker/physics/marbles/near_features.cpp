@@ -12,8 +12,8 @@ namespace {
 constexpr float k_infinity = std::numeric_limits<float>::infinity();
 /// Cells and the margins about them, as parts of a ball's radius: smaller cells have shorter lists,
 /// wider margins let a path stay longer. Speed only.
-constexpr double k_cell_radii = 0.5;
-constexpr double k_margin_radii = 0.15;
+constexpr double k_cell_radii = 0.7;
+constexpr double k_margin_radii = 0.2;
 /// What outgrows its home gets one that is so much larger than need be on each side.
 constexpr double k_growth_radii = 0.15;
 /// More cells than this are made larger.
