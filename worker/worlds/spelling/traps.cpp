@@ -46,7 +46,7 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
     box.high_m[axis] = static_cast<float>(middle_m[i] + half_m);
   }
   box.low_m[2] = static_cast<float>(-k_margin_m);
-  box.high_m[2] = static_cast<float>(lowest_m + radius_m);
+  box.high_m[2] = static_cast<float>(reaches_m + radius_m);
   return Place{.bin = *bin, .box = box};
 }
 
