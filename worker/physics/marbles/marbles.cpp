@@ -219,8 +219,7 @@ bool Marbles::suspend(std::uint32_t ball) {
   bool is_alone = true;
   boxes_.for_each_overlapping(confined, [&](std::uint32_t other) {
     if (other == ball || !is_alone) return;
-    is_alone =
-        !balls_[other].suspended && !path_meets(other, now_, next_of(other), confined, 0);
+    is_alone = !balls_[other].suspended && !path_meets(other, now_, next_of(other), confined, 0);
   });
   if (!is_alone) return false;
   boxes_.set(ball, confined);

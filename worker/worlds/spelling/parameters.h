@@ -32,9 +32,9 @@ struct WorldParameters {
   double gravity_mps2 = 9.81;
   // When slow contacts end, of sqrt(gravity x ball diameter) or its time: part of the model, since
   // outcomes hang on it. With the sizes given: 0.02 m/s, a bounce of 20 um, half a pixel where the
-  // box fills a picture 3,840 wide; 0.063 m/s; 4 ms.
+  // box fills a picture 3,840 wide; 0.04 m/s; 4 ms.
   double bounce_end = 0.05;  ///< bounces that would part more slowly end
-  double rest_speed = 0.16;  ///< a ball rests, where it is in balance, that was slower than this
+  double rest_speed = 0.1;   ///< a ball rests, where it is in balance, that was slower than this
   double rest_time = 0.1;    ///< for so long, of sqrt(ball diameter / gravity)
   double time_limit_s = 10;  ///< after the last drop, if the balls are not at rest before
 };
