@@ -17,11 +17,12 @@ namespace {
 constexpr double k_look_every_s = 0.1;
 /// Bounding volumes of the partitions allow for offsets of so many standard deviations.
 constexpr double k_slack_sds = 5;
-/// Ten balls take some 500 events together until their outcome is decided. One that is wedged, in a
-/// box that leaves it no room, may have half a million. A decision about rest takes as long as
-/// many.
-constexpr std::uint64_t k_work_per_ball_max = 5000;
-constexpr std::uint64_t k_work_of_decision = 20;
+/// Ten balls take some 300 events together until their outcome is decided. One that is wedged, in a
+/// box that leaves it no room, may have half a million; one that leans on another, nearly in
+/// balance, some thousands a second, and a decision about rest for every two of them. Such a
+/// decision may take as long as some events.
+constexpr std::uint64_t k_work_per_ball_max = 10'000;
+constexpr std::uint64_t k_work_of_decision = 4;
 /// Balls keep this distance from the walls when they are dropped.
 constexpr double k_clear_m = 1e-6;
 
