@@ -161,7 +161,7 @@ class Marbles {
   LastingContact lasting_contact(std::uint32_t feature, const Vec3& place_m) const;
   void begin_on_faces(std::uint32_t ball, std::span<const std::uint32_t> features,
                       std::span<const LastingContact> contacts, const Vec3& place_m,
-                      const Twist& twist, bool rolled, Tick tick);
+                      const Twist& twist, bool rolled, const Twist& otherwise, Tick tick);
   void begin_caught(std::uint32_t ball, std::uint32_t feature, const Vec3& place_m,
                     const Twist& twist, Tick tick);
   void wake_dependents(std::uint32_t ball, Tick tick);

@@ -209,7 +209,7 @@ LastingContact Marbles::lasting_contact(std::uint32_t feature, const Vec3& place
 
 void Marbles::begin_on_faces(std::uint32_t index, std::span<const std::uint32_t> features,
                              std::span<const LastingContact> contacts, const Vec3& place_m,
-                             const Twist& twist, bool rolled, Tick tick) {
+                             const Twist& twist, bool rolled, const Twist& otherwise, Tick tick) {
   const FreeFlight now{.begin = tick,
                        .position_m = place_m,
                        .velocity_mps = twist.velocity_mps,
@@ -220,7 +220,7 @@ void Marbles::begin_on_faces(std::uint32_t index, std::span<const std::uint32_t>
                             scene_->gravity_mps2);
   if (!stay) {
     resting_.flies(index, tick);
-    begin_after(index, place_m, twist, tick);
+    begin_after(index, place_m, otherwise, tick);
     return;
   }
   begin_segment(index, stay->segment);
@@ -255,9 +255,11 @@ void Marbles::begin_caught(std::uint32_t index, std::uint32_t feature, const Vec
     along.velocity_mps = along_faces(std::span(contacts).first(count), twist.velocity_mps);
   const bool alone = plain || math::norm(along.velocity_mps - twist.velocity_mps) >=
                                   scene_->slow.separation_speed_mps;
+  const Twist otherwise =
+      count == 1 ? twist : hop(round_, contacts[0].normal, twist, hop_speed_mps());
   if (alone) count = 1;
   begin_on_faces(index, std::span(features).first(count), std::span(contacts).first(count), place_m,
-                 alone ? twist : along, false, tick);
+                 alone ? twist : along, false, otherwise, tick);
 }
 
 void Marbles::change_mode(std::uint32_t index, Tick tick) {
@@ -276,7 +278,7 @@ void Marbles::change_mode(std::uint32_t index, Tick tick) {
     features[count++] = feature;
   }
   begin_on_faces(index, std::span(features).first(count), std::span(contacts).first(count), place_m,
-                 twist, rolled, tick);
+                 twist, rolled, twist, tick);
   wake_on_those_that_left(tick);
 }
 

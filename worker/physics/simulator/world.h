@@ -303,9 +303,10 @@ class World {
   bool is_caught(std::uint32_t body, std::uint32_t feature, double approach_mps, double restitution,
                  Tick tick);
   /// A sphere with such a twist goes on from faces that it touches: it stays on those that carry
-  /// it, if any do, or flies.
+  /// it, if any do, or flies with the other one. `rolled`: it has rolled on them up to now.
   void begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> features,
-                      const Twist& twist, bool rolled, const EventKey& event);
+                      const Twist& twist, bool rolled, const Twist& otherwise,
+                      const EventKey& event);
   /// The same when it has just lost its bounce on `feature`.
   void begin_caught(std::uint32_t body, std::uint32_t feature, const Twist& twist,
                     const EventKey& event);

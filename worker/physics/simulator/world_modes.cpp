@@ -41,7 +41,8 @@ LastingContact World::lasting_contact(std::uint32_t body, std::uint32_t feature,
 }
 
 void World::begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> features,
-                           const Twist& twist, bool rolled, const EventKey& event) {
+                           const Twist& twist, bool rolled, const Twist& otherwise,
+                           const EventKey& event) {
   std::array<LastingContact, 3> contacts;
   for (std::size_t i = 0; i < features.size(); ++i)
     contacts[i] = lasting_contact(body, features[i], event.tick);
@@ -51,7 +52,7 @@ void World::begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> fe
                             now.flight, rolled, statics_, scene_.slow, scene_.gravity_mps2);
   if (!stay) {
     resting_.flies(body, event.tick);
-    begin_after(body, twist, event);
+    begin_after(body, otherwise, event);
     return;
   }
   begin_segment(body, stay->segment, event);
@@ -84,12 +85,14 @@ void World::begin_caught(std::uint32_t body, std::uint32_t feature, const Twist&
       count == 1 || (count == 2 && !is_valley(contacts[0].normal, contacts[1].normal));
   if (!plain)
     along.velocity_mps = along_faces(std::span(contacts).first(count), twist.velocity_mps);
-  if (plain ||
-      math::norm(along.velocity_mps - twist.velocity_mps) >= scene_.slow.separation_speed_mps) {
-    begin_on_faces(body, std::span(features).first(1), twist, false, event);
-  } else {
-    begin_on_faces(body, std::span(features).first(count), along, false, event);
-  }
+  const bool alone = plain || math::norm(along.velocity_mps - twist.velocity_mps) >=
+                                  scene_.slow.separation_speed_mps;
+  // If nothing carries it, as where friction pulls it on to what it doesn't press on, it hops off
+  // the new one: else it would come back from the old one at once, again and again.
+  const Twist otherwise =
+      count == 1 ? twist : hop(round_body(body), contacts[0].normal, twist, hop_speed_mps());
+  begin_on_faces(body, std::span(features).first(alone ? 1 : count), alone ? twist : along, false,
+                 otherwise, event);
 }
 
 void World::change_mode(std::uint32_t body, const EventKey& event) {
@@ -103,7 +106,7 @@ void World::change_mode(std::uint32_t body, const EventKey& event) {
     if (feature != supports.leaves) features[count++] = feature;
   }
   const bool rolled = segments_[body].mode == MotionMode::rolling;
-  begin_on_faces(body, std::span(features).first(count), twist, rolled, event);
+  begin_on_faces(body, std::span(features).first(count), twist, rolled, twist, event);
   wake_on_those_that_left(event);
 }
 
