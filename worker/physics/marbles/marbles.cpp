@@ -38,13 +38,14 @@ bool are_marbles(const Scene& scene) {
 }
 
 void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
-                    MarbleConfinement confinement) {
+                    MarbleConfinement confinement, std::uint64_t work_max) {
   scene_ = &scene;
   near_ = &near;
   statics_ = &near.statics();
   confinement_ = std::move(confinement);
   end_ = end;
   now_ = Tick{};
+  work_max_ = work_max;
   const BodyDescription& first = scene.bodies.front();
   radius_m_ = std::get<Sphere>(first.shape).radius_m;
   CHECK_EQ(radius_m_, near.radius_m());
@@ -93,6 +94,12 @@ std::optional<SceneError> Marbles::run_until(Tick tick) {
 
 void Marbles::process(const EventKey& event) {
   const std::uint32_t ball = event.lower;
+  if (counts_.work() > work_max_) {
+    fail(SceneError::Kind::search_failed,
+         fmt::format("{}: more work than {} events up to {:.9g} s", name(ball), work_max_,
+                     seconds(event.tick - Tick{})));
+    return;
+  }
   switch (event.kind) {
     case EventKind::start:
       start_ball(ball, event);

@@ -63,13 +63,16 @@ class Marbles {
     std::uint64_t resumptions = 0;
 
     std::uint64_t events() const { return static_collisions + collisions + modes + rest_decisions; }
+    /// In events: a decision about rest may take as long as some.
+    std::uint64_t work() const { return events() + 3 * rest_decisions; }
   };
 
   /// Begins before everything. Borrows the scene, and what is near, until the next start.
-  /// `end`: no one asks for anything later. REQUIRES: are_marbles(scene); error_of(scene) has none;
-  /// `near` is of this scene's static geometry and radius.
+  /// `end`: no one asks for anything later. `work_max`: more than that is an error, as balls that
+  /// are wedged collide some million times in a second. REQUIRES: are_marbles(scene);
+  /// error_of(scene) has none; `near` is of this scene's static geometry and radius.
   void start(const Scene& scene, const NearFeatures& near, Tick end,
-             MarbleConfinement confinement = {});
+             MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX);
   /// Processes all events up to and at a tick. Nothing if all went well; the engine stays where it
   /// is after an error. REQUIRES: not beyond the end.
   std::optional<SceneError> run_until(Tick tick);
@@ -173,9 +176,10 @@ class Marbles {
   void predict_static(std::uint32_t ball);
   struct Window;
   Tick meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
-                  double after_s) const;
+                  double after_s);
+  Tick gives_up(Tick tick);
   Tick meets_corner(const FreeFlight& flight, const SphereFeature& corner, const Window& window,
-                    double after_s) const;
+                    double after_s);
   void predict_pairs(std::uint32_t ball);
   void comes_near(std::uint32_t ball, const TouchBox& own, std::uint32_t other);
   Tick predict_pair(std::uint32_t a, std::uint32_t b) const;
@@ -189,6 +193,7 @@ class Marbles {
   MarbleConfinement confinement_;
   Tick end_{};
   Tick now_{};
+  std::uint64_t work_max_ = UINT64_MAX;
   // Of all balls.
   double radius_m_ = 0;
   MaterialId material_{};

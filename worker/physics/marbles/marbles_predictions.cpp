@@ -1,4 +1,6 @@
 // When balls meet something.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,11 +29,11 @@ constexpr double k_short_radii = 0.25 * k_settled_radii;
 
 /// A search that is one tick early, as rounding makes some, finds the collision at the next one; so
 /// many are judged before it is worth asking for how long it can't collide.
-constexpr int k_early_ticks = 2;
+constexpr std::uint64_t k_early_ticks = 2;
 
 /// A corner's region is asked where it is touched; after so many ticks that were too early for a
 /// touch, at each.
-constexpr int k_steps_without_region = 6;
+constexpr std::uint64_t k_steps_without_region = 6;
 
 /// What examine says of a region and a tick.
 bool is_inside(std::span<const RegionSide> sides, const Vec3& centre_m) {
@@ -91,6 +93,10 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
       not_before_s = first_fall_s(left, c_v_rate, 3 * v_a);
       if (not_before_s == k_forever_s) return k_forever_s;
     }
+    // Nor is it an approach before the pull has made it one: a rate falls no faster than that.
+    const double pull = math::norm(pull_mps2);
+    if (pull == 0) return k_forever_s;
+    not_before_s = std::max(not_before_s, (rate_mps + k_approach_mps) / pull);
   }
   const double excess_m = gap_m - k_touch_m - k_rounding_ulps * (size_m + radius_m);
   const double fails_s = falls_after_s(excess_m, rate_mps, c_a / distance_m, not_before_s);
@@ -297,12 +303,21 @@ void Marbles::predict_static(std::uint32_t index) {
   }
 }
 
+/// A search takes some ticks; so many mean that a bound is wrong.
+Tick Marbles::gives_up(Tick tick) {
+  fail(SceneError::Kind::search_failed,
+       fmt::format("a search for a collision examined more than {} ticks, up to {} ({:.9g} s)",
+                   k_examined_ticks_max, tick.value, seconds(tick - Tick{})));
+  return k_never;
+}
+
 /// `after_s`: from when on it may touch its plane.
 Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
-                         double after_s) const {
+                         double after_s) {
   const std::span<const RegionSide> sides = statics_->sides(face);
-  int judged = 0;
+  std::uint64_t judged = 0;
   for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
+    if (judged > k_examined_ticks_max) return gives_up(tick);
     const MovingPoint now = centre_at(flight, tick);
     const bool touches = touches_face(face, now, radius_m_);
     if (touches && is_inside(sides, now.position_m)) return tick;
@@ -321,11 +336,12 @@ Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, co
 
 /// The same of the edge's line, or the vertex.
 Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner,
-                           const Window& window, double after_s) const {
+                           const Window& window, double after_s) {
   const PathPart& path = window.path;
   const std::span<const RegionSide> sides = statics_->sides(corner);
-  int judged = 0;
+  std::uint64_t judged = 0;
   for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
+    if (judged > k_examined_ticks_max) return gives_up(tick);
     const MovingPoint now = centre_at(flight, tick);
     const bool touches = touches_corner(corner, now, radius_m_);
     if (touches && is_inside(sides, now.position_m)) return tick;

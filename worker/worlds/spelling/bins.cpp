@@ -140,7 +140,14 @@ struct Bins::Builder {
       below[vertex] = added;
       return added;
     };
-    const std::uint32_t bottom = add({0, 0, -k_below_m});
+    // In line with the end of a partition, or nearly so far away from a thin one, triangles would
+    // be slivers: so it is in the middle of a bin, and deep below thin partitions.
+    const auto middle = [&](std::uint32_t bins_along) {
+      return bins_along % 2 == 0 ? 0.5 * bins.pitch_m_ : 0.0;
+    };
+    const double deeper_m = world.partition_m < 0.01 * world.bin_m ? 4 * world.bin_m : 0;
+    const std::uint32_t bottom =
+        add({middle(bins.columns_), middle(bins.rows_), -(k_below_m + deeper_m)});
     for (const auto& [edge, unused] : edges) {
       const auto [a, b] = edge;
       if (edges.contains({b, a})) continue;

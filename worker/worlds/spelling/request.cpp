@@ -16,7 +16,7 @@ constexpr std::array<request::Named<Font>, 2> k_fonts{
 constexpr std::array<request::Named<Kernel>, 2> k_kernels{
     {{"correct", Kernel::correct}, {"thesis", Kernel::thesis}}};
 
-constexpr double k_rest_speeds_min = 2;
+constexpr double k_bounce_ends_min = 2;
 
 struct Lengths {
   double minimum_mm = 0.001;
@@ -186,13 +186,22 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                 .help = "of sqrt(gravity x diameter): a ball in balance that is slower rests"});
   // The slowest bounces would keep a ball from ever being so slow.
   if (world.valid("bounce_end") && world.valid("rest_speed") &&
-      p.rest_speed < k_rest_speeds_min * p.bounce_end) {
+      p.rest_speed < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_speed", fmt::format("must be at least {} times bounce_end, found {:.3g}",
-                                          k_rest_speeds_min, p.rest_speed / p.bounce_end));
+                                          k_bounce_ends_min, p.rest_speed / p.bounce_end));
   }
   world.number(
       "rest_time", p.rest_time,
       {.minimum = 0.01, .maximum = 10, .help = "of sqrt(diameter / gravity): after so long"});
+  // What a ball touched longer ago than the rest time doesn't hold it: it would miss what it has
+  // just bounced from.
+  if (world.valid("bounce_end") && world.valid("rest_time") &&
+      p.rest_time < k_bounce_ends_min * p.bounce_end) {
+    world.error("rest_time",
+                fmt::format("must be at least {} times bounce_end, how long the slowest bounces "
+                            "take, found {:.3g}",
+                            k_bounce_ends_min, p.rest_time / p.bounce_end));
+  }
   world.number("time_limit_s", p.time_limit_s,
                {.minimum = 0.01,
                 .maximum = 100,

@@ -19,10 +19,9 @@ constexpr double k_look_every_s = 0.1;
 constexpr double k_slack_sds = 5;
 /// Ten balls take some 300 events together until their outcome is decided. One that is wedged, in a
 /// box that leaves it no room, may have half a million; one that leans on another, nearly in
-/// balance, some thousands a second, and a decision about rest for every two of them. Such a
-/// decision may take as long as some events.
+/// balance, some thousands a second. A run to rest has more events, and so a larger limit.
 constexpr std::uint64_t k_work_per_ball_max = 10'000;
-constexpr std::uint64_t k_work_of_decision = 4;
+constexpr std::uint64_t k_work_to_rest = 5;
 /// Balls keep this distance from the walls when they are dropped.
 constexpr double k_clear_m = 1e-6;
 
@@ -83,9 +82,8 @@ physics::Tick Spelling::limit_of(const physics::Scene& scene) const {
   return scene.bodies.back().start_tick + physics::ticks_after(parameters_.world.time_limit_s);
 }
 
-template <class Engine, class AllStay, class TakesTooLong>
-End Spelling::run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay,
-                  const TakesTooLong& takes_too_long) const {
+template <class Engine, class AllStay>
+End Spelling::run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay) const {
   const physics::Tick limit = limit_of(scene);
   for (physics::Tick end = scene.bodies.back().start_tick; end < limit;) {
     end = std::min(limit, end + physics::ticks_after(k_look_every_s));
@@ -94,7 +92,6 @@ End Spelling::run(const physics::Scene& scene, Engine& engine, const AllStay& al
                                                                : End::search_failed;
     }
     if (all_stay()) return End::settled;
-    if (takes_too_long()) return End::search_failed;
   }
   return End::time_limit;
 }
@@ -131,7 +128,8 @@ Spelling::Result Spelling::simulated(const State& state, bool to_rest) const {
     };
   }
   physics::Marbles& marbles = geometry->marbles();
-  marbles.start(scene, geometry->near(), limit_of(scene), confinement);
+  marbles.start(scene, geometry->near(), limit_of(scene), confinement,
+                (to_rest ? k_work_to_rest : 1) * k_work_per_ball_max * scene.bodies.size());
   if (marbles.run_until(physics::Tick{})) return {.outcome = {.end = End::impossible}};
   std::vector<Traps::Ball> balls(scene.bodies.size());
   const auto look = [&] {
@@ -146,17 +144,10 @@ Spelling::Result Spelling::simulated(const State& state, bool to_rest) const {
                      .rests = segment.mode == physics::MotionMode::resting};
     }
   };
-  const End end = run(
-      scene, marbles,
-      [&] {
-        look();
-        return to_rest ? std::ranges::all_of(balls, &Traps::Ball::rests) : traps.all_stay(balls);
-      },
-      [&] {
-        const auto& done = marbles.counts();
-        return done.events() + k_work_of_decision * done.rest_decisions >
-               k_work_per_ball_max * balls.size();
-      });
+  const End end = run(scene, marbles, [&] {
+    look();
+    return to_rest ? std::ranges::all_of(balls, &Traps::Ball::rests) : traps.all_stay(balls);
+  });
   if (end != End::settled && end != End::time_limit) return {.outcome = {.end = end}};
 
   Result result;
@@ -184,15 +175,12 @@ Animation Spelling::animate(const State& state) const {
   const auto scene = this->scene(state);
   CHECK(scene.has_value());
   physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
-  const End end = run(
-      *scene, simulation,
-      [&] {
-        bool all_rest = true;
-        for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
-          all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
-        return all_rest;
-      },
-      [] { return false; });
+  const End end = run(*scene, simulation, [&] {
+    bool all_rest = true;
+    for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
+      all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
+    return all_rest;
+  });
   CHECK(end == End::settled || end == End::time_limit);
   animation.recording = simulation.recording();
   return animation;

@@ -21,7 +21,9 @@
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
-//   2. What is decided early is what a run to rest would find.
+//   2. What is decided early is what a run to rest would find, if that ends: a simulation of far
+//      more events than others have, as of a ball that is wedged, ends as search_failed, and a run
+//      to rest has more of them.
 //   3. With Kernel::thesis draws and ratios are those that A.2.2 prints: invariants 1 and 2 of a
 //      target (target.h) do not hold, and Algorithm 2.1 has another distribution.
 // Thread safety: const functions may be called from several threads at once.
@@ -121,9 +123,8 @@ class Spelling {
  private:
   /// Runs until all balls stay, or to the limit. How it ended, as far as it didn't fail: at the
   /// limit, time_limit.
-  template <class Engine, class AllStay, class TakesTooLong>
-  End run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay,
-          const TakesTooLong& takes_too_long) const;
+  template <class Engine, class AllStay>
+  End run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay) const;
   physics::Tick limit_of(const physics::Scene& scene) const;
   /// What a simulation came to, and where those active balls are that stay there.
   struct Result {

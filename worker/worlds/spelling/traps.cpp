@@ -8,8 +8,16 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Far more than rounding, and than the errors of pieces of motion, add to a height.
-constexpr double k_margin_m = 1e-4;
+/// Far more than rounding adds to a height.
+constexpr double k_margin_least_m = 1e-4;
+
+/// Pieces of motion rise above where energy takes a ball by half of the height of the slowest
+/// bounces (edge_motion.h), a quarter of the square of bounce_end in diameters; twice that.
+double margin_of(const WorldParameters& world) {
+  return std::max(k_margin_least_m,
+                  0.5 * world.bounce_end * world.bounce_end * world.ball_diameter_m);
+}
+
 /// A solid ball's I / (m r^2).
 constexpr double k_gyration = 0.4;
 
@@ -17,10 +25,11 @@ constexpr double k_gyration = 0.4;
 
 std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist& twist) const {
   const double radius_m = 0.5 * world_.ball_diameter_m;
+  const double margin_m = margin_of(world_);
   const Vec3 turning_mps = radius_m * twist.angular_velocity_radps;
   const double energy = math::dot(twist.velocity_mps, twist.velocity_mps) +
                         k_gyration * math::dot(turning_mps, turning_mps);
-  const double reaches_m = centre_m.z() + energy / (2 * world_.gravity_mps2) + k_margin_m;
+  const double reaches_m = centre_m.z() + energy / (2 * world_.gravity_mps2) + margin_m;
   // Most balls are too fast for a look at the bin.
   if (!(centre_m.z() > 0) || reaches_m > world_.partition_height_m) return std::nullopt;
   const auto bin = bins_.bin_at(centre_m);
@@ -35,7 +44,7 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
   }
   if (reaches_m > lowest_m) return std::nullopt;
   const Vec3 middle_m = bins_.floor_middle_m(*bin);
-  const double half_m = 0.5 * world_.bin_m + lean_m + k_margin_m;
+  const double half_m = 0.5 * world_.bin_m + lean_m + margin_m;
   // Partitions that lean over into the next bin would not keep balls apart.
   if (half_m > 0.5 * (world_.bin_m + world_.partition_m)) return std::nullopt;
   physics::Box box;
@@ -45,7 +54,7 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
     box.low_m[axis] = static_cast<float>(middle_m[i] - half_m);
     box.high_m[axis] = static_cast<float>(middle_m[i] + half_m);
   }
-  box.low_m[2] = static_cast<float>(-k_margin_m);
+  box.low_m[2] = static_cast<float>(-margin_m);
   box.high_m[2] = static_cast<float>(reaches_m + radius_m);
   return Place{.bin = *bin, .box = box};
 }

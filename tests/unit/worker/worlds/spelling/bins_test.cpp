@@ -59,6 +59,21 @@ TEST(Bins, SurfacesOfAllSizesAreClosed) {
   }
 }
 
+TEST(Bins, ThinPartitionsAreNoSlivers) {
+  // Goal: whatever grid and partition a request may have, the surface can be made. Method: the
+  // thinnest partitions, a thousandth of a bin, in grids of all sorts.
+  WorldParameters world;
+  world.partition_m = 0.001 * world.bin_m;
+  world.vertex_sd_m = 0.1 * world.partition_m;
+  for (const std::uint32_t columns : {1U, 2U, 3U, 6U, 7U, 15U, 30U, 39U, 40U}) {
+    for (const std::uint32_t rows : {1U, 2U, 3U, 5U, 6U, 11U, 12U}) {
+      const Bins bins(world, columns, rows);
+      EXPECT_TRUE(bins.surface(std::vector<Vec3>(bins.vertex_count(), Vec3::Zero())))
+          << columns << " x " << rows;
+    }
+  }
+}
+
 TEST(Bins, EveryPlaceIsInItsBin) {
   // Goal: bin_at is the bin whose floor is nearest. Method: random places in and out of the box.
   const Bins bins(WorldParameters{}, 7, 5);
