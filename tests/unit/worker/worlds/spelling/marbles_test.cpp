@@ -1,6 +1,7 @@
 // Balls that spell are simulated by an engine of their own: it does what the simulator does.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 
@@ -126,6 +127,49 @@ TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
 TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
   // Goal: the same with many balls, on the grid of ACM. Method: the same.
   expect_all_alike(pattern_of(15, 7), state_count() / 50);
+}
+
+/// A world such as requests may ask for: sizes, shapes, materials and how slow contacts end.
+Parameters any_world(random::Stream& stream) {
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * stream.uniform();
+  };
+  Parameters parameters;
+  const auto columns = static_cast<std::uint32_t>(uniform(1, 5));
+  const auto rows = static_cast<std::uint32_t>(uniform(2, 4));
+  parameters.pattern = pattern_of(columns, rows);
+  WorldParameters& world = parameters.world;
+  const double scale = stream.uniform() < 0.5 ? uniform(0.1, 1) : uniform(1, 10);
+  world.bin_m = 0.02 * scale;
+  world.partition_m = world.bin_m * uniform(0.02, 0.3);
+  world.ball_diameter_m = world.bin_m * uniform(0.5, 0.9);
+  world.partition_height_m = world.bin_m * uniform(0.7, 1);
+  world.dome_m = stream.uniform() < 0.3 ? 1e-6 : world.bin_m * uniform(0, 0.2);
+  world.vertex_sd_m = 0.1 * world.partition_m * uniform(0.01, 1);
+  world.box_height_m = world.bin_m * uniform(1, 3);
+  world.drop_height_m =
+      world.partition_height_m + 10 * world.vertex_sd_m + world.bin_m * uniform(0.1, 3);
+  world.drop_interval_s = 0.15 * std::sqrt(scale) * uniform(0.5, 2);
+  world.restitution = uniform(0, 0.9);
+  world.friction = uniform(0, 1);
+  world.bounce_end = uniform(0.01, 0.1);
+  world.rest_speed = world.bounce_end * uniform(2, 4);
+  world.rest_time = world.bounce_end * uniform(2, 10);
+  return parameters;
+}
+
+TEST(SpellingMarbles, EqualASimulationInAnyWorld) {
+  // Goal: the same in whatever world, and that all of them end. Method: random worlds, two states
+  // of each.
+  random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
+  const std::uint64_t worlds = state_count() / 10;
+  for (std::uint64_t n = 0; n < worlds; ++n) {
+    SCOPED_TRACE("world " + std::to_string(n));
+    const Spelling world(any_world(stream));
+    for (std::uint64_t seed = 0; seed < 2; ++seed)
+      expect_alike(world, draw(world, 2 * n + seed), seed == 0);
+    if (::testing::Test::HasFailure()) return;
+  }
 }
 
 }  // namespace
