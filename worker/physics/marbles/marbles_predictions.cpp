@@ -10,9 +10,6 @@
 namespace sleight::physics {
 namespace {
 
-/// Far more than rounding, and than what counts as a touch, does to a place.
-constexpr double k_pad_m = 2e-6;
-
 /// A path's box is looked at in halves of halves, so many times, before it is taken to come near
 /// another one.
 constexpr int k_halvings = 5;
@@ -112,7 +109,7 @@ MovingPoint centre_at(const FreeFlight& flight, Tick tick) {
 /// Of a ball whose centre stays within an extent.
 TouchBox ball_box(const PathExtent& extent, double radius_m) {
   // A float lies within 2^-24 of its number.
-  const Four pad_m = Four::axes(radius_m + k_pad_m);
+  const Four pad_m = Four::axes(radius_m + k_place_pad_m);
   const Four low_m = extent.low_m - pad_m;
   const Four high_m = extent.high_m + pad_m;
   const Four rounding = Four::all(0x1p-23);
@@ -192,7 +189,7 @@ struct Marbles::Window {
     measure();
     path.goes(goes_m());
     // A float lies within 2^-24 of its number.
-    const Four pad_m = Four::axes(k_pad_m + 0x1p-22 * path.size_m);
+    const Four pad_m = Four::axes(k_place_pad_m + 0x1p-22 * path.size_m);
     box.low_m = floats_of(extent.low_m - pad_m);
     box.high_m = floats_of(extent.high_m + pad_m);
   }
@@ -384,7 +381,7 @@ TouchBox Marbles::path_box_of(std::uint32_t index, Tick from, Tick to) const {
 bool Marbles::path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox& box,
                          int depth) const {
   // Both boxes hold balls: their centres are further in, and touch at two radii.
-  const double reach_m = 2 * (radius_m_ + k_pad_m);
+  const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   if (apart_m2(path_box_of(ball, from, to), box, radius_m_) > reach_m * reach_m) return false;
   if (depth == k_halvings || to - from < 2) return true;
   const Tick middle = from + (to - from) / 2;
@@ -414,7 +411,7 @@ void Marbles::comes_near(std::uint32_t index, const TouchBox& own, std::uint32_t
   }
   if (is_resting(index) && is_resting(other)) return;
   // Boxes overlap in their corners, where no ball is.
-  const double reach_m = 2 * (radius_m_ + k_pad_m);
+  const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   if (apart_m2(own, boxes_.of(other), radius_m_) > reach_m * reach_m) return;
   const Tick tick = predict_pair(std::min(index, other), std::max(index, other));
   // On a tie the key with the lower ids counts; others come in ascending order.

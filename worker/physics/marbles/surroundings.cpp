@@ -3,13 +3,6 @@
 #include "worker/physics/simulator/static_geometry.h"
 
 namespace sleight::physics {
-namespace {
-
-/// Far more than rounding, and than what counts as a touch, does to a place.
-constexpr double k_pad_m = 2e-6;
-
-}  // namespace
-
 void Surroundings::settle(const NearFeatures& near, const NearFeatures::Cell& cell,
                           const Four& centre_m) {
   const double half_m = k_settled_radii * near.radius_m();
@@ -18,7 +11,7 @@ void Surroundings::settle(const NearFeatures& near, const NearFeatures::Cell& ce
   low_m_ = max(cell.low_m, centre_m - half);
   high_m_ = min(cell.high_m, centre_m + half);
   // Floats lie within 2^-24 of their numbers.
-  const double pad_m = k_pad_m + 0x1p-20 * (sum(fabs(centre_m)) + near.radius_m());
+  const double pad_m = k_place_pad_m + 0x1p-20 * (sum(fabs(centre_m)) + near.radius_m());
   const Four axes = Four::axes(1);
   const TouchBox centres{.low_m = floats_of(axes * (low_m_ - Four::all(pad_m))),
                          .high_m = floats_of(axes * (high_m_ + Four::all(pad_m)))};

@@ -8,45 +8,45 @@ namespace sleight::physics {
 namespace {
 
 // Compilers take these for what the processor has. x, y, z; the fourth one is not used.
-using Four = float __attribute__((vector_size(16)));
+using Floats = float __attribute__((vector_size(16)));
 using Bits = std::int32_t __attribute__((vector_size(16)));
 using Two = double __attribute__((vector_size(16)));
 
 constexpr Bits k_axes{-1, -1, -1, 0};
 constexpr Bits k_sign{INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
 
-Four all(float x) {
-  return Four{x, x, x, x};
+Floats all(float x) {
+  return Floats{x, x, x, x};
 }
-Bits bits_of(Four a) {
+Bits bits_of(Floats a) {
   return reinterpret_cast<Bits>(a);
 }
-Four four_of(Bits a) {
-  return reinterpret_cast<Four>(a);
+Floats floats_from(Bits a) {
+  return reinterpret_cast<Floats>(a);
 }
-Four least(Four a, Four b) {
+Floats least(Floats a, Floats b) {
   return a < b ? a : b;
 }
-Four greatest(Four a, Four b) {
+Floats greatest(Floats a, Floats b) {
   return a > b ? a : b;
 }
-Four absolute(Four a) {
-  return four_of(bits_of(a) & ~k_sign);
+Floats absolute(Floats a) {
+  return floats_from(bits_of(a) & ~k_sign);
 }
-Four roots(Four a) {
+Floats roots(Floats a) {
 #ifdef __SSE2__
   return _mm_sqrt_ps(a);
 #else
-  return Four{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+  return Floats{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 #endif
 }
 
 /// As floats: touch boxes are wider than their rounding by far.
-Four floats_of(Two xy, Two z) {
+Floats floats_of(Two xy, Two z) {
 #ifdef __SSE2__
   return _mm_movelh_ps(_mm_cvtpd_ps(xy), _mm_cvtpd_ps(z));
 #else
-  return Four{static_cast<float>(xy[0]), static_cast<float>(xy[1]), static_cast<float>(z[0]), 0};
+  return Floats{static_cast<float>(xy[0]), static_cast<float>(xy[1]), static_cast<float>(z[0]), 0};
 #endif
 }
 Two xy_of(const Vec3& v) {
@@ -57,62 +57,62 @@ Two xy_of(const Vec3& v) {
 Two z_of(const Vec3& v) {
   return Two{v.z(), 0};
 }
-Four direction_of(const Vec3& v) {
+Floats direction_of(const Vec3& v) {
   return floats_of(xy_of(v), z_of(v));
 }
 
-float dot(Four a, Four b) {
-  const Four each = a * b;
+float dot(Floats a, Floats b) {
+  const Floats each = a * b;
   return (each[0] + each[1]) + each[2];
 }
 
-Four yzx(Four a) {
+Floats yzx(Floats a) {
   return __builtin_shufflevector(a, a, 1, 2, 0, 3);
 }
-Four zxy(Four a) {
+Floats zxy(Floats a) {
   return __builtin_shufflevector(a, a, 2, 0, 1, 3);
 }
 
 /// How far what is at right angles to a unit vector goes along each axis, of which that has a part.
-Four across(Four parts) {
-  return roots(greatest(1 - parts * parts, Four{}));
+Floats across(Floats parts) {
+  return roots(greatest(1 - parts * parts, Floats{}));
 }
 
 struct Corners {
-  Four low;
-  Four high;
+  Floats low;
+  Floats high;
 };
 
 /// Of unit vectors from a feature to a centre in its region: the extent along each axis.
 struct Spread {
-  Four low;
-  Four high;
+  Floats low;
+  Floats high;
 };
 
 /// From an edge: all at right angles to it, between its two faces if it has two.
 [[gnu::always_inline]] inline Spread spread_of_edge(const SphereFeature& edge,
                                                     std::span<const RegionSide> sides) {
-  const Four along = direction_of(edge.direction);
-  const Four furthest = across(along);
+  const Floats along = direction_of(edge.direction);
+  const Floats furthest = across(along);
   const Spread around{.low = -furthest, .high = furthest};
   if (sides.size() != 4) return around;
   // The region ends at rays at right angles to the sides' normals, on the side of the other one:
   // unless the two are so much alike that which side that is can't be said.
-  const Four first = direction_of(sides[2].space.normal);
-  const Four second = direction_of(sides[3].space.normal);
-  const Four along_yzx = yzx(along);
-  const Four along_zxy = zxy(along);
-  const Four ray_a = yzx(first) * along_zxy - zxy(first) * along_yzx;
-  const Four ray_b = yzx(second) * along_zxy - zxy(second) * along_yzx;
+  const Floats first = direction_of(sides[2].space.normal);
+  const Floats second = direction_of(sides[3].space.normal);
+  const Floats along_yzx = yzx(along);
+  const Floats along_zxy = zxy(along);
+  const Floats ray_a = yzx(first) * along_zxy - zxy(first) * along_yzx;
+  const Floats ray_b = yzx(second) * along_zxy - zxy(second) * along_yzx;
   const float side_a = dot(ray_a, second);
   const float side_b = dot(ray_b, first);
   constexpr float k_unclear = 1e-4F;
   if (std::fabs(side_a) < k_unclear || std::fabs(side_b) < k_unclear) return around;
-  const Four border_a = four_of(bits_of(ray_a) ^ (bits_of(all(side_a)) & k_sign));
-  const Four border_b = four_of(bits_of(ray_b) ^ (bits_of(all(side_b)) & k_sign));
+  const Floats border_a = floats_from(bits_of(ray_a) ^ (bits_of(all(side_a)) & k_sign));
+  const Floats border_b = floats_from(bits_of(ray_b) ^ (bits_of(all(side_b)) & k_sign));
   // The way along an axis that is at right angles to the edge lies in the region, or the border
   // goes furthest.
-  const Four nearly = all(1e-5F);
+  const Floats nearly = all(1e-5F);
   return {.low = greatest(first, second) > nearly ? least(border_a, border_b) : around.low,
           .high = least(first, second) < -nearly ? greatest(border_a, border_b) : around.high};
 }
@@ -137,16 +137,16 @@ struct Spread {
                                                std::span<const RegionSide> sides) {
   if (feature.kind == FeatureKind::edge) return spread_of_edge(feature, sides);
   if (feature.kind == FeatureKind::vertex) return spread_of_vertex(sides);
-  const Four normal = direction_of(feature.direction);
+  const Floats normal = direction_of(feature.direction);
   return {.low = normal, .high = normal};
 }
 
-Four four_of(const std::array<float, 4>& numbers) {
-  Four four;
+Floats floats_from(const std::array<float, 4>& numbers) {
+  Floats four;
   std::memcpy(&four, numbers.data(), sizeof four);
   return four;
 }
-void put(Four four, std::array<float, 4>& numbers) {
+void put(Floats four, std::array<float, 4>& numbers) {
   std::memcpy(numbers.data(), &four, sizeof four);
 }
 
@@ -155,10 +155,11 @@ void put(Four four, std::array<float, 4>& numbers) {
                                                  std::span<const RegionSide> sides,
                                                  const FeatureExtent& extent, float reach_m) {
   const Spread spread = spread_of(feature, sides);
-  const Four pad = four_of(extent.pad_m);
-  const Four low = (four_of(extent.low_m) + least(reach_m * spread.low, Four{})) - pad;
-  const Four high = (four_of(extent.high_m) + greatest(reach_m * spread.high, Four{})) + pad;
-  return {.low = four_of(bits_of(low) & k_axes), .high = four_of(bits_of(high) & k_axes)};
+  const Floats pad = floats_from(extent.pad_m);
+  const Floats low = (floats_from(extent.low_m) + least(reach_m * spread.low, Floats{})) - pad;
+  const Floats high =
+      (floats_from(extent.high_m) + greatest(reach_m * spread.high, Floats{})) + pad;
+  return {.low = floats_from(bits_of(low) & k_axes), .high = floats_from(bits_of(high) & k_axes)};
 }
 
 void put(const Corners& corners, TouchBox& box) {
@@ -168,9 +169,10 @@ void put(const Corners& corners, TouchBox& box) {
 
 /// Whether one box has no part outside of another one.
 bool is_in(const Corners& inner, const TouchBox& outer) {
-  const Bits beyond = (inner.low < four_of(outer.low_m)) | (inner.high > four_of(outer.high_m));
+  const Bits beyond =
+      (inner.low < floats_from(outer.low_m)) | (inner.high > floats_from(outer.high_m));
 #ifdef __SSE2__
-  return _mm_movemask_ps(four_of(beyond)) == 0;
+  return _mm_movemask_ps(floats_from(beyond)) == 0;
 #else
   return (beyond[0] | beyond[1] | beyond[2]) == 0;
 #endif
@@ -179,14 +181,14 @@ bool is_in(const Corners& inner, const TouchBox& outer) {
 }  // namespace
 
 FeatureExtent extent_of(const Box& own, float reach_m) {
-  const Four low{own.low_m[0], own.low_m[1], own.low_m[2], 0};
-  const Four high{own.high_m[0], own.high_m[1], own.high_m[2], 0};
-  const Four pad =
+  const Floats low{own.low_m[0], own.low_m[1], own.low_m[2], 0};
+  const Floats high{own.high_m[0], own.high_m[1], own.high_m[2], 0};
+  const Floats pad =
       static_cast<float>(k_touch_box_pad_m) + 0x1p-18F * (absolute(low) + absolute(high) + reach_m);
   FeatureExtent extent;
   put(low, extent.low_m);
   put(high, extent.high_m);
-  put(four_of(bits_of(pad) & k_axes), extent.pad_m);
+  put(floats_from(bits_of(pad) & k_axes), extent.pad_m);
   return extent;
 }
 

@@ -43,6 +43,9 @@ inline constexpr TouchBox k_nowhere{
 /// More of a touch box on each side: far more than rounding of what collisions are judged by.
 inline constexpr double k_touch_box_pad_m = 1e-6;
 
+/// Far more than rounding, and than what counts as a touch, does to a place.
+inline constexpr double k_place_pad_m = 2e-6;
+
 /// Whether two boxes overlap. Inline, since it is asked of all that is near a path.
 inline bool overlaps(const TouchBox& a, const TouchBox& b) {
 #ifdef __SSE2__

@@ -75,9 +75,7 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
   }
 
   // It rolls, if friction can turn it as fast as it must.
-  const Vec3 impulse = -slip / mobility;
-  v += impulse;
-  w -= cross(n, impulse) / (k * body.radius_m);
+  stop_slip(body, n, motion.start);
   const double resistance = contact.rolling_friction * load_mps2;
   Vec3 a = pull_mps2 / (1 + k);
   // The friction that turns it, without resistance.
@@ -163,6 +161,16 @@ Vec3 along_faces(std::span<const LastingContact> contacts, const Vec3& velocity_
   if (contacts.size() == 1) return velocity_mps - dot(velocity_mps, n) * n;
   const Vec3 line = math::normalized(cross(n, contacts[1].normal));
   return dot(velocity_mps, line) * line;
+}
+
+void stop_slip(const RoundBody& body, const Vec3& normal, Twist& twist) {
+  Vec3& v = twist.velocity_mps;
+  Vec3& w = twist.angular_velocity_radps;
+  const double k = body.gyration;
+  const Vec3 slip = v - body.radius_m * cross(w, normal);
+  const Vec3 impulse = -slip / (1 + 1 / k);
+  v += impulse;
+  w -= cross(normal, impulse) / (k * body.radius_m);
 }
 
 Twist hop(const RoundBody& body, const Vec3& normal, const Twist& twist, double speed_mps) {

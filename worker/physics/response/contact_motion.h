@@ -94,6 +94,9 @@ bool is_valley(const Vec3& normal_a, const Vec3& normal_b);
 /// REQUIRES: the sphere doesn't approach along the unit `normal`.
 Twist hop(const RoundBody& body, const Vec3& normal, const Twist& twist, double speed_mps);
 
+/// Stops the slip at a contact by the impulse of friction that it takes.
+void stop_slip(const RoundBody& body, const Vec3& normal, Twist& twist);
+
 /// A velocity without what leads into faces or away from them: along one, along the line of a
 /// valley, none in a corner.
 /// REQUIRES: one contact, two that are a valley, or three.

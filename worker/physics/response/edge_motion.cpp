@@ -36,22 +36,25 @@ double cube_root_above(double x) {
   return root;
 }
 
+/// Over the mass.
+double kinetic_energy(const RoundBody& body, const Twist& twist) {
+  const Vec3& v = twist.velocity_mps;
+  const Vec3& w = twist.angular_velocity_radps;
+  return 0.5 * (dot(v, v) + body.gyration * body.radius_m * body.radius_m * dot(w, w));
+}
+
+Twist scaled(double share, const Twist& twist) {
+  return {.velocity_mps = share * twist.velocity_mps,
+          .angular_velocity_radps = share * twist.angular_velocity_radps};
+}
+
 /// What a normal that turns under a sphere that rolls does to it: its surface would slip a little;
 /// friction stops that without taking energy.
 void keep_rolling(const RoundBody& body, const Vec3& normal, Twist& twist) {
-  Vec3& v = twist.velocity_mps;
-  Vec3& w = twist.angular_velocity_radps;
-  const double k = body.gyration;
-  const double inertia_m2 = k * body.radius_m * body.radius_m;
-  const double before = dot(v, v) + inertia_m2 * dot(w, w);
-  const Vec3 impulse = -(v - body.radius_m * cross(w, normal)) / (1 + 1 / k);
-  v += impulse;
-  w -= cross(normal, impulse) / (k * body.radius_m);
-  const double after = dot(v, v) + inertia_m2 * dot(w, w);
-  if (!(after > 0)) return;
-  const double share = std::sqrt(before / after);
-  v *= share;
-  w *= share;
+  const double before = kinetic_energy(body, twist);
+  stop_slip(body, normal, twist);
+  const double after = kinetic_energy(body, twist);
+  if (after > 0) twist = scaled(std::sqrt(before / after), twist);
 }
 
 /// A parabola over a chord, across the edge.
@@ -83,6 +86,116 @@ double most_rise_m(const Arch& arch, double distance_m) {
   return 0.125 * span_s * span_s * most / distance_m;
 }
 
+/// The plane half way round a piece, and how the sphere moves on it.
+struct HalfWay {
+  double sine;
+  double cosine;
+  Vec3 normal;
+  Vec3 tangent;
+  ContactMotion motion;
+};
+
+/// A sphere at the start of a piece.
+struct Rider {
+  const RoundBody& body;
+  const LastingContact& contact;
+  const EdgeLine& edge;
+  const Vec3& spin_radps;
+  Vec3 onwards;       ///< unit, at right angles to edge and normal
+  double around_mps;  ///< along that
+  double along_mps;   ///< along the edge
+  bool rolls;
+};
+
+HalfWay half_way_of(const Rider& rider, double sine, const Vec3& gravity_mps2) {
+  const Vec3& outwards = rider.contact.normal;
+  const Vec3& w = rider.spin_radps;
+  const double cosine = std::sqrt(1 - sine * sine);
+  LastingContact there = rider.contact;
+  there.normal = cosine * outwards + sine * rider.onwards;
+  const Vec3 tangent = cosine * rider.onwards - sine * outwards;
+  Twist twist{.velocity_mps = rider.around_mps * tangent + rider.along_mps * rider.edge.direction,
+              .angular_velocity_radps = w};
+  if (rider.rolls) {
+    keep_rolling(rider.body, there.normal, twist);
+  } else {
+    // The slip turns with the normal, so that a short look ahead doesn't make it another one.
+    twist.angular_velocity_radps += dot(w, outwards) * (there.normal - outwards) +
+                                    dot(w, rider.onwards) * (tangent - rider.onwards);
+  }
+  const double forwards_mps = dot(tangent, twist.velocity_mps);
+  const Vec3 lightened_mps2 =
+      gravity_mps2 + (forwards_mps * forwards_mps / rider.edge.distance_m) * there.normal;
+  return {.sine = sine,
+          .cosine = cosine,
+          .normal = there.normal,
+          .tangent = tangent,
+          .motion = contact_motion(rider.body, std::span(&there, 1), twist, lightened_mps2)};
+}
+
+EdgePiece piece_on(const HalfWay& plane) {
+  return {.start = plane.motion.start,
+          .acceleration_mps2 = plane.motion.acceleration_mps2,
+          .angular_acceleration_radps2 = plane.motion.angular_acceleration_radps2,
+          .half_way = plane.normal,
+          .rolls = plane.motion.rolls};
+}
+
+/// Up the tangent, and back to where it began.
+std::optional<EdgePiece> there_and_back(const HalfWay& plane) {
+  const double v = dot(plane.tangent, plane.motion.start.velocity_mps);
+  const double a = dot(plane.tangent, plane.motion.acceleration_mps2);
+  if (!(v > 0) || !(a < 0) || !plane.motion.rolls) return std::nullopt;
+  EdgePiece piece = piece_on(plane);
+  piece.lasts_s = 2 * v / -a;
+  if (!(piece.lasts_s <= plane.motion.lasts_s)) return std::nullopt;
+  return piece;
+}
+
+/// The piece, or by how much its sine is to be smaller.
+struct Attempt {
+  std::optional<EdgePiece> piece = std::nullopt;
+  double shorter = 0;  ///< 0 if no shorter one will do
+};
+
+Attempt attempt_on(const HalfWay& plane, double distance_m, double rise_max_m) {
+  const ContactMotion& motion = plane.motion;
+  const double sine = plane.sine;
+  const double cosine = plane.cosine;
+  const double v = dot(plane.tangent, motion.start.velocity_mps);
+  const double a = dot(plane.tangent, motion.acceleration_mps2);
+  if (!(v > 0)) return {};
+  const double chord_m = 2 * distance_m * sine;
+  const double gained = 2 * a * chord_m;  // of the square of its speed
+  double first_square = cosine * cosine * v * v;
+  if (a > 0) first_square -= sine * sine * gained;
+  const double last_square = first_square + gained;
+  if (!(first_square >= (1 - k_turned_max) * v * v) || !(last_square > 0)) return {.shorter = 0.5};
+  const double first_mps = std::sqrt(first_square);
+  const double last_mps = std::sqrt(last_square);
+  const double lasts_s = 2 * chord_m / (first_mps + last_mps);
+  const double up_mps = sine / cosine * std::max(first_mps, last_mps);
+  const Arch arch{.chord_m = chord_m,
+                  .height_m = distance_m * cosine,
+                  .along_mps = first_mps,
+                  .up_mps = up_mps,
+                  .along_mps2 = a,
+                  .up_mps2 = -2 * up_mps / lasts_s,
+                  .lasts_s = lasts_s};
+  if (most_rise_m(arch, distance_m) > rise_max_m) return {.shorter = 0.7};
+  if (lasts_s > motion.lasts_s) return {.shorter = 0.95 * motion.lasts_s / lasts_s};
+  EdgePiece piece = piece_on(plane);
+  // The spin belongs to the whole speed, of which the part along the chord changes faster.
+  const double slower = (first_mps + last_mps) / (v + std::sqrt(v * v + gained));
+  const Vec3 turning = cross(plane.normal, plane.tangent);
+  piece.angular_acceleration_radps2 +=
+      ((slower - 1) * dot(turning, piece.angular_acceleration_radps2)) * turning;
+  piece.start.velocity_mps += (first_mps - v) * plane.tangent + up_mps * plane.normal;
+  piece.acceleration_mps2 -= (2 * up_mps / lasts_s) * plane.normal;
+  piece.lasts_s = lasts_s;
+  return {.piece = piece};
+}
+
 }  // namespace
 
 std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact& contact,
@@ -94,127 +207,61 @@ std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact&
   const double along_mps = dot(d, twist.velocity_mps);
   const Vec3 around_mps = twist.velocity_mps - along_mps * d;
   const double speed_mps = norm(around_mps);
+  const double load_mps2 = -dot(gravity_mps2, outwards);
+  if (!(speed_mps > 0) || !(load_mps2 > 0)) return std::nullopt;
   Vec3 onwards = cross(d, outwards);
   if (dot(onwards, around_mps) < 0) onwards = -onwards;
-  if (!(speed_mps > 0)) return std::nullopt;
   const Vec3& w = twist.angular_velocity_radps;
   const Vec3 slip = twist.velocity_mps - dot(outwards, twist.velocity_mps) * outwards -
                     body.radius_m * cross(w, outwards);
   const bool rolls = rolled || norm(slip) <= body.stick_mps;
+  const Rider rider{.body = body,
+                    .contact = contact,
+                    .edge = edge,
+                    .spin_radps = w,
+                    .onwards = onwards,
+                    .around_mps = speed_mps,
+                    .along_mps = along_mps,
+                    .rolls = rolls};
 
   // Gravity pulls it on or back, or friction does if it slips.
-  const double load_mps2 = -dot(gravity_mps2, outwards);
   const double pull_mps2 = dot(gravity_mps2, onwards);
   const double rolling_mps2 = pull_mps2 / (1 + body.gyration);
   const double most_mps2 =
       rolls ? std::fabs(rolling_mps2) : std::fabs(pull_mps2) + contact.friction * load_mps2;
-  if (!(load_mps2 > 0)) return std::nullopt;
-
   // The rise is some a h T^2 / 4, with T = 2 D h / v, and a grows with h.
   const double scaled_mps2 = rise_max_m * speed_mps * speed_mps / (distance_m * distance_m);
   double sine = k_sine_max;
   if (scaled_mps2 < most_mps2 * sine * sine * sine) sine = cube_root_above(scaled_mps2 / most_mps2);
   sine = k_first_guess *
          std::min(sine, std::sqrt(std::sqrt(scaled_mps2 * (1 + body.gyration) / load_mps2)));
-  bool turns = false;
   if (rolls && rolling_mps2 < 0) {
     const double way_m = 0.5 * speed_mps * speed_mps / -rolling_mps2;
-    turns = way_m * way_m <= 2 * distance_m * rise_max_m;
+    if (way_m * way_m <= 2 * distance_m * rise_max_m) {
+      const HalfWay plane = half_way_of(rider, 0, gravity_mps2);
+      return plane.motion.pressed != 0 ? there_and_back(plane) : std::nullopt;
+    }
     sine = std::min(sine, k_before_turn * way_m / distance_m);
   }
-  for (int tries = 0; tries < k_tries; ++tries) {
-    if (turns) sine = 0;
-    if (!turns && sine < k_sine_min) return std::nullopt;
-    const double cosine = std::sqrt(1 - sine * sine);
-    LastingContact half_way = contact;
-    half_way.normal = cosine * outwards + sine * onwards;
-    const Vec3 tangent = cosine * onwards - sine * outwards;
-    Twist there{.velocity_mps = speed_mps * tangent + along_mps * d, .angular_velocity_radps = w};
-    if (rolls) {
-      keep_rolling(body, half_way.normal, there);
-    } else {
-      // The slip turns with the normal, so that a short look ahead doesn't make it another one.
-      there.angular_velocity_radps +=
-          dot(w, outwards) * (half_way.normal - outwards) + dot(w, onwards) * (tangent - onwards);
-    }
-    const double forwards_mps = dot(tangent, there.velocity_mps);
-    const Vec3 lightened_mps2 =
-        gravity_mps2 + (forwards_mps * forwards_mps / distance_m) * half_way.normal;
-    const ContactMotion motion =
-        contact_motion(body, std::span(&half_way, 1), there, lightened_mps2);
-    if (motion.pressed == 0) return std::nullopt;
-    const double v = dot(tangent, motion.start.velocity_mps);
-    const double a = dot(tangent, motion.acceleration_mps2);
-    if (!(v > 0)) return std::nullopt;
-    EdgePiece piece{.start = motion.start,
-                    .acceleration_mps2 = motion.acceleration_mps2,
-                    .angular_acceleration_radps2 = motion.angular_acceleration_radps2,
-                    .half_way = half_way.normal,
-                    .rolls = motion.rolls};
-    if (turns) {
-      // Up the tangent, and back to where it began.
-      if (!(a < 0) || !motion.rolls) return std::nullopt;
-      piece.lasts_s = 2 * v / -a;
-      if (!(piece.lasts_s <= motion.lasts_s)) return std::nullopt;
-      return piece;
-    }
-    const double chord_m = 2 * distance_m * sine;
-    const double gained = 2 * a * chord_m;  // of the square of its speed
-    double first_square = cosine * cosine * v * v;
-    if (a > 0) first_square -= sine * sine * gained;
-    const double last_square = first_square + gained;
-    if (!(first_square >= (1 - k_turned_max) * v * v) || !(last_square > 0)) {
-      sine *= 0.5;
-      continue;
-    }
-    const double first_mps = std::sqrt(first_square);
-    const double last_mps = std::sqrt(last_square);
-    const double lasts_s = 2 * chord_m / (first_mps + last_mps);
-    const double up_mps = sine / cosine * std::max(first_mps, last_mps);
-    if (most_rise_m({.chord_m = chord_m,
-                     .height_m = distance_m * cosine,
-                     .along_mps = first_mps,
-                     .up_mps = up_mps,
-                     .along_mps2 = a,
-                     .up_mps2 = -2 * up_mps / lasts_s,
-                     .lasts_s = lasts_s},
-                    distance_m) > rise_max_m) {
-      sine *= 0.7;
-      continue;
-    }
-    if (lasts_s > motion.lasts_s) {
-      sine *= 0.95 * motion.lasts_s / lasts_s;
-      continue;
-    }
-    // The spin belongs to the whole speed, of which the part along the chord changes faster.
-    const double slower = (first_mps + last_mps) / (v + std::sqrt(v * v + gained));
-    const Vec3 turning = cross(half_way.normal, tangent);
-    piece.angular_acceleration_radps2 +=
-        ((slower - 1) * dot(turning, piece.angular_acceleration_radps2)) * turning;
-    piece.start.velocity_mps += (first_mps - v) * tangent + up_mps * half_way.normal;
-    piece.acceleration_mps2 -= (2 * up_mps / lasts_s) * half_way.normal;
-    piece.lasts_s = lasts_s;
-    return piece;
+  for (int tries = 0; tries < k_tries && sine >= k_sine_min; ++tries) {
+    const HalfWay plane = half_way_of(rider, sine, gravity_mps2);
+    if (plane.motion.pressed == 0) return std::nullopt;
+    Attempt attempt = attempt_on(plane, distance_m, rise_max_m);
+    if (attempt.piece || attempt.shorter == 0) return attempt.piece;
+    sine *= attempt.shorter;
   }
   return std::nullopt;
 }
 
 Twist without_lift(const RoundBody& body, const EdgeFlight& flight, const Vec3& gravity_mps2,
                    const Vec3& moved_m, const Twist& twist) {
-  const double inertia_m2 = body.gyration * body.radius_m * body.radius_m;
-  const auto energy_of = [&](const Twist& of) {
-    return 0.5 * (dot(of.velocity_mps, of.velocity_mps) +
-                  inertia_m2 * dot(of.angular_velocity_radps, of.angular_velocity_radps));
-  };
-  const double energy = energy_of(twist);
+  const double energy = kinetic_energy(body, twist);
   const double lifted =
       dot(flight.acceleration_mps2 - gravity_mps2, flight.half_way) * dot(flight.half_way, moved_m);
-  const double had = energy_of(flight.start) + dot(gravity_mps2, moved_m);
+  const double had = kinetic_energy(body, flight.start) + dot(gravity_mps2, moved_m);
   const double has = std::max(0.0, std::min(energy - std::max(0.0, lifted), had));
   if (!(has < energy)) return twist;
-  const double share = std::sqrt(has / energy);
-  return {.velocity_mps = share * twist.velocity_mps,
-          .angular_velocity_radps = share * twist.angular_velocity_radps};
+  return scaled(std::sqrt(has / energy), twist);
 }
 
 }  // namespace sleight::physics

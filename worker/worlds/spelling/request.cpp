@@ -16,6 +16,7 @@ constexpr std::array<request::Named<Font>, 2> k_fonts{
 constexpr std::array<request::Named<Kernel>, 2> k_kernels{
     {{"correct", Kernel::correct}, {"thesis", Kernel::thesis}}};
 
+/// So many times bounce_end rest_speed and rest_time are at least.
 constexpr double k_bounce_ends_min = 2;
 
 struct Lengths {

@@ -26,7 +26,7 @@ class Traps {
 
   struct Place {
     Bin bin;
-    physics::Box box;  ///< the ball stays in it; the same for all that are trapped there
+    physics::Box box;  ///< the ball stays in it: the bin, as high as its energy takes it
   };
   /// Where a ball with its centre at a place is trapped; nothing if it may yet go elsewhere.
   std::optional<Place> of(const Vec3& centre_m, const physics::Twist& twist) const;
