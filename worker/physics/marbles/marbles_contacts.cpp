@@ -238,8 +238,6 @@ void Marbles::begin_on_faces(std::uint32_t index, std::span<const std::uint32_t>
 
 void Marbles::begin_caught(std::uint32_t index, std::uint32_t feature, const Vec3& place_m,
                            const Twist& twist, Tick tick) {
-  // On what it stayed before it stays as well, unless it is fast across that: then it rolls up the
-  // new face.
   std::array<std::uint32_t, 3> features{feature};
   std::array<LastingContact, 3> contacts{lasting_contact(feature, place_m)};
   std::size_t count = 1;
@@ -248,18 +246,10 @@ void Marbles::begin_caught(std::uint32_t index, std::uint32_t feature, const Vec
     contacts[count] = lasting_contact(other, place_m);
     features[count++] = other;
   }
-  Twist along = twist;
-  const bool plain =
-      count == 1 || (count == 2 && !is_valley(contacts[0].normal, contacts[1].normal));
-  if (!plain)
-    along.velocity_mps = along_faces(std::span(contacts).first(count), twist.velocity_mps);
-  const bool alone = plain || math::norm(along.velocity_mps - twist.velocity_mps) >=
-                                  scene_->slow.separation_speed_mps;
-  const Twist otherwise =
-      count == 1 ? twist : hop(round_, contacts[0].normal, twist, hop_speed_mps());
-  if (alone) count = 1;
-  begin_on_faces(index, std::span(features).first(count), std::span(contacts).first(count), place_m,
-                 alone ? twist : along, false, otherwise, tick);
+  const Caught caught = caught_by(round_, std::span(contacts).first(count), twist, scene_->slow);
+  begin_on_faces(index, std::span(features).first(caught.count),
+                 std::span(contacts).first(caught.count), place_m, caught.twist, false,
+                 caught.otherwise, tick);
 }
 
 void Marbles::change_mode(std::uint32_t index, Tick tick) {

@@ -207,6 +207,20 @@ std::optional<Stay> stay_on(const RoundBody& round, std::span<const std::uint32_
   return stay;
 }
 
+Caught caught_by(const RoundBody& round, std::span<const LastingContact> contacts,
+                 const Twist& twist, const SlowContacts& slow) {
+  Caught alone{.count = 1, .twist = twist, .otherwise = twist};
+  if (contacts.size() == 1) return alone;
+  alone.otherwise = hop(round, contacts[0].normal, twist, k_hop_share * slow.separation_speed_mps);
+  if (contacts.size() == 2 && !is_valley(contacts[0].normal, contacts[1].normal)) return alone;
+  Caught all = alone;
+  all.count = contacts.size();
+  all.twist.velocity_mps = along_faces(contacts, twist.velocity_mps);
+  const bool fast =
+      math::norm(all.twist.velocity_mps - twist.velocity_mps) >= slow.separation_speed_mps;
+  return fast ? alone : all;
+}
+
 Twist twist_over_edge(const RoundBody& round, const Segment& segment, const Vec3& half_way,
                       const Vec3& gravity_mps2, Tick tick) {
   const FreeFlight& flight = segment.flight;

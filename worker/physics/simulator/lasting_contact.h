@@ -63,6 +63,21 @@ std::optional<Stay> stay_on(const RoundBody& round, std::span<const std::uint32_
                             bool rolled, const StaticGeometry& statics, const SlowContacts& slow,
                             const Vec3& gravity_mps2);
 
+/// How a sphere goes on that has just lost its bounce on the first of some contacts, the others of
+/// which it stayed on.
+struct Caught {
+  std::size_t count = 1;  ///< of the contacts, the first ones are those that it may stay on
+  Twist twist{};
+  /// If nothing carries it, as where friction pulls it on to what it doesn't press on: it hops off
+  /// the new one, else it would come back from the old one at once, again and again.
+  Twist otherwise{};
+};
+
+/// On what it stayed before it stays as well, unless it is fast across that: then it rolls up the
+/// new one. REQUIRES: one to three contacts; it doesn't approach the first one.
+Caught caught_by(const RoundBody& round, std::span<const LastingContact> contacts,
+                 const Twist& twist, const SlowContacts& slow);
+
 /// A sphere's twist over an edge, of a stay with such a half_way: what the segment says of its
 /// motion, without what its load has lifted it by.
 Twist twist_over_edge(const RoundBody& round, const Segment& segment, const Vec3& half_way,

@@ -70,8 +70,6 @@ void World::begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> fe
 
 void World::begin_caught(std::uint32_t body, std::uint32_t feature, const Twist& twist,
                          const EventKey& event) {
-  // On what it stayed before it stays as well, unless it is fast across that: then it rolls up the
-  // new face.
   std::array<std::uint32_t, 3> features{feature};
   std::array<LastingContact, 3> contacts{lasting_contact(body, feature, event.tick)};
   std::size_t count = 1;
@@ -80,19 +78,10 @@ void World::begin_caught(std::uint32_t body, std::uint32_t feature, const Twist&
     contacts[count] = lasting_contact(body, other, event.tick);
     features[count++] = other;
   }
-  Twist along = twist;
-  const bool plain =
-      count == 1 || (count == 2 && !is_valley(contacts[0].normal, contacts[1].normal));
-  if (!plain)
-    along.velocity_mps = along_faces(std::span(contacts).first(count), twist.velocity_mps);
-  const bool alone = plain || math::norm(along.velocity_mps - twist.velocity_mps) >=
-                                  scene_.slow.separation_speed_mps;
-  // If nothing carries it, as where friction pulls it on to what it doesn't press on, it hops off
-  // the new one: else it would come back from the old one at once, again and again.
-  const Twist otherwise =
-      count == 1 ? twist : hop(round_body(body), contacts[0].normal, twist, hop_speed_mps());
-  begin_on_faces(body, std::span(features).first(alone ? 1 : count), alone ? twist : along, false,
-                 otherwise, event);
+  const Caught caught =
+      caught_by(round_body(body), std::span(contacts).first(count), twist, scene_.slow);
+  begin_on_faces(body, std::span(features).first(caught.count), caught.twist, false,
+                 caught.otherwise, event);
 }
 
 void World::change_mode(std::uint32_t body, const EventKey& event) {
