@@ -108,11 +108,11 @@ void NearFeatures::grow_home(std::uint32_t feature) {
 NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
     : statics_(statics), radius_m_(radius_m) {
   const std::uint32_t count = statics_.feature_count();
-  homes_.assign(count, k_nowhere);
-  touch_boxes_.assign(count, k_nowhere);
+  homes_.assign(count, k_unmeetable);
+  touch_boxes_.assign(count, k_unmeetable);
   extents_.resize(count);
   measure_features();
-  TouchBox all = k_nowhere;
+  TouchBox all = k_unmeetable;
   for (std::uint32_t f = 0; f < count; ++f) {
     if (f < statics_.plane_count()) {
       touch_boxes_[f] = touch_box_of_plane(f);

@@ -205,7 +205,7 @@ void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint3
   for (const std::uint32_t f : features) {
     const SphereFeature& feature = statics.feature(f);
     if (StaticGeometry::is_absent(feature)) {
-      table.boxes[f] = k_nowhere;
+      table.boxes[f] = k_unmeetable;
       continue;
     }
     const Corners corners = corners_of(feature, statics.sides(feature), table.extents[f], reach_m);

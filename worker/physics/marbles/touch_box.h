@@ -34,7 +34,7 @@ struct alignas(32) TouchBox {
 };
 
 /// Holds no centre: of features that can't be met.
-inline constexpr TouchBox k_nowhere{
+inline constexpr TouchBox k_unmeetable{
     .low_m = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
               std::numeric_limits<float>::infinity(), 0},
     .high_m = {-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
@@ -82,7 +82,7 @@ struct TouchBoxes {
   std::span<TouchBox> boxes;
 };
 
-/// Writes the touch boxes of some features, k_nowhere for those that can't be met, and appends to
+/// Writes the touch boxes of some features, k_unmeetable for those that can't be met, and appends to
 /// `outgrown` those that their homes don't hold. REQUIRES: no planes.
 void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint32_t> features,
                        float reach_m, const TouchBoxes& table,

@@ -156,7 +156,7 @@ TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
       beyond += geometry.boxes_made() != made ? 1 : 0;
       for (const std::uint32_t f : geometry.refreshed()) {
         if (geometry.is_absent(f)) {
-          ASSERT_TRUE(same(near.touch_boxes()[f], k_nowhere)) << n << ", " << i << ", " << f;
+          ASSERT_TRUE(same(near.touch_boxes()[f], k_unmeetable)) << n << ", " << i << ", " << f;
           continue;
         }
         const SphereFeature& feature = geometry.feature(f);
@@ -200,7 +200,7 @@ TEST(TouchBox, ManyAreWrittenAtTheirIndices) {
       named.push_back(f);
       absent += geometry.is_absent(f) ? 1 : 0;
       const SphereFeature& feature = geometry.feature(f);
-      expected[f] = geometry.is_absent(f) ? k_nowhere
+      expected[f] = geometry.is_absent(f) ? k_unmeetable
                                           : plain_touch_box(feature, geometry.sides(feature),
                                                             geometry.feature_box(f), k_reach_m);
       homes[f] = expected[f];
