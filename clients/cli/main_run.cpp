@@ -131,9 +131,10 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
         "[stop] has independent_solutions alone: a chain that never arrives keeps the run going; "
         "give scans as well to bound it");
   }
-  const auto reader = catalogue.world(request.world).make_reader();
+  const run::WorldEntry& world = catalogue.world(request.world);
+  const auto reader = world.make_reader();
   if (!reader->layout().warning.empty()) spdlog::warn("{}", reader->layout().warning);
-  const auto plan = run::make_plan(request);
+  const auto plan = run::make_plan(request, world, {});
   coordinator::ProgressPrinter printer(request.world, stderr);
   coordinator::RunOptions options{.output = arguments.output,
                                   .fresh = arguments.fresh,
@@ -145,7 +146,12 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
     options.say = [&](const std::string& phase) { printer.say(phase); };
   }
   const coordinator::RunSummary summary = coordinator::run_request(
-      {.request = request, .reader = *reader, .plan = *plan, .executor = executor, .clock = clock},
+      {.request = request,
+       .reader = *reader,
+       .plan = *plan,
+       .plan_of_scans = [&](std::uint64_t scans) { return run::make_plan(request, world, scans); },
+       .executor = executor,
+       .clock = clock},
       options);
   printer.finish();
   print_summary(arguments, request, summary);

@@ -19,6 +19,7 @@ inline constexpr std::string_view k_root = "/";
 inline constexpr std::string_view k_posterior = "/posterior";
 inline constexpr std::string_view k_sample_stats = "/sample_stats";
 inline constexpr std::string_view k_replicas = "/replicas";
+inline constexpr std::string_view k_tempering = "/tempering";  ///< only where something was learnt
 inline constexpr std::string_view k_animations = "/animations";
 inline constexpr std::string_view k_request = "request";
 

@@ -125,12 +125,24 @@ Column<std::int64_t> lineage_column(Sink& sink, std::string_view group, const Di
                   "visit of the chain to the prior from which the state descends")};
 }
 
+void write_kinds(Sink& sink, std::string_view group, const Dimension& dim,
+                 const std::vector<std::string>& kinds) {
+  DatasetSpec spec{.name = dim.name, .type = ElementType::text, .dims = {dim}};
+  spec.attributes = {{"long_name", std::string("kind of proposal")}};
+  for (const std::string& kind : kinds) {
+    CHECK(is_plain_name(kind));
+    spec.text_bytes = std::max(spec.text_bytes, kind.size());
+  }
+  const Sink::DatasetHandle dataset = sink.create_dataset(group, spec);
+  sink.append(dataset, std::span<const std::string>(kinds));
+}
+
 /// Proposals and acceptances of every scan, by kind.
 class ProposalColumns {
  public:
   ProposalColumns(Sink& sink, const Dims& leading, const std::vector<std::string>& kinds) {
     const Dimension kind{"proposal_kind", kinds.size()};
-    write_kinds(sink, kind, kinds);
+    write_kinds(sink, k_sample_stats, kind, kinds);
     Dims dims = leading;
     dims.push_back(kind);
     proposed_.emplace(sink, k_sample_stats,
@@ -166,17 +178,6 @@ class ProposalColumns {
   }
 
  private:
-  static void write_kinds(Sink& sink, const Dimension& dim, const std::vector<std::string>& kinds) {
-    DatasetSpec spec{.name = dim.name, .type = ElementType::text, .dims = {dim}};
-    spec.attributes = {{"long_name", std::string("kind of proposal")}};
-    for (const std::string& kind : kinds) {
-      CHECK(is_plain_name(kind));
-      spec.text_bytes = std::max(spec.text_bytes, kind.size());
-    }
-    const Sink::DatasetHandle dataset = sink.create_dataset(k_sample_stats, spec);
-    sink.append(dataset, std::span<const std::string>(kinds));
-  }
-
   std::optional<Column<std::int32_t>> proposed_;
   std::optional<Column<std::int32_t>> accepted_;
   std::optional<Column<double>> rate_;
@@ -229,12 +230,18 @@ class SampleStatsWriter {
   std::optional<VariableColumns> outcomes_;
 };
 
-/// /replicas: the newest archived state of each chain's replicas. `newest` is by chain; a run view
-/// gives the replica at inverse temperature 1, so each chain has one.
-void write_replicas(const std::vector<KeptAnimation>& newest, const StateReader& reader,
-                    Sink& sink) {
+/// A replica's newest archived state; of one that has none, nothing.
+struct NewestState {
+  base::ScanIndex scan;
+  plan::ScanRecord record;
+};
+using NewestStates =
+    std::vector<std::vector<std::optional<NewestState>>>;  ///< by chain, by replica
+
+/// /replicas: the newest archived state of each chain's replicas.
+void write_replicas(const NewestStates& newest, const StateReader& reader, Sink& sink) {
   sink.create_group(k_replicas);
-  Dims dims{{"chain", newest.size()}, {"replica", 1}};
+  Dims dims{{"chain", newest.size()}, {"replica", newest.front().size()}};
   write_coordinate(sink, k_replicas, dims[0], "independent chain");
   write_coordinate(sink, k_replicas, dims[1], "replica of the chain");
   const Dims leading = dims;
@@ -247,16 +254,78 @@ void write_replicas(const std::vector<KeptAnimation>& newest, const StateReader&
                               "power of the constraint's density in the sampled distribution"));
   DensityColumns densities(sink, k_replicas, leading);
   VariableColumns states(sink, k_replicas, leading, reader.layout().variables);
-  for (const KeptAnimation& replica : newest) {
-    scan.push(signed_of(replica.scan.value));
-    beta.push(1);
-    densities.push(replica.record);
-    states.push(reader.variables(replica.record.state));
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  std::size_t width = 0;
+  for (const Variable& variable : reader.layout().variables)
+    width += variable.size();
+  const plan::ScanRecord no_record{.log_prior = k_nan,
+                                   .log_constraint = k_nan,
+                                   .satisfied = false,
+                                   .lineage = 0,
+                                   .inverse_temperature = k_nan,
+                                   .proposed = {},
+                                   .accepted = {},
+                                   .outcome = {},
+                                   .state = {}};
+  for (const auto& chain : newest) {
+    for (const std::optional<NewestState>& replica : chain) {
+      const plan::ScanRecord& record = replica ? replica->record : no_record;
+      scan.push(replica ? signed_of(replica->scan.value) : -1);
+      beta.push(record.inverse_temperature);
+      densities.push(record);
+      states.push(replica ? reader.variables(record.state) : std::vector<double>(width, k_nan));
+    }
   }
   scan.flush();
   beta.flush();
   densities.flush();
   states.flush();
+}
+
+NewestStates newest_states(const RunView& view, std::uint64_t thin, NewestStates plain) {
+  if (view.replicas() == 1) return plain;
+  NewestStates all(view.chains());
+  for (std::uint32_t i = 0; i < view.chains(); ++i) {
+    all[i].resize(view.replicas());
+    view.for_each_replica(
+        base::ChainId{i}, thin,
+        [&](base::ReplicaId replica, base::ScanIndex scan, const plan::ScanRecord& record) {
+          CHECK_LT(replica.value, view.replicas());
+          all[i][replica.value] = NewestState{scan, record};
+        });
+  }
+  return all;
+}
+
+/// /tempering: what the method learnt, as it says it.
+void write_report(const plan::Report& report, const WorldLayout& layout, Sink& sink) {
+  if (report.empty()) return;
+  sink.create_group(k_tempering);
+  sink.set_attribute(k_tempering, {"log_natural_throw", layout.log_natural_throw});
+  Dims written;
+  for (const plan::Table& table : report.tables) {
+    Dims dims;
+    for (const auto& [name, size] : table.dims) {
+      dims.push_back({name, size});
+      const auto same = std::ranges::find(written, name, &Dimension::name);
+      if (same != written.end()) {
+        CHECK_EQ(same->size, size);
+        continue;
+      }
+      written.push_back(dims.back());
+      if (name == "proposal_kind") {
+        CHECK_EQ(size, layout.proposal_kinds.size());
+        write_kinds(sink, k_tempering, dims.back(), layout.proposal_kinds);
+      } else {
+        write_coordinate(sink, k_tempering, dims.back(), "number of the " + name);
+      }
+    }
+    Column<double> column(sink, k_tempering,
+                          spec_of(table.name, ElementType::f64, dims, table.meaning));
+    for (const double value : table.values)
+      column.push(value);
+    column.flush();
+  }
 }
 
 /// /animations: the kept animations and their segments.
@@ -374,7 +443,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   SampleStatsWriter sample_stats(view, reader.layout(), sink);
   DistinctSelector selector(reader,
                             {options.keep_max, options.keep_per_lineage, options.min_distance});
-  std::vector<KeptAnimation> newest;
+  NewestStates newest(view.chains(), std::vector<std::optional<NewestState>>(1));
   const std::uint64_t newest_scan = (archived_states(view, options) - 1) * options.thin;
   for (std::uint32_t i = 0; i < view.chains(); ++i) {
     const base::ChainId chain{i};
@@ -384,14 +453,15 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
       posterior.push(scan, record);
       sample_stats.push(record);
       selector.offer(chain, scan, record);
-      if (scan.value == newest_scan) newest.push_back({scan, chain, record});
+      if (scan.value == newest_scan) newest[i][0] = NewestState{scan, record};
     });
     CHECK_EQ(scans, view.scans());
   }
   posterior.flush();
   sample_stats.flush();
 
-  write_replicas(newest, reader, sink);
+  write_replicas(newest_states(view, options.thin, std::move(newest)), reader, sink);
+  write_report(view.report(), reader.layout(), sink);
 
   // Each kept animation is simulated once more, for its motion.
   AnimationsWriter animations(reader, options, sink);

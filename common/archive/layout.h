@@ -5,6 +5,7 @@
 //   /posterior     the state of every thin-th scan: (chain, draw, dimensions of the variable)
 //   /sample_stats  scalars of every scan: (chain, draw)
 //   /replicas      each replica's newest archived state: (chain, replica, ...)
+//   /tempering     what the method learnt of its temperatures: (chain, round, level, ...)
 //   /animations    satisfying animations that look different (distinct.h), with their motion
 //   /request       the normalised request that reproduces the archive, as text
 //

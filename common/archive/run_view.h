@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "common/plan/report.h"
 #include "common/plan/unit.h"
 
 namespace sleight::archive {
@@ -19,6 +20,17 @@ class RunView {
   virtual void for_each_scan(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const = 0;
+
+  /// Of a chain, at most. Plain chains have one, which is at inverse temperature 1 all the time.
+  virtual std::uint32_t replicas() const { return 1; }
+  /// Calls `visit` for each replica of a chain that has one with its newest state at a multiple of
+  /// `thin`, in order. Called where there are more replicas than one.
+  virtual void for_each_replica(
+      base::ChainId /*chain*/, std::uint64_t /*thin*/,
+      const std::function<void(base::ReplicaId, base::ScanIndex,
+                               const plan::ScanRecord&)>& /*visit*/) const {}
+  /// What the method learnt from these scans.
+  virtual plan::Report report() const { return {}; }
 };
 
 }  // namespace sleight::archive

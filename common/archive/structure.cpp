@@ -112,6 +112,7 @@ void check_value(const Source& source, std::string_view name, const T& expected,
 std::vector<Names> leading_dims(std::string_view group) {
   if (group == k_posterior || group == k_sample_stats) return {{"chain", "draw"}};
   if (group == k_replicas) return {{"chain", "replica"}};
+  if (group == k_tempering) return {{"chain", "round"}};
   if (group == k_animations) return {{"animation"}, {"segment"}};
   return {};
 }
@@ -135,7 +136,8 @@ void check_coordinates(const Group& group, const DatasetSpec& spec, Findings& fi
 void check_other(const Group& group, const DatasetSpec& spec, Findings& findings) {
   const std::string path = path_of(group.name, spec.name);
   if (is_coordinate(spec)) {
-    if (spec.type != ElementType::i64) {
+    const bool is_kinds = group.name == k_tempering && spec.name == "proposal_kind";
+    if (spec.type != (is_kinds ? ElementType::text : ElementType::i64)) {
       findings.push_back(fmt::format("{} is {}: expected i64", path, name_of(spec.type)));
     }
     return;

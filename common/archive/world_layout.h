@@ -42,6 +42,9 @@ struct WorldLayout {
   /// What whoever uses the samples must know, one line; empty: nothing. Programs say it when a run
   /// starts, and its archive carries it.
   std::string warning = {};
+  /// Log of the probability that a draw from the prior is a natural throw, of which all that
+  /// satisfy are some: a throw with all balls in it.
+  double log_natural_throw = 0;
 };
 
 /// The motion of one animation: segments in order, a row each.

@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 
+#include "common/plan/report.h"
 #include "common/plan/unit.h"
 
 namespace sleight::plan {
@@ -47,6 +48,9 @@ class Plan {
   /// Scans over all chains that are consumed, and in total when the stop rule tells.
   virtual std::uint64_t scans_consumed() const = 0;
   virtual std::optional<std::uint64_t> scans_total() const = 0;
+
+  /// What was learnt from the scans consumed so far; nothing if the method learns nothing.
+  virtual Report report() const { return {}; }
 };
 
 }  // namespace sleight::plan

@@ -1,9 +1,11 @@
 // Units of work: what a sampling method asks for and what a worker gives back.
 //
-// A unit is one replica of one chain over consecutive scans. Its result is a pure function of
-// (request, unit, state before), so it may be computed anywhere, twice, or again after a crash,
-// always to the same bits. How many scans a unit has may follow measured cost; no stored result
-// depends on it (DESIGN C1).
+// A unit is one replica of one chain over consecutive scans, each at its own inverse temperature. A
+// replica's first scan draws its start from the prior, and so does every scan at inverse
+// temperature 0: there a new lineage begins. A unit's result is a pure function of (request, unit,
+// state before), so it may be computed anywhere, twice, or again after a crash, always to the same
+// bits. How many scans a unit has may follow measured cost; no stored result depends on it (DESIGN
+// C1).
 #pragma once
 
 #include <compare>
@@ -22,11 +24,33 @@ struct ReplicaKey {
   friend auto operator<=>(const ReplicaKey&, const ReplicaKey&) = default;
 };
 
+/// More replicas than a chain can have: lineages are numbered by it.
+inline constexpr std::uint64_t k_replicas_end = 4096;
+
+/// The lineage of what a replica draws from the prior at a scan: another one for each such draw of
+/// a chain; 0 of replica 0's start.
+inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
+  return scan * k_replicas_end + replica.value;
+}
+
 struct Unit {
   ReplicaKey replica;
-  base::ScanIndex first_scan;      ///< scan 0 draws the start from the prior
-  std::uint32_t scans = 0;         ///< at least 1
-  double inverse_temperature = 1;  ///< beta of p_w p_c^beta, in [0, 1]
+  base::ScanIndex first_scan;
+  std::uint32_t scans = 0;    ///< at least 1
+  bool starts = false;        ///< with the replica's first scan: there is no state before
+  std::uint64_t lineage = 0;  ///< of the state before
+  /// beta of p_w p_c^beta, in [0, 1], of each scan; a single one holds for all.
+  std::vector<double> inverse_temperatures{1};
+  /// By which the sizes of proposals are multiplied, by kind; empty: by 1.
+  std::vector<double> proposal_scales{};
+  /// Of the tempered transition that ends each scan: the inverse temperatures that it goes down
+  /// through, below the scan's own; empty: none.
+  std::vector<double> excursion{};
+
+  double inverse_temperature(std::uint32_t nth) const {
+    return inverse_temperatures.size() == 1 ? inverse_temperatures.front()
+                                            : inverse_temperatures[nth];
+  }
   friend bool operator==(const Unit&, const Unit&) = default;
 };
 
@@ -36,6 +60,7 @@ struct ScanRecord {
   double log_constraint = 0;  ///< log p_c of its outcome, at inverse temperature 1; may be -inf
   bool satisfied = false;
   std::uint64_t lineage = 0;  ///< which visit of this chain to the prior the state descends from
+  double inverse_temperature = 1;       ///< at which it was sampled
   std::vector<std::uint32_t> proposed;  ///< proposals made in this scan, by kind
   std::vector<std::uint32_t> accepted;  ///< of these, accepted
   std::vector<double> outcome;          ///< the world's outcome scalars, in its layout's order
@@ -55,7 +80,7 @@ struct UnitResult {
 class UnitWorker {
  public:
   virtual ~UnitWorker() = default;
-  /// REQUIRES: `state` is the replica's state before unit.first_scan; empty for scan 0.
+  /// REQUIRES: `state` is the replica's state before unit.first_scan; empty for its first scan.
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
 };
 

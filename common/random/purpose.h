@@ -16,6 +16,8 @@ enum class Purpose : std::uint32_t {
   swap = 4,        ///< the uniform number of a decision to swap two neighbours of a ladder
   scene = 5,       ///< a scene of the simulator's list: places and velocities
   start = 6,       ///< another place for a body that had no room at its start
+  excursion = 7,   ///< the uniform number of a tempered transition's decision
+  level = 8,       ///< which temperature simulated tempering moves to, and whether it does
 };
 
 }  // namespace sleight::random

@@ -9,12 +9,18 @@ namespace {
 
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
   static constexpr std::array k_methods{
-      Named<Method>{"metropolis_hastings", Method::metropolis_hastings}};
+      Named<Method>{"metropolis_hastings", Method::metropolis_hastings},
+      Named<Method>{"parallel_tempering", Method::parallel_tempering}};
   sampler.choice("method", p.method, std::span<const Named<Method>>(k_methods),
                  "how animations are drawn");
   sampler.integer(
       "chains", p.chains,
       {.minimum = 1, .maximum = k_chains_max, .help = "chains, independent of each other"});
+  sampler.optional_integer(
+      "replicas", p.replicas,
+      {.minimum = 2,
+       .maximum = k_replicas_max,
+       .help = "temperatures of a ladder (parallel_tempering); chosen from its barrier if absent"});
   sampler.integer("seed", p.seed,
                   {.minimum = 0,
                    .maximum = static_cast<std::int64_t>(k_seed_max),

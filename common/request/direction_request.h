@@ -44,11 +44,12 @@ struct WorldBinding {
   std::function<void(Binder& world, Binder& constraint, Binder& sampler)> bind;
 };
 
-enum class Method { metropolis_hastings };
+enum class Method { metropolis_hastings, parallel_tempering };
 
 struct SamplerParameters {
   Method method = Method::metropolis_hastings;
-  std::uint32_t chains = 4;               ///< independent of each other
+  std::uint32_t chains = 4;               ///< independent of each other; ladders, where tempered
+  std::optional<std::uint32_t> replicas;  ///< of a ladder; none: as many as its barrier asks for
   std::uint64_t seed = 1;                 ///< of all random draws; at most k_seed_max
   std::uint32_t iterations_per_scan = 1;  ///< proposals between two recorded states
   std::uint32_t round_scans = 64;         ///< round r, from 1, has round_scans * 2^(r-1) scans
@@ -90,6 +91,7 @@ struct DirectionRequest {
 };
 
 inline constexpr std::uint32_t k_chains_max = 65536;
+inline constexpr std::uint32_t k_replicas_max = 256;
 inline constexpr std::uint64_t k_seed_max = 9223372036854775807U;  // TOML integers end there
 inline constexpr std::uint64_t k_scans_max = 1000000000000U;
 inline constexpr std::uint32_t k_rounds_max = 40;

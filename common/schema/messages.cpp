@@ -51,14 +51,25 @@ void put_unit(const plan::Unit& unit, wire::Unit::Builder out) {
   out.setReplica(unit.replica.replica.value);
   out.setFirstScan(unit.first_scan.value);
   out.setScans(unit.scans);
-  out.setInverseTemperature(unit.inverse_temperature);
+  out.setStarts(unit.starts);
+  out.setLineage(unit.lineage);
+  const auto put = [](auto list, const std::vector<double>& values) { put_list(list, values); };
+  put(out.initInverseTemperatures(static_cast<unsigned>(unit.inverse_temperatures.size())),
+      unit.inverse_temperatures);
+  put(out.initProposalScales(static_cast<unsigned>(unit.proposal_scales.size())),
+      unit.proposal_scales);
+  put(out.initExcursion(static_cast<unsigned>(unit.excursion.size())), unit.excursion);
 }
 
 plan::Unit get_unit(wire::Unit::Reader in) {
   return {.replica = {base::ChainId{in.getChain()}, base::ReplicaId{in.getReplica()}},
           .first_scan = base::ScanIndex{in.getFirstScan()},
           .scans = in.getScans(),
-          .inverse_temperature = in.getInverseTemperature()};
+          .starts = in.getStarts(),
+          .lineage = in.getLineage(),
+          .inverse_temperatures = get_list<double>(in.getInverseTemperatures()),
+          .proposal_scales = get_list<double>(in.getProposalScales()),
+          .excursion = get_list<double>(in.getExcursion())};
 }
 
 void put_scan(const plan::ScanRecord& record, wire::Scan::Builder out) {
@@ -66,6 +77,7 @@ void put_scan(const plan::ScanRecord& record, wire::Scan::Builder out) {
   out.setLogConstraint(record.log_constraint);
   out.setSatisfied(record.satisfied);
   out.setLineage(record.lineage);
+  out.setInverseTemperature(record.inverse_temperature);
   put_list(out.initProposed(static_cast<unsigned>(record.proposed.size())), record.proposed);
   put_list(out.initAccepted(static_cast<unsigned>(record.accepted.size())), record.accepted);
   put_list(out.initOutcome(static_cast<unsigned>(record.outcome.size())), record.outcome);
@@ -77,6 +89,7 @@ plan::ScanRecord get_scan(wire::Scan::Reader in) {
           .log_constraint = in.getLogConstraint(),
           .satisfied = in.getSatisfied(),
           .lineage = in.getLineage(),
+          .inverse_temperature = in.getInverseTemperature(),
           .proposed = get_list<std::uint32_t>(in.getProposed()),
           .accepted = get_list<std::uint32_t>(in.getAccepted()),
           .outcome = get_list<double>(in.getOutcome()),
@@ -111,6 +124,12 @@ struct Put {
   void operator()(const Failure& failure) { out.setFailure(as_text(failure.reason)); }
 };
 
+/// Each scan has an inverse temperature.
+bool fits(const plan::Unit& unit) {
+  const std::size_t given = unit.inverse_temperatures.size();
+  return given == 1 || given == unit.scans;
+}
+
 /// A result, when its length fits its unit.
 base::Result<Message, std::string> get_result(wire::Result::Reader in) {
   plan::UnitResult result{.unit = get_unit(in.getUnit()),
@@ -120,6 +139,7 @@ base::Result<Message, std::string> get_result(wire::Result::Reader in) {
   if (in.getScans().size() != result.unit.scans) {
     return std::string("a result with another number of scans than its unit");
   }
+  if (!fits(result.unit)) return std::string("a result without its inverse temperatures");
   result.scans.reserve(result.unit.scans);
   for (const auto scan : in.getScans())
     result.scans.push_back(get_scan(scan));
@@ -135,6 +155,7 @@ base::Result<Message, std::string> get_message(wire::Message::Reader in) {
       Assignment assignment{.unit = get_unit(in.getAssignment().getUnit()),
                             .state = as_bytes(in.getAssignment().getState())};
       if (assignment.unit.scans == 0) return std::string("an assignment of no scans");
+      if (!fits(assignment.unit)) return std::string("an assignment without inverse temperatures");
       return Message(std::move(assignment));
     }
     case wire::Message::STOP:

@@ -5,8 +5,8 @@
 # unit's result depends on is the request, which every rank reads itself, and the assignment.
 # Messages travel as one MPI message each (MPI_BYTE, tag k_message_tag), a flat array of words.
 #
-# Numbers: scan 0 is a chain's start, drawn from the prior; every later scan is
-# iterations_per_scan proposals. Doubles travel as they are: bit for bit.
+# Numbers: a replica's first scan is its start, drawn from the prior, as is every scan at inverse
+# temperature 0; every other scan is iterations_per_scan proposals. Doubles travel as they are: bit for bit.
 
 @0xd3c1f7a9b2e84561;
 
@@ -34,12 +34,16 @@ struct Unit {
   replica @1 :UInt32;
   firstScan @2 :UInt64;
   scans @3 :UInt32;               # at least 1
-  inverseTemperature @4 :Float64;
+  lineage @4 :UInt64;             # of the state before
+  inverseTemperatures @5 :List(Float64);  # of each scan; a single one holds for all
+  proposalScales @6 :List(Float64);       # by proposal kind; empty: 1
+  excursion @7 :List(Float64);    # of the tempered transition that ends each scan; empty: none
+  starts @8 :Bool;                # with the replica's first scan: there is no state before
 }
 
 struct Assignment {
   unit @0 :Unit;
-  state @1 :Data;  # the replica's state before firstScan, in the world's own encoding; empty for scan 0
+  state @1 :Data;  # the replica's state before firstScan, in the world's own encoding; empty for the replica's first scan
 }
 
 struct Result {
@@ -58,4 +62,5 @@ struct Scan {
   accepted @5 :List(UInt32);
   outcome @6 :List(Float64);  # the world's outcome scalars
   state @7 :Data;             # empty where this scan's state is not archived
+  inverseTemperature @8 :Float64;  # at which it was sampled
 }

@@ -51,6 +51,7 @@ std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica, st
   sum.add(record.log_constraint);
   sum.add(std::uint8_t{record.satisfied});
   sum.add(record.lineage);
+  sum.add(record.inverse_temperature);
   sum.array(base::bytes_of(std::span(record.proposed)));
   sum.array(base::bytes_of(std::span(record.accepted)));
   sum.array(base::bytes_of(std::span(record.outcome)));

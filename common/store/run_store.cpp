@@ -12,16 +12,18 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/store/checksum.h"
+#include "common/store/columns.h"
 
 namespace sleight::store {
 namespace {
 
-constexpr std::int64_t k_format_version = 1;
+constexpr std::int64_t k_format_version = 2;
 constexpr std::size_t k_replay_batch = 4096;
 
 // The densities have no type: a REAL column would give a stored -0 back as 0.
@@ -29,7 +31,7 @@ constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS run(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
   CREATE TABLE IF NOT EXISTS scan(
     chain INTEGER, replica INTEGER, scan INTEGER,
-    log_prior NOT NULL, log_constraint NOT NULL,
+    log_prior NOT NULL, log_constraint NOT NULL, inverse_temperature NOT NULL,
     satisfied INTEGER NOT NULL, lineage INTEGER NOT NULL,
     proposed BLOB NOT NULL, accepted BLOB NOT NULL, outcome BLOB NOT NULL,
     state BLOB, checksum INTEGER NOT NULL,
@@ -78,7 +80,7 @@ RunLock::~RunLock() {
 struct RunStore::Writer {
   Writer(Database& database, GroupCommit::Commit commit)
       : insert_scan(database.prepare(
-            "INSERT OR IGNORE INTO scan VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12)")),
+            "INSERT OR IGNORE INTO scan VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13)")),
         advance_replica(database.prepare(
             "INSERT INTO replica VALUES(?1,?2,?3,?4,?5) ON CONFLICT DO UPDATE "
             "SET next_scan=excluded.next_scan, state=excluded.state, checksum=excluded.checksum "
@@ -208,7 +210,8 @@ void RunStore::replay(
   const auto end = next.step() ? static_cast<std::uint64_t>(next.integer(0)) : 0;
 
   Statement select = database_.prepare(
-      "SELECT scan, satisfied, lineage FROM scan WHERE chain=?1 AND replica=?2 ORDER BY scan");
+      "SELECT scan, log_constraint, inverse_temperature, satisfied, lineage, proposed, accepted "
+      "FROM scan WHERE chain=?1 AND replica=?2 ORDER BY scan");
   select.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
   std::vector<plan::ScanRecord> batch;
   std::uint64_t first = 0;
@@ -218,12 +221,20 @@ void RunStore::replay(
     first += batch.size();
     batch.clear();
   };
+  bool is_first = true;
   while (select.step()) {
+    const auto stored = static_cast<std::uint64_t>(select.integer(0));
+    // A replica may have come into being later than its chain.
+    if (std::exchange(is_first, false)) first = stored;
     const std::uint64_t scan = first + batch.size();
-    if (static_cast<std::uint64_t>(select.integer(0)) != scan || scan >= end) break;
+    if (stored != scan || scan >= end) break;
     plan::ScanRecord record;
-    record.satisfied = select.integer(1) != 0;
-    record.lineage = static_cast<std::uint64_t>(select.integer(2));
+    record.log_constraint = select.real(1);
+    record.inverse_temperature = select.real(2);
+    record.satisfied = select.integer(3) != 0;
+    record.lineage = static_cast<std::uint64_t>(select.integer(4));
+    assign_bytes(record.proposed, select.blob(5));
+    assign_bytes(record.accepted, select.blob(6));
     batch.push_back(std::move(record));
     if (batch.size() == k_replay_batch) hand_on();
   }
@@ -280,26 +291,30 @@ void RunStore::insert(const plan::UnitResult& result) {
   // Refuse a gap: a unit continues what is stored or repeats part of it.
   Statement& next = writer_->next_scan;
   next.bind(1, chain).bind(2, replica);
-  const std::int64_t next_scan = next.step() ? next.integer(0) : 0;
+  const bool is_known = next.step();
+  const std::int64_t next_scan = is_known ? next.integer(0) : 0;
   next.reset();
-  CHECK_LE(result.unit.first_scan.value, static_cast<std::uint64_t>(next_scan));
+  // A replica that comes into being later begins where its chain is then.
+  if (is_known || replica == 0)
+    CHECK_LE(result.unit.first_scan.value, static_cast<std::uint64_t>(next_scan));
 
   auto scan = static_cast<std::int64_t>(result.unit.first_scan.value);
   Statement& row = writer_->insert_scan;
   for (const plan::ScanRecord& record : result.scans) {
     row.bind(1, chain).bind(2, replica).bind(3, scan++);
     row.bind(4, record.log_prior).bind(5, record.log_constraint);
-    row.bind(6, std::int64_t{record.satisfied ? 1 : 0});
-    row.bind(7, static_cast<std::int64_t>(record.lineage));
-    row.bind(8, base::bytes_of(std::span(record.proposed)));
-    row.bind(9, base::bytes_of(std::span(record.accepted)));
-    row.bind(10, base::bytes_of(std::span(record.outcome)));
+    row.bind(6, record.inverse_temperature);
+    row.bind(7, std::int64_t{record.satisfied ? 1 : 0});
+    row.bind(8, static_cast<std::int64_t>(record.lineage));
+    row.bind(9, base::bytes_of(std::span(record.proposed)));
+    row.bind(10, base::bytes_of(std::span(record.accepted)));
+    row.bind(11, base::bytes_of(std::span(record.outcome)));
     if (record.state.empty()) {
-      row.bind_null(11);
+      row.bind_null(12);
     } else {
-      row.bind(11, base::BytesView(record.state));
+      row.bind(12, base::BytesView(record.state));
     }
-    row.bind(12,
+    row.bind(13,
              checksum_of(salt_, result.unit.replica, static_cast<std::uint64_t>(scan - 1), record));
     row.run();
   }

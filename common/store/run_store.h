@@ -8,8 +8,8 @@
 //   2. A key's first result stays: a doubled or late one changes nothing.
 //   3. A store belongs to one request and one program version; every session that writes takes a
 //      new epoch, and a writer of an older epoch is refused (fencing).
-//   4. Of each replica, scans 0 .. next_scan-1 are present without a gap, and the state after the
-//      last of them; all of a unit becomes visible in one transaction.
+//   4. Of each replica, the scans from its first, mostly 0, to next_scan-1 are present without a
+//      gap, and the state after the last of them; all of a unit becomes visible in one transaction.
 //   5. Every row carries a checksum: what a disk or a person changed is refused when it is read.
 // Thread safety: put, flush and committed may be called from any thread; the rest from one.
 #pragma once
@@ -70,7 +70,8 @@ class RunStore {
   /// when the store is damaged, as replay does.
   std::vector<ReplicaProgress> progress();
   /// Visits every stored scan of a replica in order, in batches, for a plan to catch up:
-  /// `satisfied` and `lineage` are filled in, the rest is left empty.
+  /// `log_constraint`, `inverse_temperature`, `satisfied`, `lineage`, `proposed` and `accepted` are
+  /// filled in, the rest is left empty.
   void replay(plan::ReplicaKey replica,
               const std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>& visit);
 

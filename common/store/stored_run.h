@@ -5,7 +5,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "common/archive/run_view.h"
 #include "common/store/database.h"
@@ -22,12 +24,29 @@ class StoredRun final : public archive::RunView {
   void for_each_scan(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const override;
+  std::uint32_t replicas() const override { return replicas_; }
+  void for_each_replica(base::ChainId chain, std::uint64_t thin,
+                        const std::function<void(base::ReplicaId, base::ScanIndex,
+                                                 const plan::ScanRecord&)>& visit) const override;
+  plan::Report report() const override { return report_; }
+
+  /// Visits the scans of every replica up to the cut, in batches, as RunStore::replay does: for a
+  /// plan to learn from them what it learns.
+  void replay(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
+                                       std::span<const plan::ScanRecord>)>& visit) const;
+  void set_report(plan::Report report) { report_ = std::move(report); }
 
  private:
+  std::uint32_t count_replicas() const;
+  void check(const plan::ReplicaKey& replica, std::uint64_t scan, const plan::ScanRecord& record,
+             std::int64_t checksum) const;
+
   mutable Database database_;
   std::uint32_t chains_;
   std::uint64_t scans_;
   std::uint64_t salt_ = 0;
+  std::uint32_t replicas_ = 1;
+  plan::Report report_;
 };
 
 }  // namespace sleight::store

@@ -116,7 +116,16 @@ std::string write_archive_of_run(const RunInputs& inputs, const std::string& out
       .keep_per_lineage = keep.keep_per_lineage,
       .min_distance = keep.min_distance,
       .inference_library_version = std::string(base::version())};
-  const store::StoredRun view(folder, inputs.request.sampler.chains, scans);
+  store::StoredRun view(folder, inputs.request.sampler.chains, scans);
+  // What the method learnt from these scans and no others, wherever the run itself stands.
+  if (!inputs.plan.report().empty()) {
+    const std::unique_ptr<plan::Plan> learner = inputs.plan_of_scans(scans);
+    view.replay([&](const plan::ReplicaKey& replica, base::ScanIndex first,
+                    std::span<const plan::ScanRecord> records) {
+      learner->consume(replica, first, records);
+    });
+    view.set_report(learner->report());
+  }
   return archive::hdf5::write_file(output, files, [&](archive::Sink& sink) {
     archive::write_archive(view, inputs.reader, options, sink);
   });

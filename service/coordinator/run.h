@@ -25,6 +25,9 @@ struct RunInputs {
   const request::DirectionRequest& request;
   const archive::StateReader& reader;
   plan::Plan& plan;  ///< fresh
+  /// A fresh plan of the same run that ends after so many scans: what a method learns from the
+  /// scans of an archive is learnt again from these.
+  std::function<std::unique_ptr<plan::Plan>(std::uint64_t scans)> plan_of_scans;
   Executor& executor;
   const base::Clock& clock;
 };

@@ -49,7 +49,7 @@ BENCHMARK(iteration)->Name("ball_2d/iteration");
 void unit(benchmark::State& state) {
   constexpr std::uint32_t k_scans = 1000;
   const run::ChainWorker<Ball2d> worker(Ball2d{worlds::ball_2d::Parameters{}}, {.seed = 1});
-  const plan::Unit unit{.replica = {}, .first_scan = {}, .scans = k_scans};
+  const plan::Unit unit{.replica = {}, .first_scan = {}, .scans = k_scans, .starts = true};
   ResultHash hash;
   for (const plan::ScanRecord& scan : worker.run(unit, {}).scans)
     hash.add(scan.log_constraint);

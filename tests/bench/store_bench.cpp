@@ -46,7 +46,8 @@ std::vector<plan::UnitResult> results() {
     for (std::uint32_t unit = 0; unit < k_units; ++unit) {
       all.push_back(worker.run({.replica = {base::ChainId{chain}, {}},
                                 .first_scan = base::ScanIndex{unit * k_scans_per_unit},
-                                .scans = k_scans_per_unit},
+                                .scans = k_scans_per_unit,
+                                .starts = unit == 0},
                                state));
       state = all.back().state_after;
     }

@@ -5,6 +5,8 @@
 #include "common/base/check.h"
 #include "worker/run/chain_worker.h"
 #include "worker/sampling/independent_chains.h"
+#include "worker/sampling/ladder.h"
+#include "worker/sampling/parallel_tempering.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/request.h"
 #include "worker/worlds/spelling/reader.h"
@@ -13,6 +15,19 @@
 
 namespace sleight::run {
 namespace {
+
+/// Temperatures to begin with where the request leaves them open, and the most that are chosen
+/// then.
+constexpr std::uint32_t k_first_replicas = 10;
+constexpr std::uint32_t k_chosen_replicas_max = 64;
+
+template <sampling::ScalesProposals T>
+std::vector<bool> kinds_with_scale_of(const T& world) {
+  std::vector<bool> kinds;
+  for (std::uint32_t kind = 0; kind < world.proposal_kinds(); ++kind)
+    kinds.push_back(world.has_scale(kind));
+  return kinds;
+}
 
 ChainWorkerOptions worker_options(const request::DirectionRequest& request) {
   return {.seed = request.sampler.seed,
@@ -31,6 +46,9 @@ class Ball2dEntry final : public WorldEntry {
   std::unique_ptr<archive::StateReader> make_reader() const override {
     return worlds::ball_2d::make_state_reader(parameters_);
   }
+  std::vector<bool> kinds_with_scale() const override {
+    return kinds_with_scale_of(worlds::ball_2d::Ball2d(parameters_));
+  }
 
  private:
   worlds::ball_2d::Parameters parameters_;
@@ -48,6 +66,9 @@ class SpellingEntry final : public WorldEntry {
   }
   std::unique_ptr<archive::StateReader> make_reader() const override {
     return worlds::spelling::make_state_reader(parameters_);
+  }
+  std::vector<bool> kinds_with_scale() const override {
+    return kinds_with_scale_of(worlds::spelling::Spelling(parameters_));
   }
 
  private:
@@ -75,14 +96,43 @@ const WorldEntry& Catalogue::world(std::string_view name) const {
   base::check_failed("a world of this name", name);
 }
 
-std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request) {
-  CHECK(request.sampler.method == request::Method::metropolis_hastings);
-  return std::make_unique<sampling::IndependentChains>(sampling::IndependentChainsOptions{
-      .chains = request.sampler.chains,
-      .round_scans = request.sampler.round_scans,
-      .stop = {.scans = request.stop.scans,
-               .rounds = request.stop.rounds,
-               .independent_solutions = request.stop.independent_solutions}});
+namespace {
+
+sampling::StopRule stop_of(const request::DirectionRequest& request,
+                           std::optional<std::uint64_t> scans) {
+  if (scans) return {.scans = scans, .rounds = {}, .independent_solutions = {}};
+  return {.scans = request.stop.scans,
+          .rounds = request.stop.rounds,
+          .independent_solutions = request.stop.independent_solutions};
+}
+
+sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,
+                                  const WorldEntry& world) {
+  return {.seed = sampler.seed,
+          .chain = {},
+          .first_ladder = sampling::first_ladder(sampler.replicas.value_or(k_first_replicas)),
+          .levels_chosen = !sampler.replicas,
+          .levels_max = k_chosen_replicas_max,
+          .ladder_adapts = true,
+          .has_scale = world.kinds_with_scale(),
+          .round_scans = sampler.round_scans};
+}
+
+}  // namespace
+
+std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
+                                      const WorldEntry& world, std::optional<std::uint64_t> scans) {
+  const sampling::StopRule stop = stop_of(request, scans);
+  const request::SamplerParameters& sampler = request.sampler;
+  switch (sampler.method) {
+    case request::Method::metropolis_hastings:
+      return std::make_unique<sampling::IndependentChains>(sampling::IndependentChainsOptions{
+          .chains = sampler.chains, .round_scans = sampler.round_scans, .stop = stop});
+    case request::Method::parallel_tempering:
+      return std::make_unique<sampling::ParallelTempering>(sampling::ParallelTemperingOptions{
+          .ladders = sampler.chains, .ladder = ladder_of(sampler, world), .stop = stop});
+  }
+  base::check_failed("a known method", "");
 }
 
 }  // namespace sleight::run

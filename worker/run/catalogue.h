@@ -2,7 +2,9 @@
 // that computes its units, and a reader of its states.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +25,8 @@ class WorldEntry {
   virtual std::unique_ptr<plan::UnitWorker> make_worker(
       const request::DirectionRequest& request) const = 0;
   virtual std::unique_ptr<archive::StateReader> make_reader() const = 0;
+  /// By kind of proposal: whether it has a size that can be tuned.
+  virtual std::vector<bool> kinds_with_scale() const = 0;
 };
 
 /// All worlds, in alphabetical order.
@@ -42,7 +46,10 @@ class Catalogue {
   std::vector<Named> worlds_;
 };
 
-/// The plan of a request's sampling method.
-std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request);
+/// The plan of a request's sampling method; with `scans`, of a run that ends after so many instead
+/// of by the request's own rule.
+std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
+                                      const WorldEntry& world,
+                                      std::optional<std::uint64_t> scans = {});
 
 }  // namespace sleight::run

@@ -1,8 +1,8 @@
 // Runs units of plain and tempered chains of one world: the loop over scans and iterations, with
 // states as bytes on both sides.
 //
-// Invariant: run is a pure function of (world parameters, options, unit, state before). What it
-// costs is measured by whoever calls it.
+// Invariant: run is a pure function of (world parameters, options, unit, state before); samples
+// that it keeps spare simulations only. What it costs is measured by whoever calls it.
 #pragma once
 
 #include <concepts>
@@ -13,8 +13,10 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/plan/unit.h"
+#include "worker/run/sample_cache.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/sampling/target.h"
+#include "worker/sampling/tempered_transition.h"
 
 namespace sleight::run {
 
@@ -31,43 +33,59 @@ concept World = sampling::Target<W> &&
 struct ChainWorkerOptions {
   std::uint64_t seed = 1;
   std::uint32_t iterations_per_scan = 1;
-  std::uint64_t thin = 1;  ///< every thin-th scan's state is returned, besides the satisfied ones
+  /// Every thin-th scan's state is returned, counted from the first draw, besides the satisfied
+  /// ones; of scans that are not at inverse temperature 1 only every k_hot_thin-th of these.
+  std::uint64_t thin = 1;
+  std::uint64_t first_draw = 0;
 };
+
+/// Hot replicas' states are there to be looked at now and then.
+inline constexpr std::uint64_t k_hot_thin = 16;
+/// Samples that are held for their replicas' next units.
+inline constexpr std::size_t k_cached_replicas_max = 1024;
 
 template <World W>
 class ChainWorker final : public plan::UnitWorker {
  public:
   ChainWorker(W world, const ChainWorkerOptions& options)
-      : world_(std::move(world)), options_(options) {}
+      : world_(std::move(world)), options_(options), cache_(k_cached_replicas_max) {}
 
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override {
     CHECK_GE(unit.scans, 1U);
-    const sampling::ChainStreams streams{
-        .seed = options_.seed, .chain = unit.replica.chain, .replica = unit.replica.replica};
     plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
     result.scans.reserve(unit.scans);
+    Walk walk{.streams = {.seed = options_.seed,
+                          .chain = unit.replica.chain,
+                          .replica = unit.replica.replica},
+              .current = {},
+              .lineage = unit.lineage};
 
-    // Begin at the prior draw, which is scan 0, or at the state before the unit.
-    std::uint64_t scan = unit.first_scan.value;
-    const std::uint64_t end = scan + unit.scans;
-    sampling::Sample<W> current = begin(scan, streams, state);
-    if (scan == 0) result.scans.push_back(record(scan++, current, {}));
-
-    // Make the proposals of each scan.
-    for (; scan < end; ++scan) {
-      Counts counts(world_.proposal_kinds());
-      const std::uint64_t first_iteration = (scan - 1) * options_.iterations_per_scan + 1;
-      for (std::uint32_t i = 0; i < options_.iterations_per_scan; ++i) {
-        counts.add(sampling::metropolis_hastings_step(world_, unit.inverse_temperature, streams,
-                                                      first_iteration + i, current));
-      }
-      result.scans.push_back(record(scan, current, std::move(counts)));
+    // Begin at a prior draw, or at the state before the unit.
+    std::uint32_t nth = 0;
+    const std::uint64_t first_scan = unit.first_scan.value;
+    if (unit.starts) {
+      draw_afresh(walk, first_scan, unit.replica.replica);
+      result.scans.push_back(record(first_scan, unit.inverse_temperature(nth++), walk, {}));
+    } else {
+      begin(walk, unit.replica, first_scan, state);
     }
-    result.state_after = world_.encode(current.state);
+    for (; nth < unit.scans; ++nth) {
+      const double beta = unit.inverse_temperature(nth);
+      Counts counts = scan(walk, unit, first_scan + nth, beta);
+      result.scans.push_back(record(first_scan + nth, beta, walk, std::move(counts)));
+    }
+    result.state_after = world_.encode(walk.current->state);
+    cache_.put(unit.replica, first_scan + unit.scans, std::move(*walk.current));
     return result;
   }
 
  private:
+  using Sample = sampling::Sample<W>;
+  struct Walk {
+    sampling::ChainStreams streams;
+    std::optional<Sample> current;
+    std::uint64_t lineage = 0;
+  };
   struct Counts {
     Counts() = default;
     explicit Counts(std::uint32_t kinds) : proposed(kinds, 0), accepted(kinds, 0) {}
@@ -79,27 +97,63 @@ class ChainWorker final : public plan::UnitWorker {
     std::vector<std::uint32_t> accepted;
   };
 
-  sampling::Sample<W> begin(std::uint64_t first_scan, const sampling::ChainStreams& streams,
-                            base::BytesView state) const {
-    if (first_scan == 0) return sampling::initialize(world_, streams);
+  void draw_afresh(Walk& walk, std::uint64_t scan, base::ReplicaId replica) const {
+    walk.current = sampling::draw_afresh(world_, walk.streams, scan);
+    walk.lineage = plan::lineage_from(replica, scan);
+  }
+
+  void begin(Walk& walk, const plan::ReplicaKey& replica, std::uint64_t first_scan,
+             base::BytesView state) const {
+    walk.current = cache_.take(replica, first_scan);
+    if (walk.current) return;
     std::optional<typename W::State> decoded = world_.decode(state);
     if (!decoded) {
       throw base::Error(
           "a chain's stored state can't be read: the run store is damaged; start over with "
           "--fresh");
     }
-    return sampling::evaluate(world_, std::move(*decoded));
+    walk.current = sampling::evaluate(world_, std::move(*decoded));
   }
 
-  plan::ScanRecord record(std::uint64_t scan, const sampling::Sample<W>& sample,
-                          Counts counts) const {
+  /// One scan: a draw from the prior where nothing constrains; else proposals, and an excursion if
+  /// the unit has one.
+  Counts scan(Walk& walk, const plan::Unit& unit, std::uint64_t scan, double beta) const {
+    Counts counts(world_.proposal_kinds());
+    const base::ReplicaId replica = unit.replica.replica;
+    if (beta == 0) {
+      draw_afresh(walk, scan, replica);
+      return counts;
+    }
+    const std::uint64_t first_iteration = (scan - 1) * options_.iterations_per_scan + 1;
+    for (std::uint32_t i = 0; i < options_.iterations_per_scan; ++i) {
+      counts.add(sampling::metropolis_hastings_step(world_, beta, walk.streams, first_iteration + i,
+                                                    *walk.current, unit.proposal_scales));
+    }
+    if (unit.excursion.empty()) return counts;
+    const sampling::ExcursionReport report =
+        sampling::tempered_transition(world_,
+                                      {.inverse_temperature = beta,
+                                       .below = unit.excursion,
+                                       .steps = options_.iterations_per_scan,
+                                       .proposal_scales = unit.proposal_scales},
+                                      walk.streams, scan, *walk.current);
+    if (report.from_prior) walk.lineage = plan::lineage_from(replica, scan);
+    return counts;
+  }
+
+  plan::ScanRecord record(std::uint64_t scan, double beta, const Walk& walk, Counts counts) const {
     if (counts.proposed.empty()) counts = Counts(world_.proposal_kinds());
+    const Sample& sample = *walk.current;
     const bool satisfied = world_.satisfied(sample.outcome);
-    const bool keep_state = satisfied || scan % options_.thin == 0;
+    const bool is_thin =
+        scan >= options_.first_draw && (scan - options_.first_draw) % options_.thin == 0;
+    const bool is_hot_thin = scan % (k_hot_thin * options_.thin) == 0;
+    const bool keep_state = beta == 1 ? satisfied || is_thin : is_hot_thin;
     return {.log_prior = sample.log_prior,
             .log_constraint = sample.log_constraint,
             .satisfied = satisfied,
-            .lineage = 0,
+            .lineage = walk.lineage,
+            .inverse_temperature = beta,
             .proposed = std::move(counts.proposed),
             .accepted = std::move(counts.accepted),
             .outcome = world_.outcome_values(sample.outcome),
@@ -108,6 +162,7 @@ class ChainWorker final : public plan::UnitWorker {
 
   W world_;
   ChainWorkerOptions options_;
+  mutable SampleCache<Sample> cache_;
 };
 
 }  // namespace sleight::run

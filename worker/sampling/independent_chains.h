@@ -16,24 +16,15 @@
 #include <vector>
 
 #include "common/plan/plan.h"
+#include "worker/sampling/stop_rule.h"
 
 namespace sleight::sampling {
-
-/// The first rule that holds ends the run. At least one is set.
-struct StopRule {
-  std::optional<std::uint64_t> scans;  ///< of each chain, the start (scan 0) included
-  std::optional<std::uint32_t> rounds;
-  std::optional<std::uint64_t> independent_solutions;  ///< lineages with a satisfied scan
-};
 
 struct IndependentChainsOptions {
   std::uint32_t chains = 1;
   std::uint64_t round_scans = 64;  ///< length of the first round
   StopRule stop;
 };
-
-/// The scans of one chain in rounds 1 .. rounds, saturating at the largest count.
-std::uint64_t scans_through_round(std::uint64_t round_scans, std::uint32_t rounds);
 
 class IndependentChains final : public plan::Plan {
  public:
@@ -47,7 +38,7 @@ class IndependentChains final : public plan::Plan {
   std::uint64_t scans_common() const override;
   std::uint64_t solutions_found() const override { return solutions_; }
   std::optional<std::uint64_t> solutions_wanted() const override {
-    return options_.stop.independent_solutions;
+    return stop_.solutions_wanted();
   }
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
@@ -64,15 +55,12 @@ class IndependentChains final : public plan::Plan {
   /// Moves on over every round end that all chains have reached, and judges there.
   void judge_rounds();
 
-  IndependentChainsOptions options_;
   std::vector<Chain> chains_;
   using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed, chain)
   std::set<Progress> by_progress_;                           ///< all chains
   std::set<Progress> idle_;                                  ///< those with no unit handed out
   std::uint64_t solutions_ = 0;
-  std::uint32_t round_ = 1;
-  std::uint64_t horizon_ = 0;  ///< scans that may be handed out now
-  std::uint64_t end_ = 0;      ///< scans at which the run stops, as far as the rules tell yet
+  StopJudge stop_;
 };
 
 }  // namespace sleight::sampling

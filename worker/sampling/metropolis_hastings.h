@@ -13,6 +13,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "common/math/elementary.h"
@@ -40,11 +41,18 @@ struct StepReport {
   bool simulated = false;  ///< whether it took a simulation to know
 };
 
-/// Lines 1 and 2 of Algorithm 2.1: the start, an exact draw from the prior, simulated.
+/// An exact draw from the prior, simulated: what a replica starts from, and what it does at inverse
+/// temperature 0. REQUIRES: a scan once per replica.
+template <Target T>
+Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan) {
+  random::Stream prior = streams.at(random::Purpose::prior, scan);
+  return evaluate(target, target.draw_prior(prior));
+}
+
+/// Lines 1 and 2 of Algorithm 2.1: the start of a chain.
 template <Target T>
 Sample<T> initialize(const T& target, const ChainStreams& streams) {
-  random::Stream prior = streams.at(random::Purpose::prior, 0);
-  return evaluate(target, target.draw_prior(prior));
+  return draw_afresh(target, streams, 0);
 }
 
 /// log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)), line 7. A candidate of zero density is never
@@ -63,14 +71,14 @@ inline double log_acceptance_ratio(double current_log_prior, double current_log_
 }
 
 /// Lines 4 to 10 of Algorithm 2.1: one iteration, which replaces `current` or keeps it.
-/// REQUIRES: iteration >= 1, used once per chain (0 is the start's).
+/// `scales`: of proposals, by kind (ScalesProposals). REQUIRES: an iteration once per replica.
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     const ChainStreams& streams, std::uint64_t iteration,
-                                    Sample<T>& current) {
+                                    Sample<T>& current, std::span<const double> scales = {}) {
   // Propose a candidate from the current state.
   random::Stream proposal_stream = streams.at(random::Purpose::proposal, iteration);
-  auto proposal = target.propose(current.state, proposal_stream);
+  auto proposal = propose_scaled(target, current.state, scales, proposal_stream);
 
   const double log_u = math::log(streams.at(random::Purpose::acceptance, iteration).uniform());
   const auto accepts = [&](double log_prior, double log_constraint) {

@@ -16,6 +16,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "common/random/stream.h"
@@ -49,6 +50,28 @@ template <class T>
 concept BoundsConstraint = Target<T> && requires(const T& target, const typename T::State& state) {
   { target.log_constraint_at_most(state) } -> std::same_as<double>;
 };
+
+/// A target some of whose proposals have a size, which can be made larger or smaller: `scales` has
+/// a factor for each kind, or is empty for 1. A kind that has none ignores its factor. Proposals
+/// must be right for any factors, as long as these stay the same.
+template <class T>
+concept ScalesProposals = Target<T> &&
+    requires(const T& target, const typename T::State& state, std::span<const double> scales,
+             random::Stream& stream) {
+  { target.propose(state, scales, stream) } -> std::same_as<Proposal<typename T::State>>;
+  { target.has_scale(std::uint32_t{}) } -> std::same_as<bool>;
+};
+
+/// A candidate of the target's proposals, of such sizes if it has sizes.
+template <Target T>
+Proposal<typename T::State> propose_scaled(const T& target, const typename T::State& state,
+                                           std::span<const double> scales, random::Stream& stream) {
+  if constexpr (ScalesProposals<T>) {
+    return target.propose(state, scales, stream);
+  } else {
+    return target.propose(state, stream);
+  }
+}
 
 /// A state together with everything that was computed from it. log_prior and log_constraint always
 /// belong to this state: they travel together, so that no old density outlives an acceptance.

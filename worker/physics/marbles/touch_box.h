@@ -82,8 +82,8 @@ struct TouchBoxes {
   std::span<TouchBox> boxes;
 };
 
-/// Writes the touch boxes of some features, k_unmeetable for those that can't be met, and appends to
-/// `outgrown` those that their homes don't hold. REQUIRES: no planes.
+/// Writes the touch boxes of some features, k_unmeetable for those that can't be met, and appends
+/// to `outgrown` those that their homes don't hold. REQUIRES: no planes.
 void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint32_t> features,
                        float reach_m, const TouchBoxes& table,
                        std::vector<std::uint32_t>& outgrown);

@@ -44,8 +44,10 @@ bool Ball2d::satisfied(const Landing& landing) const {
 }
 
 sampling::Proposal<Ball2d::State> Ball2d::propose(const State& normals,
+                                                  std::span<const double> scales,
                                                   random::Stream& stream) const {
-  const double half_width = parameters_.proposal.change_half_width_rad;
+  const double scale = scales.empty() ? 1 : scales.front();
+  const double half_width = parameters_.proposal.change_half_width_rad * scale;
   const random::Uniform offset{.low = -half_width, .high = half_width};
   State candidate = normals;
   for (std::uint32_t j = 0; j < parameters_.world.collisions; ++j) {

@@ -40,7 +40,13 @@ class Ball2d {
   Landing simulate(const State& normals) const;
   double log_constraint(const Landing& landing) const;
   bool satisfied(const Landing& landing) const;
-  sampling::Proposal<State> propose(const State& normals, random::Stream& stream) const;
+  sampling::Proposal<State> propose(const State& normals, random::Stream& stream) const {
+    return propose(normals, {}, stream);
+  }
+  /// The scale is that of the range of changes.
+  sampling::Proposal<State> propose(const State& normals, std::span<const double> scales,
+                                    random::Stream& stream) const;
+  bool has_scale(std::uint32_t /*kind*/) const { return true; }
   std::uint32_t proposal_kinds() const { return 1; }
 
   /// A state as bytes: one double a collision. Decoding refuses any other length.
@@ -54,7 +60,7 @@ class Ball2d {
   Parameters parameters_;
 };
 
-static_assert(sampling::Target<Ball2d>);
+static_assert(sampling::ScalesProposals<Ball2d>);
 
 /// How its archives name things. Likeness distance: the largest difference between the places of
 /// equal-numbered collisions, landing included, in ball diameters.

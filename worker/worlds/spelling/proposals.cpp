@@ -123,8 +123,10 @@ State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream) {
 }
 
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& p,
-                                  const State& state, random::Stream& stream) {
+                                  const State& state, std::span<const double> scales,
+                                  random::Stream& stream) {
   const Kind kind = drawn_kind(p, stream);
+  const double scale = scales.empty() ? 1 : scales[static_cast<std::size_t>(kind)];
   sampling::Proposal<State> proposal{.candidate = state, .kind = static_cast<std::uint32_t>(kind)};
   State& candidate = proposal.candidate;
   switch (kind) {
@@ -136,7 +138,7 @@ sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& 
     case Kind::change_vertices:
       for (Vec3& offset_m : candidate.offsets_m) {
         if (stream.uniform() < p.vertex_probability)
-          offset_m += draw_offset(p.kernel, p.vertex_sd_m, stream);
+          offset_m += draw_offset(p.kernel, p.vertex_sd_m * scale, stream);
       }
       break;
     case Kind::change_ball: {
@@ -147,7 +149,7 @@ sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& 
       while (state.active[ball] == 0 || wanted-- > 0)
         ++ball;
       const Vec2 direction = random::UniformDirection2{}.draw(stream);
-      const double length_m = random::Normal{.mean = 0, .sd = p.ball_sd_m}.draw(stream);
+      const double length_m = random::Normal{.mean = 0, .sd = p.ball_sd_m * scale}.draw(stream);
       Vec2& drop_m = candidate.drops_m[ball];
       for (int axis = 0; axis < 2; ++axis) {
         drop_m[axis] = wrapped(drop_m[axis] + length_m * direction[axis], prior.drop_half_m[axis]);

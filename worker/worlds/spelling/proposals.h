@@ -33,6 +33,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/math/vector.h"
@@ -80,7 +81,18 @@ struct Prior {
 /// it is prior.draw(stream).
 State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream);
 
+/// `scales`: by kind, or empty for 1; of the lengths by which vertices and balls move.
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
-                                  const State& state, random::Stream& stream);
+                                  const State& state, std::span<const double> scales,
+                                  random::Stream& stream);
+inline sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
+                                         const State& state, random::Stream& stream) {
+  return propose(prior, parameters, state, {}, stream);
+}
+
+/// Whether a kind's proposals have a size.
+inline bool has_scale(Kind kind) {
+  return kind == Kind::change_vertices || kind == Kind::change_ball;
+}
 
 }  // namespace sleight::worlds::spelling

@@ -98,8 +98,13 @@ class Spelling {
   }
   bool satisfied(const Outcome& outcome) const;
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
-    return spelling::propose(prior_, parameters_.proposal, state, stream);
+    return propose(state, {}, stream);
   }
+  sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
+                                    random::Stream& stream) const {
+    return spelling::propose(prior_, parameters_.proposal, state, scales, stream);
+  }
+  bool has_scale(std::uint32_t kind) const { return spelling::has_scale(static_cast<Kind>(kind)); }
   std::uint32_t proposal_kinds() const { return k_kinds; }
 
   base::Bytes encode(const State& state) const { return spelling::encode(state); }
@@ -147,5 +152,6 @@ class Spelling {
 };
 
 static_assert(sampling::BoundsConstraint<Spelling>);
+static_assert(sampling::ScalesProposals<Spelling>);
 
 }  // namespace sleight::worlds::spelling

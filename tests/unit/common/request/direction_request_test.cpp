@@ -89,7 +89,7 @@ TEST(ReadRequest, SetsWhatIsGiven) {
   EXPECT_EQ(parameters.surface, toy::Surface::wood);
   EXPECT_EQ(parameters.word, "OK");
   EXPECT_EQ(request.sampler,
-            (SamplerParameters{Method::metropolis_hastings, 65536, k_seed_max, 7, 8}));
+            (SamplerParameters{Method::metropolis_hastings, 65536, {}, k_seed_max, 7, 8}));
   EXPECT_EQ(request.stop, (StopRule{k_scans_max, 3, 65536}));
   EXPECT_EQ(request.output, (OutputParameters{2, 0, 0, 1.0}));
 }
@@ -228,7 +228,7 @@ TEST(RequestKeys, ListEveryKeyOnce) {
   EXPECT_EQ(keys,
             "world: name height_m tilt_deg balls spinning surface\n"
             "constraint: word lambda\n"
-            "sampler: method chains seed iterations_per_scan round_scans step\n"
+            "sampler: method chains replicas seed iterations_per_scan round_scans step\n"
             "stop: scans rounds independent_solutions\n"
             "output: thin keep_max keep_per_lineage min_distance\n");
 }

@@ -14,17 +14,23 @@ bool same(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
+bool same(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](double x, double y) { return same(x, y); });
+}
+
 bool same(const plan::Unit& a, const plan::Unit& b) {
   return a.replica == b.replica && a.first_scan == b.first_scan && a.scans == b.scans &&
-         same(a.inverse_temperature, b.inverse_temperature);
+         a.starts == b.starts && a.lineage == b.lineage &&
+         same(a.inverse_temperatures, b.inverse_temperatures) &&
+         same(a.proposal_scales, b.proposal_scales) && same(a.excursion, b.excursion);
 }
 
 bool same(const plan::ScanRecord& a, const plan::ScanRecord& b) {
   return same(a.log_prior, b.log_prior) && same(a.log_constraint, b.log_constraint) &&
-         a.satisfied == b.satisfied && a.lineage == b.lineage && a.proposed == b.proposed &&
-         a.accepted == b.accepted && a.state == b.state &&
-         std::equal(a.outcome.begin(), a.outcome.end(), b.outcome.begin(), b.outcome.end(),
-                    [](double x, double y) { return same(x, y); });
+         a.satisfied == b.satisfied && a.lineage == b.lineage &&
+         same(a.inverse_temperature, b.inverse_temperature) && a.proposed == b.proposed &&
+         a.accepted == b.accepted && a.state == b.state && same(a.outcome, b.outcome);
 }
 
 /// Compares two messages of one kind.
@@ -53,7 +59,11 @@ plan::Unit example_unit(std::uint32_t scans) {
                       base::ReplicaId{std::numeric_limits<std::uint32_t>::max() - 1}},
           .first_scan = base::ScanIndex{std::numeric_limits<std::uint64_t>::max()},
           .scans = scans,
-          .inverse_temperature = 0.1};
+          .starts = scans % 2 == 1,
+          .lineage = std::numeric_limits<std::uint64_t>::max(),
+          .inverse_temperatures = {0.1},
+          .proposal_scales = {},
+          .excursion = {}};
 }
 
 }  // namespace
@@ -82,6 +92,7 @@ plan::UnitResult example_result(std::uint32_t scans) {
                             .log_constraint = awkward[(i + 4) % awkward.size()],
                             .satisfied = i % 2 == 1,
                             .lineage = std::numeric_limits<std::uint64_t>::max() - i,
+                            .inverse_temperature = awkward[(i + 2) % awkward.size()],
                             .proposed = {i, 0, std::numeric_limits<std::uint32_t>::max()},
                             .accepted = {0, i},
                             .outcome = awkward,
@@ -121,7 +132,9 @@ std::vector<Message> examples() {
       example_result(20'000)};
   for (const double value : awkward_doubles()) {
     Assignment assignment{.unit = example_unit(2), .state = {std::byte{0}}};
-    assignment.unit.inverse_temperature = value;
+    assignment.unit.inverse_temperatures = {value, 0};
+    assignment.unit.proposal_scales = {value};
+    assignment.unit.excursion = {0.5, value, 0};
     all.emplace_back(assignment);
   }
   return all;

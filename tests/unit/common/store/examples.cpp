@@ -82,7 +82,8 @@ plan::UnitResult forged(plan::UnitResult result) {
 
 bool same_bits(const plan::ScanRecord& a, const plan::ScanRecord& b) {
   return same(a.log_prior, b.log_prior) && same(a.log_constraint, b.log_constraint) &&
-         a.satisfied == b.satisfied && a.lineage == b.lineage && a.proposed == b.proposed &&
+         a.satisfied == b.satisfied && a.lineage == b.lineage &&
+         same(a.inverse_temperature, b.inverse_temperature) && a.proposed == b.proposed &&
          a.accepted == b.accepted && a.state == b.state &&
          std::equal(a.outcome.begin(), a.outcome.end(), b.outcome.begin(), b.outcome.end(),
                     [](double x, double y) { return same(x, y); });

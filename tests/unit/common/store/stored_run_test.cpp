@@ -95,17 +95,38 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
   EXPECT_TRUE(testing::stored(folder(), 1, 0).empty());
 }
 
-TEST_F(StoredRunOf, ReadsOneReplicaOfSeveral) {
-  // Goal: an archive holds replica 0 alone. Method: replicas 0 and 1 with different records.
+TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
+  // Goal: of several replicas an archive holds at each scan the one at inverse temperature 1, in
+  // the order of scans, and knows each one's newest state. Method: two replicas that trade places
+  // after each scan, the second one alive from scan 2 on only.
   RunStore store(folder(), example_identity(1));
-  plan::UnitResult other = testing::forged(result_of(0, 0, 5));
-  other.unit.replica.replica = base::ReplicaId{1};
-  store.put(other);
-  store.put(result_of(0, 0, 5));
+  plan::UnitResult first = result_of(0, 0, 5);
+  plan::UnitResult second = testing::forged(result_of(0, 2, 3));
+  second.unit.replica.replica = base::ReplicaId{1};
+  for (std::uint64_t scan = 0; scan < 5; ++scan) {
+    const bool is_first = scan < 2 || scan % 2 == 0;
+    first.scans[scan].inverse_temperature = is_first ? 1 : 0.5;
+    if (scan >= 2) second.scans[scan - 2].inverse_temperature = is_first ? 0.5 : 1;
+  }
+  store.put(second);
+  store.put(first);
   store.flush();
   const std::vector<plan::ScanRecord> back = testing::stored(folder(), 0, 5);
-  for (std::uint64_t scan = 0; scan < 5; ++scan)
-    EXPECT_TRUE(testing::same_bits(back[scan], testing::record_of(0, scan)));
+  for (std::uint64_t scan = 0; scan < 5; ++scan) {
+    const bool is_first = scan < 2 || scan % 2 == 0;
+    EXPECT_TRUE(
+        testing::same_bits(back[scan], is_first ? first.scans[scan] : second.scans[scan - 2]))
+        << scan;
+  }
+  const StoredRun view(folder(), 1, 5);
+  EXPECT_EQ(view.replicas(), 2U);
+  std::uint64_t scans = 0;
+  view.replay([&](const plan::ReplicaKey& replica, base::ScanIndex begin,
+                  std::span<const plan::ScanRecord> records) {
+    EXPECT_EQ(begin.value, replica.replica.value == 0 ? 0U : 2U);
+    scans += records.size();
+  });
+  EXPECT_EQ(scans, 8U);
 }
 
 TEST_F(StoredRunOf, MissingStoreIsAnError) {
@@ -125,9 +146,10 @@ TEST_F(StoredRunOf, MissingScansAreDamage) {
 TEST_F(StoredRunOf, ChangedRowsAreDamage) {
   // Goal: what a disk or a person changed never becomes another animation. Method: change each
   // column of one stored scan in turn; reading it must fail, and name chain and scan.
-  for (const char* change : {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied",
-                             "lineage=-1", "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)",
-                             "state=zeroblob(5)", "checksum=0"}) {
+  for (const char* change :
+       {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied", "lineage=-1",
+        "inverse_temperature=0.5", "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)",
+        "state=zeroblob(5)", "checksum=0"}) {
     const std::string place = folder() + "/" + std::to_string(std::hash<std::string>()(change));
     const RunLock lock(place);
     {

@@ -32,15 +32,18 @@ class BallRuns : public archive::testing::Scratch {
     const run::WorldEntry& world = catalogue.world(request.value().world);
     const auto worker = world.make_worker(request.value());
     const auto reader = world.make_reader();
-    const auto plan = run::make_plan(request.value());
+    const auto plan = run::make_plan(request.value(), world);
     const base::SteadyClock clock;
     LocalExecutor executor(*worker, clock, threads);
-    return run_request({.request = request.value(),
-                        .reader = *reader,
-                        .plan = *plan,
-                        .executor = executor,
-                        .clock = clock},
-                       options);
+    return run_request(
+        {.request = request.value(),
+         .reader = *reader,
+         .plan = *plan,
+         .plan_of_scans =
+             [&](std::uint64_t scans) { return run::make_plan(request.value(), world, scans); },
+         .executor = executor,
+         .clock = clock},
+        options);
   }
 
   /// Asks to stop at the n-th question.

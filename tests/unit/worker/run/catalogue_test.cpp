@@ -54,8 +54,10 @@ TEST(Catalogue, WorkerFollowsTheRequest) {
   worlds::ball_2d::Parameters parameters;
   parameters.world.restitution = 0.5;
   const ChainWorkerOptions options{.seed = 9, .iterations_per_scan = 2, .thin = 4};
-  const plan::Unit unit{
-      .replica = {base::ChainId{1}, base::ReplicaId{0}}, .first_scan = {}, .scans = 50};
+  const plan::Unit unit{.replica = {base::ChainId{1}, base::ReplicaId{0}},
+                        .first_scan = {},
+                        .scans = 50,
+                        .starts = true};
   const auto run_with = [&](const worlds::ball_2d::Parameters& p, const ChainWorkerOptions& o) {
     return ChainWorker<worlds::ball_2d::Ball2d>(worlds::ball_2d::Ball2d(p), o).run(unit, {}).scans;
   };
@@ -72,12 +74,12 @@ TEST(Catalogue, PlanFollowsTheRequest) {
   // unit of a plan that must wait for a round's end.
   Catalogue catalogue;
   request::DirectionRequest request = read(catalogue, k_request);
-  EXPECT_EQ(make_plan(request)->scans_total(), 3U * 30U);
+  EXPECT_EQ(make_plan(request, catalogue.world(request.world))->scans_total(), 3U * 30U);
   request.stop.scans = 7;
-  EXPECT_EQ(make_plan(request)->scans_total(), 3U * 7U);
+  EXPECT_EQ(make_plan(request, catalogue.world(request.world))->scans_total(), 3U * 7U);
   request.stop = {};
   request.stop.independent_solutions = 2;
-  const auto plan = make_plan(request);
+  const auto plan = make_plan(request, catalogue.world(request.world));
   EXPECT_EQ(plan->scans_total(), std::nullopt);
   EXPECT_EQ(plan->next_unit(1000)->scans, 10U);
 }

@@ -61,7 +61,9 @@ plan::Unit unit(std::uint32_t chain, std::uint64_t first, std::uint32_t scans, d
   return {.replica = {base::ChainId{chain}, base::ReplicaId{0}},
           .first_scan = base::ScanIndex{first},
           .scans = scans,
-          .inverse_temperature = beta};
+          .starts = first == 0,
+          .lineage = 0,
+          .inverse_temperatures = {beta}};
 }
 
 /// A run of one chain from its start, in units of the given sizes.
@@ -243,14 +245,18 @@ TEST(ChainWorker, ChainsReplicasAndSeedsDiffer) {
 }
 
 TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
-  // Goal: a unit runs at its own beta, and at 0 doesn't ask the constraint; records hold log p_c at
-  // beta = 1 all the same. Method: a world in which half of all states are forbidden.
+  // Goal: a unit runs at its own beta; at 0 each scan is another draw from the prior, with a
+  // lineage of its own; records hold log p_c at beta = 1 all the same. Method: a world in which
+  // half of all states are forbidden.
   const ChainWorker<Counter> worker(Counter{}, {.seed = 3});
   const base::Bytes start = Counter{}.encode(100);
   std::uint64_t forbidden = 0;
+  std::uint64_t before = 0;
   for (const plan::ScanRecord& scan : worker.run(unit(0, 1, 500, 0), start).scans) {
-    EXPECT_EQ(scan.proposed[0] + scan.proposed[1], 1U);
-    EXPECT_EQ(scan.accepted, scan.proposed) << "all densities are equal";
+    EXPECT_EQ(scan.proposed[0] + scan.proposed[1], 0U);
+    EXPECT_EQ(scan.inverse_temperature, 0);
+    EXPECT_GT(scan.lineage, before);
+    before = scan.lineage;
     if (std::isinf(scan.log_constraint)) ++forbidden;
   }
   EXPECT_GT(forbidden, 100U);

@@ -35,7 +35,10 @@ plan::ReplicaKey key(std::uint32_t chain) {
 }
 
 plan::Unit unit(std::uint32_t chain, std::uint64_t first, std::uint32_t scans) {
-  return {.replica = key(chain), .first_scan = base::ScanIndex{first}, .scans = scans};
+  return {.replica = key(chain),
+          .first_scan = base::ScanIndex{first},
+          .scans = scans,
+          .starts = first == 0};
 }
 
 TEST(ScansThroughRound, IsTheSumOfDoublingRounds) {

@@ -1,0 +1,136 @@
+#include "worker/sampling/ladder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+
+namespace sleight::sampling {
+namespace {
+
+/// Rates below this count as this: a level that is never rejected still has a place of its own.
+constexpr double k_rejection_min = 1e-3;
+
+/// A monotone cubic through points: Fritsch and Carlson's slopes, by harmonic means.
+class MonotoneCurve {
+ public:
+  MonotoneCurve(std::span<const double> x, std::span<const double> y)
+      : x_(x.begin(), x.end()), y_(y.begin(), y.end()), slopes_(x.size()) {
+    const std::size_t last = x.size() - 1;
+    const auto chord = [&](std::size_t i) { return (y_[i + 1] - y_[i]) / (x_[i + 1] - x_[i]); };
+    slopes_.front() = chord(0);
+    slopes_.back() = chord(last - 1);
+    for (std::size_t i = 1; i < last; ++i) {
+      const double before = chord(i - 1);
+      const double after = chord(i);
+      const double h = x_[i] - x_[i - 1];
+      const double k = x_[i + 1] - x_[i];
+      const double w = 2 * k + h;
+      const double v = k + 2 * h;
+      slopes_[i] = before * after > 0 ? (w + v) / (w / before + v / after) : 0;
+    }
+  }
+  double slope(std::size_t i) const { return slopes_[i]; }
+  double at(double x) const {
+    const auto above = std::upper_bound(x_.begin() + 1, x_.end() - 1, x);
+    const auto i = static_cast<std::size_t>(above - x_.begin()) - 1;
+    const double width = x_[i + 1] - x_[i];
+    const double t = (x - x_[i]) / width;
+    const double back = 1 - t;
+    return y_[i] * back * back * (1 + 2 * t) + slopes_[i] * width * t * back * back +
+           y_[i + 1] * t * t * (1 + 2 * back) - slopes_[i + 1] * width * t * t * back;
+  }
+  /// Where it has a value, by bisection. REQUIRES: a value between the first and the last.
+  double inverse(double y) const {
+    double low = x_.front();
+    double high = x_.back();
+    while (true) {
+      const double middle = 0.5 * (low + high);
+      if (middle <= low || middle >= high) return high;
+      (at(middle) < y ? low : high) = middle;
+    }
+  }
+
+ private:
+  std::vector<double> x_;
+  std::vector<double> y_;
+  std::vector<double> slopes_;
+};
+
+std::vector<double> floored(std::span<const double> rejections) {
+  std::vector<double> rates(rejections.begin(), rejections.end());
+  for (double& rate : rates)
+    rate = std::max(rate, k_rejection_min);
+  return rates;
+}
+
+}  // namespace
+
+std::vector<double> first_ladder(std::uint32_t levels) {
+  CHECK_GE(levels, k_levels_min);
+  std::vector<double> ladder;
+  for (std::uint32_t i = 0; i < levels; ++i) {
+    const double x = i / (levels - 1.0);
+    ladder.push_back(x * x);
+  }
+  return ladder;
+}
+
+double log_swap_ratio(double beta, double cooler_beta, double log_constraint,
+                      double cooler_log_constraint) {
+  if (log_constraint == cooler_log_constraint) return 0;
+  return (cooler_beta - beta) * (log_constraint - cooler_log_constraint);
+}
+
+std::uint32_t levels_for(double barrier) {
+  const double wanted = std::ceil(2 * barrier) + 1;
+  return static_cast<std::uint32_t>(std::clamp(wanted, double{k_levels_min}, double{k_levels_max}));
+}
+
+std::vector<double> cumulative_barrier(std::span<const double> rejections) {
+  std::vector<double> barrier{0};
+  for (const double rejection : rejections)
+    barrier.push_back(barrier.back() + rejection);
+  return barrier;
+}
+
+std::vector<double> local_barrier(std::span<const double> ladder,
+                                  std::span<const double> rejections) {
+  CHECK_EQ(rejections.size() + 1, ladder.size());
+  const MonotoneCurve curve(ladder, cumulative_barrier(rejections));
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < ladder.size(); ++i)
+    slopes.push_back(curve.slope(i));
+  return slopes;
+}
+
+std::vector<double> respaced(std::span<const double> ladder, std::span<const double> rejections,
+                             std::uint32_t levels) {
+  CHECK_EQ(rejections.size() + 1, ladder.size());
+  CHECK_GE(levels, k_levels_min);
+  const std::vector<double> barrier = cumulative_barrier(floored(rejections));
+  const MonotoneCurve curve(ladder, barrier);
+  std::vector<double> even{ladder.front()};
+  for (std::uint32_t i = 1; i + 1 < levels; ++i)
+    even.push_back(curve.inverse(barrier.back() * i / (levels - 1.0)));
+  even.push_back(ladder.back());
+  return even;
+}
+
+double predicted_round_trip_rate(std::span<const double> rejections) {
+  double sum = 0;
+  for (const double rejection : rejections)
+    sum += rejection / (1 - rejection);
+  return 1 / (2 + 2 * sum);
+}
+
+double interpolated(std::span<const double> ladder, std::span<const double> values, double beta) {
+  CHECK_EQ(ladder.size(), values.size());
+  const auto above = std::upper_bound(ladder.begin() + 1, ladder.end() - 1, beta);
+  const auto i = static_cast<std::size_t>(above - ladder.begin()) - 1;
+  const double t = (beta - ladder[i]) / (ladder[i + 1] - ladder[i]);
+  return values[i] + t * (values[i + 1] - values[i]);
+}
+
+}  // namespace sleight::sampling

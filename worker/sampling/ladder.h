@@ -1,0 +1,59 @@
+// Ladders of inverse temperatures, and what the swaps between neighbours tell about them (Syed,
+// Bouchard-Cote, Deligiannidis, Doucet 2022, Non-reversible parallel tempering: a scalable highly
+// parallel MCMC scheme).
+//
+// Idea. With r_i the rejection rate of swaps between levels i and i+1, the sum of r_i up to a level
+// estimates the communication barrier Lambda(beta) there, whatever the ladder is; its slope, the
+// local barrier, says where temperatures must lie close. A ladder is best when all r_i are equal:
+// its levels cut the barrier into equal parts. Round trips per scan are then
+//
+//   1 / (2 + 2 sum of r_i / (1 - r_i)),
+//
+// if exploration at each level forgets enough between two swaps.
+//
+// A ladder is ascending, from 0 (the prior) to 1. Thread safety: pure functions.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sleight::sampling {
+
+/// What a run begins with, before anything is known: levels lie closer where it is hot, since there
+/// distributions mostly change fastest. REQUIRES: 2 levels at least.
+std::vector<double> first_ladder(std::uint32_t levels);
+
+/// log of the ratio with which the states of two neighbouring levels swap; `cooler` has the greater
+/// inverse temperature. Two states without any density swap always.
+double log_swap_ratio(double beta, double cooler_beta, double log_constraint,
+                      double cooler_log_constraint);
+
+/// The smallest and greatest number of levels that are chosen.
+inline constexpr std::uint32_t k_levels_min = 2;
+inline constexpr std::uint32_t k_levels_max = 256;
+
+/// Twice the barrier, and one: then neighbours swap about every second time.
+std::uint32_t levels_for(double barrier);
+
+/// The communication barrier up to each level: 0 at the first, the whole one at the last.
+/// `rejections`: between each level and the next.
+std::vector<double> cumulative_barrier(std::span<const double> rejections);
+
+/// The local barrier at each level: the slope of a monotone cubic (Fritsch and Carlson 1980)
+/// through the cumulative barrier.
+std::vector<double> local_barrier(std::span<const double> ladder,
+                                  std::span<const double> rejections);
+
+/// A ladder of so many levels between which that curve says that swaps are rejected equally often.
+/// No two levels fall together: rates of 0 count as a small one.
+std::vector<double> respaced(std::span<const double> ladder, std::span<const double> rejections,
+                             std::uint32_t levels);
+
+/// Round trips per scan, of all replicas together.
+double predicted_round_trip_rate(std::span<const double> rejections);
+
+/// A curve's value between the levels of another ladder, straight from one to the next.
+double interpolated(std::span<const double> ladder, std::span<const double> values, double beta);
+
+}  // namespace sleight::sampling

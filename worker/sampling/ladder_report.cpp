@@ -1,0 +1,176 @@
+#include "worker/sampling/ladder_report.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "worker/sampling/ladder.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+struct Sizes {
+  std::size_t ladders = 0;
+  std::size_t rounds = 0;
+  std::size_t levels = 0;
+  std::size_t kinds = 0;
+};
+
+/// Rounds that have a scan.
+std::span<const RoundReport> begun(const LadderRun& ladder) {
+  const std::vector<RoundReport>& rounds = ladder.rounds();
+  const bool has_scans = rounds.back().statistics.scans() > 0;
+  return std::span(rounds).first(rounds.size() - (has_scans ? 0 : 1));
+}
+
+Sizes sizes_of(std::span<const LadderRun> ladders) {
+  Sizes sizes{.ladders = ladders.size()};
+  for (const LadderRun& ladder : ladders) {
+    sizes.rounds = std::max(sizes.rounds, begun(ladder).size());
+    for (const RoundReport& round : begun(ladder)) {
+      sizes.levels = std::max(sizes.levels, round.statistics.ladder().size());
+      for (const KindCounts& counts : round.counts)
+        sizes.kinds = std::max(sizes.kinds, counts.proposed.size());
+    }
+  }
+  return sizes;
+}
+
+/// Tables that are filled round by round.
+class Tables {
+ public:
+  explicit Tables(std::span<const LadderRun> ladders)
+      : ladders_(ladders), sizes_(sizes_of(ladders)) {}
+
+  bool empty() const { return sizes_.rounds == 0; }
+  plan::Report finish() { return std::move(report_); }
+
+  using Scalar = std::function<double(const RoundReport&)>;
+  void per_round(std::string name, std::string meaning, const Scalar& value) {
+    fill(std::move(name), std::move(meaning), 1, {},
+         [&](const RoundReport& round, std::span<double> out) { out[0] = value(round); });
+  }
+  using Row = std::function<std::vector<double>(const RoundReport&)>;
+  void per_level(std::string name, std::string meaning, const Row& values) {
+    fill(std::move(name), std::move(meaning), sizes_.levels, {{"level", sizes_.levels}},
+         [&](const RoundReport& round, std::span<double> out) {
+           std::ranges::copy(values(round), out.begin());
+         });
+  }
+  using Cell = std::function<double(const RoundReport&, std::size_t level, std::size_t kind)>;
+  void per_kind(std::string name, std::string meaning, const Cell& value) {
+    fill(std::move(name), std::move(meaning), sizes_.levels * sizes_.kinds,
+         {{"level", sizes_.levels}, {"proposal_kind", sizes_.kinds}},
+         [&](const RoundReport& round, std::span<double> out) {
+           for (std::size_t level = 0; level < round.statistics.ladder().size(); ++level) {
+             for (std::size_t kind = 0; kind < sizes_.kinds; ++kind)
+               out[level * sizes_.kinds + kind] = value(round, level, kind);
+           }
+         });
+  }
+
+ private:
+  using Dims = std::vector<std::pair<std::string, std::size_t>>;
+  void fill(std::string name, std::string meaning, std::size_t width, const Dims& inner,
+            const std::function<void(const RoundReport&, std::span<double>)>& write) {
+    plan::Table table{.name = std::move(name),
+                      .meaning = std::move(meaning),
+                      .dims = {{"chain", sizes_.ladders}, {"round", sizes_.rounds}},
+                      .values = std::vector<double>(sizes_.ladders * sizes_.rounds * width, k_nan)};
+    table.dims.insert(table.dims.end(), inner.begin(), inner.end());
+    for (std::size_t l = 0; l < ladders_.size(); ++l) {
+      const std::span<const RoundReport> rounds = begun(ladders_[l]);
+      for (std::size_t r = 0; r < rounds.size(); ++r)
+        write(rounds[r], std::span(table.values).subspan((l * sizes_.rounds + r) * width, width));
+    }
+    report_.tables.push_back(std::move(table));
+  }
+
+  std::span<const LadderRun> ladders_;
+  Sizes sizes_;
+  plan::Report report_;
+};
+
+double per_scan(std::uint64_t count, const RoundReport& round) {
+  return static_cast<double>(count) / static_cast<double>(round.statistics.scans());
+}
+
+void write_rounds(Tables& tables) {
+  tables.per_round("first_scan", "scan with which the round begins",
+                   [](const RoundReport& round) { return static_cast<double>(round.first_scan); });
+  tables.per_round("scans", "scans of the round", [](const RoundReport& round) {
+    return static_cast<double>(round.statistics.scans());
+  });
+  tables.per_round("levels", "temperatures of the ladder", [](const RoundReport& round) {
+    return static_cast<double>(round.statistics.ladder().size());
+  });
+  tables.per_round("barrier", "communication barrier: the sum of all rejection rates",
+                   [](const RoundReport& round) {
+                     return cumulative_barrier(round.statistics.rejections()).back();
+                   });
+  tables.per_round("round_trips", "journeys from the prior to inverse temperature 1 and back",
+                   [](const RoundReport& round) { return static_cast<double>(round.round_trips); });
+  tables.per_round("restarts", "arrivals at inverse temperature 1 from the prior",
+                   [](const RoundReport& round) { return static_cast<double>(round.restarts); });
+  tables.per_round("round_trip_rate", "round trips per scan",
+                   [](const RoundReport& round) { return per_scan(round.round_trips, round); });
+  tables.per_round("predicted_round_trip_rate",
+                   "1 / (2 + 2 sum r / (1 - r)) of the rejection rates r",
+                   [](const RoundReport& round) {
+                     return predicted_round_trip_rate(round.statistics.rejections());
+                   });
+  tables.per_round(
+      "log_z", "log of the mean of the constraint's density under the prior, by stepping stones",
+      [](const RoundReport& round) { return round.statistics.log_z().value; });
+  tables.per_round("log_z_error", "its standard error, by jackknife",
+                   [](const RoundReport& round) { return round.statistics.log_z().error; });
+  tables.per_round("log_p_satisfied", "log of the probability that a prior draw satisfies",
+                   [](const RoundReport& round) { return round.statistics.log_satisfied().value; });
+  tables.per_round("log_p_satisfied_error", "its standard error, by jackknife",
+                   [](const RoundReport& round) { return round.statistics.log_satisfied().error; });
+}
+
+void write_levels(Tables& tables) {
+  tables.per_level("inverse_temperature", "power of the constraint's density at the level",
+                   [](const RoundReport& round) { return round.statistics.ladder(); });
+  tables.per_level("swap_acceptance", "mean probability of a swap with the next cooler level",
+                   [](const RoundReport& round) {
+                     std::vector<double> rates = round.statistics.rejections();
+                     for (double& rate : rates)
+                       rate = 1 - rate;
+                     return rates;
+                   });
+  tables.per_level("local_barrier", "slope of the barrier in inverse temperature",
+                   [](const RoundReport& round) {
+                     return local_barrier(round.statistics.ladder(), round.statistics.rejections());
+                   });
+  tables.per_kind("acceptance", "accepted over proposed, by level and kind",
+                  [](const RoundReport& round, std::size_t level, std::size_t kind) {
+                    const KindCounts& counts = round.counts[level];
+                    if (kind >= counts.proposed.size()) return k_nan;
+                    return static_cast<double>(counts.accepted[kind]) /
+                           static_cast<double>(counts.proposed[kind]);
+                  });
+  tables.per_kind("proposal_scale", "factor of the proposals' sizes, by level and kind",
+                  [](const RoundReport& round, std::size_t level, std::size_t kind) {
+                    const std::vector<double>& scales = round.scales[level];
+                    return kind < scales.size() ? scales[kind] : 1.0;
+                  });
+}
+
+}  // namespace
+
+plan::Report report_of(std::span<const LadderRun> ladders) {
+  Tables tables(ladders);
+  if (tables.empty()) return {};
+  write_rounds(tables);
+  write_levels(tables);
+  return tables.finish();
+}
+
+}  // namespace sleight::sampling

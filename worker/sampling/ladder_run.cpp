@@ -1,0 +1,265 @@
+#include "worker/sampling/ladder_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/math/elementary.h"
+#include "common/random/stream.h"
+#include "worker/sampling/ladder.h"
+
+namespace sleight::sampling {
+
+LadderRun::LadderRun(const LadderOptions& options) : options_(options) {
+  CHECK_GE(options.first_ladder.size(), std::size_t{k_levels_min});
+  CHECK_EQ(options.first_ladder.front(), 0.0);
+  CHECK_EQ(options.first_ladder.back(), 1.0);
+  CHECK_LT(options.levels_max, plan::k_replicas_end);
+  CHECK_GE(options.round_scans, 1U);
+  const auto levels = static_cast<std::uint32_t>(options.first_ladder.size());
+  rounds_.push_back({.first_scan = 0,
+                     .statistics = RoundStatistics(options.first_ladder, options.round_scans),
+                     .round_trips = 0,
+                     .restarts = 0,
+                     .counts = std::vector<KindCounts>(levels),
+                     .scales = std::vector<std::vector<double>>(levels)});
+  replicas_.resize(levels);
+  for (Replica& replica : replicas_)
+    replica.lives = true;
+  carried_.assign(levels, k_nobody);
+  for (std::uint32_t level = 0; level < levels; ++level)
+    place(level, level, 0);
+}
+
+std::uint64_t LadderRun::round_end() const {
+  return rounds_.back().first_scan + (options_.round_scans << (rounds_.size() - 1));
+}
+
+LadderRun::Row& LadderRun::row(std::uint64_t scan) {
+  CHECK_GE(scan, retired_);
+  while (rows_.size() <= scan - retired_)
+    rows_.push_back({.replica = std::vector<std::uint32_t>(levels(), k_nobody),
+                     .result = std::vector<std::optional<Result>>(levels())});
+  return rows_[scan - retired_];
+}
+
+/// With whom a level may swap after a scan; k_nobody for an end that has no neighbour then.
+std::uint32_t LadderRun::partner_of(std::uint32_t level, std::uint64_t scan) const {
+  const bool is_hotter = (level + scan) % 2 == 0;
+  if (is_hotter) return level + 1 < levels() ? level + 1 : k_nobody;
+  return level > 0 ? level - 1 : k_nobody;
+}
+
+/// A replica's level at a scan is known.
+void LadderRun::place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan) {
+  CHECK_EQ(replicas_[replica].next_scan, scan);
+  row(scan).replica[level] = replica;
+  replicas_[replica].level = level;
+}
+
+std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon) {
+  // The one furthest behind, the lowest id among equals.
+  std::uint32_t chosen = k_nobody;
+  for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
+    const Replica& replica = replicas_[id];
+    if (replica.level == k_nobody || replica.handed_out || replica.next_scan >= horizon) continue;
+    if (chosen == k_nobody || replica.next_scan < replicas_[chosen].next_scan) chosen = id;
+  }
+  if (chosen == k_nobody) return std::nullopt;
+  Replica& replica = replicas_[chosen];
+  replica.handed_out = true;
+  return plan::Unit{.replica = {options_.chain, base::ReplicaId{chosen}},
+                    .first_scan = base::ScanIndex{replica.next_scan},
+                    .scans = 1,
+                    .starts = replica.next_scan == replica.first_scan,
+                    .lineage = replica.lineage,
+                    .inverse_temperatures = {ladder()[replica.level]},
+                    .proposal_scales = rounds_.back().scales[replica.level],
+                    .excursion = {}};
+}
+
+void LadderRun::consume(base::ReplicaId id, std::uint64_t first_scan,
+                        std::span<const plan::ScanRecord> records) {
+  // From a run store a replica's results may come before it is known that there will be one.
+  if (id.value >= replicas_.size()) {
+    CHECK_LT(id.value, plan::k_replicas_end);
+    replicas_.resize(id.value + 1);
+  }
+  Replica& replica = replicas_[id.value];
+  if (!replica.lives && replica.waiting.empty())
+    replica.first_scan = replica.next_scan = first_scan;
+  CHECK_EQ(first_scan, replica.next_scan + replica.waiting.size());
+  for (const plan::ScanRecord& record : records)
+    replica.waiting.push_back({.log_constraint = record.log_constraint,
+                               .satisfied = record.satisfied,
+                               .lineage = record.lineage,
+                               .proposed = record.proposed,
+                               .accepted = record.accepted});
+  records_ += records.size();
+  replica.handed_out = false;
+  std::vector<std::uint32_t> ready{id.value};
+  settle(ready);
+}
+
+/// Puts results in their places as far as levels are known, and lets swaps follow from them.
+void LadderRun::settle(std::vector<std::uint32_t>& ready) {
+  while (!ready.empty()) {
+    const std::uint32_t id = ready.back();
+    ready.pop_back();
+    while (replicas_[id].level != k_nobody && !replicas_[id].waiting.empty()) {
+      Replica& replica = replicas_[id];
+      const std::uint64_t scan = replica.next_scan++;
+      const std::uint32_t level = std::exchange(replica.level, k_nobody);
+      replica.lineage = replica.waiting.front().lineage;
+      row(scan).result[level] = std::move(replica.waiting.front());
+      replica.waiting.pop_front();
+      go_on_from(scan, level, ready);
+      retire();
+      const bool round_is_over = retired_ == round_end();
+      if (round_is_over) begin_round(ready);
+    }
+  }
+}
+
+/// A level has its result: its replica, and the partner's, go on when both have.
+void LadderRun::go_on_from(std::uint64_t scan, std::uint32_t level,
+                           std::vector<std::uint32_t>& ready) {
+  Row& here = row(scan);
+  const auto goes = [&](std::uint32_t replica, std::uint32_t to) {
+    if (scan + 1 == round_end()) {
+      carried_[to] = replica;
+      return;
+    }
+    place(replica, to, scan + 1);
+    ready.push_back(replica);
+  };
+  const std::uint32_t partner = partner_of(level, scan);
+  if (partner == k_nobody) {
+    goes(here.replica[level], level);
+    return;
+  }
+  const std::uint32_t hotter = std::min(level, partner);
+  const std::uint32_t cooler = std::max(level, partner);
+  if (!here.result[hotter] || !here.result[cooler]) return;
+  // place() may move rows.
+  const std::uint32_t first = here.replica[hotter];
+  const std::uint32_t second = here.replica[cooler];
+  const bool swap = swaps(scan, hotter, *here.result[hotter], *here.result[cooler]);
+  goes(first, swap ? cooler : hotter);
+  goes(second, swap ? hotter : cooler);
+}
+
+bool LadderRun::swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter,
+                      const Result& cooler) {
+  const double log_ratio = log_swap_ratio(ladder()[level], ladder()[level + 1],
+                                          hotter.log_constraint, cooler.log_constraint);
+  random::Stream stream({.seed = options_.seed,
+                         .chain = options_.chain,
+                         .replica = base::ReplicaId{level},
+                         .purpose = random::Purpose::swap},
+                        scan);
+  return math::log(stream.uniform()) < log_ratio;
+}
+
+/// Scans that all levels have are counted, in order.
+void LadderRun::retire() {
+  while (!rows_.empty() && retired_ < round_end() &&
+         std::ranges::all_of(rows_.front().result, [](const auto& r) { return r.has_value(); })) {
+    RoundReport& round = rounds_.back();
+    std::vector<LevelScan> scan;
+    for (std::uint32_t level = 0; level < levels(); ++level) {
+      const Result& result = *rows_.front().result[level];
+      scan.push_back({.log_constraint = result.log_constraint, .satisfied = result.satisfied});
+      round.counts[level].add(result.proposed, result.accepted);
+      count_trip(rows_.front().replica[level], level);
+    }
+    round.statistics.add(scan);
+    const Result& coolest = *rows_.front().result.back();
+    const auto known = std::ranges::lower_bound(solved_lineages_, coolest.lineage);
+    if (coolest.satisfied && (known == solved_lineages_.end() || *known != coolest.lineage)) {
+      solved_lineages_.insert(known, coolest.lineage);
+      solutions_.push_back(retired_);
+    }
+    rows_.pop_front();
+    ++retired_;
+  }
+}
+
+void LadderRun::count_trip(std::uint32_t id, std::uint32_t level) {
+  Replica& replica = replicas_[id];
+  RoundReport& round = rounds_.back();
+  if (level == 0) {
+    if (replica.way == Way::down) ++round.round_trips;
+    replica.way = Way::up;
+  } else if (level + 1 == levels() && replica.way == Way::up) {
+    ++round.restarts;
+    replica.way = Way::down;
+  }
+}
+
+/// All replicas have reached the round's end: what it says becomes the next one's ladder.
+void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
+  const RoundReport& last = rounds_.back();
+  const std::vector<double>& old = last.statistics.ladder();
+  const std::vector<double> rejections = last.statistics.rejections();
+  auto wanted = static_cast<std::uint32_t>(old.size());
+  if (options_.levels_chosen)
+    wanted = std::clamp(levels_for(cumulative_barrier(rejections).back()), k_levels_min,
+                        options_.levels_max);
+  std::vector<double> ladder = old;
+  if (options_.ladder_adapts || wanted != old.size()) ladder = respaced(old, rejections, wanted);
+
+  // Sizes of proposals are tuned where they were used, and read off there.
+  std::vector<std::vector<double>> scales(wanted);
+  if (std::ranges::find(options_.has_scale, true) != options_.has_scale.end()) {
+    std::vector<std::vector<double>> learnt;
+    std::size_t kinds = 0;
+    for (std::size_t level = 0; level < old.size(); ++level) {
+      learnt.push_back(tuned(last.scales[level], last.counts[level], options_.has_scale));
+      kinds = std::max(kinds, learnt.back().size());
+    }
+    for (std::size_t kind = 0; kind < kinds; ++kind) {
+      std::vector<double> logs;
+      for (const std::vector<double>& level : learnt)
+        logs.push_back(kind < level.size() ? math::log(level[kind]) : 0);
+      for (std::uint32_t level = 0; level < wanted; ++level)
+        scales[level].push_back(math::exp(interpolated(old, logs, ladder[level])));
+    }
+  }
+
+  // The coolest stay the coolest; new replicas are the hottest.
+  std::vector<std::uint32_t> cast(wanted, k_nobody);
+  const std::uint64_t scan = retired_;
+  for (std::uint32_t level = 0; level < wanted; ++level) {
+    const std::uint32_t from_top = wanted - 1 - level;
+    if (from_top < old.size()) {
+      cast[level] = carried_[old.size() - 1 - from_top];
+      continue;
+    }
+    // The lowest id that has not lived; from a run store its results may be here already.
+    std::uint32_t id = 0;
+    while (id < replicas_.size() && replicas_[id].lives)
+      ++id;
+    if (id == replicas_.size()) replicas_.emplace_back();
+    CHECK(replicas_[id].waiting.empty() || replicas_[id].first_scan == scan);
+    replicas_[id].first_scan = replicas_[id].next_scan = scan;
+    replicas_[id].lives = true;
+    cast[level] = id;
+  }
+  rounds_.push_back(
+      {.first_scan = scan,
+       .statistics = RoundStatistics(std::move(ladder), options_.round_scans << rounds_.size()),
+       .round_trips = 0,
+       .restarts = 0,
+       .counts = std::vector<KindCounts>(wanted),
+       .scales = std::move(scales)});
+  carried_.assign(wanted, k_nobody);
+  rows_.clear();
+  for (std::uint32_t level = 0; level < wanted; ++level) {
+    place(cast[level], level, scan);
+    ready.push_back(cast[level]);
+  }
+}
+
+}  // namespace sleight::sampling

@@ -1,0 +1,131 @@
+// One ladder of parallel tempering as it runs: who is at which temperature, who may go on, who
+// swaps, and what is learnt at the end of a round.
+//
+// Idea. Replicas keep their states and trade temperatures. After scan s the levels (i, i+1) with
+// i + s even swap with probability min(1, ratio): deterministic even-odd swaps, which carry states
+// through the ladder like a conveyor. A swap needs its two replicas only, so replicas run ahead of
+// one another within a round; a round's end waits for all. There the ladder is spaced anew from the
+// round's rejection rates, with as many levels as the barrier asks for, and the sizes of proposals
+// are set from their acceptance; within a round nothing is learnt.
+//
+//   scan s of all levels          ... parts of pairs wait for each other ...
+//     level 0 --+                 the hottest draws from the prior, and begins a lineage
+//     level 1 --+-- swap?         s even
+//     level 2 --+
+//     level 3 --+-- swap?
+//
+// More levels: new replicas are prior draws and become the hottest. Fewer: the hottest go.
+//
+// Invariants
+//   1. What happens is a function of the results, not of the order in which replicas deliver them.
+//   2. A round's ladder and proposal scales hang on earlier rounds alone.
+//   3. Swaps draw from (seed, chain, the swap's pair of levels, scan): every pair and scan once.
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/plan/unit.h"
+#include "worker/sampling/round_statistics.h"
+#include "worker/sampling/tuning.h"
+
+namespace sleight::sampling {
+
+struct LadderOptions {
+  std::uint64_t seed = 1;
+  base::ChainId chain;
+  std::vector<double> first_ladder;  ///< ascending, 0 first, 1 last
+  bool levels_chosen = true;         ///< from the barrier; else as many as at first
+  std::uint32_t levels_max = 64;
+  bool ladder_adapts = true;
+  /// By kind of proposal: whether it has a size that is tuned (target.h).
+  std::vector<bool> has_scale;
+  std::uint64_t round_scans = 64;  ///< of the first round; each later one is twice as long
+};
+
+/// What one round came to; of the present one, so far.
+struct RoundReport {
+  std::uint64_t first_scan = 0;
+  RoundStatistics statistics;
+  std::uint64_t round_trips = 0;            ///< hottest to coolest and back, ended in this round
+  std::uint64_t restarts = 0;               ///< arrivals at the coolest level from the hottest
+  std::vector<KindCounts> counts;           ///< by level
+  std::vector<std::vector<double>> scales;  ///< by level, by kind
+};
+
+class LadderRun {
+ public:
+  explicit LadderRun(const LadderOptions& options);
+
+  /// A unit that may run now, of a replica that is furthest behind; none if all that may run are
+  /// handed out. `horizon`: scans that may be begun.
+  std::optional<plan::Unit> next_unit(std::uint64_t horizon);
+  /// REQUIRES: as Plan::consume.
+  void consume(base::ReplicaId replica, std::uint64_t first_scan,
+               std::span<const plan::ScanRecord> records);
+
+  /// Scans that every level has.
+  std::uint64_t scans() const { return retired_; }
+  std::uint64_t records_consumed() const { return records_; }
+  /// Scans at which a lineage first satisfied at inverse temperature 1, in order.
+  const std::vector<std::uint64_t>& solutions() const { return solutions_; }
+  /// All rounds, the present one last.
+  const std::vector<RoundReport>& rounds() const { return rounds_; }
+  std::uint32_t replicas() const { return static_cast<std::uint32_t>(replicas_.size()); }
+
+ private:
+  static constexpr std::uint32_t k_nobody = UINT32_MAX;
+  enum class Way : std::uint8_t { unknown, up, down };  ///< to the coolest, or back from there
+
+  struct Result {
+    double log_constraint = 0;
+    bool satisfied = false;
+    std::uint64_t lineage = 0;
+    std::vector<std::uint32_t> proposed;
+    std::vector<std::uint32_t> accepted;
+  };
+  struct Replica {
+    bool lives = false;              ///< it has, or had, a level
+    std::uint64_t first_scan = 0;    ///< of its life
+    std::uint64_t next_scan = 0;     ///< whose result is to be placed
+    std::uint32_t level = k_nobody;  ///< at next_scan, once known
+    bool handed_out = false;
+    std::uint64_t lineage = 0;
+    std::deque<Result> waiting;  ///< from next_scan on
+    Way way = Way::unknown;
+  };
+  /// A scan that some level lacks yet.
+  struct Row {
+    std::vector<std::uint32_t> replica;  ///< by level; k_nobody before that is known
+    std::vector<std::optional<Result>> result;
+  };
+
+  const std::vector<double>& ladder() const { return rounds_.back().statistics.ladder(); }
+  std::uint32_t levels() const { return static_cast<std::uint32_t>(ladder().size()); }
+  Row& row(std::uint64_t scan);
+  std::uint32_t partner_of(std::uint32_t level, std::uint64_t scan) const;
+  void place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan);
+  void settle(std::vector<std::uint32_t>& ready);
+  void go_on_from(std::uint64_t scan, std::uint32_t level, std::vector<std::uint32_t>& ready);
+  bool swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter, const Result& cooler);
+  void retire();
+  void count_trip(std::uint32_t replica, std::uint32_t level);
+  void begin_round(std::vector<std::uint32_t>& ready);
+  std::uint64_t round_end() const;
+
+  LadderOptions options_;
+  std::vector<Replica> replicas_;
+  std::deque<Row> rows_;  ///< from retired_ on
+  std::uint64_t retired_ = 0;
+  std::uint64_t records_ = 0;
+  std::vector<RoundReport> rounds_;
+  std::vector<std::uint32_t> carried_;  ///< by level: who goes on after the round's last scan
+  std::vector<std::uint64_t> solutions_;
+  std::vector<std::uint64_t> solved_lineages_;  ///< ascending
+};
+
+}  // namespace sleight::sampling

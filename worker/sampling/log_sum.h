@@ -1,0 +1,51 @@
+// Sums of exponentials, kept as logarithms: of numbers that no double could hold.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "common/math/elementary.h"
+
+namespace sleight::sampling {
+
+inline constexpr double k_log_zero = -std::numeric_limits<double>::infinity();
+
+/// The sum of exp(x) of numbers added one by one; adding is exact in order, so that equal sequences
+/// give equal bits.
+class LogSum {
+ public:
+  /// REQUIRES: no NaN, no +infinity.
+  void add(double log_value) {
+    ++count_;
+    if (log_value == k_log_zero) return;
+    if (log_value <= greatest_) {
+      sum_ += math::exp(log_value - greatest_);
+      return;
+    }
+    sum_ = greatest_ == k_log_zero ? 1 : sum_ * math::exp(greatest_ - log_value) + 1;
+    greatest_ = log_value;
+  }
+  void add(const LogSum& other) {
+    const std::uint64_t count = count_ + other.count_;
+    if (other.sum_ > 0) {
+      const double value = other.log_sum();
+      add(value);
+    }
+    count_ = count;
+  }
+  std::uint64_t count() const { return count_; }
+  /// -infinity of nothing.
+  double log_sum() const { return sum_ > 0 ? greatest_ + math::log(sum_) : k_log_zero; }
+  /// Log of the mean; NaN of nothing.
+  double log_mean() const {
+    if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
+    return log_sum() - math::log(static_cast<double>(count_));
+  }
+
+ private:
+  double greatest_ = k_log_zero;
+  double sum_ = 0;  ///< of exp(x - greatest)
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace sleight::sampling

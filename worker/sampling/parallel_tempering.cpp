@@ -1,0 +1,89 @@
+#include "worker/sampling/parallel_tempering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+#include "worker/sampling/ladder.h"
+#include "worker/sampling/ladder_report.h"
+
+namespace sleight::sampling {
+
+ParallelTempering::ParallelTempering(const ParallelTemperingOptions& options)
+    : stop_(options.stop, options.ladder.round_scans) {
+  CHECK_GE(options.ladders, 1U);
+  LadderOptions ladder = options.ladder;
+  for (std::uint32_t id = 0; id < options.ladders; ++id) {
+    ladder.chain = base::ChainId{id};
+    ladders_.emplace_back(ladder);
+  }
+}
+
+std::optional<plan::Unit> ParallelTempering::next_unit(std::uint32_t scans_max) {
+  CHECK_GE(scans_max, 1U);
+  // Of the ladder that is furthest behind among those that have one.
+  std::vector<LadderRun*> order;
+  for (LadderRun& ladder : ladders_)
+    order.push_back(&ladder);
+  std::ranges::stable_sort(order, {}, &LadderRun::scans);
+  for (LadderRun* ladder : order) {
+    if (auto unit = ladder->next_unit(stop_.horizon())) return unit;
+  }
+  return std::nullopt;
+}
+
+void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
+                                std::span<const plan::ScanRecord> records) {
+  CHECK_LT(replica.chain.value, ladders_.size());
+  ladders_[replica.chain.value].consume(replica.replica, first_scan.value, records);
+  stop_.judge(
+      std::ranges::min(ladders_, {}, &LadderRun::scans).scans(), [&](std::uint64_t round_end) {
+        std::uint64_t solutions = 0;
+        for (const LadderRun& ladder : ladders_) {
+          const std::vector<std::uint64_t>& found = ladder.solutions();
+          solutions += static_cast<std::uint64_t>(std::ranges::lower_bound(found, round_end) -
+                                                  found.begin());
+        }
+        return solutions;
+      });
+}
+
+bool ParallelTempering::finished() const {
+  return std::ranges::all_of(
+      ladders_, [&](const LadderRun& ladder) { return ladder.scans() >= stop_.end(); });
+}
+
+std::uint64_t ParallelTempering::scans_common() const {
+  return std::min(std::ranges::min(ladders_, {}, &LadderRun::scans).scans(), stop_.end());
+}
+
+std::uint64_t ParallelTempering::solutions_found() const {
+  std::uint64_t sum = 0;
+  for (const LadderRun& ladder : ladders_)
+    sum += ladder.solutions().size();
+  return sum;
+}
+
+std::uint64_t ParallelTempering::scans_consumed() const {
+  std::uint64_t sum = 0;
+  for (const LadderRun& ladder : ladders_)
+    sum += ladder.records_consumed();
+  return sum;
+}
+
+std::optional<std::uint64_t> ParallelTempering::scans_total() const {
+  if (stop_.end() == StopJudge::k_no_end) return std::nullopt;
+  std::uint64_t sum = scans_consumed();
+  for (const LadderRun& ladder : ladders_) {
+    const std::uint64_t levels = ladder.rounds().back().statistics.ladder().size();
+    if (ladder.scans() < stop_.end()) sum += levels * (stop_.end() - ladder.scans());
+  }
+  return sum;
+}
+
+plan::Report ParallelTempering::report() const {
+  return report_of(ladders_);
+}
+
+}  // namespace sleight::sampling

@@ -1,0 +1,97 @@
+#include "worker/sampling/round_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/math/elementary.h"
+#include "worker/sampling/ladder.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+RoundStatistics::RoundStatistics(std::vector<double> ladder, std::uint64_t scans)
+    : ladder_(std::move(ladder)), scans_wanted_(scans), rejected_(ladder_.size() - 1, 0.0) {
+  for (Batch& batch : batches_)
+    batch.steps.resize(ladder_.size() - 1);
+}
+
+void RoundStatistics::add(std::span<const LevelScan> levels) {
+  CHECK_EQ(levels.size(), ladder_.size());
+  CHECK_LT(scans_, scans_wanted_);
+  // Parts of equal length, whatever the round's length is.
+  const std::uint64_t part = scans_ * k_batches / scans_wanted_;
+  Batch& batch = batches_[part];
+  for (std::size_t i = 0; i + 1 < ladder_.size(); ++i) {
+    const double l = levels[i].log_constraint;
+    const double ratio =
+        log_swap_ratio(ladder_[i], ladder_[i + 1], l, levels[i + 1].log_constraint);
+    rejected_[i] += ratio >= 0 ? 0 : -math::expm1(ratio);
+    batch.steps[i].add((ladder_[i + 1] - ladder_[i]) * l);
+  }
+  const LevelScan& coolest = levels.back();
+  // What starts outside of a hard constraint is no draw from the target, and says nothing.
+  const bool counts = coolest.satisfied && coolest.log_constraint != k_log_zero;
+  batch.inverse.add(counts ? -coolest.log_constraint : k_log_zero);
+  ++scans_;
+}
+
+std::vector<double> RoundStatistics::rejections() const {
+  std::vector<double> rates;
+  for (const double sum : rejected_)
+    rates.push_back(sum / static_cast<double>(scans_));
+  return rates;
+}
+
+/// `value` of the batches but one.
+template <class Value>
+Estimate RoundStatistics::jackknife(const Value& value) const {
+  const double all = value(k_batches);
+  std::vector<double> without;
+  for (std::size_t left_out = 0; left_out < k_batches; ++left_out) {
+    if (batches_[left_out].inverse.count() > 0) without.push_back(value(left_out));
+  }
+  const auto count = static_cast<double>(without.size());
+  if (count < 2 || !std::isfinite(all)) return {all, k_nan};
+  double mean = 0;
+  for (const double x : without)
+    mean += x / count;
+  double squares = 0;
+  for (const double x : without)
+    squares += (x - mean) * (x - mean);
+  return {all, std::sqrt((count - 1) / count * squares)};
+}
+
+double RoundStatistics::log_z_without(std::size_t left_out) const {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < ladder_.size(); ++i) {
+    LogSum step;
+    for (std::size_t b = 0; b < k_batches; ++b) {
+      if (b != left_out) step.add(batches_[b].steps[i]);
+    }
+    sum += step.log_mean();
+  }
+  return sum;
+}
+
+Estimate RoundStatistics::log_z() const {
+  return jackknife([&](std::size_t left_out) { return log_z_without(left_out); });
+}
+
+Estimate RoundStatistics::log_satisfied() const {
+  return jackknife([&](std::size_t left_out) {
+    LogSum inverse;
+    for (std::size_t b = 0; b < k_batches; ++b) {
+      if (b != left_out) inverse.add(batches_[b].inverse);
+    }
+    return log_z_without(left_out) + inverse.log_mean();
+  });
+}
+
+}  // namespace sleight::sampling

@@ -1,0 +1,88 @@
+// Tempered transitions (Neal 1996, Sampling from multimodal distributions using tempered
+// transitions): one Metropolis-Hastings step whose candidate is found by going down through hotter
+// distributions and up again.
+//
+// With beta_0 > beta_1 > ... > beta_K, a chain of kernels that each keep their own distribution
+// goes from x through beta_1 ... beta_K and back through beta_K ... beta_1; the end is accepted
+// with probability min(1, ratio), the ratio being that of all densities passed,
+//
+//   log ratio = sum over k of (beta_{k+1} - beta_k) (l(x_k) - l(x'_k)),    l = log p_c,
+//
+// x_k the state that goes down from beta_k and x'_k the one that has come up to it. Kernels are
+// reversible, as Metropolis-Hastings steps are, and as a draw from the prior is at inverse
+// temperature 0, where the way turns: so there one draw is made, not two.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "common/math/elementary.h"
+#include "worker/sampling/metropolis_hastings.h"
+
+namespace sleight::sampling {
+
+/// Steps of one excursion at most: they have iteration numbers of their own.
+inline constexpr std::uint64_t k_excursion_steps_max = std::uint64_t{1} << 20U;
+
+struct Excursion {
+  double inverse_temperature = 1;           ///< where it begins and ends
+  std::span<const double> below;            ///< beta_1 .. beta_K, falling; the last may be 0
+  std::uint32_t steps = 1;                  ///< at each, on the way down and on the way up
+  std::span<const double> proposal_scales;  ///< by kind; empty for 1
+};
+
+struct ExcursionReport {
+  bool accepted = false;
+  bool from_prior = false;  ///< what was accepted descends from a new draw
+};
+
+/// Replaces `current` or keeps it. REQUIRES: a scan once per replica; fewer than
+/// k_excursion_steps_max steps in all.
+template <Target T>
+ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
+                                    const ChainStreams& streams, std::uint64_t scan,
+                                    Sample<T>& current) {
+  // Numbers above those of plain iterations.
+  std::uint64_t iteration = (std::uint64_t{1} << 63U) + scan * k_excursion_steps_max;
+  Sample<T> candidate = current;
+  double log_ratio = 0;
+  bool from_prior = false;
+  const auto move = [&](double beta) {
+    if (beta == 0) {
+      candidate = draw_afresh(target, streams, scan);
+      from_prior = true;
+      return;
+    }
+    for (std::uint32_t i = 0; i < excursion.steps; ++i)
+      metropolis_hastings_step(target, beta, streams, iteration++, candidate,
+                               excursion.proposal_scales);
+  };
+  // A step between two temperatures, seen from above or from below. Nothing but a start that breaks
+  // a hard constraint has no density above 0: then all is accepted that has some.
+  const auto weighs = [&](double above, double below, double sign) {
+    log_ratio += sign * (below - above) * candidate.log_constraint;
+  };
+
+  // Down to the hottest, and up again.
+  double above = excursion.inverse_temperature;
+  for (const double beta : excursion.below) {
+    weighs(above, beta, 1);
+    move(beta);
+    above = beta;
+  }
+  for (std::size_t k = excursion.below.size(); k-- > 0;) {
+    const double beta = excursion.below[k];
+    if (beta != 0) move(beta);
+    weighs(k == 0 ? excursion.inverse_temperature : excursion.below[k - 1], beta, -1);
+  }
+
+  const double log_u = math::log(streams.at(random::Purpose::excursion, scan).uniform());
+  if (!(log_u < log_ratio)) return {};
+  current = std::move(candidate);
+  return {.accepted = true, .from_prior = from_prior};
+}
+
+}  // namespace sleight::sampling
