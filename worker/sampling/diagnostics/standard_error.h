@@ -1,0 +1,31 @@
+// Monte Carlo standard errors: how far an estimate from the chains may be off for having finitely
+// many draws. The estimated error shrinks as 1 / sqrt(ESS) and has the unit of the draws.
+//
+// Source: Vehtari et al. (2021), see transforms.h: section 4.4 for quantiles; the delta method for
+// the standard deviation. Equal to R's posterior 1.4.0 within 1e-10 relative (tests/posterior); the
+// one of the standard deviation is a difference of fourth powers, and of draws that take two values
+// almost equally often both programs give its rounding errors.
+//
+// The meaning of NaN: a draw is NaN or infinite, all are equal, or the halves of chains have fewer
+// than three draws (see split_in_halves for two and three); what the effective sample size says.
+// Thread safety: pure functions.
+#pragma once
+
+#include "worker/sampling/diagnostics/chains.h"
+
+namespace sleight::sampling {
+
+/// Of the mean: the standard deviation of all draws over sqrt(ess_mean).
+double mcse_mean(const Chains& draws);
+
+/// Of the standard deviation, from the draws' second and fourth central moments and the effective
+/// sample size of their squared distances from the mean.
+double mcse_sd(const Chains& draws);
+
+/// Of the quantile at a probability: half the distance between the order statistics at the
+/// 0.1586553 and 0.8413447 quantiles (one standard error to either side) of what the binomial law
+/// leaves open about the probability, Beta(n p + 1, n (1 - p) + 1) with n = ess_quantile. Being
+/// between draws, it jumps; 0 where both are one draw or ties. REQUIRES: probability in [0, 1].
+double mcse_quantile(const Chains& draws, double probability);
+
+}  // namespace sleight::sampling
