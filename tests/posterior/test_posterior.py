@@ -23,7 +23,7 @@ import time
 
 TOLERANCE = 1e-10
 MARGIN = 1e-11          # below it, rounding decided
-UNDECIDED_MAX = 0.01    # the share of all numbers that may differ for that reason
+UNDECIDED_MAX = 0.001   # the share of all numbers that may differ for that reason
 ARRAYS_MIN = 200
 
 

@@ -76,7 +76,7 @@ double probability_below(const Beta& beta, double x) {
 
 double beta_quantile(const Beta& distribution, double probability) {
   constexpr double k_parameter_max = 1e12;
-  constexpr double k_probability_min = 1e-6;
+  constexpr double k_probability_min = 0.01;
   CHECK(distribution.a >= 1 && distribution.a <= k_parameter_max);
   CHECK(distribution.b >= 1 && distribution.b <= k_parameter_max);
   CHECK(probability >= k_probability_min && probability <= 1 - k_probability_min);

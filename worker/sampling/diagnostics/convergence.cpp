@@ -23,11 +23,10 @@ std::size_t count_not_finite(std::span<const double> values) {
       values.begin(), values.end(), [](double value) { return !std::isfinite(value); }));
 }
 
-/// "3 of 4 chains never move and ", or nothing.
+/// "3 of 4 chains never move and ", or nothing. Where one chain is all there is, it moves: else the
+/// quantity is constant.
 std::string who_never_moves(const Convergence& convergence) {
   if (convergence.unmoved == 0) return "";
-  if (convergence.unmoved == convergence.chains)
-    return convergence.chains == 1 ? "the chain never moves and " : "no chain ever moves and ";
   return fmt::format("{} of {} chains never move{} and ", convergence.unmoved, convergence.chains,
                      convergence.unmoved == 1 ? "s" : "");
 }
@@ -70,11 +69,9 @@ std::vector<std::string> complaints(std::string_view name, const Convergence& co
   std::vector<std::string> reasons;
   const bool has_tail = !std::isnan(convergence.r_hat);
   const double ratio = has_tail ? convergence.r_hat : convergence.r_hat_bulk;
-  if (std::isinf(ratio)) {
+  if (convergence.chains > 1 && convergence.unmoved == convergence.chains) {
     reasons.push_back(
-        fmt::format("{}: no chain ever moves, and they stay at different values (R-hat "
-                    "is infinite)",
-                    name));
+        fmt::format("{}: no chain ever moves, and they stay at different values", name));
   } else if (!(ratio <= k_r_hat_max)) {
     reasons.push_back(fmt::format("{}: {}R-hat is {:.3f}, above {}: the chains disagree, or drift",
                                   name, who_never_moves(convergence), ratio, k_r_hat_max));

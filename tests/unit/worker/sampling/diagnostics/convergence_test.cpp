@@ -1,0 +1,139 @@
+// Goal: people are told why chains have not mixed, and not alarmed where they have. Method: chains
+// of each sort, and the exact sentences.
+#include "worker/sampling/diagnostics/convergence.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/worker/sampling/diagnostics/made_chains.h"
+#include "worker/sampling/diagnostics/effective_sample_size.h"
+#include "worker/sampling/diagnostics/r_hat.h"
+#include "worker/sampling/diagnostics/standard_error.h"
+
+namespace sleight::sampling {
+namespace {
+
+using testing::changed;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::made;
+using ::testing::StartsWith;
+
+std::vector<std::string> complaints_of(const OwnedChains& draws) {
+  return complaints("x", convergence_of(draws.view()));
+}
+
+TEST(Convergence, collects_the_measures) {
+  // Goal: each field is the measure of its name. Method: two chains of four known draws.
+  const OwnedChains draws{.values = {1, 2, 3, 4, 5, 5, 5, 5}, .chains = 2, .draws = 4};
+  const Convergence found = convergence_of(draws.view());
+  EXPECT_EQ(found.chains, 2U);
+  EXPECT_EQ(found.draws, 4U);
+  EXPECT_EQ(found.not_finite, 0U);
+  EXPECT_EQ(found.unmoved, 1U);
+  EXPECT_FALSE(found.constant);
+  EXPECT_DOUBLE_EQ(found.mean, 3.75);
+  EXPECT_DOUBLE_EQ(found.sd, std::sqrt(17.5 / 7));
+  const OwnedChains longer = made({.coefficient = 0.5});
+  const Convergence all = convergence_of(longer.view());
+  EXPECT_EQ(all.r_hat, r_hat(longer.view()));
+  EXPECT_EQ(all.r_hat_bulk, r_hat_bulk(longer.view()));
+  EXPECT_EQ(all.ess_bulk, ess_bulk(longer.view()));
+  EXPECT_EQ(all.ess_tail, ess_tail(longer.view()));
+  EXPECT_EQ(all.mcse_mean, mcse_mean(longer.view()));
+}
+
+TEST(Complaints, are_none_of_mixed_chains) {
+  EXPECT_THAT(complaints_of(made({})), IsEmpty());
+}
+
+TEST(Complaints, are_none_of_what_is_the_same_everywhere) {
+  const auto constant = [](double, std::size_t) { return 0.1; };
+  EXPECT_THAT(complaints_of(changed(made({}), constant)), IsEmpty());
+  EXPECT_THAT(complaints_of(changed(made({.draws = 1}), constant)), IsEmpty());
+}
+
+TEST(Complaints, are_none_of_mixed_chains_of_two_values) {
+  // Goal: no tail is no fault, in either of its ways. Method: 0 and 1, as often (the distances from
+  // the median are equal, so R-hat's tail is NaN) and 3 in 10 (the 0.95 quantile is the greatest).
+  OwnedChains even = made({});
+  for (std::size_t i = 0; i < even.values.size(); i += 2) {
+    const bool up = even.values[i] > 0;
+    even.values[i] = up ? 1 : 0;
+    even.values[i + 1] = up ? 0 : 1;
+  }
+  EXPECT_TRUE(std::isnan(convergence_of(even.view()).r_hat));
+  EXPECT_THAT(complaints_of(even), IsEmpty());
+  const auto rarer = [](double value, std::size_t) { return value > 0.524 ? 1.0 : 0.0; };
+  const OwnedChains uneven = changed(made({}), rarer);
+  EXPECT_TRUE(std::isnan(convergence_of(uneven.view()).ess_tail));
+  EXPECT_THAT(complaints_of(uneven), IsEmpty());
+}
+
+TEST(Complaints, name_shifted_chains) {
+  const OwnedChains shifted = changed(made({}), [](double value, std::size_t chain) {
+    return value + 10 * static_cast<double>(chain);
+  });
+  const std::vector<std::string> found = complaints_of(shifted);
+  EXPECT_THAT(found, ElementsAre(StartsWith("x: R-hat is "),
+                                 StartsWith("x: the bulk effective sample size is "),
+                                 StartsWith("x: the tail effective sample size is ")));
+  EXPECT_THAT(found[0], ::testing::EndsWith(", above 1.01: the chains disagree, or drift"));
+}
+
+TEST(Complaints, name_chains_that_never_move) {
+  // Goal: said in words, whether R-hat is infinite, some 1e15 or finite. Method: all chains at
+  // values of their own, of lengths at which the means are and are not rounded; one of four.
+  const auto own = [](double, std::size_t chain) { return 0.1 * static_cast<double>(chain); };
+  for (const std::size_t draws : {64U, 1000U, 1024U, 2000U}) {
+    const std::vector<std::string> found = complaints_of(changed(made({.draws = draws}), own));
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found[0], "x: no chain ever moves, and they stay at different values");
+  }
+  const auto first = [](double value, std::size_t chain) { return chain == 0 ? 2 : value; };
+  EXPECT_THAT(complaints_of(changed(made({}), first))[0],
+              StartsWith("x: 1 of 4 chains never moves and R-hat is "));
+}
+
+TEST(Complaints, name_what_cannot_be_judged) {
+  OwnedChains draws = made({});
+  draws.values[17] = -std::numeric_limits<double>::infinity();
+  draws.values[18] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(complaints_of(draws),
+              ElementsAre("x: 2 of 4000 draws are NaN or infinite, so nothing can be said"));
+  EXPECT_THAT(complaints_of(made({.draws = 5})),
+              ElementsAre("x: 5 draws of each chain are too few to judge by; it takes 6"));
+}
+
+TEST(Complaints, keep_to_the_thresholds) {
+  // Goal: each limit is where the header says. Method: a convergence at the limit and just past it.
+  const Convergence at{.chains = 4,
+                       .draws = 1000,
+                       .r_hat_bulk = 1,
+                       .r_hat = k_r_hat_max,
+                       .ess_bulk = 400,
+                       .ess_tail = 400};
+  EXPECT_THAT(complaints("x", at), IsEmpty());
+  Convergence past = at;
+  past.r_hat = 1.0101;
+  EXPECT_EQ(complaints("x", past).size(), 1U);
+  past = at;
+  past.ess_bulk = 399.9;
+  EXPECT_THAT(complaints("x", past),
+              ElementsAre("x: the bulk effective sample size is 399, below 400"));
+  past = at;
+  past.ess_tail = 399.9;
+  EXPECT_THAT(complaints("x", past),
+              ElementsAre("x: the tail effective sample size is 399, below 400"));
+  past = at;
+  past.chains = 5;
+  EXPECT_EQ(complaints("x", past).size(), 2U);
+  EXPECT_EQ(ess_wanted(1), 400);
+  EXPECT_EQ(ess_wanted(5), 500);
+}
+
+}  // namespace
+}  // namespace sleight::sampling

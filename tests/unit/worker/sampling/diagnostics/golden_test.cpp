@@ -1,0 +1,87 @@
+// Goal: the measures are R's, without R at hand. Method: five arrays of whole-number arithmetic,
+// and what posterior 1.4.0 (R 4.2.2) gives for x <- outer(0:(draws-1), 0:(chains-1), f), printed by
+// sprintf("%.17g"), in the order of `measures`. Many more arrays are in tests/posterior.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "worker/sampling/diagnostics/effective_sample_size.h"
+#include "worker/sampling/diagnostics/r_hat.h"
+#include "worker/sampling/diagnostics/standard_error.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr double k_na = std::numeric_limits<double>::quiet_NaN();
+using Measures = std::array<double, 9>;
+
+Measures measures(const Chains& draws) {
+  return {r_hat(draws),     ess_bulk(draws), ess_tail(draws),
+          ess_mean(draws),  ess_sd(draws),   ess_quantile(draws, 0.25),
+          mcse_mean(draws), mcse_sd(draws),  mcse_quantile(draws, 0.25)};
+}
+
+template <class F>
+OwnedChains outer(std::size_t chains, int draws, const F& f) {
+  OwnedChains made{.values = {}, .chains = chains, .draws = static_cast<std::size_t>(draws)};
+  for (int c = 0; c < static_cast<int>(chains); ++c)
+    for (int d = 0; d < draws; ++d)
+      made.values.push_back(f(d, c));
+  return made;
+}
+
+void expect_golden(const OwnedChains& draws, const Measures& golden) {
+  const Measures found = measures(draws.view());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (std::isnan(golden[i])) {
+      EXPECT_TRUE(std::isnan(found[i])) << i << ": " << found[i];
+    } else {
+      EXPECT_NEAR(found[i], golden[i], 1e-10 * std::fabs(golden[i])) << i;
+    }
+  }
+}
+
+TEST(Golden, scattered) {
+  // f = ((37*d*d + 11*c + d*c) %% 101)/101
+  expect_golden(
+      outer(4, 100, [](int d, int c) { return ((37 * d * d + 11 * c + d * c) % 101) / 101.0; }),
+      {1.0032775157084368, 336.62621293123732, 395.31409312823962, 336.66896947319418,
+       436.34045510983856, 362.60383145630203, 0.01537635528973999, 0.006215413253715764,
+       0.024752475247524747});
+}
+
+TEST(Golden, rising_in_an_odd_number_of_draws) {
+  // f = ((d*d + 7*c*d) %% 61)/61 + d %/% 20
+  expect_golden(
+      outer(2, 61, [](int d, int c) { return ((d * d + 7 * c * d) % 61) / 61.0 + d / 20; }),
+      {1.6250387110420594, 3.682729034802616, 58.874371859296474, 3.3655128720392331,
+       25.839701227428211, 5.7166292709754858, 0.50997611337193982, 0.076382580896243071,
+       0.55737704918032793});
+}
+
+TEST(Golden, ties) {
+  // f = (d*d + c*d) %% 5: the greatest value is above the 0.95 quantile, so there is no tail.
+  expect_golden(
+      outer(3, 25, [](int d, int c) { return (d * d + c * d) % 5; }),
+      {1.0576567708702127, 127.00250479259009, k_na, 124.76125237143344, 68.195464149487364,
+       133.72793974305134, 0.13833165878934037, 0.073058848984631664, 0});
+}
+
+TEST(Golden, three_draws_are_transposed) {
+  // f = (3*d + 2*c + d*c) %% 7: what posterior makes of halves of one draw (split_in_halves).
+  expect_golden(outer(4, 3, [](int d, int c) { return (3 * d + 2 * c + d * c) % 7; }),
+                {0.87715026984727928, 4, k_na, 4, 4, 4, 1.075730900224108, 0.50132518968063899, 2});
+}
+
+TEST(Golden, antithetic_is_capped) {
+  // f = (-1)^d*(10 + (d*d + c) %% 7): 80 log10(80) = 152.247...
+  expect_golden(
+      outer(2, 40, [](int d, int c) { return (d % 2 == 0 ? 1 : -1) * (10 + (d * d + c) % 7); }),
+      {1.0759986249150764, 152.24719895935547, k_na, 152.24719895935547, 64.358226006961218,
+       152.24719895935547, 1.0246400973028531, 0.18117283302515927, 0.5});
+}
+
+}  // namespace
+}  // namespace sleight::sampling
