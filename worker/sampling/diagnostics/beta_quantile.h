@@ -16,8 +16,8 @@ struct Beta {
 };
 
 /// The x below which it falls with the given probability, within 1e-12 x + 1e-16.
-/// REQUIRES: a and b at least 1, at most 1e12; probability in [0.01, 0.99]: the density's form loses
-/// digits where x is far smaller than the mean.
+/// REQUIRES: a and b at least 1, at most 1e12; probability in [0.01, 0.99]: the density's form
+/// loses digits where x is far smaller than the mean.
 double beta_quantile(const Beta& distribution, double probability);
 
 }  // namespace sleight::sampling

@@ -1,4 +1,4 @@
-// Goal: the measures are R's, without R at hand. Method: five arrays of whole-number arithmetic,
+// Goal: the measures are R's, without R at hand. Method: six arrays of whole-number arithmetic,
 // and what posterior 1.4.0 (R 4.2.2) gives for x <- outer(0:(draws-1), 0:(chains-1), f), printed by
 // sprintf("%.17g"), in the order of `measures`. Many more arrays are in tests/posterior.
 #include <gtest/gtest.h>
@@ -59,6 +59,14 @@ TEST(Golden, rising_in_an_odd_number_of_draws) {
       {1.6250387110420594, 3.682729034802616, 58.874371859296474, 3.3655128720392331,
        25.839701227428211, 5.7166292709754858, 0.50997611337193982, 0.076382580896243071,
        0.55737704918032793});
+}
+
+TEST(Golden, short_chains_that_rise_to_their_end) {
+  // f = d + (d*d + c) %% 5: the sum of autocorrelations ends where the lags do.
+  expect_golden(
+      outer(3, 15, [](int d, int c) { return d + (d * d + c) % 5; }),
+      {1.7018115226619348, 13.103844909525414, 31.75679347826086, 12.313318433941273,
+       27.276681451977907, 17.698996655518396, 1.3213920041172225, 0.43448879589625283, 2});
 }
 
 TEST(Golden, ties) {
