@@ -16,12 +16,12 @@
 
 namespace sleight::sampling {
 
-/// Above this, chains are not taken for mixed: Vehtari et al. (2021), section 4.1, where the older
-/// 1.1 is shown to pass chains that are far from it.
+/// Above this, chains are not taken for mixed: Vehtari et al. (2021), who show that the older
+/// 1.1 passes chains that are far from it.
 constexpr double k_r_hat_max = 1.01;
 
-/// Bulk and tail effective sample sizes below this are too small: Vehtari et al. (2021), section
-/// 4.3. The standard error of a mean is then up to 1/20 of the standard deviation.
+/// Bulk and tail effective sample sizes below this are too small: Vehtari et al. (2021). At
+/// the limit, the standard error of a mean is 1/20 of the standard deviation.
 constexpr double k_ess_min = 400;
 
 /// With more than four chains, this many of each: the paper's 400 is 50 for each half of four

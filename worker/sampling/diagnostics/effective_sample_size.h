@@ -8,11 +8,12 @@
 // "Practical Markov chain Monte Carlo", Statistical Science 7 (1992) 473-483, section 3.3). At
 // most S log10 S is given to antithetic chains, whose draws are worth more than independent ones.
 //
-// Source: Vehtari et al. (2021), see transforms.h: equations 10 to 14 and sections 3.2, 4.3
-// and 4.4. Equal to R's posterior 1.4.0 within 1e-10 relative (tests/posterior), peculiarities
-// included: two chains' halves of three to five draws are always worth half their number. One
-// exception: where the sum of two terms is 0 in exact arithmetic, which happens to series with few
-// values, rounding decides in posterior whether the sum goes on; here it ends.
+// Source: Vehtari et al. (2021), see transforms.h, on effective sample sizes of split chains, of
+// ranks and of quantiles. Equal to R's posterior 1.4.0 within 1e-10 relative (tests/posterior),
+// peculiarities included: chains whose halves have three to five draws are worth half their number,
+// whatever the draws. Two exceptions: where the sum of two terms is 0 in exact arithmetic, which
+// happens to short series of few values, rounding decides in posterior whether the sum goes on,
+// here it ends; and where the variance overflows, posterior gives half the number of draws, we NaN.
 //
 // The meaning of NaN: a draw is NaN or infinite (the middle one of an odd number counts only where
 // said); all draws lie within 2.2e-16 of each other; a half has fewer than three draws (see

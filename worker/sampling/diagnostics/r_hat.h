@@ -6,8 +6,8 @@
 // makes it work without finite moments; folding about the median makes differences of scale
 // differences of mean.
 //
-// Source: Vehtari et al. (2021), see transforms.h: equations 1 to 4, sections 4.1 and 4.2. Equal to
-// R's posterior 1.4.0 within 1e-10 relative (tests/posterior).
+// Source: Vehtari et al. (2021), see transforms.h, on split, rank-normalised and folded R-hat.
+// Equal to R's posterior 1.4.0 within 1e-10 relative (tests/posterior).
 //
 // The meaning of NaN: a draw (of those that the halves hold) is NaN; all draws are equal; or there
 // is one draw per chain. Infinite draws have ranks and are welcome as long as the median is finite.

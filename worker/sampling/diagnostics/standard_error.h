@@ -1,7 +1,7 @@
 // Monte Carlo standard errors: how far an estimate from the chains may be off for having finitely
 // many draws. The estimated error shrinks as 1 / sqrt(ESS) and has the unit of the draws.
 //
-// Source: Vehtari et al. (2021), see transforms.h: section 4.4 for quantiles; the delta method for
+// Source: Vehtari et al. (2021), see transforms.h, for quantiles; the delta method for
 // the standard deviation. Equal to R's posterior 1.4.0 within 1e-10 relative (tests/posterior); the
 // one of the standard deviation is a difference of fourth powers, and of draws that take two values
 // almost equally often both programs give its rounding errors.
