@@ -57,7 +57,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     return;
   }
   if (summary.scans == 0) {
-    fmt::print("Stopped before every chain had its first scan: no archive yet.\n");
+    fmt::print("Stopped before every chain had its first draw: no archive yet.\n");
   } else {
     fmt::print("{}: {} chains of {} scans, seed {}, digest {}\n", arguments.output,
                request.sampler.chains, coordinator::grouped(summary.scans), request.sampler.seed,

@@ -413,14 +413,16 @@ class AnimationsWriter {
   std::optional<VariableColumns> outcomes_, states_, segments_;
 };
 
-void write_root(const WorldLayout& layout, const ArchiveOptions& options, Sink& sink) {
+void write_root(const WorldLayout& layout, const plan::Report& report,
+                const ArchiveOptions& options, Sink& sink) {
   sink.set_attribute(k_root, {"format", std::string(k_format_name)});
   sink.set_attribute(k_root, {"format_version", k_format_version});
   sink.set_attribute(k_root, {"world", layout.world});
   sink.set_attribute(k_root, {"inference_library", std::string(k_inference_library)});
   sink.set_attribute(k_root,
                      {std::string(k_inference_library_version), options.inference_library_version});
-  if (!layout.warning.empty()) sink.set_attribute(k_root, {std::string(k_warning), layout.warning});
+  const std::string& warning = layout.warning.empty() ? report.warning : layout.warning;
+  if (!warning.empty()) sink.set_attribute(k_root, {std::string(k_warning), warning});
   DatasetSpec request{.name = std::string(k_request), .type = ElementType::text};
   request.attributes = {{"long_name", std::string("request that reproduces this archive, TOML")}};
   request.text_bytes = options.request_text.size();
@@ -436,7 +438,8 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   CHECK_GE(view.scans(), 1U);
   CHECK_GE(options.thin, 1U);
   CHECK(!options.request_text.empty());
-  write_root(reader.layout(), options, sink);
+  const plan::Report report = view.report();
+  write_root(reader.layout(), report, options, sink);
 
   // One walk over the run, chain by chain: scalars, states and candidates for the animations.
   PosteriorWriter posterior(view, reader, options, sink);
@@ -461,7 +464,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   sample_stats.flush();
 
   write_replicas(newest_states(view, options.thin, std::move(newest)), reader, sink);
-  write_report(view.report(), reader.layout(), sink);
+  write_report(report, reader.layout(), sink);
 
   // Each kept animation is simulated once more, for its motion.
   AnimationsWriter animations(reader, options, sink);

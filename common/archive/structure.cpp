@@ -112,7 +112,7 @@ void check_value(const Source& source, std::string_view name, const T& expected,
 std::vector<Names> leading_dims(std::string_view group) {
   if (group == k_posterior || group == k_sample_stats) return {{"chain", "draw"}};
   if (group == k_replicas) return {{"chain", "replica"}};
-  if (group == k_tempering) return {{"chain", "round"}};
+  if (group == k_tempering) return {{"chain"}};
   if (group == k_animations) return {{"animation"}, {"segment"}};
   return {};
 }

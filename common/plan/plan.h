@@ -19,6 +19,12 @@
 
 namespace sleight::plan {
 
+/// A chain's draws are its records at inverse temperature 1 from some scan on, by (scan, replica).
+struct Draws {
+  std::uint64_t first_scan = 0;
+  std::uint64_t count = 0;
+};
+
 class Plan {
  public:
   virtual ~Plan() = default;
@@ -39,6 +45,9 @@ class Plan {
 
   /// Scans that every chain has: where an archive written now is cut.
   virtual std::uint64_t scans_common() const = 0;
+
+  /// The draws that every chain has among these scans.
+  virtual Draws draws() const { return {.first_scan = 0, .count = scans_common()}; }
 
   /// Independent solutions so far: lineages with a satisfied scan; and how many end the run, when
   /// the stop rule asks for them.

@@ -20,6 +20,8 @@ struct Table {
 /// One name of a dimension has one size in all tables.
 struct Report {
   std::vector<Table> tables;
+  /// What whoever uses the draws must know, one line; empty: nothing.
+  std::string warning;
   bool empty() const { return tables.empty(); }
 };
 

@@ -1,5 +1,7 @@
 #include "common/request/common_sections.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string_view>
 #include <vector>
@@ -7,20 +9,42 @@
 namespace sleight::request {
 namespace {
 
+static_assert(k_burn_in_rounds == 4 && k_lanes == 8, "said in the help");
+
+/// A key that a method doesn't have would do nothing in silence.
+void refuse_other_methods_keys(Binder& sampler, Method method) {
+  if (!sampler.valid("method")) return;
+  const bool is_plain = method == Method::metropolis_hastings;
+  const bool burns_in = !is_plain && method != Method::parallel_tempering;
+  const bool ascends = method == Method::annealed_importance;
+  const bool has_steps = ascends || method == Method::tempered_transitions;
+  const auto refuse = [&](std::string_view key, bool has, std::string_view methods) {
+    if (has || !sampler.given(key)) return;
+    sampler.error(key, fmt::format("goes with method {}", methods));
+  };
+  refuse("replicas", !is_plain, "\"parallel_tempering\" and those that burn in with it");
+  refuse("burn_in_rounds", burns_in,
+         "\"simulated_tempering\", \"tempered_transitions\" or \"annealed_importance\"");
+  refuse("lanes", ascends, "\"annealed_importance\"");
+  refuse("steps_per_level", has_steps, "\"tempered_transitions\" or \"annealed_importance\"");
+}
+
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
   static constexpr std::array k_methods{
       Named<Method>{"metropolis_hastings", Method::metropolis_hastings},
-      Named<Method>{"parallel_tempering", Method::parallel_tempering}};
+      Named<Method>{"parallel_tempering", Method::parallel_tempering},
+      Named<Method>{"simulated_tempering", Method::simulated_tempering},
+      Named<Method>{"tempered_transitions", Method::tempered_transitions},
+      Named<Method>{"annealed_importance", Method::annealed_importance}};
   sampler.choice("method", p.method, std::span<const Named<Method>>(k_methods),
                  "how animations are drawn");
   sampler.integer(
       "chains", p.chains,
       {.minimum = 1, .maximum = k_chains_max, .help = "chains, independent of each other"});
-  sampler.optional_integer(
-      "replicas", p.replicas,
-      {.minimum = 2,
-       .maximum = k_replicas_max,
-       .help = "temperatures of a ladder (parallel_tempering); chosen from its barrier if absent"});
+  sampler.optional_integer("replicas", p.replicas,
+                           {.minimum = 2,
+                            .maximum = k_replicas_max,
+                            .help = "temperatures of a ladder; chosen from its barrier if absent"});
   sampler.integer("seed", p.seed,
                   {.minimum = 0,
                    .maximum = static_cast<std::int64_t>(k_seed_max),
@@ -35,6 +59,30 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
                    .maximum = k_round_scans_max,
                    .unit = "scans",
                    .help = "length of the first round; each later one is twice as long"});
+  sampler.optional_integer("anneal_scans", p.anneal_scans,
+                           {.minimum = 1,
+                            .maximum = 1000000,
+                            .unit = "scans",
+                            .help = "simulated annealing from the prior before all else"});
+  sampler.optional_integer("burn_in_rounds", p.burn_in_rounds,
+                           {.minimum = 1,
+                            .maximum = 20,
+                            .unit = "rounds",
+                            .help = "of parallel tempering, to find temperatures, before "
+                                    "simulated_tempering, tempered_transitions and "
+                                    "annealed_importance; 4 if absent"});
+  sampler.optional_integer("lanes", p.lanes,
+                           {.minimum = 1,
+                            .maximum = 1024,
+                            .help = "ascents beside each other, of a chain: annealed_importance; "
+                                    "8 if absent"});
+  sampler.optional_integer("steps_per_level", p.steps_per_level,
+                           {.minimum = 1,
+                            .maximum = 1000,
+                            .unit = "steps",
+                            .help = "from one temperature to the next: tempered_transitions, "
+                                    "annealed_importance; 1 if absent"});
+  refuse_other_methods_keys(sampler, p.method);
 }
 
 void bind_stop(Binder& stop, StopRule& p) {

@@ -44,15 +44,30 @@ struct WorldBinding {
   std::function<void(Binder& world, Binder& constraint, Binder& sampler)> bind;
 };
 
-enum class Method { metropolis_hastings, parallel_tempering };
+enum class Method {
+  metropolis_hastings,
+  parallel_tempering,
+  simulated_tempering,
+  tempered_transitions,
+  annealed_importance
+};
 
 struct SamplerParameters {
   Method method = Method::metropolis_hastings;
-  std::uint32_t chains = 4;               ///< independent of each other; ladders, where tempered
-  std::optional<std::uint32_t> replicas;  ///< of a ladder; none: as many as its barrier asks for
-  std::uint64_t seed = 1;                 ///< of all random draws; at most k_seed_max
-  std::uint32_t iterations_per_scan = 1;  ///< proposals between two recorded states
-  std::uint32_t round_scans = 64;         ///< round r, from 1, has round_scans * 2^(r-1) scans
+  std::uint32_t chains = 4;                 ///< independent of each other; ladders, where tempered
+  std::optional<std::uint32_t> replicas{};  ///< of a ladder; none: as many as its barrier asks for
+  std::uint64_t seed = 1;                   ///< of all random draws; at most k_seed_max
+  std::uint32_t iterations_per_scan = 1;    ///< proposals between two recorded states
+  std::uint32_t round_scans = 64;           ///< round r, from 1, has round_scans * 2^(r-1) scans
+  /// Of simulated annealing, before all else; none: 0.
+  std::optional<std::uint32_t> anneal_scans{};
+  /// Of parallel tempering, by which simulated_tempering, tempered_transitions and
+  /// annealed_importance find their temperatures; none: k_burn_in_rounds.
+  std::optional<std::uint32_t> burn_in_rounds{};
+  /// Of annealed_importance: ascents beside each other; none: k_lanes.
+  std::optional<std::uint32_t> lanes{};
+  /// Of it and of tempered_transitions: from one temperature to the next; none: 1.
+  std::optional<std::uint32_t> steps_per_level{};
   friend bool operator==(const SamplerParameters&, const SamplerParameters&) = default;
 };
 
@@ -92,6 +107,8 @@ struct DirectionRequest {
 
 inline constexpr std::uint32_t k_chains_max = 65536;
 inline constexpr std::uint32_t k_replicas_max = 256;
+inline constexpr std::uint32_t k_burn_in_rounds = 4;
+inline constexpr std::uint32_t k_lanes = 8;
 inline constexpr std::uint64_t k_seed_max = 9223372036854775807U;  // TOML integers end there
 inline constexpr std::uint64_t k_scans_max = 1000000000000U;
 inline constexpr std::uint32_t k_rounds_max = 40;

@@ -16,6 +16,8 @@ constexpr const char* k_record =
     "log_prior, log_constraint, inverse_temperature, satisfied, lineage, proposed, accepted, "
     "outcome, state, checksum";
 
+constexpr int k_record_columns = 10;
+
 /// The columns of k_record from `first` on, and what the row's checksum must be.
 std::int64_t read_record(Statement& select, int first, plan::ScanRecord& record) {
   record.log_prior = select.real(first);
@@ -42,6 +44,7 @@ StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint6
   if (!identity.step()) refuse_damaged(database_.path(), "it has no identity");
   salt_ = salt_of(identity.text(0));
   replicas_ = count_replicas();
+  draws_ = {.first_scan = 0, .count = scans};
 }
 
 void StoredRun::check(const plan::ReplicaKey& replica, std::uint64_t scan,
@@ -61,36 +64,39 @@ void StoredRun::for_each_scan(
     const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
   // Who was at inverse temperature 1: keys alone, so that little is sorted; then the rows.
   Statement who = database_.prepare(
-      "SELECT replica, scan FROM scan WHERE chain=?1 AND scan<?2 AND inverse_temperature=1 "
-      "ORDER BY scan");
+      "SELECT replica, scan FROM scan WHERE chain=?1 AND scan>=?2 AND scan<?3 AND "
+      "inverse_temperature=1 ORDER BY scan, replica");
   Statement plain = database_.prepare(fmt::format(
-      "SELECT {} FROM scan WHERE chain=?1 AND replica=0 AND scan<?2 ORDER BY scan", k_record));
+      "SELECT {}, scan FROM scan WHERE chain=?1 AND replica=0 AND scan>=?2 AND scan<?3 AND "
+      "inverse_temperature=1 ORDER BY scan",
+      k_record));
   Statement row = database_.prepare(
       fmt::format("SELECT {} FROM scan WHERE chain=?1 AND replica=?2 AND scan=?3", k_record));
   plan::ScanRecord record;
-  std::uint64_t scan = 0;
-  const auto hand_on = [&](Statement& select, base::ReplicaId replica) {
+  std::uint64_t draw = 0;
+  const auto hand_on = [&](Statement& select, std::int64_t replica, std::int64_t scan) {
     const std::int64_t checksum = read_record(select, 0, record);
-    check({chain, replica}, scan, record, checksum);
-    visit(base::ScanIndex{scan++}, record);
+    check({chain, base::ReplicaId{static_cast<std::uint32_t>(replica)}},
+          static_cast<std::uint64_t>(scan), record, checksum);
+    visit(base::ScanIndex{draw++}, record);
   };
-  const auto end = static_cast<std::int64_t>(scans_);
-  if (replicas_ == 1) {
-    plain.bind(1, std::int64_t{chain.value}).bind(2, end);
-    while (plain.step())
-      hand_on(plain, base::ReplicaId{0});
-  } else {
-    who.bind(1, std::int64_t{chain.value}).bind(2, end);
-    while (who.step()) {
-      row.bind(1, std::int64_t{chain.value}).bind(2, who.integer(0)).bind(3, who.integer(1));
-      if (!row.step()) break;
-      hand_on(row, base::ReplicaId{static_cast<std::uint32_t>(who.integer(0))});
-      row.reset();
+  Statement& select = replicas_ == 1 ? plain : who;
+  select.bind(1, std::int64_t{chain.value});
+  select.bind(2, static_cast<std::int64_t>(draws_.first_scan));
+  select.bind(3, static_cast<std::int64_t>(scans_));
+  while (draw < draws_.count && select.step()) {
+    if (replicas_ == 1) {
+      hand_on(select, 0, select.integer(k_record_columns));
+      continue;
     }
+    row.bind(1, std::int64_t{chain.value}).bind(2, who.integer(0)).bind(3, who.integer(1));
+    if (!row.step()) break;
+    hand_on(row, who.integer(0), who.integer(1));
+    row.reset();
   }
-  if (scan != scans_) {
+  if (draw != draws_.count) {
     refuse_damaged(database_.path(),
-                   fmt::format("scan {} of chain {} is missing", scan, chain.value));
+                   fmt::format("draw {} of chain {} is missing", draw, chain.value));
   }
 }
 

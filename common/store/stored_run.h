@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/archive/run_view.h"
+#include "common/plan/plan.h"
 #include "common/store/database.h"
 
 namespace sleight::store {
@@ -18,9 +19,11 @@ class StoredRun final : public archive::RunView {
  public:
   /// REQUIRES: every chain of the store has its first `scans` scans committed.
   StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans);
+  /// Which of these are draws, where not all are. REQUIRES: so many are there.
+  void set_draws(const plan::Draws& draws) { draws_ = draws; }
 
   std::uint32_t chains() const override { return chains_; }
-  std::uint64_t scans() const override { return scans_; }
+  std::uint64_t scans() const override { return draws_.count; }
   void for_each_scan(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const override;
@@ -46,6 +49,7 @@ class StoredRun final : public archive::RunView {
   std::uint64_t scans_;
   std::uint64_t salt_ = 0;
   std::uint32_t replicas_ = 1;
+  plan::Draws draws_;
   plan::Report report_;
 };
 

@@ -105,6 +105,7 @@ void remove_leftovers(const std::string& output) {
   }
 }
 
+/// The digest; empty, and no archive, while the run is in its burn-in.
 std::string write_archive_of_run(const RunInputs& inputs, const std::string& output,
                                  const std::string& folder, std::uint64_t scans,
                                  base::FileSystem& files) {
@@ -118,13 +119,15 @@ std::string write_archive_of_run(const RunInputs& inputs, const std::string& out
       .inference_library_version = std::string(base::version())};
   store::StoredRun view(folder, inputs.request.sampler.chains, scans);
   // What the method learnt from these scans and no others, wherever the run itself stands.
-  if (!inputs.plan.report().empty()) {
+  if (!inputs.plan.report().empty() || inputs.plan.draws().first_scan > 0) {
     const std::unique_ptr<plan::Plan> learner = inputs.plan_of_scans(scans);
     view.replay([&](const plan::ReplicaKey& replica, base::ScanIndex first,
                     std::span<const plan::ScanRecord> records) {
       learner->consume(replica, first, records);
     });
     view.set_report(learner->report());
+    view.set_draws(learner->draws());
+    if (view.scans() == 0) return {};
   }
   return archive::hdf5::write_file(output, files, [&](archive::Sink& sink) {
     archive::write_archive(view, inputs.reader, options, sink);
@@ -188,6 +191,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   if (summary.scans > 0) {
     say("writing the archive");
     summary.digest = archive_of(summary.scans);
+    if (summary.digest.empty()) summary.scans = 0;
   }
   return summary;
 }

@@ -1,12 +1,17 @@
 #include "worker/run/catalogue.h"
 
+#include <functional>
 #include <string>
 
 #include "common/base/check.h"
 #include "worker/run/chain_worker.h"
+#include "worker/sampling/annealed_importance.h"
+#include "worker/sampling/burnt_in_chains.h"
+#include "worker/sampling/excursions.h"
 #include "worker/sampling/independent_chains.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
+#include "worker/sampling/simulated_tempering.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/request.h"
 #include "worker/worlds/spelling/reader.h"
@@ -29,10 +34,28 @@ std::vector<bool> kinds_with_scale_of(const T& world) {
   return kinds;
 }
 
+/// Scans before those whose states count: of annealing, and of a burn-in.
+std::uint64_t scans_before(const request::SamplerParameters& sampler) {
+  const bool burns_in = sampler.method != request::Method::metropolis_hastings &&
+                        sampler.method != request::Method::parallel_tempering;
+  return sampler.anneal_scans.value_or(0) +
+         (burns_in
+              ? sampling::scans_through_round(
+                    sampler.round_scans, sampler.burn_in_rounds.value_or(request::k_burn_in_rounds))
+              : 0);
+}
+
 ChainWorkerOptions worker_options(const request::DirectionRequest& request) {
-  return {.seed = request.sampler.seed,
-          .iterations_per_scan = request.sampler.iterations_per_scan,
-          .thin = request.output.thin};
+  const request::SamplerParameters& sampler = request.sampler;
+  // Where scans and draws are not one, which scan is the next draw but so many isn't known.
+  const bool scans_are_draws = sampler.method != request::Method::simulated_tempering &&
+                               sampler.method != request::Method::annealed_importance;
+  const bool is_tempered = sampler.method == request::Method::parallel_tempering;
+  return {.seed = sampler.seed,
+          .iterations_per_scan = sampler.iterations_per_scan,
+          .thin = scans_are_draws ? request.output.thin : 1,
+          .first_draw = scans_before(sampler),
+          .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0};
 }
 
 class Ball2dEntry final : public WorldEntry {
@@ -115,7 +138,32 @@ sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,
           .levels_max = k_chosen_replicas_max,
           .ladder_adapts = true,
           .has_scale = world.kinds_with_scale(),
-          .round_scans = sampler.round_scans};
+          .round_scans = sampler.round_scans,
+          .anneal_scans = sampler.anneal_scans.value_or(0)};
+}
+
+using GoOn = std::function<std::unique_ptr<sampling::ChainPart>(const sampling::BurnIn&)>;
+
+GoOn go_on_with(const request::SamplerParameters& sampler) {
+  switch (sampler.method) {
+    case request::Method::simulated_tempering:
+      return [](const sampling::BurnIn& burn_in) {
+        return std::make_unique<sampling::SimulatedTempering>(burn_in);
+      };
+    case request::Method::tempered_transitions:
+      return [steps = sampler.steps_per_level.value_or(1)](const sampling::BurnIn& burn_in) {
+        return std::make_unique<sampling::Excursions>(burn_in, steps);
+      };
+    case request::Method::annealed_importance:
+      return [lanes = sampler.lanes.value_or(request::k_lanes),
+              steps = sampler.steps_per_level.value_or(1)](const sampling::BurnIn& burn_in) {
+        return std::make_unique<sampling::AnnealedImportance>(burn_in, lanes, steps);
+      };
+    case request::Method::metropolis_hastings:
+    case request::Method::parallel_tempering:
+      break;
+  }
+  base::check_failed("a method with a burn-in", "");
 }
 
 }  // namespace
@@ -126,11 +174,23 @@ std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
   const request::SamplerParameters& sampler = request.sampler;
   switch (sampler.method) {
     case request::Method::metropolis_hastings:
-      return std::make_unique<sampling::IndependentChains>(sampling::IndependentChainsOptions{
-          .chains = sampler.chains, .round_scans = sampler.round_scans, .stop = stop});
+      return std::make_unique<sampling::IndependentChains>(
+          sampling::IndependentChainsOptions{.chains = sampler.chains,
+                                             .round_scans = sampler.round_scans,
+                                             .anneal_scans = sampler.anneal_scans.value_or(0),
+                                             .stop = stop});
     case request::Method::parallel_tempering:
       return std::make_unique<sampling::ParallelTempering>(sampling::ParallelTemperingOptions{
           .ladders = sampler.chains, .ladder = ladder_of(sampler, world), .stop = stop});
+    case request::Method::simulated_tempering:
+    case request::Method::tempered_transitions:
+    case request::Method::annealed_importance:
+      return std::make_unique<sampling::BurntInChains>(sampling::BurntInOptions{
+          .chains = sampler.chains,
+          .ladder = ladder_of(sampler, world),
+          .burn_in_rounds = sampler.burn_in_rounds.value_or(request::k_burn_in_rounds),
+          .stop = stop,
+          .go_on = go_on_with(sampler)});
   }
   base::check_failed("a known method", "");
 }

@@ -34,9 +34,11 @@ struct ChainWorkerOptions {
   std::uint64_t seed = 1;
   std::uint32_t iterations_per_scan = 1;
   /// Every thin-th scan's state is returned, counted from the first draw, besides the satisfied
-  /// ones; of scans that are not at inverse temperature 1 only every k_hot_thin-th of these.
+  /// ones.
   std::uint64_t thin = 1;
   std::uint64_t first_draw = 0;
+  /// Of scans below inverse temperature 1 every so many-th; 0: none.
+  std::uint64_t hot_thin = 0;
 };
 
 /// Hot replicas' states are there to be looked at now and then.
@@ -147,7 +149,7 @@ class ChainWorker final : public plan::UnitWorker {
     const bool satisfied = world_.satisfied(sample.outcome);
     const bool is_thin =
         scan >= options_.first_draw && (scan - options_.first_draw) % options_.thin == 0;
-    const bool is_hot_thin = scan % (k_hot_thin * options_.thin) == 0;
+    const bool is_hot_thin = options_.hot_thin > 0 && scan % options_.hot_thin == 0;
     const bool keep_state = beta == 1 ? satisfied || is_thin : is_hot_thin;
     return {.log_prior = sample.log_prior,
             .log_constraint = sample.log_constraint,

@@ -7,7 +7,9 @@
 namespace sleight::sampling {
 
 IndependentChains::IndependentChains(const IndependentChainsOptions& options)
-    : chains_(options.chains), stop_(options.stop, options.round_scans) {
+    : anneal_scans_(options.anneal_scans),
+      chains_(options.chains),
+      stop_(options.stop, options.round_scans, options.anneal_scans) {
   CHECK_GE(options.chains, 1U);
   for (std::uint32_t id = 0; id < options.chains; ++id)
     by_progress_.emplace_hint(by_progress_.end(), 0, id);
@@ -34,13 +36,25 @@ std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) 
   const auto [consumed, id] = *idle_.begin();
   if (consumed >= stop_.horizon()) return std::nullopt;
   idle_.erase(idle_.begin());
+  std::uint64_t scans = std::min<std::uint64_t>(stop_.horizon() - consumed, scans_max);
+  std::vector<double> betas{1};
+  if (consumed < anneal_scans_) {
+    scans = std::min(scans, anneal_scans_ - consumed);
+    betas.clear();
+    for (std::uint64_t scan = consumed; scan < consumed + scans; ++scan)
+      betas.push_back(static_cast<double>(scan) / static_cast<double>(anneal_scans_));
+  }
   return plan::Unit{.replica = {base::ChainId{id}, base::ReplicaId{0}},
                     .first_scan = base::ScanIndex{consumed},
-                    .scans = static_cast<std::uint32_t>(
-                        std::min<std::uint64_t>(stop_.horizon() - consumed, scans_max)),
+                    .scans = static_cast<std::uint32_t>(scans),
                     .starts = consumed == 0,
                     .lineage = 0,
-                    .inverse_temperatures = {1}};
+                    .inverse_temperatures = std::move(betas)};
+}
+
+plan::Draws IndependentChains::draws() const {
+  const std::uint64_t scans = scans_common();
+  return {.first_scan = anneal_scans_, .count = scans - std::min(scans, anneal_scans_)};
 }
 
 void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
@@ -52,7 +66,8 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
   by_progress_.erase({chain.consumed, replica.chain.value});
   idle_.erase({chain.consumed, replica.chain.value});  // there when it comes from a run store
   for (const plan::ScanRecord& record : records) {
-    if (record.satisfied && chain.newest_satisfied_lineage != record.lineage) {
+    if (record.satisfied && record.inverse_temperature == 1 &&
+        chain.newest_satisfied_lineage != record.lineage) {
       chain.newest_satisfied_lineage = record.lineage;
       chain.first_satisfied.push_back(chain.consumed);
       ++solutions_;

@@ -23,6 +23,9 @@ namespace sleight::sampling {
 struct IndependentChainsOptions {
   std::uint32_t chains = 1;
   std::uint64_t round_scans = 64;  ///< length of the first round
+  /// Simulated annealing first: so many scans from the prior to inverse temperature 1, in equal
+  /// steps. They belong to no round.
+  std::uint64_t anneal_scans = 0;
   StopRule stop;
 };
 
@@ -36,6 +39,7 @@ class IndependentChains final : public plan::Plan {
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override;
   std::uint64_t scans_common() const override;
+  plan::Draws draws() const override;
   std::uint64_t solutions_found() const override { return solutions_; }
   std::optional<std::uint64_t> solutions_wanted() const override {
     return stop_.solutions_wanted();
@@ -55,6 +59,7 @@ class IndependentChains final : public plan::Plan {
   /// Moves on over every round end that all chains have reached, and judges there.
   void judge_rounds();
 
+  std::uint64_t anneal_scans_;
   std::vector<Chain> chains_;
   using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed, chain)
   std::set<Progress> by_progress_;                           ///< all chains

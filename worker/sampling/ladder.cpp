@@ -118,6 +118,18 @@ std::vector<double> respaced(std::span<const double> ladder, std::span<const dou
   return even;
 }
 
+std::vector<double> finer(std::span<const double> ladder, std::uint32_t steps_per_level) {
+  CHECK_GE(steps_per_level, 1U);
+  std::vector<double> fine{ladder.front()};
+  for (std::size_t level = 1; level < ladder.size(); ++level) {
+    const double width = ladder[level] - ladder[level - 1];
+    for (std::uint32_t step = 1; step < steps_per_level; ++step)
+      fine.push_back(ladder[level - 1] + width * step / steps_per_level);
+    fine.push_back(ladder[level]);
+  }
+  return fine;
+}
+
 double predicted_round_trip_rate(std::span<const double> rejections) {
   double sum = 0;
   for (const double rejection : rejections)

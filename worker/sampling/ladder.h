@@ -50,6 +50,9 @@ std::vector<double> local_barrier(std::span<const double> ladder,
 std::vector<double> respaced(std::span<const double> ladder, std::span<const double> rejections,
                              std::uint32_t levels);
 
+/// The same ladder with so many equal steps from each level to the next.
+std::vector<double> finer(std::span<const double> ladder, std::uint32_t steps_per_level);
+
 /// Round trips per scan, of all replicas together.
 double predicted_round_trip_rate(std::span<const double> rejections);
 

@@ -28,11 +28,11 @@ std::span<const RoundReport> begun(const LadderRun& ladder) {
   return std::span(rounds).first(rounds.size() - (has_scans ? 0 : 1));
 }
 
-Sizes sizes_of(std::span<const LadderRun> ladders) {
+Sizes sizes_of(std::span<const LadderRun* const> ladders) {
   Sizes sizes{.ladders = ladders.size()};
-  for (const LadderRun& ladder : ladders) {
-    sizes.rounds = std::max(sizes.rounds, begun(ladder).size());
-    for (const RoundReport& round : begun(ladder)) {
+  for (const LadderRun* ladder : ladders) {
+    sizes.rounds = std::max(sizes.rounds, begun(*ladder).size());
+    for (const RoundReport& round : begun(*ladder)) {
       sizes.levels = std::max(sizes.levels, round.statistics.ladder().size());
       for (const KindCounts& counts : round.counts)
         sizes.kinds = std::max(sizes.kinds, counts.proposed.size());
@@ -44,7 +44,7 @@ Sizes sizes_of(std::span<const LadderRun> ladders) {
 /// Tables that are filled round by round.
 class Tables {
  public:
-  explicit Tables(std::span<const LadderRun> ladders)
+  explicit Tables(std::span<const LadderRun* const> ladders)
       : ladders_(ladders), sizes_(sizes_of(ladders)) {}
 
   bool empty() const { return sizes_.rounds == 0; }
@@ -84,14 +84,14 @@ class Tables {
                       .values = std::vector<double>(sizes_.ladders * sizes_.rounds * width, k_nan)};
     table.dims.insert(table.dims.end(), inner.begin(), inner.end());
     for (std::size_t l = 0; l < ladders_.size(); ++l) {
-      const std::span<const RoundReport> rounds = begun(ladders_[l]);
+      const std::span<const RoundReport> rounds = begun(*ladders_[l]);
       for (std::size_t r = 0; r < rounds.size(); ++r)
         write(rounds[r], std::span(table.values).subspan((l * sizes_.rounds + r) * width, width));
     }
     report_.tables.push_back(std::move(table));
   }
 
-  std::span<const LadderRun> ladders_;
+  std::span<const LadderRun* const> ladders_;
   Sizes sizes_;
   plan::Report report_;
 };
@@ -165,7 +165,7 @@ void write_levels(Tables& tables) {
 
 }  // namespace
 
-plan::Report report_of(std::span<const LadderRun> ladders) {
+plan::Report report_of(std::span<const LadderRun* const> ladders) {
   Tables tables(ladders);
   if (tables.empty()) return {};
   write_rounds(tables);

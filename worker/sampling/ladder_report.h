@@ -9,6 +9,6 @@
 
 namespace sleight::sampling {
 
-plan::Report report_of(std::span<const LadderRun> ladders);
+plan::Report report_of(std::span<const LadderRun* const> ladders);
 
 }  // namespace sleight::sampling

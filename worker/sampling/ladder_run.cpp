@@ -18,7 +18,8 @@ LadderRun::LadderRun(const LadderOptions& options) : options_(options) {
   CHECK_LT(options.levels_max, plan::k_replicas_end);
   CHECK_GE(options.round_scans, 1U);
   const auto levels = static_cast<std::uint32_t>(options.first_ladder.size());
-  rounds_.push_back({.first_scan = 0,
+  retired_ = options.anneal_scans;
+  rounds_.push_back({.first_scan = options.anneal_scans,
                      .statistics = RoundStatistics(options.first_ladder, options.round_scans),
                      .round_trips = 0,
                      .restarts = 0,
@@ -28,8 +29,55 @@ LadderRun::LadderRun(const LadderOptions& options) : options_(options) {
   for (Replica& replica : replicas_)
     replica.lives = true;
   carried_.assign(levels, k_nobody);
+  if (options.anneal_scans > 0) return;
   for (std::uint32_t level = 0; level < levels; ++level)
     place(level, level, 0);
+}
+
+std::uint64_t LadderRun::scans() const {
+  if (options_.anneal_scans == 0 || retired_ > options_.anneal_scans) return retired_;
+  std::uint64_t least = options_.anneal_scans;
+  for (std::size_t level = 0; level < ladder().size(); ++level)
+    least = std::min(least, replicas_[level].next_scan);
+  return least;
+}
+
+BurnIn LadderRun::burn_in() const {
+  CHECK_GE(rounds_.size(), 2U);
+  CHECK_EQ(rounds_.back().first_scan, retired_);
+  const RoundReport& last = rounds_[rounds_.size() - 2];
+  const std::uint32_t coolest = rows_.front().replica.back();
+  return {.seed = options_.seed,
+          .chain = options_.chain,
+          .scans = retired_,
+          .coolest = base::ReplicaId{coolest},
+          .first_free = base::ReplicaId{replicas()},
+          .lineage = replicas_[coolest].lineage,
+          .ladder = last.statistics.ladder(),
+          .scales = last.scales,
+          .log_z_steps = last.statistics.log_z_steps(),
+          .next_ladder = ladder(),
+          .next_scales = rounds_.back().scales};
+}
+
+/// A part of the way from the prior to the temperature that the replica has at first.
+plan::Unit LadderRun::anneal(std::uint32_t id, std::uint32_t scans_max) const {
+  const Replica& replica = replicas_[id];
+  const std::uint64_t scans =
+      std::min<std::uint64_t>(options_.anneal_scans - replica.next_scan, scans_max);
+  const double target = options_.first_ladder[id];
+  std::vector<double> betas;
+  for (std::uint64_t scan = replica.next_scan; scan < replica.next_scan + scans; ++scan)
+    betas.push_back(target *
+                    (static_cast<double>(scan) / static_cast<double>(options_.anneal_scans)));
+  return {.replica = {options_.chain, base::ReplicaId{id}},
+          .first_scan = base::ScanIndex{replica.next_scan},
+          .scans = static_cast<std::uint32_t>(scans),
+          .starts = replica.next_scan == 0,
+          .lineage = replica.lineage,
+          .inverse_temperatures = std::move(betas),
+          .proposal_scales = {},
+          .excursion = {}};
 }
 
 std::uint64_t LadderRun::round_end() const {
@@ -58,17 +106,23 @@ void LadderRun::place(std::uint32_t replica, std::uint32_t level, std::uint64_t 
   replicas_[replica].level = level;
 }
 
-std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon) {
+std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint32_t scans_max) {
   // The one furthest behind, the lowest id among equals.
   std::uint32_t chosen = k_nobody;
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
     const Replica& replica = replicas_[id];
-    if (replica.level == k_nobody || replica.handed_out || replica.next_scan >= horizon) continue;
+    const bool anneals = replica.lives && replica.next_scan < options_.anneal_scans;
+    if (replica.level == k_nobody && !anneals) continue;
+    if (replica.handed_out || replica.next_scan >= horizon) continue;
     if (chosen == k_nobody || replica.next_scan < replicas_[chosen].next_scan) chosen = id;
   }
   if (chosen == k_nobody) return std::nullopt;
   Replica& replica = replicas_[chosen];
   replica.handed_out = true;
+  if (replica.next_scan < options_.anneal_scans) {
+    const std::uint64_t left = horizon - replica.next_scan;
+    return anneal(chosen, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, scans_max)));
+  }
   return plan::Unit{.replica = {options_.chain, base::ReplicaId{chosen}},
                     .first_scan = base::ScanIndex{replica.next_scan},
                     .scans = 1,
@@ -91,11 +145,15 @@ void LadderRun::consume(base::ReplicaId id, std::uint64_t first_scan,
     replica.first_scan = replica.next_scan = first_scan;
   CHECK_EQ(first_scan, replica.next_scan + replica.waiting.size());
   for (const plan::ScanRecord& record : records)
-    replica.waiting.push_back({.log_constraint = record.log_constraint,
+    replica.waiting.push_back({.log_prior = 0,
+                               .log_constraint = record.log_constraint,
                                .satisfied = record.satisfied,
                                .lineage = record.lineage,
+                               .inverse_temperature = record.inverse_temperature,
                                .proposed = record.proposed,
-                               .accepted = record.accepted});
+                               .accepted = record.accepted,
+                               .outcome = {},
+                               .state = {}});
   records_ += records.size();
   replica.handed_out = false;
   std::vector<std::uint32_t> ready{id.value};
@@ -107,8 +165,15 @@ void LadderRun::settle(std::vector<std::uint32_t>& ready) {
   while (!ready.empty()) {
     const std::uint32_t id = ready.back();
     ready.pop_back();
-    while (replicas_[id].level != k_nobody && !replicas_[id].waiting.empty()) {
+    while (!replicas_[id].waiting.empty()) {
       Replica& replica = replicas_[id];
+      if (replica.next_scan < options_.anneal_scans) {
+        replica.lineage = replica.waiting.front().lineage;
+        replica.waiting.pop_front();
+        if (++replica.next_scan == options_.anneal_scans) place(id, id, replica.next_scan);
+        continue;
+      }
+      if (replica.level == k_nobody) break;
       const std::uint64_t scan = replica.next_scan++;
       const std::uint32_t level = std::exchange(replica.level, k_nobody);
       replica.lineage = replica.waiting.front().lineage;
@@ -175,12 +240,7 @@ void LadderRun::retire() {
       count_trip(rows_.front().replica[level], level);
     }
     round.statistics.add(scan);
-    const Result& coolest = *rows_.front().result.back();
-    const auto known = std::ranges::lower_bound(solved_lineages_, coolest.lineage);
-    if (coolest.satisfied && (known == solved_lineages_.end() || *known != coolest.lineage)) {
-      solved_lineages_.insert(known, coolest.lineage);
-      solutions_.push_back(retired_);
-    }
+    solutions_.add(retired_, *rows_.front().result.back());
     rows_.pop_front();
     ++retired_;
   }

@@ -30,6 +30,7 @@
 #include <vector>
 
 #include "common/plan/unit.h"
+#include "worker/sampling/chain_part.h"
 #include "worker/sampling/round_statistics.h"
 #include "worker/sampling/tuning.h"
 
@@ -45,6 +46,9 @@ struct LadderOptions {
   /// By kind of proposal: whether it has a size that is tuned (target.h).
   std::vector<bool> has_scale;
   std::uint64_t round_scans = 64;  ///< of the first round; each later one is twice as long
+  /// Simulated annealing first: so many scans in which each replica goes from the prior to its own
+  /// temperature in equal steps. They belong to no round.
+  std::uint64_t anneal_scans = 0;
 };
 
 /// What one round came to; of the present one, so far.
@@ -63,31 +67,27 @@ class LadderRun {
 
   /// A unit that may run now, of a replica that is furthest behind; none if all that may run are
   /// handed out. `horizon`: scans that may be begun.
-  std::optional<plan::Unit> next_unit(std::uint64_t horizon);
+  std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
   /// REQUIRES: as Plan::consume.
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
                std::span<const plan::ScanRecord> records);
 
   /// Scans that every level has.
-  std::uint64_t scans() const { return retired_; }
+  std::uint64_t scans() const;
   std::uint64_t records_consumed() const { return records_; }
   /// Scans at which a lineage first satisfied at inverse temperature 1, in order.
-  const std::vector<std::uint64_t>& solutions() const { return solutions_; }
+  const std::vector<std::uint64_t>& solutions() const { return solutions_.scans(); }
   /// All rounds, the present one last.
   const std::vector<RoundReport>& rounds() const { return rounds_; }
   std::uint32_t replicas() const { return static_cast<std::uint32_t>(replicas_.size()); }
+  /// What another method goes on from. REQUIRES: a round has just ended.
+  BurnIn burn_in() const;
 
  private:
   static constexpr std::uint32_t k_nobody = UINT32_MAX;
   enum class Way : std::uint8_t { unknown, up, down };  ///< to the coolest, or back from there
 
-  struct Result {
-    double log_constraint = 0;
-    bool satisfied = false;
-    std::uint64_t lineage = 0;
-    std::vector<std::uint32_t> proposed;
-    std::vector<std::uint32_t> accepted;
-  };
+  using Result = plan::ScanRecord;  ///< as far as it is needed here
   struct Replica {
     bool lives = false;              ///< it has, or had, a level
     std::uint64_t first_scan = 0;    ///< of its life
@@ -114,6 +114,7 @@ class LadderRun {
   bool swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter, const Result& cooler);
   void retire();
   void count_trip(std::uint32_t replica, std::uint32_t level);
+  plan::Unit anneal(std::uint32_t id, std::uint32_t scans_max) const;
   void begin_round(std::vector<std::uint32_t>& ready);
   std::uint64_t round_end() const;
 
@@ -124,8 +125,7 @@ class LadderRun {
   std::uint64_t records_ = 0;
   std::vector<RoundReport> rounds_;
   std::vector<std::uint32_t> carried_;  ///< by level: who goes on after the round's last scan
-  std::vector<std::uint64_t> solutions_;
-  std::vector<std::uint64_t> solved_lineages_;  ///< ascending
+  Solutions solutions_;
 };
 
 }  // namespace sleight::sampling

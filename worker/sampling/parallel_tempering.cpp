@@ -11,7 +11,8 @@
 namespace sleight::sampling {
 
 ParallelTempering::ParallelTempering(const ParallelTemperingOptions& options)
-    : stop_(options.stop, options.ladder.round_scans) {
+    : anneal_scans_(options.ladder.anneal_scans),
+      stop_(options.stop, options.ladder.round_scans, options.ladder.anneal_scans) {
   CHECK_GE(options.ladders, 1U);
   LadderOptions ladder = options.ladder;
   for (std::uint32_t id = 0; id < options.ladders; ++id) {
@@ -28,7 +29,7 @@ std::optional<plan::Unit> ParallelTempering::next_unit(std::uint32_t scans_max) 
     order.push_back(&ladder);
   std::ranges::stable_sort(order, {}, &LadderRun::scans);
   for (LadderRun* ladder : order) {
-    if (auto unit = ladder->next_unit(stop_.horizon())) return unit;
+    if (auto unit = ladder->next_unit(stop_.horizon(), scans_max)) return unit;
   }
   return std::nullopt;
 }
@@ -58,6 +59,11 @@ std::uint64_t ParallelTempering::scans_common() const {
   return std::min(std::ranges::min(ladders_, {}, &LadderRun::scans).scans(), stop_.end());
 }
 
+plan::Draws ParallelTempering::draws() const {
+  const std::uint64_t scans = scans_common();
+  return {.first_scan = anneal_scans_, .count = scans - std::min(scans, anneal_scans_)};
+}
+
 std::uint64_t ParallelTempering::solutions_found() const {
   std::uint64_t sum = 0;
   for (const LadderRun& ladder : ladders_)
@@ -83,7 +89,10 @@ std::optional<std::uint64_t> ParallelTempering::scans_total() const {
 }
 
 plan::Report ParallelTempering::report() const {
-  return report_of(ladders_);
+  std::vector<const LadderRun*> ladders;
+  for (const LadderRun& ladder : ladders_)
+    ladders.push_back(&ladder);
+  return report_of(ladders);
 }
 
 }  // namespace sleight::sampling

@@ -29,6 +29,7 @@ class ParallelTempering final : public plan::Plan {
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override;
   std::uint64_t scans_common() const override;
+  plan::Draws draws() const override;
   std::uint64_t solutions_found() const override;
   std::optional<std::uint64_t> solutions_wanted() const override {
     return stop_.solutions_wanted();
@@ -44,6 +45,7 @@ class ParallelTempering final : public plan::Plan {
   const std::vector<LadderRun>& ladders() const { return ladders_; }
 
  private:
+  std::uint64_t anneal_scans_;
   std::vector<LadderRun> ladders_;
   StopJudge stop_;
 };

@@ -80,6 +80,17 @@ double RoundStatistics::log_z_without(std::size_t left_out) const {
   return sum;
 }
 
+std::vector<double> RoundStatistics::log_z_steps() const {
+  std::vector<double> steps;
+  for (std::size_t i = 0; i + 1 < ladder_.size(); ++i) {
+    LogSum step;
+    for (const Batch& batch : batches_)
+      step.add(batch.steps[i]);
+    steps.push_back(step.log_mean());
+  }
+  return steps;
+}
+
 Estimate RoundStatistics::log_z() const {
   return jackknife([&](std::size_t left_out) { return log_z_without(left_out); });
 }

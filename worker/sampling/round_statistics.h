@@ -50,6 +50,8 @@ class RoundStatistics {
   /// scan.
   std::vector<double> rejections() const;
   Estimate log_z() const;
+  /// log Z_{i+1} - log Z_i: what log_z sums up.
+  std::vector<double> log_z_steps() const;
   /// -infinity, without an error, where nothing satisfied.
   Estimate log_satisfied() const;
 

@@ -27,8 +27,9 @@ class StopJudge {
  public:
   static constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
 
-  /// REQUIRES: round_scans at least 1, one rule at least.
-  StopJudge(const StopRule& rule, std::uint64_t round_scans);
+  /// `before`: scans that come before the first round. REQUIRES: round_scans at least 1, one rule
+  /// at least.
+  StopJudge(const StopRule& rule, std::uint64_t round_scans, std::uint64_t before = 0);
 
   /// Moves on over every round end that all chains have reached. `solutions_before(scan)`: lineages
   /// over all chains that had satisfied before that scan.
@@ -43,7 +44,10 @@ class StopJudge {
 
  private:
   StopRule rule_;
+  std::uint64_t round_end() const;
+
   std::uint64_t round_scans_;
+  std::uint64_t before_;
   std::uint32_t round_ = 1;
   std::uint64_t horizon_ = 0;
   std::uint64_t end_ = k_no_end;

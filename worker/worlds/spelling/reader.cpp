@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
 #include "worker/worlds/spelling/spelling.h"
 
@@ -85,6 +86,8 @@ class SpellingReader final : public archive::StateReader {
       : world_(parameters), layout_(make_layout(world_)) {
     if (parameters.proposal.kernel == Kernel::thesis)
       layout_.warning = "biased kernel: thesis (A.2.2 as printed)";
+    // A throw has all balls in it; there are as many as bins to fill, so all that satisfy have.
+    layout_.log_natural_throw = world_.balls() * math::log(0.5);
   }
 
   const archive::WorldLayout& layout() const override { return layout_; }

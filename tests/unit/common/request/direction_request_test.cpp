@@ -228,7 +228,9 @@ TEST(RequestKeys, ListEveryKeyOnce) {
   EXPECT_EQ(keys,
             "world: name height_m tilt_deg balls spinning surface\n"
             "constraint: word lambda\n"
-            "sampler: method chains replicas seed iterations_per_scan round_scans step\n"
+            "sampler: method chains replicas seed iterations_per_scan round_scans anneal_scans "
+            "burn_in_rounds "
+            "lanes steps_per_level step\n"
             "stop: scans rounds independent_solutions\n"
             "output: thin keep_max keep_per_lineage min_distance\n");
 }

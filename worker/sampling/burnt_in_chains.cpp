@@ -1,0 +1,144 @@
+#include "worker/sampling/burnt_in_chains.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "common/base/check.h"
+#include "worker/sampling/ladder_report.h"
+
+namespace sleight::sampling {
+
+BurntInChains::BurntInChains(const BurntInOptions& options)
+    : options_(options),
+      burn_in_scans_(options.ladder.anneal_scans +
+                     scans_through_round(options.ladder.round_scans, options.burn_in_rounds)),
+      stop_(options.stop, options.ladder.round_scans, burn_in_scans_) {
+  CHECK_GE(options.chains, 1U);
+  CHECK_GE(options.burn_in_rounds, 1U);
+  LadderOptions ladder = options.ladder;
+  for (std::uint32_t id = 0; id < options.chains; ++id) {
+    ladder.chain = base::ChainId{id};
+    chains_.push_back({.burn_in = LadderRun(ladder), .part = nullptr, .waiting = {}});
+  }
+}
+
+std::optional<plan::Unit> BurntInChains::next_unit(std::uint32_t scans_max) {
+  CHECK_GE(scans_max, 1U);
+  // Of the chain that is furthest behind among those that have one.
+  std::vector<Chain*> order;
+  for (Chain& chain : chains_)
+    order.push_back(&chain);
+  std::ranges::stable_sort(order, {}, &Chain::scans);
+  for (Chain* chain : order) {
+    auto unit = chain->part ? chain->part->next_unit(stop_.horizon(), scans_max)
+                            : chain->burn_in.next_unit(std::min(burn_in_scans_, stop_.horizon()),
+                                                       scans_max);
+    if (unit) return unit;
+  }
+  return std::nullopt;
+}
+
+void BurntInChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
+                            std::span<const plan::ScanRecord> records) {
+  CHECK_LT(replica.chain.value, chains_.size());
+  Chain& chain = chains_[replica.chain.value];
+  records_ += records.size();
+  std::uint64_t first = first_scan.value;
+  if (first < burn_in_scans_) {
+    const auto early = records.first(
+        static_cast<std::size_t>(std::min<std::uint64_t>(records.size(), burn_in_scans_ - first)));
+    chain.burn_in.consume(replica.replica, first, early);
+    records = records.subspan(early.size());
+    first += early.size();
+  }
+  if (!records.empty()) {
+    if (chain.part) {
+      chain.part->consume(replica.replica, first, records);
+    } else {
+      auto& [begin, waiting] = chain.waiting[replica.replica.value];
+      if (waiting.empty()) begin = first;
+      waiting.insert(waiting.end(), records.begin(), records.end());
+    }
+  }
+  if (!chain.part && chain.burn_in.scans() == burn_in_scans_) begin_part(chain);
+  stop_.judge(scans_of_all(), [&](std::uint64_t round_end) {
+    std::uint64_t solutions = 0;
+    for (const Chain& each : chains_) {
+      if (!each.part) continue;
+      const std::vector<std::uint64_t>& found = each.part->solutions();
+      solutions +=
+          static_cast<std::uint64_t>(std::ranges::lower_bound(found, round_end) - found.begin());
+    }
+    return solutions;
+  });
+}
+
+std::uint64_t BurntInChains::scans_of_all() const {
+  return std::ranges::min_element(chains_, {}, &Chain::scans)->scans();
+}
+
+void BurntInChains::begin_part(Chain& chain) {
+  chain.part = options_.go_on(chain.burn_in.burn_in());
+  for (const auto& [replica, results] : std::exchange(chain.waiting, {}))
+    chain.part->consume(base::ReplicaId{replica}, results.first, results.second);
+}
+
+bool BurntInChains::finished() const {
+  return std::ranges::all_of(chains_,
+                             [&](const Chain& chain) { return chain.scans() >= stop_.end(); });
+}
+
+std::uint64_t BurntInChains::scans_common() const {
+  return std::min(scans_of_all(), stop_.end());
+}
+
+plan::Draws BurntInChains::draws() const {
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  for (const Chain& chain : chains_)
+    least = std::min(least, chain.part ? chain.part->draws() : 0);
+  return {.first_scan = burn_in_scans_, .count = least};
+}
+
+std::uint64_t BurntInChains::solutions_found() const {
+  std::uint64_t sum = 0;
+  for (const Chain& chain : chains_)
+    sum += chain.part ? chain.part->solutions().size() : 0;
+  return sum;
+}
+
+plan::Report BurntInChains::report() const {
+  std::vector<const LadderRun*> ladders;
+  std::vector<std::vector<ChainPart::Row>> rows;
+  for (const Chain& chain : chains_) {
+    ladders.push_back(&chain.burn_in);
+    if (chain.part) rows.push_back(chain.part->rows());
+  }
+  plan::Report report = report_of(ladders);
+  if (rows.size() < chains_.size()) return report;
+  report.warning = chains_.front().part->warning();
+  for (std::size_t r = 0; r < rows.front().size(); ++r) {
+    const ChainPart::Row& first = rows.front()[r];
+    const std::string dimension = first.dimension;
+    // As long as the longest; of draws, as many as all chains have.
+    std::size_t width = 0;
+    for (const std::vector<ChainPart::Row>& chain : rows)
+      width = std::max(width, chain[r].values.size());
+    if (dimension == "draw") width = draws().count;
+    plan::Table table{.name = first.name,
+                      .meaning = first.meaning,
+                      .dims = {{"chain", chains_.size()}},
+                      .values = {}};
+    if (!dimension.empty()) table.dims.emplace_back(dimension, width);
+    for (const std::vector<ChainPart::Row>& chain : rows) {
+      std::vector<double> values = chain[r].values;
+      values.resize(width, std::numeric_limits<double>::quiet_NaN());
+      table.values.insert(table.values.end(), values.begin(), values.end());
+    }
+    if (width > 0) report.tables.push_back(std::move(table));
+  }
+  return report;
+}
+
+}  // namespace sleight::sampling

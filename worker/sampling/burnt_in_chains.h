@@ -1,0 +1,68 @@
+// Methods that need temperatures to begin with, as a Plan: every chain runs parallel tempering for
+// some rounds, and then goes on by itself with what that found (chain_part.h).
+//
+// Rounds of the stop rule are counted from the burn-in's end; scans count everything.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/plan/plan.h"
+#include "worker/sampling/chain_part.h"
+#include "worker/sampling/ladder_run.h"
+#include "worker/sampling/stop_rule.h"
+
+namespace sleight::sampling {
+
+struct BurntInOptions {
+  std::uint32_t chains = 1;
+  LadderOptions ladder;  ///< of each chain's burn-in; its chain is set
+  std::uint32_t burn_in_rounds = 1;
+  StopRule stop;
+  std::function<std::unique_ptr<ChainPart>(const BurnIn&)> go_on;
+};
+
+class BurntInChains final : public plan::Plan {
+ public:
+  /// REQUIRES: a chain, a round and a stop rule at least.
+  explicit BurntInChains(const BurntInOptions& options);
+
+  std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
+  void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
+               std::span<const plan::ScanRecord> records) override;
+  bool finished() const override;
+  std::uint64_t scans_common() const override;
+  plan::Draws draws() const override;
+  std::uint64_t solutions_found() const override;
+  std::optional<std::uint64_t> solutions_wanted() const override {
+    return stop_.solutions_wanted();
+  }
+  std::uint64_t scans_consumed() const override { return records_; }
+  std::optional<std::uint64_t> scans_total() const override { return std::nullopt; }
+  /// What the burn-in's ladders learnt, and the rows of all parts.
+  plan::Report report() const override;
+
+ private:
+  struct Chain {
+    LadderRun burn_in;
+    std::unique_ptr<ChainPart> part;  ///< none before the burn-in's end
+    /// Results of later scans that a run store gave before the burn-in was known to end.
+    std::map<std::uint32_t, std::pair<std::uint64_t, std::vector<plan::ScanRecord>>> waiting;
+    std::uint64_t scans() const { return part ? part->scans() : burn_in.scans(); }
+  };
+  std::uint64_t scans_of_all() const;
+  void begin_part(Chain& chain);
+
+  BurntInOptions options_;
+  std::uint64_t burn_in_scans_;
+  StopJudge stop_;
+  std::vector<Chain> chains_;
+  std::uint64_t records_ = 0;
+};
+
+}  // namespace sleight::sampling

@@ -1,0 +1,39 @@
+// A chain whose scans end with a tempered transition (tempered_transition.h), through the
+// temperatures that a burn-in has found, and some between each two: an excursion is only accepted
+// if no step of it is far.
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "worker/sampling/chain_part.h"
+
+namespace sleight::sampling {
+
+class Excursions final : public ChainPart {
+ public:
+  /// REQUIRES: steps_per_level at least 1.
+  Excursions(const BurnIn& burn_in, std::uint32_t steps_per_level);
+
+  std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max) override;
+  void consume(base::ReplicaId replica, std::uint64_t first_scan,
+               std::span<const plan::ScanRecord> records) override;
+  std::uint64_t scans() const override { return scan_; }
+  std::uint64_t draws() const override { return scan_ - burn_in_.scans; }
+  const std::vector<std::uint64_t>& solutions() const override { return solutions_.scans(); }
+  /// Lineages count what was accepted: the ladder ends at the prior.
+  std::vector<Row> rows() const override;
+
+ private:
+  BurnIn burn_in_;
+  std::vector<double> below_;
+  std::uint64_t scan_ = 0;  ///< the next
+  std::uint64_t lineage_ = 0;
+  std::uint64_t accepted_ = 0;
+  bool handed_out_ = false;
+  Solutions solutions_;
+};
+
+}  // namespace sleight::sampling
