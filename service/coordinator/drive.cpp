@@ -77,13 +77,13 @@ class Driver {
   /// Brings the plan to where earlier sessions left the run.
   void catch_up() {
     for (store::ReplicaProgress& replica : store_.progress()) {
-      std::uint64_t consumed = 0;
+      std::uint64_t next_scan = 0;
       store_.replay(replica.replica,
                     [&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
                       plan_.consume(replica.replica, first, records);
-                      consumed += records.size();
+                      next_scan = first.value + records.size();
                     });
-      CHECK_EQ(consumed, replica.next_scan);  // replay refuses a damaged store
+      CHECK_EQ(next_scan, replica.next_scan);  // replay refuses a damaged store
       states_[replica.replica] = std::move(replica.state);
     }
     earlier_scans_ = plan_.scans_consumed();

@@ -1,0 +1,125 @@
+"""Goal: what holds for plain chains holds for every method (DESIGN C1, C2): an archive is a function
+of request, seed and version alone, and what is killed or stopped goes on to the same bits. Method:
+each method's request by other means, archives compared byte for byte; draws against what the archive
+says of itself."""
+
+import json
+import random
+import subprocess
+import time
+
+import harness
+from harness import ProgramTest
+
+METHODS = {
+    "parallel_tempering": "",
+    "simulated_tempering": "burn_in_rounds = 3",
+    "tempered_transitions": "burn_in_rounds = 3\nsteps_per_level = 3",
+    "annealed_importance": "burn_in_rounds = 3\nlanes = 3\nsteps_per_level = 2",
+}
+# Three rounds of burn-in and the annealing before them.
+BURN_IN = 40 * 7 + 25
+
+
+class Tempered(ProgramTest):
+    def request(self, method, scans, name="request.toml", iterations=4, extra=""):
+        path = self.path(name)
+        path.write_text(f"""
+[world]
+name = "ball_2d"
+[sampler]
+method = "{method}"
+chains = 2
+seed = 5
+iterations_per_scan = {iterations}
+round_scans = 40
+anneal_scans = 25
+{METHODS[method]}
+{extra}
+[stop]
+scans = {scans}
+[output]
+thin = 3
+""")
+        return path
+
+    def asked_scans(self, archive):
+        """The scans of the request that reproduces an archive."""
+        text = self.info(archive)["request"]
+        return int(text.split("[stop]\nscans = ")[1].split("\n")[0])
+
+    def test_threads_ranks_and_processors(self):
+        for method in METHODS:
+            with self.subTest(method):
+                request = self.request(method, 1500)
+                one = self.path("one.h5")
+                self.direct(request, one, "--threads", "1", "--fresh")
+                self.succeed(harness.sleight("archive", "verify", one))
+                others = {}
+                self.direct(request, self.path("threads.h5"), "--threads", "5", "--fresh")
+                others["threads"] = self.path("threads.h5")
+                ranks = self.path("ranks.h5")
+                self.succeed(harness.run(harness.batch(3, request, ranks, "-q", "--fresh",
+                                                       folder=self.folder)))
+                others["ranks"] = ranks
+                self.direct(request, self.path("plain.h5"), "--fresh",
+                            env={"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA"})
+                others["processor"] = self.path("plain.h5")
+                for way, output in others.items():
+                    self.assertEqual(output.read_bytes(), one.read_bytes(), way)
+
+    def test_other_seeds_are_other_runs(self):
+        # The comparisons above can fail.
+        for method in METHODS:
+            with self.subTest(method):
+                request = self.request(method, 700)
+                self.direct(request, self.path("a.h5"), "--fresh")
+                self.direct(request, self.path("b.h5"), "--fresh", "--seed", "6")
+                self.assertNotEqual(self.digest(self.path("a.h5")), self.digest(self.path("b.h5")))
+
+    def test_killed_runs_go_on(self):
+        generator = random.Random(harness.arguments.seed)
+        print(f"seed {harness.arguments.seed}")
+        for method in METHODS:
+            with self.subTest(method):
+                request = self.request(method, 2500, iterations=20)
+                whole = self.path("whole.h5")
+                begin = time.monotonic()
+                self.direct(request, whole, "--fresh")
+                took = time.monotonic() - begin
+                output = self.path(f"{method}.h5")
+                kills = 0
+                for _ in range(6):
+                    process = harness.start([harness.program("sleight"), "direct", request, "-o",
+                                             output, "-q"])
+                    try:
+                        process.communicate(timeout=0.02 + generator.random() * took / 2)
+                        self.assertEqual(process.returncode, 0)
+                    except subprocess.TimeoutExpired:
+                        harness.kill_group(process)
+                        kills += 1
+                self.direct(request, output)
+                self.assertGreater(kills, 0)
+                self.assertEqual(output.read_bytes(), whole.read_bytes())
+
+    def test_a_time_limited_run_is_the_run_asked_for_as_many_scans(self):
+        for method in METHODS:
+            with self.subTest(method):
+                cut = self.path(f"{method}.h5")
+                self.direct(self.request(method, 100000000), cut, "--time-limit", "2s")
+                scans = self.asked_scans(cut)
+                self.assertGreater(scans, BURN_IN)
+                self.assertLess(scans, 100000000)
+                whole = self.path("whole.h5")
+                self.direct(self.request(method, scans, "whole.toml"), whole, "--fresh")
+                self.assertEqual(cut.read_bytes(), whole.read_bytes())
+
+    def test_stopping_in_the_burn_in_leaves_no_archive(self):
+        request = self.request("simulated_tempering", 100)
+        result = self.direct(request, self.path("early.h5"), "--json")
+        self.assertEqual(json.loads(result.stdout)["archive"], "")
+        self.assertFalse(self.path("early.h5").exists())
+
+
+if __name__ == "__main__":
+    harness.main()
