@@ -59,13 +59,19 @@ Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
   return static_cast<Kind>(drawn);
 }
 
+/// More are never flipped, so that neither way is impossible.
+constexpr double k_flip_probability_max = 0.9;
+
 /// Disables active balls, or enables the others, each with a probability. Returns log q ratio.
-double flip_balls(const Prior& prior, const ProposalParameters& p, bool enable, State& state,
-                  random::Stream& stream) {
+double flip_balls(const Prior& prior, const ProposalParameters& p, double scale, bool enable,
+                  State& state, random::Stream& stream) {
+  const double flip_probability =
+      scale == 1 ? p.flip_probability
+                 : std::min(p.flip_probability * scale, k_flip_probability_max);
   const auto present = static_cast<double>(state.active_count());
   double flipped = 0;
   for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
-    if ((state.active[ball] != 0) == enable || stream.uniform() >= p.flip_probability) continue;
+    if ((state.active[ball] != 0) == enable || stream.uniform() >= flip_probability) continue;
     ++flipped;
     state.active[ball] = enable ? 1 : 0;
     state.drops_m[ball] = enable ? draw_drop(prior, stream) : Vec2(0, 0);
@@ -73,7 +79,7 @@ double flip_balls(const Prior& prior, const ProposalParameters& p, bool enable, 
   const double sign = enable ? -1 : 1;
   if (p.kernel == Kernel::thesis) return sign * flipped * prior.log_area();
   const double stays = sign * (static_cast<double>(prior.balls) - 2 * present) + flipped;
-  return stays * math::log(1 - p.flip_probability) - sign * flipped * prior.log_area();
+  return stays * math::log(1 - flip_probability) - sign * flipped * prior.log_area();
 }
 
 }  // namespace
@@ -126,7 +132,12 @@ sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& 
                                   const State& state, std::span<const double> scales,
                                   random::Stream& stream) {
   const Kind kind = drawn_kind(p, stream);
-  const double scale = scales.empty() ? 1 : scales[static_cast<std::size_t>(kind)];
+  const auto scale_of = [&](Kind of) {
+    return scales.empty() ? 1 : scales[static_cast<std::size_t>(of)];
+  };
+  const double scale = scale_of(kind);
+  // One for both: they are each other's way back.
+  const double flip_scale = scale_of(Kind::disable_balls);
   sampling::Proposal<State> proposal{.candidate = state, .kind = static_cast<std::uint32_t>(kind)};
   State& candidate = proposal.candidate;
   switch (kind) {
@@ -158,7 +169,8 @@ sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& 
     }
     case Kind::disable_balls:
     case Kind::enable_balls:
-      proposal.log_q_ratio = flip_balls(prior, p, kind == Kind::enable_balls, candidate, stream);
+      proposal.log_q_ratio =
+          flip_balls(prior, p, flip_scale, kind == Kind::enable_balls, candidate, stream);
       break;
   }
   return proposal;

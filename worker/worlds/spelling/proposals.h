@@ -81,7 +81,8 @@ struct Prior {
 /// it is prior.draw(stream).
 State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream);
 
-/// `scales`: by kind, or empty for 1; of the lengths by which vertices and balls move.
+/// `scales`: by kind, or empty for 1; of the lengths by which vertices and balls move, and of the
+/// probability with which a ball is disabled, or enabled: both have the scale of disable_balls.
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
                                   const State& state, std::span<const double> scales,
                                   random::Stream& stream);
@@ -92,7 +93,7 @@ inline sampling::Proposal<State> propose(const Prior& prior, const ProposalParam
 
 /// Whether a kind's proposals have a size.
 inline bool has_scale(Kind kind) {
-  return kind == Kind::change_vertices || kind == Kind::change_ball;
+  return kind == Kind::change_vertices || kind == Kind::change_ball || kind == Kind::disable_balls;
 }
 
 }  // namespace sleight::worlds::spelling
