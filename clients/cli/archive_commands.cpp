@@ -8,15 +8,17 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
+#include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
+#include "clients/cli/tempering.h"
+#include "clients/cli/throw_odds.h"
 #include "clients/cli/trace.h"
 #include "common/archive/csv.h"
 #include "common/archive/digest.h"
 #include "common/archive/format.h"
-#include "common/archive/hdf5/guarded.h"
-#include "common/archive/hdf5/reader.h"
 #include "common/archive/summary.h"
 #include "common/archive/verify.h"
 #include "common/base/error.h"
@@ -49,16 +51,60 @@ double sum_of(const archive::Source& source, std::string_view dataset) {
   return sum;
 }
 
+/// What the ladders of a tempered run estimate.
+struct Tempered {
+  std::size_t rounds = 0;
+  std::size_t judged = 0;  ///< the round that log_z is of
+  CombinedEstimate log_z;
+  std::size_t satisfied_round = 0;   ///< the round that log_p_satisfied is of
+  CombinedEstimate log_p_satisfied;  ///< of no ladder: nothing ever satisfied
+  double log_natural_throw = 0;
+};
+
 struct Facts {
   archive::Summary summary;
   double satisfied = 0;   ///< share of all scans
   double acceptance = 0;  ///< mean over scans with proposals
+  std::optional<Tempered> tempered{};
 };
+
+CombinedEstimate estimate_of(const archive::Source& source, const std::string& name,
+                             std::uint64_t chains, std::size_t round) {
+  const std::vector<double> values = of_ladders(source, name, chains, round);
+  const std::vector<double> errors = of_ladders(source, name + "_error", chains, round);
+  std::vector<LogEstimate> ladders;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    ladders.push_back({.value = values[i], .error = errors[i]});
+  return combined(ladders);
+}
+
+std::optional<Tempered> tempered_of(const archive::Source& source,
+                                    const archive::Summary& summary) {
+  const std::vector<Round> rounds = rounds_of(source, summary.chains, summary.scans);
+  if (rounds.empty()) return std::nullopt;
+  const auto estimate = [&](const std::string& name, std::size_t round) {
+    return estimate_of(source, name, summary.chains, round);
+  };
+  const std::size_t judged = judged_round(rounds);
+  Tempered tempered{.rounds = rounds.size(),
+                    .judged = judged,
+                    .log_z = estimate("log_z", judged),
+                    .satisfied_round = judged,
+                    .log_p_satisfied = estimate("log_p_satisfied", judged),
+                    .log_natural_throw = log_natural_throw(source)};
+  // Where nothing satisfied there, the latest of the other rounds must do.
+  for (std::size_t r = rounds.size(); r-- > 0 && tempered.log_p_satisfied.ladders == 0;) {
+    tempered.satisfied_round = r;
+    tempered.log_p_satisfied = estimate("log_p_satisfied", r);
+  }
+  return tempered;
+}
 
 Facts facts_of(const archive::Source& source) {
   Facts facts{.summary = archive::summary_of(source)};
   const std::uint64_t scans = facts.summary.chains * facts.summary.scans;
   if (scans == 0) return facts;
+  facts.tempered = tempered_of(source, facts.summary);
   facts.satisfied = sum_of(source, "satisfied") / static_cast<double>(scans);
   const std::uint64_t moving = facts.summary.chains * (facts.summary.scans - 1);
   if (moving > 0) {
@@ -93,6 +139,42 @@ std::string kept_animations(const archive::Summary& summary) {
                      most);
 }
 
+/// "-4.54 +- 0.02 (jackknife within ladders, 4 ladders)".
+std::string shown(const CombinedEstimate& estimate) {
+  if (estimate.ladders == 0) return "unknown";
+  const std::string ladders =
+      fmt::format("{} ladder{}", estimate.ladders, estimate.ladders == 1 ? "" : "s");
+  if (estimate.error_from == ErrorFrom::unknown) {
+    return fmt::format("{:.2f} ({}, error unknown)", estimate.log.value, ladders);
+  }
+  return fmt::format("{:.2f} +- {:.2f} ({}, {})", estimate.log.value, estimate.log.error, ladders,
+                     name_of(estimate.error_from));
+}
+
+void print_tempered(const Tempered& tempered, std::uint64_t chains) {
+  const auto round_of = [&](std::size_t round) {
+    return fmt::format("round {} of {}", round + 1, tempered.rounds);
+  };
+  const CombinedEstimate& odds = tempered.log_p_satisfied;
+  fmt::print("  log Z        {}, {}\n", shown(tempered.log_z), round_of(tempered.judged));
+  if (odds.ladders == 0) {
+    fmt::print("  by chance    unknown: nothing satisfied in any round\n");
+    return;
+  }
+  fmt::print("  by chance    {}\n", in_words(odds_of(odds.log, tempered.log_natural_throw)));
+  fmt::print("               log P {}, {}\n", shown(odds), round_of(tempered.satisfied_round));
+  if (tempered.satisfied_round != tempered.judged) {
+    fmt::print("               of another round, since nothing satisfied in {}\n",
+               round_of(tempered.judged));
+  }
+  if (odds.ladders < chains) {
+    fmt::print(
+        "               nothing satisfied in {} of {} ladders, which are left out: it may "
+        "be rarer\n",
+        chains - odds.ladders, chains);
+  }
+}
+
 void print_for_people(const std::string& path, const Facts& facts) {
   const archive::Summary& summary = facts.summary;
   fmt::print("{}: {} samples\n\n", path, summary.world);
@@ -104,40 +186,51 @@ void print_for_people(const std::string& path, const Facts& facts) {
   fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
   fmt::print("  animations   {}, {} segments of motion\n", kept_animations(summary),
              summary.segments);
+  if (facts.tempered) print_tempered(*facts.tempered, summary.chains);
   fmt::print("  written by   sleight {}\n", summary.inference_library_version);
   fmt::print("  digest       {}\n\n", summary.content_digest);
   fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
 }
 
+nlohmann::ordered_json as_json(const CombinedEstimate& estimate, std::size_t round) {
+  return {{"value", estimate.log.value},
+          {"error", estimate.log.error},
+          {"error_from", name_of(estimate.error_from)},
+          {"ladders", estimate.ladders},
+          {"round", round + 1}};
+}
+
+/// One throw in so many as a power of ten; numbers that are not known are null.
+nlohmann::ordered_json as_json(const Tempered& tempered) {
+  const ThrowOdds odds = odds_of(tempered.log_p_satisfied.log, tempered.log_natural_throw);
+  return {{"rounds", tempered.rounds},
+          {"log_z", as_json(tempered.log_z, tempered.judged)},
+          {"log_p_satisfied", as_json(tempered.log_p_satisfied, tempered.satisfied_round)},
+          {"log_natural_throw", tempered.log_natural_throw},
+          {"log10_throws", odds.log10_throws},
+          {"log10_throws_low", odds.log10_low},
+          {"log10_throws_high", odds.log10_high}};
+}
+
 nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
   const archive::Summary& summary = facts.summary;
-  return {{"archive", path},
-          {"world", summary.world},
-          {"format_version", summary.format_version},
-          {"warning", summary.warning},
-          {"chains", summary.chains},
-          {"scans", summary.scans},
-          {"states", summary.states},
-          {"thin", summary.thin},
-          {"satisfied_share", facts.satisfied},
-          {"acceptance_rate", facts.acceptance},
-          {"animations", summary.animations},
-          {"segments", summary.segments},
-          {"version", summary.inference_library_version},
-          {"digest", summary.content_digest},
-          {"request", summary.request_text}};
-}
-
-/// A path need not be UTF-8; JSON must be.
-std::string dumped(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
-/// Runs `work` on the opened archive, in a child that may crash or hang.
-int with_archive(const std::string& path, const std::function<int(const archive::Source&)>& work) {
-  return archive::hdf5::guarded(path, {}, [&] {
-    return with_results([&] { return work(*archive::hdf5::open_file(path)); });
-  });
+  nlohmann::ordered_json json{{"archive", path},
+                              {"world", summary.world},
+                              {"format_version", summary.format_version},
+                              {"warning", summary.warning},
+                              {"chains", summary.chains},
+                              {"scans", summary.scans},
+                              {"states", summary.states},
+                              {"thin", summary.thin},
+                              {"satisfied_share", facts.satisfied},
+                              {"acceptance_rate", facts.acceptance},
+                              {"animations", summary.animations},
+                              {"segments", summary.segments},
+                              {"version", summary.inference_library_version},
+                              {"digest", summary.content_digest},
+                              {"request", summary.request_text}};
+  if (facts.tempered) json["tempering"] = as_json(*facts.tempered);
+  return json;
 }
 
 void export_to_file(const archive::Source& source, const ExportOptions& options,

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "clients/cli/archive_commands.h"
+#include "clients/cli/diagnose_command.h"
+#include "clients/cli/main_diagnose.h"
 #include "clients/cli/main_direct.h"
 #include "clients/cli/main_spelling_box.h"
 #include "clients/cli/output.h"
@@ -104,6 +106,32 @@ void add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action) {
       "  sleight archive export ball.h5 --csv --table posterior -o normals.csv");
 }
 
+struct DiagnoseArguments {
+  std::string path;
+  bool json = false;
+};
+
+void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
+  CLI::App* command = app.add_subcommand("diagnose", "Whether an archive's chains have mixed");
+  command->add_option("archive", arguments.path, "The archive")
+      ->required()
+      ->type_name("ARCHIVE.h5");
+  command->add_flag("--json", arguments.json, "As JSON");
+  command->footer(
+      "Judges log p, the outcomes and the state by R-hat (at most 1.01) and effective sample size\n"
+      "(at least 400, and 100 for each chain): the longest round of a tempered run, or the second\n"
+      "half of plain chains. Ladders must have made a round trip. Exits with 7 and says why when\n"
+      "the chains have not mixed. No complaint is no proof: chains that all miss a mode agree.\n\n"
+      "Examples:\n"
+      "  sleight diagnose ball.h5\n"
+      "  sleight diagnose ball.h5 --json | jq .reasons");
+  command->callback([&] {
+    action = [&] {
+      return cli::diagnose_archive(arguments.path, arguments.json, convergence_rules());
+    };
+  });
+}
+
 void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand("plot", "Draw an archive: on the terminal, SVG or PNG");
   command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
@@ -153,10 +181,12 @@ int main_of(int argc, char** argv) {
   std::string check_path;
   std::string world;
   ArchiveArguments archive_arguments;
+  DiagnoseArguments diagnose_arguments;
   cli::PlotOptions plot_options;
   add_direct(app, direct_arguments, action);
   add_request_help(app, check_path, world, action);
   add_archive(app, archive_arguments, action);
+  add_diagnose(app, diagnose_arguments, action);
   add_plot(app, plot_options, action);
 
   try {

@@ -73,7 +73,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
 const char* const k_exit_codes =
     "Exit codes: 0 done (also at a time limit); 1 a bug; 2 wrong usage; 3 errors in the request;\n"
     "4 the output belongs to another run; 5 the environment (disk, files); 6 a bad archive;\n"
-    "130 interrupted, with everything stored.";
+    "7 chains that have not mixed (diagnose); 130 interrupted, with everything stored.";
 
 void add_run_options(CLI::App& app, DirectArguments& arguments) {
   app.add_option("request", arguments.request_path, "The direction request, a TOML file")

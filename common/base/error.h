@@ -18,6 +18,7 @@ enum class ExitCode : int {
   conflict = 4,       ///< the output belongs to another request, or another process writes it
   environment = 5,    ///< disk full, no permission, a missing file
   bad_archive = 6,    ///< not a Sleight archive, damaged, or hostile
+  not_mixed = 7,      ///< `sleight diagnose`: the chains have not mixed, for reasons printed
   interrupted = 130,  ///< Ctrl-C or SIGTERM: everything done so far is stored
 };
 

@@ -1,0 +1,15 @@
+// `sleight diagnose`: whether an archive's chains have mixed.
+//
+// The archive is read inside a guarded child process (DESIGN C5). Results go to stdout.
+#pragma once
+
+#include <string>
+
+#include "clients/cli/diagnosis.h"
+
+namespace sleight::cli {
+
+/// Returns the exit code: not_mixed (7) with the reasons printed, or ok. Throws base::Error.
+int diagnose_archive(const std::string& path, bool json, const Rules& rules);
+
+}  // namespace sleight::cli

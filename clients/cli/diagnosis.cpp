@@ -1,0 +1,331 @@
+#include "clients/cli/diagnosis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "clients/cli/request_numbers.h"
+#include "clients/cli/run_counts.h"
+#include "clients/cli/trace.h"
+#include "common/archive/format.h"
+#include "common/archive/summary.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Ladders that are looked at level by level.
+constexpr std::uint64_t k_ladders_max = 64;
+
+/// What is looked at.
+struct Sizes {
+  std::uint64_t chains = 0;
+  std::uint64_t scalars = 0;
+};
+
+struct Judged {
+  const archive::Source& source;
+  const Rules& rules;
+  Diagnosis& diagnosis;
+};
+
+/// Mean and standard deviation of the finite values; the second is NaN for a single one.
+std::pair<double, double> moments_of_finite(std::span<const double> values) {
+  double sum = 0;
+  double count = 0;
+  for (const double value : values) {
+    sum += std::isfinite(value) ? value : 0;
+    count += std::isfinite(value) ? 1 : 0;
+  }
+  const double mean = count > 0 ? sum / count : k_nan;
+  double squares = 0;
+  for (const double value : values)
+    squares += std::isfinite(value) ? (value - mean) * (value - mean) : 0;
+  return {mean, count > 1 ? std::sqrt(squares / (count - 1)) : k_nan};
+}
+
+ScalarReport report_of(const Rules& rules, std::string name, const DrawRange& range,
+                       std::vector<double>& values) {
+  ScalarReport report{.name = std::move(name), .verdict = {}, .not_finite = {}};
+  const auto [mean, sd] = moments_of_finite(values);
+  report.not_finite = with_stand_in(values);
+  report.verdict =
+      rules.judge(report.name, {.values = values, .chains = range.chains, .draws = range.count});
+  if (report.not_finite.all() > 0) {
+    report.verdict.mean = mean;
+    report.verdict.sd = sd;
+    report.verdict.mcse = k_nan;
+  }
+  // That there are too few draws is said once, for all.
+  if (range.count < rules.draws_min) report.verdict.complaints.clear();
+  return report;
+}
+
+/// Worst first: with complaints, then by R-hat, then by effective sample size.
+bool is_worse(const ScalarReport& a, const ScalarReport& b) {
+  const auto key = [](const ScalarReport& report) {
+    const Verdict& v = report.verdict;
+    const double r_hat = std::isnan(v.r_hat) ? 0 : v.r_hat;
+    const double ess = std::isnan(v.ess_bulk) ? std::numeric_limits<double>::max() : v.ess_bulk;
+    return std::tuple(v.complaints.empty(), -r_hat, ess);
+  };
+  return key(a) < key(b);
+}
+
+/// Why states without probability are a reason. Only of log densities.
+void complain_of_zero_density(ScalarReport& report, std::uint64_t draws) {
+  const std::uint64_t count = report.not_finite.minus_infinite;
+  if (count == 0) return;
+  report.verdict.complaints.insert(
+      report.verdict.complaints.begin(),
+      fmt::format("{}: {} of {} draws are -inf: such a state has probability 0, so its chain "
+                  "has not yet found what was asked for",
+                  report.name, count, draws));
+}
+
+void note_thinning(Judged& judged, const DrawRange& range, std::string_view what) {
+  if (range.stride == 1) return;
+  judged.diagnosis.notes.push_back(
+      fmt::format("{}: one of every {} draws was looked at, so effective sample sizes are those "
+                  "of {} draws of each chain",
+                  what, range.stride, range.count));
+}
+
+/// Says once for all scalars that their draws are too few, and of whom there are how many.
+void complain_of_few(Judged& judged, const DrawRange& range, std::string_view what) {
+  const auto wanted = judged.rules.ess_wanted(range.chains);
+  if (range.count < judged.rules.draws_min) {
+    judged.diagnosis.reasons.push_back(
+        fmt::format("{} of each chain: {}; it takes at least {} to judge by", what, range.count,
+                    judged.rules.draws_min));
+  } else if (static_cast<double>(range.chains * range.count) < wanted) {
+    judged.diagnosis.reasons.push_back(
+        fmt::format("{} of each chain: {}; even independent ones would not make the effective "
+                    "sample size of {:.0f} that is wanted",
+                    what, range.count, wanted));
+  }
+}
+
+void judge_scalars(Judged& judged, const DrawRange& range) {
+  std::vector<std::string> names{"lp", "log_constraint"};
+  std::ranges::copy(outcome_names(judged.source), std::back_inserter(names));
+  complain_of_few(judged, range, "judged scans");
+  note_thinning(judged, range, "lp, log_constraint and outcomes");
+  for (const std::string& name : names) {
+    for_each_scalar(judged.source, {.group = archive::k_sample_stats, .name = name}, 1, range,
+                    [&](std::uint64_t, std::vector<double>& values) {
+                      ScalarReport report = report_of(judged.rules, name, range, values);
+                      if (name == "log_constraint") {
+                        complain_of_zero_density(report, range.chains * range.count);
+                      }
+                      judged.diagnosis.scalars.push_back(std::move(report));
+                    });
+    std::ranges::copy(judged.diagnosis.scalars.back().verdict.complaints,
+                      std::back_inserter(judged.diagnosis.reasons));
+  }
+}
+
+/// Judges the first entries of a variable and keeps those to list.
+VariableReport variable_report(const Judged& judged, const Quantity& variable,
+                               std::uint64_t entries, const DrawRange& range) {
+  VariableReport report{.name = variable.name, .entries = variable.entries(), .judged = entries};
+  const bool all = report.entries <= k_entries_listed_max;
+  for_each_scalar(
+      judged.source, variable, entries, range,
+      [&](std::uint64_t entry, std::vector<double>& values) {
+        report.listed.push_back(report_of(judged.rules, variable.entry_name(entry), range, values));
+        report.failing += report.listed.back().verdict.complaints.empty() ? 0 : 1;
+        if (all || report.listed.size() <= k_entries_listed_max) return;
+        std::ranges::stable_sort(report.listed, is_worse);
+        report.listed.pop_back();
+      });
+  if (!all) std::ranges::stable_sort(report.listed, is_worse);
+  return report;
+}
+
+/// One reason a variable, that of its worst entry: all of them would drown the others.
+void complain_of_variable(Judged& judged, const VariableReport& report) {
+  if (report.failing == 0) return;
+  const ScalarReport& worst = *std::ranges::min_element(report.listed, is_worse);
+  std::string reason = worst.verdict.complaints.front();
+  if (report.failing > 1) {
+    reason += fmt::format(" (and {} more of its {} entries)", report.failing - 1, report.judged);
+  }
+  judged.diagnosis.reasons.push_back(std::move(reason));
+}
+
+void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
+                     const DrawRange& range) {
+  if (variables.empty()) return;
+  complain_of_few(judged, range,
+                  "archived states in the judged scans ([output] thin says how many)");
+  note_thinning(judged, range, "state variables");
+  std::uint64_t left = scalars_max(range);
+  for (const Quantity& variable : variables) {
+    const std::uint64_t entries = std::min(variable.entries(), left);
+    left -= entries;
+    if (entries < variable.entries()) {
+      judged.diagnosis.notes.push_back(
+          fmt::format("{}: left out {} of its {} entries, more than are looked at", variable.name,
+                      variable.entries() - entries, variable.entries()));
+    }
+    judged.diagnosis.variables.push_back(variable_report(judged, variable, entries, range));
+    complain_of_variable(judged, judged.diagnosis.variables.back());
+  }
+}
+
+/// The ladders in the judged round, and whether states travel from the prior and back.
+void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> rounds,
+                   std::size_t round) {
+  TemperingReport report{.round = round + 1, .rounds = rounds.size(), .ladders = {}};
+  const auto numbers = [&](std::string_view name) {
+    return of_ladders(judged.source, name, chains, round);
+  };
+  const std::vector<double> barriers = numbers("barrier");
+  const std::vector<double> trips = numbers("round_trips");
+  const std::vector<double> restarts = numbers("restarts");
+  const std::vector<double> rates = numbers("predicted_round_trip_rate");
+  std::vector<std::uint64_t> none;
+  for (std::uint64_t c = 0; c < chains; ++c) {
+    if (!(trips[c] >= 1)) none.push_back(c);
+    if (c >= k_ladders_max) continue;
+    report.ladders.push_back(
+        {.barrier = barriers[c],
+         .round_trips = trips[c],
+         .predicted_round_trips = rates[c] * static_cast<double>(rounds[round].scans),
+         .restarts = restarts[c],
+         .levels = ladder_of(judged.source, c, round)});
+  }
+  if (chains > k_ladders_max) {
+    judged.diagnosis.notes.push_back(
+        fmt::format("the first {} of {} ladders are shown", k_ladders_max, chains));
+  }
+  if (!none.empty()) {
+    judged.diagnosis.reasons.push_back(fmt::format(
+        "{} of {} ladders made no round trip in the judged round{}", none.size(), chains,
+        none.size() == chains ? "" : fmt::format(": ladder {} among them", none.front())));
+  }
+  judged.diagnosis.tempering = std::move(report);
+}
+
+/// Simulations of the whole run. A scan is iterations_per_scan proposals at each temperature but
+/// the prior's, where it is one draw; scan 0 is a draw everywhere. The draws of temperatures that
+/// are added between rounds are counted as scans, which is a little too much.
+double simulations_of(const archive::Source& source, const Diagnosis& diagnosis,
+                      const std::string& request, std::span<const Round> rounds) {
+  const auto each = RequestNumbers(request, source.name()).find("sampler", "iterations_per_scan");
+  if (!each) return k_nan;
+  if (rounds.empty()) {
+    return static_cast<double>(diagnosis.chains) *
+           (1 + *each * static_cast<double>(diagnosis.scans - 1));
+  }
+  double sum = 0;
+  for (std::size_t r = 0; r < rounds.size(); ++r) {
+    const std::uint64_t starts = rounds[r].first_scan == 0 ? 1 : 0;
+    const auto scans = static_cast<double>(rounds[r].scans - starts);
+    for (const double levels : of_ladders(source, "levels", diagnosis.chains, r))
+      sum += static_cast<double>(starts) * levels + scans * (1 + *each * (levels - 1));
+  }
+  return sum;
+}
+
+void choose_scans(Diagnosis& diagnosis, std::span<const Round> rounds) {
+  if (!rounds.empty()) {
+    diagnosis.judged = rounds[judged_round(rounds)];
+    diagnosis.by_round = true;
+    return;
+  }
+  diagnosis.judged.first_scan = diagnosis.scans / 2;
+  diagnosis.judged.scans = diagnosis.scans - diagnosis.judged.first_scan;
+}
+
+/// The first of the archived states whose scan is not below the given one; their number if none.
+std::uint64_t first_state_from(const archive::Source& source, std::uint64_t states,
+                               std::uint64_t scan) {
+  // The scans of states rise, so bisect.
+  std::uint64_t low = 0;
+  std::uint64_t high = states;
+  while (low < high) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    const archive::Values value = source.read(archive::k_posterior, "draw", middle, 1);
+    const auto* draws = std::get_if<std::vector<std::int64_t>>(&value);
+    if (draws == nullptr || draws->at(0) < 0) {
+      throw base::Error(base::ExitCode::bad_archive,
+                        source.name() + ": /posterior/draw: expected numbers of scans");
+    }
+    if (static_cast<std::uint64_t>(draws->at(0)) < scan) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
+/// Archived states of each chain among the judged scans.
+DrawRange states_in(const archive::Source& source, const Diagnosis& diagnosis, std::uint64_t states,
+                    const Sizes& sizes) {
+  const Round& judged = diagnosis.judged;
+  const std::uint64_t first = first_state_from(source, states, judged.first_scan);
+  const std::uint64_t end = first_state_from(source, states, judged.first_scan + judged.scans);
+  return bounded_range(sizes.chains, first, end > first ? end - first : 0, sizes.scalars);
+}
+
+void note_chains(Diagnosis& diagnosis, std::uint64_t looked_at) {
+  if (looked_at < diagnosis.chains) {
+    diagnosis.notes.push_back(
+        fmt::format("the first {} of {} chains are judged", looked_at, diagnosis.chains));
+  }
+  if (looked_at == 1) {
+    diagnosis.notes.emplace_back(
+        "there is one chain, so R-hat compares its two halves: that a chain never found another "
+        "mode only several chains can show");
+  }
+}
+
+}  // namespace
+
+Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
+  const archive::Summary summary = archive::summary_of(source);
+  if (summary.chains == 0 || summary.scans == 0) {
+    throw base::Error(base::ExitCode::bad_archive, source.name() + ": it has no scans");
+  }
+  Diagnosis diagnosis;
+  diagnosis.world = summary.world;
+  diagnosis.warning = summary.warning;
+  diagnosis.chains = summary.chains;
+  diagnosis.scans = summary.scans;
+  const std::uint64_t chains = std::min(summary.chains, k_chains_max);
+  const std::vector<Round> rounds = rounds_of(source, summary.chains, summary.scans);
+  choose_scans(diagnosis, rounds);
+  note_chains(diagnosis, chains);
+
+  const std::vector<Quantity> variables = state_variables(source);
+  std::uint64_t scalars = 2 + outcome_names(source).size();
+  for (const Quantity& variable : variables)
+    scalars += variable.entries();
+  Judged judged{.source = source, .rules = rules, .diagnosis = diagnosis};
+  judge_scalars(
+      judged, bounded_range(chains, diagnosis.judged.first_scan, diagnosis.judged.scans, scalars));
+  const DrawRange states = states_in(source, diagnosis, summary.states, {chains, scalars});
+  diagnosis.states = states.count;
+  judge_variables(judged, variables, states);
+  if (!rounds.empty()) judge_ladders(judged, summary.chains, rounds, judged_round(rounds));
+
+  const RunCounts counts = run_counts(source, diagnosis.judged);
+  diagnosis.satisfied = counts.satisfied;
+  diagnosis.satisfied_judged = counts.satisfied_judged;
+  diagnosis.solutions = counts.solutions;
+  diagnosis.solutions_more = counts.solutions_more;
+  diagnosis.kinds = kind_counts(source, diagnosis.judged);
+  diagnosis.simulations = simulations_of(source, diagnosis, summary.request_text, rounds);
+  return diagnosis;
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,119 @@
+// What `sleight diagnose` finds out about an archive: whether its chains have mixed, and why not.
+//
+// Idea. Only draws of one Markov chain can be judged. Tempered runs learn between rounds, so the
+// draws of one round are judged (tempering.h says which); plain chains never change, and their
+// second half is judged, the first being the way from the prior. State variables are judged by
+// their archived states of these scans.
+//
+// A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
+// left such states never goes back. So they take part as the least of all values, are counted, and
+// are a reason in themselves: that chain is still on its way. Entries of state variables and
+// outcomes that do not apply (NaN) take part in the same way, and are no reason.
+//
+// The measures come from outside (Rules), since clients know no sampling methods; a program's main
+// joins them. Archives are untrusted: what can't be is refused with ExitCode::bad_archive.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "clients/cli/scalar_draws.h"
+#include "clients/cli/tempering.h"
+#include "common/archive/model.h"
+
+namespace sleight::cli {
+
+/// Of one scalar. NaN where a number can't be given.
+struct Verdict {
+  double mean = 0;
+  double sd = 0;
+  double mcse = 0;  ///< standard error of the mean
+  double r_hat = 0;
+  double ess_bulk = 0;
+  double ess_tail = 0;
+  bool constant = false;
+  std::vector<std::string> complaints;  ///< sentences that open with the scalar's name
+};
+
+/// Draw d of chain c is values[c * draws + d].
+struct ScalarDraws {
+  std::span<const double> values;
+  std::size_t chains = 1;
+  std::size_t draws = 0;
+};
+
+/// How scalars are judged. All functions are there.
+struct Rules {
+  std::size_t draws_min = 0;  ///< of each chain: fewer can't be judged
+  std::function<double(std::size_t chains)> ess_wanted;
+  std::function<Verdict(std::string_view name, const ScalarDraws&)> judge;
+};
+
+struct ScalarReport {
+  std::string name;
+  Verdict verdict;
+  StandIns not_finite;  ///< where there are any, mean and sd are of the others and mcse is NaN
+};
+
+/// Entries of an array are listed up to here; of more, the worst ones.
+inline constexpr std::size_t k_entries_listed_max = 10;
+
+struct VariableReport {
+  std::string name;
+  std::uint64_t entries = 0;
+  std::uint64_t judged = 0;            ///< the first so many
+  std::uint64_t failing = 0;           ///< of the judged
+  std::vector<ScalarReport> listed{};  ///< all in order, or the worst first
+};
+
+struct KindReport {
+  std::string name;
+  std::uint64_t proposed = 0;
+  std::uint64_t accepted = 0;
+};
+
+/// Of one ladder in the judged round.
+struct LadderReport {
+  double barrier = 0;
+  double round_trips = 0;
+  double predicted_round_trips = 0;
+  double restarts = 0;
+  Ladder levels;
+};
+
+struct TemperingReport {
+  std::size_t round = 0;  ///< counted from 1
+  std::size_t rounds = 0;
+  std::vector<LadderReport> ladders;
+};
+
+struct Diagnosis {
+  std::string world;
+  std::string warning;  ///< the archive's own
+  std::uint64_t chains = 0;
+  std::uint64_t scans = 0;  ///< of each chain
+  Round judged;             ///< scans
+  bool by_round = false;    ///< the judged scans are a round; else the second half
+  std::vector<ScalarReport> scalars;
+  std::uint64_t states = 0;  ///< of each chain, archived in the judged scans
+  std::vector<VariableReport> variables;
+  std::uint64_t satisfied = 0;         ///< of all scans of all chains
+  std::uint64_t satisfied_judged = 0;  ///< of the judged ones
+  std::uint64_t solutions = 0;         ///< distinct (chain, lineage) of the satisfied
+  bool solutions_more = false;         ///< more than can be counted here
+  double simulations = 0;              ///< of the run, at all temperatures; NaN: unknown
+  std::vector<KindReport> kinds;       ///< of the judged scans, at inverse temperature 1
+  std::optional<TemperingReport> tempering;
+  std::vector<std::string> notes;    ///< what was left out, what numbers mean here
+  std::vector<std::string> reasons;  ///< why the chains have not mixed; empty: nothing says so
+  bool mixed() const { return reasons.empty(); }
+};
+
+Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules);
+
+}  // namespace sleight::cli

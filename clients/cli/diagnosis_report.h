@@ -1,0 +1,18 @@
+// A diagnosis for people, as aligned text, and for programs, as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "clients/cli/diagnosis.h"
+
+namespace sleight::cli {
+
+/// Ends with a line break. Names and texts of an archive are plain words and lines: the reader
+/// refuses others.
+std::string for_people(const std::string& path, const Diagnosis& diagnosis);
+
+/// Numbers that can't be given are null.
+nlohmann::ordered_json as_json(const std::string& path, const Diagnosis& diagnosis);
+
+}  // namespace sleight::cli

@@ -1,0 +1,19 @@
+// What every command that reads an archive shares: a guarded child that opens it, and JSON of it.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "common/archive/model.h"
+
+namespace sleight::cli {
+
+/// Runs `work` on the opened archive, in a child that may crash or hang, and returns its exit code.
+/// Throws what archive::hdf5::guarded throws. REQUIRES: no other thread runs.
+int with_archive(const std::string& path, const std::function<int(const archive::Source&)>& work);
+
+/// Indented text. A path need not be UTF-8; JSON must be, so what is not is replaced.
+std::string dumped(const nlohmann::ordered_json& json);
+
+}  // namespace sleight::cli

@@ -1,0 +1,168 @@
+#include "clients/cli/tempering.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/archive/format.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+[[noreturn]] void refuse(const archive::Source& source, std::string_view name,
+                         std::string_view reason) {
+  throw base::Error(base::ExitCode::bad_archive,
+                    fmt::format("{}: {}: {}", source.name(),
+                                archive::path_of(archive::k_tempering, name), reason));
+}
+
+/// The dataset if it is there. Refuses another type, rank or size than (chain, round, inner...).
+const archive::DatasetSpec* find_table(const archive::Source& source, std::string_view name,
+                                       std::span<const std::string_view> inner) {
+  const archive::Group* group = archive::find_group(source, archive::k_tempering);
+  const archive::DatasetSpec* spec = group == nullptr ? nullptr : find_dataset(*group, name);
+  if (spec == nullptr) return nullptr;
+  std::vector<std::string_view> dims{"chain", "round"};
+  dims.insert(dims.end(), inner.begin(), inner.end());
+  if (spec->type != archive::ElementType::f64 ||
+      !std::ranges::equal(spec->dims, dims, {}, &archive::Dimension::name)) {
+    refuse(source, name, fmt::format("expected numbers over ({})", fmt::join(dims, ", ")));
+  }
+  const auto too_many = [&](std::size_t dim, std::uint64_t most) {
+    if (spec->dims.size() > dim && spec->dims[dim].size > most) {
+      refuse(source, name, fmt::format("more than {} along {}", most, dims[dim]));
+    }
+  };
+  too_many(1, k_rounds_max);
+  too_many(2, k_levels_max);
+  too_many(3, k_kinds_max);
+  return spec;
+}
+
+/// The entries of one ladder in one round; empty where the archive has no such table.
+std::vector<double> read_entries(const archive::Source& source, std::string_view name,
+                                 std::uint64_t chain, std::size_t round,
+                                 std::span<const std::string_view> inner) {
+  const archive::DatasetSpec* spec = find_table(source, name, inner);
+  if (spec == nullptr) return {};
+  if (chain >= spec->dims[0].size || round >= spec->dims[1].size) {
+    refuse(source, name, fmt::format("no round {} of chain {}", round, chain));
+  }
+  std::uint64_t width = 1;
+  for (std::size_t d = 2; d < spec->dims.size(); ++d)
+    width *= spec->dims[d].size;
+  return std::get<std::vector<double>>(
+      source.read(archive::k_tempering, name, (chain * spec->dims[1].size + round) * width, width));
+}
+
+double read_number(const archive::Source& source, std::string_view name, std::uint64_t chain,
+                   std::size_t round) {
+  const std::vector<double> entries = read_entries(source, name, chain, round, {});
+  return entries.empty() ? k_nan : entries[0];
+}
+
+/// A count that was stored as a double. Refuses what is none, or above `most`.
+std::uint64_t read_count(const archive::Source& source, std::string_view name, std::uint64_t chain,
+                         std::size_t round, std::uint64_t most) {
+  const double value = read_number(source, name, chain, round);
+  if (!(value >= 0 && value <= static_cast<double>(most)) || value != std::floor(value)) {
+    refuse(
+        source, name,
+        fmt::format("{} of chain {} in round {} is no count up to {}", value, chain, round, most));
+  }
+  return static_cast<std::uint64_t>(value);
+}
+
+}  // namespace
+
+std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains,
+                             std::uint64_t scans) {
+  const archive::DatasetSpec* first = find_table(source, "first_scan", {});
+  if (first == nullptr) return {};
+  if (first->dims[0].size != chains) refuse(source, "first_scan", "another number of chains");
+  std::vector<Round> rounds;
+  for (std::size_t r = 0; r < first->dims[1].size; ++r) {
+    // The last round may be one that not all ladders have begun.
+    const std::vector<double> begins = of_ladders(source, "first_scan", chains, r);
+    if (std::ranges::any_of(begins, [](double begin) { return std::isnan(begin); })) break;
+    Round round{.first_scan = read_count(source, "first_scan", 0, r, scans), .scans = scans};
+    for (std::uint64_t c = 0; c < chains; ++c) {
+      if (begins[c] != begins[0]) refuse(source, "first_scan", "rounds begin at different scans");
+      round.scans =
+          std::min(round.scans, read_count(source, "scans", c, r, scans - round.first_scan));
+    }
+    if (round.scans > 0) rounds.push_back(round);
+    if (round.scans == 0) break;
+  }
+  return rounds;
+}
+
+std::size_t judged_round(std::span<const Round> rounds) {
+  std::size_t best = 0;
+  for (std::size_t r = 1; r < rounds.size(); ++r) {
+    if (rounds[r].scans >= rounds[best].scans) best = r;
+  }
+  return best;
+}
+
+std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
+                               std::uint64_t chains, std::size_t round) {
+  std::vector<double> values;
+  for (std::uint64_t c = 0; c < chains; ++c)
+    values.push_back(read_number(source, name, c, round));
+  return values;
+}
+
+Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round) {
+  static constexpr std::string_view k_by_level[] = {"level"};
+  static constexpr std::string_view k_by_kind[] = {"level", "proposal_kind"};
+  Ladder ladder{
+      .inverse_temperature = read_entries(source, "inverse_temperature", chain, round, k_by_level),
+      .swap_acceptance = read_entries(source, "swap_acceptance", chain, round, k_by_level),
+      .local_barrier = read_entries(source, "local_barrier", chain, round, k_by_level),
+      .acceptance = {}};
+  // Rounds and ladders have levels of their own; what the largest has more is NaN here.
+  const auto end = std::ranges::find_if(ladder.inverse_temperature,
+                                        [](double beta) { return std::isnan(beta); });
+  const auto levels = static_cast<std::size_t>(end - ladder.inverse_temperature.begin());
+  ladder.inverse_temperature.resize(levels);
+  ladder.swap_acceptance.resize(levels == 0 ? 0 : levels - 1, k_nan);
+  ladder.local_barrier.resize(levels, k_nan);
+  const std::vector<double> kinds = read_entries(source, "acceptance", chain, round, k_by_kind);
+  if (kinds.empty()) return ladder;
+  const archive::DatasetSpec* spec = find_table(source, "acceptance", k_by_kind);
+  const std::size_t width = spec->dims[3].size;
+  for (std::size_t level = 0; level < std::min(levels, spec->dims[2].size); ++level) {
+    const auto row = kinds.begin() + static_cast<std::ptrdiff_t>(level * width);
+    ladder.acceptance.emplace_back(row, row + static_cast<std::ptrdiff_t>(width));
+  }
+  return ladder;
+}
+
+std::vector<std::string> proposal_kinds(const archive::Source& source) {
+  const archive::Group* stats = archive::find_group(source, archive::k_sample_stats);
+  const archive::DatasetSpec* spec =
+      stats == nullptr ? nullptr : find_dataset(*stats, "proposal_kind");
+  if (spec == nullptr || spec->type != archive::ElementType::text || spec->dims.size() != 1 ||
+      spec->dims[0].size > k_kinds_max) {
+    throw base::Error(base::ExitCode::bad_archive,
+                      source.name() + ": /sample_stats/proposal_kind: expected a few names");
+  }
+  return std::get<std::vector<std::string>>(
+      source.read(archive::k_sample_stats, "proposal_kind", 0, spec->dims[0].size));
+}
+
+double log_natural_throw(const archive::Source& source) {
+  const archive::Group* group = archive::find_group(source, archive::k_tempering);
+  const archive::Attribute* found =
+      group == nullptr ? nullptr : find_attribute(group->attributes, "log_natural_throw");
+  const double* value = found == nullptr ? nullptr : std::get_if<double>(&found->value);
+  return value != nullptr && std::isfinite(*value) ? *value : 0;
+}
+
+}  // namespace sleight::cli

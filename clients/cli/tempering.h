@@ -1,0 +1,63 @@
+// What an archive's group /tempering says of its ladders, round by round.
+//
+// Idea. Within a round a ladder and its proposals' sizes are frozen, so the draws of one round are
+// those of one Markov chain, and draws of several rounds are not. One round is judged: the longest,
+// and of equals the later. Rounds double, so that is the last one, unless the run was cut in its
+// first half.
+//
+// Archives are untrusted: numbers that can't be are refused with ExitCode::bad_archive, and nothing
+// larger than one round of one ladder is held. Not thread-safe, as the source isn't.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/archive/model.h"
+
+namespace sleight::cli {
+
+/// More rounds than any run can have, since they double.
+inline constexpr std::uint64_t k_rounds_max = 64;
+/// More temperatures, and more kinds of proposals, than any ladder has.
+inline constexpr std::uint64_t k_levels_max = 4096;
+inline constexpr std::uint64_t k_kinds_max = 4096;
+
+/// Scans that all ladders have in a round.
+struct Round {
+  std::uint64_t first_scan = 0;
+  std::uint64_t scans = 0;
+};
+
+/// One ladder in one round, hottest level first.
+struct Ladder {
+  std::vector<double> inverse_temperature;
+  std::vector<double> swap_acceptance;          ///< of each level with the next: one fewer
+  std::vector<double> local_barrier;            ///< NaN where the archive has none
+  std::vector<std::vector<double>> acceptance;  ///< by level, by kind of proposal
+};
+
+/// Rounds that every ladder has scans of, in order; empty where the archive has no ladders.
+/// `chains`, `scans`: of /sample_stats, which they must fit.
+std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains,
+                             std::uint64_t scans);
+
+/// Index of the round that is judged. REQUIRES: rounds not empty.
+std::size_t judged_round(std::span<const Round> rounds);
+
+/// A number of each of the first `chains` ladders in a round; NaN where the archive has none.
+std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
+                               std::uint64_t chains, std::size_t round);
+
+/// REQUIRES: the round is one of rounds_of.
+Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round);
+
+/// Names of the kinds of proposals, as /sample_stats has them.
+std::vector<std::string> proposal_kinds(const archive::Source& source);
+
+/// Log of the probability that a draw from the prior is a natural throw: 0 where nothing is said.
+double log_natural_throw(const archive::Source& source);
+
+}  // namespace sleight::cli

@@ -1,0 +1,58 @@
+// "One throw in 3.2 million does it": what ladders estimate of the probability to satisfy, put
+// together, and in words for people.
+//
+// Idea. Each ladder gives log P(satisfied) with a jackknife's error. On the probability scale the
+// mean of the ladders is all but the largest of them, whose own error is the worst known; so the
+// mean is taken of the logs. Its error is the larger of two: what the jackknife errors combine to,
+// which does not see what a whole ladder missed, and the standard error between ladders, which
+// does, but is itself rough with few ladders.
+//
+// Thread safety: pure functions.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace sleight::cli {
+
+/// A log and its standard error, NaN where it is not known.
+struct LogEstimate {
+  double value = 0;
+  double error = 0;
+};
+
+enum class ErrorFrom : std::uint8_t {
+  unknown,    ///< neither can be had: one ladder, whose round was too short
+  jackknife,  ///< within the ladders
+  between,    ///< from ladder to ladder
+};
+
+/// "jackknife within ladders": for people and JSON.
+const char* name_of(ErrorFrom from);
+
+struct CombinedEstimate {
+  LogEstimate log;
+  ErrorFrom error_from = ErrorFrom::unknown;
+  std::size_t ladders = 0;  ///< that had a finite value: the others are left out
+};
+
+/// `ladders` is 0, and the value NaN, where no ladder has a finite value. A ladder whose own error
+/// is unknown makes the combined jackknife error unknown.
+CombinedEstimate combined(std::span<const LogEstimate> ladders);
+
+/// One throw in so many, as powers of ten: 1e400 is no double.
+struct ThrowOdds {
+  double log10_throws = 0;  ///< at least 0: P above 1 comes of the estimate's error alone
+  double log10_low = 0;     ///< one standard error off; NaN where that is unknown
+  double log10_high = 0;
+};
+
+/// `log_natural_throw`: that a prior draw is what a blind thrower throws; all that satisfy are.
+ThrowOdds odds_of(const LogEstimate& log_p_satisfied, double log_natural_throw);
+
+/// "one throw in 3.2 million (2.1 to 4.9 million)"; "(error unknown)" where it is.
+std::string in_words(const ThrowOdds& odds);
+
+}  // namespace sleight::cli
