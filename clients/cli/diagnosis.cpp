@@ -97,17 +97,17 @@ void note_thinning(Judged& judged, const DrawRange& range, std::string_view what
                   what, range.stride, range.count));
 }
 
-/// Says once for all scalars that their draws are too few, and of whom there are how many.
+/// Says once for all scalars that their draws are too few. `what`: "judged scans".
 void complain_of_few(Judged& judged, const DrawRange& range, std::string_view what) {
-  const auto wanted = judged.rules.ess_wanted(range.chains);
+  const double wanted = judged.rules.ess_wanted(range.chains);
   if (range.count < judged.rules.draws_min) {
     judged.diagnosis.reasons.push_back(
-        fmt::format("{} of each chain: {}; it takes at least {} to judge by", what, range.count,
+        fmt::format("each chain has too few {} to judge by: {}, and it takes {}", what, range.count,
                     judged.rules.draws_min));
   } else if (static_cast<double>(range.chains * range.count) < wanted) {
     judged.diagnosis.reasons.push_back(
-        fmt::format("{} of each chain: {}; even independent ones would not make the effective "
-                    "sample size of {:.0f} that is wanted",
+        fmt::format("each chain has too few {}: {}; were all independent, the effective sample "
+                    "size would still be below {:.0f}",
                     what, range.count, wanted));
   }
 }
@@ -163,8 +163,10 @@ void complain_of_variable(Judged& judged, const VariableReport& report) {
 void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
                      const DrawRange& range) {
   if (variables.empty()) return;
-  complain_of_few(judged, range,
-                  "archived states in the judged scans ([output] thin says how many)");
+  // Where every scan's state is archived, this was said of the scans.
+  if (judged.diagnosis.states < judged.diagnosis.judged.scans) {
+    complain_of_few(judged, range, "archived states (see thin) in the judged scans");
+  }
   note_thinning(judged, range, "state variables");
   std::uint64_t left = scalars_max(range);
   for (const Quantity& variable : variables) {

@@ -276,9 +276,9 @@ Json as_json(const TemperingReport& tempering) {
 
 std::string for_people(const std::string& path, const Diagnosis& diagnosis) {
   const Round& judged = diagnosis.judged;
-  std::string text = fmt::format("{}: {}, {} chain{} of {} scans\n", path, diagnosis.world,
+  std::string text = fmt::format("{}: {}, {} chain{} of {} scan{}\n", path, diagnosis.world,
                                  count(diagnosis.chains), diagnosis.chains == 1 ? "" : "s",
-                                 count(diagnosis.scans));
+                                 count(diagnosis.scans), diagnosis.scans == 1 ? "" : "s");
   if (!diagnosis.warning.empty()) text += fmt::format("Warning: {}\n", diagnosis.warning);
   text += fmt::format("\nJudged are scans {} to {} of each chain: {}.\n\n",
                       count(judged.first_scan), count(judged.first_scan + judged.scans - 1),

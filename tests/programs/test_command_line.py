@@ -13,7 +13,8 @@ import harness
 from harness import ProgramTest, sleight
 
 COMMANDS = [["direct"], ["check"], ["keys"], ["archive"], ["archive", "info"],
-            ["archive", "digest"], ["archive", "verify"], ["archive", "export"], ["plot"]]
+            ["archive", "digest"], ["archive", "verify"], ["archive", "export"], ["diagnose"],
+            ["plot"]]
 
 
 class Help(ProgramTest):
@@ -31,7 +32,7 @@ class Help(ProgramTest):
 
     def test_exit_codes_are_documented(self):
         text = sleight("--help").stdout
-        for code in ["0", "1", "2", "3", "4", "5", "6", "130"]:
+        for code in ["0", "1", "2", "3", "4", "5", "6", "7", "130"]:
             self.assertRegex(text, rf"\b{code}\b")
 
     def test_keys_name_unit_and_range(self):
@@ -74,7 +75,7 @@ class Usage(ProgramTest):
         other = self.path("text.h5")
         other.write_text("not an archive")
         for command in [["archive", "info"], ["archive", "verify"], ["archive", "digest"],
-                        ["plot"]]:
+                        ["diagnose"], ["plot"]]:
             result = sleight(*command, other)
             self.assertEqual(result.returncode, 6, (command, result.stderr))
             self.assertIn("text.h5", result.stderr)
