@@ -18,8 +18,6 @@
 namespace sleight::cli {
 namespace {
 
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-
 /// Ladders that are looked at level by level.
 constexpr std::uint64_t k_ladders_max = 64;
 
@@ -43,11 +41,11 @@ std::pair<double, double> moments_of_finite(std::span<const double> values) {
     sum += std::isfinite(value) ? value : 0;
     count += std::isfinite(value) ? 1 : 0;
   }
-  const double mean = count > 0 ? sum / count : k_nan;
+  const double mean = count > 0 ? sum / count : k_not_known;
   double squares = 0;
   for (const double value : values)
     squares += std::isfinite(value) ? (value - mean) * (value - mean) : 0;
-  return {mean, count > 1 ? std::sqrt(squares / (count - 1)) : k_nan};
+  return {mean, count > 1 ? std::sqrt(squares / (count - 1)) : k_not_known};
 }
 
 ScalarReport report_of(const Rules& rules, std::string name, const DrawRange& range,
@@ -60,7 +58,7 @@ ScalarReport report_of(const Rules& rules, std::string name, const DrawRange& ra
   if (report.not_finite.all() > 0) {
     report.verdict.mean = mean;
     report.verdict.sd = sd;
-    report.verdict.mcse = k_nan;
+    report.verdict.mcse = k_not_known;
   }
   // That there are too few draws is said once, for all.
   if (range.count < rules.draws_min) report.verdict.complaints.clear();
@@ -195,7 +193,7 @@ void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> 
   const std::vector<double> rates = numbers("predicted_round_trip_rate");
   std::vector<std::uint64_t> none;
   for (std::uint64_t c = 0; c < chains; ++c) {
-    if (!(trips[c] >= 1)) none.push_back(c);
+    if (trips[c] < 1) none.push_back(c);
     if (c >= k_ladders_max) continue;
     report.ladders.push_back(
         {.barrier = barriers[c],
@@ -222,7 +220,7 @@ void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> 
 double simulations_of(const archive::Source& source, const Diagnosis& diagnosis,
                       const std::string& request, std::span<const Round> rounds) {
   const auto each = RequestNumbers(request, source.name()).find("sampler", "iterations_per_scan");
-  if (!each) return k_nan;
+  if (!each) return k_not_known;
   if (rounds.empty()) {
     return static_cast<double>(diagnosis.chains) *
            (1 + *each * static_cast<double>(diagnosis.scans - 1));

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,14 +29,16 @@
 
 namespace sleight::cli {
 
+inline constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
+
 /// Of one scalar. NaN where a number can't be given.
 struct Verdict {
-  double mean = 0;
-  double sd = 0;
-  double mcse = 0;  ///< standard error of the mean
-  double r_hat = 0;
-  double ess_bulk = 0;
-  double ess_tail = 0;
+  double mean = k_not_known;
+  double sd = k_not_known;
+  double mcse = k_not_known;  ///< standard error of the mean
+  double r_hat = k_not_known;
+  double ess_bulk = k_not_known;
+  double ess_tail = k_not_known;
   bool constant = false;
   std::vector<std::string> complaints;  ///< sentences that open with the scalar's name
 };

@@ -8,7 +8,7 @@ namespace sleight::programs {
 namespace {
 
 cli::Verdict judge(std::string_view name, const cli::ScalarDraws& draws) {
-  // No draw at all can't even be a mean.
+  // Where thin is longer than the judged scans, no state is archived of them.
   if (draws.draws == 0) return {};
   const sampling::Convergence found = sampling::convergence_of(
       {.values = draws.values, .chains = draws.chains, .draws = draws.draws});

@@ -60,20 +60,11 @@ std::vector<double> read_entries(const archive::Source& source, std::string_view
       source.read(archive::k_tempering, name, (chain * spec->dims[1].size + round) * width, width));
 }
 
-double read_number(const archive::Source& source, std::string_view name, std::uint64_t chain,
-                   std::size_t round) {
-  const std::vector<double> entries = read_entries(source, name, chain, round, {});
-  return entries.empty() ? k_nan : entries[0];
-}
-
 /// A count that was stored as a double. Refuses what is none, or above `most`.
-std::uint64_t read_count(const archive::Source& source, std::string_view name, std::uint64_t chain,
-                         std::size_t round, std::uint64_t most) {
-  const double value = read_number(source, name, chain, round);
+std::uint64_t count_of(const archive::Source& source, std::string_view name, double value,
+                       std::uint64_t most) {
   if (!(value >= 0 && value <= static_cast<double>(most)) || value != std::floor(value)) {
-    refuse(
-        source, name,
-        fmt::format("{} of chain {} in round {} is no count up to {}", value, chain, round, most));
+    refuse(source, name, fmt::format("{} is no count up to {}", value, most));
   }
   return static_cast<std::uint64_t>(value);
 }
@@ -90,14 +81,16 @@ std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains
     // The last round may be one that not all ladders have begun.
     const std::vector<double> begins = of_ladders(source, "first_scan", chains, r);
     if (std::ranges::any_of(begins, [](double begin) { return std::isnan(begin); })) break;
-    Round round{.first_scan = read_count(source, "first_scan", 0, r, scans), .scans = scans};
-    for (std::uint64_t c = 0; c < chains; ++c) {
-      if (begins[c] != begins[0]) refuse(source, "first_scan", "rounds begin at different scans");
-      round.scans =
-          std::min(round.scans, read_count(source, "scans", c, r, scans - round.first_scan));
+    if (std::ranges::any_of(begins, [&](double begin) { return begin != begins[0]; })) {
+      refuse(source, "first_scan", "rounds begin at different scans");
     }
-    if (round.scans > 0) rounds.push_back(round);
+    Round round{.first_scan = count_of(source, "first_scan", begins[0], scans), .scans = scans};
+    for (const double length : of_ladders(source, "scans", chains, r)) {
+      round.scans =
+          std::min(round.scans, count_of(source, "scans", length, scans - round.first_scan));
+    }
     if (round.scans == 0) break;
+    rounds.push_back(round);
   }
   return rounds;
 }
@@ -112,9 +105,21 @@ std::size_t judged_round(std::span<const Round> rounds) {
 
 std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
                                std::uint64_t chains, std::size_t round) {
+  const archive::DatasetSpec* spec = find_table(source, name, {});
+  if (spec == nullptr) return std::vector<double>(chains, k_nan);
+  const std::uint64_t rounds = spec->dims[1].size;
+  if (chains > spec->dims[0].size || round >= rounds) {
+    refuse(source, name, fmt::format("no round {} of chain {}", round, chains - 1));
+  }
   std::vector<double> values;
-  for (std::uint64_t c = 0; c < chains; ++c)
-    values.push_back(read_number(source, name, c, round));
+  const std::uint64_t batch = archive::k_batch_elements / rounds;
+  for (std::uint64_t first = 0; first < chains; first += batch) {
+    const std::uint64_t count = std::min(batch, chains - first);
+    const auto rows = std::get<std::vector<double>>(
+        source.read(archive::k_tempering, name, first * rounds, count * rounds));
+    for (std::uint64_t c = 0; c < count; ++c)
+      values.push_back(rows[c * rounds + round]);
+  }
   return values;
 }
 

@@ -105,6 +105,13 @@ class Plain(DiagnoseTest):
         self.assertNotIn("nan", text)
         self.assertEqual(found["scalars"][0]["r_hat"], None)
 
+    def test_no_archived_state_is_too_few(self):
+        text, found = self.diagnosed(self.archived(HARD + "[output]\nthin = 100\n"), 7)
+        self.assertIn("each chain has too few archived states (see thin) in the judged scans to "
+                      "judge by: 0, and it takes 6", found["reasons"])
+        self.assertEqual(found["variables"][0]["listed"][0]["mean"], None)
+        self.assertRegex(text, r"normal_rad\[0\] +- +- +- +- +- +-\n")
+
     def test_one_chain_is_compared_with_itself(self):
         request = EASY.replace("[sampler]", "[sampler]\nchains = 1")
         _, found = self.diagnosed(self.archived(request), 0)
