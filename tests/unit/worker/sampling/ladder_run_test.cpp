@@ -1,0 +1,326 @@
+// Parallel tempering against a plain lockstep reference, bit for bit, however results arrive.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <set>
+
+#include "common/random/discrete_distributions.h"
+#include "tests/unit/worker/sampling/slow_ladder.h"
+#include "worker/sampling/ladder.h"
+#include "worker/sampling/parallel_tempering.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr std::uint64_t k_seed = 137035;
+constexpr std::uint64_t k_cases = 60;
+constexpr std::uint64_t k_scans_max = 260;
+
+class Dice {
+ public:
+  explicit Dice(std::uint64_t index)
+      : stream_({.seed = k_seed, .purpose = random::Purpose::prior}, index) {}
+  std::uint64_t below(std::uint64_t count) {
+    return random::UniformInteger{.count = count}.draw(stream_);
+  }
+  bool once_in(std::uint64_t count) { return below(count) == 0; }
+
+ private:
+  random::Stream stream_;
+};
+
+struct Case {
+  ParallelTemperingOptions options;
+  HashedWorker worker;
+};
+
+Case random_case(Dice& dice) {
+  const std::uint64_t seed = dice.below(1000);
+  Case made{.options = {},
+            .worker = HashedWorker({.seed = seed,
+                                    .roughness = {0.1, 2, 12, 60},
+                                    .broken = dice.once_in(2) ? 0 : 0.2,
+                                    .satisfied = dice.once_in(2) ? 0.02 : 0.3})};
+  made.options.ladders = static_cast<std::uint32_t>(1 + dice.below(3));
+  made.options.ladder = {
+      .seed = seed,
+      .chain = {},
+      .first_ladder = first_ladder(static_cast<std::uint32_t>(2 + dice.below(7))),
+      .levels_chosen = !dice.once_in(3),
+      .levels_max = static_cast<std::uint32_t>(4 + dice.below(12)),
+      .ladder_adapts = !dice.once_in(3),
+      .has_scale = dice.once_in(3) ? std::vector<bool>{} : std::vector<bool>{true, dice.once_in(2)},
+      .round_scans = 1 + dice.below(40)};
+  StopRule& stop = made.options.stop;
+  if (dice.once_in(2)) stop.independent_solutions = 1 + dice.below(40);
+  if (dice.once_in(2)) stop.rounds = static_cast<std::uint32_t>(1 + dice.below(3));
+  if (dice.once_in(2) || !stop.rounds) stop.scans = 1 + dice.below(k_scans_max);
+  return made;
+}
+
+LadderOptions ladder_options(const Case& given, std::uint32_t chain) {
+  LadderOptions options = given.options.ladder;
+  options.chain = base::ChainId{chain};
+  return options;
+}
+
+/// The reference of all ladders.
+std::vector<SlowLadder> slow_ladders(const Case& given, std::uint64_t scans) {
+  std::vector<SlowLadder> ladders;
+  for (std::uint32_t chain = 0; chain < given.options.ladders; ++chain)
+    ladders.push_back(slow_ladder(ladder_options(given, chain), given.worker, scans));
+  return ladders;
+}
+
+/// Where the run must stop, from all results, by the rules as they are written.
+std::uint64_t scans_at_stop(const Case& given) {
+  const StopRule& stop = given.options.stop;
+  const std::vector<SlowLadder> all = slow_ladders(given, k_scans_max);
+  std::uint64_t round_end = 0;
+  std::uint64_t round_length = given.options.ladder.round_scans;
+  for (std::uint32_t round = 1;; ++round) {
+    round_end += round_length;
+    round_length *= 2;
+    if (stop.scans && *stop.scans <= round_end) return *stop.scans;
+    if (stop.rounds && *stop.rounds == round) return round_end;
+    std::uint64_t solutions = 0;
+    for (const SlowLadder& ladder : all) {
+      solutions += static_cast<std::uint64_t>(std::ranges::count_if(
+          ladder.solutions, [&](std::uint64_t scan) { return scan < round_end; }));
+    }
+    if (stop.independent_solutions && solutions >= *stop.independent_solutions) return round_end;
+  }
+}
+
+/// What a run store would hold.
+using Stored = std::map<plan::ReplicaKey, std::vector<plan::UnitResult>>;
+
+/// Drives a plan with units that complete in random order, and checks each against the reference.
+class Session {
+ public:
+  Session(const Case& given, const std::vector<SlowLadder>& expected, Dice& dice)
+      : given_(given), expected_(expected), dice_(dice), plan_(given.options) {}
+
+  ParallelTempering& plan() { return plan_; }
+  const Stored& stored() const { return stored_; }
+
+  void run(std::uint64_t steps = std::numeric_limits<std::uint64_t>::max()) {
+    // Some sessions keep much in flight, some little.
+    const std::uint64_t odds = 1 + dice_.below(6);
+    for (; steps > 0 && !plan_.finished(); --steps) {
+      if (running_.empty() || !dice_.once_in(odds)) {
+        hand_out();
+      } else {
+        complete_one();
+      }
+      if (::testing::Test::HasFailure()) return;
+    }
+  }
+  void complete_all() {
+    while (!running_.empty())
+      complete_one();
+  }
+
+  /// Takes in what an earlier session stored: whole replicas, in random order and batches.
+  void replay(const Stored& stored, bool in_order) {
+    std::vector<plan::ReplicaKey> keys;
+    for (const auto& [key, results] : stored)
+      keys.push_back(key);
+    for (std::size_t i = keys.size(); !in_order && i > 1; --i)
+      std::swap(keys[i - 1], keys[dice_.below(i)]);
+    for (const plan::ReplicaKey& key : keys) {
+      const std::vector<plan::UnitResult>& results = stored.at(key);
+      for (std::size_t i = 0; i < results.size();) {
+        const std::size_t count = std::min(results.size() - i, 1 + dice_.below(30));
+        std::vector<plan::ScanRecord> batch;
+        for (std::size_t k = 0; k < count; ++k)
+          batch.push_back(results[i + k].scans.front());
+        plan_.consume(key, results[i].unit.first_scan, batch);
+        i += count;
+      }
+    }
+    stored_ = stored;
+  }
+
+  /// All units of the reference and no others were run.
+  void expect_all_ran() const {
+    std::size_t count = 0;
+    for (const SlowLadder& ladder : expected_)
+      count += ladder.units.size();
+    std::size_t ran = 0;
+    for (const auto& [key, results] : stored_)
+      ran += results.size();
+    EXPECT_EQ(ran, count);
+  }
+
+ private:
+  void hand_out() {
+    const std::optional<plan::Unit> unit = plan_.next_unit(1);
+    if (!unit) {
+      ASSERT_FALSE(running_.empty()) << "nothing runs, nothing is handed out, not finished";
+      complete_one();
+      return;
+    }
+    ASSERT_LT(unit->replica.chain.value, expected_.size());
+    const auto& units = expected_[unit->replica.chain.value].units;
+    const auto found = units.find({unit->replica.replica.value, unit->first_scan.value});
+    ASSERT_NE(found, units.end()) << "a unit that the reference doesn't have";
+    ASSERT_EQ(*unit, found->second);
+    const std::vector<plan::UnitResult>& before = stored_[unit->replica];
+    const base::Bytes none;
+    running_.push_back(given_.worker.run(*unit, before.empty() ? none : before.back().state_after));
+  }
+
+  void complete_one() {
+    const std::size_t which = dice_.below(running_.size());
+    const plan::UnitResult result = running_[which];
+    running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(which));
+    plan_.consume(result.unit.replica, result.unit.first_scan, result.scans);
+    stored_[result.unit.replica].push_back(result);
+  }
+
+  const Case& given_;
+  const std::vector<SlowLadder>& expected_;
+  Dice& dice_;
+  ParallelTempering plan_;
+  Stored stored_;
+  std::vector<plan::UnitResult> running_;
+};
+
+void expect_end(Session& session, const std::vector<SlowLadder>& expected, std::uint64_t end) {
+  ParallelTempering& plan = session.plan();
+  EXPECT_TRUE(plan.finished());
+  EXPECT_EQ(plan.scans_common(), end);
+  EXPECT_EQ(plan.next_unit(1), std::nullopt);
+  session.expect_all_ran();
+  std::uint64_t solutions = 0;
+  std::uint64_t scans = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const LadderRun& ladder = plan.ladders()[i];
+    EXPECT_EQ(ladder.scans(), end);
+    EXPECT_EQ(ladder.solutions(), expected[i].solutions);
+    EXPECT_EQ(fingerprint(ladder.rounds(), ladder.solutions()),
+              fingerprint(expected[i].rounds, expected[i].solutions));
+    solutions += expected[i].solutions.size();
+    scans += expected[i].units.size();
+  }
+  EXPECT_EQ(plan.solutions_found(), solutions);
+  EXPECT_EQ(plan.scans_consumed(), scans);
+  EXPECT_EQ(plan.scans_total(), scans);
+}
+
+/// Bit for bit, NaN included.
+void expect_equal(const plan::Report& a, const plan::Report& b) {
+  ASSERT_EQ(a.tables.size(), b.tables.size());
+  for (std::size_t t = 0; t < a.tables.size(); ++t) {
+    EXPECT_EQ(a.tables[t].dims, b.tables[t].dims);
+    ASSERT_EQ(a.tables[t].values.size(), b.tables[t].values.size());
+    for (std::size_t i = 0; i < a.tables[t].values.size(); ++i) {
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(a.tables[t].values[i]),
+                std::bit_cast<std::uint64_t>(b.tables[t].values[i]))
+          << a.tables[t].name;
+    }
+  }
+}
+
+TEST(LadderRun, EqualsTheLockstepReference) {
+  // Goal: units, rounds, solutions, statistics and the stop are those of the reference, whatever
+  // the order in which units complete. Method: random cases with ladders that grow and shrink,
+  // results that remember all that units said, several random sessions of each.
+  std::set<std::size_t> level_counts;
+  bool grew = false;
+  bool shrank = false;
+  std::uint64_t trips = 0;
+  for (std::uint64_t index = 0; index < k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    Dice dice(index);
+    const Case given = random_case(dice);
+    const std::uint64_t end = scans_at_stop(given);
+    const std::vector<SlowLadder> expected = slow_ladders(given, end);
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      Session session(given, expected, dice);
+      session.run();
+      expect_end(session, expected, end);
+      if (HasFailure()) return;
+    }
+    for (const SlowLadder& ladder : expected) {
+      for (std::size_t r = 0; r < ladder.rounds.size(); ++r) {
+        const std::size_t levels = ladder.rounds[r].counts.size();
+        level_counts.insert(levels);
+        trips += ladder.rounds[r].round_trips;
+        if (r == 0) continue;
+        grew = grew || levels > ladder.rounds[r - 1].counts.size();
+        shrank = shrank || levels < ladder.rounds[r - 1].counts.size();
+      }
+    }
+  }
+  // The cases have in them what the test is for.
+  EXPECT_TRUE(grew);
+  EXPECT_TRUE(shrank);
+  EXPECT_GE(level_counts.size(), 6U);
+  EXPECT_GT(trips, 1000U);
+}
+
+TEST(LadderRun, GoesOnFromAnyStoredResults) {
+  // Goal: a fresh plan that consumes stored results replica by replica is where the stopped one is,
+  // and both end like the reference. Method: stop at a random moment, with what was in flight lost
+  // or kept; replay in the store's order or another.
+  for (std::uint64_t index = 0; index < k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    Dice dice(k_cases + index);
+    const Case given = random_case(dice);
+    const std::uint64_t end = scans_at_stop(given);
+    const std::vector<SlowLadder> expected = slow_ladders(given, end);
+    Session stopped(given, expected, dice);
+    stopped.run(dice.below(3000));
+    if (dice.once_in(2)) stopped.complete_all();
+    Session resumed(given, expected, dice);
+    resumed.replay(stopped.stored(), dice.once_in(2));
+    EXPECT_EQ(resumed.plan().finished(), stopped.plan().finished());
+    EXPECT_EQ(resumed.plan().scans_common(), stopped.plan().scans_common());
+    EXPECT_EQ(resumed.plan().scans_consumed(), stopped.plan().scans_consumed());
+    EXPECT_EQ(resumed.plan().scans_total(), stopped.plan().scans_total());
+    EXPECT_EQ(resumed.plan().solutions_found(), stopped.plan().solutions_found());
+    expect_equal(resumed.plan().report(), stopped.plan().report());
+    resumed.run();
+    expect_end(resumed, expected, end);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(LadderRun, CutAtAnyScanIsTheRunOfThatManyScans) {
+  // Goal: of a run cut at scan N, a plan that is fed the stored scans below N learns what the run
+  // asked for N scans learns. Method: whole runs; every replica's results cut at a random N.
+  for (std::uint64_t index = 0; index < k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    Dice dice(2 * k_cases + index);
+    const Case given = random_case(dice);
+    const std::uint64_t end = scans_at_stop(given);
+    const std::vector<SlowLadder> expected = slow_ladders(given, end);
+    Session whole(given, expected, dice);
+    whole.run();
+    const std::uint64_t cut = 1 + dice.below(end);
+    Stored kept;
+    for (const auto& [key, results] : whole.stored()) {
+      for (const plan::UnitResult& result : results) {
+        if (result.unit.first_scan.value < cut) kept[key].push_back(result);
+      }
+    }
+    Case shorter = given;
+    shorter.options.stop = {.scans = cut, .rounds = {}, .independent_solutions = {}};
+    const std::vector<SlowLadder> expected_shorter = slow_ladders(shorter, cut);
+    Session learner(shorter, expected_shorter, dice);
+    learner.replay(kept, true);
+    expect_end(learner, expected_shorter, cut);
+    Session direct(shorter, expected_shorter, dice);
+    direct.run();
+    expect_equal(learner.plan().report(), direct.plan().report());
+    if (HasFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace sleight::sampling

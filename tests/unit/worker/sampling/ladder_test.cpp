@@ -1,0 +1,175 @@
+// Ladders: spacing, barriers and predictions as functions of rejection rates.
+#include "worker/sampling/ladder.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/random/discrete_distributions.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr std::uint64_t k_seed = 161803;
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+/// Rejection rates of a barrier that is known: differences of a smooth curve.
+std::vector<double> differences(const std::vector<double>& ladder, double (*barrier)(double)) {
+  std::vector<double> rates;
+  for (std::size_t i = 0; i + 1 < ladder.size(); ++i)
+    rates.push_back(barrier(ladder[i + 1]) - barrier(ladder[i]));
+  return rates;
+}
+
+double square_root(double beta) {
+  return 3 * std::sqrt(beta);
+}
+double logarithm(double beta) {
+  return std::log1p(50 * beta);
+}
+double bend(double beta) {
+  return 2 * beta + std::sin(3 * beta) / 2;
+}
+
+TEST(FirstLadder, LiesCloserWhereItIsHot) {
+  // Goal: from 0 to 1, ascending, with growing steps. Method: every size.
+  EXPECT_EQ(first_ladder(2), (std::vector<double>{0, 1}));
+  for (std::uint32_t levels = k_levels_min; levels <= k_levels_max; ++levels) {
+    const std::vector<double> ladder = first_ladder(levels);
+    ASSERT_EQ(ladder.size(), levels);
+    EXPECT_EQ(ladder.front(), 0);
+    EXPECT_EQ(ladder.back(), 1);
+    for (std::size_t i = 2; i < levels; ++i)
+      EXPECT_GT(ladder[i] - ladder[i - 1], ladder[i - 1] - ladder[i - 2]);
+  }
+}
+
+TEST(LogSwapRatio, IsTheRatioOfTheSwappedDensities) {
+  // Goal: log of p_b(x_c) p_c(x_b) / (p_b(x_b) p_c(x_c)). Method: the four densities by hand, for
+  // states that the swap brings nearer and farther.
+  for (const auto& [l, cooler_l] : {std::pair{-1.5, -4.0}, {-4.0, -1.5}, {0.0, 7.0}, {2.0, 2.0}}) {
+    const double by_hand = 0.2 * cooler_l + 0.7 * l - (0.2 * l + 0.7 * cooler_l);
+    EXPECT_NEAR(log_swap_ratio(0.2, 0.7, l, cooler_l), by_hand, 1e-15);
+  }
+}
+
+TEST(LogSwapRatio, KnowsStatesWithoutDensity) {
+  // Goal: what breaks a hard constraint is never made cooler, unless neither has density; no NaN,
+  // at the ladder's hot end either. Method: every combination.
+  for (const double beta : {0.0, 0.3}) {
+    EXPECT_EQ(log_swap_ratio(beta, 1, -k_infinity, -2), -k_infinity);
+    EXPECT_EQ(log_swap_ratio(beta, 1, -2, -k_infinity), k_infinity);
+    EXPECT_EQ(log_swap_ratio(beta, 1, -k_infinity, -k_infinity), 0);
+  }
+}
+
+TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
+  // Goal: known numbers, and bounds for barriers that no ladder can serve.
+  EXPECT_EQ(levels_for(0), 2U);
+  EXPECT_EQ(levels_for(0.5), 2U);
+  EXPECT_EQ(levels_for(0.51), 3U);
+  EXPECT_EQ(levels_for(3), 7U);
+  EXPECT_EQ(levels_for(3.2), 8U);
+  EXPECT_EQ(levels_for(1e9), k_levels_max);
+  EXPECT_EQ(levels_for(k_infinity), k_levels_max);
+}
+
+TEST(Barrier, IsTheSumOfRejections) {
+  // Goal: 0 at the hottest level, all at the coolest. Method: numbers that add up exactly.
+  EXPECT_EQ(cumulative_barrier(std::vector{0.5, 0.25, 0.125}),
+            (std::vector{0.0, 0.5, 0.75, 0.875}));
+}
+
+TEST(LocalBarrier, IsTheSlope) {
+  // Goal: the local barrier is the cumulative one's slope: exact on a straight line, close on a
+  // smooth curve, and never negative. Method: known curves on a fine uneven ladder; the error of a
+  // three-point slope is of the second order in the spacing, at most 1/40.
+  const std::vector<double> ladder = first_ladder(41);
+  const std::vector<double> line =
+      local_barrier(ladder, differences(ladder, [](double beta) { return 2.5 * beta; }));
+  for (const double slope : line)
+    EXPECT_NEAR(slope, 2.5, 1e-12);
+  const std::vector<double> curve = local_barrier(ladder, differences(ladder, bend));
+  for (std::size_t i = 1; i + 1 < ladder.size(); ++i)
+    EXPECT_NEAR(curve[i], 2 + 1.5 * std::cos(3 * ladder[i]), 5e-3) << ladder[i];
+  for (const double slope : local_barrier(ladder, std::vector<double>(40, 0.0)))
+    EXPECT_EQ(slope, 0);
+}
+
+TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
+  // Goal: between the new levels the barrier grows by equal parts. Method: curves with a closed
+  // form, one with an infinite slope at 0, on fine ladders; a monotone cubic through 200 points is
+  // that close. Fewer and more levels than there were.
+  const std::vector<double> ladder = first_ladder(200);
+  for (const auto& barrier : {square_root, logarithm, bend}) {
+    for (const std::uint32_t levels : {2U, 3U, 8U, 33U, 250U}) {
+      const std::vector<double> even = respaced(ladder, differences(ladder, barrier), levels);
+      ASSERT_EQ(even.size(), levels);
+      const double part = barrier(1) / (levels - 1.0);
+      for (std::size_t i = 0; i + 1 < levels; ++i)
+        EXPECT_NEAR(barrier(even[i + 1]) - barrier(even[i]), part, 2e-3 * barrier(1)) << levels;
+    }
+  }
+}
+
+TEST(Respaced, IsAtRestWhenAllRejectionsAreEqual) {
+  // Goal: the best ladder stays. Method: equal rates, uneven levels; to rounding.
+  for (const double rate : {0.0, 1e-6, 0.3, 0.5, 1.0}) {
+    const std::vector<double> ladder{0, 1e-9, 0.01, 0.5, 0.501, 1};
+    const std::vector<double> same = respaced(ladder, std::vector<double>(5, rate), 6);
+    for (std::size_t i = 0; i < ladder.size(); ++i)
+      EXPECT_NEAR(same[i], ladder[i], 1e-14 + 1e-9 * ladder[i]) << rate;
+  }
+}
+
+TEST(Respaced, IsALadderWhateverTheRates) {
+  // Goal: ascending without ties from 0 to 1, for any rates, 0 and 1 among them, over many rounds
+  // that feed on each other. Method: random rates and sizes, each ladder respaced from the one
+  // before. A hard constraint, all of whose barrier lies at the hot end, is the worst: there levels
+  // crowd at 0.
+  for (std::uint64_t index = 0; index < 200; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
+    const bool hard = index % 4 == 0;
+    std::vector<double> ladder = first_ladder(static_cast<std::uint32_t>(2 + stream.bits() % 30));
+    for (int round = 0; round < 20; ++round) {
+      std::vector<double> rates;
+      for (std::size_t i = 0; i + 1 < ladder.size(); ++i) {
+        const double u = stream.uniform();
+        const double random_rate = u < 0.2 ? 0 : u > 0.9 ? 1 : stream.uniform();
+        rates.push_back(hard ? (i == 0 ? 0.999 : 0.0) : random_rate);
+      }
+      const auto levels = static_cast<std::uint32_t>(2 + stream.bits() % 30);
+      ladder = respaced(ladder, rates, levels);
+      ASSERT_EQ(ladder.size(), levels);
+      ASSERT_EQ(ladder.front(), 0);
+      ASSERT_EQ(ladder.back(), 1);
+      ASSERT_EQ(std::ranges::adjacent_find(ladder, std::greater_equal<>{}), ladder.end());
+    }
+  }
+}
+
+TEST(PredictedRoundTripRate, IsTheFormula) {
+  // Goal: 1 / (2 + 2 sum r / (1 - r)) (Syed et al. 2022, corollary 2). Method: by hand; a conveyor
+  // that never stops makes a trip every second scan, one that is cut makes none.
+  EXPECT_EQ(predicted_round_trip_rate(std::vector{0.0, 0.0, 0.0}), 0.5);
+  EXPECT_EQ(predicted_round_trip_rate(std::vector{0.5, 0.75}), 1 / (2 + 2 * (1.0 + 3.0)));
+  EXPECT_EQ(predicted_round_trip_rate(std::vector{0.5, 1.0}), 0);
+}
+
+TEST(Interpolated, IsStraightBetweenLevels) {
+  // Goal: exact at levels, straight between them, the ends included.
+  const std::vector<double> ladder{0, 0.25, 1};
+  const std::vector<double> values{4, 2, 5};
+  EXPECT_EQ(interpolated(ladder, values, 0), 4);
+  EXPECT_EQ(interpolated(ladder, values, 0.125), 3);
+  EXPECT_EQ(interpolated(ladder, values, 0.25), 2);
+  EXPECT_EQ(interpolated(ladder, values, 0.75), 4);
+  EXPECT_EQ(interpolated(ladder, values, 1), 5);
+}
+
+}  // namespace
+}  // namespace sleight::sampling

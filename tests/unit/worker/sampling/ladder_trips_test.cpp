@@ -1,0 +1,175 @@
+// Index processes by hand: who is at which temperature, which lineages begin, what counts as a
+// round trip, a restart and an independent solution.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+
+#include "worker/sampling/ladder.h"
+#include "worker/sampling/ladder_run.h"
+
+namespace sleight::sampling {
+namespace {
+
+/// A ladder that is driven by hand: in each scan everyone's result is a function of (inverse
+/// temperature, scan).
+class Played {
+ public:
+  using Score = std::function<plan::ScanRecord(double beta, std::uint64_t scan)>;
+
+  Played(const LadderOptions& options, std::uint64_t scans, const Score& score) : run_(options) {
+    while (const std::optional<plan::Unit> unit = run_.next_unit(scans)) {
+      const std::uint64_t scan = unit->first_scan.value;
+      const std::uint32_t replica = unit->replica.replica.value;
+      const double beta = unit->inverse_temperatures.front();
+      plan::ScanRecord record = score(beta, scan);
+      record.lineage = unit->starts || beta == 0 ? plan::lineage_from(unit->replica.replica, scan)
+                                                 : unit->lineage;
+      EXPECT_EQ(unit->starts, !betas_.contains(replica));
+      betas_[replica].push_back(beta);
+      lineages_[replica].push_back(record.lineage);
+      run_.consume(unit->replica.replica, scan, {&record, 1});
+    }
+  }
+  const LadderRun& run() const { return run_; }
+  const std::vector<double>& betas(std::uint32_t replica) { return betas_[replica]; }
+  const std::vector<std::uint64_t>& lineages(std::uint32_t replica) { return lineages_[replica]; }
+
+ private:
+  LadderRun run_;
+  std::map<std::uint32_t, std::vector<double>> betas_;
+  std::map<std::uint32_t, std::vector<std::uint64_t>> lineages_;
+};
+
+LadderOptions fixed(std::vector<double> ladder, std::uint64_t round_scans = 1000) {
+  return {.seed = 1,
+          .chain = {},
+          .first_ladder = std::move(ladder),
+          .levels_chosen = false,
+          .levels_max = 64,
+          .ladder_adapts = false,
+          .has_scale = {},
+          .round_scans = round_scans};
+}
+
+plan::ScanRecord satisfied_with(double log_constraint) {
+  plan::ScanRecord record;
+  record.log_constraint = log_constraint;
+  record.satisfied = true;
+  return record;
+}
+
+/// Equal densities swap always: a conveyor. Everything satisfies.
+plan::ScanRecord always_swaps(double /*beta*/, std::uint64_t /*scan*/) {
+  return satisfied_with(-1);
+}
+
+/// The cooler, the better: nobody ever swaps.
+plan::ScanRecord never_swaps(double beta, std::uint64_t /*scan*/) {
+  return satisfied_with(1e6 * beta);
+}
+
+TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
+  // Goal: all counts of a ladder that is easily played by hand. Method: swaps at even scans alone,
+  // so replica 0 is at levels 0 1 1 0 0 1 1 0 0, replica 1 at 1 0 0 1 1 0 0 1 1.
+  //   restarts     scan 1 (0), 3 (1), 5 (0), 7 (1)
+  //   round trips  scan 3 (0), 5 (1), 7 (0): replica 1 begins at the cool end, which counts not
+  //   solutions    scan 0 (1's start), 1, 3, 5, 7: a lineage counts once, though it stays for two
+  Played played(fixed({0, 1}), 9, always_swaps);
+  EXPECT_EQ(played.betas(0), (std::vector<double>{0, 1, 1, 0, 0, 1, 1, 0, 0}));
+  EXPECT_EQ(played.betas(1), (std::vector<double>{1, 0, 0, 1, 1, 0, 0, 1, 1}));
+  const auto from = [](std::uint32_t replica, std::uint64_t scan) {
+    return plan::lineage_from(base::ReplicaId{replica}, scan);
+  };
+  EXPECT_EQ(played.lineages(0),
+            (std::vector{from(0, 0), from(0, 0), from(0, 0), from(0, 3), from(0, 4), from(0, 4),
+                         from(0, 4), from(0, 7), from(0, 8)}));
+  EXPECT_EQ(played.lineages(1),
+            (std::vector{from(1, 0), from(1, 1), from(1, 2), from(1, 2), from(1, 2), from(1, 5),
+                         from(1, 6), from(1, 6), from(1, 6)}));
+  const RoundReport& round = played.run().rounds().front();
+  EXPECT_EQ(round.restarts, 4U);
+  EXPECT_EQ(round.round_trips, 3U);
+  EXPECT_EQ(played.run().solutions(), (std::vector<std::uint64_t>{0, 1, 3, 5, 7}));
+  EXPECT_EQ(round.statistics.rejections(), std::vector{0.0});
+}
+
+TEST(LadderTrips, OfAConveyor) {
+  // Goal: without rejections every replica makes a round trip in 2 levels scans, so that there is
+  // one every second scan (predicted_round_trip_rate). Method: 2 to 9 levels, a hundred cycles; the
+  // beginning and the end miss at most two trips a replica.
+  for (std::uint32_t levels = 2; levels < 10; ++levels) {
+    Played played(fixed(first_ladder(levels), 5000), 200ULL * levels, always_swaps);
+    const RoundReport& round = played.run().rounds().front();
+    EXPECT_LE(round.round_trips, 100U * levels);
+    EXPECT_GE(round.round_trips, 98U * levels);
+    EXPECT_EQ(predicted_round_trip_rate(round.statistics.rejections()), 0.5);
+    for (std::uint32_t replica = 0; replica < levels; ++replica) {
+      for (std::uint64_t scan = 0; scan + 2ULL * levels < 200ULL * levels; ++scan)
+        ASSERT_EQ(played.betas(replica)[scan], played.betas(replica)[scan + 2ULL * levels]);
+    }
+  }
+}
+
+TEST(LadderTrips, OfALadderThatNeverSwaps) {
+  // Goal: no trips, no restarts, one solution: the coolest replica's start. Method: the hottest
+  // alone begins lineages.
+  Played played(fixed({0, 0.2, 0.6, 1}), 50, never_swaps);
+  const RoundReport& round = played.run().rounds().front();
+  EXPECT_EQ(round.round_trips, 0U);
+  EXPECT_EQ(round.restarts, 0U);
+  EXPECT_EQ(played.run().solutions(), std::vector<std::uint64_t>{0});
+  EXPECT_EQ(played.lineages(0).back(), plan::lineage_from(base::ReplicaId{0}, 49));
+  for (std::uint32_t replica = 1; replica < 4; ++replica)
+    EXPECT_EQ(played.lineages(replica).back(), plan::lineage_from(base::ReplicaId{replica}, 0));
+}
+
+TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
+  // Goal: a trip counts in the round in which it ends, parity and replicas go on over round ends.
+  // Method: the two levels of above in rounds of 2, 4, 8 scans: trips at scans 3 and 5, 7, ...
+  Played played(fixed({0, 1}, 2), 14, always_swaps);
+  const std::vector<RoundReport>& rounds = played.run().rounds();
+  ASSERT_EQ(rounds.size(), 4U);
+  EXPECT_EQ(played.betas(0), (std::vector<double>{0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1}));
+  EXPECT_EQ(rounds[1].first_scan, 2U);
+  EXPECT_EQ(rounds[2].first_scan, 6U);
+  EXPECT_EQ(rounds[3].first_scan, 14U);
+  EXPECT_EQ(rounds[0].restarts, 1U);
+  EXPECT_EQ(rounds[0].round_trips, 0U);
+  EXPECT_EQ(rounds[1].restarts, 2U);
+  EXPECT_EQ(rounds[1].round_trips, 2U);
+  EXPECT_EQ(rounds[2].restarts, 4U);
+  EXPECT_EQ(rounds[2].round_trips, 4U);
+}
+
+TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
+  // Goal: more levels: who is there stays the coolest, in order; new replicas start from the prior
+  // in the round's first scan; fewer: the hottest go and never come back. Method: two levels that
+  // never swap in round one (barrier 1: three levels), three that never swap (barrier 2: five),
+  // five that always do (barrier 0: two).
+  LadderOptions options = fixed({0, 1}, 4);
+  options.levels_chosen = true;
+  Played played(options, 40, [](double beta, std::uint64_t scan) {
+    return scan < 12 ? never_swaps(beta, scan) : always_swaps(beta, scan);
+  });
+  const std::vector<RoundReport>& rounds = played.run().rounds();
+  ASSERT_EQ(rounds.size(), 4U);
+  EXPECT_EQ(rounds[0].counts.size(), 2U);
+  EXPECT_EQ(rounds[1].counts.size(), 3U);
+  EXPECT_EQ(rounds[2].counts.size(), 5U);
+  EXPECT_EQ(rounds[3].counts.size(), 2U);
+  EXPECT_EQ(played.run().replicas(), 5U);
+  // Replica 1 is the coolest, 0 next to it, 2 the hottest of three; then 3 and 4 above.
+  EXPECT_EQ(played.betas(1)[11], 1);
+  EXPECT_EQ(played.betas(0)[4], rounds[1].statistics.ladder()[1]);
+  EXPECT_EQ(played.betas(2)[0], 0);
+  EXPECT_EQ(played.betas(2)[8], rounds[2].statistics.ladder()[2]);
+  EXPECT_EQ(played.betas(3)[0], 0);
+  EXPECT_EQ(played.betas(4)[0], rounds[2].statistics.ladder()[1]);
+  EXPECT_EQ(played.betas(2).size() + played.betas(3).size() + played.betas(4).size() +
+                played.betas(0).size() + played.betas(1).size(),
+            4U * 2 + 8 * 3 + 16 * 5 + 12 * 2);
+}
+
+}  // namespace
+}  // namespace sleight::sampling

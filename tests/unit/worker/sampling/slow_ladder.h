@@ -1,0 +1,51 @@
+// Parallel tempering as plainly as can be, for tests: all replicas make a scan, then the pairs of
+// that scan's parity swap, then, at a round's end, the ladder is spaced anew. It shares with the
+// real one the pure functions that have tests of their own (ladder.h, round_statistics.h, tuning.h)
+// and none of its bookkeeping.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/plan/unit.h"
+#include "worker/sampling/ladder_run.h"
+
+namespace sleight::sampling {
+
+/// A worker whose results hang on all that a unit says and on the state before it: what is handed
+/// out wrongly once is different for ever.
+class HashedWorker final : public plan::UnitWorker {
+ public:
+  struct Options {
+    std::uint64_t seed = 1;
+    /// log_constraint lies in (-roughness, 0), the roughness of every 32 scans drawn from these.
+    std::vector<double> roughness{1};
+    double broken = 0;     ///< how often log_constraint is -infinity
+    double satisfied = 0;  ///< how often a scan is satisfied
+  };
+  explicit HashedWorker(Options options) : options_(std::move(options)) {}
+  plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override;
+
+ private:
+  Options options_;
+};
+
+struct SlowLadder {
+  std::vector<RoundReport> rounds;       ///< the present one last, as LadderRun has them
+  std::vector<std::uint64_t> solutions;  ///< likewise
+  using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< replica, scan
+  std::map<Place, plan::Unit> units;
+};
+
+/// So many scans of it.
+SlowLadder slow_ladder(const LadderOptions& options, const plan::UnitWorker& worker,
+                       std::uint64_t scans);
+
+/// All that rounds say, bit for bit.
+std::vector<std::uint64_t> fingerprint(std::span<const RoundReport> rounds,
+                                       std::span<const std::uint64_t> solutions);
+
+}  // namespace sleight::sampling
