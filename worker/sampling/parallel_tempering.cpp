@@ -38,16 +38,15 @@ void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_
                                 std::span<const plan::ScanRecord> records) {
   CHECK_LT(replica.chain.value, ladders_.size());
   ladders_[replica.chain.value].consume(replica.replica, first_scan.value, records);
-  stop_.judge(
-      std::ranges::min(ladders_, {}, &LadderRun::scans).scans(), [&](std::uint64_t round_end) {
-        std::uint64_t solutions = 0;
-        for (const LadderRun& ladder : ladders_) {
-          const std::vector<std::uint64_t>& found = ladder.solutions();
-          solutions += static_cast<std::uint64_t>(std::ranges::lower_bound(found, round_end) -
-                                                  found.begin());
-        }
-        return solutions;
-      });
+  stop_.judge(reached_by_all(), [&](std::uint64_t round_end) {
+    std::uint64_t solutions = 0;
+    for (const LadderRun& ladder : ladders_) {
+      const std::vector<std::uint64_t>& found = ladder.solutions();
+      solutions +=
+          static_cast<std::uint64_t>(std::ranges::lower_bound(found, round_end) - found.begin());
+    }
+    return solutions;
+  });
 }
 
 bool ParallelTempering::finished() const {
@@ -55,8 +54,12 @@ bool ParallelTempering::finished() const {
       ladders_, [&](const LadderRun& ladder) { return ladder.scans() >= stop_.end(); });
 }
 
+std::uint64_t ParallelTempering::reached_by_all() const {
+  return std::ranges::min_element(ladders_, {}, &LadderRun::scans)->scans();
+}
+
 std::uint64_t ParallelTempering::scans_common() const {
-  return std::min(std::ranges::min(ladders_, {}, &LadderRun::scans).scans(), stop_.end());
+  return std::min(reached_by_all(), stop_.end());
 }
 
 plan::Draws ParallelTempering::draws() const {

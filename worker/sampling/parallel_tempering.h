@@ -45,6 +45,9 @@ class ParallelTempering final : public plan::Plan {
   const std::vector<LadderRun>& ladders() const { return ladders_; }
 
  private:
+  /// Scans that all ladders have, beyond the stop too.
+  std::uint64_t reached_by_all() const;
+
   std::uint64_t anneal_scans_;
   std::vector<LadderRun> ladders_;
   StopJudge stop_;
