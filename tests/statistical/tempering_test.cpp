@@ -1,0 +1,222 @@
+// Parallel tempering as users run it: modes, evidence and round trips against closed forms.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/statistical/support/ball_fixture.h"
+#include "tests/statistical/support/rank_tests.h"
+#include "tests/statistical/support/run_serially.h"
+#include "tests/statistical/support/toy_worlds.h"
+#include "worker/sampling/independent_chains.h"
+#include "worker/sampling/ladder.h"
+#include "worker/sampling/parallel_tempering.h"
+
+namespace sleight::statistical {
+namespace {
+
+constexpr std::uint64_t k_seed = 299792;
+constexpr std::uint64_t k_round_scans = 64;
+
+sampling::ParallelTemperingOptions options_of(std::uint64_t seed, std::uint32_t ladders,
+                                              std::uint32_t rounds) {
+  return {.ladders = ladders,
+          .ladder = {.seed = seed,
+                     .chain = {},
+                     .first_ladder = sampling::first_ladder(6),
+                     .levels_chosen = true,
+                     .levels_max = 64,
+                     .ladder_adapts = true,
+                     .has_scale = {true},
+                     .round_scans = k_round_scans},
+          .stop = {.scans = {}, .rounds = rounds, .independent_solutions = {}}};
+}
+std::uint64_t first_scan_of_round(std::uint32_t round) {
+  return sampling::scans_through_round(k_round_scans, round - 1);
+}
+
+double is_left(const plan::ScanRecord& record) {
+  return record.outcome.front() < 0 ? 1 : 0;
+}
+
+TwoModes two_modes() {
+  TwoModes world;
+  world.prior_sd = 4;
+  world.step_sd = 1;
+  return world;
+}
+
+TEST(TwoModesWorld, IsCrossedByTempering) {
+  // Goal: parallel tempering weighs both modes rightly. Method: four ladders, 1 : 4 modes; the
+  // share of the left one after six rounds of learning, within 5 standard errors that allow for
+  // autocorrelation, and these are small.
+  const TwoModes world = two_modes();
+  const run::ChainWorker<TwoModes> worker(world, {.seed = k_seed, .iterations_per_scan = 3});
+  sampling::ParallelTempering plan(options_of(k_seed, 4, 8));
+  const auto left = run_and_collect(plan, worker, first_scan_of_round(7), is_left);
+  const MeanWithError share = mean_of_chains(left);
+  fmt::print("left: {:.4f} +- {:.4f}, exactly {:.4f}\n", share.mean, share.standard_error,
+             world.left_weight());
+  EXPECT_NEAR(share.mean, world.left_weight(), 5 * share.standard_error) << "seed " << k_seed;
+  EXPECT_LT(share.standard_error, 0.01);
+}
+
+TEST(TwoModesWorld, IsNotCrossedByPlainChains) {
+  // Goal: the test before is one that plain Metropolis-Hastings fails. Method: 32 plain chains with
+  // as many iterations: none crosses after its first tenth, each sits in the mode next to its
+  // start, so that the share is that of starts, near a half.
+  const TwoModes world = two_modes();
+  const run::ChainWorker<TwoModes> worker(world, {.seed = k_seed, .iterations_per_scan = 3});
+  sampling::IndependentChains plan(
+      {.chains = 32,
+       .round_scans = k_round_scans,
+       .stop = {.scans = 20'000, .rounds = {}, .independent_solutions = {}}});
+  const auto left = run_and_collect(plan, worker, 2000, is_left);
+  std::vector<double> shares;
+  for (const std::vector<double>& chain : left) {
+    EXPECT_EQ(std::ranges::count(chain, chain.front()), static_cast<std::ptrdiff_t>(chain.size()));
+    shares.push_back(chain.front());
+  }
+  const MeanWithError share = mean_of_independent(shares);
+  fmt::print("plain chains: left {:.3f} +- {:.3f}, exactly {:.3f}\n", share.mean,
+             share.standard_error, world.left_weight());
+  EXPECT_GT(share.mean - world.left_weight(), 2.5 * share.standard_error);
+}
+
+TEST(Evidence, HasHonestErrorBars) {
+  // Goal: log Z and log P(satisfied) of a learning ladder are right, and their errors are their
+  // spread. Method: 150 seeds of a bullseye off centre, whose both are known; z-scores of the last
+  // round. With the jackknife's 20 parts z has about Student's distribution with 19 degrees of
+  // freedom (sd 1.06, kurtosis 3.4); 5 standard errors over 150 are 0.43 for the mean and, with
+  // sqrt(2.4 / 600) = 6.3% each, 32% for the sd; what parts of a round have in common may make
+  // errors a little too small: up to 1.5 passes.
+  constexpr int k_repeats = 150;
+  Bullseye world;
+  world.target = 1.5;
+  world.sigma = 0.05;
+  world.tolerance = 0.06;
+  world.step_sd = 0.2;
+  const double exact[2] = {world.log_z(), world.log_p_satisfied()};
+  std::vector<double> z[2];
+  double errors[2] = {};
+  for (std::uint64_t repeat = 0; repeat < k_repeats; ++repeat) {
+    const std::uint64_t seed = k_seed + repeat;
+    const run::ChainWorker<Bullseye> worker(world, {.seed = seed, .iterations_per_scan = 2});
+    sampling::ParallelTempering plan(options_of(seed, 1, 6));
+    run_serially(plan, worker, {});
+    const std::vector<sampling::RoundReport>& rounds = plan.ladders()[0].rounds();
+    const sampling::RoundStatistics& last = rounds[rounds.size() - 2].statistics;
+    const sampling::Estimate estimates[2] = {last.log_z(), last.log_satisfied()};
+    for (int i = 0; i < 2; ++i) {
+      z[i].push_back((estimates[i].value - exact[i]) / estimates[i].error);
+      errors[i] += estimates[i].error / k_repeats;
+    }
+  }
+  const char* const names[2] = {"log Z", "log P"};
+  for (int i = 0; i < 2; ++i) {
+    const MeanWithError mean = mean_of_independent(z[i]);
+    const double sd = mean.standard_error * std::sqrt(double{k_repeats});
+    fmt::print("{} {:.4f}, mean error {:.4f}; z: mean {:.3f}, sd {:.3f}\n", names[i], exact[i],
+               errors[i], mean.mean, sd);
+    EXPECT_NEAR(mean.mean, 0, 0.43) << "seed " << k_seed;
+    EXPECT_GT(sd, 1.06 * 0.68) << "seed " << k_seed;
+    EXPECT_LT(sd, 1.5) << "seed " << k_seed;
+    EXPECT_LT(errors[i], 0.15);
+  }
+}
+
+TEST(RoundTrips, AreAsManyAsPredicted) {
+  // Goal: the observed rate is 1 / (2 + 2 sum r / (1 - r)) where exploration is perfect. Method:
+  // workers that draw from each tempered distribution exactly; narrow and wide targets, near and
+  // far, ladders that learn. Observed within 10% of predicted in the last round: there are at least
+  // 2,500 trips, no more variable than a Poisson process, so 10% is 5 standard errors or more.
+  for (const auto& [target, sigma] : {std::pair{0.0, 0.3}, {1.0, 0.02}, {3.0, 0.1}, {0.0, 0.005}}) {
+    Bullseye world;
+    world.target = target;
+    world.sigma = sigma;
+    const ExactScans<Bullseye> worker(world, k_seed);
+    sampling::ParallelTempering plan(options_of(k_seed, 1, 11));
+    run_serially(plan, worker, {});
+    const std::vector<sampling::RoundReport>& rounds = plan.ladders()[0].rounds();
+    const sampling::RoundReport& last = rounds[rounds.size() - 2];
+    const auto trips = static_cast<double>(last.round_trips);
+    const double seen = trips / static_cast<double>(last.statistics.scans());
+    const std::vector<double> rejections = last.statistics.rejections();
+    const double predicted = sampling::predicted_round_trip_rate(rejections);
+    const double barrier = sampling::cumulative_barrier(rejections).back();
+    fmt::print(
+        "barrier {:.3f}, {} levels, rejections {:.3f} to {:.3f}: {} trips, rate {:.5f}, "
+        "predicted {:.5f}, ratio {:.3f} +- {:.3f} at most\n",
+        barrier, last.counts.size(), std::ranges::min(rejections), std::ranges::max(rejections),
+        last.round_trips, seen, predicted, seen / predicted, 1 / std::sqrt(trips));
+    EXPECT_GT(last.round_trips, 2500U);
+    EXPECT_NEAR(seen / predicted, 1, 0.1) << "seed " << k_seed;
+    // A restart for each trip, to one a replica.
+    EXPECT_NEAR(static_cast<double>(last.restarts), trips, static_cast<double>(last.counts.size()));
+    // The ladder has come to rest: rejections are about equal, though the first weren't.
+    EXPECT_LT(std::ranges::max(rejections) - std::ranges::min(rejections), 0.06);
+    EXPECT_NEAR(static_cast<double>(last.counts.size()), sampling::levels_for(barrier), 1);
+  }
+}
+
+TEST(BallByTempering, EqualsRejection) {
+  // Goal: a world of the product: what tempering says of animations and of blind throws equals
+  // rejection. Method: the ball's functions at inverse temperature 1 in the last two rounds of two
+  // ladders, against 20,000 exact draws; log Z and log P(satisfied) of each ladder against 200,000
+  // blind throws. 12 numbers, within 5 standard errors each (7e-6).
+  const Ball ball{worlds::ball_2d::Parameters{}};
+  const run::ChainWorker<Ball> worker(ball, {.seed = k_seed, .iterations_per_scan = 4});
+  sampling::ParallelTempering plan(options_of(k_seed, 2, 8));
+  std::array<std::map<std::pair<std::uint32_t, std::uint64_t>, double>, k_ball_functions> seen;
+  run_serially(plan, worker, [&](const plan::UnitResult& result) {
+    const plan::ScanRecord& record = result.scans.front();
+    const std::uint64_t scan = result.unit.first_scan.value;
+    if (record.inverse_temperature != 1 || scan < first_scan_of_round(7)) return;
+    const BallSample sample = sampling::evaluate(ball, ball.decode(result.state_after).value());
+    const auto values = ball_functions(sample);
+    for (std::size_t f = 0; f < values.size(); ++f)
+      seen[f][{result.unit.replica.chain.value, scan}] = values[f];
+  });
+
+  std::array<std::vector<double>, k_ball_functions> exact;
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    random::Stream stream = streams_of(k_seed + 1, i).at(random::Purpose::start, 0);
+    const auto values = ball_functions(exact_draw(ball, 1.0, stream));
+    for (std::size_t f = 0; f < values.size(); ++f)
+      exact[f].push_back(values[f]);
+  }
+  const auto expect_same = [](const char* name, const MeanWithError& a, const MeanWithError& b) {
+    const double error = std::hypot(a.standard_error, b.standard_error);
+    fmt::print("{}: {:.4f} and {:.4f}, z {:.2f}\n", name, a.mean, b.mean,
+               (a.mean - b.mean) / error);
+    EXPECT_NEAR(a.mean, b.mean, 5 * error) << name << ", seed " << k_seed;
+  };
+  for (std::size_t f = 0; f < k_ball_functions; ++f) {
+    std::vector<std::vector<double>> chains(2);
+    for (const auto& [place, value] : seen[f])
+      chains[place.first].push_back(value);
+    expect_same(k_ball_function_names[f], mean_of_chains(chains), mean_of_independent(exact[f]));
+  }
+
+  std::vector<double> densities;
+  std::vector<double> satisfied;
+  for (std::uint32_t i = 0; i < 200'000; ++i) {
+    const auto blind = sampling::draw_afresh(ball, streams_of(k_seed + 2, i), 0);
+    densities.push_back(math::exp(blind.log_constraint));
+    satisfied.push_back(ball.satisfied(blind.outcome) ? 1 : 0);
+  }
+  const auto logarithm = [](const MeanWithError& of) {
+    return MeanWithError{.mean = std::log(of.mean), .standard_error = of.standard_error / of.mean};
+  };
+  for (const sampling::LadderRun& ladder : plan.ladders()) {
+    const sampling::RoundStatistics& last = ladder.rounds()[ladder.rounds().size() - 2].statistics;
+    const sampling::Estimate log_z = last.log_z();
+    const sampling::Estimate log_p = last.log_satisfied();
+    expect_same("log Z", {log_z.value, log_z.error}, logarithm(mean_of_independent(densities)));
+    expect_same("log P", {log_p.value, log_p.error}, logarithm(mean_of_independent(satisfied)));
+    EXPECT_LT(log_p.error, 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::statistical
