@@ -243,6 +243,7 @@ void LadderRun::retire() {
     solutions_.add(retired_, *rows_.front().result.back());
     rows_.pop_front();
     ++retired_;
+    records_counted_ += levels();
   }
 }
 

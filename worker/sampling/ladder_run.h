@@ -75,6 +75,8 @@ class LadderRun {
   /// Scans that every level has.
   std::uint64_t scans() const;
   std::uint64_t records_consumed() const { return records_; }
+  /// Of these, those of scans that every level has.
+  std::uint64_t records_counted() const { return records_counted_; }
   /// Scans at which a lineage first satisfied at inverse temperature 1, in order.
   const std::vector<std::uint64_t>& solutions() const { return solutions_.scans(); }
   /// All rounds, the present one last.
@@ -123,6 +125,7 @@ class LadderRun {
   std::deque<Row> rows_;  ///< from retired_ on
   std::uint64_t retired_ = 0;
   std::uint64_t records_ = 0;
+  std::uint64_t records_counted_ = 0;
   std::vector<RoundReport> rounds_;
   std::vector<std::uint32_t> carried_;  ///< by level: who goes on after the round's last scan
   Solutions solutions_;

@@ -83,8 +83,9 @@ std::uint64_t ParallelTempering::scans_consumed() const {
 
 std::optional<std::uint64_t> ParallelTempering::scans_total() const {
   if (stop_.end() == StopJudge::k_no_end) return std::nullopt;
-  std::uint64_t sum = scans_consumed();
+  std::uint64_t sum = 0;
   for (const LadderRun& ladder : ladders_) {
+    sum += ladder.records_counted();
     const std::uint64_t levels = ladder.rounds().back().statistics.ladder().size();
     if (ladder.scans() < stop_.end()) sum += levels * (stop_.end() - ladder.scans());
   }

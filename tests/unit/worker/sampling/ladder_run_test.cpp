@@ -322,5 +322,23 @@ TEST(LadderRun, CutAtAnyScanIsTheRunOfThatManyScans) {
   }
 }
 
+TEST(LadderRun, KnowsHowMuchThereIsToDo) {
+  // Goal: the total is told beforehand and stays, though replicas run ahead of one another. Method:
+  // two ladders of four fixed levels; asked at every step.
+  Dice dice(3 * k_cases);
+  Case given = random_case(dice);
+  given.options.ladders = 2;
+  given.options.ladder.first_ladder = first_ladder(4);
+  given.options.ladder.levels_chosen = false;
+  given.options.stop = {.scans = 50, .rounds = {}, .independent_solutions = {}};
+  const std::vector<SlowLadder> expected = slow_ladders(given, 50);
+  Session session(given, expected, dice);
+  while (!session.plan().finished()) {
+    ASSERT_EQ(session.plan().scans_total(), 2U * 4 * 50);
+    session.run(1);
+  }
+  expect_end(session, expected, 50);
+}
+
 }  // namespace
 }  // namespace sleight::sampling
