@@ -51,12 +51,12 @@ struct Census {
 
 TEST(LadderInvariance, ExactDrawsStayExact) {
   // Goal: with a fixed ladder, every level keeps its distribution, and levels stay independent,
-  // over swaps, scans and the ends of rounds. Method: 30,000 ladders of five levels start from
+  // over swaps, scans and the ends of rounds. Method: 100,000 ladders of five levels start from
   // exact draws; after one scan and after ten, each level, and each pair of neighbours, by
   // chi-square against enumeration. 18 p-values, each below 1e-6 by chance once in a million runs.
   // The mean rejection rates are those of enumeration too, within 5 standard errors (4 of
   // them: 2.3e-6).
-  constexpr int k_repeats = 30'000;
+  constexpr int k_repeats = 100'000;
   const RuggedRing ring;
   const std::vector<std::uint64_t> looked_at{1, 10};
   std::vector<Census> censuses(looked_at.size());

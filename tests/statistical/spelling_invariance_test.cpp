@@ -11,47 +11,19 @@
 
 #include "common/math/elementary.h"
 #include "tests/statistical/support/rank_tests.h"
+#include "tests/statistical/support/spelling_fixture.h"
 #include "worker/sampling/metropolis_hastings.h"
-#include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::statistical {
 namespace {
 
 using worlds::spelling::Kernel;
-using worlds::spelling::Spelling;
-using SpellingSample = sampling::Sample<Spelling>;
 
 constexpr std::uint64_t k_seed = 535897;
 
 /// Chains of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
 std::size_t chain_count() {
   return std::getenv("SLEIGHT_SOAK") != nullptr ? 40'000 : 2000;
-}
-
-/// Two bins, both to be filled by two balls; lambda is so small that exact draws are cheap.
-Spelling world_with(Kernel kernel) {
-  worlds::spelling::Parameters parameters;
-  parameters.pattern = worlds::spelling::pattern_of_rows("##").value();
-  parameters.constraint.log_lambda = 1.2;
-  parameters.proposal.change_all = 0.2;
-  parameters.proposal.change_vertices = 0.2;
-  parameters.proposal.change_ball = 0.2;
-  parameters.proposal.disable_balls = 0.2;
-  parameters.proposal.enable_balls = 0.2;
-  parameters.proposal.vertex_probability = 0.5;
-  parameters.proposal.vertex_sd_m = 0.0001;
-  parameters.proposal.kernel = kernel;
-  return Spelling(parameters);
-}
-
-/// By rejection: p_c is at most lambda^2.
-SpellingSample exact_draw(const Spelling& world, double beta, random::Stream& stream) {
-  const double most = world.balls() * world.parameters().constraint.log_lambda;
-  while (true) {
-    SpellingSample sample = sampling::evaluate(world, world.prior().draw(stream));
-    const double u = stream.uniform();
-    if (math::log(u) < beta * (sample.log_constraint - most)) return sample;
-  }
 }
 
 /// What the tests look at: which balls are active and how many bins are filled, as a number; and

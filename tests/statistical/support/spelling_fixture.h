@@ -1,0 +1,39 @@
+// A small case of balls that spell, with exact draws of p_w p_c^beta, for tests of kernels.
+#pragma once
+
+#include "common/math/elementary.h"
+#include "worker/sampling/metropolis_hastings.h"
+#include "worker/worlds/spelling/spelling.h"
+
+namespace sleight::statistical {
+
+using Spelling = worlds::spelling::Spelling;
+using SpellingSample = sampling::Sample<Spelling>;
+
+/// Two bins, both to be filled by two balls; lambda is so small that exact draws are cheap.
+inline Spelling world_with(worlds::spelling::Kernel kernel) {
+  worlds::spelling::Parameters parameters;
+  parameters.pattern = worlds::spelling::pattern_of_rows("##").value();
+  parameters.constraint.log_lambda = 1.2;
+  parameters.proposal.change_all = 0.2;
+  parameters.proposal.change_vertices = 0.2;
+  parameters.proposal.change_ball = 0.2;
+  parameters.proposal.disable_balls = 0.2;
+  parameters.proposal.enable_balls = 0.2;
+  parameters.proposal.vertex_probability = 0.5;
+  parameters.proposal.vertex_sd_m = 0.0001;
+  parameters.proposal.kernel = kernel;
+  return Spelling(parameters);
+}
+
+/// By rejection: p_c is at most lambda^2.
+inline SpellingSample exact_draw(const Spelling& world, double beta, random::Stream& stream) {
+  const double most = world.balls() * world.parameters().constraint.log_lambda;
+  while (true) {
+    SpellingSample sample = sampling::evaluate(world, world.prior().draw(stream));
+    const double u = stream.uniform();
+    if (math::log(u) < beta * (sample.log_constraint - most)) return sample;
+  }
+}
+
+}  // namespace sleight::statistical
