@@ -333,7 +333,7 @@ TEST(LadderRun, KnowsHowMuchThereIsToDo) {
   given.options.stop = {.scans = 50, .rounds = {}, .independent_solutions = {}};
   const std::vector<SlowLadder> expected = slow_ladders(given, 50);
   Session session(given, expected, dice);
-  while (!session.plan().finished()) {
+  while (!session.plan().finished() && !HasFailure()) {
     ASSERT_EQ(session.plan().scans_total(), 2U * 4 * 50);
     session.run(1);
   }
