@@ -154,10 +154,10 @@ TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
   });
   const std::vector<RoundReport>& rounds = played.run().rounds();
   ASSERT_EQ(rounds.size(), 4U);
-  EXPECT_EQ(rounds[0].counts.size(), 2U);
-  EXPECT_EQ(rounds[1].counts.size(), 3U);
-  EXPECT_EQ(rounds[2].counts.size(), 5U);
-  EXPECT_EQ(rounds[3].counts.size(), 2U);
+  ASSERT_EQ(rounds[0].counts.size(), 2U);
+  ASSERT_EQ(rounds[1].counts.size(), 3U);
+  ASSERT_EQ(rounds[2].counts.size(), 5U);
+  ASSERT_EQ(rounds[3].counts.size(), 2U);
   EXPECT_EQ(played.run().replicas(), 5U);
   // Replica 1 is the coolest, 0 next to it, 2 the hottest of three; then 3 and 4 above.
   EXPECT_EQ(played.betas(1)[11], 1);
