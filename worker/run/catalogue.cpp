@@ -23,7 +23,7 @@ namespace {
 
 /// Temperatures to begin with where the request leaves them open, and the most that are chosen
 /// then.
-constexpr std::uint32_t k_first_replicas = 10;
+constexpr std::uint32_t k_first_replicas = 12;
 constexpr std::uint32_t k_chosen_replicas_max = 64;
 
 template <sampling::ScalesProposals T>

@@ -72,7 +72,7 @@ std::vector<double> first_ladder(std::uint32_t levels) {
   std::vector<double> ladder;
   for (std::uint32_t i = 0; i < levels; ++i) {
     const double x = i / (levels - 1.0);
-    ladder.push_back(x * x);
+    ladder.push_back(x * x * x * x * x * x);
   }
   return ladder;
 }

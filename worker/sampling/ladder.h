@@ -20,8 +20,9 @@
 
 namespace sleight::sampling {
 
-/// What a run begins with, before anything is known: levels lie closer where it is hot, since there
-/// distributions mostly change fastest. REQUIRES: 2 levels at least.
+/// What a run begins with, before anything is known: (i / (levels - 1))^6, so that the hottest are
+/// hot enough for narrow constraints. Too hot costs a level; too cold costs rounds, since the first
+/// gap can only be halved or so in each. REQUIRES: 2 levels at least.
 std::vector<double> first_ladder(std::uint32_t levels);
 
 /// log of the ratio with which the states of two neighbouring levels swap; `cooler` has the greater

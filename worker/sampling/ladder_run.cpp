@@ -280,6 +280,8 @@ void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
       learnt.push_back(tuned(last.scales[level], last.counts[level], options_.has_scale));
       kinds = std::max(kinds, learnt.back().size());
     }
+    // The hottest level draws afresh and learns nothing: it goes with its neighbour.
+    learnt.front() = learnt[1];
     for (std::size_t kind = 0; kind < kinds; ++kind) {
       std::vector<double> logs;
       for (const std::vector<double>& level : learnt)

@@ -133,6 +133,7 @@ class Slow {
       for (std::size_t level = 0; level < old.size(); ++level)
         logs.push_back(
             math::log(tuned(last.scales[level], last.counts[level], options_.has_scale)[kind]));
+      logs[0] = logs[1];
       for (std::size_t level = 0; level < levels; ++level)
         scales[level].push_back(math::exp(interpolated(old, logs, next[level])));
     }
