@@ -78,7 +78,7 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     Sample<T>& current, std::span<const double> scales = {}) {
   // Propose a candidate from the current state.
   random::Stream proposal_stream = streams.at(random::Purpose::proposal, iteration);
-  auto proposal = propose_scaled(target, current.state, scales, proposal_stream);
+  auto proposal = propose_from(target, current, scales, proposal_stream);
 
   const double log_u = math::log(streams.at(random::Purpose::acceptance, iteration).uniform());
   const auto accepts = [&](double log_prior, double log_constraint) {
@@ -102,6 +102,10 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   // Simulate it, and accept it with probability min(1, ratio).
   typename T::Outcome outcome = target.simulate(proposal.candidate);
   const double log_constraint = target.log_constraint(outcome);
+  if constexpr (ProposesByOutcome<T>) {
+    if (proposal.ratio_waits)
+      proposal.log_q_ratio = target.log_q_ratio(current.state, proposal, outcome);
+  }
   const bool accepted = accepts(log_prior, log_constraint);
   if (accepted)
     current = {std::move(proposal.candidate), std::move(outcome), log_prior, log_constraint};

@@ -29,6 +29,8 @@ struct Proposal {
   State candidate;
   double log_q_ratio = 0;  ///< log q(current|candidate) - log q(candidate|current)
   std::uint32_t kind = 0;  ///< which of the target's proposal kinds made it
+  /// The ratio hangs on the candidate's outcome, and log_q_ratio is no less (ProposesByOutcome).
+  bool ratio_waits = false;
 };
 
 template <class T>
@@ -62,16 +64,16 @@ concept ScalesProposals = Target<T> &&
   { target.has_scale(std::uint32_t{}) } -> std::same_as<bool>;
 };
 
-/// A candidate of the target's proposals, of such sizes if it has sizes.
-template <Target T>
-Proposal<typename T::State> propose_scaled(const T& target, const typename T::State& state,
-                                           std::span<const double> scales, random::Stream& stream) {
-  if constexpr (ScalesProposals<T>) {
-    return target.propose(state, scales, stream);
-  } else {
-    return target.propose(state, stream);
-  }
-}
+/// A target whose proposals look at the outcome too. A proposal's ratio may then hang on the
+/// candidate's outcome: it has ratio_waits, and is asked for after the simulation.
+template <class T>
+concept ProposesByOutcome = ScalesProposals<T> &&
+    requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome,
+             const Proposal<typename T::State>& proposal, std::span<const double> scales,
+             random::Stream& stream) {
+  { target.propose(state, outcome, scales, stream) } -> std::same_as<Proposal<typename T::State>>;
+  { target.log_q_ratio(state, proposal, outcome) } -> std::same_as<double>;
+};
 
 /// A state together with everything that was computed from it. log_prior and log_constraint always
 /// belong to this state: they travel together, so that no old density outlives an acceptance.
@@ -82,6 +84,19 @@ struct Sample {
   double log_prior = 0;
   double log_constraint = 0;
 };
+
+/// A candidate of the target's proposals, of such sizes if it has sizes.
+template <Target T>
+Proposal<typename T::State> propose_from(const T& target, const Sample<T>& current,
+                                         std::span<const double> scales, random::Stream& stream) {
+  if constexpr (ProposesByOutcome<T>) {
+    return target.propose(current.state, current.outcome, scales, stream);
+  } else if constexpr (ScalesProposals<T>) {
+    return target.propose(current.state, scales, stream);
+  } else {
+    return target.propose(current.state, stream);
+  }
+}
 
 /// Simulates a state and evaluates both densities.
 template <Target T>

@@ -26,6 +26,20 @@ inline Spelling world_with(worlds::spelling::Kernel kernel) {
   return Spelling(parameters);
 }
 
+/// The same with aimed drops beside A.2.2's kinds (aimed_drops.h).
+inline worlds::spelling::Parameters parameters_with_aims() {
+  worlds::spelling::Parameters parameters =
+      world_with(worlds::spelling::Kernel::correct).parameters();
+  parameters.proposal.change_all = 0.05;
+  parameters.proposal.change_vertices = 0.05;
+  parameters.proposal.change_ball = 0.1;
+  parameters.proposal.disable_balls = 0.1;
+  parameters.proposal.enable_balls = 0.1;
+  parameters.proposal.aim_ball = 0.35;
+  parameters.proposal.scatter_ball = 0.25;
+  return parameters;
+}
+
 /// By rejection: p_c is at most lambda^2.
 inline SpellingSample exact_draw(const Spelling& world, double beta, random::Stream& stream) {
   const double most = world.balls() * world.parameters().constraint.log_lambda;

@@ -244,7 +244,7 @@ void print_table(const std::vector<Plan>& plans, const std::vector<Result>& resu
   });
   print_row("log p of offsets, mean for each vertex", results,
             [](const Result& r) { return fmt::format("{:.3f}", r.statistics.log_p_offsets); });
-  constexpr std::array<const char*, spelling::k_kinds> k_names{
+  constexpr std::array<const char*, spelling::k_thesis_kinds> k_names{
       "change_all", "change_vertices", "change_ball", "disable_balls", "enable_balls"};
   for (std::size_t kind = 0; kind < k_names.size(); ++kind) {
     print_row(fmt::format("{} accepted", k_names[kind]), results, [&](const Result& r) {

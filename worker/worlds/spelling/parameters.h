@@ -51,7 +51,7 @@ enum class Kernel : std::uint8_t {
   thesis
 };
 
-/// A.2.2. The probabilities of the five kinds add up to 1.
+/// A.2.2, and two kinds more. The probabilities of all kinds add up to 1.
 struct ProposalParameters {
   Kernel kernel = Kernel::correct;
   double change_all = 0.04;
@@ -59,6 +59,9 @@ struct ProposalParameters {
   double change_ball = 0.32;
   double disable_balls = 0.16;
   double enable_balls = 0.16;
+  // Not of A.2.2 (aimed_drops.h).
+  double aim_ball = 0;
+  double scatter_ball = 0;
   double vertex_probability = 0.02;  ///< with which each vertex moves
   double vertex_sd_m = 0.00005;      ///< of each coordinate of that move
   double ball_sd_m = 0.020;          ///< of the way that a ball's drop place moves: a bin's side

@@ -44,21 +44,6 @@ double wrapped(double x, double half) {
   return std::clamp(x - turns * (2 * half), -half, half);
 }
 
-Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
-  const std::array shares{p.change_all, p.change_vertices, p.change_ball, p.disable_balls,
-                          p.enable_balls};
-  // Of their sum, which is 1 to rounding; the last one that has a share at all takes that.
-  double u = stream.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
-  std::size_t drawn = 0;
-  for (std::size_t kind = 0; kind < shares.size(); ++kind) {
-    if (shares[kind] == 0) continue;
-    drawn = kind;
-    if (u < shares[kind]) break;
-    u -= shares[kind];
-  }
-  return static_cast<Kind>(drawn);
-}
-
 /// More are never flipped, so that neither way is impossible.
 constexpr double k_flip_probability_max = 0.9;
 
@@ -128,10 +113,30 @@ State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream) {
   return state;
 }
 
+Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
+  const std::array shares{p.change_all,   p.change_vertices, p.change_ball, p.disable_balls,
+                          p.enable_balls, p.aim_ball,        p.scatter_ball};
+  // Of their sum, which is 1 to rounding; the last one that has a share at all takes that.
+  double u = stream.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
+  std::size_t drawn = 0;
+  for (std::size_t kind = 0; kind < shares.size(); ++kind) {
+    if (shares[kind] == 0) continue;
+    drawn = kind;
+    if (u < shares[kind]) break;
+    u -= shares[kind];
+  }
+  return static_cast<Kind>(drawn);
+}
+
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& p,
                                   const State& state, std::span<const double> scales,
                                   random::Stream& stream) {
-  const Kind kind = drawn_kind(p, stream);
+  return propose_of(drawn_kind(p, stream), prior, p, state, scales, stream);
+}
+
+sampling::Proposal<State> propose_of(Kind kind, const Prior& prior, const ProposalParameters& p,
+                                     const State& state, std::span<const double> scales,
+                                     random::Stream& stream) {
   const auto scale_of = [&](Kind of) {
     return scales.empty() ? 1 : scales[static_cast<std::size_t>(of)];
   };
@@ -172,6 +177,9 @@ sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& 
       proposal.log_q_ratio =
           flip_balls(prior, p, flip_scale, kind == Kind::enable_balls, candidate, stream);
       break;
+    case Kind::aim_ball:
+    case Kind::scatter_ball:
+      CHECK(false);
   }
   return proposal;
 }

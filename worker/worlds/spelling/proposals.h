@@ -60,9 +60,13 @@ enum class Kind : std::uint8_t {
   change_vertices,
   change_ball,
   disable_balls,
-  enable_balls
+  enable_balls,
+  aim_ball,  ///< of aimed_drops.h, as the next
+  scatter_ball
 };
-inline constexpr std::uint32_t k_kinds = 5;
+inline constexpr std::uint32_t k_kinds = 7;
+/// Those of A.2.2: the first.
+inline constexpr std::uint32_t k_thesis_kinds = 5;
 
 /// The variables' distribution: p_w.
 struct Prior {
@@ -83,9 +87,15 @@ State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream);
 
 /// `scales`: by kind, or empty for 1; of the lengths by which vertices and balls move, and of the
 /// probability with which a ball is disabled, or enabled: both have the scale of disable_balls.
+/// REQUIRES: the kinds that look at the outcome have no share.
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
                                   const State& state, std::span<const double> scales,
                                   random::Stream& stream);
+/// One of a kind that doesn't look at the outcome.
+sampling::Proposal<State> propose_of(Kind kind, const Prior& prior,
+                                     const ProposalParameters& parameters, const State& state,
+                                     std::span<const double> scales, random::Stream& stream);
+Kind drawn_kind(const ProposalParameters& parameters, random::Stream& stream);
 inline sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
                                          const State& state, random::Stream& stream) {
   return propose(prior, parameters, state, {}, stream);

@@ -37,6 +37,48 @@ Spelling::Spelling(const Parameters& parameters)
   prior_.drop_half_m = {bins_.half_m().x() - inset_m, bins_.half_m().y() - inset_m};
   CHECK_GT(prior_.drop_half_m.x(), 0);
   CHECK_GT(prior_.drop_half_m.y(), 0);
+
+  // Each designated bin's window, as far as balls may be dropped there.
+  const Vec2& half_m = prior_.drop_half_m;
+  const Vec2 half_bin_m(0.5 * parameters_.world.bin_m, 0.5 * parameters_.world.bin_m);
+  for (std::uint32_t row = 0; row < bins_.rows(); ++row) {
+    for (std::uint32_t column = 0; column < bins_.columns(); ++column) {
+      const bool designated = parameters_.pattern.at(column, bins_.rows() - 1 - row);
+      numbers_.push_back(designated ? static_cast<std::int16_t>(windows_.count()) : k_fills_none);
+      if (!designated) continue;
+      const Vec3 floor_m = bins_.floor_middle_m({column, row});
+      const Vec2 middle_m(floor_m.x(), floor_m.y());
+      windows_.low_m.push_back((middle_m - half_bin_m).cwiseMax(-half_m).cwiseMin(half_m));
+      windows_.high_m.push_back((middle_m + half_bin_m).cwiseMax(-half_m).cwiseMin(half_m));
+    }
+  }
+}
+
+sampling::Proposal<State> Spelling::propose(const State& state, const Outcome& outcome,
+                                            std::span<const double> scales,
+                                            random::Stream& stream) const {
+  const ProposalParameters& p = parameters_.proposal;
+  const Kind kind = drawn_kind(p, stream);
+  const AimParameters aims{.aim = p.aim_ball, .scatter = p.scatter_ball};
+  sampling::Proposal<State> proposal{.candidate = state};
+  if (kind == Kind::scatter_ball) {
+    proposal = scatter_ball(prior_, windows_, aims, state, stream);
+  } else if (kind != Kind::aim_ball) {
+    proposal = propose_of(kind, prior_, p, state, scales, stream);
+  } else if (outcome.is_animation()) {
+    const auto aimed = aim_ball(prior_, windows_, aims, state, outcome.filling, stream);
+    if (aimed) proposal = *aimed;
+  }
+  proposal.kind = static_cast<std::uint32_t>(kind);
+  return proposal;
+}
+
+double Spelling::log_q_ratio(const State& state, const sampling::Proposal<State>& proposal,
+                             const Outcome& candidate_outcome) const {
+  if (!candidate_outcome.is_animation()) return -std::numeric_limits<double>::infinity();
+  const ProposalParameters& p = parameters_.proposal;
+  return scatter_log_q_ratio(prior_, windows_, {.aim = p.aim_ball, .scatter = p.scatter_ball},
+                             state, proposal.candidate, candidate_outcome.filling);
 }
 
 std::optional<physics::Scene> Spelling::scene(const State& state) const {
@@ -117,7 +159,7 @@ Spelling::Result Spelling::simulated(const State& state, bool to_rest) const {
   const BoxGeometries::Loan geometry = geometries_->borrow([&] { return new_geometry(); });
   if (!geometry->move_to(bins_, state.offsets_m)) return {.outcome = {.end = End::impossible}};
   const physics::Scene scene = scene_in(state, geometry->mesh());
-  if (scene.bodies.empty()) return {};
+  if (scene.bodies.empty()) return {.outcome = {.filling = filling_of({})}};
   const Traps traps(parameters_.world, bins_, state.offsets_m);
   physics::MarbleConfinement confinement;
   if (!to_rest) {
@@ -161,9 +203,22 @@ Spelling::Result Spelling::simulated(const State& state, bool to_rest) const {
   }
   const auto others = static_cast<std::uint32_t>(balls.size() - result.staying.size());
   result.outcome = judged(result.places_m, others);
+  result.outcome.filling = filling_of(result);
   result.outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
   result.outcome.end = others == 0 ? End::settled : End::time_limit;
   return result;
+}
+
+Filling Spelling::filling_of(const Result& result) const {
+  Filling filling(prior_.balls, k_fills_none);
+  std::vector<std::uint8_t> full(windows_.count(), 0);
+  for (std::size_t i = 0; i < result.staying.size(); ++i) {
+    const auto bin = filled_bin(result.places_m[i]);
+    if (!bin) continue;
+    const std::int16_t number = numbers_[std::size_t{bin->row} * bins_.columns() + bin->column];
+    if (full[static_cast<std::size_t>(number)]++ == 0) filling[result.staying[i]] = number;
+  }
+  return filling;
 }
 
 Animation Spelling::animate(const State& state) const {

@@ -39,6 +39,7 @@
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/simulation.h"
 #include "worker/sampling/target.h"
+#include "worker/worlds/spelling/aimed_drops.h"
 #include "worker/worlds/spelling/bins.h"
 #include "worker/worlds/spelling/box_geometry.h"
 #include "worker/worlds/spelling/parameters.h"
@@ -61,6 +62,7 @@ struct Outcome {
   /// When that was clear: the simulation is looked at each tenth of a second after the last drop.
   double end_s = 0;
   End end = End::settled;
+  Filling filling{};  ///< empty if there is no animation
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
@@ -104,6 +106,11 @@ class Spelling {
                                     random::Stream& stream) const {
     return spelling::propose(prior_, parameters_.proposal, state, scales, stream);
   }
+  /// With the kinds that look at the outcome, too (aimed_drops.h).
+  sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
+                                    std::span<const double> scales, random::Stream& stream) const;
+  double log_q_ratio(const State& state, const sampling::Proposal<State>& proposal,
+                     const Outcome& candidate_outcome) const;
   bool has_scale(std::uint32_t kind) const { return spelling::has_scale(static_cast<Kind>(kind)); }
   std::uint32_t proposal_kinds() const { return k_kinds; }
 
@@ -122,7 +129,8 @@ class Spelling {
   /// By bin, row by row from the lowest y: the number of the ball that fills it, if it is
   /// designated, -1 if none. As simulate counts them.
   std::vector<int> balls_of_bins(const State& state) const;
-  /// What balls that stay with their centres in these places, and so many others, come to.
+  /// What balls that stay with their centres in these places, and so many others, come to; without
+  /// their filling.
   Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
 
  private:
@@ -138,6 +146,7 @@ class Spelling {
     std::vector<Vec3> places_m{};
   };
   Result simulated(const State& state, bool to_rest) const;
+  Filling filling_of(const Result& result) const;
   /// The scene of a state in a box with such a surface.
   physics::Scene scene_in(const State& state,
                           std::shared_ptr<const physics::TriangleMesh> surface) const;
@@ -148,10 +157,12 @@ class Spelling {
   Parameters parameters_;
   Bins bins_;
   Prior prior_;
+  Windows windows_;
+  std::vector<std::int16_t> numbers_;  ///< by bin, row by row: of the designated ones, in order
   std::unique_ptr<BoxGeometries> geometries_ = std::make_unique<BoxGeometries>();
 };
 
 static_assert(sampling::BoundsConstraint<Spelling>);
-static_assert(sampling::ScalesProposals<Spelling>);
+static_assert(sampling::ProposesByOutcome<Spelling>);
 
 }  // namespace sleight::worlds::spelling

@@ -149,7 +149,7 @@ TEST(Proposals, ThesisRatiosAreThosePrinted) {
   // one, nothing for the rest. Method: draws of each kind.
   const Prior prior{.vertices = 5, .balls = 6, .drop_half_m = {0.07, 0.05}};
   const double log_area = std::log(4 * 0.07 * 0.05);
-  for (std::uint32_t kind = 0; kind < k_kinds; ++kind) {
+  for (std::uint32_t kind = 0; kind < k_thesis_kinds; ++kind) {
     ProposalParameters parameters = only(static_cast<Kind>(kind));
     parameters.kernel = Kernel::thesis;
     for (std::uint64_t i = 0; i < 100; ++i) {
