@@ -1,0 +1,186 @@
+// `sleight-sampling-table`: independent satisfying solutions by each method, for docs/SAMPLING.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/thesis/sampling/methods.h"
+#include "worker/worlds/ball_2d/ball_2d.h"
+#include "worker/worlds/spelling/spelling.h"
+
+namespace {
+
+using namespace sleight;
+using thesis::Method;
+using thesis::Score;
+using worlds::ball_2d::Ball2d;
+using worlds::spelling::Spelling;
+
+struct Arguments {
+  std::uint64_t simulations = 300'000;
+  std::uint64_t throws = 100'000;
+  std::uint64_t seed = 1;
+  unsigned threads = 2;
+  std::string only;
+};
+
+struct Row {
+  std::string scene;
+  std::string method;
+  std::function<Score()> run;
+  Score score{};
+};
+
+worlds::spelling::Parameters spelling(const worlds::spelling::Pattern& pattern, double log_lambda,
+                                      bool aimed) {
+  worlds::spelling::Parameters parameters;
+  parameters.pattern = pattern;
+  parameters.constraint.log_lambda = log_lambda;
+  if (aimed) {
+    parameters.proposal.change_all = 0;
+    parameters.proposal.change_vertices = 0.1;
+    parameters.proposal.change_ball = 0.3;
+    parameters.proposal.disable_balls = parameters.proposal.enable_balls = 0.1;
+    parameters.proposal.aim_ball = 0.3;
+    parameters.proposal.scatter_ball = 0.1;
+  }
+  return parameters;
+}
+
+/// All balls, anywhere, in a box as it comes.
+worlds::spelling::State natural_throw(const Spelling& world, random::Stream& stream) {
+  worlds::spelling::State state = world.draw_prior(stream);
+  const auto& half_m = world.prior().drop_half_m;
+  for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
+    state.active[ball] = 1;
+    const double x = (2 * stream.uniform() - 1) * half_m.x();
+    const double y = (2 * stream.uniform() - 1) * half_m.y();
+    state.drops_m[ball] = {x, y};
+  }
+  return state;
+}
+
+struct Named {
+  Method method;
+  const char* name;
+};
+constexpr Named k_methods[] = {{Method::parallel_tempering, "parallel tempering"},
+                               {Method::simulated_tempering, "simulated tempering"},
+                               {Method::tempered_transitions, "tempered transitions"},
+                               {Method::annealed_importance, "annealed importance sampling"}};
+
+template <class World, class Parameters>
+void add_plans(const Arguments& arguments, const std::string& scene, const std::string& kernel,
+               const Parameters& parameters, std::vector<Row>& rows) {
+  for (const Named& each : k_methods) {
+    rows.push_back({scene, each.name + kernel, [=] {
+                      const World world(parameters);
+                      const auto plan =
+                          thesis::plan_of(each.method, thesis::ladder_for(world, arguments.seed));
+                      return thesis::carried_out<World>(
+                          *plan, parameters,
+                          {.seed = arguments.seed, .iterations_per_scan = 2, .thin = 1U << 30U},
+                          arguments.simulations);
+                    }});
+  }
+}
+
+void add_spelling(const Arguments& arguments, const std::string& scene,
+                  const worlds::spelling::Pattern& pattern, double log_lambda,
+                  std::vector<Row>& rows) {
+  rows.push_back({scene, "blind throws", [=] {
+                    return thesis::throws<Spelling>(spelling(pattern, log_lambda, false),
+                                                    arguments.seed, arguments.throws,
+                                                    natural_throw);
+                  }});
+  for (const bool aimed : {false, true}) {
+    const auto parameters = spelling(pattern, log_lambda, aimed);
+    const std::string kernel = aimed ? ", aimed drops" : "";
+    rows.push_back({scene, "Algorithm 2.1, restarted" + kernel, [=] {
+                      return thesis::restarted_chains<Spelling>(parameters, arguments.seed,
+                                                                arguments.simulations);
+                    }});
+    add_plans<Spelling>(arguments, scene, kernel, parameters, rows);
+  }
+}
+
+std::vector<Row> all_rows(const Arguments& arguments) {
+  std::vector<Row> rows;
+  worlds::ball_2d::Parameters ball;
+  ball.constraint.sigma_diameters = ball.constraint.tolerance_diameters = 0.001;
+  rows.push_back({"ball", "blind throws", [=] {
+                    return thesis::throws<Ball2d>(
+                        ball, arguments.seed, arguments.throws,
+                        [](const auto& world, auto& stream) { return world.draw_prior(stream); });
+                  }});
+  rows.push_back({"ball", "Algorithm 2.1, restarted", [=] {
+                    return thesis::restarted_chains<Ball2d>(ball, arguments.seed,
+                                                            arguments.simulations);
+                  }});
+  add_plans<Ball2d>(arguments, "ball", "", ball, rows);
+  add_spelling(arguments, "HI", worlds::spelling::hi(), 6, rows);
+  add_spelling(arguments, "ACM",
+               worlds::spelling::pattern_of_word("ACM", worlds::spelling::Font::rows_5).value(),
+               7.25, rows);
+  if (!arguments.only.empty())
+    std::erase_if(rows, [&](const Row& row) { return row.scene != arguments.only; });
+  return rows;
+}
+
+void run_all(std::vector<Row>& rows, unsigned threads) {
+  std::atomic<std::size_t> next = 0;
+  std::vector<std::jthread> workers;
+  for (unsigned thread = 0; thread < threads; ++thread) {
+    workers.emplace_back([&] {
+      for (std::size_t i = next++; i < rows.size(); i = next++) {
+        rows[i].score = rows[i].run();
+        fmt::print(stderr, "{} of {}: {}, {}\n", i + 1, rows.size(), rows[i].scene, rows[i].method);
+      }
+    });
+  }
+}
+
+void print(const std::vector<Row>& rows) {
+  fmt::print(
+      "| scene | method | simulations | solutions | per 10^4 simulations | per core-second "
+      "| of Algorithm 2.1 |\n|---|---|--:|--:|--:|--:|--:|\n");
+  double baseline = std::numeric_limits<double>::quiet_NaN();
+  for (const Row& row : rows) {
+    const auto solutions = static_cast<double>(row.score.solutions);
+    const double rate = 1e4 * solutions / static_cast<double>(row.score.simulations);
+    if (row.method == "Algorithm 2.1, restarted") baseline = rate;
+    if (row.method == "blind throws") baseline = std::numeric_limits<double>::quiet_NaN();
+    fmt::print("| {} | {} | {} | {} | {:.2f} | {:.3g} | {} |\n", row.scene, row.method,
+               row.score.simulations, row.score.solutions, rate, solutions / row.score.cpu_s,
+               !(baseline > 0) ? "-" : fmt::format("{:.2f}", rate / baseline));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Independent satisfying solutions by each method: the table of docs/SAMPLING"};
+  Arguments arguments;
+  app.add_option("--simulations", arguments.simulations, "Of each method and scene")
+      ->capture_default_str();
+  app.add_option("--throws", arguments.throws, "Blind ones")->capture_default_str();
+  app.add_option("--seed", arguments.seed)->capture_default_str();
+  app.add_option("--threads", arguments.threads)->capture_default_str();
+  app.add_option("--only", arguments.only, "One scene")
+      ->check(CLI::IsMember({"ball", "HI", "ACM"}));
+  app.footer(
+      "Examples:\n  sleight-sampling-table\n"
+      "  sleight-sampling-table --only HI --simulations 50000");
+  CLI11_PARSE(app, argc, argv);
+  std::vector<Row> rows = all_rows(arguments);
+  run_all(rows, std::max(1U, arguments.threads));
+  print(rows);
+  return 0;
+}

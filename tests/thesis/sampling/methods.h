@@ -1,0 +1,147 @@
+// How many independent satisfying solutions a method finds for what it simulates, for
+// docs/SAMPLING.
+#pragma once
+
+#include <ctime>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "worker/run/chain_worker.h"
+#include "worker/sampling/annealed_importance.h"
+#include "worker/sampling/burnt_in_chains.h"
+#include "worker/sampling/excursions.h"
+#include "worker/sampling/ladder.h"
+#include "worker/sampling/parallel_tempering.h"
+#include "worker/sampling/simulated_tempering.h"
+
+namespace sleight::thesis {
+
+struct Score {
+  std::uint64_t simulations = 0;
+  std::uint64_t solutions = 0;
+  double cpu_s = 0;
+};
+
+/// CPU time of this thread.
+inline double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// A world that counts its simulations. Not thread-safe: each has a count of its own.
+template <class World>
+struct Counted : World {
+  template <class Parameters>
+  Counted(const Parameters& parameters, std::uint64_t& count) : World(parameters), count_(&count) {}
+  typename World::Outcome simulate(const typename World::State& state) const {
+    ++*count_;
+    return World::simulate(state);
+  }
+  std::uint64_t* count_;
+};
+
+/// Algorithm 2.1, restarted from the prior after each first hit: solutions over simulations is one
+/// over the mean simulations to first hit, what the last chain spent in vain included.
+template <class World, class Parameters>
+Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
+                       std::uint64_t simulations) {
+  Score score;
+  const Counted<World> world(parameters, score.simulations);
+  const double begin_s = thread_cpu_s();
+  for (std::uint32_t chain = 0; score.simulations < simulations; ++chain) {
+    const sampling::ChainStreams streams{
+        .seed = seed, .chain = base::ChainId{chain}, .replica = {}};
+    auto sample = sampling::initialize(world, streams);
+    for (std::uint64_t i = 1; score.simulations < simulations && !world.satisfied(sample.outcome);
+         ++i)
+      sampling::metropolis_hastings_step(world, 1, streams, i, sample);
+    if (world.satisfied(sample.outcome)) ++score.solutions;
+  }
+  score.cpu_s = thread_cpu_s() - begin_s;
+  return score;
+}
+
+/// Throws as nature does, and counts.
+template <class World, class Parameters, class Throw>
+Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t simulations,
+             const Throw& natural) {
+  Score score;
+  const Counted<World> world(parameters, score.simulations);
+  const double begin_s = thread_cpu_s();
+  for (std::uint64_t i = 0; i < simulations; ++i) {
+    random::Stream stream({.seed = seed, .purpose = random::Purpose::prior}, i);
+    if (world.satisfied(world.simulate(natural(world, stream)))) ++score.solutions;
+  }
+  score.cpu_s = thread_cpu_s() - begin_s;
+  return score;
+}
+
+/// A plan of one chain, carried out until so much is simulated.
+template <class World, class Parameters>
+Score carried_out(plan::Plan& plan, const Parameters& parameters,
+                  const run::ChainWorkerOptions& options, std::uint64_t simulations) {
+  Score score;
+  const run::ChainWorker<Counted<World>> worker(Counted<World>(parameters, score.simulations),
+                                                options);
+  const double begin_s = thread_cpu_s();
+  std::map<plan::ReplicaKey, base::Bytes> states;
+  while (score.simulations < simulations) {
+    const auto unit = plan.next_unit(1);
+    CHECK(unit.has_value());
+    base::Bytes& state = states[unit->replica];
+    plan::UnitResult result = worker.run(*unit, state);
+    state = std::move(result.state_after);
+    plan.consume(unit->replica, unit->first_scan, result.scans);
+  }
+  score.solutions = plan.solutions_found();
+  score.cpu_s = thread_cpu_s() - begin_s;
+  return score;
+}
+
+template <class World>
+sampling::LadderOptions ladder_for(const World& world, std::uint64_t seed) {
+  sampling::LadderOptions ladder{.seed = seed,
+                                 .chain = {},
+                                 .first_ladder = sampling::first_ladder(12),
+                                 .levels_chosen = true,
+                                 .levels_max = 64,
+                                 .ladder_adapts = true,
+                                 .has_scale = {},
+                                 .round_scans = 50};
+  for (std::uint32_t kind = 0; kind < world.proposal_kinds(); ++kind)
+    ladder.has_scale.push_back(world.has_scale(kind));
+  return ladder;
+}
+
+enum class Method {
+  parallel_tempering,
+  simulated_tempering,
+  tempered_transitions,
+  annealed_importance
+};
+
+inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::LadderOptions& ladder) {
+  // Ends when enough is simulated.
+  const sampling::StopRule stop{
+      .scans = std::uint64_t{1} << 40U, .rounds = {}, .independent_solutions = {}};
+  if (method == Method::parallel_tempering)
+    return std::make_unique<sampling::ParallelTempering>(
+        sampling::ParallelTemperingOptions{.ladders = 1, .ladder = ladder, .stop = stop});
+  const auto go_on =
+      [method](const sampling::BurnIn& burn_in) -> std::unique_ptr<sampling::ChainPart> {
+    if (method == Method::simulated_tempering)
+      return std::make_unique<sampling::SimulatedTempering>(burn_in);
+    if (method == Method::tempered_transitions)
+      return std::make_unique<sampling::Excursions>(burn_in, 4);
+    return std::make_unique<sampling::AnnealedImportance>(burn_in, 1, 10);
+  };
+  return std::make_unique<sampling::BurntInChains>(sampling::BurntInOptions{
+      .chains = 1, .ladder = ladder, .burn_in_rounds = 3, .stop = stop, .go_on = go_on});
+}
+
+}  // namespace sleight::thesis
