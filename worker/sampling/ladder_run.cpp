@@ -42,6 +42,10 @@ std::uint64_t LadderRun::scans() const {
   return least;
 }
 
+std::uint64_t LadderRun::records_counted() const {
+  return records_counted_ + options_.first_ladder.size() * std::min(scans(), options_.anneal_scans);
+}
+
 BurnIn LadderRun::burn_in() const {
   CHECK_GE(rounds_.size(), 2U);
   CHECK_EQ(rounds_.back().first_scan, retired_);

@@ -76,7 +76,7 @@ class LadderRun {
   std::uint64_t scans() const;
   std::uint64_t records_consumed() const { return records_; }
   /// Of these, those of scans that every level has.
-  std::uint64_t records_counted() const { return records_counted_; }
+  std::uint64_t records_counted() const;
   /// Scans at which a lineage first satisfied at inverse temperature 1, in order.
   const std::vector<std::uint64_t>& solutions() const { return solutions_.scans(); }
   /// All rounds, the present one last.
@@ -125,7 +125,7 @@ class LadderRun {
   std::deque<Row> rows_;  ///< from retired_ on
   std::uint64_t retired_ = 0;
   std::uint64_t records_ = 0;
-  std::uint64_t records_counted_ = 0;
+  std::uint64_t records_counted_ = 0;  ///< of rounds
   std::vector<RoundReport> rounds_;
   std::vector<std::uint32_t> carried_;  ///< by level: who goes on after the round's last scan
   Solutions solutions_;

@@ -10,7 +10,7 @@ namespace sleight::sampling {
 
 SimulatedTempering::SimulatedTempering(const BurnIn& burn_in)
     : burn_in_(burn_in),
-      log_weights_{0},
+      log_weights_(burn_in.ladder.size(), 0.0),
       scan_(burn_in.scans),
       level_(static_cast<std::uint32_t>(burn_in.ladder.size() - 1)),
       lineage_(burn_in.lineage),
@@ -18,8 +18,10 @@ SimulatedTempering::SimulatedTempering(const BurnIn& burn_in)
       proposed_(burn_in.ladder.size() - 1, 0),
       accepted_(burn_in.ladder.size() - 1, 0) {
   CHECK_EQ(burn_in.log_z_steps.size() + 1, burn_in.ladder.size());
-  for (const double step : burn_in.log_z_steps)
-    log_weights_.push_back(log_weights_.back() - step);
+  // From the coolest down: a level at which the burn-in saw no density, and those below it, get no
+  // weight, and the others are walked all the same.
+  for (std::size_t level = burn_in.log_z_steps.size(); level-- > 0;)
+    log_weights_[level] = log_weights_[level + 1] + burn_in.log_z_steps[level];
 }
 
 std::optional<plan::Unit> SimulatedTempering::next_unit(std::uint64_t horizon,

@@ -4,9 +4,9 @@
 //
 // The chain samples (level i, x) with density proportional to w_i p_w(x) p_c(x)^beta_i. With
 // w_i = 1 / Z_i all levels are visited equally often; a burn-in has estimated log Z_i, and weights
-// stay as they are from then on, so that the chain keeps its distribution whatever they are. After
-// each scan a level up or down is proposed, each with probability 1/2, and accepted with
-// probability
+// stay as they are from then on, so that the chain keeps its distribution whatever they are; that
+// of the coolest level is 1. After each scan a level up or down is proposed, each with probability
+// 1/2, and accepted with probability
 //
 //   min(1, exp((beta_j - beta_i) l + log w_j - log w_i)),    l = log p_c(x);
 //

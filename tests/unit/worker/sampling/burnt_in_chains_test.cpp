@@ -1,0 +1,307 @@
+// What holds for every method: orders of delivery, stored results, stop rules, draws. With burn-ins
+// and with simulated annealing before.
+#include "worker/sampling/burnt_in_chains.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tests/unit/worker/sampling/any_plan.h"
+#include "worker/sampling/annealed_importance.h"
+#include "worker/sampling/excursions.h"
+#include "worker/sampling/independent_chains.h"
+#include "worker/sampling/ladder.h"
+#include "worker/sampling/parallel_tempering.h"
+#include "worker/sampling/simulated_tempering.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr std::uint64_t k_seed = 208109;
+constexpr std::uint64_t k_cases = 80;
+constexpr std::uint64_t k_scans_max = 320;
+
+enum class Method : std::uint8_t { plain, parallel, simulated, transitions, importance };
+constexpr std::uint64_t k_methods = 5;
+
+struct Case {
+  Method method = Method::plain;
+  std::uint32_t chains = 1;
+  LadderOptions ladder;
+  std::uint32_t burn_in_rounds = 1;
+  std::uint32_t steps = 1;
+  std::uint32_t lanes = 1;
+  StopRule stop;
+  HashedWorker::Options worker;
+
+  bool burns_in() const { return method != Method::plain && method != Method::parallel; }
+  /// Scans that belong to no round of the stop rule.
+  std::uint64_t before() const {
+    return ladder.anneal_scans +
+           (burns_in() ? scans_through_round(ladder.round_scans, burn_in_rounds) : 0);
+  }
+};
+
+Case random_case(Dice& dice, std::uint64_t index) {
+  Case made;
+  made.method = static_cast<Method>(index % k_methods);
+  made.chains = static_cast<std::uint32_t>(1 + dice.below(3));
+  made.worker = {.seed = dice.below(1000),
+                 .roughness = {0.1, 2, 12, 60},
+                 .broken = dice.once_in(2) ? 0 : 0.2,
+                 .satisfied = dice.once_in(2) ? 0.02 : 0.3};
+  made.ladder = {
+      .seed = made.worker.seed,
+      .chain = {},
+      .first_ladder = first_ladder(static_cast<std::uint32_t>(2 + dice.below(6))),
+      .levels_chosen = !dice.once_in(3),
+      .levels_max = static_cast<std::uint32_t>(4 + dice.below(12)),
+      .ladder_adapts = true,
+      .has_scale = dice.once_in(3) ? std::vector<bool>{} : std::vector<bool>{true, dice.once_in(2)},
+      .round_scans = 1 + dice.below(25),
+      .anneal_scans = dice.once_in(2) ? 0 : 1 + dice.below(30)};
+  made.burn_in_rounds = static_cast<std::uint32_t>(1 + dice.below(3));
+  made.steps = static_cast<std::uint32_t>(1 + dice.below(4));
+  made.lanes = static_cast<std::uint32_t>(1 + dice.below(4));
+  if (dice.once_in(2)) made.stop.independent_solutions = 1 + dice.below(40);
+  if (dice.once_in(2)) made.stop.rounds = static_cast<std::uint32_t>(1 + dice.below(3));
+  if (dice.once_in(2) || !made.stop.rounds) made.stop.scans = 1 + dice.below(k_scans_max);
+  return made;
+}
+
+std::unique_ptr<ChainPart> part_of(const Case& given, const BurnIn& burn_in) {
+  switch (given.method) {
+    case Method::simulated:
+      return std::make_unique<SimulatedTempering>(burn_in);
+    case Method::transitions:
+      return std::make_unique<Excursions>(burn_in, given.steps);
+    default:
+      return std::make_unique<AnnealedImportance>(burn_in, given.lanes, given.steps);
+  }
+}
+
+std::unique_ptr<plan::Plan> plan_of(const Case& given, const StopRule& stop) {
+  if (given.method == Method::plain) {
+    return std::make_unique<IndependentChains>(
+        IndependentChainsOptions{.chains = given.chains,
+                                 .round_scans = given.ladder.round_scans,
+                                 .anneal_scans = given.ladder.anneal_scans,
+                                 .stop = stop});
+  }
+  if (given.method == Method::parallel) {
+    return std::make_unique<ParallelTempering>(
+        ParallelTemperingOptions{.ladders = given.chains, .ladder = given.ladder, .stop = stop});
+  }
+  return std::make_unique<BurntInChains>(
+      BurntInOptions{.chains = given.chains,
+                     .ladder = given.ladder,
+                     .burn_in_rounds = given.burn_in_rounds,
+                     .stop = stop,
+                     .go_on = [given](const BurnIn& found) { return part_of(given, found); }});
+}
+
+StopRule after(std::uint64_t scans) {
+  return {.scans = scans, .rounds = {}, .independent_solutions = {}};
+}
+
+/// Records at inverse temperature 1 that are draws, and the fewest that a chain has.
+std::uint64_t draws_of(const Case& given, const ScanRuns& runs) {
+  std::vector<std::uint64_t> draws(given.chains, 0);
+  for (const auto& [place, run] : runs) {
+    if (run.record.inverse_temperature == 1 && place.scan >= given.before())
+      ++draws[place.replica.chain.value];
+  }
+  return std::ranges::min(draws);
+}
+
+void expect_same_moment(const plan::Plan& a, const plan::Plan& b) {
+  EXPECT_EQ(a.finished(), b.finished());
+  EXPECT_EQ(a.scans_common(), b.scans_common());
+  EXPECT_EQ(a.draws().first_scan, b.draws().first_scan);
+  EXPECT_EQ(a.draws().count, b.draws().count);
+  EXPECT_EQ(a.solutions_found(), b.solutions_found());
+  EXPECT_EQ(a.scans_consumed(), b.scans_consumed());
+  EXPECT_EQ(a.scans_total(), b.scans_total());
+  expect_equal(a.report(), b.report());
+}
+
+TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
+  // Goal: units, results, stop, draws and report are the same however units are cut and in whatever
+  // order they complete; and the stop is where the rules say. Method: random cases of all methods;
+  // serially, and in three random sessions; the stop and the draws recounted from a longer run.
+  std::set<std::pair<std::uint64_t, bool>> stops;  // by method: whether solutions ended it
+  for (std::uint64_t index = 0; index < k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    Dice dice(k_seed, index);
+    const Case given = random_case(dice, index);
+    const ScanByScan worker(given.worker);
+    const auto longer = plan_of(given, after(8 * k_scans_max));
+    AnySession all(*longer, worker);
+    all.run_serially();
+    const std::uint64_t end =
+        scans_at_stop(given.stop, given.ladder.round_scans, given.before(), all.runs());
+    ASSERT_LE(end, 8 * k_scans_max);
+
+    const auto serial_plan = plan_of(given, given.stop);
+    AnySession serial(*serial_plan, worker);
+    serial.run_serially();
+    EXPECT_EQ(serial_plan->scans_common(), end);
+    EXPECT_EQ(serial_plan->scans_consumed(), serial.runs().size());
+    EXPECT_EQ(serial_plan->draws().first_scan, given.before());
+    EXPECT_EQ(serial_plan->draws().count, draws_of(given, serial.runs()));
+    EXPECT_EQ(serial_plan->next_unit(1), std::nullopt);
+    for (const auto& [place, run] : serial.runs())
+      ASSERT_EQ(run, all.runs().at(place));
+    stops.emplace(index % k_methods, given.stop.scans != end);
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      const auto plan = plan_of(given, given.stop);
+      AnySession session(*plan, worker);
+      session.run_randomly(dice);
+      expect_same_moment(*plan, *serial_plan);
+      EXPECT_TRUE(session.runs() == serial.runs());
+      if (HasFailure()) return;
+    }
+  }
+  EXPECT_EQ(stops.size(), 2 * k_methods);
+}
+
+TEST(EveryMethod, GoesOnFromAnyStoredResults) {
+  // Goal: a fresh plan that consumes stored results replica by replica is where the stopped one is,
+  // and goes on to the same end. Method: stop at a random moment, with what was in flight lost or
+  // kept; replay in the store's order or another.
+  for (std::uint64_t index = 0; index < 2 * k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, k_cases + index));
+    Dice dice(k_seed, k_cases + index);
+    const Case given = random_case(dice, index);
+    const ScanByScan worker(given.worker);
+    const auto whole_plan = plan_of(given, given.stop);
+    AnySession whole(*whole_plan, worker);
+    whole.run_serially();
+    const auto stopped_plan = plan_of(given, given.stop);
+    AnySession stopped(*stopped_plan, worker);
+    stopped.run_randomly(dice, dice.below(3 * whole.runs().size()));
+    if (dice.once_in(2)) stopped.complete_all(dice);
+    const auto plan = plan_of(given, given.stop);
+    AnySession resumed(*plan, worker);
+    resumed.replay(stopped.runs(), dice);
+    expect_same_moment(*plan, *stopped_plan);
+    resumed.run_randomly(dice);
+    expect_same_moment(*plan, *whole_plan);
+    EXPECT_TRUE(resumed.runs() == whole.runs());
+    if (HasFailure()) return;
+  }
+}
+
+TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
+  // Goal: what a plan learns from the stored scans below N is what the run asked for N scans
+  // learns. Method: whole runs, cut at a random N, in the burn-in too.
+  for (std::uint64_t index = 0; index < k_cases; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, 3 * k_cases + index));
+    Dice dice(k_seed, 3 * k_cases + index);
+    const Case given = random_case(dice, index);
+    const ScanByScan worker(given.worker);
+    const auto whole_plan = plan_of(given, given.stop);
+    AnySession whole(*whole_plan, worker);
+    whole.run_serially();
+    const std::uint64_t cut = 1 + dice.below(whole_plan->scans_common());
+    ScanRuns kept;
+    for (const auto& [place, run] : whole.runs()) {
+      if (place.scan < cut) kept.emplace(place, run);
+    }
+    const auto learner_plan = plan_of(given, after(cut));
+    AnySession learner(*learner_plan, worker);
+    learner.replay(kept, dice);
+    const auto direct_plan = plan_of(given, after(cut));
+    AnySession direct(*direct_plan, worker);
+    direct.run_serially();
+    EXPECT_TRUE(learner_plan->finished());
+    expect_same_moment(*learner_plan, *direct_plan);
+    EXPECT_TRUE(direct.runs() == kept);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
+  // Goal: where the total is told it is told beforehand and stays, annealing included, and ends as
+  // what was consumed. Method: chains and ladders of four fixed levels, asked at every step.
+  for (const Method method : {Method::plain, Method::parallel}) {
+    Dice dice(k_seed, 5 * k_cases);
+    Case given = random_case(dice, 0);
+    given.method = method;
+    given.chains = 2;
+    given.ladder.first_ladder = first_ladder(4);
+    given.ladder.levels_chosen = false;
+    given.ladder.anneal_scans = 12;
+    const ScanByScan worker(given.worker);
+    const auto plan = plan_of(given, after(50));
+    AnySession session(*plan, worker);
+    const std::uint64_t total = 2U * 50 * (method == Method::parallel ? 4 : 1);
+    while (!plan->finished() && !HasFailure()) {
+      ASSERT_EQ(plan->scans_total(), total);
+      session.run_randomly(dice, 1);
+    }
+    EXPECT_EQ(plan->scans_consumed(), total);
+    EXPECT_EQ(plan->scans_total(), total);
+  }
+}
+
+TEST(BurntInChains, BurnInIsParallelTempering) {
+  // Goal: before its end a burn-in is the run of as many rounds of parallel tempering. Method:
+  // both, with the same options; every place of the one is in the other, and the ladders' tables
+  // agree.
+  for (std::uint64_t index = 0; index < 20; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, 6 * k_cases + index));
+    Dice dice(k_seed, 6 * k_cases + index);
+    Case given = random_case(dice, 2 + index % 3);
+    const ScanByScan worker(given.worker);
+    const auto plan = plan_of(given, after(given.before() + 40));
+    AnySession session(*plan, worker);
+    session.run_serially();
+    given.method = Method::parallel;
+    const std::uint64_t burn_in =
+        given.before() + scans_through_round(given.ladder.round_scans, given.burn_in_rounds);
+    const auto tempered_plan = plan_of(given, after(burn_in));
+    AnySession tempered(*tempered_plan, worker);
+    tempered.run_serially();
+    for (const auto& [place, run] : tempered.runs())
+      ASSERT_EQ(run, session.runs().at(place));
+    for (const auto& [place, run] : session.runs())
+      ASSERT_TRUE(place.scan >= burn_in || tempered.runs().contains(place));
+    plan::Report tables = plan->report();
+    tables.warning.clear();
+    const plan::Report expected = tempered_plan->report();
+    ASSERT_GT(tables.tables.size(), expected.tables.size());
+    tables.tables.resize(expected.tables.size());
+    expect_equal(tables, expected);
+  }
+}
+
+TEST(Annealing, GoesFromThePriorInEqualSteps) {
+  // Goal: scan s of n anneals a replica at s / n of the inverse temperature that it has then; plain
+  // chains go to 1. Method: every place of a run, against that.
+  for (std::uint64_t index = 0; index < 30; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, 7 * k_cases + index));
+    Dice dice(k_seed, 7 * k_cases + index);
+    Case given = random_case(dice, index);
+    given.ladder.anneal_scans = 1 + dice.below(30);
+    const auto n = static_cast<double>(given.ladder.anneal_scans);
+    const ScanByScan worker(given.worker);
+    const auto plan = plan_of(given, after(given.ladder.anneal_scans + 1));
+    AnySession session(*plan, worker);
+    session.run_randomly(dice);
+    for (const auto& [place, run] : session.runs()) {
+      const double target = given.method == Method::plain
+                                ? 1
+                                : given.ladder.first_ladder[place.replica.replica.value];
+      const double share = std::min(1.0, static_cast<double>(place.scan) / n);
+      ASSERT_EQ(run.unit.inverse_temperature(0), target * share);
+      ASSERT_EQ(run.unit.starts, place.scan == 0);
+      ASSERT_TRUE(run.unit.proposal_scales.empty());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sleight::sampling

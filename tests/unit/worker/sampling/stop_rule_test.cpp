@@ -1,0 +1,75 @@
+#include "worker/sampling/stop_rule.h"
+
+#include <gtest/gtest.h>
+
+namespace sleight::sampling {
+namespace {
+
+std::uint64_t none(std::uint64_t /*scan*/) {
+  return 0;
+}
+
+TEST(StopJudge, CountsRoundsFromAfterTheScansBefore) {
+  // Goal: scans count everything, rounds and solutions what comes after `before`. Method: by hand.
+  const StopRule scans{.scans = 100, .rounds = {}, .independent_solutions = {}};
+  EXPECT_EQ(StopJudge(scans, 10, 35).end(), 100U);
+  EXPECT_EQ(StopJudge(scans, 10, 200).end(), 100U);
+  EXPECT_EQ(StopJudge(scans, 10, 35).horizon(), 100U);
+  const StopRule rounds{.scans = {}, .rounds = 2, .independent_solutions = {}};
+  EXPECT_EQ(StopJudge(rounds, 10, 35).end(), 65U);
+  EXPECT_EQ(StopJudge(rounds, 10, 0).end(), 30U);
+  EXPECT_EQ(StopJudge(rounds, 10, StopJudge::k_no_end - 5).end(), StopJudge::k_no_end);
+  const StopRule both{.scans = 60, .rounds = 2, .independent_solutions = {}};
+  EXPECT_EQ(StopJudge(both, 10, 35).end(), 60U);
+  EXPECT_EQ(StopJudge(both, 10, 5).end(), 35U);
+}
+
+TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
+  // Goal: nothing beyond a round's end is handed out before it is judged, with what satisfied
+  // before it; the first end with enough is the run's. Method: rounds end at 17, 37 and 77.
+  const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 3};
+  StopJudge judge(rule, 10, 7);
+  EXPECT_EQ(judge.horizon(), 17U);
+  EXPECT_EQ(judge.end(), StopJudge::k_no_end);
+  judge.judge(16, [](std::uint64_t) -> std::uint64_t { return 99; });
+  EXPECT_EQ(judge.horizon(), 17U);
+  judge.judge(17, [](std::uint64_t scan) -> std::uint64_t { return scan == 17 ? 2 : 99; });
+  EXPECT_EQ(judge.horizon(), 37U);
+  // Over two ends at once, as after a replay.
+  judge.judge(80, [](std::uint64_t scan) -> std::uint64_t { return scan == 77 ? 3 : 2; });
+  EXPECT_EQ(judge.end(), 77U);
+  EXPECT_EQ(judge.horizon(), 77U);
+  judge.judge(80, none);
+  EXPECT_EQ(judge.end(), 77U);
+}
+
+TEST(StopJudge, FirstRuleEnds) {
+  // Goal: other rules bound the horizon of rounds. Method: 25 scans end in the second round.
+  const StopRule rule{.scans = 25, .rounds = {}, .independent_solutions = 3};
+  StopJudge judge(rule, 10, 7);
+  EXPECT_EQ(judge.horizon(), 17U);
+  judge.judge(17, none);
+  EXPECT_EQ(judge.horizon(), 25U);
+  judge.judge(25, [](std::uint64_t) -> std::uint64_t { return 99; });
+  EXPECT_EQ(judge.end(), 25U);
+}
+
+TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
+  // Goal: no endless loop. Method: the largest count reached without a solution.
+  const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 1};
+  StopJudge judge(rule, std::uint64_t{1} << 60U, 7);
+  judge.judge(StopJudge::k_no_end, none);
+  EXPECT_EQ(judge.horizon(), StopJudge::k_no_end);
+}
+
+TEST(StopJudgeDeathTest, WantsARuleAndARound) {
+  // Goal: misuse is a bug. Method: no rule; rounds of no scans.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(StopJudge({.scans = {}, .rounds = {}, .independent_solutions = {}}, 10),
+               "check failed");
+  EXPECT_DEATH(StopJudge({.scans = 1, .rounds = {}, .independent_solutions = {}}, 0),
+               "check failed");
+}
+
+}  // namespace
+}  // namespace sleight::sampling
