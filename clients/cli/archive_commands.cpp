@@ -11,8 +11,10 @@
 #include <optional>
 #include <vector>
 
+#include "clients/cli/after_burn_in.h"
 #include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
+#include "clients/cli/sampling_method.h"
 #include "clients/cli/tempering.h"
 #include "clients/cli/throw_odds.h"
 #include "clients/cli/trace.h"
@@ -22,7 +24,6 @@
 #include "common/archive/summary.h"
 #include "common/archive/verify.h"
 #include "common/base/error.h"
-#include "common/request/document.h"
 
 namespace sleight::cli {
 namespace {
@@ -51,8 +52,10 @@ double sum_of(const archive::Source& source, std::string_view dataset) {
   return sum;
 }
 
-/// What the ladders of a tempered run estimate.
+/// What the ladders of a tempered run estimate, or its weighted ascents.
 struct Tempered {
+  bool weighted = false;  ///< of the ascents: then no round is told
+  bool burn_in = false;   ///< the rounds are a burn-in's
   std::size_t rounds = 0;
   std::size_t judged = 0;  ///< the round that log_z is of
   CombinedEstimate log_z;
@@ -78,15 +81,34 @@ CombinedEstimate estimate_of(const archive::Source& source, const std::string& n
   return combined(ladders);
 }
 
+/// What annealed importance sampling's ascents say.
+Tempered weighted_of(const archive::Source& source, std::uint64_t chains) {
+  std::vector<LogEstimate> log_z;
+  std::vector<LogEstimate> log_p;
+  for (const AscentReport& chain : ascents_of(source, chains)) {
+    log_z.push_back(chain.log_z);
+    log_p.push_back(chain.log_p_satisfied);
+  }
+  return {.weighted = true,
+          .log_z = combined(log_z),
+          .log_p_satisfied = combined(log_p),
+          .log_natural_throw = log_natural_throw(source)};
+}
+
 std::optional<Tempered> tempered_of(const archive::Source& source,
                                     const archive::Summary& summary) {
-  const std::vector<Round> rounds = rounds_of(source, summary.chains, summary.scans);
+  const auto method = method_of(summary.request_text);
+  if (method == request::Method::annealed_importance) return weighted_of(source, summary.chains);
+  const std::vector<Round> rounds =
+      rounds_of(source, summary.chains,
+                burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
   if (rounds.empty()) return std::nullopt;
   const auto estimate = [&](const std::string& name, std::size_t round) {
     return estimate_of(source, name, summary.chains, round);
   };
   const std::size_t judged = judged_round(rounds);
-  Tempered tempered{.rounds = rounds.size(),
+  Tempered tempered{.burn_in = burns_in(method),
+                    .rounds = rounds.size(),
                     .judged = judged,
                     .log_z = estimate("log_z", judged),
                     .satisfied_round = judged,
@@ -113,23 +135,14 @@ Facts facts_of(const archive::Source& source) {
   return facts;
 }
 
-/// Whether each chain is one lineage, as in all methods without a way back to the prior.
-bool chains_are_lineages(const archive::Summary& summary) {
-  const auto document = request::parse_document(summary.request_text, "request");
-  if (!document) return false;
-  const request::Section* sampler = document.value().find("sampler");
-  const request::Entry* method = sampler == nullptr ? nullptr : sampler->find("method");
-  const auto* name = method == nullptr ? nullptr : std::get_if<std::string>(&method->value.held);
-  return name != nullptr && *name == "metropolis_hastings";
-}
-
 /// "9 kept (at most 3 of each of 4 chains)": the rule that bounds their number first.
 std::string kept_animations(const archive::Summary& summary) {
   if (summary.keep_max <= 0) return "none kept (keep_max is 0)";
   if (summary.keep_per_lineage <= 0) return "none kept (keep_per_lineage is 0)";
   const auto most = static_cast<std::uint64_t>(summary.keep_max);
   const auto each = static_cast<std::uint64_t>(summary.keep_per_lineage);
-  const bool one_lineage = chains_are_lineages(summary);
+  // All other methods have a way back to the prior.
+  const bool one_lineage = method_of(summary.request_text) == request::Method::metropolis_hastings;
   if (one_lineage && summary.chains > 0 && each <= most / summary.chains) {
     return fmt::format("{} kept (at most {} of each of {} chains)", summary.animations, each,
                        summary.chains);
@@ -139,39 +152,45 @@ std::string kept_animations(const archive::Summary& summary) {
                      most);
 }
 
-/// "-4.54 +- 0.02 (jackknife within ladders, 4 ladders)".
-std::string shown(const CombinedEstimate& estimate) {
+/// "-4.54 +- 0.02 (2 ladders, jackknife within ladders)"; weights are chains'.
+std::string shown(const CombinedEstimate& estimate, bool weighted) {
   if (estimate.ladders == 0) return "unknown";
-  const std::string ladders =
-      fmt::format("{} ladder{}", estimate.ladders, estimate.ladders == 1 ? "" : "s");
+  const std::string from = fmt::format("{} {}{}", estimate.ladders, weighted ? "chain" : "ladder",
+                                       estimate.ladders == 1 ? "" : "s");
   if (estimate.error_from == ErrorFrom::unknown) {
-    return fmt::format("{:.2f} ({}, error unknown)", estimate.log.value, ladders);
+    return fmt::format("{:.2f} ({}, error unknown)", estimate.log.value, from);
   }
-  return fmt::format("{:.2f} +- {:.2f} ({}, {})", estimate.log.value, estimate.log.error, ladders,
-                     name_of(estimate.error_from));
+  return fmt::format("{:.2f} +- {:.2f} ({}, {})", estimate.log.value, estimate.log.error, from,
+                     name_of(estimate.error_from, weighted));
 }
 
 void print_tempered(const Tempered& tempered, std::uint64_t chains) {
   const auto round_of = [&](std::size_t round) {
-    return fmt::format("round {} of {}", round + 1, tempered.rounds);
+    return fmt::format("round {} of {}{}", round + 1, tempered.rounds,
+                       tempered.burn_in ? " of the burn-in" : "");
+  };
+  const auto from_round = [&](std::size_t round) {
+    return tempered.weighted ? std::string() : ", " + round_of(round);
   };
   const CombinedEstimate& odds = tempered.log_p_satisfied;
-  fmt::print("  log Z        {}, {}\n", shown(tempered.log_z), round_of(tempered.judged));
+  fmt::print("  log Z        {}{}\n", shown(tempered.log_z, tempered.weighted),
+             from_round(tempered.judged));
   if (odds.ladders == 0) {
-    fmt::print("  by chance    unknown: nothing satisfied in any round\n");
+    fmt::print("  by chance    unknown: nothing satisfied in any {}\n",
+               tempered.weighted ? "draw" : "round");
     return;
   }
   fmt::print("  by chance    {}\n", in_words(odds_of(odds.log, tempered.log_natural_throw)));
-  fmt::print("               log P {}, {}\n", shown(odds), round_of(tempered.satisfied_round));
+  fmt::print("               log P {}{}\n", shown(odds, tempered.weighted),
+             from_round(tempered.satisfied_round));
   if (tempered.satisfied_round != tempered.judged) {
     fmt::print("               of another round, since nothing satisfied in {}\n",
                round_of(tempered.judged));
   }
   if (odds.ladders < chains) {
     fmt::print(
-        "               nothing satisfied in {} of {} ladders, which are left out: it may "
-        "be rarer\n",
-        chains - odds.ladders, chains);
+        "               nothing satisfied in {} of {} {}, which are left out: it may be rarer\n",
+        chains - odds.ladders, chains, tempered.weighted ? "chains" : "ladders");
   }
 }
 
@@ -192,24 +211,30 @@ void print_for_people(const std::string& path, const Facts& facts) {
   fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
 }
 
-nlohmann::ordered_json as_json(const CombinedEstimate& estimate, std::size_t round) {
-  return {{"value", estimate.log.value},
-          {"error", estimate.log.error},
-          {"error_from", name_of(estimate.error_from)},
-          {"ladders", estimate.ladders},
-          {"round", round + 1}};
-}
-
 /// One throw in so many as a power of ten; numbers that are not known are null.
 nlohmann::ordered_json as_json(const Tempered& tempered) {
   const ThrowOdds odds = odds_of(tempered.log_p_satisfied.log, tempered.log_natural_throw);
-  return {{"rounds", tempered.rounds},
-          {"log_z", as_json(tempered.log_z, tempered.judged)},
-          {"log_p_satisfied", as_json(tempered.log_p_satisfied, tempered.satisfied_round)},
-          {"log_natural_throw", tempered.log_natural_throw},
-          {"log10_throws", odds.log10_throws},
-          {"log10_throws_low", odds.log10_low},
-          {"log10_throws_high", odds.log10_high}};
+  const auto json_of = [&](const CombinedEstimate& estimate, std::size_t round) {
+    nlohmann::ordered_json json{{"value", estimate.log.value},
+                                {"error", estimate.log.error},
+                                {"error_from", name_of(estimate.error_from, tempered.weighted)},
+                                {"ladders", estimate.ladders}};
+    if (!tempered.weighted) json["round"] = round + 1;
+    return json;
+  };
+  nlohmann::ordered_json json{
+      {"from", tempered.weighted  ? "weights"
+               : tempered.burn_in ? "burn_in"
+                                  : "ladders"},
+      {"rounds", tempered.rounds},
+      {"log_z", json_of(tempered.log_z, tempered.judged)},
+      {"log_p_satisfied", json_of(tempered.log_p_satisfied, tempered.satisfied_round)},
+      {"log_natural_throw", tempered.log_natural_throw},
+      {"log10_throws", odds.log10_throws},
+      {"log10_throws_low", odds.log10_low},
+      {"log10_throws_high", odds.log10_high}};
+  if (tempered.weighted) json.erase("rounds");
+  return json;
 }
 
 nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 
-#include "clients/cli/request_numbers.h"
 #include "clients/cli/run_counts.h"
+#include "clients/cli/run_effort.h"
+#include "clients/cli/sampling_method.h"
 #include "clients/cli/trace.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
@@ -180,10 +182,13 @@ void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
   }
 }
 
-/// The ladders in the judged round, and whether states travel from the prior and back.
+/// The ladders in the judged round, and whether states travel from the prior and back. A burn-in's
+/// are shown only: no draw hangs on their trips.
 void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> rounds,
-                   std::size_t round) {
-  TemperingReport report{.round = round + 1, .rounds = rounds.size(), .ladders = {}};
+                   bool burn_in) {
+  const std::size_t round = judged_round(rounds);
+  TemperingReport report{
+      .round = round + 1, .rounds = rounds.size(), .burn_in = burn_in, .ladders = {}};
   const auto numbers = [&](std::string_view name) {
     return of_ladders(judged.source, name, chains, round);
   };
@@ -206,7 +211,7 @@ void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> 
     judged.diagnosis.notes.push_back(
         fmt::format("the first {} of {} ladders are shown", k_ladders_max, chains));
   }
-  if (!none.empty()) {
+  if (!none.empty() && !burn_in) {
     judged.diagnosis.reasons.push_back(fmt::format(
         "{} of {} ladders made no round trip in the judged round{}", none.size(), chains,
         none.size() == chains ? "" : fmt::format(": ladder {} among them", none.front())));
@@ -214,35 +219,59 @@ void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> 
   judged.diagnosis.tempering = std::move(report);
 }
 
-/// Simulations of the whole run. A scan is iterations_per_scan proposals at each temperature but
-/// the prior's, where it is one draw; scan 0 is a draw everywhere. The draws of temperatures that
-/// are added between rounds are counted as scans, which is a little too much.
-double simulations_of(const archive::Source& source, const Diagnosis& diagnosis,
-                      const std::string& request, std::span<const Round> rounds) {
-  const auto each = RequestNumbers(request, source.name()).find("sampler", "iterations_per_scan");
-  if (!each) return k_not_known;
-  if (rounds.empty()) {
-    return static_cast<double>(diagnosis.chains) *
-           (1 + *each * static_cast<double>(diagnosis.scans - 1));
+/// Whether simulated tempering's states travel from inverse temperature 1 to the prior and back.
+void judge_walks(Judged& judged, std::uint64_t chains) {
+  judged.diagnosis.walks = walks_of(judged.source, std::min(chains, k_ladders_max));
+  std::vector<std::uint64_t> none;
+  const std::vector<double> trips = of_chains(judged.source, "walk_round_trips", chains);
+  for (std::uint64_t c = 0; c < chains; ++c) {
+    if (!(trips[c] >= 1)) none.push_back(c);
   }
-  double sum = 0;
-  for (std::size_t r = 0; r < rounds.size(); ++r) {
-    const std::uint64_t starts = rounds[r].first_scan == 0 ? 1 : 0;
-    const auto scans = static_cast<double>(rounds[r].scans - starts);
-    for (const double levels : of_ladders(source, "levels", diagnosis.chains, r))
-      sum += static_cast<double>(starts) * levels + scans * (1 + *each * (levels - 1));
-  }
-  return sum;
+  if (none.empty()) return;
+  judged.diagnosis.reasons.push_back(
+      fmt::format("{} of {} chains made no round trip to the prior and back{}", none.size(), chains,
+                  none.size() == chains ? "" : fmt::format(": chain {} among them", none.front())));
 }
 
-void choose_scans(Diagnosis& diagnosis, std::span<const Round> rounds) {
-  if (!rounds.empty()) {
-    diagnosis.judged = rounds[judged_round(rounds)];
-    diagnosis.by_round = true;
-    return;
+/// What weighted draws are worth.
+void judge_weights(Judged& judged, std::uint64_t chains) {
+  WeightsReport report{.effective_size = effective_size_of_all(judged.source),
+                       .log_z = {},
+                       .log_p_satisfied = {},
+                       .chains = ascents_of(judged.source, chains)};
+  std::vector<LogEstimate> log_z;
+  std::vector<LogEstimate> log_p;
+  for (const AscentReport& chain : report.chains) {
+    log_z.push_back(chain.log_z);
+    log_p.push_back(chain.log_p_satisfied);
   }
-  diagnosis.judged.first_scan = diagnosis.scans / 2;
-  diagnosis.judged.scans = diagnosis.scans - diagnosis.judged.first_scan;
+  report.log_z = combined(log_z);
+  report.log_p_satisfied = combined(log_p);
+  if (!(report.effective_size >= k_effective_size_min)) {
+    judged.diagnosis.reasons.push_back(fmt::format(
+        "the weighted draws of all chains are worth {} draws of equal weight, and it takes {:.0f}: "
+        "more steps_per_level or iterations_per_scan make weights more equal, more scans make more "
+        "draws",
+        std::isnan(report.effective_size) ? "an unknown number of"
+                                          : fmt::format("{:.1f}", report.effective_size),
+        k_effective_size_min));
+  }
+  judged.diagnosis.weights = std::move(report);
+}
+
+void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
+                  std::span<const Round> rounds) {
+  diagnosis.judged = {.first_scan = 0, .scans = diagnosis.scans};
+  if (burns_in(method)) {
+    const bool weighted = method == request::Method::annealed_importance;
+    diagnosis.which = weighted ? JudgedDraws::weighted : JudgedDraws::all;
+  } else if (!rounds.empty()) {
+    diagnosis.judged = draws_of_round(rounds, judged_round(rounds));
+    diagnosis.which = JudgedDraws::round;
+  } else {
+    diagnosis.judged.first_scan = diagnosis.scans / 2;
+    diagnosis.judged.scans = diagnosis.scans - diagnosis.judged.first_scan;
+  }
 }
 
 /// The first of the archived states whose scan is not below the given one; their number if none.
@@ -289,6 +318,22 @@ void note_chains(Diagnosis& diagnosis, std::uint64_t looked_at) {
   }
 }
 
+/// Scalars and state variables in the judged scans, as draws of Markov chains.
+void judge_draws(Judged& judged, const archive::Summary& summary) {
+  Diagnosis& diagnosis = judged.diagnosis;
+  const std::uint64_t chains = std::min(summary.chains, k_chains_max);
+  note_chains(diagnosis, chains);
+  const std::vector<Quantity> variables = state_variables(judged.source);
+  std::uint64_t scalars = 2 + outcome_names(judged.source).size();
+  for (const Quantity& variable : variables)
+    scalars += variable.entries();
+  judge_scalars(
+      judged, bounded_range(chains, diagnosis.judged.first_scan, diagnosis.judged.scans, scalars));
+  const DrawRange states = states_in(judged.source, diagnosis, summary.states, {chains, scalars});
+  diagnosis.states = states.count;
+  judge_variables(judged, variables, states);
+}
+
 }  // namespace
 
 Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
@@ -301,22 +346,21 @@ Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
   diagnosis.warning = summary.warning;
   diagnosis.chains = summary.chains;
   diagnosis.scans = summary.scans;
-  const std::uint64_t chains = std::min(summary.chains, k_chains_max);
-  const std::vector<Round> rounds = rounds_of(source, summary.chains, summary.scans);
-  choose_scans(diagnosis, rounds);
-  note_chains(diagnosis, chains);
-
-  const std::vector<Quantity> variables = state_variables(source);
-  std::uint64_t scalars = 2 + outcome_names(source).size();
-  for (const Quantity& variable : variables)
-    scalars += variable.entries();
+  const std::optional<request::Method> method = method_of(summary.request_text);
+  const std::vector<Round> rounds =
+      rounds_of(source, summary.chains,
+                burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
+  choose_scans(diagnosis, method, rounds);
   Judged judged{.source = source, .rules = rules, .diagnosis = diagnosis};
-  judge_scalars(
-      judged, bounded_range(chains, diagnosis.judged.first_scan, diagnosis.judged.scans, scalars));
-  const DrawRange states = states_in(source, diagnosis, summary.states, {chains, scalars});
-  diagnosis.states = states.count;
-  judge_variables(judged, variables, states);
-  if (!rounds.empty()) judge_ladders(judged, summary.chains, rounds, judged_round(rounds));
+  if (diagnosis.which == JudgedDraws::weighted) {
+    judge_weights(judged, summary.chains);
+  } else {
+    judge_draws(judged, summary);
+  }
+  if (!rounds.empty()) judge_ladders(judged, summary.chains, rounds, burns_in(method));
+  if (method == request::Method::simulated_tempering) judge_walks(judged, summary.chains);
+  if (method == request::Method::tempered_transitions)
+    diagnosis.transitions = transitions_of(source, std::min(summary.chains, k_ladders_max));
 
   const RunCounts counts = run_counts(source, diagnosis.judged);
   diagnosis.satisfied = counts.satisfied;
@@ -324,7 +368,9 @@ Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
   diagnosis.solutions = counts.solutions;
   diagnosis.solutions_more = counts.solutions_more;
   diagnosis.kinds = kind_counts(source, diagnosis.judged);
-  diagnosis.simulations = simulations_of(source, diagnosis, summary.request_text, rounds);
+  diagnosis.simulations = simulations_of(
+      source, summary.request_text,
+      {.method = method, .chains = summary.chains, .draws = summary.scans, .rounds = rounds});
   return diagnosis;
 }
 

@@ -1,9 +1,13 @@
 // What `sleight diagnose` finds out about an archive: whether its chains have mixed, and why not.
 //
-// Idea. Only draws of one Markov chain can be judged. Tempered runs learn between rounds, so the
-// draws of one round are judged (tempering.h says which); plain chains never change, and their
-// second half is judged, the first being the way from the prior. State variables are judged by
-// their archived states of these scans.
+// Idea. Only draws of one Markov chain can be judged. Parallel tempering learns between rounds, so
+// the draws of one round are judged (tempering.h says which); plain chains never change, and their
+// second half is judged, the first being the way from the prior. What goes on after a burn-in has
+// learnt before its first draw, and all its draws are judged. State variables are judged by their
+// archived states of these scans.
+//
+// Draws of annealed importance sampling are no Markov chain: they are independent and have weights.
+// Of them their effective size is judged, and nothing else.
 //
 // A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
 // left such states never goes back. So they take part as the least of all values, are counted, and
@@ -23,6 +27,7 @@
 #include <string_view>
 #include <vector>
 
+#include "clients/cli/after_burn_in.h"
 #include "clients/cli/scalar_draws.h"
 #include "clients/cli/tempering.h"
 #include "common/archive/model.h"
@@ -92,16 +97,35 @@ struct LadderReport {
 struct TemperingReport {
   std::size_t round = 0;  ///< counted from 1
   std::size_t rounds = 0;
+  bool burn_in = false;  ///< the draws came after it
   std::vector<LadderReport> ladders;
+};
+
+/// Independent draws of equal weight that those of all chains together must be worth.
+inline constexpr double k_effective_size_min = 100;
+
+struct WeightsReport {
+  double effective_size = 0;  ///< of all chains together
+  CombinedEstimate log_z;
+  CombinedEstimate log_p_satisfied;
+  std::vector<AscentReport> chains;
+};
+
+/// Which draws are judged.
+enum class JudgedDraws : std::uint8_t {
+  second_half,
+  round,     ///< in which neither ladder nor sizes change
+  all,       ///< after a burn-in
+  weighted,  ///< all, by their weights alone
 };
 
 struct Diagnosis {
   std::string world;
   std::string warning;  ///< the archive's own
   std::uint64_t chains = 0;
-  std::uint64_t scans = 0;  ///< of each chain
-  Round judged;             ///< scans
-  bool by_round = false;    ///< the judged scans are a round; else the second half
+  std::uint64_t scans = 0;  ///< of each chain: draws
+  Round judged;             ///< of these
+  JudgedDraws which = JudgedDraws::second_half;
   std::vector<ScalarReport> scalars;
   std::uint64_t states = 0;  ///< of each chain, archived in the judged scans
   std::vector<VariableReport> variables;
@@ -112,7 +136,10 @@ struct Diagnosis {
   double simulations = 0;              ///< of the run, at all temperatures; NaN: unknown
   std::vector<KindReport> kinds;       ///< of the judged scans, at inverse temperature 1
   std::optional<TemperingReport> tempering;
-  std::vector<std::string> notes;    ///< what was left out, what numbers mean here
+  std::vector<WalkReport> walks;              ///< of simulated tempering, by chain
+  std::vector<TransitionReport> transitions;  ///< of tempered transitions, by chain
+  std::optional<WeightsReport> weights;       ///< of annealed importance sampling
+  std::vector<std::string> notes;             ///< what was left out, what numbers mean here
   std::vector<std::string> reasons;  ///< why the chains have not mixed; empty: nothing says so
   bool mixed() const { return reasons.empty(); }
 };

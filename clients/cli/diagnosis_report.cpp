@@ -17,6 +17,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t k_ladders_shown = 2;
 constexpr std::size_t k_columns_shown = 8;
 constexpr std::size_t k_reasons_shown = 20;
+constexpr std::size_t k_chains_shown = 32;
 
 std::string number(double value) {
   return std::isnan(value) ? "-" : fmt::format("{:.4g}", value);
@@ -36,7 +37,7 @@ std::string count(double value) {
   if (!(std::fabs(value) < 1e15)) return number(value);
   std::string digits = fmt::format("{:.0f}", std::floor(value));
   for (std::size_t place = digits.size(); place > 3; place -= 3)
-    digits.insert(place - 3, ",");
+    digits.insert(place - 3, 1, ',');
   return digits;
 }
 
@@ -117,7 +118,7 @@ void append_variables(std::string& text, const Diagnosis& diagnosis) {
   }
   append_scalars(text, listed);
   for (const std::string& line : rest)
-    text += "  " + line + "\n";
+    text += fmt::format("  {}\n", line);
 }
 
 void append_counts(std::string& text, const Diagnosis& diagnosis) {
@@ -126,9 +127,10 @@ void append_counts(std::string& text, const Diagnosis& diagnosis) {
   append_table(
       text,
       {{"satisfied",
-        fmt::format("{} of the judged scans, {} of all",
+        fmt::format("{} of the judged scans, {} of all{}",
                     percent(share_of(diagnosis.satisfied_judged, judged)),
-                    percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)))}},
+                    percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)),
+                    diagnosis.weights ? ", each counted once whatever its weight" : "")}},
       "  ");
   text += fmt::format("  solutions  {}{} independent: lineages with a satisfied scan\n",
                       count(diagnosis.solutions), diagnosis.solutions_more ? " or more" : "");
@@ -157,7 +159,8 @@ double least(const std::vector<double>& values) {
 }
 
 void append_ladders(std::string& text, const TemperingReport& tempering) {
-  text += fmt::format("\nLadders in round {} of {}\n", tempering.round, tempering.rounds);
+  text += fmt::format("\nLadders in round {} of {}{}\n", tempering.round, tempering.rounds,
+                      tempering.burn_in ? " of the burn-in" : "");
   std::vector<Row> rows{
       {"", "temperatures", "barrier", "least swapped", "round trips", "predicted", "restarts"}};
   for (std::size_t i = 0; i < tempering.ladders.size(); ++i) {
@@ -219,14 +222,108 @@ void append_tempering(std::string& text, const Diagnosis& diagnosis) {
   }
 }
 
+void append_walks(std::string& text, const std::vector<WalkReport>& walks) {
+  if (walks.empty()) return;
+  text += "\nWalks over temperatures\n";
+  std::vector<Row> rows{{"", "temperatures", "round trips", "least visited", "least moved"}};
+  for (std::size_t i = 0; i < walks.size(); ++i) {
+    const WalkReport& walk = walks[i];
+    std::vector<double> moves = walk.acceptance;
+    if (!moves.empty()) moves.pop_back();  // the coolest has no next
+    double scans = 0;
+    for (const double visits : walk.visits)
+      scans += visits;
+    rows.push_back({fmt::format("chain {}", i), count(walk.inverse_temperature.size()),
+                    count(walk.round_trips), percent(least(walk.visits) / scans),
+                    percent(least(moves))});
+  }
+  append_table(text, rows, "  ");
+  const std::size_t shown = std::min(walks.size(), k_ladders_shown);
+  for (std::size_t i = 0; i < shown; ++i) {
+    text += fmt::format("\nWalk of chain {} by inverse temperature, from the prior on\n", i);
+    std::vector<Row> levels{{"", "inverse temperature", "scans", "moves to the next and back"}};
+    for (std::size_t level = 0; level < walks[i].visits.size(); ++level) {
+      const bool has_next = level + 1 < walks[i].visits.size();
+      levels.push_back({fmt::format("level {}", level), number(walks[i].inverse_temperature[level]),
+                        count(walks[i].visits[level]),
+                        has_next ? percent(walks[i].acceptance[level]) : ""});
+    }
+    append_table(text, levels, "  ");
+  }
+}
+
+void append_transitions(std::string& text, const std::vector<TransitionReport>& transitions) {
+  if (transitions.empty()) return;
+  text += "\nTempered transitions\n";
+  std::vector<Row> rows{{"", "temperatures down", "accepted"}};
+  for (std::size_t i = 0; i < transitions.size(); ++i)
+    rows.push_back({fmt::format("chain {}", i), count(transitions[i].levels),
+                    percent(transitions[i].acceptance)});
+  append_table(text, rows, "  ");
+}
+
+std::string with_error(const LogEstimate& estimate) {
+  return fmt::format("{} +- {}", fixed(estimate.value, 3), fixed(estimate.error, 3));
+}
+
+/// Weighted draws, chain by chain and together.
+void append_weights(std::string& text, const Diagnosis& diagnosis) {
+  const WeightsReport& weights = *diagnosis.weights;
+  text += "Draws are independent and have weights\n";
+  std::vector<Row> rows{{"", "draws", "effective size", "steps", "log Z", "log P(satisfied)"}};
+  const std::size_t shown = std::min(weights.chains.size(), k_chains_shown);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const AscentReport& chain = weights.chains[i];
+    rows.push_back({fmt::format("chain {}", i), count(diagnosis.scans),
+                    fixed(chain.effective_size, 1), count(chain.steps), with_error(chain.log_z),
+                    with_error(chain.log_p_satisfied)});
+  }
+  rows.push_back({"all", count(diagnosis.chains * diagnosis.scans),
+                  fixed(weights.effective_size, 1), "", with_error(weights.log_z.log),
+                  with_error(weights.log_p_satisfied.log)});
+  append_table(text, rows, "  ");
+  if (shown < weights.chains.size())
+    text += fmt::format("  {} more chains: --json\n", weights.chains.size() - shown);
+}
+
+const char* name_of(JudgedDraws which) {
+  switch (which) {
+    case JudgedDraws::second_half:
+      return "second_half";
+    case JudgedDraws::round:
+      return "round";
+    case JudgedDraws::all:
+      return "all";
+    case JudgedDraws::weighted:
+      return "weighted";
+  }
+  return "";
+}
+
+const char* in_words(JudgedDraws which) {
+  switch (which) {
+    case JudgedDraws::second_half:
+      return "the second half";
+    case JudgedDraws::round:
+      return "a round, in which neither ladder nor sizes of proposals change";
+    case JudgedDraws::all:
+      return "all after the burn-in";
+    case JudgedDraws::weighted:
+      return "all, by their weights";
+  }
+  return "";
+}
+
 void append_verdict(std::string& text, const Diagnosis& diagnosis) {
   for (const std::string& note : diagnosis.notes)
     text += fmt::format("\nNote: {}.\n", note);
+  const bool weighted = diagnosis.weights.has_value();
   if (diagnosis.mixed()) {
-    text += "\nNothing here says that the chains have not mixed.\n";
+    text += weighted ? "\nThe draws are worth enough.\n"
+                     : "\nNothing here says that the chains have not mixed.\n";
     return;
   }
-  text += "\nNot mixed:\n";
+  text += weighted ? "\nNot enough:\n" : "\nNot mixed:\n";
   const std::size_t shown = std::min(diagnosis.reasons.size(), k_reasons_shown);
   for (std::size_t i = 0; i < shown; ++i)
     text += fmt::format("  {}\n", diagnosis.reasons[i]);
@@ -269,7 +366,41 @@ Json as_json(const TemperingReport& tempering) {
                        {"local_barrier", ladder.levels.local_barrier},
                        {"acceptance", ladder.levels.acceptance}});
   }
-  return {{"round", tempering.round}, {"rounds", tempering.rounds}, {"ladders", ladders}};
+  return {{"round", tempering.round},
+          {"rounds", tempering.rounds},
+          {"burn_in", tempering.burn_in},
+          {"ladders", ladders}};
+}
+
+Json as_json(const LogEstimate& estimate) {
+  return {{"value", estimate.value}, {"error", estimate.error}};
+}
+
+Json as_json(const WeightsReport& weights) {
+  Json chains = Json::array();
+  for (const AscentReport& chain : weights.chains) {
+    chains.push_back({{"effective_size", chain.effective_size},
+                      {"steps", chain.steps},
+                      {"log_z", as_json(chain.log_z)},
+                      {"log_p_satisfied", as_json(chain.log_p_satisfied)}});
+  }
+  return {{"effective_size", weights.effective_size},
+          {"log_z", as_json(weights.log_z.log)},
+          {"log_p_satisfied", as_json(weights.log_p_satisfied.log)},
+          {"chains", chains}};
+}
+
+void add_walks_and_transitions(Json& json, const Diagnosis& diagnosis) {
+  for (const WalkReport& walk : diagnosis.walks) {
+    json["walks"].push_back({{"round_trips", walk.round_trips},
+                             {"inverse_temperature", walk.inverse_temperature},
+                             {"visits", walk.visits},
+                             {"acceptance", walk.acceptance}});
+  }
+  for (const TransitionReport& chain : diagnosis.transitions) {
+    json["tempered_transitions"].push_back(
+        {{"acceptance", chain.acceptance}, {"temperatures", chain.levels}});
+  }
 }
 
 }  // namespace
@@ -280,15 +411,19 @@ std::string for_people(const std::string& path, const Diagnosis& diagnosis) {
                                  count(diagnosis.chains), diagnosis.chains == 1 ? "" : "s",
                                  count(diagnosis.scans), diagnosis.scans == 1 ? "" : "s");
   if (!diagnosis.warning.empty()) text += fmt::format("Warning: {}\n", diagnosis.warning);
-  text += fmt::format("\nJudged are scans {} to {} of each chain: {}.\n\n",
-                      count(judged.first_scan), count(judged.first_scan + judged.scans - 1),
-                      diagnosis.by_round
-                          ? "a round, in which neither ladder nor sizes of proposals change"
-                          : "the second half");
-  append_scalars(text, diagnosis.scalars);
-  append_variables(text, diagnosis);
+  text +=
+      fmt::format("\nJudged are scans {} to {} of each chain: {}.\n\n", count(judged.first_scan),
+                  count(judged.first_scan + judged.scans - 1), in_words(diagnosis.which));
+  if (diagnosis.weights) {
+    append_weights(text, diagnosis);
+  } else {
+    append_scalars(text, diagnosis.scalars);
+    append_variables(text, diagnosis);
+  }
   append_counts(text, diagnosis);
   append_kinds(text, diagnosis);
+  append_walks(text, diagnosis.walks);
+  append_transitions(text, diagnosis.transitions);
   if (diagnosis.tempering) append_tempering(text, diagnosis);
   append_verdict(text, diagnosis);
   return text;
@@ -318,7 +453,7 @@ Json as_json(const std::string& path, const Diagnosis& diagnosis) {
             {"chains", diagnosis.chains},
             {"scans", diagnosis.scans},
             {"judged",
-             {{"what", diagnosis.by_round ? "round" : "second_half"},
+             {{"what", name_of(diagnosis.which)},
               {"first_scan", diagnosis.judged.first_scan},
               {"scans", diagnosis.judged.scans},
               {"states", diagnosis.states}}},
@@ -331,6 +466,8 @@ Json as_json(const std::string& path, const Diagnosis& diagnosis) {
             {"simulations", diagnosis.simulations},
             {"proposal_kinds", kinds}};
   if (diagnosis.tempering) json["tempering"] = as_json(*diagnosis.tempering);
+  add_walks_and_transitions(json, diagnosis);
+  if (diagnosis.weights) json["weights"] = as_json(*diagnosis.weights);
   return json;
 }
 

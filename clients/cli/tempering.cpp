@@ -21,34 +21,41 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
                                 archive::path_of(archive::k_tempering, name), reason));
 }
 
-/// The dataset if it is there. Refuses another type, rank or size than (chain, round, inner...).
+/// More entries than any table of ours has along a dimension.
+std::uint64_t most_along(std::string_view dim) {
+  if (dim == "chain" || dim == "draw") return k_run_scans_max;
+  if (dim == "round") return k_rounds_max;
+  if (dim == "proposal_kind") return k_kinds_max;
+  return dim == "level" || dim == "walk_level" ? k_levels_max : k_steps_max;
+}
+
+using Names = std::vector<std::string_view>;
+
+/// The dataset if it is there. Refuses another type, rank or size.
 const archive::DatasetSpec* find_table(const archive::Source& source, std::string_view name,
-                                       std::span<const std::string_view> inner) {
+                                       const Names& dims) {
   const archive::Group* group = archive::find_group(source, archive::k_tempering);
   const archive::DatasetSpec* spec = group == nullptr ? nullptr : find_dataset(*group, name);
   if (spec == nullptr) return nullptr;
-  std::vector<std::string_view> dims{"chain", "round"};
-  dims.insert(dims.end(), inner.begin(), inner.end());
   if (spec->type != archive::ElementType::f64 ||
       !std::ranges::equal(spec->dims, dims, {}, &archive::Dimension::name)) {
     refuse(source, name, fmt::format("expected numbers over ({})", fmt::join(dims, ", ")));
   }
-  const auto too_many = [&](std::size_t dim, std::uint64_t most) {
-    if (spec->dims.size() > dim && spec->dims[dim].size > most) {
-      refuse(source, name, fmt::format("more than {} along {}", most, dims[dim]));
-    }
-  };
-  too_many(1, k_rounds_max);
-  too_many(2, k_levels_max);
-  too_many(3, k_kinds_max);
+  for (const archive::Dimension& dim : spec->dims) {
+    if (dim.size > most_along(dim.name))
+      refuse(source, name, fmt::format("more than {} along {}", most_along(dim.name), dim.name));
+  }
   return spec;
 }
 
+const Names k_by_round{"chain", "round"};
+const Names k_by_level{"chain", "round", "level"};
+const Names k_by_kind{"chain", "round", "level", "proposal_kind"};
+
 /// The entries of one ladder in one round; empty where the archive has no such table.
 std::vector<double> read_entries(const archive::Source& source, std::string_view name,
-                                 std::uint64_t chain, std::size_t round,
-                                 std::span<const std::string_view> inner) {
-  const archive::DatasetSpec* spec = find_table(source, name, inner);
+                                 std::uint64_t chain, std::size_t round, const Names& dims) {
+  const archive::DatasetSpec* spec = find_table(source, name, dims);
   if (spec == nullptr) return {};
   if (chain >= spec->dims[0].size || round >= spec->dims[1].size) {
     refuse(source, name, fmt::format("no round {} of chain {}", round, chain));
@@ -72,11 +79,12 @@ std::uint64_t count_of(const archive::Source& source, std::string_view name, dou
 }  // namespace
 
 std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains,
-                             std::uint64_t scans) {
-  const archive::DatasetSpec* first = find_table(source, "first_scan", {});
+                             std::optional<std::uint64_t> draws) {
+  const archive::DatasetSpec* first = find_table(source, "first_scan", k_by_round);
   if (first == nullptr) return {};
   if (first->dims[0].size != chains) refuse(source, "first_scan", "another number of chains");
   std::vector<Round> rounds;
+  std::uint64_t end = k_run_scans_max;
   for (std::size_t r = 0; r < first->dims[1].size; ++r) {
     // The last round may be one that not all ladders have begun.
     const std::vector<double> begins = of_ladders(source, "first_scan", chains, r);
@@ -84,15 +92,22 @@ std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains
     if (std::ranges::any_of(begins, [&](double begin) { return begin != begins[0]; })) {
       refuse(source, "first_scan", "rounds begin at different scans");
     }
-    Round round{.first_scan = count_of(source, "first_scan", begins[0], scans), .scans = scans};
+    Round round{.first_scan = count_of(source, "first_scan", begins[0], end), .scans = 0};
+    if (r == 0 && draws) end = round.first_scan + std::min(*draws, k_run_scans_max);
+    round.scans = end - round.first_scan;
     for (const double length : of_ladders(source, "scans", chains, r)) {
       round.scans =
-          std::min(round.scans, count_of(source, "scans", length, scans - round.first_scan));
+          std::min(round.scans, count_of(source, "scans", length, end - round.first_scan));
     }
     if (round.scans == 0) break;
     rounds.push_back(round);
   }
   return rounds;
+}
+
+Round draws_of_round(std::span<const Round> rounds, std::size_t round) {
+  return {.first_scan = rounds[round].first_scan - rounds[0].first_scan,
+          .scans = rounds[round].scans};
 }
 
 std::size_t judged_round(std::span<const Round> rounds) {
@@ -105,7 +120,7 @@ std::size_t judged_round(std::span<const Round> rounds) {
 
 std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
                                std::uint64_t chains, std::size_t round) {
-  const archive::DatasetSpec* spec = find_table(source, name, {});
+  const archive::DatasetSpec* spec = find_table(source, name, k_by_round);
   if (spec == nullptr) return std::vector<double>(chains, k_nan);
   const std::uint64_t rounds = spec->dims[1].size;
   if (chains > spec->dims[0].size || round >= rounds) {
@@ -124,8 +139,6 @@ std::vector<double> of_ladders(const archive::Source& source, std::string_view n
 }
 
 Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round) {
-  static constexpr std::string_view k_by_level[] = {"level"};
-  static constexpr std::string_view k_by_kind[] = {"level", "proposal_kind"};
   Ladder ladder{
       .inverse_temperature = read_entries(source, "inverse_temperature", chain, round, k_by_level),
       .swap_acceptance = read_entries(source, "swap_acceptance", chain, round, k_by_level),
@@ -147,6 +160,45 @@ Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t
     ladder.acceptance.emplace_back(row, row + static_cast<std::ptrdiff_t>(width));
   }
   return ladder;
+}
+
+std::vector<double> of_chains(const archive::Source& source, std::string_view name,
+                              std::uint64_t chains) {
+  const archive::DatasetSpec* spec = find_table(source, name, {"chain"});
+  if (spec == nullptr) return std::vector<double>(chains, k_nan);
+  if (chains > spec->dims[0].size) refuse(source, name, "fewer chains than there are");
+  std::vector<double> all;
+  for (std::uint64_t first = 0; first < chains; first += archive::k_batch_elements) {
+    const std::uint64_t count = std::min<std::uint64_t>(archive::k_batch_elements, chains - first);
+    const auto batch =
+        std::get<std::vector<double>>(source.read(archive::k_tempering, name, first, count));
+    all.insert(all.end(), batch.begin(), batch.end());
+  }
+  return all;
+}
+
+std::vector<double> row_of_chain(const archive::Source& source, std::string_view name,
+                                 std::string_view dimension, std::uint64_t chain) {
+  const archive::DatasetSpec* spec = find_table(source, name, {"chain", dimension});
+  if (spec == nullptr) return {};
+  if (chain >= spec->dims[0].size) refuse(source, name, fmt::format("no chain {}", chain));
+  const std::uint64_t width = spec->dims[1].size;
+  return std::get<std::vector<double>>(
+      source.read(archive::k_tempering, name, chain * width, width));
+}
+
+void for_each_of_draws(const archive::Source& source, std::string_view name,
+                       const std::function<void(double)>& visit) {
+  const archive::DatasetSpec* spec = find_table(source, name, {"chain", "draw"});
+  if (spec == nullptr) return;
+  const std::uint64_t all = spec->dims[0].size * spec->dims[1].size;
+  for (std::uint64_t first = 0; first < all; first += archive::k_batch_elements) {
+    const std::uint64_t count = std::min<std::uint64_t>(archive::k_batch_elements, all - first);
+    const auto values =
+        std::get<std::vector<double>>(source.read(archive::k_tempering, name, first, count));
+    for (const double value : values)
+      visit(value);
+  }
 }
 
 std::vector<std::string> proposal_kinds(const archive::Source& source) {

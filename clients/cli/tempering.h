@@ -5,11 +5,16 @@
 // and of equals the later. Rounds double, so that is the last one, unless the run was cut in its
 // first half.
 //
+// Scans are those of the run. Draws are counted from the first round on: scans of simulated
+// annealing come before it. Where a method burns in, its rounds have no draws at all.
+//
 // Archives are untrusted: numbers that can't be are refused with ExitCode::bad_archive, and nothing
 // larger than one round of one ladder is held. Not thread-safe, as the source isn't.
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,6 +29,9 @@ inline constexpr std::uint64_t k_rounds_max = 64;
 /// More temperatures, and more kinds of proposals, than any ladder has.
 inline constexpr std::uint64_t k_levels_max = 4096;
 inline constexpr std::uint64_t k_kinds_max = 4096;
+/// More temperatures than any ascent or excursion goes through, and more scans than any run has.
+inline constexpr std::uint64_t k_steps_max = std::uint64_t{1} << 22;
+inline constexpr std::uint64_t k_run_scans_max = std::uint64_t{1} << 52;
 
 /// Scans that all ladders have in a round.
 struct Round {
@@ -40,9 +48,12 @@ struct Ladder {
 };
 
 /// Rounds that every ladder has scans of, in order; empty where the archive has no ladders.
-/// `chains`, `scans`: of /sample_stats, which they must fit.
+/// `chains`, `draws`: of /sample_stats, which they must fit; no draws: they are a burn-in's.
 std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains,
-                             std::uint64_t scans);
+                             std::optional<std::uint64_t> draws);
+
+/// A round's draws, where it is no burn-in's. REQUIRES: one of these rounds.
+Round draws_of_round(std::span<const Round> rounds, std::size_t round);
 
 /// Index of the round that is judged. REQUIRES: rounds not empty.
 std::size_t judged_round(std::span<const Round> rounds);
@@ -53,6 +64,18 @@ std::vector<double> of_ladders(const archive::Source& source, std::string_view n
 
 /// REQUIRES: the round is one of rounds_of.
 Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round);
+
+/// A number of each of the first `chains` chains; NaN where the archive has none.
+std::vector<double> of_chains(const archive::Source& source, std::string_view name,
+                              std::uint64_t chains);
+
+/// A chain's row over such a dimension; empty where the archive has no such table.
+std::vector<double> row_of_chain(const archive::Source& source, std::string_view name,
+                                 std::string_view dimension, std::uint64_t chain);
+
+/// Visits a table over (chain, draw), if it is there.
+void for_each_of_draws(const archive::Source& source, std::string_view name,
+                       const std::function<void(double)>& visit);
 
 /// Names of the kinds of proposals, as /sample_stats has them.
 std::vector<std::string> proposal_kinds(const archive::Source& source);

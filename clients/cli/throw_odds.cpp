@@ -50,14 +50,14 @@ int digits_for(double log10_low, double log10_high) {
 
 }  // namespace
 
-const char* name_of(ErrorFrom from) {
+const char* name_of(ErrorFrom from, bool weighted) {
   switch (from) {
     case ErrorFrom::unknown:
       return "unknown";
     case ErrorFrom::jackknife:
-      return "jackknife within ladders";
+      return weighted ? "spread of weights within chains" : "jackknife within ladders";
     case ErrorFrom::between:
-      return "standard error between ladders";
+      return weighted ? "standard error between chains" : "standard error between ladders";
   }
   return "unknown";
 }

@@ -29,8 +29,9 @@ enum class ErrorFrom : std::uint8_t {
   between,    ///< from ladder to ladder
 };
 
-/// "jackknife within ladders": for people and JSON.
-const char* name_of(ErrorFrom from);
+/// "jackknife within ladders": for people and JSON. Of weighted draws chains take the ladders'
+/// place, and their weights' spread the jackknife's.
+const char* name_of(ErrorFrom from, bool weighted = false);
 
 struct CombinedEstimate {
   LogEstimate log;

@@ -5,6 +5,7 @@ import json
 
 import h5py
 import harness
+import numpy
 from harness import ProgramTest, sleight
 
 # A wide target and long scans: the draws are all but independent.
@@ -44,6 +45,30 @@ rounds = 3
 """
 
 
+# After annealing and a burn-in by parallel tempering: 20 scans, and 60 + 120 + 240.
+BURNT_IN = """
+[world]
+name = "ball_2d"
+[constraint]
+sigma_diameters = 0.5
+[sampler]
+method = "{method}"
+chains = 2
+iterations_per_scan = 40
+round_scans = 60
+burn_in_rounds = 3
+anneal_scans = 20
+{keys}
+[stop]
+scans = {scans}
+"""
+BURN_IN = 20 + 60 * 7
+
+
+def burnt_in(method, draws, keys=""):
+    return BURNT_IN.format(method=method, keys=keys, scans=BURN_IN + draws)
+
+
 class DiagnoseTest(ProgramTest):
     def archived(self, request, name="a.h5"):
         self.path("r.toml").write_text(request)
@@ -59,7 +84,8 @@ class DiagnoseTest(ProgramTest):
         found = json.loads(machine.stdout)
         self.assertEqual(found["mixed"], code == 0)
         self.assertEqual(found["mixed"], found["reasons"] == [])
-        self.assertEqual("Not mixed:" in people.stdout, code == 7)
+        heading = "Not enough:" if "weights" in found else "Not mixed:"
+        self.assertEqual(heading in people.stdout, code == 7)
         return people.stdout, found
 
 
@@ -170,6 +196,114 @@ class Tempered(DiagnoseTest):
         self.assertEqual(self.info(archive)["tempering"]["log10_throws"], None)
 
 
+    def test_annealing_comes_before_the_rounds(self):
+        request = TEMPERED.replace("round_scans = 400", "round_scans = 400\nanneal_scans = 30")
+        request = request.replace("iterations_per_scan = 10", "iterations_per_scan = 20")
+        archive = self.archived(request)
+        text, found = self.diagnosed(archive, 0)
+        # Scans of the run that are no draws are not counted: the third round is the same draws.
+        self.assertEqual(found["judged"]["first_scan"], 1200)
+        self.assertEqual(found["judged"]["scans"], 1600)
+        self.assertFalse(found["tempering"]["burn_in"])
+        self.assertIn("Ladders in round 3 of 3\n", text)
+        self.assertEqual(self.info(archive)["tempering"]["rounds"], 3)
+
+    def test_annealed_plain_chains(self):
+        request = EASY.replace("[sampler]", "[sampler]\nanneal_scans = 100")
+        _, found = self.diagnosed(self.archived(request), 0)
+        self.assertEqual(found["judged"]["first_scan"], 1950)
+        self.assertEqual(found["judged"]["scans"], 1950)
+        self.assertEqual(found["simulations"], 4 * (1 + 50 * 3999))
+
+
+class BurntIn(DiagnoseTest):
+    def test_all_draws_of_simulated_tempering_are_judged(self):
+        archive = self.archived(burnt_in("simulated_tempering", 8000))
+        text, found = self.diagnosed(archive, 0)
+        with h5py.File(archive) as file:
+            draws = file["sample_stats/lp"].shape[1]
+            visits = file["tempering/walk_visits"][()]
+            trips = file["tempering/walk_round_trips"][()]
+            self.assertEqual(file["tempering/draw_scan"].shape, (2, draws))
+        self.assertEqual(found["judged"], {"what": "all", "first_scan": 0, "scans": draws,
+                                           "states": draws})
+        self.assertIn("all after the burn-in", text)
+        self.assertEqual([walk["round_trips"] for walk in found["walks"]], list(trips))
+        self.assertRegex(text, r"Walks over temperatures\n.*round trips")
+        self.assertRegex(text, r"Walk of chain 1 by inverse temperature")
+        self.assertIn("Ladders in round 3 of 3 of the burn-in", text)
+        for chain in range(2):
+            walk = found["walks"][chain]
+            betas = walk["inverse_temperature"]
+            self.assertEqual((betas[0], betas[-1]), (0, 1))
+            self.assertEqual(sum(walk["visits"]), 8000)
+            self.assertEqual(walk["visits"], list(visits[chain][:len(betas)]))
+            self.assertEqual(walk["acceptance"][-1], None)
+        # That it can fail: no trips; trips of the burn-in alone are no reason.
+        with h5py.File(archive, "r+") as file:
+            file["tempering/round_trips"][:] = 0
+            file["tempering/walk_round_trips"][1] = 0
+        _, found = self.diagnosed(archive, 7)
+        self.assertEqual(found["reasons"], ["1 of 2 chains made no round trip to the prior and "
+                                            "back: chain 1 among them"])
+
+    def test_all_draws_of_tempered_transitions_are_judged(self):
+        archive = self.archived(burnt_in("tempered_transitions", 2000, "steps_per_level = 2"))
+        text, found = self.diagnosed(archive, 0)
+        self.assertEqual(found["judged"], {"what": "all", "first_scan": 0, "scans": 2000,
+                                           "states": 2000})
+        with h5py.File(archive) as file:
+            acceptance = file["tempering/excursion_acceptance"][()]
+            lineage = file["sample_stats/lineage"][()]
+        shares = [chain["acceptance"] for chain in found["tempered_transitions"]]
+        self.assertEqual(shares, list(acceptance))
+        for chain in range(2):
+            # Each that was accepted brought a lineage; the first scan's shows not.
+            moves = (lineage[chain][1:] != lineage[chain][:-1]).sum()
+            self.assertAlmostEqual(shares[chain], moves / 2000, delta=1.5 / 2000)
+            self.assertGreater(shares[chain], 0.05)
+        self.assertRegex(text, r"Tempered transitions\n +temperatures down +accepted\n")
+
+    def test_weighted_draws_are_judged_by_their_effective_size(self):
+        archive = self.archived(burnt_in("annealed_importance", 1200, "steps_per_level = 2"))
+        text, found = self.diagnosed(archive, 0)
+        with h5py.File(archive) as file:
+            log_weight = file["tempering/log_weight"][()]
+            size = file["tempering/ais_effective_size"][()]
+            log_p = file["tempering/ais_log_p_satisfied"][()]
+        self.assertEqual(found["scalars"], [])
+        self.assertEqual(found["variables"], [])
+        self.assertNotIn("R-hat", text)
+        self.assertEqual(found["judged"]["what"], "weighted")
+        weights = numpy.exp(log_weight)
+        self.assertAlmostEqual(found["weights"]["effective_size"],
+                               weights.sum() ** 2 / (weights ** 2).sum(), places=6)
+        self.assertEqual([chain["effective_size"] for chain in found["weights"]["chains"]],
+                         list(size))
+        self.assertRegex(text, r"chain 1 +\d[\d,]* +\d+\.\d +\d+ +-\d\.\d+ \+- \d\.\d+ ")
+        self.assertIn("The draws are worth enough.", text)
+        # What `archive info` says of chance is by the weights, too.
+        info = self.info(archive)["tempering"]
+        self.assertEqual(info["from"], "weights")
+        self.assertAlmostEqual(info["log_p_satisfied"]["value"], log_p.mean(), places=12)
+        self.assertRegex(sleight("archive", "info", archive).stdout,
+                         r"by chance +one throw in .*\n +log P -\d\.\d+ \+- \d\.\d+ \(2 chains, ")
+
+    def test_too_few_weighted_draws_are_7(self):
+        archive = self.archived(burnt_in("annealed_importance", 40))
+        text, found = self.diagnosed(archive, 7)
+        self.assertLess(found["weights"]["effective_size"], 100)
+        self.assertRegex(found["reasons"][0], r"^the weighted draws of all chains are worth [\d.]+ "
+                                              r"draws of equal weight, and it takes 100:")
+        # One weight that outweighs all others.
+        archive = self.archived(burnt_in("annealed_importance", 1200), "b.h5")
+        self.diagnosed(archive, 0)
+        with h5py.File(archive, "r+") as file:
+            file["tempering/log_weight"][1, 3] = 1e4
+        _, found = self.diagnosed(archive, 7)
+        self.assertAlmostEqual(found["weights"]["effective_size"], 1)
+
+
 class Damage(DiagnoseTest):
     def refused(self, archive, words):
         result = sleight("diagnose", archive)
@@ -196,6 +330,17 @@ class Damage(DiagnoseTest):
             with h5py.File(archive, "r+") as file:
                 file["tempering"][table][1, 1] = before
         self.diagnosed(archive, 0)
+
+    def test_tables_of_other_shapes_are_6(self):
+        archive = self.archived(burnt_in("annealed_importance", 200))
+        for table in ["log_weight", "ais_log_z", "ascent_inverse_temperature"]:
+            with h5py.File(archive, "r+") as file:
+                file["tempering"].move(table, "aside")
+                file["tempering"].create_dataset(table, data=[[[1.0]]])
+            self.refused(archive, table)
+            with h5py.File(archive, "r+") as file:
+                del file["tempering"][table]
+                file["tempering"].move("aside", table)
 
 
 if __name__ == "__main__":

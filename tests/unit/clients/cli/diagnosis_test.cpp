@@ -129,7 +129,7 @@ TEST_F(DiagnosisTest, OfPlainChainsTheSecondHalfIsJudged) {
   const Diagnosis diagnosis = diagnose();
   EXPECT_EQ(diagnosis.judged.first_scan, 100U);
   EXPECT_EQ(diagnosis.judged.scans, 101U);
-  EXPECT_FALSE(diagnosis.by_round);
+  EXPECT_EQ(diagnosis.which, JudgedDraws::second_half);
   EXPECT_EQ(shown_.at("lp").draws, 101U);
   EXPECT_EQ(shown_.at("lp").chains, k_chains);
   EXPECT_EQ(shown_.at("lp").first, 1234);
@@ -145,7 +145,7 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
   archive_tempered(options(210), {0, 30, 90});
   values(archive::k_sample_stats, "lp")[90] = 1234;
   const Diagnosis diagnosis = diagnose();
-  EXPECT_TRUE(diagnosis.by_round);
+  EXPECT_EQ(diagnosis.which, JudgedDraws::round);
   EXPECT_EQ(diagnosis.judged.first_scan, 90U);
   EXPECT_EQ(diagnosis.tempering->round, 3U);
   EXPECT_EQ(shown_.at("lp").draws, 120U);
@@ -156,6 +156,16 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
   EXPECT_EQ(diagnose().judged.first_scan, 30U);
   EXPECT_EQ(shown_.at("lp").draws, 60U);
   EXPECT_EQ(shown_.at("height_m").draws, 6U);
+}
+
+TEST_F(DiagnosisTest, DrawsBeginWithTheFirstRound) {
+  // Twenty scans of annealing come before it, and are no draws.
+  archive_tempered(options(210), {20, 50, 110});
+  values(archive::k_sample_stats, "lp")[90] = 1234;
+  const Diagnosis diagnosis = diagnose();
+  EXPECT_EQ(diagnosis.judged.first_scan, 90U);
+  EXPECT_EQ(diagnosis.judged.scans, 100U);
+  EXPECT_EQ(shown_.at("lp").first, 1234);
 }
 
 TEST_F(DiagnosisTest, LaddersWithoutARoundTripAreAReason) {

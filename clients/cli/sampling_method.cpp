@@ -1,0 +1,31 @@
+#include "clients/cli/sampling_method.h"
+
+#include <string>
+
+#include "common/request/document.h"
+
+namespace sleight::cli {
+
+using request::Method;
+
+std::optional<Method> method_of(std::string_view request_text) {
+  const auto document = request::parse_document(request_text, "request");
+  if (!document) return std::nullopt;
+  const request::Section* sampler = document.value().find("sampler");
+  const request::Entry* entry = sampler == nullptr ? nullptr : sampler->find("method");
+  const auto* name = entry == nullptr ? nullptr : std::get_if<std::string>(&entry->value.held);
+  if (name == nullptr) return std::nullopt;
+  if (*name == "metropolis_hastings") return Method::metropolis_hastings;
+  if (*name == "parallel_tempering") return Method::parallel_tempering;
+  if (*name == "simulated_tempering") return Method::simulated_tempering;
+  if (*name == "tempered_transitions") return Method::tempered_transitions;
+  if (*name == "annealed_importance") return Method::annealed_importance;
+  return std::nullopt;
+}
+
+bool burns_in(std::optional<Method> method) {
+  return method == Method::simulated_tempering || method == Method::tempered_transitions ||
+         method == Method::annealed_importance;
+}
+
+}  // namespace sleight::cli

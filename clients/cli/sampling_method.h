@@ -1,0 +1,17 @@
+// How an archive was sampled, as its request says: which of its draws are comparable hangs on it.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "common/request/direction_request.h"
+
+namespace sleight::cli {
+
+/// None where the text is no request, or names no method that is known here.
+std::optional<request::Method> method_of(std::string_view request_text);
+
+/// Whether the ladders in /tempering are those of a burn-in, whose scans are no draws.
+bool burns_in(std::optional<request::Method> method);
+
+}  // namespace sleight::cli
