@@ -19,6 +19,7 @@
 #include <span>
 #include <utility>
 
+#include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/sampling/metropolis_hastings.h"
 
@@ -45,6 +46,8 @@ template <Target T>
 ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                                     const ChainStreams& streams, std::uint64_t scan,
                                     Sample<T>& current) {
+  // Each excursion has iteration numbers of its own, or scans would share random numbers.
+  CHECK_LT(2 * excursion.below.size() * excursion.steps, k_excursion_steps_max);
   // Numbers above those of plain iterations.
   std::uint64_t iteration = (std::uint64_t{1} << 63U) + scan * k_excursion_steps_max;
   Sample<T> candidate = current;
