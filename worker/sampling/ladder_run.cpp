@@ -19,12 +19,13 @@ LadderRun::LadderRun(const LadderOptions& options) : options_(options) {
   CHECK_GE(options.round_scans, 1U);
   const auto levels = static_cast<std::uint32_t>(options.first_ladder.size());
   retired_ = options.anneal_scans;
-  rounds_.push_back({.first_scan = options.anneal_scans,
-                     .statistics = RoundStatistics(options.first_ladder, options.round_scans),
-                     .round_trips = 0,
-                     .restarts = 0,
-                     .counts = std::vector<KindCounts>(levels),
-                     .scales = std::vector<std::vector<double>>(levels)});
+  rounds_.push_back(
+      {.first_scan = options.anneal_scans,
+       .statistics = RoundStatistics(options.first_ladder, options.round_scans, options.rules),
+       .round_trips = 0,
+       .restarts = 0,
+       .counts = std::vector<KindCounts>(levels),
+       .scales = std::vector<std::vector<double>>(levels)});
   replicas_.resize(levels);
   for (Replica& replica : replicas_)
     replica.lives = true;
@@ -94,13 +95,6 @@ LadderRun::Row& LadderRun::row(std::uint64_t scan) {
     rows_.push_back({.replica = std::vector<std::uint32_t>(levels(), k_nobody),
                      .result = std::vector<std::optional<Result>>(levels())});
   return rows_[scan - retired_];
-}
-
-/// With whom a level may swap after a scan; k_nobody for an end that has no neighbour then.
-std::uint32_t LadderRun::partner_of(std::uint32_t level, std::uint64_t scan) const {
-  const bool is_hotter = (level + scan) % 2 == 0;
-  if (is_hotter) return level + 1 < levels() ? level + 1 : k_nobody;
-  return level > 0 ? level - 1 : k_nobody;
 }
 
 /// A replica's level at a scan is known.
@@ -203,13 +197,13 @@ void LadderRun::go_on_from(std::uint64_t scan, std::uint32_t level,
     place(replica, to, scan + 1);
     ready.push_back(replica);
   };
-  const std::uint32_t partner = partner_of(level, scan);
-  if (partner == k_nobody) {
+  const std::optional<std::uint32_t> partner = options_.rules.partner(level, scan, levels());
+  if (!partner) {
     goes(here.replica[level], level);
     return;
   }
-  const std::uint32_t hotter = std::min(level, partner);
-  const std::uint32_t cooler = std::max(level, partner);
+  const std::uint32_t hotter = std::min(level, *partner);
+  const std::uint32_t cooler = std::max(level, *partner);
   if (!here.result[hotter] || !here.result[cooler]) return;
   // place() may move rows.
   const std::uint32_t first = here.replica[hotter];
@@ -221,14 +215,13 @@ void LadderRun::go_on_from(std::uint64_t scan, std::uint32_t level,
 
 bool LadderRun::swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter,
                       const Result& cooler) {
-  const double log_ratio = log_swap_ratio(ladder()[level], ladder()[level + 1],
-                                          hotter.log_constraint, cooler.log_constraint);
-  random::Stream stream({.seed = options_.seed,
-                         .chain = options_.chain,
-                         .replica = base::ReplicaId{level},
-                         .purpose = random::Purpose::swap},
-                        scan);
-  return math::log(stream.uniform()) < log_ratio;
+  const double log_ratio = options_.rules.log_swap_ratio(
+      ladder()[level], ladder()[level + 1], hotter.log_constraint, cooler.log_constraint);
+  const random::StreamKey key{.seed = options_.seed,
+                              .chain = options_.chain,
+                              .replica = base::ReplicaId{level},
+                              .purpose = random::Purpose::swap};
+  return math::log(options_.rules.swap_number(key, scan)) < log_ratio;
 }
 
 /// Scans that all levels have are counted, in order.
@@ -314,13 +307,13 @@ void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
     replicas_[id].lives = true;
     cast[level] = id;
   }
-  rounds_.push_back(
-      {.first_scan = scan,
-       .statistics = RoundStatistics(std::move(ladder), options_.round_scans << rounds_.size()),
-       .round_trips = 0,
-       .restarts = 0,
-       .counts = std::vector<KindCounts>(wanted),
-       .scales = std::move(scales)});
+  rounds_.push_back({.first_scan = scan,
+                     .statistics = RoundStatistics(
+                         std::move(ladder), options_.round_scans << rounds_.size(), options_.rules),
+                     .round_trips = 0,
+                     .restarts = 0,
+                     .counts = std::vector<KindCounts>(wanted),
+                     .scales = std::move(scales)});
   carried_.assign(wanted, k_nobody);
   rows_.clear();
   for (std::uint32_t level = 0; level < wanted; ++level) {

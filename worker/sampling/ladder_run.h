@@ -32,6 +32,7 @@
 #include "common/plan/unit.h"
 #include "worker/sampling/chain_part.h"
 #include "worker/sampling/round_statistics.h"
+#include "worker/sampling/rules.h"
 #include "worker/sampling/tuning.h"
 
 namespace sleight::sampling {
@@ -49,6 +50,7 @@ struct LadderOptions {
   /// Simulated annealing first: so many scans in which each replica goes from the prior to its own
   /// temperature in equal steps. They belong to no round.
   std::uint64_t anneal_scans = 0;
+  Rules rules{};
 };
 
 /// What one round came to; of the present one, so far.
@@ -109,7 +111,6 @@ class LadderRun {
   const std::vector<double>& ladder() const { return rounds_.back().statistics.ladder(); }
   std::uint32_t levels() const { return static_cast<std::uint32_t>(ladder().size()); }
   Row& row(std::uint64_t scan);
-  std::uint32_t partner_of(std::uint32_t level, std::uint64_t scan) const;
   void place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan);
   void settle(std::vector<std::uint32_t>& ready);
   void go_on_from(std::uint64_t scan, std::uint32_t level, std::vector<std::uint32_t>& ready);

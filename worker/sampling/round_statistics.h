@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "worker/sampling/log_sum.h"
+#include "worker/sampling/rules.h"
 
 namespace sleight::sampling {
 
@@ -39,7 +40,7 @@ struct LevelScan {
 class RoundStatistics {
  public:
   /// Of so many scans to come.
-  RoundStatistics(std::vector<double> ladder, std::uint64_t scans);
+  RoundStatistics(std::vector<double> ladder, std::uint64_t scans, const Rules& rules = {});
 
   /// The next scan, all levels from the hottest on.
   void add(std::span<const LevelScan> levels);
@@ -67,6 +68,7 @@ class RoundStatistics {
 
   std::vector<double> ladder_;
   std::uint64_t scans_wanted_;
+  Rules rules_;
   std::uint64_t scans_ = 0;
   std::vector<double> rejected_;  ///< sums
   std::array<Batch, k_batches> batches_;

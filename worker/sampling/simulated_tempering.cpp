@@ -1,5 +1,6 @@
 #include "worker/sampling/simulated_tempering.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "common/base/check.h"
@@ -8,8 +9,9 @@
 
 namespace sleight::sampling {
 
-SimulatedTempering::SimulatedTempering(const BurnIn& burn_in)
+SimulatedTempering::SimulatedTempering(const BurnIn& burn_in, const Rules& rules)
     : burn_in_(burn_in),
+      rules_(rules),
       log_weights_(burn_in.ladder.size(), 0.0),
       scan_(burn_in.scans),
       level_(static_cast<std::uint32_t>(burn_in.ladder.size() - 1)),
@@ -66,12 +68,16 @@ void SimulatedTempering::move(double log_constraint) {
       {.seed = burn_in_.seed, .chain = burn_in_.chain, .purpose = random::Purpose::level}, scan_);
   const bool up = stream.uniform() < 0.5;
   const double log_u = math::log(stream.uniform());
-  if (up ? level_ + 1 == visits_.size() : level_ == 0) return;
-  const std::uint32_t to = up ? level_ + 1 : level_ - 1;
-  const std::uint32_t pair = up ? level_ : to;
+  const std::uint32_t to =
+      rules_.proposed_level(level_, up, static_cast<std::uint32_t>(visits_.size()));
+  if (to == level_) return;
+  const std::uint32_t pair = std::min(level_, to);
   ++proposed_[pair];
-  const double step = burn_in_.ladder[to] - burn_in_.ladder[level_];
-  if (log_u < step * log_constraint + log_weights_[to] - log_weights_[level_]) {
+  if (log_u < rules_.log_level_ratio({.ladder = burn_in_.ladder,
+                                      .log_weights = log_weights_,
+                                      .from = level_,
+                                      .to = to,
+                                      .l = log_constraint})) {
     ++accepted_[pair];
     level_ = to;
   }

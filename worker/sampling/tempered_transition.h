@@ -22,6 +22,7 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/sampling/metropolis_hastings.h"
+#include "worker/sampling/rules.h"
 
 namespace sleight::sampling {
 
@@ -33,6 +34,7 @@ struct Excursion {
   std::span<const double> below;            ///< beta_1 .. beta_K, falling; the last may be 0
   std::uint32_t steps = 1;                  ///< at each, on the way down and on the way up
   std::span<const double> proposal_scales;  ///< by kind; empty for 1
+  Rules rules{};
 };
 
 struct ExcursionReport {
@@ -65,21 +67,22 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
   };
   // A step between two temperatures, seen from above or from below. Nothing but a start that breaks
   // a hard constraint has no density above 0: then all is accepted that has some.
-  const auto weighs = [&](double above, double below, double sign) {
-    log_ratio += sign * (below - above) * candidate.log_constraint;
+  const auto weighs = [&](double above, double below, bool down) {
+    log_ratio += excursion.rules.excursion_log_weight(
+        {.above = above, .below = below, .l = candidate.log_constraint, .down = down});
   };
 
   // Down to the hottest, and up again.
   double above = excursion.inverse_temperature;
   for (const double beta : excursion.below) {
-    weighs(above, beta, 1);
+    weighs(above, beta, true);
     move(beta);
     above = beta;
   }
   for (std::size_t k = excursion.below.size(); k-- > 0;) {
     const double beta = excursion.below[k];
     if (beta != 0) move(beta);
-    weighs(k == 0 ? excursion.inverse_temperature : excursion.below[k - 1], beta, -1);
+    weighs(k == 0 ? excursion.inverse_temperature : excursion.below[k - 1], beta, false);
   }
 
   const double log_u = math::log(streams.at(random::Purpose::excursion, scan).uniform());
