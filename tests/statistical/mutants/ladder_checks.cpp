@@ -112,7 +112,7 @@ std::vector<double> ladder_keeps(const Mutant& mutant, std::uint64_t seed) {
 /// coolest are early and late, against the walk's probabilities.
 std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_early = 2;
-  constexpr std::uint64_t k_late = 9;
+  constexpr std::uint64_t k_late = 5;
   const std::size_t levels = ladder_of_checks().size();
   Ring ring;
   ring.lies = mutant.lies;
@@ -142,7 +142,7 @@ std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
     return joint;
   };
   std::vector<std::vector<double>> counts(levels, std::vector<double>(levels * levels, 0.0));
-  for (std::uint64_t n = 0; n < 3000; ++n) {
+  for (std::uint64_t n = 0; n < 4000; ++n) {
     const std::uint64_t own = seed_of(seed, n);
     const ExactScans<Ring> exact(ring, own);
     const MutantWorker worker(mutant, exact);

@@ -97,13 +97,13 @@ std::vector<Mutant> wrong_methods() {
                        return sampling::stone_log_weight(ladder, level, zero_for_log_zero(l));
                      }}},
       {.name = "ascent off by one",
-       .what = "an ascent's step weighs with the temperatures of the next one",
+       .what = "an ascent's step weighs with the temperatures of the one before",
        .checks = {ascents_weigh},
        .rules = {.ascent_log_weight =
                      [](const sampling::AscentStep& step) {
-                       sampling::AscentStep next = step;
-                       next.to = std::min(step.to + 1, step.schedule.size() - 1);
-                       return sampling::ascent_log_weight(next);
+                       sampling::AscentStep before = step;
+                       before.to = std::max<std::size_t>(step.to - 1, 1);
+                       return sampling::ascent_log_weight(before);
                      }}},
       {.name = "ascent weighs the new state",
        .what = "an ascent's step weighs with the state after it in the place of the one before",
