@@ -12,7 +12,7 @@ namespace sleight::archive {
 
 inline constexpr std::string_view k_format_name = "sleight-archive";
 /// Raised when a reader of the older version would misread the newer file.
-inline constexpr std::int64_t k_format_version = 1;
+inline constexpr std::int64_t k_format_version = 2;
 inline constexpr std::string_view k_inference_library = "sleight";
 
 inline constexpr std::string_view k_root = "/";

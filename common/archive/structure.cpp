@@ -108,6 +108,19 @@ void check_value(const Source& source, std::string_view name, const T& expected,
   }
 }
 
+/// Format 1 had no /tempering, and all that it has is in format 2.
+void check_version(const Source& source, Findings& findings) {
+  const Attribute* attribute =
+      find_attribute(find_group(source, k_root)->attributes, "format_version");
+  const auto* value = attribute == nullptr ? nullptr : std::get_if<std::int64_t>(&attribute->value);
+  if (value == nullptr || *value < 1 || *value > k_format_version) {
+    findings.push_back(
+        fmt::format("/: the attribute format_version is not 1 to {}", k_format_version));
+  } else if (*value == 1 && find_group(source, k_tempering) != nullptr) {
+    findings.push_back("/: the attribute format_version is 1, which has no group /tempering");
+  }
+}
+
 /// The dimensions that a world's variable of a group may begin with.
 std::vector<Names> leading_dims(std::string_view group) {
   if (group == k_posterior || group == k_sample_stats) return {{"chain", "draw"}};
@@ -160,7 +173,7 @@ std::vector<std::string> check_structure(const Source& source) {
   Findings findings;
   if (find_group(source, k_root) == nullptr) return {"there is no root group"};
   check_value(source, "format", std::string(k_format_name), findings);
-  check_value(source, "format_version", k_format_version, findings);
+  check_version(source, findings);
   check_value(source, "inference_library", std::string(k_inference_library), findings);
   check_attribute<std::string>(source, k_root, "world", findings);
   check_attribute<std::string>(source, k_root, k_inference_library_version, findings);

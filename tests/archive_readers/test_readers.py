@@ -81,7 +81,7 @@ def same(a, b):
 def check_engine(path, file, engine):
     root = xarray.open_dataset(path, engine=engine)
     check(root.attrs["format"] == "sleight-archive", engine, "format")
-    check(int(root.attrs["format_version"]) == 1, engine, "format_version")
+    check(int(root.attrs["format_version"]) == 2, engine, "format_version")
     request = root["request"].values.item()
     request = request.decode() if isinstance(request, bytes) else request
     check(request == values_of(file["request"]), engine, "request", request)

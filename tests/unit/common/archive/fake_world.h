@@ -101,7 +101,7 @@ struct FakeRunOptions {
   std::uint64_t lineages = 7;  ///< small: lineages return, as replicas do under tempering
 };
 
-class FakeRun final : public RunView {
+class FakeRun : public RunView {
  public:
   explicit FakeRun(const FakeRunOptions& options) : options_(options) {}
 
@@ -145,6 +145,34 @@ class FakeRun final : public RunView {
   }
 
   FakeRunOptions options_;
+};
+
+/// The same run as a tempered one: two replicas, of which the second came later and has no state
+/// yet in chain 0; and what its method says.
+class FakeTemperedRun final : public FakeRun {
+ public:
+  explicit FakeTemperedRun(const FakeRunOptions& options) : FakeRun(options) {}
+  std::uint32_t replicas() const override { return 2; }
+  void for_each_replica(base::ChainId chain, std::uint64_t thin,
+                        const std::function<void(base::ReplicaId, base::ScanIndex,
+                                                 const plan::ScanRecord&)>& visit) const override {
+    plan::ScanRecord first = record(chain, thin);
+    first.inverse_temperature = 0.25;
+    visit({0}, {thin}, first);
+    if (chain.value > 0) visit({1}, {2 * thin}, record(chain, 2 * thin));
+  }
+  plan::Report report() const override {
+    constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+    return {.tables = {{.name = "barrier",
+                        .meaning = "a number for each round",
+                        .dims = {{"chain", 3}, {"round", 2}},
+                        .values = {1, 2, 3, 4, 5, k_nan}},
+                       {.name = "acceptance",
+                        .meaning = "a number for each kind",
+                        .dims = {{"chain", 3}, {"proposal_kind", 2}},
+                        .values = {0, 1, 2, 3, 4, 5}}},
+            .warning = "draws have weights"};
+  }
 };
 
 inline ArchiveOptions options_for(const FakeRunOptions& run) {

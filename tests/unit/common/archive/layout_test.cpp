@@ -40,6 +40,33 @@ std::vector<std::string> dims_of(const Source& source, std::string_view group,
   return names;
 }
 
+TEST(Layout, HoldsWhatATemperedRunLearntAndEachReplicasState) {
+  // Goal: /tempering holds a method's tables with their coordinates, the root its warning,
+  // /replicas each replica's newest state or NaN; verify finds it sound, and unsound as format 1.
+  // Method: a run that says so.
+  const FakeRunOptions options;
+  const testing::FakeTemperedRun run(options);
+  MemoryArchive archive;
+  write_digested(archive,
+                 [&](Sink& sink) { write_archive(run, FakeReader(), options_for(options), sink); });
+  EXPECT_THAT(verify(archive), ::testing::IsEmpty());
+  EXPECT_THAT(dims_of(archive, k_tempering, "barrier"),
+              ::testing::ElementsAre("chain=3", "round=2"));
+  EXPECT_EQ(one<double>(archive, k_tempering, "barrier", 3), 4);
+  EXPECT_TRUE(std::isnan(one<double>(archive, k_tempering, "barrier", 5)));
+  EXPECT_EQ(one<double>(archive, k_tempering, "acceptance", 4), 4);
+  EXPECT_EQ(one<std::string>(archive, k_tempering, "proposal_kind", 1), "one_normal");
+  EXPECT_EQ(std::get<std::string>(
+                find_attribute(find_group(archive, k_root)->attributes, k_warning)->value),
+            "draws have weights");
+  const auto scans = std::get<std::vector<std::int64_t>>(archive.read(k_replicas, "scan", 0, 6));
+  EXPECT_THAT(scans, ::testing::ElementsAre(10, -1, 10, 20, 10, 20));
+  EXPECT_EQ(one<double>(archive, k_replicas, "inverse_temperature", 2), 0.25);
+  EXPECT_TRUE(std::isnan(one<double>(archive, k_replicas, "height_m", 1)));
+  archive.group(k_root).attributes[1].value = std::int64_t{1};
+  EXPECT_THAT(verify(archive), ::testing::Contains(::testing::HasSubstr("no group /tempering")));
+}
+
 TEST(Layout, HoldsEveryScanAndEveryThinnedState) {
   const FakeRunOptions options;
   MemoryArchive archive;

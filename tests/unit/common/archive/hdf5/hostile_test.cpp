@@ -91,11 +91,11 @@ TEST_F(Hostile, OtherFiles) {
 TEST_F(Hostile, NewerFormats) {
   const std::string file = changed([](hid_t id) {
     const hid_t attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
-    const std::int64_t version = 2;
+    const std::int64_t version = 3;
     H5Awrite(attribute, H5T_NATIVE_INT64, &version);
     H5Aclose(attribute);
   });
-  expect_refused(file, "", "format_version is 2: this program reads versions up to 1");
+  expect_refused(file, "", "format_version is 3: this program reads versions up to 2");
 }
 
 TEST_F(Hostile, Links) {
