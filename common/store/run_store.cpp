@@ -12,19 +12,16 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
-#include <utility>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/store/checksum.h"
-#include "common/store/columns.h"
 
 namespace sleight::store {
 namespace {
 
 constexpr std::int64_t k_format_version = 2;
-constexpr std::size_t k_replay_batch = 4096;
 
 // The densities have no type: a REAL column would give a stored -0 back as 0.
 constexpr const char* k_schema = R"(
@@ -177,7 +174,6 @@ void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdent
   set.bind(1, "request").bind(2, identity.request_text).run();
   set.bind(1, "program_version").bind(2, identity.program_version).run();
   set.bind(1, "chains").bind(2, std::int64_t{identity.chains}).run();
-  set.bind(1, "replicas").bind(2, std::int64_t{identity.replicas}).run();
   set.bind(1, "epoch").bind(2, static_cast<std::int64_t>(epoch_)).run();
 }
 
@@ -202,47 +198,15 @@ std::vector<ReplicaProgress> RunStore::progress() {
   return all;
 }
 
-void RunStore::replay(
-    plan::ReplicaKey replica,
-    const std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>& visit) {
+void RunStore::replay(plan::ReplicaKey replica, const ReplayVisit& visit) {
   Statement next = database_.prepare("SELECT next_scan FROM replica WHERE chain=?1 AND replica=?2");
   next.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
   const auto end = next.step() ? static_cast<std::uint64_t>(next.integer(0)) : 0;
-
-  Statement select = database_.prepare(
-      "SELECT scan, log_constraint, inverse_temperature, satisfied, lineage, proposed, accepted "
-      "FROM scan WHERE chain=?1 AND replica=?2 ORDER BY scan");
-  select.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
-  std::vector<plan::ScanRecord> batch;
-  std::uint64_t first = 0;
-  const auto hand_on = [&] {
-    if (batch.empty()) return;
-    visit(base::ScanIndex{first}, batch);
-    first += batch.size();
-    batch.clear();
-  };
-  bool is_first = true;
-  while (select.step()) {
-    const auto stored = static_cast<std::uint64_t>(select.integer(0));
-    // A replica may have come into being later than its chain.
-    if (std::exchange(is_first, false)) first = stored;
-    const std::uint64_t scan = first + batch.size();
-    if (stored != scan || scan >= end) break;
-    plan::ScanRecord record;
-    record.log_constraint = select.real(1);
-    record.inverse_temperature = select.real(2);
-    record.satisfied = select.integer(3) != 0;
-    record.lineage = static_cast<std::uint64_t>(select.integer(4));
-    assign_bytes(record.proposed, select.blob(5));
-    assign_bytes(record.accepted, select.blob(6));
-    batch.push_back(std::move(record));
-    if (batch.size() == k_replay_batch) hand_on();
+  const std::uint64_t reached = replay_rows(database_, salt_, replica, end, visit);
+  if (reached != end) {
+    refuse_damaged(database_.path(),
+                   fmt::format("scan {} of chain {} is missing", reached, replica.chain.value));
   }
-  if (first + batch.size() != end) {
-    refuse_damaged(database_.path(), fmt::format("scan {} of chain {} is missing",
-                                                 first + batch.size(), replica.chain.value));
-  }
-  hand_on();
 }
 
 void RunStore::put(plan::UnitResult result) {

@@ -24,6 +24,7 @@
 #include "common/plan/unit.h"
 #include "common/store/database.h"
 #include "common/store/group_commit.h"
+#include "common/store/scan_rows.h"
 
 namespace sleight::store {
 
@@ -33,7 +34,6 @@ struct RunIdentity {
   std::string request_text;     ///< the whole normalised request of this session
   std::string program_version;  ///< base::version()
   std::uint32_t chains = 0;
-  std::uint32_t replicas = 1;  ///< of each chain
 };
 
 /// Where a replica goes on.
@@ -69,11 +69,9 @@ class RunStore {
   /// What earlier sessions stored, by replica in order; empty for a new run. Throws base::Error
   /// when the store is damaged, as replay does.
   std::vector<ReplicaProgress> progress();
-  /// Visits every stored scan of a replica in order, in batches, for a plan to catch up:
-  /// `log_constraint`, `inverse_temperature`, `satisfied`, `lineage`, `proposed` and `accepted` are
-  /// filled in, the rest is left empty.
-  void replay(plan::ReplicaKey replica,
-              const std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>& visit);
+  /// Visits every stored scan of a replica in order, in batches, for a plan to catch up; records
+  /// come without state and outcome. Throws base::Error when what is stored has been changed.
+  void replay(plan::ReplicaKey replica, const ReplayVisit& visit);
 
   /// Takes a result to be committed soon; throws the failure of an earlier commit.
   void put(plan::UnitResult result);

@@ -12,6 +12,7 @@
 #include "common/archive/run_view.h"
 #include "common/plan/plan.h"
 #include "common/store/database.h"
+#include "common/store/scan_rows.h"
 
 namespace sleight::store {
 
@@ -41,8 +42,7 @@ class StoredRun final : public archive::RunView {
 
  private:
   std::uint32_t count_replicas() const;
-  void check(const plan::ReplicaKey& replica, std::uint64_t scan, const plan::ScanRecord& record,
-             std::int64_t checksum) const;
+  RowKey key_of(base::ChainId chain, std::int64_t replica, std::int64_t scan) const;
 
   mutable Database database_;
   std::uint32_t chains_;

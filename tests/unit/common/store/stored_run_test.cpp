@@ -144,8 +144,9 @@ TEST_F(StoredRunOf, MissingScansAreDamage) {
 }
 
 TEST_F(StoredRunOf, ChangedRowsAreDamage) {
-  // Goal: what a disk or a person changed never becomes another animation. Method: change each
-  // column of one stored scan in turn; reading it must fail, and name chain and scan.
+  // Goal: what a disk or a person changed never becomes another animation, nor decides how a run
+  // goes on. Method: change each column of one stored scan in turn; reading it and replaying it
+  // must fail, and name chain and scan.
   for (const char* change : {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied",
                              "lineage=-1", "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)",
                              "state=zeroblob(5)", "checksum=0"}) {
@@ -160,6 +161,14 @@ TEST_F(StoredRunOf, ChangedRowsAreDamage) {
     database.execute(std::string("UPDATE scan SET ") + change + " WHERE scan=0");
     try {
       (void)testing::stored(place, 0, 3);
+      FAIL() << change;
+    } catch (const base::Error& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("damaged: scan 0 of chain 0")) << change;
+    }
+    try {
+      RunStore store(place, example_identity(1));
+      store.replay(store.progress().front().replica,
+                   [](base::ScanIndex, std::span<const plan::ScanRecord>) {});
       FAIL() << change;
     } catch (const base::Error& error) {
       EXPECT_THAT(error.what(), ::testing::HasSubstr("damaged: scan 0 of chain 0")) << change;

@@ -1,0 +1,74 @@
+#include "common/store/scan_rows.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <vector>
+
+#include "common/store/checksum.h"
+
+namespace sleight::store {
+namespace {
+
+constexpr std::size_t k_replay_batch = 4096;
+
+/// A length that does not fit shows in the row's checksum.
+template <class T>
+void assign_bytes(std::vector<T>& values, base::BytesView bytes) {
+  values.resize(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+}
+
+}  // namespace
+
+void read_record(const Database& database, const RowKey& key, Statement& select, int first,
+                 plan::ScanRecord& record) {
+  record.log_prior = select.real(first);
+  record.log_constraint = select.real(first + 1);
+  record.inverse_temperature = select.real(first + 2);
+  record.satisfied = select.integer(first + 3) != 0;
+  record.lineage = static_cast<std::uint64_t>(select.integer(first + 4));
+  assign_bytes(record.proposed, select.blob(first + 5));
+  assign_bytes(record.accepted, select.blob(first + 6));
+  assign_bytes(record.outcome, select.blob(first + 7));
+  assign_bytes(record.state, select.blob(first + 8));
+  if (checksum_of(key.salt, key.replica, key.scan, record) != select.integer(first + 9)) {
+    refuse_damaged(database.path(),
+                   fmt::format("scan {} of chain {}", key.scan, key.replica.chain.value));
+  }
+}
+
+std::uint64_t replay_rows(Database& database, std::uint64_t salt, const plan::ReplicaKey& replica,
+                          std::uint64_t end, const ReplayVisit& visit) {
+  Statement select = database.prepare(fmt::format(
+      "SELECT scan, {} FROM scan WHERE chain=?1 AND replica=?2 AND scan<?3 ORDER BY scan",
+      k_record_columns));
+  select.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
+  select.bind(3, static_cast<std::int64_t>(end));
+  std::vector<plan::ScanRecord> batch;
+  std::uint64_t first = 0;
+  std::uint64_t next = 0;
+  const auto hand_on = [&] {
+    if (!batch.empty()) visit(base::ScanIndex{first}, batch);
+    first = next;
+    batch.clear();
+  };
+  bool has_begun = false;
+  while (select.step()) {
+    const auto scan = static_cast<std::uint64_t>(select.integer(0));
+    // A replica may have come into being later than its chain.
+    if (!has_begun) first = next = scan;
+    has_begun = true;
+    if (scan != next) break;
+    plan::ScanRecord& record = batch.emplace_back();
+    read_record(database, {.salt = salt, .replica = replica, .scan = scan}, select, 1, record);
+    record.outcome = {};
+    record.state = {};
+    ++next;
+    if (batch.size() == k_replay_batch) hand_on();
+  }
+  hand_on();
+  return next;
+}
+
+}  // namespace sleight::store

@@ -1,0 +1,41 @@
+// Scans as the run store's table holds them, read back as records. Whatever is read here decides
+// something, what a resumed plan does or what an archive says, so every row's checksum is verified.
+//
+// Thread safety: as the database's.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "common/plan/unit.h"
+#include "common/store/database.h"
+
+namespace sleight::store {
+
+/// The columns that read_record reads, in its order, for a SELECT on table scan.
+inline constexpr const char* k_record_columns =
+    "log_prior, log_constraint, inverse_temperature, satisfied, lineage, proposed, accepted, "
+    "outcome, state, checksum";
+inline constexpr int k_record_column_count = 10;
+
+/// A row's key, and the salt of its store.
+struct RowKey {
+  std::uint64_t salt = 0;
+  plan::ReplicaKey replica;
+  std::uint64_t scan = 0;
+};
+
+/// Reads k_record_columns from column `first` of the present row. Throws base::Error, naming chain
+/// and scan, if the row is not as it was written.
+void read_record(const Database& database, const RowKey& key, Statement& select, int first,
+                 plan::ScanRecord& record);
+
+using ReplayVisit = std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>;
+
+/// Visits a replica's scans below `end` in order, in batches, from its first one to the first gap;
+/// records come without state and outcome. Returns the scan after the last, 0 if there is none.
+std::uint64_t replay_rows(Database& database, std::uint64_t salt, const plan::ReplicaKey& replica,
+                          std::uint64_t end, const ReplayVisit& visit);
+
+}  // namespace sleight::store
