@@ -13,6 +13,7 @@
 #include "tests/statistical/support/rank_tests.h"
 #include "tests/statistical/support/spelling_fixture.h"
 #include "worker/sampling/metropolis_hastings.h"
+#include "worker/sampling/surrogate_transition.h"
 
 namespace sleight::statistical {
 namespace {
@@ -86,7 +87,8 @@ double least_p(const World& world, double beta, std::uint64_t steps) {
     sampling::Sample<World> sample{drawn.state, drawn.outcome, drawn.log_prior,
                                    drawn.log_constraint};
     for (std::uint64_t step = 1; step <= steps; ++step)
-      sampling::metropolis_hastings_step(world, beta, streams(2 * i), step, sample);
+      sampling::iterate(world, beta, streams(2 * i), step, sample, {},
+                        [](const sampling::StepReport&) {});
     moved.add({sample.state, sample.outcome, sample.log_prior, sample.log_constraint});
     random::Stream other = streams(2 * i + 1).at(random::Purpose::prior, 0);
     fresh.add(exact_draw(exact, beta, other));
@@ -120,7 +122,8 @@ TEST_P(SpellingInvariance, AimedDropsKeepExactDrawsExact) {
 /// Takes the bound of scatter_ball's ratio for the ratio.
 struct Hasty : Spelling {
   using Spelling::Spelling;
-  double log_q_ratio(const State& /*state*/, const sampling::Proposal<State>& proposal,
+  double log_q_ratio(const State& /*state*/, const Outcome& /*outcome*/,
+                     const sampling::Proposal<State>& proposal,
                      const Outcome& /*candidate_outcome*/) const {
     return proposal.log_q_ratio;
   }
@@ -130,6 +133,37 @@ TEST(SpellingInvarianceOfAHastyRatio, IsRefuted) {
   // Goal: the test above can fail. Method: a ratio that doesn't wait for the outcome.
   const double p = least_p(Hasty(parameters_with_aims()), 1.0, 40);
   std::printf("hasty, 40 steps: p %g\n", p);
+  EXPECT_LT(p, 1e-9);
+}
+
+TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
+  // Goal: the same of proposals that are judged by balls that fall alone, walks and anchored steps.
+  // Method: as above.
+  const auto [beta, steps] = GetParam();
+  const double p = least_p(Spelling(parameters_with_solo_steps()), beta, steps);
+  std::printf("solo, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
+  EXPECT_GT(p, 1e-4) << "seed " << k_seed;
+}
+
+/// Takes all balls that fill a bin for granted, and forgets that the way back must do so too.
+struct Stubborn : Spelling {
+  using Spelling::Spelling;
+  Anchor draw_anchor(const State& state, const Outcome& outcome,
+                     const worlds::spelling::SoloBalls::Outcome& /*solo*/, double /*keep*/,
+                     random::Stream& /*stream*/) const {
+    return {.bins = outcome.filling, .drops_m = state.drops_m};
+  }
+  double log_anchor_probability(const Anchor& /*anchor*/, const Outcome& /*outcome*/,
+                                const worlds::spelling::SoloBalls::Outcome& /*solo*/,
+                                double /*keep*/) const {
+    return 0;
+  }
+};
+
+TEST(SpellingInvarianceOfStubbornAnchors, IsRefuted) {
+  // Goal: the test of solo steps can fail. Method: anchors without their probabilities.
+  const double p = least_p(Stubborn(parameters_with_solo_steps()), 1.0, 10);
+  std::printf("stubborn, 10 steps: p %g\n", p);
   EXPECT_LT(p, 1e-9);
 }
 

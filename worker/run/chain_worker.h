@@ -15,6 +15,7 @@
 #include "common/plan/unit.h"
 #include "worker/run/sample_cache.h"
 #include "worker/sampling/metropolis_hastings.h"
+#include "worker/sampling/surrogate_transition.h"
 #include "worker/sampling/target.h"
 #include "worker/sampling/tempered_transition.h"
 
@@ -128,8 +129,9 @@ class ChainWorker final : public plan::UnitWorker {
     }
     const std::uint64_t first_iteration = (scan - 1) * options_.iterations_per_scan + 1;
     for (std::uint32_t i = 0; i < options_.iterations_per_scan; ++i) {
-      counts.add(sampling::metropolis_hastings_step(world_, beta, walk.streams, first_iteration + i,
-                                                    *walk.current, unit.proposal_scales));
+      sampling::iterate(world_, beta, walk.streams, first_iteration + i, *walk.current,
+                        unit.proposal_scales,
+                        [&](const sampling::StepReport& step) { counts.add(step); });
     }
     if (unit.excursion.empty()) return counts;
     const sampling::ExcursionReport report =

@@ -70,17 +70,27 @@ inline double log_acceptance_ratio(double current_log_prior, double current_log_
   return candidate - current + log_q_ratio;
 }
 
+/// What a step draws from: a proposal, and the number that accepts it.
+struct StepStreams {
+  random::Stream proposal;
+  random::Stream acceptance;
+};
+
+inline StepStreams step_streams(const ChainStreams& streams, std::uint64_t iteration) {
+  return {.proposal = streams.at(random::Purpose::proposal, iteration),
+          .acceptance = streams.at(random::Purpose::acceptance, iteration)};
+}
+
 /// Lines 4 to 10 of Algorithm 2.1: one iteration, which replaces `current` or keeps it.
-/// `scales`: of proposals, by kind (ScalesProposals). REQUIRES: an iteration once per replica.
+/// `scales`: of proposals, by kind (ScalesProposals).
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
-                                    const ChainStreams& streams, std::uint64_t iteration,
-                                    Sample<T>& current, std::span<const double> scales = {}) {
+                                    StepStreams& streams, Sample<T>& current,
+                                    std::span<const double> scales = {}) {
   // Propose a candidate from the current state.
-  random::Stream proposal_stream = streams.at(random::Purpose::proposal, iteration);
-  auto proposal = propose_from(target, current, scales, proposal_stream);
+  auto proposal = propose_from(target, current, scales, streams.proposal);
 
-  const double log_u = math::log(streams.at(random::Purpose::acceptance, iteration).uniform());
+  const double log_u = math::log(streams.acceptance.uniform());
   const auto accepts = [&](double log_prior, double log_constraint) {
     return log_u < log_acceptance_ratio(current.log_prior, current.log_constraint, log_prior,
                                         log_constraint, inverse_temperature, proposal.log_q_ratio);
@@ -100,16 +110,25 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   }
 
   // Simulate it, and accept it with probability min(1, ratio).
-  typename T::Outcome outcome = target.simulate(proposal.candidate);
+  typename T::Outcome outcome = simulate_from(target, proposal.candidate, current);
   const double log_constraint = target.log_constraint(outcome);
   if constexpr (ProposesByOutcome<T>) {
     if (proposal.ratio_waits)
-      proposal.log_q_ratio = target.log_q_ratio(current.state, proposal, outcome);
+      proposal.log_q_ratio = target.log_q_ratio(current.state, current.outcome, proposal, outcome);
   }
   const bool accepted = accepts(log_prior, log_constraint);
   if (accepted)
     current = {std::move(proposal.candidate), std::move(outcome), log_prior, log_constraint};
   return {.kind = proposal.kind, .accepted = accepted, .simulated = true};
+}
+
+/// The same with the random numbers of an iteration. REQUIRES: an iteration once per replica.
+template <Target T>
+StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
+                                    const ChainStreams& streams, std::uint64_t iteration,
+                                    Sample<T>& current, std::span<const double> scales = {}) {
+  StepStreams own = step_streams(streams, iteration);
+  return metropolis_hastings_step(target, inverse_temperature, own, current, scales);
 }
 
 }  // namespace sleight::sampling

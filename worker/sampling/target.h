@@ -16,6 +16,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -72,7 +73,56 @@ concept ProposesByOutcome = ScalesProposals<T> &&
              const Proposal<typename T::State>& proposal, std::span<const double> scales,
              random::Stream& stream) {
   { target.propose(state, outcome, scales, stream) } -> std::same_as<Proposal<typename T::State>>;
-  { target.log_q_ratio(state, proposal, outcome) } -> std::same_as<double>;
+  { target.log_q_ratio(state, outcome, proposal, outcome) } -> std::same_as<double>;
+};
+
+/// A target that can say what comes of a candidate from what came of the state that it was made
+/// from, for less: the same as `simulate` would.
+template <class T>
+concept SimulatesChanges = Target<T> &&
+    requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome) {
+  { target.simulate_from(state, state, outcome) } -> std::same_as<typename T::Outcome>;
+};
+
+/// Steps of a surrogate in one iteration (surrogate_transition.h), and the kinds of proposals that
+/// transitions count as.
+struct SurrogateSteps {
+  std::uint32_t walk = 0;    ///< of a walk that nothing anchors; 0: no such walks
+  std::uint32_t single = 0;  ///< transitions of one step each
+  std::uint32_t walk_kind = 0;
+  std::uint32_t single_kind = 0;
+};
+
+/// A target with a surrogate: another target over the same states whose simulation costs far less,
+/// and tells most of what comes of a state. What it got wrong of a state may anchor it
+/// (surrogate_transition.h); an Anchor{} anchors nothing. Its outcomes don't hang on the anchor, or
+/// simulate_from sees to it.
+template <class T>
+concept HasSurrogate = Target<T> && SimulatesChanges<typename T::Surrogate> &&
+    std::same_as<typename T::State, typename T::Surrogate::State> &&
+    requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome,
+             const typename T::Surrogate::Outcome& surrogate_outcome,
+             const typename T::Anchor& anchor, double keep, std::span<const double> scales,
+             random::Stream& stream) {
+  { target.surrogate(anchor) } -> std::same_as<typename T::Surrogate>;
+  {
+    target.draw_anchor(state, outcome, surrogate_outcome, keep, stream)
+    } -> std::same_as<typename T::Anchor>;
+  {
+    target.log_anchor_probability(anchor, outcome, surrogate_outcome, keep)
+    } -> std::same_as<double>;
+  { target.surrogate_steps(scales) } -> std::same_as<SurrogateSteps>;
+};
+
+/// What the surrogate made of a sample's state, once that is known; nothing for other targets.
+struct NoSurrogate {};
+template <class T>
+struct SurrogateOutcome {
+  using type = NoSurrogate;
+};
+template <HasSurrogate T>
+struct SurrogateOutcome<T> {
+  using type = std::optional<typename T::Surrogate::Outcome>;
 };
 
 /// A state together with everything that was computed from it. log_prior and log_constraint always
@@ -83,7 +133,19 @@ struct Sample {
   typename T::Outcome outcome;
   double log_prior = 0;
   double log_constraint = 0;
+  [[no_unique_address]] typename SurrogateOutcome<T>::type surrogate{};
 };
+
+/// What comes of a candidate that was made from a sample.
+template <Target T>
+typename T::Outcome simulate_from(const T& target, const typename T::State& candidate,
+                                  const Sample<T>& from) {
+  if constexpr (SimulatesChanges<T>) {
+    return target.simulate_from(candidate, from.state, from.outcome);
+  } else {
+    return target.simulate(candidate);
+  }
+}
 
 /// A candidate of the target's proposals, of such sizes if it has sizes.
 template <Target T>

@@ -23,6 +23,7 @@
 #include "common/math/elementary.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/sampling/rules.h"
+#include "worker/sampling/surrogate_transition.h"
 
 namespace sleight::sampling {
 
@@ -62,8 +63,8 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
       return;
     }
     for (std::uint32_t i = 0; i < excursion.steps; ++i)
-      metropolis_hastings_step(target, beta, streams, iteration++, candidate,
-                               excursion.proposal_scales);
+      iterate(target, beta, streams, iteration++, candidate, excursion.proposal_scales,
+              [](const StepReport&) {});
   };
   // A step between two temperatures, seen from above or from below. Nothing but a start that breaks
   // a hard constraint has no density above 0: then all is accepted that has some.

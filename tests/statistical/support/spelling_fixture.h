@@ -40,6 +40,13 @@ inline worlds::spelling::Parameters parameters_with_aims() {
   return parameters;
 }
 
+/// The same, judged by balls that fall alone first (solo_balls.h).
+inline worlds::spelling::Parameters parameters_with_solo_steps() {
+  worlds::spelling::Parameters parameters = parameters_with_aims();
+  parameters.proposal.solo_steps = 3;
+  return parameters;
+}
+
 /// By rejection: p_c is at most lambda^2.
 inline SpellingSample exact_draw(const Spelling& world, double beta, random::Stream& stream) {
   const double most = world.balls() * world.parameters().constraint.log_lambda;

@@ -38,18 +38,34 @@ struct Row {
   Score score{};
 };
 
+/// Proposals: A.2.2's, with drops that aim, and these judged by balls that fall alone first.
+enum class Kernel { a_2_2, aimed, solo };
+struct NamedKernel {
+  Kernel kernel;
+  const char* name;
+};
+constexpr NamedKernel k_kernels[] = {
+    {Kernel::a_2_2, ""}, {Kernel::aimed, ", aimed drops"}, {Kernel::solo, ", solo steps"}};
+
 worlds::spelling::Parameters spelling(const worlds::spelling::Pattern& pattern, double log_lambda,
-                                      bool aimed) {
+                                      Kernel kernel) {
   worlds::spelling::Parameters parameters;
   parameters.pattern = pattern;
   parameters.constraint.log_lambda = log_lambda;
-  if (aimed) {
-    parameters.proposal.change_all = 0;
-    parameters.proposal.change_vertices = 0.1;
-    parameters.proposal.change_ball = 0.3;
-    parameters.proposal.disable_balls = parameters.proposal.enable_balls = 0.1;
-    parameters.proposal.aim_ball = 0.3;
-    parameters.proposal.scatter_ball = 0.1;
+  auto& proposal = parameters.proposal;
+  if (kernel == Kernel::aimed) {
+    proposal.change_all = 0;
+    proposal.change_vertices = 0.1;
+    proposal.change_ball = 0.3;
+    proposal.disable_balls = proposal.enable_balls = 0.1;
+    proposal.aim_ball = proposal.scatter_ball = 0.2;
+  } else if (kernel == Kernel::solo) {
+    proposal.change_all = 0;
+    proposal.change_vertices = 0.01;
+    proposal.change_ball = 0.03;
+    proposal.disable_balls = proposal.enable_balls = 0.01;
+    proposal.aim_ball = proposal.scatter_ball = 0.47;
+    proposal.solo_steps = 10;
   }
   return parameters;
 }
@@ -78,16 +94,18 @@ constexpr Named k_methods[] = {{Method::parallel_tempering, "parallel tempering"
 
 template <class World, class Parameters>
 void add_plans(const Arguments& arguments, const std::string& scene, const std::string& kernel,
-               const Parameters& parameters, std::vector<Row>& rows) {
+               const Parameters& parameters, std::uint32_t iterations_per_scan,
+               std::vector<Row>& rows) {
   for (const Named& each : k_methods) {
     rows.push_back({scene, each.name + kernel, [=] {
                       const World world(parameters);
                       const auto plan =
                           thesis::plan_of(each.method, thesis::ladder_for(world, arguments.seed));
-                      return thesis::carried_out<World>(
-                          *plan, parameters,
-                          {.seed = arguments.seed, .iterations_per_scan = 2, .thin = 1U << 30U},
-                          arguments.simulations);
+                      return thesis::carried_out<World>(*plan, parameters,
+                                                        {.seed = arguments.seed,
+                                                         .iterations_per_scan = iterations_per_scan,
+                                                         .thin = 1U << 30U},
+                                                        arguments.simulations);
                     }});
   }
 }
@@ -96,18 +114,20 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
                   const worlds::spelling::Pattern& pattern, double log_lambda,
                   std::vector<Row>& rows) {
   rows.push_back({scene, "blind throws", [=] {
-                    return thesis::throws<Spelling>(spelling(pattern, log_lambda, false),
+                    return thesis::throws<Spelling>(spelling(pattern, log_lambda, Kernel::a_2_2),
                                                     arguments.seed, arguments.throws,
                                                     natural_throw);
                   }});
-  for (const bool aimed : {false, true}) {
-    const auto parameters = spelling(pattern, log_lambda, aimed);
-    const std::string kernel = aimed ? ", aimed drops" : "";
+  for (const NamedKernel& each : k_kernels) {
+    const auto parameters = spelling(pattern, log_lambda, each.kernel);
+    const std::string kernel = each.name;
+    // With solo steps an iteration has a simulation or two already.
+    const std::uint32_t iterations_per_scan = each.kernel == Kernel::solo ? 1 : 2;
     rows.push_back({scene, "Algorithm 2.1, restarted" + kernel, [=] {
                       return thesis::restarted_chains<Spelling>(parameters, arguments.seed,
                                                                 arguments.simulations);
                     }});
-    add_plans<Spelling>(arguments, scene, kernel, parameters, rows);
+    add_plans<Spelling>(arguments, scene, kernel, parameters, iterations_per_scan, rows);
   }
 }
 
@@ -124,7 +144,7 @@ std::vector<Row> all_rows(const Arguments& arguments) {
                     return thesis::restarted_chains<Ball2d>(ball, arguments.seed,
                                                             arguments.simulations);
                   }});
-  add_plans<Ball2d>(arguments, "ball", "", ball, rows);
+  add_plans<Ball2d>(arguments, "ball", "", ball, 2, rows);
   add_spelling(arguments, "HI", worlds::spelling::hi(), 6, rows);
   add_spelling(arguments, "ACM",
                worlds::spelling::pattern_of_word("ACM", worlds::spelling::Font::rows_5).value(),

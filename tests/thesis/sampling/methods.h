@@ -59,7 +59,7 @@ Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
     auto sample = sampling::initialize(world, streams);
     for (std::uint64_t i = 1; score.simulations < simulations && !world.satisfied(sample.outcome);
          ++i)
-      sampling::metropolis_hastings_step(world, 1, streams, i, sample);
+      sampling::iterate(world, 1, streams, i, sample, {}, [](const sampling::StepReport&) {});
     if (world.satisfied(sample.outcome)) ++score.solutions;
   }
   score.cpu_s = thread_cpu_s() - begin_s;

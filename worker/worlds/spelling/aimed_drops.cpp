@@ -17,12 +17,12 @@ double log_prior_of_ball(const Prior& prior, const State& state, std::size_t bal
   return math::log(0.5) - (state.active[ball] != 0 ? prior.log_area() : 0);
 }
 
-std::vector<std::size_t> loose_balls(const Filling& filling) {
-  std::vector<std::size_t> loose;
+std::vector<std::size_t> balls_that(bool fill, const Filling& filling) {
+  std::vector<std::size_t> balls;
   for (std::size_t ball = 0; ball < filling.size(); ++ball) {
-    if (filling[ball] == k_fills_none) loose.push_back(ball);
+    if ((filling[ball] != k_fills_none) == fill) balls.push_back(ball);
   }
-  return loose;
+  return balls;
 }
 
 std::vector<std::size_t> empty_bins(std::size_t bins, const Filling& filling) {
@@ -41,6 +41,12 @@ std::size_t one_of(const std::vector<std::size_t>& choices, random::Stream& stre
   return choices[random::UniformInteger{.count = choices.size()}.draw(stream)];
 }
 
+Vec2 draw_in(const Vec2& low_m, const Vec2& high_m, random::Stream& stream) {
+  const double x = random::Uniform{.low = low_m.x(), .high = high_m.x()}.draw(stream);
+  const double y = random::Uniform{.low = low_m.y(), .high = high_m.y()}.draw(stream);
+  return {x, y};
+}
+
 double log_of(std::size_t count) {
   return math::log(static_cast<double>(count));
 }
@@ -53,84 +59,122 @@ std::optional<std::size_t> changed_ball(const State& a, const State& b) {
   return std::nullopt;
 }
 
-double log_scatter_q(const Prior& prior, const AimParameters& p, const State& to,
+double log_aim_q(const AimParameters& p, std::size_t loose, double density_pm2) {
+  return math::log(p.aim) - log_of(loose) + math::log(density_pm2);
+}
+
+double log_scatter_q(const Prior& prior, const AimParameters& p, std::size_t right, const State& to,
                      std::size_t ball) {
-  return math::log(p.scatter) - log_of(prior.balls) + log_prior_of_ball(prior, to, ball);
+  return math::log(p.scatter) - log_of(right) + log_prior_of_ball(prior, to, ball);
 }
 
 }  // namespace
 
-double Windows::log_area(std::size_t bin) const {
-  const Vec2 size_m = high_m[bin] - low_m[bin];
-  return math::log(size_m.x() * size_m.y());
+void Windows::add(const Vec2& middle_m, double bin_m, const Vec2& half_m) {
+  auto& windows = of_bin_.emplace_back();
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    Window& window = windows[i];
+    window = {.low_m = -half_m, .high_m = half_m};
+    const bool anywhere = i + 1 == windows.size();
+    if (!anywhere) {
+      const double reach_m = (static_cast<double>(i) + 0.5) * bin_m;
+      const Vec2 reach(reach_m, reach_m);
+      window.low_m = (middle_m - reach).cwiseMax(-half_m).cwiseMin(half_m);
+      window.high_m = (middle_m + reach).cwiseMax(-half_m).cwiseMin(half_m);
+    }
+    const Vec2 size_m = window.high_m - window.low_m;
+    window.density_pm2 = k_window_shares[i] / (size_m.x() * size_m.y());
+  }
 }
 
-std::optional<std::size_t> Windows::above(const Vec2& drop_m) const {
-  for (std::size_t bin = 0; bin < count(); ++bin) {
-    if (drop_m.x() >= low_m[bin].x() && drop_m.x() <= high_m[bin].x() &&
-        drop_m.y() >= low_m[bin].y() && drop_m.y() <= high_m[bin].y())
-      return bin;
+Vec2 Windows::draw(std::size_t bin, random::Stream& stream) const {
+  double u = stream.uniform();
+  std::size_t i = 0;
+  while (i + 1 < k_window_shares.size() && u >= k_window_shares[i])
+    u -= k_window_shares[i++];
+  const Window& window = of_bin_[bin][i];
+  return draw_in(window.low_m, window.high_m, stream);
+}
+
+double Windows::density(std::size_t bin, const Vec2& drop_m) const {
+  double sum = 0;
+  for (const Window& window : of_bin_[bin]) {
+    const bool inside = (drop_m.array() >= window.low_m.array()).all() &&
+                        (drop_m.array() <= window.high_m.array()).all();
+    if (inside) sum += window.density_pm2;
   }
-  return std::nullopt;
+  return sum;
+}
+
+double Windows::density(std::span<const std::size_t> bins, const Vec2& drop_m) const {
+  double sum = 0;
+  for (const std::size_t bin : bins)
+    sum += density(bin, drop_m);
+  return sum / static_cast<double>(bins.size());
+}
+
+double Windows::greatest_density(const Vec2& drop_m) const {
+  double greatest = 0;
+  for (std::size_t bin = 0; bin < bins(); ++bin)
+    greatest = std::max(greatest, density(bin, drop_m));
+  return greatest;
 }
 
 std::optional<sampling::Proposal<State>> aim_ball(const Prior& prior, const Windows& windows,
                                                   const AimParameters& p, const State& state,
                                                   const Filling& filling, random::Stream& stream) {
-  const std::vector<std::size_t> loose = loose_balls(filling);
-  const std::vector<std::size_t> empty = empty_bins(windows.count(), filling);
+  const std::vector<std::size_t> loose = balls_that(false, filling);
+  const std::vector<std::size_t> empty = empty_bins(windows.bins(), filling);
   if (loose.empty() || empty.empty()) return std::nullopt;
   const std::size_t ball = one_of(loose, stream);
-  const std::size_t bin = one_of(empty, stream);
-  const double x =
-      random::Uniform{.low = windows.low_m[bin].x(), .high = windows.high_m[bin].x()}.draw(stream);
-  const double y =
-      random::Uniform{.low = windows.low_m[bin].y(), .high = windows.high_m[bin].y()}.draw(stream);
-  sampling::Proposal<State> proposal{.candidate = state};
+  sampling::Proposal<State> proposal{.candidate = state, .ratio_waits = true};
   proposal.candidate.active[ball] = 1;
-  proposal.candidate.drops_m[ball] = {x, y};
-  const double log_there =
-      math::log(p.aim) - log_of(loose.size()) - log_of(empty.size()) - windows.log_area(bin);
-  proposal.log_q_ratio = log_scatter_q(prior, p, state, ball) - log_there;
+  proposal.candidate.drops_m[ball] = windows.draw(one_of(empty, stream), stream);
+  const double density_pm2 = windows.density(empty, proposal.candidate.drops_m[ball]);
+  // There the ball fills a bin, so it is one of one at least.
+  proposal.log_q_ratio =
+      log_scatter_q(prior, p, 1, state, ball) - log_aim_q(p, loose.size(), density_pm2);
   return proposal;
 }
 
-sampling::Proposal<State> scatter_ball(const Prior& prior, const Windows& windows,
-                                       const AimParameters& p, const State& state,
-                                       random::Stream& stream) {
-  const std::size_t ball = random::UniformInteger{.count = prior.balls}.draw(stream);
+std::optional<sampling::Proposal<State>> scatter_ball(const Prior& prior, const Windows& windows,
+                                                      const AimParameters& p, const State& state,
+                                                      const Filling& filling,
+                                                      random::Stream& stream) {
+  const std::vector<std::size_t> right = balls_that(true, filling);
+  if (right.empty()) return std::nullopt;
+  const std::size_t ball = one_of(right, stream);
   sampling::Proposal<State> proposal{.candidate = state, .ratio_waits = true};
   State& candidate = proposal.candidate;
   candidate.active[ball] = random::Bernoulli{.p = 0.5}.draw(stream) ? 1 : 0;
-  candidate.drops_m[ball] = {0, 0};
-  if (candidate.active[ball] != 0) {
-    const Vec2& half_m = prior.drop_half_m;
-    const double x = random::Uniform{.low = -half_m.x(), .high = half_m.x()}.draw(stream);
-    const double y = random::Uniform{.low = -half_m.y(), .high = half_m.y()}.draw(stream);
-    candidate.drops_m[ball] = {x, y};
-  }
-  // Back it is a ball of one at least, into a bin of one at least.
-  const auto bin = state.active[ball] != 0 ? windows.above(state.drops_m[ball]) : std::nullopt;
-  proposal.log_q_ratio =
-      bin ? math::log(p.aim) - windows.log_area(*bin) - log_scatter_q(prior, p, candidate, ball)
-          : k_impossible;
+  candidate.drops_m[ball] = candidate.active[ball] != 0
+                                ? draw_in(-prior.drop_half_m, prior.drop_half_m, stream)
+                                : Vec2(0, 0);
+  // There it is loose, one of one at least.
+  proposal.log_q_ratio = log_aim_q(p, 1, windows.greatest_density(state.drops_m[ball])) -
+                         log_scatter_q(prior, p, right.size(), candidate, ball);
   return proposal;
 }
 
-double scatter_log_q_ratio(const Prior& prior, const Windows& windows, const AimParameters& p,
-                           const State& state, const State& candidate,
-                           const Filling& candidate_filling) {
+double aim_log_q_ratio(const Prior& prior, const Windows& windows, const AimParameters& p,
+                       const State& state, const Filling& filling, const State& candidate,
+                       const Filling& candidate_filling) {
   const auto ball = changed_ball(state, candidate);
-  // Out and out again: the state is the candidate.
-  if (!ball) return 0;
-  if (state.active[*ball] == 0 || candidate_filling[*ball] != k_fills_none) return k_impossible;
-  const auto bin = windows.above(state.drops_m[*ball]);
-  if (!bin) return k_impossible;
-  const std::vector<std::size_t> empty = empty_bins(windows.count(), candidate_filling);
-  if (!std::ranges::binary_search(empty, *bin)) return k_impossible;
-  const double log_back = math::log(p.aim) - log_of(loose_balls(candidate_filling).size()) -
-                          log_of(empty.size()) - windows.log_area(*bin);
-  return log_back - log_scatter_q(prior, p, candidate, *ball);
+  if (!ball || filling[*ball] != k_fills_none || candidate_filling[*ball] == k_fills_none)
+    return k_impossible;
+  const std::size_t loose = balls_that(false, filling).size();
+  const std::size_t right = balls_that(true, candidate_filling).size();
+  const double density_pm2 =
+      windows.density(empty_bins(windows.bins(), filling), candidate.drops_m[*ball]);
+  return log_scatter_q(prior, p, right, state, *ball) - log_aim_q(p, loose, density_pm2);
+}
+
+double scatter_log_q_ratio(const Prior& prior, const Windows& windows, const AimParameters& p,
+                           const State& state, const Filling& filling, const State& candidate,
+                           const Filling& candidate_filling) {
+  const double back =
+      aim_log_q_ratio(prior, windows, p, candidate, candidate_filling, state, filling);
+  return back == k_impossible ? k_impossible : -back;
 }
 
 }  // namespace sleight::worlds::spelling

@@ -14,6 +14,7 @@ namespace sleight::worlds::spelling {
 
 inline constexpr std::uint32_t k_columns_max = 40;
 inline constexpr std::uint32_t k_rows_max = 12;
+inline constexpr std::uint32_t k_solo_steps_max = 1000;
 
 struct WorldParameters {
   double bin_m = 0.020;               ///< clear side of a bin (A.2.1)
@@ -62,6 +63,9 @@ struct ProposalParameters {
   // Not of A.2.2 (aimed_drops.h).
   double aim_ball = 0;
   double scatter_ball = 0;
+  /// In each iteration, of proposals that are judged by balls that fall alone before all are
+  /// simulated (solo_balls.h); 0: none.
+  std::uint32_t solo_steps = 0;
   double vertex_probability = 0.02;  ///< with which each vertex moves
   double vertex_sd_m = 0.00005;      ///< of each coordinate of that move
   double ball_sd_m = 0.020;          ///< of the way that a ball's drop place moves: a bin's side

@@ -179,6 +179,8 @@ sampling::Proposal<State> propose_of(Kind kind, const Prior& prior, const Propos
       break;
     case Kind::aim_ball:
     case Kind::scatter_ball:
+    case Kind::solo_walk:
+    case Kind::solo_step:
       CHECK(false);
   }
   return proposal;

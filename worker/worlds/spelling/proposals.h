@@ -62,9 +62,12 @@ enum class Kind : std::uint8_t {
   disable_balls,
   enable_balls,
   aim_ball,  ///< of aimed_drops.h, as the next
-  scatter_ball
+  scatter_ball,
+  // Of others that are judged by balls that fall alone (solo_balls.h), when all are simulated.
+  solo_walk,  ///< several
+  solo_step   ///< one, with what is known of the state
 };
-inline constexpr std::uint32_t k_kinds = 7;
+inline constexpr std::uint32_t k_kinds = 9;
 /// Those of A.2.2: the first.
 inline constexpr std::uint32_t k_thesis_kinds = 5;
 
@@ -103,7 +106,8 @@ inline sampling::Proposal<State> propose(const Prior& prior, const ProposalParam
 
 /// Whether a kind's proposals have a size.
 inline bool has_scale(Kind kind) {
-  return kind == Kind::change_vertices || kind == Kind::change_ball || kind == Kind::disable_balls;
+  return kind == Kind::change_vertices || kind == Kind::change_ball ||
+         kind == Kind::disable_balls || kind == Kind::solo_walk;
 }
 
 }  // namespace sleight::worlds::spelling

@@ -46,7 +46,7 @@ archive::WorldLayout make_layout(const Spelling& world) {
                 .meaning = "why it ended: 0 all at rest or in their bins for good, 1 time limit, 2 "
                            "no room to start, 3 the simulator could not go on"}},
           .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
-                             "enable_balls", "aim_ball", "scatter_ball"},
+                             "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"},
           .segment_columns = {
               {.name = "moving_ball", .dims = {}, .unit = "1", .meaning = "which ball moves"},
               {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the segment begins"},

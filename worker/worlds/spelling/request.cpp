@@ -237,9 +237,9 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   share("change_ball", p.change_ball, "share of those that drop one ball elsewhere");
   share("disable_balls", p.disable_balls, "share of those that take balls out");
   share("enable_balls", p.enable_balls, "share of those that bring balls in: disable_balls too");
-  share("aim_ball", p.aim_ball, "share of those that drop a loose ball above an empty bin");
+  share("aim_ball", p.aim_ball, "share of those that drop a loose ball about an empty bin");
   share("scatter_ball", p.scatter_ball,
-        "share of those that draw one ball anew: aim_ball's way back");
+        "share of those that draw a ball anew that fills a bin: aim_ball's way back");
   share("vertex_probability", p.vertex_probability, "with which a proposal moves each vertex");
   length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m,
             {.minimum_mm = 1e-6, .help = "standard deviation of each coordinate of that move"});
@@ -251,8 +251,13 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
                   .maximum = 1,
                   .below_maximum = true,
                   .help = "with which each ball is taken out or brought in"});
+  sampler.integer("solo_steps", p.solo_steps,
+                  {.minimum = 0,
+                   .maximum = k_solo_steps_max,
+                   .help = "proposals of an iteration, each judged by the changed balls alone "
+                           "before all are simulated; 0: none are, and it has one"});
   for (const char* key : {"change_all", "change_vertices", "change_ball", "disable_balls",
-                          "enable_balls", "aim_ball", "scatter_ball"}) {
+                          "enable_balls", "aim_ball", "scatter_ball", "solo_steps"}) {
     if (!sampler.valid(key)) return;
   }
   const double sum = p.change_all + p.change_vertices + p.change_ball + p.disable_balls +
@@ -265,6 +270,8 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
     sampler.error("scatter_ball", "goes with aim_ball: one is the other's way back");
   if (p.kernel == Kernel::thesis && p.aim_ball > 0)
     sampler.error("aim_ball", "is not of A.2.2, and kernel \"thesis\" is that as printed");
+  if (p.kernel == Kernel::thesis && p.solo_steps > 0)
+    sampler.error("solo_steps", "are not of A.2.2, and kernel \"thesis\" is that as printed");
 }
 
 }  // namespace

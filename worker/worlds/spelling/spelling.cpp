@@ -24,6 +24,17 @@ constexpr std::uint64_t k_work_per_ball_max = 10'000;
 constexpr std::uint64_t k_work_to_rest = 5;
 /// Balls keep this distance from the walls when they are dropped.
 constexpr double k_clear_m = 1e-6;
+/// A walk of balls that fall alone has so many steps at most; where walks half as long as asked are
+/// hardly accepted, there are none.
+constexpr double k_solo_walk_max = 60;
+constexpr double k_walk_scale_min = 0.5;
+constexpr double k_impossible = -std::numeric_limits<double>::infinity();
+
+/// The bin that a ball fills with others' help; k_fills_none if it would alone, or fills none.
+std::int16_t filled_with_help(const Outcome& outcome, const SoloBalls::Outcome& solo,
+                              std::size_t ball) {
+  return outcome.filling[ball] == solo.alone[ball] ? k_fills_none : outcome.filling[ball];
+}
 
 }  // namespace
 
@@ -38,47 +49,103 @@ Spelling::Spelling(const Parameters& parameters)
   CHECK_GT(prior_.drop_half_m.x(), 0);
   CHECK_GT(prior_.drop_half_m.y(), 0);
 
-  // Each designated bin's window, as far as balls may be dropped there.
+  // Where drops are aimed at each designated bin.
   const Vec2& half_m = prior_.drop_half_m;
-  const Vec2 half_bin_m(0.5 * parameters_.world.bin_m, 0.5 * parameters_.world.bin_m);
   for (std::uint32_t row = 0; row < bins_.rows(); ++row) {
     for (std::uint32_t column = 0; column < bins_.columns(); ++column) {
       const bool designated = parameters_.pattern.at(column, bins_.rows() - 1 - row);
-      numbers_.push_back(designated ? static_cast<std::int16_t>(windows_.count()) : k_fills_none);
+      numbers_.push_back(designated ? static_cast<std::int16_t>(windows_.bins()) : k_fills_none);
       if (!designated) continue;
       const Vec3 floor_m = bins_.floor_middle_m({column, row});
       const Vec2 middle_m(floor_m.x(), floor_m.y());
-      windows_.low_m.push_back((middle_m - half_bin_m).cwiseMax(-half_m).cwiseMin(half_m));
-      windows_.high_m.push_back((middle_m + half_bin_m).cwiseMax(-half_m).cwiseMin(half_m));
+      windows_.add(middle_m, parameters_.world.bin_m, half_m);
     }
   }
 }
 
-sampling::Proposal<State> Spelling::propose(const State& state, const Outcome& outcome,
+sampling::Proposal<State> Spelling::propose(const State& state, const Filling* filling,
                                             std::span<const double> scales,
                                             random::Stream& stream) const {
   const ProposalParameters& p = parameters_.proposal;
   const Kind kind = drawn_kind(p, stream);
   const AimParameters aims{.aim = p.aim_ball, .scatter = p.scatter_ball};
   sampling::Proposal<State> proposal{.candidate = state};
-  if (kind == Kind::scatter_ball) {
-    proposal = scatter_ball(prior_, windows_, aims, state, stream);
-  } else if (kind != Kind::aim_ball) {
+  if (kind != Kind::scatter_ball && kind != Kind::aim_ball) {
     proposal = propose_of(kind, prior_, p, state, scales, stream);
-  } else if (outcome.is_animation()) {
-    const auto aimed = aim_ball(prior_, windows_, aims, state, outcome.filling, stream);
-    if (aimed) proposal = *aimed;
+  } else if (filling != nullptr) {
+    const auto drawn = kind == Kind::aim_ball
+                           ? aim_ball(prior_, windows_, aims, state, *filling, stream)
+                           : scatter_ball(prior_, windows_, aims, state, *filling, stream);
+    if (drawn) proposal = *drawn;
   }
   proposal.kind = static_cast<std::uint32_t>(kind);
   return proposal;
 }
 
-double Spelling::log_q_ratio(const State& state, const sampling::Proposal<State>& proposal,
-                             const Outcome& candidate_outcome) const {
-  if (!candidate_outcome.is_animation()) return -std::numeric_limits<double>::infinity();
-  const ProposalParameters& p = parameters_.proposal;
-  return scatter_log_q_ratio(prior_, windows_, {.aim = p.aim_ball, .scatter = p.scatter_ball},
-                             state, proposal.candidate, candidate_outcome.filling);
+double Spelling::log_q_ratio(const State& state, const Filling* filling,
+                             const sampling::Proposal<State>& proposal,
+                             const Filling* candidate_filling) const {
+  if (filling == nullptr || candidate_filling == nullptr) return k_impossible;
+  const AimParameters aims{.aim = parameters_.proposal.aim_ball,
+                           .scatter = parameters_.proposal.scatter_ball};
+  const bool aimed = proposal.kind == static_cast<std::uint32_t>(Kind::aim_ball);
+  const auto ratio = aimed ? aim_log_q_ratio : scatter_log_q_ratio;
+  return ratio(prior_, windows_, aims, state, *filling, proposal.candidate, *candidate_filling);
+}
+
+Anchor Spelling::draw_anchor(const State& state, const Outcome& outcome,
+                             const SoloBalls::Outcome& solo, double keep,
+                             random::Stream& stream) const {
+  if (keep == 0 || !outcome.is_animation()) return {};
+  Anchor anchor{.bins = Filling(balls(), k_fills_none), .drops_m = state.drops_m};
+  for (std::size_t ball = 0; ball < balls(); ++ball) {
+    const std::int16_t helped = filled_with_help(outcome, solo, ball);
+    if (helped != k_fills_none && (keep == 1 || stream.uniform() < keep))
+      anchor.bins[ball] = helped;
+  }
+  return anchor;
+}
+
+double Spelling::log_anchor_probability(const Anchor& anchor, const Outcome& outcome,
+                                        const SoloBalls::Outcome& solo, double keep) const {
+  if (keep == 0) return 0;
+  if (outcome.is_animation() == anchor.bins.empty()) return k_impossible;
+  if (anchor.bins.empty()) return 0;
+  std::uint32_t kept = 0;
+  std::uint32_t left = 0;
+  for (std::size_t ball = 0; ball < balls(); ++ball) {
+    const std::int16_t helped = filled_with_help(outcome, solo, ball);
+    if (anchor.bins[ball] == k_fills_none) {
+      if (helped != k_fills_none) ++left;
+    } else if (anchor.bins[ball] == helped) {
+      ++kept;
+    } else {
+      return k_impossible;
+    }
+  }
+  if (keep == 1) return left == 0 ? 0 : k_impossible;
+  return kept * math::log(keep) + left * math::log(1 - keep);
+}
+
+sampling::SurrogateSteps Spelling::surrogate_steps(std::span<const double> scales) const {
+  const std::uint32_t asked = parameters_.proposal.solo_steps;
+  const auto walk_kind = static_cast<std::uint32_t>(Kind::solo_walk);
+  const double scale = scales.empty() ? 1 : scales[walk_kind];
+  const double walk =
+      scale < k_walk_scale_min ? 0 : std::clamp(asked * scale, 1.0, k_solo_walk_max);
+  return {.walk = asked == 0 ? 0 : static_cast<std::uint32_t>(walk),
+          .single = asked,
+          .walk_kind = walk_kind,
+          .single_kind = static_cast<std::uint32_t>(Kind::solo_step)};
+}
+
+std::optional<std::int16_t> Spelling::bin_alone(std::span<const Vec3> offsets_m,
+                                                const Vec2& drop_m) const {
+  const State state{
+      .offsets_m = {offsets_m.begin(), offsets_m.end()}, .active = {1}, .drops_m = {drop_m}};
+  const Result result = simulated(state, false);
+  if (result.outcome.end == End::impossible) return std::nullopt;
+  return result.outcome.is_animation() ? result.outcome.filling.front() : k_fills_none;
 }
 
 std::optional<physics::Scene> Spelling::scene(const State& state) const {
@@ -211,7 +278,7 @@ Spelling::Result Spelling::simulated(const State& state, bool to_rest) const {
 
 Filling Spelling::filling_of(const Result& result) const {
   Filling filling(prior_.balls, k_fills_none);
-  std::vector<std::uint8_t> full(windows_.count(), 0);
+  std::vector<std::uint8_t> full(windows_.bins(), 0);
   for (std::size_t i = 0; i < result.staying.size(); ++i) {
     const auto bin = filled_bin(result.places_m[i]);
     if (!bin) continue;

@@ -44,6 +44,7 @@
 #include "worker/worlds/spelling/box_geometry.h"
 #include "worker/worlds/spelling/parameters.h"
 #include "worker/worlds/spelling/proposals.h"
+#include "worker/worlds/spelling/solo_balls.h"
 #include "worker/worlds/spelling/state_bytes.h"
 
 namespace sleight::worlds::spelling {
@@ -108,9 +109,36 @@ class Spelling {
   }
   /// With the kinds that look at the outcome, too (aimed_drops.h).
   sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
+                                    std::span<const double> scales, random::Stream& stream) const {
+    return propose(state, outcome.is_animation() ? &outcome.filling : nullptr, scales, stream);
+  }
+  double log_q_ratio(const State& state, const Outcome& outcome,
+                     const sampling::Proposal<State>& proposal,
+                     const Outcome& candidate_outcome) const {
+    return log_q_ratio(state, outcome.is_animation() ? &outcome.filling : nullptr, proposal,
+                       candidate_outcome.is_animation() ? &candidate_outcome.filling : nullptr);
+  }
+  /// By what is filled, no matter who says so; none if that isn't an animation.
+  sampling::Proposal<State> propose(const State& state, const Filling* filling,
                                     std::span<const double> scales, random::Stream& stream) const;
-  double log_q_ratio(const State& state, const sampling::Proposal<State>& proposal,
-                     const Outcome& candidate_outcome) const;
+  double log_q_ratio(const State& state, const Filling* filling,
+                     const sampling::Proposal<State>& proposal,
+                     const Filling* candidate_filling) const;
+
+  // The surrogate: each ball alone (solo_balls.h). What it gets wrong of an animation are balls
+  // that fill a bin which they would not fill alone: others help them there.
+  using Surrogate = SoloBalls;
+  using Anchor = spelling::Anchor;
+  SoloBalls surrogate(const Anchor& anchor) const { return SoloBalls(*this, anchor); }
+  Anchor draw_anchor(const State& state, const Outcome& outcome, const SoloBalls::Outcome& solo,
+                     double keep, random::Stream& stream) const;
+  double log_anchor_probability(const Anchor& anchor, const Outcome& outcome,
+                                const SoloBalls::Outcome& solo, double keep) const;
+  sampling::SurrogateSteps surrogate_steps(std::span<const double> scales) const;
+  /// The number of the designated bin, k_fills_none if none, that a ball fills which falls there
+  /// alone; nothing if offsets turn the box inside out.
+  std::optional<std::int16_t> bin_alone(std::span<const Vec3> offsets_m, const Vec2& drop_m) const;
+
   bool has_scale(std::uint32_t kind) const { return spelling::has_scale(static_cast<Kind>(kind)); }
   std::uint32_t proposal_kinds() const { return k_kinds; }
 
@@ -164,5 +192,6 @@ class Spelling {
 
 static_assert(sampling::BoundsConstraint<Spelling>);
 static_assert(sampling::ProposesByOutcome<Spelling>);
+static_assert(sampling::HasSurrogate<Spelling>);
 
 }  // namespace sleight::worlds::spelling

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "common/random/stream.h"
 #include "worker/worlds/spelling/spelling.h"
@@ -20,14 +21,11 @@ struct Case {
   Filling filling;
 };
 
-/// Six windows of different sizes, any balls, any bins that they fill.
+/// Six bins in a row, any balls, any bins that they fill.
 Case random_case(random::Stream& stream) {
   Case made;
-  for (int bin = 0; bin < 6; ++bin) {
-    const double x = -0.05 + 0.1 * bin / 6;
-    made.windows.low_m.push_back({x, -0.02});
-    made.windows.high_m.push_back({x + 0.01 + 0.001 * bin, 0.02});
-  }
+  for (int bin = 0; bin < 6; ++bin)
+    made.windows.add({-0.045 + 0.018 * bin, 0.004 * bin - 0.01}, 0.018, made.prior.drop_half_m);
   made.state = made.prior.draw(stream);
   made.filling.assign(6, k_fills_none);
   for (std::size_t ball = 0; ball < 6; ++ball) {
@@ -43,57 +41,139 @@ random::Stream stream_of(std::uint64_t number) {
   return random::Stream({.seed = 8128, .purpose = random::Purpose::scene}, number);
 }
 
-TEST(AimedDrops, DropALooseBallAboveAnEmptyBin) {
-  // Goal: one ball changes, which filled nothing, and it is dropped above a designated bin that was
-  // empty; nothing where all are full. Method: random animations.
+/// The one ball in which two states differ.
+std::size_t the_changed_ball(const State& a, const State& b) {
+  std::vector<std::size_t> changed;
+  for (std::size_t ball = 0; ball < a.active.size(); ++ball) {
+    if (a.active[ball] != b.active[ball] || a.drops_m[ball] != b.drops_m[ball])
+      changed.push_back(ball);
+  }
+  EXPECT_EQ(changed.size(), 1U);
+  return changed.empty() ? 0 : changed.front();
+}
+
+TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
+  // Goal: a ball that filled nothing is aimed, one that filled a bin scattered, nothing where there
+  // is none; dropped where the prior has balls. Method: random animations.
   for (std::uint64_t i = 0; i < 2000; ++i) {
     random::Stream stream = stream_of(i);
     const Case made = random_case(stream);
-    const auto proposal =
-        aim_ball(made.prior, made.windows, k_aims, made.state, made.filling, stream);
-    const bool all_full = std::ranges::find(made.filling, k_fills_none) == made.filling.end();
-    ASSERT_EQ(proposal.has_value(), !all_full);
-    if (!proposal) continue;
-    std::size_t changed = 0;
-    for (std::size_t ball = 0; ball < 6; ++ball) {
-      if (proposal->candidate.drops_m[ball] == made.state.drops_m[ball]) continue;
-      ++changed;
+    const auto loose = std::ranges::count(made.filling, k_fills_none);
+    const auto aimed = aim_ball(made.prior, made.windows, k_aims, made.state, made.filling, stream);
+    ASSERT_EQ(aimed.has_value(), loose > 0);
+    if (aimed) {
+      const std::size_t ball = the_changed_ball(made.state, aimed->candidate);
       EXPECT_EQ(made.filling[ball], k_fills_none);
-      EXPECT_EQ(proposal->candidate.active[ball], 1);
-      const auto bin = made.windows.above(proposal->candidate.drops_m[ball]);
-      ASSERT_TRUE(bin.has_value());
-      EXPECT_EQ(std::ranges::find(made.filling, static_cast<std::int16_t>(*bin)),
-                made.filling.end());
+      EXPECT_EQ(aimed->candidate.active[ball], 1);
+      EXPECT_TRUE(std::isfinite(made.prior.log_density(aimed->candidate)));
+      EXPECT_TRUE(aimed->ratio_waits);
     }
-    EXPECT_EQ(changed, 1U);
-    EXPECT_FALSE(proposal->ratio_waits);
+    const auto scattered =
+        scatter_ball(made.prior, made.windows, k_aims, made.state, made.filling, stream);
+    ASSERT_EQ(scattered.has_value(), loose < 6);
+    if (scattered) {
+      EXPECT_NE(made.filling[the_changed_ball(made.state, scattered->candidate)], k_fills_none);
+      EXPECT_TRUE(std::isfinite(made.prior.log_density(scattered->candidate)));
+      EXPECT_TRUE(scattered->ratio_waits);
+    }
   }
 }
 
 TEST(AimedDrops, AreEachOthersWayBack) {
-  // Goal: the ratio from A to C by aiming is the inverse of that from C to A by scattering, and
-  // scattering's bound is never below its ratio. Method: both, of random animations; of scattered
-  // ones with any filling of the candidate.
+  // Goal: the ratio from A to C by aiming is the inverse of that from C to A by scattering, no
+  // ratio is above its bound, and there is none without a way back. Method: both kinds, of random
+  // animations, with random fillings of the candidates.
   std::uint64_t ways_back = 0;
-  for (std::uint64_t i = 0; i < 2000; ++i) {
+  for (std::uint64_t i = 0; i < 4000; ++i) {
     random::Stream stream = stream_of(i);
     const Case made = random_case(stream);
+    const Filling there = random_case(stream).filling;
     if (const auto aimed =
             aim_ball(made.prior, made.windows, k_aims, made.state, made.filling, stream)) {
+      const double ratio = aim_log_q_ratio(made.prior, made.windows, k_aims, made.state,
+                                           made.filling, aimed->candidate, there);
       const double back = scatter_log_q_ratio(made.prior, made.windows, k_aims, aimed->candidate,
-                                              made.state, made.filling);
-      EXPECT_NEAR(aimed->log_q_ratio, -back, 1e-12) << i;
+                                              there, made.state, made.filling);
+      const std::size_t ball = the_changed_ball(made.state, aimed->candidate);
+      ASSERT_EQ(std::isfinite(ratio), there[ball] != k_fills_none) << i;
+      EXPECT_LE(ratio, aimed->log_q_ratio) << i;
+      if (std::isfinite(ratio)) {
+        EXPECT_EQ(ratio, -back) << i;
+        ++ways_back;
+      }
     }
-    const auto scattered = scatter_ball(made.prior, made.windows, k_aims, made.state, stream);
-    EXPECT_TRUE(scattered.ratio_waits);
-    const Case other = random_case(stream);
-    const double ratio = scatter_log_q_ratio(made.prior, made.windows, k_aims, made.state,
-                                             scattered.candidate, other.filling);
-    if (scattered.candidate == made.state) continue;
-    EXPECT_LE(ratio, scattered.log_q_ratio) << i;
-    if (std::isfinite(ratio)) ++ways_back;
+    if (const auto scattered =
+            scatter_ball(made.prior, made.windows, k_aims, made.state, made.filling, stream)) {
+      const double ratio = scatter_log_q_ratio(made.prior, made.windows, k_aims, made.state,
+                                               made.filling, scattered->candidate, there);
+      const std::size_t ball = the_changed_ball(made.state, scattered->candidate);
+      ASSERT_EQ(std::isfinite(ratio), there[ball] == k_fills_none) << i;
+      EXPECT_LE(ratio, scattered->log_q_ratio) << i;
+      if (std::isfinite(ratio)) ++ways_back;
+    }
   }
-  EXPECT_GT(ways_back, 100U);
+  EXPECT_GT(ways_back, 1000U);
+}
+
+TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
+  // Goal: the formula of the header. Method: two balls, one of which fills a bin, by hand.
+  const Prior prior{.vertices = 0, .balls = 2, .vertex_sd_m = 1, .drop_half_m = {0.05, 0.03}};
+  Windows windows;
+  windows.add({-0.02, 0}, 0.02, prior.drop_half_m);
+  windows.add({0.02, 0}, 0.02, prior.drop_half_m);
+  const State state{.offsets_m = {}, .active = {1, 0}, .drops_m = {Vec2(-0.02, 0), Vec2(0, 0)}};
+  State candidate = state;
+  candidate.active[1] = 1;
+  candidate.drops_m[1] = {0.021, 0.001};
+  const Filling filling{0, k_fills_none};
+  const Filling there{0, 1};
+  const std::size_t empty[] = {1};
+  // There one loose ball, into one bin; back one of two that fill one, and inactive by 1/2.
+  const double aim = k_aims.aim * windows.density(empty, candidate.drops_m[1]);
+  const double scatter = k_aims.scatter / 2 * 0.5;
+  EXPECT_NEAR(aim_log_q_ratio(prior, windows, k_aims, state, filling, candidate, there),
+              std::log(scatter / aim), 1e-13);
+}
+
+TEST(Windows, DrawWhatTheirDensitySays) {
+  // Goal: the density is that of the draws. Method: a million about a bin at the edge, in cells of
+  // two millimetres; each cell's share against the density in its middle, six standard deviations.
+  Windows windows;
+  const Vec2 half_m(0.05, 0.03);
+  windows.add({-0.045, 0.011}, 0.02, half_m);
+  constexpr int k_columns = 50;
+  constexpr int k_rows = 30;
+  constexpr double k_draws = 1e6;
+  std::vector<double> counts(std::size_t{k_columns} * k_rows, 0);
+  random::Stream stream = stream_of(0);
+  for (int i = 0; i < static_cast<int>(k_draws); ++i) {
+    const Vec2 drop_m = windows.draw(0, stream);
+    const auto column = static_cast<int>((drop_m.x() + half_m.x()) / 0.002);
+    const auto row = static_cast<int>((drop_m.y() + half_m.y()) / 0.002);
+    ASSERT_TRUE(column >= 0 && column < k_columns && row >= 0 && row < k_rows);
+    ++counts[static_cast<std::size_t>(row * k_columns + column)];
+  }
+  const std::size_t bin[] = {0};
+  double cells = 0;
+  for (int row = 0; row < k_rows; ++row) {
+    for (int column = 0; column < k_columns; ++column) {
+      const Vec2 low_m(-half_m.x() + 0.002 * column, -half_m.y() + 0.002 * row);
+      // Cells that a square's edge cuts are left out.
+      const double density_pm2 = windows.density(bin, low_m + Vec2(0.001, 0.001));
+      const Vec2 corners[] = {low_m + Vec2(1e-6, 1e-6), low_m + Vec2(0.001999, 1e-6),
+                              low_m + Vec2(1e-6, 0.001999), low_m + Vec2(0.001999, 0.001999)};
+      if (std::ranges::any_of(corners, [&](const Vec2& corner_m) {
+            return windows.density(bin, corner_m) != density_pm2;
+          }))
+        continue;
+      const double expected = density_pm2 * 0.002 * 0.002 * k_draws;
+      EXPECT_NEAR(counts[static_cast<std::size_t>(row * k_columns + column)], expected,
+                  6 * std::sqrt(expected));
+      EXPECT_LE(density_pm2, windows.greatest_density(low_m + Vec2(0.001, 0.001)));
+      ++cells;
+    }
+  }
+  EXPECT_GT(cells, 1000);
 }
 
 TEST(AimedDrops, KnowWhatEachBallFills) {

@@ -1,0 +1,153 @@
+#include "worker/worlds/spelling/solo_balls.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "common/random/stream.h"
+#include "worker/worlds/spelling/spelling.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+Parameters parameters_with_aims() {
+  Parameters parameters;
+  parameters.proposal.change_all = 0.05;
+  parameters.proposal.change_vertices = 0.05;
+  parameters.proposal.change_ball = 0.1;
+  parameters.proposal.disable_balls = parameters.proposal.enable_balls = 0.1;
+  parameters.proposal.aim_ball = parameters.proposal.scatter_ball = 0.3;
+  parameters.proposal.solo_steps = 4;
+  return parameters;
+}
+
+random::Stream stream_of(std::uint64_t number) {
+  return random::Stream({.seed = 6174, .purpose = random::Purpose::scene}, number);
+}
+
+void expect_equal(const SoloBalls::Outcome& a, const SoloBalls::Outcome& b) {
+  EXPECT_EQ(a.possible, b.possible);
+  EXPECT_EQ(a.alone, b.alone);
+  EXPECT_EQ(a.filling, b.filling);
+  EXPECT_EQ(a.filled, b.filled);
+}
+
+TEST(SoloBalls, AreWhatEachBallDoesAlone) {
+  // Goal: by ball the bin that it fills when no other takes part. Method: prior draws of HI, each
+  // ball simulated as the only active one.
+  const Spelling world(parameters_with_aims());
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    random::Stream stream = stream_of(i);
+    const State state = world.draw_prior(stream);
+    const SoloBalls::Outcome outcome = world.surrogate({}).simulate(state);
+    ASSERT_TRUE(outcome.possible);
+    for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
+      State alone = state;
+      std::ranges::fill(alone.active, 0);
+      std::ranges::fill(alone.drops_m, Vec2(0, 0));
+      alone.active[ball] = state.active[ball];
+      alone.drops_m[ball] = state.drops_m[ball];
+      EXPECT_EQ(outcome.alone[ball], world.simulate(alone).filling[ball]);
+    }
+  }
+}
+
+TEST(SoloBalls, FromChangesAreTheSame) {
+  // Goal: what comes of a candidate is the same when only the changed balls are simulated. Method:
+  // walks of proposals of all kinds, anchored or not, both ways.
+  const Spelling world(parameters_with_aims());
+  std::uint64_t changed = 0;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    random::Stream stream = stream_of(i);
+    State state = world.draw_prior(stream);
+    const Outcome known = world.simulate(state);
+    SoloBalls::Outcome outcome = world.surrogate({}).simulate(state);
+    const SoloBalls surrogate =
+        world.surrogate(world.draw_anchor(state, known, outcome, 1, stream));
+    outcome = surrogate.simulate_from(state, state, outcome);
+    expect_equal(outcome, surrogate.simulate(state));
+    for (int step = 0; step < 40; ++step) {
+      const auto proposal = surrogate.propose(state, outcome, {}, stream);
+      const auto next = surrogate.simulate_from(proposal.candidate, state, outcome);
+      if (!next.possible) continue;
+      expect_equal(next, surrogate.simulate(proposal.candidate));
+      state = proposal.candidate;
+      outcome = next;
+      ++changed;
+    }
+  }
+  EXPECT_GT(changed, 100U);
+}
+
+TEST(SoloBalls, TakeAnchoredBallsForGranted) {
+  // Goal: an anchored ball fills its bin whatever it would do alone, so no other one does, and a
+  // state in which it differs is not possible. Method: prior draws with helped balls.
+  const Spelling world(parameters_with_aims());
+  std::uint64_t anchored = 0;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    random::Stream stream = stream_of(i);
+    const State state = world.draw_prior(stream);
+    const Outcome known = world.simulate(state);
+    const SoloBalls::Outcome alone = world.surrogate({}).simulate(state);
+    const Anchor anchor = world.draw_anchor(state, known, alone, 1, stream);
+    const SoloBalls surrogate = world.surrogate(anchor);
+    const SoloBalls::Outcome outcome = surrogate.simulate_from(state, state, alone);
+    EXPECT_EQ(outcome.alone, alone.alone);
+    for (std::size_t ball = 0; ball < anchor.bins.size(); ++ball) {
+      if (anchor.bins[ball] == k_fills_none) continue;
+      ++anchored;
+      EXPECT_EQ(anchor.bins[ball], known.filling[ball]);
+      EXPECT_NE(anchor.bins[ball], alone.alone[ball]);
+      EXPECT_EQ(outcome.filling[ball], anchor.bins[ball]);
+      EXPECT_EQ(std::ranges::count(outcome.filling, anchor.bins[ball]), 1);
+      State other = state;
+      other.active[ball] = 0;
+      other.drops_m[ball] = {0, 0};
+      EXPECT_FALSE(surrogate.simulate(other).possible);
+    }
+  }
+  EXPECT_GT(anchored, 20U);
+}
+
+TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
+  // Goal: log_anchor_probability is that of draw_anchor. Method: shares of 20,000 draws of each
+  // animation that has helped balls, six standard deviations; an anchor of another one has none.
+  const Spelling world(parameters_with_aims());
+  int animations = 0;
+  for (std::uint64_t i = 0; animations < 5; ++i) {
+    random::Stream stream = stream_of(i);
+    const State state = world.draw_prior(stream);
+    const Outcome known = world.simulate(state);
+    const SoloBalls::Outcome alone = world.surrogate({}).simulate(state);
+    const Anchor all = world.draw_anchor(state, known, alone, 1, stream);
+    if (std::ranges::all_of(all.bins, [](std::int16_t bin) { return bin == k_fills_none; }))
+      continue;
+    ++animations;
+    EXPECT_EQ(world.log_anchor_probability(all, known, alone, 1), 0);
+    EXPECT_EQ(world.log_anchor_probability({}, known, alone, 0), 0);
+    std::map<Filling, double> counts;
+    constexpr double k_draws = 20'000;
+    for (int draw = 0; draw < static_cast<int>(k_draws); ++draw)
+      ++counts[world.draw_anchor(state, known, alone, 0.3, stream).bins];
+    double sum = 0;
+    for (const auto& [bins, count] : counts) {
+      const Anchor anchor{.bins = bins, .drops_m = state.drops_m};
+      const double p = std::exp(world.log_anchor_probability(anchor, known, alone, 0.3));
+      EXPECT_NEAR(count, k_draws * p, 6 * std::sqrt(k_draws * p));
+      sum += p;
+    }
+    EXPECT_NEAR(sum, 1, 1e-2);
+    Anchor wrong = all;
+    const auto ball = std::ranges::find(wrong.bins, k_fills_none);
+    if (ball == wrong.bins.end()) continue;
+    *ball = 0;
+    EXPECT_EQ(world.log_anchor_probability(wrong, known, alone, 0.3),
+              -std::numeric_limits<double>::infinity());
+  }
+}
+
+}  // namespace
+}  // namespace sleight::worlds::spelling
