@@ -114,6 +114,51 @@ thin = 3
                 self.direct(self.request(method, scans, "whole.toml"), whole, "--fresh")
                 self.assertEqual(cut.read_bytes(), whole.read_bytes())
 
+    def test_solo_steps(self):
+        # What balls do alone is held from one iteration to the next; who computes it, and whether
+        # it is computed again, changes nothing.
+        request = self.path("solo.toml")
+        request.write_text("""
+[world]
+name = "spelling"
+word = "HI"
+[constraint]
+log_lambda = 6
+[sampler]
+method = "parallel_tempering"
+chains = 2
+round_scans = 20
+change_all = 0
+change_vertices = 0.04
+change_ball = 0.1
+disable_balls = 0.03
+enable_balls = 0.03
+aim_ball = 0.4
+scatter_ball = 0.4
+solo_steps = 8
+[stop]
+rounds = 3
+""")
+        one = self.path("one.h5")
+        self.direct(request, one, "--threads", "1")
+        self.succeed(harness.sleight("archive", "verify", one))
+        others = {}
+        for threads in ["2", "5"]:
+            others[threads] = self.path(f"threads{threads}.h5")
+            self.direct(request, others[threads], "--threads", threads)
+        others["ranks"] = self.path("ranks.h5")
+        self.succeed(harness.run(harness.batch(3, request, others["ranks"], "-q",
+                                               folder=self.folder)))
+        others["sittings"] = self.path("sittings.h5")
+        scans = 20 * 7  # of three rounds
+        for sittings in range(1, 200):
+            self.direct(request, others["sittings"], "--time-limit", "0.4s")
+            if others["sittings"].exists() and self.info(others["sittings"])["scans"] == scans:
+                break
+        self.assertGreater(sittings, 1)
+        for way, output in others.items():
+            self.assertEqual(output.read_bytes(), one.read_bytes(), way)
+
     def test_stopping_in_the_burn_in_leaves_no_archive(self):
         request = self.request("simulated_tempering", 100)
         result = self.direct(request, self.path("early.h5"), "--json")

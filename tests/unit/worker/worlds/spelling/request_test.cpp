@@ -134,6 +134,26 @@ TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
   EXPECT_NE(complaint("[sampler]\nkernel = \"printed\"").find("\"correct\""), std::string::npos);
 }
 
+TEST(SpellingRequest, KindsThatAreNotOfTheThesisAreAskedForByName) {
+  // Goal: drops that aim and solo steps are off unless asked for, go together as they must, and
+  // never with the thesis's kernel. Method: read with and without them.
+  Parameters parameters;
+  ASSERT_TRUE(read(parameters, "").ok());
+  EXPECT_EQ(parameters.proposal.aim_ball, 0);
+  EXPECT_EQ(parameters.proposal.solo_steps, 0U);
+  const std::string aims = "change_all = 0\naim_ball = 0.03\nscatter_ball = 0.01\n";
+  ASSERT_TRUE(read(parameters, "[sampler]\nsolo_steps = 12\n" + aims).ok());
+  EXPECT_EQ(parameters.proposal.aim_ball, 0.03);
+  EXPECT_EQ(parameters.proposal.solo_steps, 12U);
+  EXPECT_NE(complaint("[sampler]\nkernel = \"thesis\"\nsolo_steps = 3").find("not of A.2.2"),
+            std::string::npos);
+  EXPECT_NE(complaint("[sampler]\nkernel = \"thesis\"\n" + aims).find("not of A.2.2"),
+            std::string::npos);
+  EXPECT_NE(complaint("[sampler]\nchange_all = 0\naim_ball = 0.04").find("goes with aim_ball"),
+            std::string::npos);
+  EXPECT_NE(complaint("[sampler]\nsolo_steps = 1001").find("1000"), std::string::npos);
+}
+
 TEST(SpellingRequest, TheThesisKernelGoesWithItsOwnMethodAlone) {
   // Goal: no method that builds upon the distribution takes the biased kernel. Method: the binding
   // after a key `method` that has another choice.
