@@ -59,7 +59,7 @@ void write_own_coordinates(Sink& sink, std::string_view group,
 }
 
 std::uint64_t archived_states(const RunView& view, const ArchiveOptions& options) {
-  return (view.scans() - 1) / options.thin + 1;
+  return (view.draws() - 1) / options.thin + 1;
 }
 
 /// /posterior: the state of every thin-th scan.
@@ -189,7 +189,7 @@ class SampleStatsWriter {
  public:
   SampleStatsWriter(const RunView& view, const WorldLayout& layout, Sink& sink) {
     sink.create_group(k_sample_stats);
-    const Dims dims{{"chain", view.chains()}, {"draw", view.scans()}};
+    const Dims dims{{"chain", view.chains()}, {"draw", view.draws()}};
     write_coordinate(sink, k_sample_stats, dims[0], "independent chain");
     write_coordinate(sink, k_sample_stats, dims[1], "scan");
     lp_.emplace(sink, k_sample_stats,
@@ -435,7 +435,7 @@ void write_root(const WorldLayout& layout, const plan::Report& report,
 void write_archive(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
                    Sink& sink) {
   CHECK_GE(view.chains(), 1U);
-  CHECK_GE(view.scans(), 1U);
+  CHECK_GE(view.draws(), 1U);
   CHECK_GE(options.thin, 1U);
   CHECK(!options.request_text.empty());
   const plan::Report report = view.report();
@@ -451,14 +451,14 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   for (std::uint32_t i = 0; i < view.chains(); ++i) {
     const base::ChainId chain{i};
     std::uint64_t scans = 0;
-    view.for_each_scan(chain, [&](base::ScanIndex scan, const plan::ScanRecord& record) {
+    view.for_each_draw(chain, [&](base::ScanIndex scan, const plan::ScanRecord& record) {
       CHECK_EQ(scan.value, scans++);
       posterior.push(scan, record);
       sample_stats.push(record);
       selector.offer(chain, scan, record);
       if (scan.value == newest_scan) newest[i][0] = NewestState{scan, record};
     });
-    CHECK_EQ(scans, view.scans());
+    CHECK_EQ(scans, view.draws());
   }
   posterior.flush();
   sample_stats.flush();

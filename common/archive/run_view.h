@@ -14,11 +14,11 @@ class RunView {
  public:
   virtual ~RunView() = default;
   virtual std::uint32_t chains() const = 0;
-  /// Draws 0 .. scans()-1 are present for every chain: the cut. A draw is a scan's state at inverse
+  /// Draws 0 .. draws()-1 are present for every chain: the cut. A draw is a scan's state at inverse
   /// temperature 1; of plain chains, and of tempered ladders, scan and draw are one.
-  virtual std::uint64_t scans() const = 0;
-  /// Calls `visit` for draws 0 .. scans()-1 of one chain, with their numbers.
-  virtual void for_each_scan(
+  virtual std::uint64_t draws() const = 0;
+  /// Calls `visit` for draws 0 .. draws()-1 of one chain, with their numbers.
+  virtual void for_each_draw(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const = 0;
 

@@ -29,6 +29,23 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
   refuse("steps_per_level", has_steps, "\"tempered_transitions\" or \"annealed_importance\"");
 }
 
+/// A tempered transition goes through all temperatures, down and up again: what is asked for with
+/// many of them would take hours to be accepted or rejected.
+void check_excursions(Binder& sampler, const SamplerParameters& p) {
+  if (p.method != Method::tempered_transitions || !sampler.valid("method")) return;
+  for (const char* key : {"replicas", "steps_per_level", "iterations_per_scan"}) {
+    if (!sampler.valid(key)) return;
+  }
+  const std::uint64_t levels = p.replicas.value_or(k_chosen_replicas_max);
+  const std::uint64_t steps =
+      2 * levels * p.steps_per_level.value_or(1) * std::uint64_t{p.iterations_per_scan};
+  if (steps < k_excursion_iterations_max) return;
+  sampler.error("iterations_per_scan",
+                fmt::format("a tempered transition has {} iterations (2 x {} temperatures x "
+                            "steps_per_level x iterations_per_scan), which must stay below {}",
+                            steps, levels, k_excursion_iterations_max));
+}
+
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
   static constexpr std::array k_methods{
       Named<Method>{"metropolis_hastings", Method::metropolis_hastings},
@@ -83,6 +100,7 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
                             .help = "from one temperature to the next: tempered_transitions, "
                                     "annealed_importance; 1 if absent"});
   refuse_other_methods_keys(sampler, p.method);
+  check_excursions(sampler, p);
 }
 
 void bind_stop(Binder& stop, StopRule& p) {

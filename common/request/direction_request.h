@@ -107,6 +107,10 @@ struct DirectionRequest {
 
 inline constexpr std::uint32_t k_chains_max = 65536;
 inline constexpr std::uint32_t k_replicas_max = 256;
+/// Temperatures that are chosen from the barrier, at most.
+inline constexpr std::uint32_t k_chosen_replicas_max = 64;
+/// Of one tempered transition, fewer.
+inline constexpr std::uint64_t k_excursion_iterations_max = std::uint64_t{1} << 20U;
 inline constexpr std::uint32_t k_burn_in_rounds = 4;
 inline constexpr std::uint32_t k_lanes = 8;
 inline constexpr std::uint64_t k_seed_max = 9223372036854775807U;  // TOML integers end there

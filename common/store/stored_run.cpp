@@ -32,7 +32,7 @@ std::uint32_t StoredRun::count_replicas() const {
   return static_cast<std::uint32_t>(most.integer(0)) + 1;
 }
 
-void StoredRun::for_each_scan(
+void StoredRun::for_each_draw(
     base::ChainId chain,
     const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
   // Who was at inverse temperature 1: keys alone, so that little is sorted; then the rows.

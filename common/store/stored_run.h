@@ -24,8 +24,8 @@ class StoredRun final : public archive::RunView {
   void set_draws(const plan::Draws& draws) { draws_ = draws; }
 
   std::uint32_t chains() const override { return chains_; }
-  std::uint64_t scans() const override { return draws_.count; }
-  void for_each_scan(
+  std::uint64_t draws() const override { return draws_.count; }
+  void for_each_draw(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const override;
   std::uint32_t replicas() const override { return replicas_; }

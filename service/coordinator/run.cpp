@@ -127,7 +127,7 @@ std::string write_archive_of_run(const RunInputs& inputs, const std::string& out
     });
     view.set_report(learner->report());
     view.set_draws(learner->draws());
-    if (view.scans() == 0) return {};
+    if (view.draws() == 0) return {};
   }
   return archive::hdf5::write_file(output, files, [&](archive::Sink& sink) {
     archive::write_archive(view, inputs.reader, options, sink);

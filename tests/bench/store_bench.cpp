@@ -60,7 +60,7 @@ std::uint64_t stored_hash(const std::string& folder) {
   ResultHash hash;
   const store::StoredRun run(folder, k_chains, k_units * k_scans_per_unit);
   for (std::uint32_t chain = 0; chain < k_chains; ++chain) {
-    run.for_each_scan(base::ChainId{chain}, [&](base::ScanIndex, const plan::ScanRecord& scan) {
+    run.for_each_draw(base::ChainId{chain}, [&](base::ScanIndex, const plan::ScanRecord& scan) {
       hash.add(scan.log_constraint);
       hash.add(std::uint64_t{scan.accepted[0]});
       hash.add(std::uint64_t{scan.state.size()});

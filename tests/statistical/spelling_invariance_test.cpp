@@ -1,4 +1,4 @@
-// Contract C3 for balls that spell: the five proposals together leave p_w p_c^beta invariant, over
+// Contract C3 for balls that spell: all proposals together leave p_w p_c^beta invariant, over
 // states whose number of balls varies; A.2.2's ratios as printed don't.
 #include <gtest/gtest.h>
 

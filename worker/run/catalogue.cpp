@@ -21,10 +21,10 @@
 namespace sleight::run {
 namespace {
 
-/// Temperatures to begin with where the request leaves them open, and the most that are chosen
-/// then.
+/// Temperatures to begin with where the request leaves them open.
 constexpr std::uint32_t k_first_replicas = 12;
-constexpr std::uint32_t k_chosen_replicas_max = 64;
+/// No request has excursions that the method can't number.
+static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps_max);
 
 template <sampling::ScalesProposals T>
 std::vector<bool> kinds_with_scale_of(const T& world) {
@@ -135,7 +135,7 @@ sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,
           .chain = {},
           .first_ladder = sampling::first_ladder(sampler.replicas.value_or(k_first_replicas)),
           .levels_chosen = !sampler.replicas,
-          .levels_max = k_chosen_replicas_max,
+          .levels_max = request::k_chosen_replicas_max,
           .ladder_adapts = true,
           .has_scale = world.kinds_with_scale(),
           .round_scans = sampler.round_scans,

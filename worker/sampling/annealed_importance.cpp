@@ -99,7 +99,7 @@ void AnnealedImportance::consume(base::ReplicaId replica, std::uint64_t first_sc
       lane.log_weights.push_back(lane.log_weight);
       const bool counts = record.satisfied && record.log_constraint != k_log_zero;
       lane.log_satisfied.push_back(counts ? lane.log_weight - record.log_constraint : k_log_zero);
-      if (record.satisfied) lane.solved.push_back(burn_in_.scans + lane.scan);
+      solutions_.add(burn_in_.scans + lane.scan, record);
     }
     ++lane.scan;
   }
@@ -112,14 +112,6 @@ std::uint64_t AnnealedImportance::scans() const {
 std::uint64_t AnnealedImportance::draws() const {
   const std::uint64_t common = scans() - burn_in_.scans;
   return common / per_ascent() * lanes_.size();
-}
-
-const std::vector<std::uint64_t>& AnnealedImportance::solutions() const {
-  solutions_.clear();
-  for (const Lane& lane : lanes_)
-    solutions_.insert(solutions_.end(), lane.solved.begin(), lane.solved.end());
-  std::ranges::sort(solutions_);
-  return solutions_;
 }
 
 std::vector<ChainPart::Row> AnnealedImportance::rows() const {

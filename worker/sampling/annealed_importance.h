@@ -45,7 +45,7 @@ class AnnealedImportance final : public ChainPart {
   std::uint64_t scans() const override;
   /// In the order of (scan, lane).
   std::uint64_t draws() const override;
-  const std::vector<std::uint64_t>& solutions() const override;
+  const Solutions& solutions() const override { return solutions_; }
   std::vector<Row> rows() const override;
   const char* warning() const override { return "draws have weights: /tempering/log_weight"; }
 
@@ -61,7 +61,6 @@ class AnnealedImportance final : public ChainPart {
     /// Of ascents that have ended.
     std::vector<double> log_weights;
     std::vector<double> log_satisfied;  ///< weight times 1{satisfied} / p_c
-    std::vector<std::uint64_t> solved;
   };
   std::uint64_t per_ascent() const { return betas_.size(); }
   base::ReplicaId lane_id(std::uint32_t lane) const {
@@ -73,7 +72,7 @@ class AnnealedImportance final : public ChainPart {
   std::vector<double> betas_;
   std::vector<std::vector<double>> scales_;  ///< by step
   std::vector<Lane> lanes_;
-  mutable std::vector<std::uint64_t> solutions_;
+  Solutions solutions_;
 };
 
 }  // namespace sleight::sampling

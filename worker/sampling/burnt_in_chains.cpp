@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "worker/sampling/furthest_behind.h"
 #include "worker/sampling/ladder_report.h"
 
 namespace sleight::sampling {
@@ -26,18 +27,11 @@ BurntInChains::BurntInChains(const BurntInOptions& options)
 
 std::optional<plan::Unit> BurntInChains::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  // Of the chain that is furthest behind among those that have one.
-  std::vector<Chain*> order;
-  for (Chain& chain : chains_)
-    order.push_back(&chain);
-  std::ranges::stable_sort(order, {}, &Chain::scans);
-  for (Chain* chain : order) {
-    auto unit = chain->part ? chain->part->next_unit(stop_.horizon(), scans_max)
-                            : chain->burn_in.next_unit(std::min(burn_in_scans_, stop_.horizon()),
-                                                       scans_max);
-    if (unit) return unit;
-  }
-  return std::nullopt;
+  return unit_of_furthest_behind(chains_, [&](Chain& chain) {
+    return chain.part
+               ? chain.part->next_unit(stop_.horizon(), scans_max)
+               : chain.burn_in.next_unit(std::min(burn_in_scans_, stop_.horizon()), scans_max);
+  });
 }
 
 void BurntInChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
@@ -65,12 +59,8 @@ void BurntInChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan
   if (!chain.part && chain.burn_in.scans() == burn_in_scans_) begin_part(chain);
   stop_.judge(scans_of_all(), [&](std::uint64_t round_end) {
     std::uint64_t solutions = 0;
-    for (const Chain& each : chains_) {
-      if (!each.part) continue;
-      const std::vector<std::uint64_t>& found = each.part->solutions();
-      solutions +=
-          static_cast<std::uint64_t>(std::ranges::lower_bound(found, round_end) - found.begin());
-    }
+    for (const Chain& each : chains_)
+      solutions += each.part ? each.part->solutions().before(round_end) : 0;
     return solutions;
   });
 }
@@ -104,7 +94,7 @@ plan::Draws BurntInChains::draws() const {
 std::uint64_t BurntInChains::solutions_found() const {
   std::uint64_t sum = 0;
   for (const Chain& chain : chains_)
-    sum += chain.part ? chain.part->solutions().size() : 0;
+    sum += chain.part ? chain.part->solutions().count() : 0;
   return sum;
 }
 

@@ -11,6 +11,7 @@
 
 #include "common/plan/report.h"
 #include "common/plan/unit.h"
+#include "worker/sampling/solutions.h"
 
 namespace sleight::sampling {
 
@@ -43,8 +44,7 @@ class ChainPart {
   virtual std::uint64_t scans() const = 0;
   /// Of these, records at inverse temperature 1.
   virtual std::uint64_t draws() const = 0;
-  /// Scans at which a lineage first satisfied at inverse temperature 1, in order.
-  virtual const std::vector<std::uint64_t>& solutions() const = 0;
+  virtual const Solutions& solutions() const = 0;
   /// One row of a table per chain: values over some dimension of its own.
   struct Row {
     const char* name;
@@ -55,17 +55,6 @@ class ChainPart {
   virtual std::vector<Row> rows() const = 0;
   /// As plan::Report's.
   virtual const char* warning() const { return ""; }
-};
-
-/// Which lineages have satisfied, and when first.
-class Solutions {
- public:
-  void add(std::uint64_t scan, const plan::ScanRecord& record);
-  const std::vector<std::uint64_t>& scans() const { return scans_; }
-
- private:
-  std::vector<std::uint64_t> lineages_;  ///< ascending
-  std::vector<std::uint64_t> scans_;
 };
 
 }  // namespace sleight::sampling

@@ -22,7 +22,7 @@ class Excursions final : public ChainPart {
                std::span<const plan::ScanRecord> records) override;
   std::uint64_t scans() const override { return scan_; }
   std::uint64_t draws() const override { return scan_ - burn_in_.scans; }
-  const std::vector<std::uint64_t>& solutions() const override { return solutions_.scans(); }
+  const Solutions& solutions() const override { return solutions_; }
   /// Lineages count what was accepted: the ladder ends at the prior.
   std::vector<Row> rows() const override;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/check.h"
+#include "worker/sampling/ladder.h"
 
 namespace sleight::sampling {
 
@@ -18,13 +19,9 @@ IndependentChains::IndependentChains(const IndependentChainsOptions& options)
 
 void IndependentChains::judge_rounds() {
   stop_.judge(common_consumed(), [&](std::uint64_t round_end) {
-    // The lineages that had satisfied by then.
     std::uint64_t solutions = 0;
-    for (const Chain& chain : chains_) {
-      solutions += static_cast<std::uint64_t>(
-          std::count_if(chain.first_satisfied.begin(), chain.first_satisfied.end(),
-                        [&](std::uint64_t scan) { return scan < round_end; }));
-    }
+    for (const Chain& chain : chains_)
+      solutions += chain.solutions.before(round_end);
     return solutions;
   });
 }
@@ -40,9 +37,7 @@ std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) 
   std::vector<double> betas{1};
   if (consumed < anneal_scans_) {
     scans = std::min(scans, anneal_scans_ - consumed);
-    betas.clear();
-    for (std::uint64_t scan = consumed; scan < consumed + scans; ++scan)
-      betas.push_back(static_cast<double>(scan) / static_cast<double>(anneal_scans_));
+    betas = annealing(1, anneal_scans_, consumed, scans);
   }
   return plan::Unit{.replica = {base::ChainId{id}, base::ReplicaId{0}},
                     .first_scan = base::ScanIndex{consumed},
@@ -66,12 +61,7 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
   by_progress_.erase({chain.consumed, replica.chain.value});
   idle_.erase({chain.consumed, replica.chain.value});  // there when it comes from a run store
   for (const plan::ScanRecord& record : records) {
-    if (record.satisfied && record.inverse_temperature == 1 &&
-        chain.newest_satisfied_lineage != record.lineage) {
-      chain.newest_satisfied_lineage = record.lineage;
-      chain.first_satisfied.push_back(chain.consumed);
-      ++solutions_;
-    }
+    chain.solutions.add(chain.consumed, record);
     ++chain.consumed;
   }
   by_progress_.emplace(chain.consumed, replica.chain.value);
@@ -89,6 +79,13 @@ std::uint64_t IndependentChains::common_consumed() const {
 
 std::uint64_t IndependentChains::scans_common() const {
   return std::min(common_consumed(), stop_.end());
+}
+
+std::uint64_t IndependentChains::solutions_found() const {
+  std::uint64_t sum = 0;
+  for (const Chain& chain : chains_)
+    sum += chain.solutions.count();
+  return sum;
 }
 
 std::uint64_t IndependentChains::scans_consumed() const {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/plan/plan.h"
+#include "worker/sampling/solutions.h"
 #include "worker/sampling/stop_rule.h"
 
 namespace sleight::sampling {
@@ -40,7 +41,7 @@ class IndependentChains final : public plan::Plan {
   bool finished() const override;
   std::uint64_t scans_common() const override;
   plan::Draws draws() const override;
-  std::uint64_t solutions_found() const override { return solutions_; }
+  std::uint64_t solutions_found() const override;
   std::optional<std::uint64_t> solutions_wanted() const override {
     return stop_.solutions_wanted();
   }
@@ -50,9 +51,7 @@ class IndependentChains final : public plan::Plan {
  private:
   struct Chain {
     std::uint64_t consumed = 0;
-    /// The scan at which each of its lineages first satisfied, in order.
-    std::vector<std::uint64_t> first_satisfied;
-    std::optional<std::uint64_t> newest_satisfied_lineage;
+    Solutions solutions;
   };
 
   std::uint64_t common_consumed() const;
@@ -64,7 +63,6 @@ class IndependentChains final : public plan::Plan {
   using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed, chain)
   std::set<Progress> by_progress_;                           ///< all chains
   std::set<Progress> idle_;                                  ///< those with no unit handed out
-  std::uint64_t solutions_ = 0;
   StopJudge stop_;
 };
 

@@ -77,6 +77,14 @@ std::vector<double> first_ladder(std::uint32_t levels) {
   return ladder;
 }
 
+std::vector<double> annealing(double target, std::uint64_t anneal_scans, std::uint64_t first_scan,
+                              std::uint64_t scans) {
+  std::vector<double> betas;
+  for (std::uint64_t scan = first_scan; scan < first_scan + scans; ++scan)
+    betas.push_back(target * (static_cast<double>(scan) / static_cast<double>(anneal_scans)));
+  return betas;
+}
+
 double log_swap_ratio(double beta, double cooler_beta, double log_constraint,
                       double cooler_log_constraint) {
   if (log_constraint == cooler_log_constraint) return 0;

@@ -30,6 +30,11 @@ std::vector<double> first_ladder(std::uint32_t levels);
 double log_swap_ratio(double beta, double cooler_beta, double log_constraint,
                       double cooler_log_constraint);
 
+/// The inverse temperatures of so many scans of simulated annealing, `anneal_scans` in all, from
+/// the prior to `target` in equal steps.
+std::vector<double> annealing(double target, std::uint64_t anneal_scans, std::uint64_t first_scan,
+                              std::uint64_t scans);
+
 /// The smallest and greatest number of levels that are chosen.
 inline constexpr std::uint32_t k_levels_min = 2;
 inline constexpr std::uint32_t k_levels_max = 256;

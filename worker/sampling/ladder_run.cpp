@@ -70,17 +70,13 @@ plan::Unit LadderRun::anneal(std::uint32_t id, std::uint32_t scans_max) const {
   const Replica& replica = replicas_[id];
   const std::uint64_t scans =
       std::min<std::uint64_t>(options_.anneal_scans - replica.next_scan, scans_max);
-  const double target = options_.first_ladder[id];
-  std::vector<double> betas;
-  for (std::uint64_t scan = replica.next_scan; scan < replica.next_scan + scans; ++scan)
-    betas.push_back(target *
-                    (static_cast<double>(scan) / static_cast<double>(options_.anneal_scans)));
   return {.replica = {options_.chain, base::ReplicaId{id}},
           .first_scan = base::ScanIndex{replica.next_scan},
           .scans = static_cast<std::uint32_t>(scans),
           .starts = replica.next_scan == 0,
           .lineage = replica.lineage,
-          .inverse_temperatures = std::move(betas),
+          .inverse_temperatures =
+              annealing(options_.first_ladder[id], options_.anneal_scans, replica.next_scan, scans),
           .proposal_scales = {},
           .excursion = {}};
 }

@@ -33,6 +33,7 @@
 #include "worker/sampling/chain_part.h"
 #include "worker/sampling/round_statistics.h"
 #include "worker/sampling/rules.h"
+#include "worker/sampling/solutions.h"
 #include "worker/sampling/tuning.h"
 
 namespace sleight::sampling {
@@ -79,8 +80,7 @@ class LadderRun {
   std::uint64_t records_consumed() const { return records_; }
   /// Of these, those of scans that every level has.
   std::uint64_t records_counted() const;
-  /// Scans at which a lineage first satisfied at inverse temperature 1, in order.
-  const std::vector<std::uint64_t>& solutions() const { return solutions_.scans(); }
+  const Solutions& solutions() const { return solutions_; }
   /// All rounds, the present one last.
   const std::vector<RoundReport>& rounds() const { return rounds_; }
   std::uint32_t replicas() const { return static_cast<std::uint32_t>(replicas_.size()); }

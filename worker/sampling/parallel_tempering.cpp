@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/base/check.h"
+#include "worker/sampling/furthest_behind.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/ladder_report.h"
 
@@ -23,15 +24,8 @@ ParallelTempering::ParallelTempering(const ParallelTemperingOptions& options)
 
 std::optional<plan::Unit> ParallelTempering::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  // Of the ladder that is furthest behind among those that have one.
-  std::vector<LadderRun*> order;
-  for (LadderRun& ladder : ladders_)
-    order.push_back(&ladder);
-  std::ranges::stable_sort(order, {}, &LadderRun::scans);
-  for (LadderRun* ladder : order) {
-    if (auto unit = ladder->next_unit(stop_.horizon(), scans_max)) return unit;
-  }
-  return std::nullopt;
+  return unit_of_furthest_behind(
+      ladders_, [&](LadderRun& ladder) { return ladder.next_unit(stop_.horizon(), scans_max); });
 }
 
 void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
@@ -40,11 +34,8 @@ void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_
   ladders_[replica.chain.value].consume(replica.replica, first_scan.value, records);
   stop_.judge(reached_by_all(), [&](std::uint64_t round_end) {
     std::uint64_t solutions = 0;
-    for (const LadderRun& ladder : ladders_) {
-      const std::vector<std::uint64_t>& found = ladder.solutions();
-      solutions +=
-          static_cast<std::uint64_t>(std::ranges::lower_bound(found, round_end) - found.begin());
-    }
+    for (const LadderRun& ladder : ladders_)
+      solutions += ladder.solutions().before(round_end);
     return solutions;
   });
 }
@@ -70,7 +61,7 @@ plan::Draws ParallelTempering::draws() const {
 std::uint64_t ParallelTempering::solutions_found() const {
   std::uint64_t sum = 0;
   for (const LadderRun& ladder : ladders_)
-    sum += ladder.solutions().size();
+    sum += ladder.solutions().count();
   return sum;
 }
 

@@ -33,7 +33,7 @@ class SimulatedTempering final : public ChainPart {
                std::span<const plan::ScanRecord> records) override;
   std::uint64_t scans() const override { return scan_; }
   std::uint64_t draws() const override { return visits_.back(); }
-  const std::vector<std::uint64_t>& solutions() const override { return solutions_.scans(); }
+  const Solutions& solutions() const override { return solutions_; }
   std::vector<Row> rows() const override;
 
  private:

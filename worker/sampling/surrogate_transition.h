@@ -24,7 +24,9 @@
 // which is -infinity where A is not of F(y). Nothing kept is the surrogate by itself; all kept is
 // the best guess, but F never changes; so transitions of one step keep all, or each second one.
 //
-// No state of positive density may have a surrogate without: l* > -infinity where l is.
+// What exactness rests on: the surrogate has the target's p_w; l*(x) > -infinity where l(x) is,
+// with any anchor that x may have; and what an anchor is drawn from, and its probability, of the
+// surrogate's outcome, is the same whatever anchor that outcome was made with.
 #pragma once
 
 #include <cstdint>
@@ -56,13 +58,12 @@ struct SurrogateMove {
 };
 inline double log_surrogate_ratio(const SurrogateMove& move) {
   constexpr double k_zero_density = -std::numeric_limits<double>::infinity();
-  if (move.candidate == k_zero_density && move.current != k_zero_density) return k_zero_density;
-  const double anchors = move.log_anchor_candidate - move.log_anchor_current;
   // Out of a start that breaks a hard constraint everything is taken.
-  if (move.current == k_zero_density) return anchors;
+  if (move.current == k_zero_density) return 0;
+  if (move.candidate == k_zero_density) return k_zero_density;
   return move.inverse_temperature *
              ((move.candidate - move.candidate_guess) - (move.current - move.current_guess)) +
-         anchors;
+         move.log_anchor_candidate - move.log_anchor_current;
 }
 
 /// How one transition is made.
@@ -74,7 +75,8 @@ struct SurrogateTransition {
   std::span<const double> scales;  ///< of proposals, by kind
 };
 
-/// Replaces `current` or keeps it. `count` is told each step's report, and then the transition's.
+/// Replaces `current` or keeps it. `count` is told each step's report, accepted or not by the
+/// guess, and the transition's if it led anywhere. REQUIRES: an inverse temperature above 0.
 template <HasSurrogate T, class Count>
 void surrogate_transition(const T& target, const SurrogateTransition& transition,
                           StepStreams& streams, Sample<T>& current, const Count& count) {
@@ -94,12 +96,9 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
                                    transition.scales));
 
   // Simulate where they end, and accept it with probability min(1, ratio).
-  StepReport report{.kind = transition.kind};
   const double log_u = math::log(streams.acceptance.uniform());
-  if (walk.state == current.state) {
-    count(report);
-    return;
-  }
+  if (walk.state == current.state) return;
+  StepReport report{.kind = transition.kind};
   SurrogateMove move{.inverse_temperature = transition.inverse_temperature,
                      .current = current.log_constraint,
                      .current_guess = guess,
@@ -128,15 +127,15 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
   count(report);
 }
 
-/// One iteration as the target wants it: a step of Algorithm 2.1, a walk of its surrogate, or
-/// several single steps of that. REQUIRES: an iteration once per replica.
+/// One iteration as the target wants it: a walk of its surrogate, or several single steps of that;
+/// a step of Algorithm 2.1 if it wants neither. REQUIRES: an iteration once per replica.
 template <Target T, class Count>
 void iterate(const T& target, double inverse_temperature, const ChainStreams& streams,
              std::uint64_t iteration, Sample<T>& current, std::span<const double> scales,
              const Count& count) {
   if constexpr (HasSurrogate<T>) {
     const SurrogateSteps steps = target.surrogate_steps(scales);
-    if (steps.walk > 0 || steps.single > 0) {
+    if (inverse_temperature > 0 && (steps.walk > 0 || steps.single > 0)) {
       StepStreams own = step_streams(streams, iteration);
       SurrogateTransition transition{.inverse_temperature = inverse_temperature,
                                      .steps = steps.walk,

@@ -93,10 +93,10 @@ struct SurrogateSteps {
   std::uint32_t single_kind = 0;
 };
 
-/// A target with a surrogate: another target over the same states whose simulation costs far less,
-/// and tells most of what comes of a state. What it got wrong of a state may anchor it
-/// (surrogate_transition.h); an Anchor{} anchors nothing. Its outcomes don't hang on the anchor, or
-/// simulate_from sees to it.
+/// A target with a surrogate: another target over the same states, with the same p_w, whose
+/// simulation costs far less and tells most of what comes of a state. What it got wrong of a state
+/// may anchor it (surrogate_transition.h); an Anchor{} anchors nothing. simulate_from may be given
+/// an outcome that was made with another anchor. States can be compared.
 template <class T>
 concept HasSurrogate = Target<T> && SimulatesChanges<typename T::Surrogate> &&
     std::same_as<typename T::State, typename T::Surrogate::State> &&

@@ -9,8 +9,8 @@
 //   log ratio = sum over k of (beta_{k+1} - beta_k) (l(x_k) - l(x'_k)),    l = log p_c,
 //
 // x_k the state that goes down from beta_k and x'_k the one that has come up to it. Kernels are
-// reversible, as Metropolis-Hastings steps are, and as a draw from the prior is at inverse
-// temperature 0, where the way turns: so there one draw is made, not two.
+// reversible, as Metropolis-Hastings steps and surrogate transitions are, and as a draw from the
+// prior is at inverse temperature 0, where the way turns: so there one draw is made, not two.
 #pragma once
 
 #include <cmath>

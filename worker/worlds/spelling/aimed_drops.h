@@ -45,7 +45,7 @@ class Windows {
   Vec2 draw(std::size_t bin, random::Stream& stream) const;
   /// The mean of these bins' densities there, 1/m^2.
   double density(std::span<const std::size_t> bins, const Vec2& drop_m) const;
-  /// No mean is greater.
+  /// No mean is greater, but for rounding.
   double greatest_density(const Vec2& drop_m) const;
 
  private:

@@ -18,7 +18,8 @@ void SoloBalls::settle(Outcome& outcome) const {
   outcome.filled = 0;
   outcome.filling.assign(outcome.alone.size(), k_fills_none);
   const auto fill = [&](std::size_t ball, std::int16_t bin) {
-    if (bin == k_fills_none || full[static_cast<std::size_t>(bin)]++ > 0) return;
+    if (bin == k_fills_none || full[static_cast<std::size_t>(bin)] != 0) return;
+    full[static_cast<std::size_t>(bin)] = 1;
     outcome.filling[ball] = bin;
     ++outcome.filled;
   };

@@ -21,18 +21,18 @@ class Spelling;
 
 /// Balls that are taken for granted: what they fill, and where they are dropped, by ball.
 struct Anchor {
-  Filling bins{};  ///< k_fills_none for the others; empty if there are none
-  std::vector<Vec2> drops_m{};
-  friend bool operator==(const Anchor&, const Anchor&) = default;
+  Filling bins{};               ///< k_fills_none for the others; empty if nothing is known
+  std::vector<Vec2> drops_m{};  ///< 0 for the others
 };
 
 class SoloBalls {
  public:
   using State = spelling::State;
   struct Outcome {
-    bool possible = true;  ///< false also if offsets turn the box inside out
-    Filling alone{};       ///< by ball: the bin that it fills alone
-    Filling filling{};     ///< the same without second balls in a bin
+    /// False if an anchored ball differs, or if offsets leave an active ball no place to start.
+    bool possible = true;
+    Filling alone{};    ///< by ball: the bin that it fills alone
+    Filling filling{};  ///< the same without second balls in a bin
     std::uint32_t filled = 0;
   };
 

@@ -24,8 +24,8 @@ constexpr std::uint64_t k_work_per_ball_max = 10'000;
 constexpr std::uint64_t k_work_to_rest = 5;
 /// Balls keep this distance from the walls when they are dropped.
 constexpr double k_clear_m = 1e-6;
-/// A walk of balls that fall alone has so many steps at most; where walks half as long as asked are
-/// hardly accepted, there are none.
+/// A walk of balls that fall alone has so many steps at most. Where walks would have to be shorter
+/// than half of those asked for, to be accepted often enough, single steps do better.
 constexpr double k_solo_walk_max = 60;
 constexpr double k_walk_scale_min = 0.5;
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
@@ -97,11 +97,13 @@ Anchor Spelling::draw_anchor(const State& state, const Outcome& outcome,
                              const SoloBalls::Outcome& solo, double keep,
                              random::Stream& stream) const {
   if (keep == 0 || !outcome.is_animation()) return {};
-  Anchor anchor{.bins = Filling(balls(), k_fills_none), .drops_m = state.drops_m};
+  Anchor anchor{.bins = Filling(balls(), k_fills_none),
+                .drops_m = std::vector<Vec2>(balls(), Vec2(0, 0))};
   for (std::size_t ball = 0; ball < balls(); ++ball) {
     const std::int16_t helped = filled_with_help(outcome, solo, ball);
-    if (helped != k_fills_none && (keep == 1 || stream.uniform() < keep))
-      anchor.bins[ball] = helped;
+    if (helped == k_fills_none || (keep != 1 && stream.uniform() >= keep)) continue;
+    anchor.bins[ball] = helped;
+    anchor.drops_m[ball] = state.drops_m[ball];
   }
   return anchor;
 }
@@ -129,11 +131,12 @@ double Spelling::log_anchor_probability(const Anchor& anchor, const Outcome& out
 
 sampling::SurrogateSteps Spelling::surrogate_steps(std::span<const double> scales) const {
   const std::uint32_t asked = parameters_.proposal.solo_steps;
+  if (asked == 0) return {};
   const auto walk_kind = static_cast<std::uint32_t>(Kind::solo_walk);
   const double scale = scales.empty() ? 1 : scales[walk_kind];
   const double walk =
       scale < k_walk_scale_min ? 0 : std::clamp(asked * scale, 1.0, k_solo_walk_max);
-  return {.walk = asked == 0 ? 0 : static_cast<std::uint32_t>(walk),
+  return {.walk = static_cast<std::uint32_t>(walk),
           .single = asked,
           .walk_kind = walk_kind,
           .single_kind = static_cast<std::uint32_t>(Kind::solo_step)};

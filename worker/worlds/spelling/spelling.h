@@ -125,8 +125,8 @@ class Spelling {
                      const sampling::Proposal<State>& proposal,
                      const Filling* candidate_filling) const;
 
-  // The surrogate: each ball alone (solo_balls.h). What it gets wrong of an animation are balls
-  // that fill a bin which they would not fill alone: others help them there.
+  // The surrogate: each ball alone (solo_balls.h). What only the simulation gets right of an
+  // animation are balls that fill a bin which they would not fill alone: others help them there.
   using Surrogate = SoloBalls;
   using Anchor = spelling::Anchor;
   SoloBalls surrogate(const Anchor& anchor) const { return SoloBalls(*this, anchor); }
@@ -136,7 +136,7 @@ class Spelling {
                                 const SoloBalls::Outcome& solo, double keep) const;
   sampling::SurrogateSteps surrogate_steps(std::span<const double> scales) const;
   /// The number of the designated bin, k_fills_none if none, that a ball fills which falls there
-  /// alone; nothing if offsets turn the box inside out.
+  /// alone; nothing if offsets turn the box inside out or leave it no place to start.
   std::optional<std::int16_t> bin_alone(std::span<const Vec3> offsets_m, const Vec2& drop_m) const;
 
   bool has_scale(std::uint32_t kind) const { return spelling::has_scale(static_cast<Kind>(kind)); }

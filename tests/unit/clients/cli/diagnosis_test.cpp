@@ -39,11 +39,11 @@ class TemperedRun final : public archive::RunView {
   TemperedRun(const FakeRunOptions& options, std::vector<double> first_scans)
       : run_(options), scans_(options.scans), first_scans_(std::move(first_scans)) {}
   std::uint32_t chains() const override { return run_.chains(); }
-  std::uint64_t scans() const override { return run_.scans(); }
-  void for_each_scan(
+  std::uint64_t draws() const override { return run_.draws(); }
+  void for_each_draw(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const override {
-    run_.for_each_scan(chain, visit);
+    run_.for_each_draw(chain, visit);
   }
   plan::Report report() const override {
     const std::size_t rounds = first_scans_.size();
@@ -234,7 +234,7 @@ TEST_F(DiagnosisTest, SolutionsAreLineagesOfTheWholeRun) {
   std::set<std::pair<std::uint32_t, std::uint64_t>> lineages;
   std::uint64_t satisfied = 0;
   for (std::uint32_t c = 0; c < k_chains; ++c) {
-    FakeRun(run).for_each_scan({c}, [&](base::ScanIndex, const plan::ScanRecord& record) {
+    FakeRun(run).for_each_draw({c}, [&](base::ScanIndex, const plan::ScanRecord& record) {
       if (!record.satisfied) return;
       lineages.emplace(c, record.lineage);
       ++satisfied;

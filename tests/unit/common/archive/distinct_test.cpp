@@ -23,7 +23,7 @@ std::vector<Address> reference(const FakeRun& run, const FakeReader& reader,
                                const DistinctOptions& options) {
   std::vector<Address> kept;
   std::map<std::pair<std::uint32_t, std::uint64_t>, std::vector<base::Bytes>> of_lineage;
-  for (std::uint64_t scan = 0; scan < run.scans(); ++scan) {
+  for (std::uint64_t scan = 0; scan < run.draws(); ++scan) {
     for (std::uint32_t chain = 0; chain < run.chains(); ++chain) {
       const plan::ScanRecord record = run.record({chain}, scan);
       auto& others = of_lineage[{chain, record.lineage}];
@@ -44,7 +44,7 @@ std::vector<Address> selected(const FakeRun& run, const FakeReader& reader,
                               const DistinctOptions& options) {
   DistinctSelector selector(reader, options);
   for (std::uint32_t chain = 0; chain < run.chains(); ++chain) {
-    run.for_each_scan({chain}, [&](base::ScanIndex scan, const plan::ScanRecord& record) {
+    run.for_each_draw({chain}, [&](base::ScanIndex scan, const plan::ScanRecord& record) {
       selector.offer({chain}, scan, record);
     });
   }

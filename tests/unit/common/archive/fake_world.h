@@ -106,9 +106,9 @@ class FakeRun : public RunView {
   explicit FakeRun(const FakeRunOptions& options) : options_(options) {}
 
   std::uint32_t chains() const override { return options_.chains; }
-  std::uint64_t scans() const override { return options_.scans; }
+  std::uint64_t draws() const override { return options_.scans; }
 
-  void for_each_scan(
+  void for_each_draw(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const override {
     plan::ScanRecord record;

@@ -100,7 +100,7 @@ std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t ch
                                      std::uint64_t scans) {
   std::vector<plan::ScanRecord> records;
   const StoredRun run(folder, chain + 1, scans);
-  run.for_each_scan(base::ChainId{chain}, [&](base::ScanIndex scan, const auto& record) {
+  run.for_each_draw(base::ChainId{chain}, [&](base::ScanIndex scan, const auto& record) {
     EXPECT_EQ(scan.value, records.size());
     records.push_back(record);
   });

@@ -81,10 +81,10 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
   store.flush();
   const StoredRun run(folder(), 2, 7);
   EXPECT_EQ(run.chains(), 2U);
-  EXPECT_EQ(run.scans(), 7U);
+  EXPECT_EQ(run.draws(), 7U);
   for (const std::uint32_t chain : {0U, 1U}) {
     std::uint64_t next = 0;
-    run.for_each_scan(base::ChainId{chain}, [&](base::ScanIndex scan, const auto& record) {
+    run.for_each_draw(base::ChainId{chain}, [&](base::ScanIndex scan, const auto& record) {
       EXPECT_EQ(scan.value, next);
       EXPECT_TRUE(testing::same_bits(record, testing::record_of(chain, next++)));
     });

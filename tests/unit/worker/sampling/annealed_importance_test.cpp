@@ -100,6 +100,9 @@ TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
         record.log_constraint =
             dice.once_in(40) ? -k_infinity : -4 * static_cast<double>(dice.below(1000)) / 1000;
         record.satisfied = dice.once_in(2);
+        // Each ascent begins with a draw from the prior.
+        const std::uint64_t ascent = (unit.first_scan.value + nth - 31) / betas.size();
+        record.lineage = plan::lineage_from(unit.replica.replica, 31 + ascent * betas.size());
       }
       auto& lane = seen[unit.replica.replica.value - 6];
       lane.insert(lane.end(), records.begin(), records.end());
@@ -127,7 +130,7 @@ TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
     }
     const auto n = static_cast<double>(logs.size());
     EXPECT_EQ(part.draws(), logs.size());
-    EXPECT_EQ(part.solutions(), solutions);
+    EXPECT_EQ(part.solutions().scans(), solutions);
     const std::vector<ChainPart::Row> rows = part.rows();
     EXPECT_EQ(row(rows, "ascent_inverse_temperature"), betas);
     ASSERT_EQ(row(rows, "log_weight").size(), logs.size());

@@ -201,8 +201,8 @@ void expect_end(Session& session, const std::vector<SlowLadder>& expected, std::
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const LadderRun& ladder = plan.ladders()[i];
     EXPECT_EQ(ladder.scans(), end);
-    EXPECT_EQ(ladder.solutions(), expected[i].solutions);
-    EXPECT_EQ(fingerprint(ladder.rounds(), ladder.solutions()),
+    EXPECT_EQ(ladder.solutions().scans(), expected[i].solutions);
+    EXPECT_EQ(fingerprint(ladder.rounds(), ladder.solutions().scans()),
               fingerprint(expected[i].rounds, expected[i].solutions));
     solutions += expected[i].solutions.size();
     scans += expected[i].units.size();

@@ -90,7 +90,7 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
   const RoundReport& round = played.run().rounds().front();
   EXPECT_EQ(round.restarts, 4U);
   EXPECT_EQ(round.round_trips, 3U);
-  EXPECT_EQ(played.run().solutions(), (std::vector<std::uint64_t>{0, 1, 3, 5, 7}));
+  EXPECT_EQ(played.run().solutions().scans(), (std::vector<std::uint64_t>{0, 1, 3, 5, 7}));
   EXPECT_EQ(round.statistics.rejections(), std::vector{0.0});
 }
 
@@ -118,7 +118,7 @@ TEST(LadderTrips, OfALadderThatNeverSwaps) {
   const RoundReport& round = played.run().rounds().front();
   EXPECT_EQ(round.round_trips, 0U);
   EXPECT_EQ(round.restarts, 0U);
-  EXPECT_EQ(played.run().solutions(), std::vector<std::uint64_t>{0});
+  EXPECT_EQ(played.run().solutions().scans(), std::vector<std::uint64_t>{0});
   EXPECT_EQ(played.lineages(0).back(), plan::lineage_from(base::ReplicaId{0}, 49));
   for (std::uint32_t replica = 1; replica < 4; ++replica)
     EXPECT_EQ(played.lineages(replica).back(), plan::lineage_from(base::ReplicaId{replica}, 0));

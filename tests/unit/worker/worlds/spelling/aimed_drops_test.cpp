@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "common/random/stream.h"
@@ -116,23 +117,36 @@ TEST(AimedDrops, AreEachOthersWayBack) {
 }
 
 TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
-  // Goal: the formula of the header. Method: two balls, one of which fills a bin, by hand.
-  const Prior prior{.vertices = 0, .balls = 2, .vertex_sd_m = 1, .drop_half_m = {0.05, 0.03}};
+  // Goal: the formula of the header. Method: four balls by hand, of which one fills a bin; the
+  // second is aimed, from where it was dropped or from where it took no part.
+  const Prior prior{.vertices = 0, .balls = 4, .vertex_sd_m = 1, .drop_half_m = {0.05, 0.03}};
   Windows windows;
-  windows.add({-0.02, 0}, 0.02, prior.drop_half_m);
-  windows.add({0.02, 0}, 0.02, prior.drop_half_m);
-  const State state{.offsets_m = {}, .active = {1, 0}, .drops_m = {Vec2(-0.02, 0), Vec2(0, 0)}};
-  State candidate = state;
-  candidate.active[1] = 1;
-  candidate.drops_m[1] = {0.021, 0.001};
-  const Filling filling{0, k_fills_none};
-  const Filling there{0, 1};
-  const std::size_t empty[] = {1};
-  // There one loose ball, into one bin; back one of two that fill one, and inactive by 1/2.
-  const double aim = k_aims.aim * windows.density(empty, candidate.drops_m[1]);
-  const double scatter = k_aims.scatter / 2 * 0.5;
-  EXPECT_NEAR(aim_log_q_ratio(prior, windows, k_aims, state, filling, candidate, there),
-              std::log(scatter / aim), 1e-13);
+  for (const double x_m : {-0.03, -0.01, 0.01, 0.03})
+    windows.add({x_m, 0}, 0.02, prior.drop_half_m);
+  for (const bool was_active : {false, true}) {
+    State state{.offsets_m = {},
+                .active = {1, 0, 0, 1},
+                .drops_m = {Vec2(-0.03, 0), Vec2(0, 0), Vec2(0, 0), Vec2(0.04, 0.02)}};
+    if (was_active) {
+      state.active[1] = 1;
+      state.drops_m[1] = {-0.04, 0.01};
+    }
+    State candidate = state;
+    candidate.active[1] = 1;
+    candidate.drops_m[1] = {0.031, 0.001};
+    const Filling filling{0, k_fills_none, k_fills_none, k_fills_none};
+    const Filling there{0, 3, k_fills_none, k_fills_none};
+    // There one of three loose balls, into one of three bins; back one of two that fill one.
+    double density_pm2 = 0;
+    for (const std::size_t bin : {1, 2, 3})
+      density_pm2 += windows.density(std::span(&bin, 1), candidate.drops_m[1]) / 3;
+    const double aim = k_aims.aim / 3 * density_pm2;
+    const double scatter = k_aims.scatter / 2 * (was_active ? 0.5 / (0.1 * 0.06) : 0.5);
+    EXPECT_NEAR(aim_log_q_ratio(prior, windows, k_aims, state, filling, candidate, there),
+                std::log(scatter / aim), 1e-13);
+    EXPECT_NEAR(scatter_log_q_ratio(prior, windows, k_aims, candidate, there, state, filling),
+                std::log(aim / scatter), 1e-13);
+  }
 }
 
 TEST(Windows, DrawWhatTheirDensitySays) {
@@ -178,7 +192,7 @@ TEST(Windows, DrawWhatTheirDensitySays) {
 
 TEST(AimedDrops, KnowWhatEachBallFills) {
   // Goal: the outcome's filling is that of balls_of_bins, as many as are filled. Method: prior
-  // draws of HI with all balls.
+  // draws of HI.
   const Spelling world{Parameters{}};
   for (std::uint64_t i = 0; i < 40; ++i) {
     random::Stream stream = stream_of(i);

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "common/random/stream.h"
+#include "worker/sampling/surrogate_transition.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
@@ -57,7 +58,7 @@ TEST(SoloBalls, AreWhatEachBallDoesAlone) {
 
 TEST(SoloBalls, FromChangesAreTheSame) {
   // Goal: what comes of a candidate is the same when only the changed balls are simulated. Method:
-  // walks of proposals of all kinds, anchored or not, both ways.
+  // walks of proposals of all kinds, with anchored balls where there are such.
   const Spelling world(parameters_with_aims());
   std::uint64_t changed = 0;
   for (std::uint64_t i = 0; i < 20; ++i) {
@@ -104,9 +105,15 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
       EXPECT_EQ(outcome.filling[ball], anchor.bins[ball]);
       EXPECT_EQ(std::ranges::count(outcome.filling, anchor.bins[ball]), 1);
       State other = state;
+      other.drops_m[ball].x() += 1e-6;
+      EXPECT_FALSE(surrogate.simulate(other).possible);
+      EXPECT_FALSE(surrogate.simulate_from(other, state, outcome).possible);
       other.active[ball] = 0;
       other.drops_m[ball] = {0, 0};
       EXPECT_FALSE(surrogate.simulate(other).possible);
+      // And back from there, by another surrogate's outcome.
+      expect_equal(surrogate.simulate_from(state, other, world.surrogate({}).simulate(other)),
+                   outcome);
     }
   }
   EXPECT_GT(anchored, 20U);
@@ -117,7 +124,7 @@ TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
   // animation that has helped balls, six standard deviations; an anchor of another one has none.
   const Spelling world(parameters_with_aims());
   int animations = 0;
-  for (std::uint64_t i = 0; animations < 5; ++i) {
+  for (std::uint64_t i = 0; animations < 5 && i < 1000; ++i) {
     random::Stream stream = stream_of(i);
     const State state = world.draw_prior(stream);
     const Outcome known = world.simulate(state);
@@ -127,6 +134,11 @@ TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
       continue;
     ++animations;
     EXPECT_EQ(world.log_anchor_probability(all, known, alone, 1), 0);
+    const Anchor none{.bins = Filling(all.bins.size(), k_fills_none), .drops_m = all.drops_m};
+    EXPECT_EQ(world.log_anchor_probability(none, known, alone, 1),
+              -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(world.log_anchor_probability(all, {.end = End::impossible}, alone, 0.3),
+              -std::numeric_limits<double>::infinity());
     EXPECT_EQ(world.log_anchor_probability({}, known, alone, 0), 0);
     std::map<Filling, double> counts;
     constexpr double k_draws = 20'000;
@@ -146,6 +158,25 @@ TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
     *ball = 0;
     EXPECT_EQ(world.log_anchor_probability(wrong, known, alone, 0.3),
               -std::numeric_limits<double>::infinity());
+  }
+}
+
+TEST(SoloBalls, HeldOutcomesAreThoseOfTheState) {
+  // Goal: what a sample holds of its surrogate is never another state's. Method: iterations at two
+  // inverse temperatures, the held outcome against a new one after each.
+  const Spelling world(parameters_with_aims());
+  const sampling::ChainStreams streams{.seed = 28, .chain = {}, .replica = {}};
+  for (const double beta : {0.3, 1.0}) {
+    auto sample = sampling::initialize(world, streams);
+    std::uint64_t held = 0;
+    for (std::uint64_t i = 1; i <= 200; ++i) {
+      sampling::iterate(world, beta, streams, i, sample, {}, [](const sampling::StepReport&) {});
+      EXPECT_EQ(sample.outcome.filling, world.simulate(sample.state).filling);
+      if (!sample.surrogate) continue;
+      ++held;
+      EXPECT_EQ(sample.surrogate->alone, world.surrogate({}).simulate(sample.state).alone);
+    }
+    EXPECT_EQ(held, 200U);
   }
 }
 

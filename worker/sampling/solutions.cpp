@@ -1,4 +1,4 @@
-#include "worker/sampling/chain_part.h"
+#include "worker/sampling/solutions.h"
 
 #include <algorithm>
 
@@ -9,7 +9,11 @@ void Solutions::add(std::uint64_t scan, const plan::ScanRecord& record) {
   const auto known = std::ranges::lower_bound(lineages_, record.lineage);
   if (known != lineages_.end() && *known == record.lineage) return;
   lineages_.insert(known, record.lineage);
-  scans_.push_back(scan);
+  scans_.insert(std::ranges::upper_bound(scans_, scan), scan);
+}
+
+std::uint64_t Solutions::before(std::uint64_t scan) const {
+  return static_cast<std::uint64_t>(std::ranges::lower_bound(scans_, scan) - scans_.begin());
 }
 
 }  // namespace sleight::sampling
