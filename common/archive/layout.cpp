@@ -450,15 +450,15 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   const std::uint64_t newest_scan = (archived_states(view, options) - 1) * options.thin;
   for (std::uint32_t i = 0; i < view.chains(); ++i) {
     const base::ChainId chain{i};
-    std::uint64_t scans = 0;
+    std::uint64_t draws = 0;
     view.for_each_draw(chain, [&](base::ScanIndex scan, const plan::ScanRecord& record) {
-      CHECK_EQ(scan.value, scans++);
+      CHECK_EQ(scan.value, draws++);
       posterior.push(scan, record);
       sample_stats.push(record);
       selector.offer(chain, scan, record);
       if (scan.value == newest_scan) newest[i][0] = NewestState{scan, record};
     });
-    CHECK_EQ(scans, view.draws());
+    CHECK_EQ(draws, view.draws());
   }
   posterior.flush();
   sample_stats.flush();

@@ -29,8 +29,8 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
   refuse("steps_per_level", has_steps, "\"tempered_transitions\" or \"annealed_importance\"");
 }
 
-/// A tempered transition goes through all temperatures, down and up again: what is asked for with
-/// many of them would take hours to be accepted or rejected.
+/// A tempered transition goes through all temperatures, down and up again, and has only so many
+/// iteration numbers of its own.
 void check_excursions(Binder& sampler, const SamplerParameters& p) {
   if (p.method != Method::tempered_transitions || !sampler.valid("method")) return;
   for (const char* key : {"replicas", "steps_per_level", "iterations_per_scan"}) {

@@ -9,6 +9,7 @@
 #include "common/store/scan_rows.h"
 
 namespace sleight::store {
+
 StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans)
     : database_(RunStore::database_path(folder), Access::read_only),
       chains_(chains),

@@ -75,8 +75,9 @@ struct SurrogateTransition {
   std::span<const double> scales;  ///< of proposals, by kind
 };
 
-/// Replaces `current` or keeps it. `count` is told each step's report, accepted or not by the
-/// guess, and the transition's if it led anywhere. REQUIRES: an inverse temperature above 0.
+/// Replaces `current` or keeps it. `count` is told each step's report, accepted or not by the guess
+/// and simulated by the surrogate, and the transition's if it led anywhere. REQUIRES: an inverse
+/// temperature above 0.
 template <HasSurrogate T, class Count>
 void surrogate_transition(const T& target, const SurrogateTransition& transition,
                           StepStreams& streams, Sample<T>& current, const Count& count) {

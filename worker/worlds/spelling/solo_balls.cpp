@@ -5,6 +5,7 @@
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
+
 bool SoloBalls::leaves_anchored(const State& state) const {
   for (std::size_t ball = 0; ball < anchor_.bins.size(); ++ball) {
     if (anchor_.bins[ball] == k_fills_none) continue;
@@ -47,14 +48,15 @@ SoloBalls::Outcome SoloBalls::simulate(const State& state) const {
 
 SoloBalls::Outcome SoloBalls::simulate_from(const State& state, const State& from,
                                             const Outcome& of_from) const {
-  const Outcome impossible{.possible = false,
-                           .alone = Filling(state.active.size(), k_fills_none),
-                           .filling = Filling(state.active.size(), k_fills_none)};
+  const auto impossible = [&] {
+    const Filling none(state.active.size(), k_fills_none);
+    return Outcome{.possible = false, .alone = none, .filling = none};
+  };
+  if (!leaves_anchored(state)) return impossible();
   const bool same_box = state.offsets_m == from.offsets_m && of_from.possible;
   const auto same = [&](std::size_t ball) {
     return from.active[ball] == state.active[ball] && from.drops_m[ball] == state.drops_m[ball];
   };
-  if (!leaves_anchored(state)) return impossible;
   Outcome outcome{.alone = Filling(state.active.size(), k_fills_none)};
   for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
     if (state.active[ball] == 0) continue;
@@ -63,7 +65,7 @@ SoloBalls::Outcome SoloBalls::simulate_from(const State& state, const State& fro
       continue;
     }
     const auto bin = world_->bin_alone(state.offsets_m, state.drops_m[ball]);
-    if (!bin) return impossible;
+    if (!bin) return impossible();
     outcome.alone[ball] = *bin;
   }
   settle(outcome);
