@@ -18,10 +18,11 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/version.h"
-#include "service/coordinator/local_executor.h"
-#include "service/coordinator/mpi/mpi_executor.h"
+#include "service/coordinator/local_crew.h"
+#include "service/coordinator/mpi/mpi_crew.h"
 #include "service/coordinator/stop_signal.h"
 #include "worker/run/mpi/mpi_worker.h"
+#include "worker/sampling/block_runner.h"
 
 namespace sleight::programs {
 namespace {
@@ -32,7 +33,8 @@ bool started_by_mpirun() {
 
 schema::Hello hello_of(const request::DirectionRequest& request) {
   return {.program_version = std::string(base::version()),
-          .identity = coordinator::run_identity(request)};
+          .identity = coordinator::run_identity(request),
+          .threads = 1};
 }
 
 int run_rank_0(const DirectArguments& arguments, bool with_mpi) {
@@ -41,19 +43,19 @@ int run_rank_0(const DirectArguments& arguments, bool with_mpi) {
   const auto request = read_request_file(catalogue, arguments);
   if (!request) return static_cast<int>(base::ExitCode::bad_request);
   const base::SteadyClock clock;
-  const auto worker = catalogue.world(request->world).make_worker(*request);
+  const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
+  const sampling::BlockRunner runner(*worker, clock, {.seed = request->sampler.seed});
   if (!with_mpi) {
-    coordinator::LocalExecutor executor(*worker, clock, 1);
-    return run_and_report(*request, catalogue, arguments, executor);
+    coordinator::LocalCrew crew(runner, 1);
+    return run_and_report(*request, catalogue, arguments, crew);
   }
-  coordinator::MpiExecutor executor(*worker, clock, 1, hello_of(*request));
-  return run_and_report(*request, catalogue, arguments, executor);
+  coordinator::MpiCrew crew(runner, clock, 1, hello_of(*request));
+  return run_and_report(*request, catalogue, arguments, crew);
 }
 
 void run_other_rank(DirectArguments arguments) {
-  // The terminal's Ctrl-C reaches every rank; only rank 0 decides what to make of it.
-  std::signal(SIGINT, SIG_IGN);
-  std::signal(SIGTERM, SIG_IGN);
+  // Signals reach every rank; only rank 0 decides what to make of them.
+  coordinator::ignore_stop_signals();
   arguments.errors_elsewhere = true;
   run::Catalogue catalogue;
   const base::SteadyClock clock;
@@ -62,8 +64,9 @@ void run_other_rank(DirectArguments arguments) {
     run::refuse(arguments.request_path + " has errors there");
     return;
   }
-  const auto worker = catalogue.world(request->world).make_worker(*request);
-  run::serve(*worker, clock, hello_of(*request));
+  const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
+  const sampling::BlockRunner runner(*worker, clock, {.seed = request->sampler.seed});
+  run::serve(runner, hello_of(*request));
 }
 
 /// Runs this rank and returns the job's exit code; never lets an exception past MPI.

@@ -7,8 +7,9 @@
 
 #include "common/base/clock.h"
 #include "common/base/error.h"
-#include "service/coordinator/local_executor.h"
+#include "service/coordinator/local_crew.h"
 #include "service/coordinator/stop_signal.h"
+#include "worker/sampling/block_runner.h"
 
 namespace sleight::programs {
 namespace {
@@ -24,10 +25,11 @@ int direct(const DirectArguments& arguments) {
   if (!request) return k_bad_request;
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const base::SteadyClock clock;
-  const auto worker = catalogue.world(request->world).make_worker(*request);
-  coordinator::LocalExecutor executor(*worker, clock,
-                                      arguments.threads > 0 ? arguments.threads : cores);
-  return run_and_report(*request, catalogue, arguments, executor);
+  const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
+  const sampling::BlockRunner runner(*worker, clock, {.seed = request->sampler.seed});
+  const std::size_t threads = arguments.threads > 0 ? arguments.threads : cores;
+  coordinator::LocalCrew crew(runner, static_cast<std::uint32_t>(threads));
+  return run_and_report(*request, catalogue, arguments, crew);
 }
 
 int check_request(const std::string& path) {

@@ -37,6 +37,33 @@ const char* name_of(coordinator::DriveEnd end) {
   return "?";
 }
 
+nlohmann::ordered_json handling_json(const coordinator::Handling& handling) {
+  return {
+      {"blocks", handling.counts.blocks},           {"copies", handling.counts.copies},
+      {"refused", handling.counts.refused},         {"states_sent", handling.counts.states_sent},
+      {"states_held", handling.counts.states_held}, {"messages", handling.traffic.messages},
+      {"message_bytes", handling.traffic.bytes},    {"cache_hits", handling.cache.hits},
+      {"cache_misses", handling.cache.misses},      {"cache_evictions", handling.cache.evictions},
+      {"cache_bytes", handling.cache.bytes}};
+}
+
+/// What the session computed, and how often a chain found its last simulation held.
+void print_effort(const coordinator::RunSummary& summary) {
+  const coordinator::Progress& progress = summary.progress;
+  if (progress.session_simulations == 0) return;
+  fmt::print("{} simulations in {} by {} worker{}",
+             coordinator::grouped(progress.session_simulations),
+             coordinator::clock_time(progress.elapsed_s), progress.workers,
+             progress.workers == 1 ? "" : "s");
+  const plan::CacheUse& cache = summary.handling.cache;
+  const std::uint64_t asked = cache.hits + cache.misses;
+  if (asked > 0) {
+    fmt::print("; {:.1f}% of chains' states were held from before",
+               100.0 * static_cast<double>(cache.hits) / static_cast<double>(asked));
+  }
+  fmt::print("\n");
+}
+
 void print_summary(const DirectArguments& arguments, const request::DirectionRequest& request,
                    const coordinator::RunSummary& summary) {
   if (arguments.json) {
@@ -51,6 +78,9 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
                                       {"session_satisfied", summary.progress.session_satisfied},
                                       {"independent_solutions", summary.progress.solutions},
                                       {"session_seconds", summary.progress.elapsed_s},
+                                      {"session_simulations", summary.progress.session_simulations},
+                                      {"workers", summary.progress.workers},
+                                      {"handling", handling_json(summary.handling)},
                                       {"version", base::version()},
                                       {"digest", summary.digest}};
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
@@ -63,6 +93,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
                request.sampler.chains, coordinator::grouped(summary.scans), request.sampler.seed,
                summary.digest);
   }
+  print_effort(summary);
   if (summary.end != coordinator::DriveEnd::finished) {
     fmt::print("Stopped early; the same command goes on from here.\n");
   }
@@ -90,6 +121,12 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
   app.add_option("--seed", arguments.seed, "Replaces the request's seed")
       ->check(CLI::Range(std::uint64_t{0}, request::k_seed_max))
       ->type_name("N");
+  app.add_option("--cache", arguments.cache_mb,
+                 "Megabytes in which each process keeps simulations for their chains' next steps; "
+                 "changes no result")
+      ->check(CLI::Range(0, 1'000'000))
+      ->type_name("MB")
+      ->capture_default_str();
   app.add_flag("--json", arguments.json, "The summary on stdout as JSON");
   app.add_flag("-q,--quiet", arguments.quiet, "No progress on stderr");
 }
@@ -124,7 +161,7 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
 }
 
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
-                   const DirectArguments& arguments, coordinator::Executor& executor) {
+                   const DirectArguments& arguments, coordinator::Crew& crew) {
   const base::SteadyClock clock;
   if (request.stop.independent_solutions && !request.stop.scans && !request.stop.rounds) {
     spdlog::warn(
@@ -150,7 +187,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
        .reader = *reader,
        .plan = *plan,
        .plan_of_scans = [&](std::uint64_t scans) { return run::make_plan(request, world, scans); },
-       .executor = executor,
+       .crew = crew,
        .clock = clock},
       options);
   printer.finish();

@@ -23,6 +23,9 @@ struct DirectArguments {
   std::string time_limit;         ///< "20s", "5m", "1h"; empty for none
   std::optional<std::uint64_t> seed;
   std::size_t threads = 0;  ///< 0: one a core
+  std::size_t cache_mb = run::k_cache_bytes_max >> 20U;
+
+  run::WorkerResources resources() const { return {.cache_bytes_max = cache_mb << 20U}; }
 };
 
 void add_run_options(CLI::App& app, DirectArguments& arguments);
@@ -34,10 +37,10 @@ double parse_duration_s(const std::string& text);
 std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
                                                            const DirectArguments& arguments);
 
-/// Runs a read request with the given executor, with progress on stderr and a summary on stdout.
+/// Runs a read request with the given crew, with progress on stderr and a summary on stdout.
 /// Returns the exit code.
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
-                   const DirectArguments& arguments, coordinator::Executor& executor);
+                   const DirectArguments& arguments, coordinator::Crew& crew);
 
 /// Prints a base::Error or any other exception as "program: message" and gives its exit code.
 int report_failure(const std::string& program);

@@ -16,7 +16,8 @@ void flush_stdout();
 int with_results(const std::function<int()>& work);
 
 /// Opens the standard streams that the caller closed, so that writing to them still fails, but no
-/// file or pipe of ours takes their place. Called first of all.
+/// file or pipe of ours takes their place; and a limit on the size of files fails a write like a
+/// full disk, instead of ending the process. Called first of all.
 void occupy_standard_streams();
 
 /// Throws base::Error(usage) when writing `output` would replace `archive`: the same file by

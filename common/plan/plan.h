@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 
+#include "common/plan/block.h"
 #include "common/plan/report.h"
 #include "common/plan/unit.h"
 
@@ -33,6 +34,10 @@ class Plan {
   /// none when all that could run is handed out or done. The replica that is furthest behind
   /// comes first. REQUIRES: scans_max >= 1.
   virtual std::optional<Unit> next_unit(std::uint32_t scans_max) = 0;
+
+  /// Likewise a block of units: where replicas meet, neighbours together with their swaps. Plans
+  /// whose replicas never meet have blocks of one unit.
+  virtual std::optional<Block> next_block(const BlockLimits& limits);
 
   /// Takes in the results of scans [first_scan, first_scan + records.size()) of one replica.
   /// REQUIRES: they continue what was consumed of that replica, and lie in a unit handed out, or
@@ -54,6 +59,10 @@ class Plan {
   virtual std::uint64_t solutions_found() const = 0;
   virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
 
+  /// Replicas that went from the prior to inverse temperature 1 and back; none where no replica
+  /// does such a thing.
+  virtual std::optional<std::uint64_t> round_trips() const { return std::nullopt; }
+
   /// Scans over all chains that are consumed, and in total when the stop rule tells.
   virtual std::uint64_t scans_consumed() const = 0;
   virtual std::optional<std::uint64_t> scans_total() const = 0;
@@ -61,5 +70,11 @@ class Plan {
   /// What was learnt from the scans consumed so far; nothing if the method learns nothing.
   virtual Report report() const { return {}; }
 };
+
+inline std::optional<Block> Plan::next_block(const BlockLimits& limits) {
+  std::optional<Unit> unit = next_unit(limits.unit_scans_max);
+  if (!unit) return std::nullopt;
+  return Block{.members = {*std::move(unit)}, .ladder = {}};
+}
 
 }  // namespace sleight::plan

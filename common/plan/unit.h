@@ -10,6 +10,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/base/bytes.h"
@@ -74,6 +75,17 @@ struct UnitResult {
   std::vector<ScanRecord> scans;  ///< unit.scans of them
   base::Bytes state_after;        ///< where the replica's next unit begins
   double cost_s = 0;              ///< measured time: for cutting units, never stored
+  std::uint64_t simulations = 0;  ///< that it took: for people, never stored
+};
+
+/// What a worker's memory of samples has done so far.
+struct CacheUse {
+  std::uint64_t hits = 0;    ///< states that were held when a unit began with them
+  std::uint64_t misses = 0;  ///< that weren't, and were simulated again or asked for
+  std::uint64_t evictions = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t bytes_max = 0;
+  friend bool operator==(const CacheUse&, const CacheUse&) = default;
 };
 
 /// What computes units. Thread-safe: run may be called from several threads at once.
@@ -82,6 +94,9 @@ class UnitWorker {
   virtual ~UnitWorker() = default;
   /// REQUIRES: `state` is the replica's state before unit.first_scan; empty for its first scan.
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
+  /// The same from the sample that this worker holds since it ran the unit before, if it does.
+  virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }
+  virtual CacheUse cache_use() const { return {}; }
 };
 
 }  // namespace sleight::plan

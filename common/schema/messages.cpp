@@ -5,6 +5,7 @@
 #include <kj/exception.h>
 #include <worker.capnp.h>
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -96,13 +97,130 @@ plan::ScanRecord get_scan(wire::Scan::Reader in) {
           .state = as_bytes(in.getState())};
 }
 
-void put_result(const plan::UnitResult& result, wire::Result::Builder out) {
-  put_unit(result.unit, out.initUnit());
-  auto scans = out.initScans(static_cast<unsigned>(result.scans.size()));
-  for (unsigned i = 0; i < result.scans.size(); ++i)
-    put_scan(result.scans[i], scans[i]);
-  out.setStateAfter(as_data(result.state_after));
-  out.setCostSeconds(result.cost_s);
+void put_part(const plan::LadderPart& part, wire::LadderPart::Builder out) {
+  out.setLevels(part.levels);
+  out.setFirstLevel(part.first_level);
+  put_list(out.initInverseTemperatures(static_cast<unsigned>(part.inverse_temperatures.size())),
+           part.inverse_temperatures);
+  auto scales = out.initProposalScales(static_cast<unsigned>(part.proposal_scales.size()));
+  for (unsigned i = 0; i < part.proposal_scales.size(); ++i)
+    put_list(scales.init(i, static_cast<unsigned>(part.proposal_scales[i].size())),
+             part.proposal_scales[i]);
+  out.setEndScan(part.end_scan);
+  out.setScansMax(part.scans_max);
+}
+
+plan::LadderPart get_part(wire::LadderPart::Reader in) {
+  plan::LadderPart part{.levels = in.getLevels(),
+                        .first_level = in.getFirstLevel(),
+                        .inverse_temperatures = get_list<double>(in.getInverseTemperatures()),
+                        .proposal_scales = {},
+                        .end_scan = in.getEndScan(),
+                        .scans_max = in.getScansMax()};
+  for (const auto scales : in.getProposalScales())
+    part.proposal_scales.push_back(get_list<double>(scales));
+  return part;
+}
+
+void put_assignment(const Assignment& assignment, wire::Assignment::Builder out) {
+  const std::vector<plan::Unit>& units = assignment.block.members;
+  CHECK_EQ(units.size(), assignment.states.size());
+  out.setEpoch(assignment.epoch);
+  out.setAssignment(assignment.assignment);
+  auto members = out.initMembers(static_cast<unsigned>(units.size()));
+  for (unsigned i = 0; i < units.size(); ++i) {
+    put_unit(units[i], members[i].initUnit());
+    if (assignment.states[i]) members[i].setState(as_data(*assignment.states[i]));
+  }
+  if (assignment.block.ladder) put_part(*assignment.block.ladder, out.initPart());
+}
+
+/// Each scan has an inverse temperature.
+bool fits(const plan::Unit& unit) {
+  const std::size_t given = unit.inverse_temperatures.size();
+  return unit.scans > 0 && (given == 1 || given == unit.scans);
+}
+
+/// Its members are at its levels, which the ladder has.
+bool fits(const plan::Block& block) {
+  if (!std::ranges::all_of(block.members, [](const auto& unit) { return fits(unit); }))
+    return false;
+  if (!block.ladder) return block.members.size() == 1;
+  const plan::LadderPart& part = *block.ladder;
+  const std::size_t count = block.members.size();
+  return count > 0 && part.inverse_temperatures.size() == count &&
+         part.proposal_scales.size() == count && part.levels >= count &&
+         part.first_level <= part.levels - count &&
+         std::ranges::all_of(block.members, [](const auto& unit) { return unit.scans == 1; });
+}
+
+base::Result<Message, std::string> get_assignment(wire::Assignment::Reader in) {
+  Assignment assignment{
+      .epoch = in.getEpoch(), .assignment = in.getAssignment(), .block = {}, .states = {}};
+  for (const auto member : in.getMembers()) {
+    assignment.block.members.push_back(get_unit(member.getUnit()));
+    plan::GivenState& state = assignment.states.emplace_back();
+    if (member.isState()) state = as_bytes(member.getState());
+  }
+  if (in.isPart()) assignment.block.ladder = get_part(in.getPart());
+  if (!fits(assignment.block)) return std::string("an assignment whose parts don't fit");
+  return Message(std::move(assignment));
+}
+
+void put_cache(const plan::CacheUse& use, wire::CacheUse::Builder out) {
+  out.setHits(use.hits);
+  out.setMisses(use.misses);
+  out.setEvictions(use.evictions);
+  out.setBytes(use.bytes);
+  out.setBytesMax(use.bytes_max);
+}
+
+plan::CacheUse get_cache(wire::CacheUse::Reader in) {
+  return {.hits = in.getHits(),
+          .misses = in.getMisses(),
+          .evictions = in.getEvictions(),
+          .bytes = in.getBytes(),
+          .bytes_max = in.getBytesMax()};
+}
+
+void put_delivery(const Delivery& delivery, wire::Delivery::Builder out) {
+  out.setEpoch(delivery.epoch);
+  out.setAssignment(delivery.assignment);
+  auto results = out.initResults(static_cast<unsigned>(delivery.results.size()));
+  for (unsigned i = 0; i < delivery.results.size(); ++i) {
+    const plan::UnitResult& result = delivery.results[i];
+    results[i].setChain(result.unit.replica.chain.value);
+    results[i].setReplica(result.unit.replica.replica.value);
+    results[i].setFirstScan(result.unit.first_scan.value);
+    auto scans = results[i].initScans(static_cast<unsigned>(result.scans.size()));
+    for (unsigned k = 0; k < result.scans.size(); ++k)
+      put_scan(result.scans[k], scans[k]);
+    results[i].setStateAfter(as_data(result.state_after));
+    results[i].setCostSeconds(result.cost_s);
+    results[i].setSimulations(result.simulations);
+  }
+  put_cache(delivery.cache, out.initCache());
+}
+
+base::Result<Message, std::string> get_delivery(wire::Delivery::Reader in) {
+  Delivery delivery{.epoch = in.getEpoch(),
+                    .assignment = in.getAssignment(),
+                    .results = {},
+                    .cache = get_cache(in.getCache())};
+  for (const auto from : in.getResults()) {
+    if (from.getScans().size() == 0) return std::string("a result without scans");
+    plan::UnitResult& result = delivery.results.emplace_back();
+    result.unit = {.replica = {base::ChainId{from.getChain()}, base::ReplicaId{from.getReplica()}},
+                   .first_scan = base::ScanIndex{from.getFirstScan()},
+                   .scans = from.getScans().size()};
+    result.scans.reserve(from.getScans().size());
+    for (const auto scan : from.getScans())
+      result.scans.push_back(get_scan(scan));
+    result.state_after = as_bytes(from.getStateAfter());
+    result.cost_s = from.getCostSeconds();
+    result.simulations = from.getSimulations();
+  }
+  return Message(std::move(delivery));
 }
 
 /// Writes each kind of message into the union.
@@ -113,55 +231,43 @@ struct Put {
     auto builder = out.initHello();
     builder.setProgramVersion(as_text(hello.program_version));
     builder.setIdentity(as_text(hello.identity));
+    builder.setThreads(hello.threads);
   }
   void operator()(const Assignment& assignment) {
-    auto builder = out.initAssignment();
-    put_unit(assignment.unit, builder.initUnit());
-    builder.setState(as_data(assignment.state));
+    put_assignment(assignment, out.initAssignment());
   }
   void operator()(const Stop&) { out.setStop(); }
-  void operator()(const plan::UnitResult& result) { put_result(result, out.initResult()); }
+  void operator()(const Delivery& delivery) { put_delivery(delivery, out.initDelivery()); }
+  void operator()(const Ping& ping) { out.setPing(ping.epoch); }
+  void operator()(const Pong& pong) {
+    auto builder = out.initPong();
+    builder.setEpoch(pong.epoch);
+    put_list(builder.initAssignments(static_cast<unsigned>(pong.assignments.size())),
+             pong.assignments);
+  }
   void operator()(const Failure& failure) { out.setFailure(as_text(failure.reason)); }
 };
 
-/// Each scan has an inverse temperature.
-bool fits(const plan::Unit& unit) {
-  const std::size_t given = unit.inverse_temperatures.size();
-  return given == 1 || given == unit.scans;
-}
-
-/// A result, when its length fits its unit.
-base::Result<Message, std::string> get_result(wire::Result::Reader in) {
-  plan::UnitResult result{.unit = get_unit(in.getUnit()),
-                          .scans = {},
-                          .state_after = as_bytes(in.getStateAfter()),
-                          .cost_s = in.getCostSeconds()};
-  if (in.getScans().size() != result.unit.scans) {
-    return std::string("a result with another number of scans than its unit");
-  }
-  if (!fits(result.unit)) return std::string("a result without its inverse temperatures");
-  result.scans.reserve(result.unit.scans);
-  for (const auto scan : in.getScans())
-    result.scans.push_back(get_scan(scan));
-  return Message(std::move(result));
-}
-
 base::Result<Message, std::string> get_message(wire::Message::Reader in) {
   switch (in.which()) {
-    case wire::Message::HELLO:
-      return Message(Hello{.program_version = as_string(in.getHello().getProgramVersion()),
-                           .identity = as_string(in.getHello().getIdentity())});
-    case wire::Message::ASSIGNMENT: {
-      Assignment assignment{.unit = get_unit(in.getAssignment().getUnit()),
-                            .state = as_bytes(in.getAssignment().getState())};
-      if (assignment.unit.scans == 0) return std::string("an assignment of no scans");
-      if (!fits(assignment.unit)) return std::string("an assignment without inverse temperatures");
-      return Message(std::move(assignment));
+    case wire::Message::HELLO: {
+      const auto hello = in.getHello();
+      if (hello.getThreads() == 0) return std::string("a hello of no threads");
+      return Message(Hello{.program_version = as_string(hello.getProgramVersion()),
+                           .identity = as_string(hello.getIdentity()),
+                           .threads = hello.getThreads()});
     }
+    case wire::Message::ASSIGNMENT:
+      return get_assignment(in.getAssignment());
     case wire::Message::STOP:
       return Message(Stop{});
-    case wire::Message::RESULT:
-      return get_result(in.getResult());
+    case wire::Message::DELIVERY:
+      return get_delivery(in.getDelivery());
+    case wire::Message::PING:
+      return Message(Ping{.epoch = in.getPing()});
+    case wire::Message::PONG:
+      return Message(Pong{.epoch = in.getPong().getEpoch(),
+                          .assignments = get_list<std::uint64_t>(in.getPong().getAssignments())});
     case wire::Message::FAILURE:
       return Message(Failure{.reason = as_string(in.getFailure())});
   }

@@ -1,16 +1,18 @@
 // worker.capnp as values: what a batch job's ranks send, encoded and decoded.
 //
-// Decoding trusts nothing: a message of the wrong kind, with a unit whose result has another
-// length, or that can't be read within the limits is refused with a reason.
+// Decoding trusts nothing: a message of an unknown kind, with parts that don't fit each other, or
+// that can't be read within the limits is refused with a reason.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
-#include "common/plan/unit.h"
+#include "common/plan/block.h"
 
 namespace sleight::schema {
 
@@ -20,10 +22,28 @@ inline constexpr std::size_t k_message_bytes_max = std::size_t{1} << 30U;
 struct Hello {
   std::string program_version;
   std::string identity;
+  std::uint32_t threads = 1;  ///< that compute
 };
 struct Assignment {
-  plan::Unit unit;
-  base::Bytes state;
+  std::uint64_t epoch = 0;
+  std::uint64_t assignment = 0;
+  plan::Block block;
+  std::vector<plan::GivenState> states;  ///< of each member
+};
+/// Results have of their units only replica, first scan and number of scans.
+struct Delivery {
+  std::uint64_t epoch = 0;
+  std::uint64_t assignment = 0;
+  std::vector<plan::UnitResult>
+      results;  ///< of each member; none: a state is neither given nor held
+  plan::CacheUse cache;
+};
+struct Ping {
+  std::uint64_t epoch = 0;
+};
+struct Pong {
+  std::uint64_t epoch = 0;
+  std::vector<std::uint64_t> assignments;  ///< that are before the worker
 };
 struct Stop {};
 struct Failure {
@@ -37,7 +57,7 @@ inline constexpr int k_message_tag = 1;
 inline constexpr double k_poll_interval_s_min = 20e-6;
 inline constexpr double k_poll_interval_s_max = 2e-3;
 
-using Message = std::variant<Hello, Assignment, Stop, plan::UnitResult, Failure>;
+using Message = std::variant<Hello, Assignment, Stop, Delivery, Ping, Pong, Failure>;
 
 base::Bytes encode(const Message& message);
 

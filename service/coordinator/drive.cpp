@@ -1,9 +1,9 @@
 #include "service/coordinator/drive.h"
 
-#include <algorithm>
-#include <cmath>
+#include <map>
 #include <numeric>
 #include <utility>
+#include <variant>
 
 #include "common/base/check.h"
 
@@ -13,68 +13,45 @@ namespace {
 /// A late checkpoint is written when its cost is below this share of the time since the last.
 constexpr double k_checkpoint_share_max = 0.05;
 
-/// Scans per unit from the measured cost of a scan, smoothed. A unit is at most four times as long
-/// as one that was measured, and scan 0, which makes no proposal, counts for nothing: a scan may be
-/// a microsecond or a minute, and a stop must be answered soon either way.
-class UnitSize {
- public:
-  std::uint32_t scans() const { return scans_; }
-  void measured(const plan::UnitResult& result) {
-    const std::uint32_t moving = result.unit.scans - (result.unit.first_scan.value == 0 ? 1 : 0);
-    if (moving == 0) return;
-    const double cost_s = result.cost_s / moving;
-    // Another rank measured it: what is no time tells nothing.
-    if (!std::isfinite(cost_s) || cost_s < 0) return;
-    scan_cost_s_ = scan_cost_s_ == 0 ? cost_s : 0.8 * scan_cost_s_ + 0.2 * cost_s;
-    const double wanted = k_unit_target_s / std::max(scan_cost_s_, 1e-9);
-    const double most = std::min<double>(k_unit_scans_max, 4.0 * result.unit.scans);
-    scans_ = static_cast<std::uint32_t>(std::clamp(wanted, 1.0, most));
-  }
-
- private:
-  std::uint32_t scans_ = 1;
-  double scan_cost_s_ = 0;
-};
-
 class Driver {
  public:
-  Driver(plan::Plan& plan, store::RunStore& store, Executor& executor, const base::Clock& clock,
+  Driver(plan::Plan& plan, store::RunStore& store, Crew& crew, const base::Clock& clock,
          const DriveOptions& options)
       : plan_(plan),
         store_(store),
-        executor_(executor),
+        crew_(crew),
         clock_(clock),
         options_(options),
+        scheduler_(plan, {.epoch = store.epoch()}),
         begin_s_(clock.now_s()),
         checkpoint_s_(begin_s_) {}
 
   DriveOutcome run() {
     catch_up();
     DriveEnd end = DriveEnd::finished;
-    while (!plan_.finished()) {
-      if (const std::optional<DriveEnd> early = asked_to_stop()) {
-        end = *early;
-        break;
-      }
-      hand_out();
-      CHECK_GT(executor_.outstanding(), 0U);
-      take_in(executor_.wait(options_.report_every_s));
+    carry_out(tick());
+    stop_if_asked(end);  // before anything is handed out
+    for (const core::Joined& member : crew_.members())
+      carry_out(member);
+    while (!scheduler_.ended()) {
+      for (core::Input& input : crew_.receive(options_.report_every_s))
+        carry_out(std::move(input));
+      carry_out(tick());
       report_now_and_then();
       checkpoint_now_and_then();
+      stop_if_asked(end);
     }
-
-    // Let what is running end, so that nothing computed is thrown away; what waits is dropped.
-    executor_.drop_waiting();
-    while (executor_.outstanding() > 0)
-      take_in(executor_.wait(options_.report_every_s));
     store_.flush();
     if (plan_.finished()) end = DriveEnd::finished;
     if (options_.report) options_.report(progress());
-    return {.end = end, .scans_common = plan_.scans_common(), .progress = progress()};
+    return {.end = end,
+            .scans_common = plan_.scans_common(),
+            .progress = progress(),
+            .handling = handling()};
   }
 
  private:
-  /// Brings the plan to where earlier sessions left the run.
+  /// Brings plan and scheduler to where earlier sessions left the run.
   void catch_up() {
     for (store::ReplicaProgress& replica : store_.progress()) {
       std::uint64_t next_scan = 0;
@@ -84,9 +61,39 @@ class Driver {
                       next_scan = first.value + records.size();
                     });
       CHECK_EQ(next_scan, replica.next_scan);  // replay refuses a damaged store
-      states_[replica.replica] = std::move(replica.state);
+      scheduler_.resume(replica.replica, replica.next_scan, std::move(replica.state));
     }
     earlier_scans_ = plan_.scans_consumed();
+  }
+
+  /// Tells the scheduler, and does what it says.
+  void carry_out(core::Input input) {
+    if (const auto* delivered = std::get_if<core::Delivered>(&input))
+      caches_[delivered->worker] = delivered->delivery.cache;
+    for (core::Effect& effect : scheduler_.step(std::move(input))) {
+      if (auto* keep = std::get_if<core::Keep>(&effect)) {
+        for (plan::UnitResult& result : keep->results)
+          put(std::move(result));
+      } else if (auto* assign = std::get_if<core::Assign>(&effect)) {
+        crew_.send(assign->worker, std::move(assign->assignment));
+      } else {
+        const auto& ask = std::get<core::Ask>(effect);
+        crew_.send(ask.worker, ask.ping);
+      }
+    }
+  }
+
+  /// The scheduler's time stands still while a checkpoint is written: silence that nobody listened
+  /// to is none.
+  core::Tick tick() const { return {.now_s = clock_.now_s() - deaf_s_}; }
+
+  /// Once: what is running then ends, so that nothing computed is thrown away.
+  void stop_if_asked(DriveEnd& end) {
+    if (end != DriveEnd::finished) return;
+    const std::optional<DriveEnd> early = asked_to_stop();
+    if (!early) return;
+    end = *early;
+    carry_out(core::StopAsked{});
   }
 
   std::optional<DriveEnd> asked_to_stop() const {
@@ -97,28 +104,11 @@ class Driver {
     return std::nullopt;
   }
 
-  void hand_out() {
-    while (executor_.room() > 0) {
-      // No unit is longer than what all chains have behind them: so they stay within a factor of
-      // two of one another, and a run that is cut short has something to show of each.
-      const std::uint64_t longest = std::max<std::uint64_t>(plan_.scans_common(), 1);
-      const auto scans_max =
-          static_cast<std::uint32_t>(std::min<std::uint64_t>(unit_size_.scans(), longest));
-      const std::optional<plan::Unit> unit = plan_.next_unit(scans_max);
-      if (!unit) return;
-      executor_.submit(*unit, states_[unit->replica]);
-    }
-  }
-
-  void take_in(std::vector<plan::UnitResult> results) {
-    for (plan::UnitResult& result : results) {
-      unit_size_.measured(result);
-      plan_.consume(result.unit.replica, result.unit.first_scan, result.scans);
-      states_[result.unit.replica] = result.state_after;
-      for (const plan::ScanRecord& scan : result.scans)
-        count(scan);
-      store_.put(std::move(result));
-    }
+  void put(plan::UnitResult result) {
+    counted_.session_simulations += result.simulations;
+    for (const plan::ScanRecord& scan : result.scans)
+      count(scan);
+    store_.put(std::move(result));
   }
 
   void count(const plan::ScanRecord& scan) {
@@ -136,9 +126,22 @@ class Driver {
     now.scans_total = plan_.scans_total().value_or(0);
     now.solutions = plan_.solutions_found();
     now.solutions_wanted = plan_.solutions_wanted().value_or(0);
-    now.workers = executor_.workers();
+    now.round_trips = plan_.round_trips();
+    now.workers = scheduler_.threads();
     now.elapsed_s = clock_.now_s() - begin_s_;
     return now;
+  }
+
+  Handling handling() const {
+    Handling all{.counts = scheduler_.counts(), .traffic = crew_.traffic(), .cache = {}};
+    for (const auto& [worker, cache] : caches_) {
+      all.cache.hits += cache.hits;
+      all.cache.misses += cache.misses;
+      all.cache.evictions += cache.evictions;
+      all.cache.bytes += cache.bytes;
+      all.cache.bytes_max += cache.bytes_max;
+    }
+    return all;
   }
 
   void report_now_and_then() {
@@ -158,28 +161,30 @@ class Driver {
     options_.checkpoint(plan_.scans_common());
     checkpoint_s_ = clock_.now_s();
     checkpoint_cost_s_ = checkpoint_s_ - now_s;
+    deaf_s_ += checkpoint_cost_s_;
   }
 
   plan::Plan& plan_;
   store::RunStore& store_;
-  Executor& executor_;
+  Crew& crew_;
   const base::Clock& clock_;
   const DriveOptions& options_;
-  std::map<plan::ReplicaKey, base::Bytes> states_;
-  UnitSize unit_size_;
+  core::Scheduler scheduler_;
+  std::map<core::WorkerId, plan::CacheUse> caches_;
   Progress counted_;
   std::uint64_t earlier_scans_ = 0;
   double begin_s_;
   double report_s_ = 0;
   double checkpoint_s_;
   double checkpoint_cost_s_ = 0;
+  double deaf_s_ = 0;  ///< spent on checkpoints
 };
 
 }  // namespace
 
-DriveOutcome drive(plan::Plan& plan, store::RunStore& store, Executor& executor,
-                   const base::Clock& clock, const DriveOptions& options) {
-  return Driver(plan, store, executor, clock, options).run();
+DriveOutcome drive(plan::Plan& plan, store::RunStore& store, Crew& crew, const base::Clock& clock,
+                   const DriveOptions& options) {
+  return Driver(plan, store, crew, clock, options).run();
 }
 
 }  // namespace sleight::coordinator

@@ -1,25 +1,21 @@
-// The one loop that carries out a plan: hand out what can run, take in what is done, store it, say
-// how it goes. Serial, threaded and MPI runs differ only in the executor.
+// The one loop that carries out a plan: what the scheduler (service/core) says is done, sent to the
+// crew and put into the store, and people are told how it goes. Serial, threaded and MPI runs
+// differ only in the crew.
 //
-// The loop decides nothing that could change a result. Units are cut from measured cost, so that a
-// stop is answered soon and messages stay few.
+// Neither decides anything that could change a result.
 #pragma once
 
 #include <cstdint>
 #include <functional>
-#include <map>
+#include <optional>
 
 #include "common/base/clock.h"
 #include "common/plan/plan.h"
 #include "common/store/run_store.h"
-#include "service/coordinator/executor.h"
+#include "service/coordinator/crew.h"
+#include "service/core/scheduler.h"
 
 namespace sleight::coordinator {
-
-/// A unit should take about this long: far above the cost of handing it out, far below patience.
-inline constexpr double k_unit_target_s = 0.020;
-/// Scans of a unit at most: bounds the result's memory.
-inline constexpr std::uint32_t k_unit_scans_max = 8192;
 
 /// How a run stands; counts cover earlier sessions only where they say so.
 struct Progress {
@@ -29,10 +25,19 @@ struct Progress {
   std::uint64_t session_satisfied = 0;  ///< of these, satisfied
   std::uint64_t session_proposed = 0;
   std::uint64_t session_accepted = 0;
-  std::uint64_t solutions = 0;         ///< independent solutions, earlier sessions included
-  std::uint64_t solutions_wanted = 0;  ///< 0 where the stop rule doesn't ask for them
-  std::size_t workers = 0;
-  double elapsed_s = 0;  ///< of this session
+  std::uint64_t session_simulations = 0;
+  std::uint64_t solutions = 0;                 ///< independent solutions, earlier sessions included
+  std::uint64_t solutions_wanted = 0;          ///< 0 where the stop rule doesn't ask for them
+  std::optional<std::uint64_t> round_trips{};  ///< of a ladder's replicas, if there is one
+  std::size_t workers = 0;                     ///< threads that compute and are heard of
+  double elapsed_s = 0;                        ///< of this session
+};
+
+/// What the session's work took besides computing, for people who tune runs.
+struct Handling {
+  core::Counts counts{};
+  Traffic traffic{};
+  plan::CacheUse cache{};  ///< of all workers together, as they said last
 };
 
 struct DriveOptions {
@@ -52,11 +57,12 @@ struct DriveOutcome {
   DriveEnd end = DriveEnd::finished;
   std::uint64_t scans_common = 0;  ///< committed for every chain: where the archive is cut
   Progress progress{};
+  Handling handling{};
 };
 
 /// Runs the plan from where the store stands until it is finished or asked to stop; on return all
 /// results are committed. REQUIRES: `plan` is fresh.
-DriveOutcome drive(plan::Plan& plan, store::RunStore& store, Executor& executor,
-                   const base::Clock& clock, const DriveOptions& options);
+DriveOutcome drive(plan::Plan& plan, store::RunStore& store, Crew& crew, const base::Clock& clock,
+                   const DriveOptions& options);
 
 }  // namespace sleight::coordinator

@@ -42,27 +42,33 @@ std::string clock_time(double seconds) {
 
 std::string progress_line(const std::string& name, const Progress& progress) {
   std::string line = fmt::format("{}  {}", name, grouped(progress.scans_done));
-  const double rate =
-      progress.elapsed_s > 0 ? static_cast<double>(progress.session_scans) / progress.elapsed_s : 0;
+  const auto per_s = [&](std::uint64_t count) {
+    return progress.elapsed_s > 0 ? static_cast<double>(count) / progress.elapsed_s : 0;
+  };
+  const double rate = per_s(progress.session_scans);
   if (progress.scans_total > 0) {
     line += fmt::format(" of {} scans ({:.0f}%)", grouped(progress.scans_total),
                         std::floor(percent(progress.scans_done, progress.scans_total)));
   } else {
     line += " scans";
   }
-  line += fmt::format("  {}/s", grouped(static_cast<std::uint64_t>(rate)));
   if (progress.scans_total > progress.scans_done && rate > 0) {
     const auto left = static_cast<double>(progress.scans_total - progress.scans_done);
     line += fmt::format("  {} left", clock_time(left / rate));
   }
-  line += fmt::format("  accepted {:.0f}%",
-                      percent(progress.session_accepted, progress.session_proposed));
-  line += fmt::format("  satisfied {} ({:.0f}%)", grouped(progress.session_satisfied),
-                      percent(progress.session_satisfied, progress.session_scans));
   line += fmt::format("  solutions {}", grouped(progress.solutions));
   if (progress.solutions_wanted > 0) {
     line += fmt::format(" of {}", grouped(progress.solutions_wanted));
   }
+  if (progress.round_trips) {
+    line += fmt::format("  round trips {}", grouped(*progress.round_trips));
+  }
+  line += fmt::format("  satisfied {} ({:.0f}%)", grouped(progress.session_satisfied),
+                      percent(progress.session_satisfied, progress.session_scans));
+  line += fmt::format("  {} simulations/s",
+                      grouped(static_cast<std::uint64_t>(per_s(progress.session_simulations))));
+  line += fmt::format("  accepted {:.0f}%",
+                      percent(progress.session_accepted, progress.session_proposed));
   line += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
   return line;
 }

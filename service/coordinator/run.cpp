@@ -180,14 +180,15 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                                    .checkpoint = [&](std::uint64_t scans) { archive_of(scans); },
                                    .checkpoint_every_s = options.checkpoint_every_s};
   const DriveOutcome outcome =
-      drive(inputs.plan, run_store, inputs.executor, inputs.clock, drive_options);
+      drive(inputs.plan, run_store, inputs.crew, inputs.clock, drive_options);
 
   // Derive the archive of the scans that all chains have.
   RunSummary summary{.end = outcome.end,
                      .scans = outcome.scans_common,
                      .digest = {},
                      .epoch = run_store.epoch(),
-                     .progress = outcome.progress};
+                     .progress = outcome.progress,
+                     .handling = outcome.handling};
   if (summary.scans > 0) {
     say("writing the archive");
     summary.digest = archive_of(summary.scans);

@@ -15,8 +15,8 @@
 #include "common/base/clock.h"
 #include "common/plan/plan.h"
 #include "common/request/direction_request.h"
+#include "service/coordinator/crew.h"
 #include "service/coordinator/drive.h"
-#include "service/coordinator/executor.h"
 
 namespace sleight::coordinator {
 
@@ -28,7 +28,7 @@ struct RunInputs {
   /// A fresh plan of the same run that ends after so many scans: what a method learns from the
   /// scans of an archive is learnt again from these.
   std::function<std::unique_ptr<plan::Plan>(std::uint64_t scans)> plan_of_scans;
-  Executor& executor;
+  Crew& crew;
   const base::Clock& clock;
 };
 
@@ -48,6 +48,7 @@ struct RunSummary {
   std::string digest{};     ///< of the archive's content
   std::uint64_t epoch = 0;  ///< 1 for a run's first session
   Progress progress{};
+  Handling handling{};
 };
 
 /// Throws base::Error: conflict where the output belongs to another request, to another program

@@ -1,9 +1,14 @@
-"""Goal: kill -9 at any moment loses nothing that was reported, and the resumed run has the same
-digest (DESIGN C1, C2). Method: a run of at least 20 seconds of work, killed at random moments of it
-and started again by the same command until it is done; the moments come from a printed seed."""
+"""Goal: kill -9 of any process at any moment loses nothing that was reported, and the resumed run has
+the same digest (DESIGN C1, C2); no process and no shared memory is left behind. Method: a run of at
+least 20 seconds of work (--seconds), killed at random moments of it and started again by the same
+command until it is done; the moments come from a printed seed. Of an MPI job mpirun, rank 0 and
+another rank are killed by turns."""
 
+import os
+import pathlib
 import random
 import re
+import signal
 import sqlite3
 import subprocess
 import time
@@ -11,7 +16,6 @@ import time
 import harness
 from harness import ProgramTest
 
-SECONDS_MIN = 20
 CHAINS = 3
 ITERATIONS_PER_SCAN = 200
 
@@ -39,7 +43,18 @@ class Kill(ProgramTest):
         store.close()
         return count
 
-    def run_with_kills(self, command, output, moments, total_s):
+    def victim(self, process, which):
+        """The process to be killed: mpirun or `sleight`, or a rank of the job by its number."""
+        if which is None:
+            return process.pid
+        for child in subprocess.run(["pgrep", "-P", str(process.pid), "sleight-batch"],
+                                    capture_output=True, text=True).stdout.split():
+            environment = pathlib.Path(f"/proc/{child}/environ").read_bytes().split(b"\0")
+            if f"OMPI_COMM_WORLD_RANK={which}".encode() in environment:
+                return int(child)
+        return process.pid  # not started yet
+
+    def run_with_kills(self, command, output, moments, total_s, victims):
         """Runs to the end, killing when the time spent computing passes each moment. Returns the
         number of kills that hit a running program and the seconds computed."""
         spent = 0.0
@@ -54,8 +69,13 @@ class Kill(ProgramTest):
                 spent += time.monotonic() - begin
                 break
             except subprocess.TimeoutExpired:
-                process.kill()
-                _, errors = process.communicate()
+                try:
+                    os.kill(self.victim(process, victims[kills % len(victims)]), signal.SIGKILL)
+                except (ProcessLookupError, FileNotFoundError):
+                    pass  # it ended just now
+                # mpirun ends a job whose rank is gone by itself, within some seconds.
+                _, errors = process.communicate(timeout=60)
+                self.assertNotEqual(process.returncode, 0)
                 harness.kill_group(process)
                 spent += time.monotonic() - begin
                 kills += 1
@@ -66,18 +86,18 @@ class Kill(ProgramTest):
     def check(self, commands_of):
         seed = harness.arguments.seed
         print(f"\nmoments from --seed {seed}, --kills {harness.arguments.kills}")
-        scans = self.scans_for(1.3 * SECONDS_MIN)
+        scans = self.scans_for(1.3 * harness.arguments.seconds)
         whole_s = 0.0
-        while whole_s < SECONDS_MIN:
+        while whole_s < harness.arguments.seconds:
             request = self.write_request(chains=CHAINS, scans=scans,
                                          iterations_per_scan=ITERATIONS_PER_SCAN, thin=50)
             begin = time.monotonic()
             self.direct(request, self.path("whole.h5"), "--fresh")
             whole_s = time.monotonic() - begin
             # The machine got faster since the probe: ask for more.
-            scans = int(scans * 1.3 * SECONDS_MIN / whole_s)
+            scans = int(scans * 1.3 * harness.arguments.seconds / whole_s)
         digest = self.digest(self.path("whole.h5"))
-        for name, command_of, share in commands_of:
+        for name, command_of, share, victims in commands_of:
             kills_left = max(1, int(harness.arguments.kills * share))
             generator = random.Random(f"{seed} {name}")
             # One run takes them all, unless the machine got faster and it ended before the last.
@@ -85,7 +105,7 @@ class Kill(ProgramTest):
                 moments = sorted(0.9 * generator.random() for _ in range(kills_left))
                 output = self.path(f"{name}{kills_left}.h5")
                 kills, spent = self.run_with_kills(command_of(request, output), output, moments,
-                                                   whole_s)
+                                                   whole_s, victims)
                 print(f"{name}: {kills} kills in {spent:.0f} s of work, whole run {whole_s:.0f} s")
                 self.assertGreater(kills, 0)
                 kills_left -= kills
@@ -93,13 +113,18 @@ class Kill(ProgramTest):
                 leftover = subprocess.run(["pgrep", "-f", str(output)], capture_output=True,
                                           text=True)
                 self.assertEqual(leftover.stdout, "", "processes left behind")
+                shared = [path.name for path in pathlib.Path("/dev/shm").iterdir()
+                          if "sleight" in path.name or "vader" in path.name]
+                self.assertEqual(shared, [], "shared memory left behind")
 
     def test_killed_and_resumed(self):
         direct = harness.program("sleight")
         self.check([
-            ("direct", lambda request, output: [direct, "direct", request, "-o", output], 1.0),
-            ("batch", lambda request, output: harness.batch(2, request, output,
-                                                            folder=self.folder), 0.25),
+            ("direct", lambda request, output: [direct, "direct", request, "-o", output], 1.0,
+             [None]),
+            ("batch", lambda request, output: harness.batch(3, request, output,
+                                                            folder=self.folder), 0.45,
+             [None, 0, 2]),
         ])
 
 

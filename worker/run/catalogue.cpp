@@ -45,7 +45,8 @@ std::uint64_t scans_before(const request::SamplerParameters& sampler) {
               : 0);
 }
 
-ChainWorkerOptions worker_options(const request::DirectionRequest& request) {
+ChainWorkerOptions worker_options(const request::DirectionRequest& request,
+                                  const WorkerResources& resources) {
   const request::SamplerParameters& sampler = request.sampler;
   // Where scans and draws are not one, which scan is the next draw but so many isn't known.
   const bool scans_are_draws = sampler.method != request::Method::simulated_tempering &&
@@ -55,16 +56,17 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request) {
           .iterations_per_scan = sampler.iterations_per_scan,
           .thin = scans_are_draws ? request.output.thin : 1,
           .first_draw = scans_before(sampler),
-          .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0};
+          .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0,
+          .cache_bytes_max = resources.cache_bytes_max};
 }
 
 class Ball2dEntry final : public WorldEntry {
  public:
   request::WorldBinding binding() override { return worlds::ball_2d::request_binding(parameters_); }
-  std::unique_ptr<plan::UnitWorker> make_worker(
-      const request::DirectionRequest& request) const override {
+  std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
+                                                const WorkerResources& resources) const override {
     return std::make_unique<ChainWorker<worlds::ball_2d::Ball2d>>(
-        worlds::ball_2d::Ball2d(parameters_), worker_options(request));
+        worlds::ball_2d::Ball2d(parameters_), worker_options(request, resources));
   }
   std::unique_ptr<archive::StateReader> make_reader() const override {
     return worlds::ball_2d::make_state_reader(parameters_);
@@ -82,10 +84,10 @@ class SpellingEntry final : public WorldEntry {
   request::WorldBinding binding() override {
     return worlds::spelling::request_binding(parameters_);
   }
-  std::unique_ptr<plan::UnitWorker> make_worker(
-      const request::DirectionRequest& request) const override {
+  std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
+                                                const WorkerResources& resources) const override {
     return std::make_unique<ChainWorker<worlds::spelling::Spelling>>(
-        worlds::spelling::Spelling(parameters_), worker_options(request));
+        worlds::spelling::Spelling(parameters_), worker_options(request, resources));
   }
   std::unique_ptr<archive::StateReader> make_reader() const override {
     return worlds::spelling::make_state_reader(parameters_);

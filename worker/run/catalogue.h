@@ -2,6 +2,7 @@
 // that computes its units, and a reader of its states.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -13,8 +14,14 @@
 #include "common/plan/plan.h"
 #include "common/plan/unit.h"
 #include "common/request/direction_request.h"
+#include "worker/run/cache_size.h"
 
 namespace sleight::run {
+
+/// What a worker may take up on this machine; changes no result.
+struct WorkerResources {
+  std::size_t cache_bytes_max = k_cache_bytes_max;  ///< of samples held for their next units
+};
 
 /// One world; its parameters are those of the request read last through binding().
 /// Not thread-safe; what make_worker and make_reader return is.
@@ -23,7 +30,7 @@ class WorldEntry {
   virtual ~WorldEntry() = default;
   virtual request::WorldBinding binding() = 0;
   virtual std::unique_ptr<plan::UnitWorker> make_worker(
-      const request::DirectionRequest& request) const = 0;
+      const request::DirectionRequest& request, const WorkerResources& resources = {}) const = 0;
   virtual std::unique_ptr<archive::StateReader> make_reader() const = 0;
   /// By kind of proposal: whether it has a size that can be tuned.
   virtual std::vector<bool> kinds_with_scale() const = 0;

@@ -13,6 +13,7 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/plan/unit.h"
+#include "worker/run/cache_size.h"
 #include "worker/run/sample_cache.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/sampling/surrogate_transition.h"
@@ -29,7 +30,12 @@ concept World = sampling::Target<W> &&
   { world.encode(state) } -> std::same_as<base::Bytes>;
   { world.decode(bytes) } -> std::same_as<std::optional<typename W::State>>;
   { world.outcome_values(outcome) } -> std::same_as<std::vector<double>>;
+  // What a state and its outcome own outside of themselves: a bound for all but a few bytes.
+  { world.owned_bytes(state, outcome) } -> std::same_as<std::size_t>;
 };
+
+/// Hot replicas' states are there to be looked at now and then.
+inline constexpr std::uint64_t k_hot_thin = 16;
 
 struct ChainWorkerOptions {
   std::uint64_t seed = 1;
@@ -40,47 +46,34 @@ struct ChainWorkerOptions {
   std::uint64_t first_draw = 0;
   /// Of scans below inverse temperature 1 every so many-th; 0: none.
   std::uint64_t hot_thin = 0;
+  /// Of samples held for their replicas' next units; 0: none are. Changes no result.
+  std::size_t cache_bytes_max = k_cache_bytes_max;
 };
-
-/// Hot replicas' states are there to be looked at now and then.
-inline constexpr std::uint64_t k_hot_thin = 16;
-/// Samples that are held for their replicas' next units.
-inline constexpr std::size_t k_cached_replicas_max = 1024;
 
 template <World W>
 class ChainWorker final : public plan::UnitWorker {
  public:
   ChainWorker(W world, const ChainWorkerOptions& options)
-      : world_(std::move(world)), options_(options), cache_(k_cached_replicas_max) {}
+      : world_(std::move(world)), options_(options), cache_(options.cache_bytes_max) {}
 
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override {
     CHECK_GE(unit.scans, 1U);
-    plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
-    result.scans.reserve(unit.scans);
-    Walk walk{.streams = {.seed = options_.seed,
-                          .chain = unit.replica.chain,
-                          .replica = unit.replica.replica},
-              .current = {},
-              .lineage = unit.lineage};
-
-    // Begin at a prior draw, or at the state before the unit.
-    std::uint32_t nth = 0;
-    const std::uint64_t first_scan = unit.first_scan.value;
-    if (unit.starts) {
-      draw_afresh(walk, first_scan, unit.replica.replica);
-      result.scans.push_back(record(first_scan, unit.inverse_temperature(nth++), walk, {}));
-    } else {
-      begin(walk, unit.replica, first_scan, state);
-    }
-    for (; nth < unit.scans; ++nth) {
-      const double beta = unit.inverse_temperature(nth);
-      Counts counts = scan(walk, unit, first_scan + nth, beta);
-      result.scans.push_back(record(first_scan + nth, beta, walk, std::move(counts)));
-    }
-    result.state_after = world_.encode(walk.current->state);
-    cache_.put(unit.replica, first_scan + unit.scans, std::move(*walk.current));
+    if (unit.starts) return go_on(unit, {});
+    std::optional<Sample> held = cache_.take(unit.replica, unit.first_scan.value);
+    if (held) return go_on(unit, std::move(held));
+    plan::UnitResult result = go_on(unit, evaluated(state));
+    ++result.simulations;  // of the state before it
     return result;
   }
+
+  std::optional<plan::UnitResult> run_from_held(const plan::Unit& unit) const override {
+    CHECK(!unit.starts && unit.scans >= 1);
+    std::optional<Sample> held = cache_.take(unit.replica, unit.first_scan.value);
+    if (!held) return std::nullopt;
+    return go_on(unit, std::move(held));
+  }
+
+  plan::CacheUse cache_use() const override { return cache_.use(); }
 
  private:
   using Sample = sampling::Sample<W>;
@@ -88,6 +81,7 @@ class ChainWorker final : public plan::UnitWorker {
     sampling::ChainStreams streams;
     std::optional<Sample> current;
     std::uint64_t lineage = 0;
+    std::uint64_t simulations = 0;
   };
   struct Counts {
     Counts() = default;
@@ -102,20 +96,47 @@ class ChainWorker final : public plan::UnitWorker {
 
   void draw_afresh(Walk& walk, std::uint64_t scan, base::ReplicaId replica) const {
     walk.current = sampling::draw_afresh(world_, walk.streams, scan);
+    ++walk.simulations;
     walk.lineage = plan::lineage_from(replica, scan);
   }
 
-  void begin(Walk& walk, const plan::ReplicaKey& replica, std::uint64_t first_scan,
-             base::BytesView state) const {
-    walk.current = cache_.take(replica, first_scan);
-    if (walk.current) return;
+  Sample evaluated(base::BytesView state) const {
     std::optional<typename W::State> decoded = world_.decode(state);
     if (!decoded) {
       throw base::Error(
           "a chain's stored state can't be read: the run store is damaged; start over with "
           "--fresh");
     }
-    walk.current = sampling::evaluate(world_, std::move(*decoded));
+    return sampling::evaluate(world_, std::move(*decoded));
+  }
+
+  /// The unit from the sample before it; none if the unit starts with a prior draw.
+  plan::UnitResult go_on(const plan::Unit& unit, std::optional<Sample> before) const {
+    plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
+    result.scans.reserve(unit.scans);
+    Walk walk{.streams = {.seed = options_.seed,
+                          .chain = unit.replica.chain,
+                          .replica = unit.replica.replica},
+              .current = std::move(before),
+              .lineage = unit.lineage,
+              .simulations = 0};
+    std::uint32_t nth = 0;
+    const std::uint64_t first_scan = unit.first_scan.value;
+    if (unit.starts) {
+      draw_afresh(walk, first_scan, unit.replica.replica);
+      result.scans.push_back(record(first_scan, unit.inverse_temperature(nth++), walk, {}));
+    }
+    for (; nth < unit.scans; ++nth) {
+      const double beta = unit.inverse_temperature(nth);
+      Counts counts = scan(walk, unit, first_scan + nth, beta);
+      result.scans.push_back(record(first_scan + nth, beta, walk, std::move(counts)));
+    }
+    result.state_after = world_.encode(walk.current->state);
+    result.simulations = walk.simulations;
+    const std::size_t bytes =
+        sizeof(Sample) + world_.owned_bytes(walk.current->state, walk.current->outcome);
+    cache_.put(unit.replica, first_scan + unit.scans, std::move(*walk.current), bytes);
+    return result;
   }
 
   /// One scan: a draw from the prior where nothing constrains; else proposals, and an excursion if
@@ -130,8 +151,10 @@ class ChainWorker final : public plan::UnitWorker {
     const std::uint64_t first_iteration = (scan - 1) * options_.iterations_per_scan + 1;
     for (std::uint32_t i = 0; i < options_.iterations_per_scan; ++i) {
       sampling::iterate(world_, beta, walk.streams, first_iteration + i, *walk.current,
-                        unit.proposal_scales,
-                        [&](const sampling::StepReport& step) { counts.add(step); });
+                        unit.proposal_scales, [&](const sampling::StepReport& step) {
+                          counts.add(step);
+                          walk.simulations += step.simulated ? 1 : 0;
+                        });
     }
     if (unit.excursion.empty()) return counts;
     const sampling::ExcursionReport report =
@@ -141,6 +164,7 @@ class ChainWorker final : public plan::UnitWorker {
                                        .steps = options_.iterations_per_scan,
                                        .proposal_scales = unit.proposal_scales},
                                       walk.streams, scan, *walk.current);
+    walk.simulations += report.simulations;
     if (report.from_prior) walk.lineage = plan::lineage_from(replica, scan);
     return counts;
   }

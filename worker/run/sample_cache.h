@@ -1,8 +1,12 @@
 // The newest samples of the replicas that a worker ran last, so that the next unit of a replica
-// need not simulate its state again.
+// need not simulate its state again. A sample is a state with what came of it: its outcome, and the
+// recording of its simulation where the world makes one.
 //
-// Invariant: what is taken is what was put for that replica and scan, or nothing; so whether
-// anything is cached changes no result.
+// Invariants
+//   1. What is taken is what was put for that replica and scan, or nothing; so whether anything is
+//      cached changes no result.
+//   2. The samples held come to at most bytes_max bytes together: least recently put first out, and
+//      a larger one than that is not held at all.
 // Thread-safe.
 #pragma once
 
@@ -21,45 +25,65 @@ namespace sleight::run {
 template <class Sample>
 class SampleCache {
  public:
-  /// Holds so many replicas at most: least recently put first out.
-  explicit SampleCache(std::size_t replicas_max) : replicas_max_(replicas_max) {}
+  explicit SampleCache(std::size_t bytes_max) { use_.bytes_max = bytes_max; }
 
   /// The sample before a scan, which is then no longer held.
   std::optional<Sample> take(const plan::ReplicaKey& replica, std::uint64_t next_scan) {
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(replica);
-    if (found == entries_.end() || found->second.next_scan != next_scan) return std::nullopt;
+    if (found == entries_.end() || found->second.next_scan != next_scan) {
+      ++use_.misses;
+      return std::nullopt;
+    }
+    ++use_.hits;
     std::optional<Sample> sample(std::move(found->second.sample));
-    order_.erase(found->second.place);
-    entries_.erase(found);
+    forget(found);
     return sample;
   }
 
-  void put(const plan::ReplicaKey& replica, std::uint64_t next_scan, Sample sample) {
+  /// `bytes`: what the sample takes up, all that it owns included.
+  void put(const plan::ReplicaKey& replica, std::uint64_t next_scan, Sample sample,
+           std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(replica);
-    if (found != entries_.end()) {
-      order_.erase(found->second.place);
-      entries_.erase(found);
-    }
-    while (entries_.size() >= replicas_max_ && !order_.empty()) {
-      entries_.erase(order_.front());
-      order_.pop_front();
+    if (found != entries_.end()) forget(found);
+    const std::size_t whole = bytes + k_entry_bytes;
+    if (whole > use_.bytes_max) return;
+    while (use_.bytes + whole > use_.bytes_max) {
+      forget(entries_.find(order_.front()));
+      ++use_.evictions;
     }
     const auto place = order_.insert(order_.end(), replica);
-    entries_.emplace(replica, Entry{next_scan, std::move(sample), place});
+    entries_.emplace(replica, Entry{next_scan, std::move(sample), whole, place});
+    use_.bytes += whole;
+  }
+
+  plan::CacheUse use() const {
+    const std::scoped_lock lock(mutex_);
+    return use_;
   }
 
  private:
   struct Entry {
     std::uint64_t next_scan = 0;
     Sample sample;
+    std::size_t bytes = 0;
     std::list<plan::ReplicaKey>::iterator place;
   };
-  std::size_t replicas_max_;
-  std::mutex mutex_;
-  std::map<plan::ReplicaKey, Entry> entries_;
+  using Entries = std::map<plan::ReplicaKey, Entry>;
+  /// What holding a sample takes besides: a node of each container.
+  static constexpr std::size_t k_entry_bytes = sizeof(typename Entries::value_type) + 96;
+
+  void forget(typename Entries::iterator entry) {
+    use_.bytes -= entry->second.bytes;
+    order_.erase(entry->second.place);
+    entries_.erase(entry);
+  }
+
+  mutable std::mutex mutex_;
+  Entries entries_;
   std::list<plan::ReplicaKey> order_;  ///< oldest first
+  plan::CacheUse use_;
 };
 
 }  // namespace sleight::run

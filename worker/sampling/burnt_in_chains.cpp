@@ -27,10 +27,20 @@ BurntInChains::BurntInChains(const BurntInOptions& options)
 
 std::optional<plan::Unit> BurntInChains::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  return unit_of_furthest_behind(chains_, [&](Chain& chain) {
+  return next_of_furthest_behind(chains_, [&](Chain& chain) {
     return chain.part
                ? chain.part->next_unit(stop_.horizon(), scans_max)
                : chain.burn_in.next_unit(std::min(burn_in_scans_, stop_.horizon()), scans_max);
+  });
+}
+
+std::optional<plan::Block> BurntInChains::next_block(const plan::BlockLimits& limits) {
+  return next_of_furthest_behind(chains_, [&](Chain& chain) -> std::optional<plan::Block> {
+    if (!chain.part)
+      return chain.burn_in.next_block(std::min(burn_in_scans_, stop_.horizon()), limits);
+    auto unit = chain.part->next_unit(stop_.horizon(), limits.unit_scans_max);
+    if (!unit) return std::nullopt;
+    return plan::Block{.members = {*std::move(unit)}, .ladder = {}};
   });
 }
 
@@ -95,6 +105,13 @@ std::uint64_t BurntInChains::solutions_found() const {
   std::uint64_t sum = 0;
   for (const Chain& chain : chains_)
     sum += chain.part ? chain.part->solutions().count() : 0;
+  return sum;
+}
+
+std::optional<std::uint64_t> BurntInChains::round_trips() const {
+  std::uint64_t sum = 0;
+  for (const Chain& chain : chains_)
+    sum += chain.burn_in.round_trips();
   return sum;
 }
 

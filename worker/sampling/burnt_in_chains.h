@@ -33,6 +33,7 @@ class BurntInChains final : public plan::Plan {
   explicit BurntInChains(const BurntInOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
+  std::optional<plan::Block> next_block(const plan::BlockLimits& limits) override;
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override;
@@ -42,6 +43,8 @@ class BurntInChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return stop_.solutions_wanted();
   }
+  /// Of the burn-ins.
+  std::optional<std::uint64_t> round_trips() const override;
   std::uint64_t scans_consumed() const override { return records_; }
   std::optional<std::uint64_t> scans_total() const override { return std::nullopt; }
   /// What the burn-in's ladders learnt, and the rows of all parts.

@@ -7,15 +7,14 @@
 #include <optional>
 #include <vector>
 
-#include "common/plan/unit.h"
-
 namespace sleight::sampling {
 
-/// A unit of the chain with the fewest scans(), the first among equals; where it has none, of the
-/// next one, and so on. Most often the first has one, and the others are not put in order.
-template <class Chain, class NextUnit>
-std::optional<plan::Unit> unit_of_furthest_behind(std::vector<Chain>& chains,
-                                                  const NextUnit& next_unit) {
+/// What `next` has of the chain with the fewest scans(), the first among equals; where that is
+/// nothing, of the next one, and so on. Most often the first has something, and the others are not
+/// put in order.
+template <class Chain, class Next>
+auto next_of_furthest_behind(std::vector<Chain>& chains, const Next& next)
+    -> decltype(next(chains.front())) {
   const auto scans = [](const Chain* chain) { return chain->scans(); };
   std::vector<Chain*> order;
   order.reserve(chains.size());
@@ -23,11 +22,11 @@ std::optional<plan::Unit> unit_of_furthest_behind(std::vector<Chain>& chains,
     order.push_back(&chain);
   const auto least = std::ranges::min_element(order, {}, scans);
   if (least == order.end()) return std::nullopt;
-  if (auto unit = next_unit(**least)) return unit;
+  if (auto found = next(**least)) return found;
   order.erase(least);
   std::ranges::stable_sort(order, {}, scans);
   for (Chain* chain : order) {
-    if (auto unit = next_unit(*chain)) return unit;
+    if (auto found = next(*chain)) return found;
   }
   return std::nullopt;
 }

@@ -6,8 +6,8 @@
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
-#include "common/random/stream.h"
 #include "worker/sampling/ladder.h"
+#include "worker/sampling/swap.h"
 
 namespace sleight::sampling {
 
@@ -45,6 +45,13 @@ std::uint64_t LadderRun::scans() const {
 
 std::uint64_t LadderRun::records_counted() const {
   return records_counted_ + options_.first_ladder.size() * std::min(scans(), options_.anneal_scans);
+}
+
+std::uint64_t LadderRun::round_trips() const {
+  std::uint64_t sum = 0;
+  for (const RoundReport& round : rounds_)
+    sum += round.round_trips;
+  return sum;
 }
 
 BurnIn LadderRun::burn_in() const {
@@ -100,31 +107,93 @@ void LadderRun::place(std::uint32_t replica, std::uint32_t level, std::uint64_t 
   replicas_[replica].level = level;
 }
 
-std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint32_t scans_max) {
-  // The one furthest behind, the lowest id among equals.
+bool LadderRun::may_run(std::uint32_t id, std::uint64_t horizon) const {
+  const Replica& replica = replicas_[id];
+  const bool anneals = replica.lives && replica.next_scan < options_.anneal_scans;
+  if (replica.level == k_nobody && !anneals) return false;
+  return !replica.handed_out && replica.next_scan < horizon;
+}
+
+/// Of those that may run the lowest id among equals, or nobody.
+std::uint32_t LadderRun::furthest_behind(std::uint64_t horizon) const {
   std::uint32_t chosen = k_nobody;
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
-    const Replica& replica = replicas_[id];
-    const bool anneals = replica.lives && replica.next_scan < options_.anneal_scans;
-    if (replica.level == k_nobody && !anneals) continue;
-    if (replica.handed_out || replica.next_scan >= horizon) continue;
-    if (chosen == k_nobody || replica.next_scan < replicas_[chosen].next_scan) chosen = id;
+    if (!may_run(id, horizon)) continue;
+    if (chosen == k_nobody || replicas_[id].next_scan < replicas_[chosen].next_scan) chosen = id;
   }
+  return chosen;
+}
+
+/// The next scan of a replica whose level is known.
+plan::Unit LadderRun::scan_of(std::uint32_t id) const {
+  const Replica& replica = replicas_[id];
+  return {.replica = {options_.chain, base::ReplicaId{id}},
+          .first_scan = base::ScanIndex{replica.next_scan},
+          .scans = 1,
+          .starts = replica.next_scan == replica.first_scan,
+          .lineage = replica.lineage,
+          .inverse_temperatures = {ladder()[replica.level]},
+          .proposal_scales = rounds_.back().scales[replica.level],
+          .excursion = {}};
+}
+
+std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint32_t scans_max) {
+  const std::uint32_t chosen = furthest_behind(horizon);
   if (chosen == k_nobody) return std::nullopt;
   Replica& replica = replicas_[chosen];
   replica.handed_out = true;
-  if (replica.next_scan < options_.anneal_scans) {
-    const std::uint64_t left = horizon - replica.next_scan;
-    return anneal(chosen, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, scans_max)));
+  if (replica.next_scan >= options_.anneal_scans) return scan_of(chosen);
+  const std::uint64_t left = horizon - replica.next_scan;
+  return anneal(chosen, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, scans_max)));
+}
+
+std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
+                                                 const plan::BlockLimits& limits) {
+  const std::uint32_t chosen = furthest_behind(horizon);
+  if (chosen == k_nobody) return std::nullopt;
+  const bool alone =
+      limits.block_scans_max <= 1 || replicas_[chosen].next_scan < options_.anneal_scans;
+  if (alone) {
+    return plan::Block{.members = {*next_unit(horizon, limits.unit_scans_max)}, .ladder = {}};
   }
-  return plan::Unit{.replica = {options_.chain, base::ReplicaId{chosen}},
-                    .first_scan = base::ScanIndex{replica.next_scan},
-                    .scans = 1,
-                    .starts = replica.next_scan == replica.first_scan,
-                    .lineage = replica.lineage,
-                    .inverse_temperatures = {ladder()[replica.level]},
-                    .proposal_scales = rounds_.back().scales[replica.level],
-                    .excursion = {}};
+
+  // Who is ready at each level: one at most, since a level's scans come one after the other.
+  std::vector<std::uint32_t> ready(levels(), k_nobody);
+  for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
+    if (replicas_[id].level != k_nobody && may_run(id, horizon)) ready[replicas_[id].level] = id;
+  }
+
+  // Neighbours join: all, if each can make a scan; else as many as come to the limit in a triangle
+  // whose sides lose a level with each scan.
+  std::uint32_t first = replicas_[chosen].level;
+  std::uint32_t end = first + 1;
+  const auto root = static_cast<std::uint32_t>(std::sqrt(2.0 * limits.block_scans_max));
+  const std::uint32_t wanted = limits.block_scans_max >= levels() ? levels() : root;
+  const auto joins = [&](std::uint32_t level) { return ready[level] != k_nobody; };
+  for (bool grew = true; grew && end - first < wanted;) {
+    grew = end < levels() && joins(end);
+    if (grew) ++end;
+    if (end - first < wanted && first > 0 && joins(first - 1)) {
+      --first;
+      grew = true;
+    }
+  }
+
+  plan::Block block;
+  plan::LadderPart& part = block.ladder.emplace();
+  part = {.levels = levels(),
+          .first_level = first,
+          .inverse_temperatures = {},
+          .proposal_scales = {},
+          .end_scan = std::min(horizon, round_end()),
+          .scans_max = limits.block_scans_max};
+  for (std::uint32_t level = first; level < end; ++level) {
+    block.members.push_back(scan_of(ready[level]));
+    replicas_[ready[level]].handed_out = true;
+    part.inverse_temperatures.push_back(ladder()[level]);
+    part.proposal_scales.push_back(rounds_.back().scales[level]);
+  }
+  return block;
 }
 
 void LadderRun::consume(base::ReplicaId id, std::uint64_t first_scan,
@@ -171,6 +240,8 @@ void LadderRun::settle(std::vector<std::uint32_t>& ready) {
       const std::uint64_t scan = replica.next_scan++;
       const std::uint32_t level = std::exchange(replica.level, k_nobody);
       replica.lineage = replica.waiting.front().lineage;
+      // Whoever ran it, alone or with its neighbours, had it at the same level.
+      CHECK_EQ(replica.waiting.front().inverse_temperature, ladder()[level]);
       row(scan).result[level] = std::move(replica.waiting.front());
       replica.waiting.pop_front();
       go_on_from(scan, level, ready);
@@ -210,14 +281,15 @@ void LadderRun::go_on_from(std::uint64_t scan, std::uint32_t level,
 }
 
 bool LadderRun::swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter,
-                      const Result& cooler) {
-  const double log_ratio = options_.rules.log_swap_ratio(
-      ladder()[level], ladder()[level + 1], hotter.log_constraint, cooler.log_constraint);
-  const random::StreamKey key{.seed = options_.seed,
-                              .chain = options_.chain,
-                              .replica = base::ReplicaId{level},
-                              .purpose = random::Purpose::swap};
-  return math::log(options_.rules.swap_number(key, scan)) < log_ratio;
+                      const Result& cooler) const {
+  return sampling::swaps(options_.rules, {.seed = options_.seed,
+                                          .chain = options_.chain,
+                                          .scan = scan,
+                                          .level = level,
+                                          .hotter = ladder()[level],
+                                          .cooler = ladder()[level + 1],
+                                          .log_constraint_hotter = hotter.log_constraint,
+                                          .log_constraint_cooler = cooler.log_constraint});
 }
 
 /// Scans that all levels have are counted, in order.

@@ -29,7 +29,7 @@
 #include <span>
 #include <vector>
 
-#include "common/plan/unit.h"
+#include "common/plan/block.h"
 #include "worker/sampling/chain_part.h"
 #include "worker/sampling/round_statistics.h"
 #include "worker/sampling/rules.h"
@@ -71,6 +71,8 @@ class LadderRun {
   /// A unit that may run now, of a replica that is furthest behind; none if all that may run are
   /// handed out. `horizon`: scans that may be begun.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
+  /// Such a unit and, as far as the limit goes, those of neighbouring levels that may run now too.
+  std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits);
   /// REQUIRES: as Plan::consume.
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
                std::span<const plan::ScanRecord> records);
@@ -80,6 +82,8 @@ class LadderRun {
   std::uint64_t records_consumed() const { return records_; }
   /// Of these, those of scans that every level has.
   std::uint64_t records_counted() const;
+  /// Of all rounds.
+  std::uint64_t round_trips() const;
   const Solutions& solutions() const { return solutions_; }
   /// All rounds, the present one last.
   const std::vector<RoundReport>& rounds() const { return rounds_; }
@@ -108,13 +112,17 @@ class LadderRun {
     std::vector<std::optional<Result>> result;
   };
 
+  std::uint32_t furthest_behind(std::uint64_t horizon) const;
+  plan::Unit scan_of(std::uint32_t replica) const;
+  bool may_run(std::uint32_t replica, std::uint64_t horizon) const;
   const std::vector<double>& ladder() const { return rounds_.back().statistics.ladder(); }
   std::uint32_t levels() const { return static_cast<std::uint32_t>(ladder().size()); }
   Row& row(std::uint64_t scan);
   void place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan);
   void settle(std::vector<std::uint32_t>& ready);
   void go_on_from(std::uint64_t scan, std::uint32_t level, std::vector<std::uint32_t>& ready);
-  bool swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter, const Result& cooler);
+  bool swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter,
+             const Result& cooler) const;
   void retire();
   void count_trip(std::uint32_t replica, std::uint32_t level);
   plan::Unit anneal(std::uint32_t id, std::uint32_t scans_max) const;

@@ -24,8 +24,13 @@ ParallelTempering::ParallelTempering(const ParallelTemperingOptions& options)
 
 std::optional<plan::Unit> ParallelTempering::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  return unit_of_furthest_behind(
+  return next_of_furthest_behind(
       ladders_, [&](LadderRun& ladder) { return ladder.next_unit(stop_.horizon(), scans_max); });
+}
+
+std::optional<plan::Block> ParallelTempering::next_block(const plan::BlockLimits& limits) {
+  return next_of_furthest_behind(
+      ladders_, [&](LadderRun& ladder) { return ladder.next_block(stop_.horizon(), limits); });
 }
 
 void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
@@ -80,6 +85,13 @@ std::optional<std::uint64_t> ParallelTempering::scans_total() const {
     const std::uint64_t levels = ladder.rounds().back().statistics.ladder().size();
     if (ladder.scans() < stop_.end()) sum += levels * (stop_.end() - ladder.scans());
   }
+  return sum;
+}
+
+std::optional<std::uint64_t> ParallelTempering::round_trips() const {
+  std::uint64_t sum = 0;
+  for (const LadderRun& ladder : ladders_)
+    sum += ladder.round_trips();
   return sum;
 }
 

@@ -25,6 +25,7 @@ class ParallelTempering final : public plan::Plan {
   explicit ParallelTempering(const ParallelTemperingOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
+  std::optional<plan::Block> next_block(const plan::BlockLimits& limits) override;
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override;
@@ -34,6 +35,7 @@ class ParallelTempering final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return stop_.solutions_wanted();
   }
+  std::optional<std::uint64_t> round_trips() const override;
   /// Of all replicas.
   std::uint64_t scans_consumed() const override;
   /// With as many levels as there are now.

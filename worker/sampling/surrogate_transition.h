@@ -76,8 +76,8 @@ struct SurrogateTransition {
 };
 
 /// Replaces `current` or keeps it. `count` is told each step's report, accepted or not by the guess
-/// and simulated by the surrogate, and the transition's if it led anywhere. REQUIRES: an inverse
-/// temperature above 0.
+/// and not simulated, and the transition's if it led anywhere. REQUIRES: an inverse temperature
+/// above 0.
 template <HasSurrogate T, class Count>
 void surrogate_transition(const T& target, const SurrogateTransition& transition,
                           StepStreams& streams, Sample<T>& current, const Count& count) {
@@ -92,9 +92,12 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
   auto guessed = surrogate.simulate_from(current.state, current.state, *current.surrogate);
   const double guess = surrogate.log_constraint(guessed);
   Sample<Surrogate> walk{current.state, std::move(guessed), current.log_prior, guess};
-  for (std::uint32_t step = 0; step < transition.steps; ++step)
-    count(metropolis_hastings_step(surrogate, transition.inverse_temperature, streams, walk,
-                                   transition.scales));
+  for (std::uint32_t step = 0; step < transition.steps; ++step) {
+    StepReport guessed_step = metropolis_hastings_step(surrogate, transition.inverse_temperature,
+                                                       streams, walk, transition.scales);
+    guessed_step.simulated = false;  // by the surrogate alone
+    count(guessed_step);
+  }
 
   // Simulate where they end, and accept it with probability min(1, ratio).
   const double log_u = math::log(streams.acceptance.uniform());

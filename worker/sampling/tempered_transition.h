@@ -41,6 +41,7 @@ struct Excursion {
 struct ExcursionReport {
   bool accepted = false;
   bool from_prior = false;  ///< what was accepted descends from a new draw
+  std::uint64_t simulations = 0;
 };
 
 /// Replaces `current` or keeps it. REQUIRES: a scan once per replica; fewer than
@@ -56,15 +57,17 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
   Sample<T> candidate = current;
   double log_ratio = 0;
   bool from_prior = false;
+  std::uint64_t simulations = 0;
   const auto move = [&](double beta) {
     if (beta == 0) {
       candidate = draw_afresh(target, streams, scan);
       from_prior = true;
+      ++simulations;
       return;
     }
     for (std::uint32_t i = 0; i < excursion.steps; ++i)
       iterate(target, beta, streams, iteration++, candidate, excursion.proposal_scales,
-              [](const StepReport&) {});
+              [&](const StepReport& step) { simulations += step.simulated ? 1 : 0; });
   };
   // A step between two temperatures, seen from above or from below. Nothing but a start that breaks
   // a hard constraint has no density above 0: then all is accepted that has some.
@@ -87,9 +90,9 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
   }
 
   const double log_u = math::log(streams.at(random::Purpose::excursion, scan).uniform());
-  if (!(log_u < log_ratio)) return {};
+  if (!(log_u < log_ratio)) return {.simulations = simulations};
   current = std::move(candidate);
-  return {.accepted = true, .from_prior = from_prior};
+  return {.accepted = true, .from_prior = from_prior, .simulations = simulations};
 }
 
 }  // namespace sleight::sampling

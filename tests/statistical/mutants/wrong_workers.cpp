@@ -121,15 +121,20 @@ OnTheWay sizes_follow_acceptance() {
 
 OnTheWay ladder_follows_density() {
   auto last = std::make_shared<double>(0);
+  auto asked = std::make_shared<std::map<plan::ReplicaKey, Unit>>();
   return {.handed_out =
-              [last](Unit& unit) {
+              [last, asked](Unit& unit) {
+                (*asked)[unit.replica] = unit;
                 for (double& beta : unit.inverse_temperatures) {
                   if (beta > 0 && beta < 1 && *last < -1) beta *= 0.9;
                 }
               },
           .taken_in =
-              [last](const plan::ReplicaKey&, std::vector<plan::ScanRecord>& records) {
+              [last, asked](const plan::ReplicaKey& key, std::vector<plan::ScanRecord>& records) {
                 *last = records.back().log_constraint;
+                // A plan refuses records of other temperatures than its own at once.
+                for (std::uint32_t nth = 0; nth < records.size(); ++nth)
+                  records[nth].inverse_temperature = asked->at(key).inverse_temperature(nth);
               }};
 }
 

@@ -65,6 +65,7 @@ struct RuggedRing {
             .log_q_ratio = clockwise ? odds : -odds,
             .kind = 0};
   }
+  std::size_t owned_bytes(const State&, const Outcome&) const { return 0; }
   base::Bytes encode(const State& state) const {
     base::ByteWriter writer;
     writer.put(state);
@@ -105,6 +106,7 @@ struct Line {
             .kind = 0};
   }
   bool has_scale(std::uint32_t /*kind*/) const { return true; }
+  std::size_t owned_bytes(const State&, const Outcome&) const { return 0; }
   base::Bytes encode(const State& x) const {
     base::ByteWriter writer;
     writer.put(x);

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <exception>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/error.h"
 
 namespace sleight::run {
 namespace {
@@ -22,24 +25,68 @@ void send(const schema::Message& message) {
            schema::k_message_tag, MPI_COMM_WORLD);
 }
 
-/// Waits for a message without burning the core.
-base::Bytes receive() {
-  double backoff_s = schema::k_poll_interval_s_min;
-  int arrived = 0;
-  MPI_Status status;
-  while (true) {
-    MPI_Iprobe(k_coordinator_rank, schema::k_message_tag, MPI_COMM_WORLD, &arrived, &status);
-    if (arrived != 0) break;
-    std::this_thread::sleep_for(std::chrono::duration<double>(backoff_s));
-    backoff_s = std::min(2 * backoff_s, schema::k_poll_interval_s_max);
-  }
+base::Result<schema::Message, std::string> receive(const MPI_Status& status) {
   int size = 0;
   MPI_Get_count(&status, MPI_BYTE, &size);
   base::Bytes bytes(static_cast<std::size_t>(size));
   MPI_Recv(bytes.data(), size, MPI_BYTE, k_coordinator_rank, schema::k_message_tag, MPI_COMM_WORLD,
            MPI_STATUS_IGNORE);
-  return bytes;
+  return schema::decode(bytes);
 }
+
+/// One that has arrived; with `waits`, the next one, without burning the core.
+std::optional<base::Result<schema::Message, std::string>> next_message(bool waits) {
+  double backoff_s = schema::k_poll_interval_s_min;
+  while (true) {
+    int arrived = 0;
+    MPI_Status status;
+    MPI_Iprobe(k_coordinator_rank, schema::k_message_tag, MPI_COMM_WORLD, &arrived, &status);
+    if (arrived != 0) return receive(status);
+    if (!waits) return std::nullopt;
+    std::this_thread::sleep_for(std::chrono::duration<double>(backoff_s));
+    backoff_s = std::min(2 * backoff_s, schema::k_poll_interval_s_max);
+  }
+}
+
+/// What is before this rank, and what it does about messages.
+class Desk {
+ public:
+  explicit Desk(const plan::BlockWorker& worker) : worker_(worker) {}
+
+  /// Takes in all that has arrived, answers pings, runs the oldest assignment; false after a stop.
+  bool turn() {
+    while (std::optional message = next_message(waiting_.empty())) {
+      if (!*message) throw base::Error(base::ExitCode::bug, "got " + message->error());
+      schema::Message value = std::move(*message).value();
+      if (std::holds_alternative<schema::Stop>(value)) return false;
+      if (const auto* ping = std::get_if<schema::Ping>(&value)) {
+        answer(*ping);
+        continue;
+      }
+      auto* assignment = std::get_if<schema::Assignment>(&value);
+      CHECK(assignment != nullptr);
+      waiting_.push_back(std::move(*assignment));
+    }
+    const schema::Assignment next = std::move(waiting_.front());
+    waiting_.pop_front();
+    send(schema::Delivery{.epoch = next.epoch,
+                          .assignment = next.assignment,
+                          .results = worker_.run(next.block, next.states),
+                          .cache = worker_.cache_use()});
+    return true;
+  }
+
+ private:
+  void answer(const schema::Ping& ping) const {
+    schema::Pong pong{.epoch = ping.epoch, .assignments = {}};
+    for (const schema::Assignment& assignment : waiting_)
+      pong.assignments.push_back(assignment.assignment);
+    send(pong);
+  }
+
+  const plan::BlockWorker& worker_;
+  std::deque<schema::Assignment> waiting_;  ///< oldest first
+};
 
 }  // namespace
 
@@ -47,28 +94,14 @@ void refuse(const std::string& reason) {
   send(schema::Failure{.reason = reason});
 }
 
-void serve(const plan::UnitWorker& worker, const base::Clock& clock, const schema::Hello& hello) {
+void serve(const plan::BlockWorker& worker, const schema::Hello& hello) {
   send(hello);
-  while (true) {
-    base::Result<schema::Message, std::string> message = schema::decode(receive());
-    if (!message) {
-      refuse("got " + message.error());
-      return;
+  Desk desk(worker);
+  try {
+    while (desk.turn()) {
     }
-    const auto* assignment = std::get_if<schema::Assignment>(&message.value());
-    if (assignment == nullptr) {
-      CHECK(std::holds_alternative<schema::Stop>(message.value()));
-      return;
-    }
-    try {
-      const double begin_s = clock.now_s();
-      plan::UnitResult result = worker.run(assignment->unit, assignment->state);
-      result.cost_s = clock.now_s() - begin_s;
-      send(std::move(result));
-    } catch (const std::exception& failure) {
-      refuse(failure.what());
-      return;
-    }
+  } catch (const std::exception& failure) {
+    refuse(failure.what());
   }
 }
 

@@ -1,8 +1,7 @@
-// A batch job's rank other than 0: computes the units that rank 0 assigns until it says stop.
+// A batch job's rank other than 0: computes the blocks that rank 0 assigns until it says stop.
 #pragma once
 
-#include "common/base/clock.h"
-#include "common/plan/unit.h"
+#include "common/plan/block.h"
 #include "common/schema/messages.h"
 
 namespace sleight::run {
@@ -10,7 +9,7 @@ namespace sleight::run {
 /// Says hello, then serves. Idle, it looks for messages with a back-off from 20 us to 2 ms, which
 /// takes under 2% of a core. A failure of the worker is sent to rank 0 before this returns.
 /// REQUIRES: MPI is initialised, and this rank is not 0.
-void serve(const plan::UnitWorker& worker, const base::Clock& clock, const schema::Hello& hello);
+void serve(const plan::BlockWorker& worker, const schema::Hello& hello);
 
 /// Tells rank 0 that this rank can't serve, and why.
 void refuse(const std::string& reason);

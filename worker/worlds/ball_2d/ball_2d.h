@@ -51,6 +51,8 @@ class Ball2d {
 
   /// A state as bytes: one double a collision. Decoding refuses any other length.
   base::Bytes encode(const State& normals) const;
+  /// States and outcomes are flat.
+  std::size_t owned_bytes(const State&, const Outcome&) const { return 0; }
   std::optional<State> decode(base::BytesView bytes) const;
 
   /// In the order of layout().outcomes.

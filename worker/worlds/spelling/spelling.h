@@ -143,6 +143,13 @@ class Spelling {
   std::uint32_t proposal_kinds() const { return k_kinds; }
 
   base::Bytes encode(const State& state) const { return spelling::encode(state); }
+  /// Arrays of a sample: the state's, the outcome's, and the two by ball of the surrogate's
+  /// outcome, which may hang on it.
+  std::size_t owned_bytes(const State& state, const Outcome& outcome) const {
+    return state.offsets_m.capacity() * sizeof(Vec3) + state.active.capacity() +
+           state.drops_m.capacity() * sizeof(Vec2) +
+           (outcome.filling.capacity() + 2 * state.active.size()) * sizeof(Filling::value_type);
+  }
   std::optional<State> decode(base::BytesView bytes) const {
     return spelling::decode(prior_, bytes);
   }

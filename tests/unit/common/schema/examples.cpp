@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace sleight::schema::testing {
 namespace {
@@ -33,19 +35,51 @@ bool same(const plan::ScanRecord& a, const plan::ScanRecord& b) {
          a.accepted == b.accepted && a.state == b.state && same(a.outcome, b.outcome);
 }
 
+template <class T>
+bool same_all(const std::vector<T>& a, const std::vector<T>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const T& x, const T& y) { return same(x, y); });
+}
+
+bool same_results(const std::vector<plan::UnitResult>& all,
+                  const std::vector<plan::UnitResult>& others) {
+  return std::equal(all.begin(), all.end(), others.begin(), others.end(),
+                    [](const plan::UnitResult& a, const plan::UnitResult& b) {
+                      return same(a.unit, b.unit) && same_all(a.scans, b.scans) &&
+                             a.state_after == b.state_after && same(a.cost_s, b.cost_s) &&
+                             a.simulations == b.simulations;
+                    });
+}
+
+bool same(const plan::Block& a, const plan::Block& b) {
+  if (!same_all(a.members, b.members) || a.ladder.has_value() != b.ladder.has_value()) return false;
+  if (!a.ladder) return true;
+  const plan::LadderPart& x = *a.ladder;
+  const plan::LadderPart& y = *b.ladder;
+  return x.levels == y.levels && x.first_level == y.first_level &&
+         same(x.inverse_temperatures, y.inverse_temperatures) &&
+         same_all(x.proposal_scales, y.proposal_scales) && x.end_scan == y.end_scan &&
+         x.scans_max == y.scans_max;
+}
+
 /// Compares two messages of one kind.
 struct Same {
   bool operator()(const Hello& a, const Hello& b) const {
-    return a.program_version == b.program_version && a.identity == b.identity;
+    return a.program_version == b.program_version && a.identity == b.identity &&
+           a.threads == b.threads;
   }
   bool operator()(const Assignment& a, const Assignment& b) const {
-    return same(a.unit, b.unit) && a.state == b.state;
+    return a.epoch == b.epoch && a.assignment == b.assignment && same(a.block, b.block) &&
+           a.states == b.states;
   }
   bool operator()(const Stop&, const Stop&) const { return true; }
-  bool operator()(const plan::UnitResult& a, const plan::UnitResult& b) const {
-    return same(a.unit, b.unit) && a.state_after == b.state_after && same(a.cost_s, b.cost_s) &&
-           std::equal(a.scans.begin(), a.scans.end(), b.scans.begin(), b.scans.end(),
-                      [](const auto& x, const auto& y) { return same(x, y); });
+  bool operator()(const Delivery& a, const Delivery& b) const {
+    return a.epoch == b.epoch && a.assignment == b.assignment &&
+           same_results(a.results, b.results) && a.cache == b.cache;
+  }
+  bool operator()(const Ping& a, const Ping& b) const { return a.epoch == b.epoch; }
+  bool operator()(const Pong& a, const Pong& b) const {
+    return a.epoch == b.epoch && a.assignments == b.assignments;
   }
   bool operator()(const Failure& a, const Failure& b) const { return a.reason == b.reason; }
   template <class A, class B>
@@ -54,16 +88,106 @@ struct Same {
   }
 };
 
+constexpr std::uint32_t k_largest = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t k_largest_long = std::numeric_limits<std::uint64_t>::max();
+
 plan::Unit example_unit(std::uint32_t scans) {
-  return {.replica = {base::ChainId{std::numeric_limits<std::uint32_t>::max()},
-                      base::ReplicaId{std::numeric_limits<std::uint32_t>::max() - 1}},
-          .first_scan = base::ScanIndex{std::numeric_limits<std::uint64_t>::max()},
+  return {.replica = {base::ChainId{k_largest}, base::ReplicaId{k_largest - 1}},
+          .first_scan = base::ScanIndex{k_largest_long},
           .scans = scans,
           .starts = scans % 2 == 1,
-          .lineage = std::numeric_limits<std::uint64_t>::max(),
+          .lineage = k_largest_long,
           .inverse_temperatures = {0.1},
           .proposal_scales = {},
           .excursion = {}};
+}
+
+std::vector<Message> hellos_and_failures() {
+  return {
+      Hello{.program_version = "1.2+gabc", .identity = "[world]\nname = \"x\"\n", .threads = 64},
+      Hello{},
+      Hello{.program_version = std::string("a\0b", 3),
+            .identity = std::string(300'000, 'i'),
+            .threads = k_largest},
+      Stop{},
+      Ping{},
+      Ping{.epoch = k_largest_long},
+      Pong{},
+      Pong{.epoch = 3, .assignments = {0, k_largest_long, 7, 7}},
+      Pong{.epoch = 4, .assignments = std::vector<std::uint64_t>(100'000, 5)},
+      Failure{.reason = "the disk is full"},
+      Failure{},
+      Failure{.reason = std::string("zero \0 within", 13)}};
+}
+
+std::vector<Message> assignments() {
+  Assignment whole_ladder = example_assignment(300);
+  whole_ladder.block.ladder->levels = 300;
+  whole_ladder.block.ladder->first_level = 0;
+  Assignment one_of_ladder = example_assignment(1);
+  one_of_ladder.block.ladder->first_level = one_of_ladder.block.ladder->levels - 1;
+  std::vector<Message> all{Assignment{.epoch = 1,
+                                      .assignment = k_largest_long,
+                                      .block = {.members = {example_unit(1)}, .ladder = {}},
+                                      .states = {std::nullopt}},
+                           // No state and a state of no bytes are two things.
+                           Assignment{.epoch = k_largest_long,
+                                      .assignment = 0,
+                                      .block = {.members = {example_unit(2)}, .ladder = {}},
+                                      .states = {base::Bytes{}}},
+                           Assignment{.epoch = 2,
+                                      .assignment = 1,
+                                      .block = {.members = {example_unit(k_largest)}, .ladder = {}},
+                                      .states = {base::Bytes(5'000'000, std::byte{3})}},
+                           example_assignment(2), example_assignment(5), whole_ladder,
+                           one_of_ladder};
+  for (const double value : awkward_doubles()) {
+    Assignment alone{.epoch = 5,
+                     .assignment = 6,
+                     .block = {.members = {example_unit(2)}, .ladder = {}},
+                     .states = {base::Bytes{std::byte{0}}}};
+    alone.block.members[0].inverse_temperatures = {value, 0};
+    alone.block.members[0].proposal_scales = {value};
+    alone.block.members[0].excursion = {0.5, value, 0};
+    all.emplace_back(alone);
+    Assignment part = example_assignment(3);
+    part.block.ladder->inverse_temperatures = {0, value, value};
+    part.block.ladder->proposal_scales = {{value, 1}, {}, {0.5, value, value}};
+    all.emplace_back(part);
+  }
+  return all;
+}
+
+std::vector<Message> deliveries() {
+  plan::UnitResult bare = example_result(3);
+  bare.state_after.clear();
+  for (plan::ScanRecord& scan : bare.scans) {
+    scan.proposed.clear();
+    scan.accepted.clear();
+    scan.outcome.clear();
+    scan.state.clear();
+  }
+  plan::UnitResult large = example_result(2);
+  large.state_after.assign(5'000'000, std::byte{1});
+  large.scans[1].outcome.assign(300'000, -0.0);
+  Delivery nothing = example_delivery({});
+  nothing.cache = {};
+  std::vector<Message> all{nothing,
+                           example_delivery({}),
+                           example_delivery({1}),
+                           example_delivery({40}),
+                           example_delivery({1, 7, 2, 1}),
+                           example_delivery(std::vector<std::uint32_t>(300, 2)),
+                           example_delivery({20'000})};
+  Delivery other = example_delivery({});
+  other.results = {bare, large, bare};
+  all.emplace_back(other);
+  for (const double value : awkward_doubles()) {
+    Delivery costs = example_delivery({1, 1});
+    costs.results[1].cost_s = value;
+    all.emplace_back(costs);
+  }
+  return all;
 }
 
 }  // namespace
@@ -82,18 +206,22 @@ std::vector<double> awkward_doubles() {
 }
 
 plan::UnitResult example_result(std::uint32_t scans) {
-  plan::UnitResult result{.unit = example_unit(scans),
-                          .scans = {},
-                          .state_after = base::Bytes(41, std::byte{0xa5}),
-                          .cost_s = 0.125};
+  plan::UnitResult result{
+      .unit = {.replica = {base::ChainId{k_largest}, base::ReplicaId{k_largest - 1}},
+               .first_scan = base::ScanIndex{k_largest_long},
+               .scans = scans},
+      .scans = {},
+      .state_after = base::Bytes(41, std::byte{0xa5}),
+      .cost_s = 0.125,
+      .simulations = k_largest_long - scans};
   const std::vector<double> awkward = awkward_doubles();
   for (std::uint32_t i = 0; i < scans; ++i) {
     result.scans.push_back({.log_prior = awkward[i % awkward.size()],
                             .log_constraint = awkward[(i + 4) % awkward.size()],
                             .satisfied = i % 2 == 1,
-                            .lineage = std::numeric_limits<std::uint64_t>::max() - i,
+                            .lineage = k_largest_long - i,
                             .inverse_temperature = awkward[(i + 2) % awkward.size()],
-                            .proposed = {i, 0, std::numeric_limits<std::uint32_t>::max()},
+                            .proposed = {i, 0, k_largest},
                             .accepted = {0, i},
                             .outcome = awkward,
                             .state = base::Bytes(i % 9, std::byte{7})});
@@ -101,42 +229,50 @@ plan::UnitResult example_result(std::uint32_t scans) {
   return result;
 }
 
+Delivery example_delivery(const std::vector<std::uint32_t>& scans) {
+  Delivery delivery{.epoch = k_largest_long,
+                    .assignment = k_largest_long - 1,
+                    .results = {},
+                    .cache = {.hits = 1,
+                              .misses = k_largest_long,
+                              .evictions = 3,
+                              .bytes = 4,
+                              .bytes_max = k_largest_long - 5}};
+  for (std::uint32_t i = 0; i < scans.size(); ++i) {
+    plan::UnitResult& result = delivery.results.emplace_back(example_result(scans[i]));
+    result.unit.replica = {base::ChainId{7}, base::ReplicaId{i}};
+    result.unit.first_scan.value -= i;
+  }
+  return delivery;
+}
+
+Assignment example_assignment(std::uint32_t members) {
+  Assignment assignment{.epoch = 11, .assignment = 12, .block = {}, .states = {}};
+  plan::LadderPart part{.levels = members + 4,
+                        .first_level = 3,
+                        .inverse_temperatures = {},
+                        .proposal_scales = {},
+                        .end_scan = k_largest_long,
+                        .scans_max = k_largest};
+  for (std::uint32_t i = 0; i < members; ++i) {
+    plan::Unit unit = example_unit(1);
+    unit.replica.replica = base::ReplicaId{i};
+    unit.starts = i % 3 == 2;
+    assignment.block.members.push_back(unit);
+    // Nothing, no bytes, and some by turns.
+    plan::GivenState& state = assignment.states.emplace_back();
+    if (i % 3 > 0) state = base::Bytes(i % 3 - 1, std::byte{9});
+    part.inverse_temperatures.push_back(0.1 * i);
+    part.proposal_scales.push_back(std::vector<double>(i % 3, 0.3 * i));
+  }
+  assignment.block.ladder = std::move(part);
+  return assignment;
+}
+
 std::vector<Message> examples() {
-  plan::UnitResult bare = example_result(3);
-  bare.state_after.clear();
-  for (plan::ScanRecord& scan : bare.scans) {
-    scan.proposed.clear();
-    scan.accepted.clear();
-    scan.outcome.clear();
-    scan.state.clear();
-  }
-  plan::UnitResult large = example_result(2);
-  large.state_after.assign(5'000'000, std::byte{1});
-  large.scans[1].outcome.assign(300'000, -0.0);
-  std::vector<Message> all{
-      Hello{.program_version = "1.2+gabc", .identity = "[world]\nname = \"x\"\n"},
-      Hello{},
-      Hello{.program_version = std::string("a\0b", 3), .identity = std::string(300'000, 'i')},
-      Assignment{.unit = example_unit(1), .state = {}},
-      Assignment{.unit = example_unit(std::numeric_limits<std::uint32_t>::max()),
-                 .state = base::Bytes(5'000'000, std::byte{3})},
-      Stop{},
-      Failure{.reason = "the disk is full"},
-      Failure{},
-      Failure{.reason = std::string("zero \0 within", 13)},
-      example_result(0),
-      example_result(1),
-      example_result(40),
-      bare,
-      large,
-      example_result(20'000)};
-  for (const double value : awkward_doubles()) {
-    Assignment assignment{.unit = example_unit(2), .state = {std::byte{0}}};
-    assignment.unit.inverse_temperatures = {value, 0};
-    assignment.unit.proposal_scales = {value};
-    assignment.unit.excursion = {0.5, value, 0};
-    all.emplace_back(assignment);
-  }
+  std::vector<Message> all;
+  for (std::vector<Message>& some : std::vector{hellos_and_failures(), assignments(), deliveries()})
+    std::ranges::move(some, std::back_inserter(all));
   return all;
 }
 

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
 #include "common/schema/messages.h"
@@ -61,12 +63,38 @@ base::Bytes mutated(const std::vector<base::Bytes>& good, random::Stream& stream
   return bytes;
 }
 
+void expect_well_formed(const plan::Block& block) {
+  ASSERT_GE(block.members.size(), 1U);
+  for (const plan::Unit& unit : block.members) {
+    EXPECT_GE(unit.scans, 1U);
+    EXPECT_TRUE(unit.inverse_temperatures.size() == 1 ||
+                unit.inverse_temperatures.size() == unit.scans);
+    if (block.ladder) {
+      EXPECT_EQ(unit.scans, 1U);
+    }
+  }
+  if (!block.ladder) {
+    EXPECT_EQ(block.members.size(), 1U);
+    return;
+  }
+  EXPECT_EQ(block.ladder->inverse_temperatures.size(), block.members.size());
+  EXPECT_EQ(block.ladder->proposal_scales.size(), block.members.size());
+  EXPECT_LE(std::uint64_t{block.ladder->first_level} + block.members.size(), block.ladder->levels);
+}
+
 void expect_well_formed(const Message& message) {
-  if (const auto* result = std::get_if<plan::UnitResult>(&message)) {
-    EXPECT_EQ(result->scans.size(), result->unit.scans);
+  if (const auto* hello = std::get_if<Hello>(&message)) {
+    EXPECT_GE(hello->threads, 1U);
+  }
+  if (const auto* delivery = std::get_if<Delivery>(&message)) {
+    for (const plan::UnitResult& result : delivery->results) {
+      EXPECT_GE(result.scans.size(), 1U);
+      EXPECT_EQ(result.scans.size(), result.unit.scans);
+    }
   }
   if (const auto* assignment = std::get_if<Assignment>(&message)) {
-    EXPECT_GE(assignment->unit.scans, 1U);
+    expect_well_formed(assignment->block);
+    EXPECT_EQ(assignment->states.size(), assignment->block.members.size());
   }
   const auto back = decode(encode(message));
   ASSERT_TRUE(back.ok()) << back.error();
@@ -103,18 +131,49 @@ TEST(HostileMessages, EveryCutIsRefused) {
   }
 }
 
+TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
+  // Goal: bytes that never were a message do no harm. Method: noise of up to 60 words, from nothing
+  // on; half of it behind a head that claims one segment of the right length.
+  for (std::uint64_t input = 0; input < k_inputs; ++input) {
+    SCOPED_TRACE(fmt::format("seed {}, input {}", k_seed, input));
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::proposal}, input);
+    base::Bytes bytes(below(480, stream));
+    for (std::byte& byte : bytes)
+      byte = static_cast<std::byte>(stream.bits());
+    if (below(2, stream) == 0 && bytes.size() >= 8) {
+      bytes.resize(bytes.size() & ~std::size_t{7});
+      const std::uint64_t head = std::uint64_t{bytes.size() / 8 - 1} << 32U;
+      std::memcpy(bytes.data(), &head, 8);
+    }
+    const auto message = decode(bytes);
+    if (message.ok()) {
+      expect_well_formed(message.value());
+    } else {
+      EXPECT_FALSE(message.error().empty());
+    }
+    if (::testing::Test::HasFailure()) return;
+  }
+}
+
 TEST(HostileMessages, ListsOfNothingCostLittle) {
-  // Goal: a few bytes can't claim a list of hundreds of millions of empty scans. Method: a result
-  // whose list pointers are replaced, one word after another, by such a claim.
-  const base::Bytes good = encode(testing::example_result(1));
-  for (std::size_t at = 8; at + 8 <= good.size(); at += 8) {
-    for (const std::uint64_t element_size : {0U, 7U}) {
-      base::Bytes bytes = good;
-      // A list pointer: kind 1, offset 0, element size, element count.
-      const std::uint64_t pointer = 1U | (element_size << 32U) | (std::uint64_t{0x1fffffff} << 35U);
-      std::memcpy(bytes.data() + at, &pointer, 8);
-      const auto message = decode(bytes);
-      if (message.ok()) expect_well_formed(message.value());
+  // Goal: a few bytes can't claim a list of hundreds of millions of empty scans, results or
+  // members. Method: messages whose list pointers are replaced, one word after another, by such a
+  // claim.
+  const Message claimants[] = {testing::example_delivery({1}), testing::example_delivery({1, 2}),
+                               testing::example_assignment(3),
+                               Pong{.epoch = 1, .assignments = {1, 2, 3}}};
+  for (const Message& claimant : claimants) {
+    const base::Bytes good = encode(claimant);
+    for (std::size_t at = 8; at + 8 <= good.size(); at += 8) {
+      for (const std::uint64_t element_size : {0U, 7U}) {
+        base::Bytes bytes = good;
+        // A list pointer: kind 1, offset 0, element size, element count.
+        const std::uint64_t pointer =
+            1U | (element_size << 32U) | (std::uint64_t{0x1fffffff} << 35U);
+        std::memcpy(bytes.data() + at, &pointer, 8);
+        const auto message = decode(bytes);
+        if (message.ok()) expect_well_formed(message.value());
+      }
     }
   }
 }

@@ -1,15 +1,17 @@
 // Whole runs of the real 2D ball in a scratch folder, each session as a program's main joins it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
 
 #include "common/base/clock.h"
-#include "service/coordinator/local_executor.h"
+#include "service/coordinator/local_crew.h"
 #include "service/coordinator/run.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 #include "worker/run/catalogue.h"
+#include "worker/sampling/block_runner.h"
 
 namespace sleight::coordinator::testing {
 
@@ -25,7 +27,7 @@ class BallRuns : public archive::testing::Scratch {
   }
 
   static RunSummary session(const std::string& request_text, const RunOptions& options,
-                            std::size_t threads = 1) {
+                            std::uint32_t threads = 1) {
     run::Catalogue catalogue;
     auto request = request::read_request(request_text, "request.toml", catalogue.bindings());
     EXPECT_TRUE(request.ok());
@@ -34,14 +36,15 @@ class BallRuns : public archive::testing::Scratch {
     const auto reader = world.make_reader();
     const auto plan = run::make_plan(request.value(), world);
     const base::SteadyClock clock;
-    LocalExecutor executor(*worker, clock, threads);
+    const sampling::BlockRunner runner(*worker, clock, {.seed = request.value().sampler.seed});
+    LocalCrew crew(runner, threads);
     return run_request(
         {.request = request.value(),
          .reader = *reader,
          .plan = *plan,
          .plan_of_scans =
              [&](std::uint64_t scans) { return run::make_plan(request.value(), world, scans); },
-         .executor = executor,
+         .crew = crew,
          .clock = clock},
         options);
   }

@@ -1,4 +1,4 @@
-// Any executor, any stops: one result.
+// Any crew, any stops: one result.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -36,12 +36,15 @@ std::uint64_t scans_at_stop() {
 
 class DriveProperty : public store::testing::RunFolder {};
 
-TEST_F(DriveProperty, AnyExecutorAndAnyStopsGiveOneResult) {
-  // Goal: which units complete when, what they cost, and where sessions stop or fail change
-  // nothing. Method: runs of random sessions, each with an executor of random room, order and
-  // costs, and a random end; the final stop and every stored bit are those of the reference.
+TEST_F(DriveProperty, AnyCrewAndAnyStopsGiveOneResult) {
+  // Goal: which units complete when, on whom, what they cost, which states were lost, and where
+  // sessions stop or fail change nothing. Method: runs of random sessions, each with a crew of
+  // random workers, threads, order, costs and memory, and a random end; the final stop and every
+  // stored bit are those of the reference. Control: crews did hold states, and did lose some.
   const std::uint64_t end = scans_at_stop();
   EXPECT_GT(end, 2 * k_round_scans);
+  std::uint64_t states_held = 0;
+  std::uint64_t states_lost = 0;
   for (std::uint64_t run = 0; run < 15; ++run) {
     SCOPED_TRACE(fmt::format("seed {}, run {}", k_seed, run));
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, run);
@@ -59,22 +62,31 @@ TEST_F(DriveProperty, AnyExecutorAndAnyStopsGiveOneResult) {
            .stop = {.scans = {}, .rounds = {}, .independent_solutions = k_solutions}});
       std::uint64_t units_left = 1 + below(30);
       const bool fails = below(3) == 0;
-      testing::FakeExecutor executor(
+      const bool forgetful = below(2) == 0;
+      testing::FakeCrew crew(
           clock,
-          {.room = 1 + below(9),
+          {.workers = static_cast<std::uint32_t>(1 + below(3)),
+           .threads = static_cast<std::uint32_t>(1 + below(3)),
            .cost_s = [&](const plan::Unit&) { return 1e-4 * static_cast<double>(below(99)); },
            .choose = [&](std::size_t waiting) { return below(waiting); },
            .before =
                [&](const plan::Unit&) {
                  if (fails && --units_left == 0) throw session;
+               },
+           .forgets =
+               [&](const plan::Unit&) {
+                 if (!forgetful || below(4) > 0) return false;
+                 ++states_lost;
+                 return true;
                }});
       store::RunStore store(folder, store::testing::example_identity(k_chains));
       try {
-        outcome = drive(plan, store, executor, clock,
+        outcome = drive(plan, store, crew, clock,
                         {.stop_requested = [&] { return !fails && --units_left == 0; }});
       } catch (int failed_session) {
         ASSERT_EQ(failed_session, session);
       }
+      states_held += crew.states_held();
     }
     EXPECT_EQ(outcome.scans_common, end);
     store::RunStore store(folder, store::testing::example_identity(k_chains));
@@ -82,6 +94,8 @@ TEST_F(DriveProperty, AnyExecutorAndAnyStopsGiveOneResult) {
       store::testing::expect_stored(folder, store, chain, end);
     if (HasFailure()) return;
   }
+  EXPECT_GT(states_held, 100U);
+  EXPECT_GT(states_lost, 10U);
 }
 
 }  // namespace

@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include "common/base/error.h"
+#include "service/core/block_size.h"
 #include "tests/unit/service/coordinator/fakes.h"
 #include "worker/sampling/independent_chains.h"
 
@@ -16,8 +18,8 @@ namespace {
 
 using sampling::IndependentChains;
 using store::testing::expect_stored;
-using testing::FakeExecutor;
-using testing::FakeExecutorOptions;
+using testing::FakeCrew;
+using testing::FakeCrewOptions;
 
 constexpr std::uint32_t k_chains = 3;
 
@@ -29,15 +31,14 @@ class Drive : public store::testing::RunFolder {
             .stop = {.scans = count, .rounds = {}, .independent_solutions = {}}};
   }
 
-  /// One session of the run. The executor is kept for questions.
+  /// One session of the run. The crew is kept for questions.
   DriveOutcome session(const sampling::IndependentChainsOptions& plan_options,
-                       const FakeExecutorOptions& executor_options,
-                       const DriveOptions& options = {}) {
+                       const FakeCrewOptions& crew_options, const DriveOptions& options = {}) {
     IndependentChains plan(plan_options);
-    executor_.emplace(clock_, executor_options);
+    crew_.emplace(clock_, crew_options);
     store_.reset();
     store_.emplace(folder(), store::testing::example_identity(k_chains));
-    return drive(plan, *store_, *executor_, clock_, options);
+    return drive(plan, *store_, *crew_, clock_, options);
   }
 
   /// Scans of all chains that a reader beside the session finds committed.
@@ -50,7 +51,7 @@ class Drive : public store::testing::RunFolder {
 
   base::ManualClock clock_;
   std::optional<store::RunStore> store_;
-  std::optional<FakeExecutor> executor_;
+  std::optional<FakeCrew> crew_;
 };
 
 TEST_F(Drive, RunsAPlanToItsEnd) {
@@ -81,9 +82,12 @@ TEST_F(Drive, RunsAPlanToItsEnd) {
   EXPECT_EQ(progress.workers, 3U);
   EXPECT_NEAR(progress.elapsed_s, 1.5, 1e-9);
   std::uint64_t computed = 0;
-  for (const plan::Unit& unit : executor_->submitted())
+  for (const plan::Unit& unit : crew_->submitted())
     computed += unit.scans;
   EXPECT_EQ(computed, 1500U);
+  // The example crew says 2 n + 1 for a unit of n scans.
+  EXPECT_EQ(progress.session_simulations, 2 * 1500U + crew_->submitted().size());
+  EXPECT_FALSE(progress.round_trips.has_value());
 }
 
 TEST_F(Drive, NothingToDoIsFinished) {
@@ -93,12 +97,12 @@ TEST_F(Drive, NothingToDoIsFinished) {
   const DriveOutcome again = session(scans(40), {});
   EXPECT_EQ(again.end, DriveEnd::finished);
   EXPECT_EQ(again.scans_common, 40U);
-  EXPECT_TRUE(executor_->submitted().empty());
+  EXPECT_TRUE(crew_->submitted().empty());
   EXPECT_EQ(again.progress.scans_done, 120U);
   EXPECT_EQ(again.progress.session_scans, 0U);
   const DriveOutcome nearer = session(scans(25), {});
   EXPECT_EQ(nearer.scans_common, 25U);
-  EXPECT_TRUE(executor_->submitted().empty());
+  EXPECT_TRUE(crew_->submitted().empty());
   EXPECT_EQ(nearer.progress.scans_done, 75U);
 }
 
@@ -110,9 +114,9 @@ TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001},
                                        {.stop_requested = [&] { return ++questions > 10; }});
   EXPECT_EQ(outcome.end, DriveEnd::stop_requested);
-  EXPECT_EQ(executor_->outstanding(), 0U);
+  EXPECT_EQ(crew_->outstanding(), 0U);
   std::uint64_t submitted = 0;
-  for (const plan::Unit& unit : executor_->submitted())
+  for (const plan::Unit& unit : crew_->submitted())
     submitted += unit.scans;
   EXPECT_EQ(committed_scans(), submitted);
   EXPECT_EQ(outcome.progress.scans_done, submitted);
@@ -132,7 +136,7 @@ TEST_F(Drive, StopBeforeTheFirstUnit) {
   const DriveOutcome outcome = session(scans(5), {}, {.stop_requested = [] { return true; }});
   EXPECT_EQ(outcome.end, DriveEnd::stop_requested);
   EXPECT_EQ(outcome.scans_common, 0U);
-  EXPECT_TRUE(executor_->submitted().empty());
+  EXPECT_TRUE(crew_->submitted().empty());
 }
 
 TEST_F(Drive, AFinishedRunIsFinishedWhateverIsAsked) {
@@ -150,24 +154,26 @@ TEST_F(Drive, TimeLimitEndsInOrder) {
       session(scans(100'000), {.seconds_per_scan = 0.010}, {.time_limit_s = 2});
   EXPECT_EQ(outcome.end, DriveEnd::time_limit);
   EXPECT_GE(outcome.progress.elapsed_s, 2);
-  EXPECT_LT(outcome.progress.elapsed_s, 2 + 6 * k_unit_target_s);
+  EXPECT_LT(outcome.progress.elapsed_s, 2.065);  // at most six units of one scan were given out
   EXPECT_NEAR(static_cast<double>(outcome.scans_common), 200.0 / k_chains, 10);
 }
 
-TEST_F(Drive, UnitsTakeAboutTheirTarget) {
-  // Goal: units are cut to k_unit_target_s, growing at most fourfold a step, within their limit.
-  // Method: a scan of 1 ms, and one that costs next to nothing.
-  (void)session(scans(5000), {.seconds_per_scan = 0.001});
-  EXPECT_EQ(executor_->submitted().front().scans, 1U);
-  EXPECT_NEAR(executor_->submitted()[executor_->submitted().size() / 2].scans, 20, 1);
+TEST_F(Drive, UnitsFollowWhatScansCost) {
+  // Goal: what results say about cost reaches the cutting of units (block_size_test has the rest):
+  // units come to the target's length and stay, and cheap ones to the most that a block may have.
+  // Method: a scan of 0.5 ms, and one that costs next to nothing.
+  const core::BlockSizeOptions size{};
+  (void)session(scans(5000), {.seconds_per_scan = 0.0005});
+  EXPECT_EQ(crew_->submitted().front().scans, 1U);
+  EXPECT_NEAR(crew_->submitted()[crew_->submitted().size() / 2].scans, size.target_s / 0.0005, 1);
   std::filesystem::remove(store::RunStore::database_path(folder()));
   (void)session(scans(40'000), {.seconds_per_scan = 1e-9});
   std::uint32_t largest = 1;
-  for (const plan::Unit& unit : executor_->submitted()) {
-    EXPECT_LE(unit.scans, std::min(4 * largest, k_unit_scans_max));
+  for (const plan::Unit& unit : crew_->submitted()) {
+    EXPECT_LE(unit.scans, std::min(4 * largest, size.scans_max));
     largest = std::max(largest, unit.scans);
   }
-  EXPECT_EQ(largest, k_unit_scans_max);
+  EXPECT_EQ(largest, size.scans_max);
 }
 
 TEST_F(Drive, StrangeCostsDoNoHarm) {
@@ -177,13 +183,13 @@ TEST_F(Drive, StrangeCostsDoNoHarm) {
   const std::vector<double> costs{
       std::numeric_limits<double>::quiet_NaN(), -1, infinity, 0, -infinity, 1e300, 1e-300, 0.01};
   std::size_t next = 0;
-  FakeExecutorOptions strange;
+  FakeCrewOptions strange;
   strange.cost_s = [&](const plan::Unit&) { return costs[next++ % costs.size()]; };
   const DriveOutcome outcome = session(scans(300), strange);
   EXPECT_EQ(outcome.scans_common, 300U);
-  for (const plan::Unit& unit : executor_->submitted()) {
+  for (const plan::Unit& unit : crew_->submitted()) {
     EXPECT_GE(unit.scans, 1U);
-    EXPECT_LE(unit.scans, k_unit_scans_max);
+    EXPECT_LE(unit.scans, core::BlockSizeOptions{}.scans_max);
   }
   expect_stored(folder(), *store_, 1, 300);
 }
@@ -241,15 +247,18 @@ TEST_F(Drive, CostlyCheckpointsAreRare) {
 
 TEST_F(Drive, WorkersFailureComesOut) {
   // Goal: a failure ends the session as it is, what came before it is stored, and the next session
-  // goes on. Method: the 20th unit fails.
+  // goes on. Method: the 40th unit fails; the scans of those before it, and no others, are stored.
   int units = 0;
-  FakeExecutorOptions failing{.seconds_per_scan = 0.001};
-  failing.before = [&](const plan::Unit&) {
-    if (++units == 20) throw std::runtime_error("the worker is gone");
+  std::uint64_t scans_before = 0;
+  FakeCrewOptions failing{.seconds_per_scan = 0.001};
+  failing.before = [&](const plan::Unit& unit) {
+    if (++units == 40) throw std::runtime_error("the worker is gone");
+    scans_before += unit.scans;
   };
   EXPECT_THROW((void)session(scans(500), failing), std::runtime_error);
   store_.reset();
-  EXPECT_GT(committed_scans(), 50U);
+  EXPECT_GT(scans_before, 50U);
+  EXPECT_EQ(committed_scans(), scans_before);
   EXPECT_EQ(session(scans(500), {.seconds_per_scan = 0.001}).end, DriveEnd::finished);
   for (std::uint32_t chain = 0; chain < k_chains; ++chain)
     expect_stored(folder(), *store_, chain, 500);
@@ -258,7 +267,7 @@ TEST_F(Drive, WorkersFailureComesOut) {
 TEST_F(Drive, SupersededSessionEnds) {
   // Goal: a session that another has taken over from ends with conflict. Method: open the store
   // anew in the middle.
-  FakeExecutorOptions options{.seconds_per_scan = 0.001};
+  FakeCrewOptions options{.seconds_per_scan = 0.001};
   std::optional<store::RunStore> successor;
   int units = 0;
   options.before = [&](const plan::Unit&) {
@@ -270,6 +279,120 @@ TEST_F(Drive, SupersededSessionEnds) {
   } catch (const base::Error& error) {
     EXPECT_EQ(error.exit_code(), base::ExitCode::conflict);
   }
+}
+
+TEST_F(Drive, SaysWhatHandlingTook) {
+  // Goal: an outcome's Handling is that of its session: what the scheduler counted, what the crew
+  // sent, and the caches of all workers together, each as it said last. Method: three workers whose
+  // n-th delivery speaks of n times a number of their own, against the crew's own counts.
+  const DriveOutcome outcome =
+      session(scans(400), {.workers = 3, .threads = 2, .seconds_per_scan = 0.001});
+  EXPECT_EQ(outcome.progress.workers, 6U);
+  const core::Counts& counts = outcome.handling.counts;
+  EXPECT_EQ(counts.scans, 400U * k_chains);
+  EXPECT_EQ(counts.blocks, crew_->submitted().size());
+  EXPECT_EQ(counts.copies, 0U);
+  EXPECT_EQ(counts.refused, 0U);
+  EXPECT_EQ(counts.states_missing, 0U);
+  EXPECT_EQ(counts.states_held, crew_->states_held());
+  EXPECT_EQ(counts.states_sent, crew_->states_given());
+  EXPECT_EQ(counts.states_held + counts.states_sent, counts.blocks - k_chains);  // others start
+  EXPECT_EQ(outcome.handling.traffic.messages, crew_->submitted().size());
+  EXPECT_EQ(outcome.handling.traffic.bytes, 100 * crew_->submitted().size());
+
+  plan::CacheUse expected;
+  for (std::uint32_t worker = 0; worker < 3; ++worker) {
+    const std::uint64_t hits = crew_->deliveries(core::WorkerId{worker}) * (worker + 1);
+    EXPECT_GT(hits, 0U);
+    expected.hits += hits;
+    expected.misses += 10 * hits;
+    expected.evictions += 100 * hits;
+    expected.bytes += 1000 * hits;
+    expected.bytes_max += 10'000 * (worker + 1);
+  }
+  EXPECT_EQ(outcome.handling.cache, expected);
+}
+
+TEST_F(Drive, NobodyIsSilentWhileNobodyListens) {
+  // Goal: no worker is taken for silent, and no block given out again, because the clock began long
+  // ago or because the coordinator itself was busy for longer than a lease. Method: a clock that is
+  // a million seconds old, and checkpoints that take 200 s each.
+  clock_.advance(1e6);
+  int checkpoints = 0;
+  const auto checkpoint = [&](std::uint64_t) {
+    ++checkpoints;
+    clock_.advance(200);
+  };
+  const DriveOutcome outcome =
+      session(scans(1000), {.workers = 2, .threads = 2, .seconds_per_scan = 1},
+              {.checkpoint = checkpoint, .checkpoint_every_s = 10});
+  EXPECT_GE(checkpoints, 1);
+  EXPECT_EQ(outcome.handling.counts.copies, 0U);
+  EXPECT_EQ(crew_->submitted().size(), outcome.handling.counts.blocks);
+  EXPECT_EQ(crew_->pings(), 0U);
+}
+
+TEST_F(Drive, SendsWhatAWorkerHasLost) {
+  // Goal: a worker that says that it doesn't hold a state gets it as bytes; nothing is lost or
+  // computed twice. Method: every third held state is lost; the crew checks what comes instead.
+  std::uint64_t asked = 0;
+  std::uint64_t lost = 0;
+  FakeCrewOptions forgetful{.workers = 2, .threads = 1, .seconds_per_scan = 0.001};
+  forgetful.forgets = [&](const plan::Unit&) {
+    const bool forgets = ++asked % 3 == 0;
+    lost += forgets ? 1 : 0;
+    return forgets;
+  };
+  const DriveOutcome outcome = session(scans(300), forgetful);
+  EXPECT_EQ(outcome.end, DriveEnd::finished);
+  EXPECT_GT(lost, 10U);
+  EXPECT_EQ(outcome.handling.counts.states_missing, lost);
+  EXPECT_EQ(outcome.handling.counts.refused, 0U);
+  EXPECT_EQ(outcome.progress.session_scans, 300U * k_chains);
+  EXPECT_EQ(crew_->submitted().size(), outcome.handling.counts.blocks + lost);
+  for (std::uint32_t chain = 0; chain < k_chains; ++chain)
+    expect_stored(folder(), *store_, chain, 300);
+}
+
+TEST_F(Drive, ReportsRoundTripsOfItsPlan) {
+  // Goal: progress has the plan's round trips, earlier sessions included, where it counts such.
+  // Method: a plan that says how many of its scans are consumed, in two sessions.
+  class Travelling final : public plan::Plan {
+   public:
+    explicit Travelling(const sampling::IndependentChainsOptions& options) : chains_(options) {}
+    std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override {
+      return chains_.next_unit(scans_max);
+    }
+    void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
+                 std::span<const plan::ScanRecord> records) override {
+      chains_.consume(replica, first_scan, records);
+    }
+    bool finished() const override { return chains_.finished(); }
+    std::uint64_t scans_common() const override { return chains_.scans_common(); }
+    std::uint64_t solutions_found() const override { return chains_.solutions_found(); }
+    std::optional<std::uint64_t> solutions_wanted() const override { return std::nullopt; }
+    std::optional<std::uint64_t> round_trips() const override { return scans_consumed(); }
+    std::uint64_t scans_consumed() const override { return chains_.scans_consumed(); }
+    std::optional<std::uint64_t> scans_total() const override { return std::nullopt; }
+
+   private:
+    IndependentChains chains_;
+  };
+  (void)session(scans(50), {});
+  Travelling plan(scans(80));
+  FakeCrew crew(clock_, {.seconds_per_scan = 0.001});
+  store_.reset();
+  store_.emplace(folder(), store::testing::example_identity(k_chains));
+  std::vector<std::uint64_t> reported;
+  const DriveOutcome outcome =
+      drive(plan, *store_, crew, clock_, {.report_every_s = 0, .report = [&](const Progress& now) {
+                                            reported.push_back(now.round_trips.value_or(0));
+                                          }});
+  EXPECT_EQ(outcome.progress.round_trips, 80U * k_chains);
+  EXPECT_EQ(outcome.progress.session_simulations, 2 * 30U * k_chains + crew.submitted().size());
+  ASSERT_GT(reported.size(), 2U);
+  EXPECT_GE(reported.front(), 50U * k_chains);
+  EXPECT_TRUE(std::ranges::is_sorted(reported));
 }
 
 }  // namespace

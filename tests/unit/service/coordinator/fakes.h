@@ -1,52 +1,130 @@
-// An executor that computes nothing: results are those of the store's examples, and time is what a
-// test says.
+// A crew that computes nothing: results are those of the store's examples, and time is what a test
+// says.
 #pragma once
 
-#include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <utility>
 #include <vector>
 
 #include "common/base/check.h"
 #include "common/base/clock.h"
-#include "service/coordinator/executor.h"
+#include "service/coordinator/crew.h"
 #include "tests/unit/common/store/examples.h"
 
 namespace sleight::coordinator::testing {
 
-struct FakeExecutorOptions {
-  std::size_t room = 4;
-  std::size_t begun = 1000;     ///< waiting units that somebody has begun, which can't be dropped
-  double seconds_per_scan = 0;  ///< passes on the clock when a unit is waited for
+struct FakeCrewOptions {
+  std::uint32_t workers = 1;
+  std::uint32_t threads = 3;    ///< of each worker
+  double seconds_per_scan = 0;  ///< passes on the clock when an assignment completes
   /// What a unit is said to have cost; the seconds above when empty.
   std::function<double(const plan::Unit&)> cost_s{};
-  /// Which of the waiting units completes next, of so many; the oldest when empty.
+  /// Which of the waiting assignments completes next, of so many; the oldest when empty.
   std::function<std::size_t(std::size_t)> choose{};
   /// Called before each unit completes; may throw, as a worker's failure would.
   std::function<void(const plan::Unit&)> before{};
+  /// Whether the worker has lost the state that it is thought to hold; never when empty.
+  std::function<bool(const plan::Unit&)> forgets{};
 };
 
-/// Completes one unit a wait. Checks that each unit comes with the state of the scan before it.
-class FakeExecutor final : public Executor {
+/// Completes one assignment a receive. Checks that each unit comes with the state before it: as
+/// bytes, or as nothing exactly where its worker made that state last and hasn't said that it lost
+/// it; and that no worker has more before it than a scheduler may give.
+class FakeCrew final : public Crew {
  public:
-  FakeExecutor(base::ManualClock& clock, FakeExecutorOptions options)
+  FakeCrew(base::ManualClock& clock, FakeCrewOptions options)
       : clock_(clock), options_(std::move(options)) {}
 
-  std::size_t room() const override {
-    return waiting_.size() < options_.room ? options_.room - waiting_.size() : 0;
+  std::vector<core::Joined> members() const override {
+    std::vector<core::Joined> all;
+    for (std::uint32_t i = 0; i < options_.workers; ++i)
+      all.push_back({.worker = core::WorkerId{i}, .incarnation = 0, .threads = options_.threads});
+    return all;
   }
-  void submit(const plan::Unit& unit, base::Bytes state) override {
-    CHECK_LT(waiting_.size(), options_.room);
-    CHECK(state == store::testing::state_before(unit.replica.chain.value, unit.first_scan.value));
-    waiting_.push_back(unit);
+
+  void send(core::WorkerId worker, schema::Assignment assignment) override {
+    CHECK_LT(worker.value, options_.workers);
+    CHECK_LT(before_[worker]++, 2 * options_.threads);
+    CHECK_EQ(assignment.block.members.size(), 1U);
+    CHECK_EQ(assignment.states.size(), 1U);
+    const plan::Unit& unit = assignment.block.members.front();
+    check_state(worker, unit, assignment.states.front());
     submitted_.push_back(unit);
+    waiting_.push_back({.worker = worker, .assignment = std::move(assignment)});
   }
-  std::vector<plan::UnitResult> wait(double) override {
-    if (waiting_.empty()) return {};
+  void send(core::WorkerId worker, const schema::Ping& ping) override {
+    ++pings_;
+    schema::Pong pong{.epoch = ping.epoch, .assignments = {}};
+    for (const Waiting& one : waiting_) {
+      if (one.worker == worker) pong.assignments.push_back(one.assignment.assignment);
+    }
+    answers_.emplace_back(core::Answered{.worker = worker, .pong = std::move(pong)});
+  }
+
+  std::vector<core::Input> receive(double /*timeout_s*/) override {
+    std::vector<core::Input> inputs = std::exchange(answers_, {});
+    if (waiting_.empty()) return inputs;
     const std::size_t which = options_.choose ? options_.choose(waiting_.size()) : 0;
-    const plan::Unit unit = waiting_.at(which);
+    const Waiting done = waiting_.at(which);
     waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(which));
+    inputs.emplace_back(
+        core::Delivered{.worker = done.worker, .delivery = run(done.worker, done.assignment)});
+    --before_[done.worker];
+    return inputs;
+  }
+
+  Traffic traffic() const override {
+    return {.messages = submitted_.size(), .bytes = 100 * submitted_.size()};
+  }
+
+  /// Assignments that are not completed.
+  std::size_t outstanding() const { return waiting_.size(); }
+  /// Every unit in the order of submission.
+  const std::vector<plan::Unit>& submitted() const { return submitted_; }
+  /// How often nothing was given for a unit that doesn't start.
+  std::uint64_t states_held() const { return states_held_; }
+  std::uint64_t states_given() const { return states_given_; }
+  std::uint64_t deliveries(core::WorkerId worker) const { return deliveries_.at(worker); }
+  std::uint64_t pings() const { return pings_; }
+
+ private:
+  struct Waiting {
+    core::WorkerId worker;
+    schema::Assignment assignment;
+  };
+  struct Made {
+    core::WorkerId worker;
+    std::uint64_t version = 0;  ///< the scan before which the state stands
+  };
+
+  void check_state(core::WorkerId worker, const plan::Unit& unit, const plan::GivenState& state) {
+    if (unit.starts) {
+      CHECK(!state);
+      return;
+    }
+    const auto made = made_.find(unit.replica);
+    const bool holds = made != made_.end() && made->second.worker == worker &&
+                       made->second.version == unit.first_scan.value;
+    CHECK_EQ(state.has_value(), !holds);
+    (holds ? states_held_ : states_given_) += 1;
+    if (!state) return;
+    CHECK(*state == store::testing::state_before(unit.replica.chain.value, unit.first_scan.value));
+  }
+
+  schema::Delivery run(core::WorkerId worker, const schema::Assignment& assignment) {
+    const plan::Unit& unit = assignment.block.members.front();
+    schema::Delivery delivery{.epoch = assignment.epoch,
+                              .assignment = assignment.assignment,
+                              .results = {},
+                              .cache = cache_after(worker)};
+    const bool needs_held = !unit.starts && !assignment.states.front();
+    if (needs_held && options_.forgets && options_.forgets(unit)) {
+      made_.erase(unit.replica);
+      return delivery;
+    }
     if (options_.before) options_.before(unit);
     const double seconds = options_.seconds_per_scan * unit.scans;
     clock_.advance(seconds);
@@ -54,22 +132,34 @@ class FakeExecutor final : public Executor {
         store::testing::result_of(unit.replica.chain.value, unit.first_scan.value, unit.scans);
     result.unit = unit;
     result.cost_s = options_.cost_s ? options_.cost_s(unit) : seconds;
-    std::vector<plan::UnitResult> results;
-    results.push_back(std::move(result));
-    return results;
+    result.simulations = 2 * unit.scans + 1;
+    made_[unit.replica] = {.worker = worker, .version = unit.first_scan.value + unit.scans};
+    delivery.results.push_back(std::move(result));
+    return delivery;
   }
-  void drop_waiting() override { waiting_.resize(std::min(waiting_.size(), options_.begun)); }
-  std::size_t outstanding() const override { return waiting_.size(); }
-  std::size_t workers() const override { return 3; }
 
-  /// Every unit in the order of submission.
-  const std::vector<plan::Unit>& submitted() const { return submitted_; }
+  /// Each worker's n-th delivery says n of everything, more of it the higher the worker's number.
+  plan::CacheUse cache_after(core::WorkerId worker) {
+    const std::uint64_t n = ++deliveries_[worker];
+    const std::uint64_t factor = worker.value + 1;
+    return {.hits = n * factor,
+            .misses = 10 * n * factor,
+            .evictions = 100 * n * factor,
+            .bytes = 1000 * n * factor,
+            .bytes_max = 10'000 * factor};
+  }
 
- private:
   base::ManualClock& clock_;
-  FakeExecutorOptions options_;
-  std::deque<plan::Unit> waiting_;
+  FakeCrewOptions options_;
+  std::deque<Waiting> waiting_;
+  std::vector<core::Input> answers_;
   std::vector<plan::Unit> submitted_;
+  std::map<core::WorkerId, std::uint32_t> before_;  ///< so many assignments
+  std::map<core::WorkerId, std::uint64_t> deliveries_;
+  std::map<plan::ReplicaKey, Made> made_;
+  std::uint64_t states_held_ = 0;
+  std::uint64_t states_given_ = 0;
+  std::uint64_t pings_ = 0;
 };
 
 }  // namespace sleight::coordinator::testing

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
+#include <utility>
 
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
@@ -20,15 +22,20 @@ TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
   // Goal: the archive's bytes are a function of the request alone (C1): not of threads, nor of
   // where sessions stop. Method: 20 runs of random sessions with 1, 2 or 5 threads each, stopped at
   // random questions, against a straight run; by scans, by rounds and by independent solutions;
-  // from a printed seed.
+  // ladders, whose blocks hold several replicas; from a printed seed.
   std::uint64_t sessions = 0;
-  for (const std::string& stop : {std::string("scans = 400"), std::string("rounds = 5"),
-                                  std::string("independent_solutions = 3\nscans = 1000")}) {
-    const std::string request = request_text(stop, k_slow);
+  const std::string plain = k_slow;
+  const std::string ladders =
+      "iterations_per_scan = 20\nmethod = \"parallel_tempering\"\nanneal_scans = 10\n";
+  for (const auto& [stop, sampler] :
+       {std::pair{"scans = 400", plain}, std::pair{"rounds = 5", plain},
+        std::pair{"independent_solutions = 3\nscans = 1000", plain},
+        std::pair{"scans = 60", ladders}}) {
+    const std::string request = request_text(stop, sampler);
     const std::string straight = path("straight.h5");
     const RunSummary expected = session(request, {.output = straight, .fresh = true});
     for (std::uint64_t run = 0; run < k_runs / 3 + 1; ++run) {
-      SCOPED_TRACE(fmt::format("{}, seed {}, run {}", stop, k_seed, run));
+      SCOPED_TRACE(fmt::format("{}{}, seed {}, run {}", sampler, stop, k_seed, run));
       random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, run);
       const auto below = [&](std::uint64_t count) {
         return random::UniformInteger{.count = count}.draw(stream);
@@ -36,7 +43,7 @@ TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
       const std::string output = path("run.h5");
       RunSummary summary{.end = DriveEnd::stop_requested};
       for (bool fresh = true; summary.end != DriveEnd::finished; fresh = false) {
-        constexpr std::array<std::size_t, 3> k_threads{1, 2, 5};
+        constexpr std::array<std::uint32_t, 3> k_threads{1, 2, 5};
         ++sessions;
         summary = session(
             request, {.output = output, .fresh = fresh, .stop_requested = stop_at(1 + below(12))},

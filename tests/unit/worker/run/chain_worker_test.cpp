@@ -43,6 +43,7 @@ struct Counter {
     return {.candidate = state + step, .log_q_ratio = 0, .kind = step == 2 ? 1U : 0U};
   }
   std::uint32_t proposal_kinds() const { return 2; }
+  std::size_t owned_bytes(const State&, const Outcome&) const { return 0; }
   base::Bytes encode(const State& state) const {
     base::ByteWriter writer;
     writer.put(state);

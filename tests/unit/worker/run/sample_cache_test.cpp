@@ -7,7 +7,10 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "common/random/discrete_distributions.h"
 #include "worker/run/chain_worker.h"
@@ -18,6 +21,7 @@ namespace sleight::run {
 namespace {
 
 constexpr std::uint64_t k_seed = 376730;
+constexpr std::size_t k_plenty = 1'000'000;
 
 plan::ReplicaKey key(std::uint32_t chain, std::uint32_t replica = 0) {
   return {base::ChainId{chain}, base::ReplicaId{replica}};
@@ -25,76 +29,229 @@ plan::ReplicaKey key(std::uint32_t chain, std::uint32_t replica = 0) {
 
 TEST(SampleCache, GivesWhatWasPutOnce) {
   // Goal: a sample comes back for its replica and scan alone, and is gone then. Method: by hand.
-  SampleCache<int> cache(4);
+  SampleCache<int> cache(k_plenty);
   EXPECT_EQ(cache.take(key(0), 1), std::nullopt);
-  cache.put(key(0), 10, 7);
+  cache.put(key(0), 10, 7, 100);
   EXPECT_EQ(cache.take(key(0), 9), std::nullopt);
   EXPECT_EQ(cache.take(key(1), 10), std::nullopt);
   EXPECT_EQ(cache.take(key(0, 1), 10), std::nullopt);
   EXPECT_EQ(cache.take(key(0), 10), 7);
   EXPECT_EQ(cache.take(key(0), 10), std::nullopt);
-  cache.put(key(0), 11, 8);
-  cache.put(key(0), 12, 9);
+  cache.put(key(0), 11, 8, 100);
+  cache.put(key(0), 12, 9, 100);
   EXPECT_EQ(cache.take(key(0), 11), std::nullopt);
   EXPECT_EQ(cache.take(key(0), 12), 9);
 }
 
-TEST(SampleCache, GivesUpWhatWasPutLongestAgo) {
-  // Goal: bounded, least recently put first out. Method: against a plain list, random puts and
-  // takes; no more samples live than the bound.
-  constexpr std::size_t k_bound = 5;
+/// What a cache counts for a sample besides its bytes.
+template <class Sample>
+std::size_t bytes_besides() {
+  SampleCache<Sample> cache(k_plenty);
+  cache.put(key(0), 0, Sample{}, 0);
+  return cache.use().bytes;
+}
+
+TEST(SampleCache, CountsWhatItDoes) {
+  // Goal: use() counts takes that found something and those that didn't, samples given up for
+  // others' sake, and the bytes held. Method: by hand, with room for two samples of 100 bytes; a
+  // sample renewed or taken is not an eviction.
+  const std::size_t whole = 100 + bytes_besides<int>();
+  SampleCache<int> cache(2 * whole);
+  const auto expect = [&](const plan::CacheUse& expected) { EXPECT_EQ(cache.use(), expected); };
+  expect({.bytes_max = 2 * whole});
+  (void)cache.take(key(0), 1);
+  expect({.misses = 1, .bytes_max = 2 * whole});
+  cache.put(key(0), 1, 5, 100);
+  cache.put(key(0), 2, 6, 60);
+  expect({.misses = 1, .bytes = whole - 40, .bytes_max = 2 * whole});
+  (void)cache.take(key(0), 1);
+  expect({.misses = 2, .bytes = whole - 40, .bytes_max = 2 * whole});
+  cache.put(key(1), 1, 7, 100);
+  cache.put(key(2), 1, 8, 100);
+  expect({.misses = 2, .evictions = 1, .bytes = 2 * whole, .bytes_max = 2 * whole});
+  EXPECT_EQ(cache.take(key(2), 1), 8);
+  expect({.hits = 1, .misses = 2, .evictions = 1, .bytes = whole, .bytes_max = 2 * whole});
+}
+
+TEST(SampleCache, DoesNotHoldWhatIsLargerThanItself) {
+  // Goal: a sample that fits alone is held alone; one byte more, and it isn't held, nobody makes
+  // room for it, and an older sample of its replica is gone; without room nothing is ever held.
+  // Method: by hand.
+  const std::size_t besides = bytes_besides<int>();
+  SampleCache<int> cache(1000);
+  cache.put(key(0), 1, 5, 100);
+  cache.put(key(1), 1, 6, 1000 - besides + 1);
+  EXPECT_EQ(cache.take(key(1), 1), std::nullopt);
+  EXPECT_EQ(cache.use().evictions, 0U);
+  EXPECT_EQ(cache.take(key(0), 1), 5);
+  cache.put(key(0), 1, 5, 100);
+  cache.put(key(1), 1, 6, 1000 - besides);
+  EXPECT_EQ(cache.use().bytes, 1000U);
+  EXPECT_EQ(cache.use().evictions, 1U);
+  cache.put(key(1), 2, 7, 5000);
+  EXPECT_EQ(cache.use().bytes, 0U);
+  EXPECT_EQ(cache.take(key(1), 1), std::nullopt);
+  EXPECT_EQ(cache.take(key(1), 2), std::nullopt);
+  SampleCache<int> none(0);
+  none.put(key(0), 1, 5, 0);
+  EXPECT_EQ(none.take(key(0), 1), std::nullopt);
+  EXPECT_EQ(none.use().bytes, 0U);
+}
+
+/// What a cache should be: a plain list of what is held, oldest first.
+class PlainCache {
+ public:
+  using Sample = std::shared_ptr<int>;
+  explicit PlainCache(std::size_t bytes_max) { use_.bytes_max = bytes_max; }
+  std::weak_ptr<int> take(const plan::ReplicaKey& replica, std::uint64_t scan) {
+    const auto found = std::ranges::find(held_, replica, &Entry::replica);
+    if (found == held_.end() || found->scan != scan) {
+      ++use_.misses;
+      return {};
+    }
+    ++use_.hits;
+    const std::weak_ptr<int> sample = found->sample;
+    held_.erase(found);
+    return sample;
+  }
+  void put(const plan::ReplicaKey& replica, std::uint64_t scan, std::weak_ptr<int> sample,
+           std::size_t bytes) {
+    std::erase_if(held_, [&](const Entry& entry) { return entry.replica == replica; });
+    const std::size_t whole = bytes + bytes_besides<Sample>();
+    if (whole > use_.bytes_max) return;
+    while (this->bytes() + whole > use_.bytes_max) {
+      held_.erase(held_.begin());
+      ++use_.evictions;
+    }
+    held_.push_back({replica, scan, std::move(sample), whole});
+  }
+  plan::CacheUse use() const {
+    plan::CacheUse now = use_;
+    now.bytes = bytes();
+    return now;
+  }
+  std::size_t count() const { return held_.size(); }
+
+ private:
   struct Entry {
     plan::ReplicaKey replica;
     std::uint64_t scan = 0;
     std::weak_ptr<int> sample;
+    std::size_t bytes = 0;
   };
-  SampleCache<std::shared_ptr<int>> cache(k_bound);
-  std::vector<Entry> plain;  // oldest first
+  std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const Entry& entry : held_)
+      sum += entry.bytes;
+    return sum;
+  }
+  std::vector<Entry> held_;
+  plan::CacheUse use_;
+};
+
+constexpr std::uint64_t k_steps = 20'000;
+
+/// Random puts and takes of samples of random sizes: the first step at which a cache differs from
+/// the plain list, in what it gives, what it says of itself, or how many samples live; k_steps if
+/// none does. `use` is what the plain list counted.
+template <class Cache>
+std::uint64_t first_difference(plan::CacheUse& use) {
+  const std::size_t besides = bytes_besides<PlainCache::Sample>();
+  const std::size_t bytes_max = 5 * (besides + 100);
+  Cache cache(bytes_max);
+  PlainCache plain(bytes_max);
   std::vector<std::weak_ptr<int>> all;
-  std::size_t hits = 0;
-  std::size_t misses = 0;
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 0);
-  for (int step = 0; step < 20'000; ++step) {
-    const auto below = [&](std::uint64_t count) {
-      return random::UniformInteger{.count = count}.draw(stream);
-    };
+  const auto below = [&](std::uint64_t count) {
+    return random::UniformInteger{.count = count}.draw(stream);
+  };
+  for (std::uint64_t step = 0; step < k_steps; ++step) {
     const plan::ReplicaKey replica =
         key(static_cast<std::uint32_t>(below(3)), static_cast<std::uint32_t>(below(3)));
     const std::uint64_t scan = below(2);
-    const auto found = std::ranges::find(plain, replica, &Entry::replica);
     if (below(2) == 0) {
-      auto sample = std::make_shared<int>(step);
+      auto sample = std::make_shared<int>(static_cast<int>(step));
       all.emplace_back(sample);
-      if (found != plain.end()) plain.erase(found);
-      if (plain.size() == k_bound) plain.erase(plain.begin());
-      plain.push_back({replica, scan, sample});
-      cache.put(replica, scan, std::move(sample));
+      // Now and then about as much as there is room for.
+      const std::size_t bytes = below(20) == 0 ? bytes_max - besides - 2 + below(4) : below(200);
+      plain.put(replica, scan, sample, bytes);
+      cache.put(replica, scan, std::move(sample), bytes);
     } else {
+      const std::shared_ptr<int> expected = plain.take(replica, scan).lock();
       const auto sample = cache.take(replica, scan);
-      const bool expected = found != plain.end() && found->scan == scan;
-      ASSERT_EQ(sample.has_value(), expected) << "seed " << k_seed << ", step " << step;
-      (expected ? hits : misses) += 1;
-      if (!expected) continue;
-      ASSERT_EQ(*sample, found->sample.lock());
-      plain.erase(found);
+      if (sample.has_value() != (expected != nullptr)) return step;
+      if (sample && *sample != expected) return step;
     }
     std::erase_if(all, [](const std::weak_ptr<int>& sample) { return sample.expired(); });
-    ASSERT_EQ(all.size(), plain.size());
+    use = plain.use();
+    if (all.size() != plain.count()) return step;
+    if (cache.use() != use || cache.use().bytes > bytes_max) return step;
   }
-  EXPECT_GT(hits, 1000U);
-  EXPECT_GT(misses, 1000U);
+  return k_steps;
+}
+
+using RightCache = SampleCache<PlainCache::Sample>;
+
+TEST(SampleCache, IsAPlainListWithinItsBytes) {
+  // Goal: bounded in bytes, least recently put first out, counted rightly. Method: against a plain
+  // list, random puts and takes from a printed seed; every kind of thing happens often.
+  plan::CacheUse use;
+  EXPECT_EQ(first_difference<RightCache>(use), k_steps) << "seed " << k_seed;
+  EXPECT_GT(use.hits, 1000U);
+  EXPECT_GT(use.misses, 1000U);
+  EXPECT_GT(use.evictions, 1000U);
+}
+
+/// Has room for one byte more than it should.
+struct LooseCache : RightCache {
+  explicit LooseCache(std::size_t bytes_max) : RightCache(bytes_max + 1), right_max(bytes_max) {}
+  plan::CacheUse use() const {
+    plan::CacheUse said = RightCache::use();
+    said.bytes_max = right_max;
+    return said;
+  }
+  std::size_t right_max;
+};
+
+/// Takes samples for smaller than they are.
+struct LightCache : RightCache {
+  using RightCache::RightCache;
+  void put(const plan::ReplicaKey& replica, std::uint64_t scan, PlainCache::Sample sample,
+           std::size_t bytes) {
+    RightCache::put(replica, scan, std::move(sample), bytes / 2);
+  }
+};
+
+/// Keeps what it has given away.
+struct FondCache : RightCache {
+  using RightCache::RightCache;
+  std::optional<PlainCache::Sample> take(const plan::ReplicaKey& replica, std::uint64_t scan) {
+    std::optional<PlainCache::Sample> sample = RightCache::take(replica, scan);
+    if (sample) last = *sample;
+    return sample;
+  }
+  PlainCache::Sample last;  ///< still held
+};
+
+TEST(SampleCache, PropertyFindsWrongCaches) {
+  // Goal: the property above can fail. Method: caches with one small mistake each.
+  plan::CacheUse use;
+  EXPECT_LT(first_difference<LooseCache>(use), k_steps);
+  EXPECT_LT(first_difference<LightCache>(use), k_steps);
+  EXPECT_LT(first_difference<FondCache>(use), k_steps);
 }
 
 TEST(SampleCache, IsSharedByThreads) {
-  // Goal: no sample goes to two. Method: four threads that put and take the same keys.
-  SampleCache<std::unique_ptr<int>> cache(8);
+  // Goal: no sample goes to two, and each take is counted once. Method: four threads that put and
+  // take the same keys.
+  SampleCache<std::unique_ptr<int>> cache(8 * (100 + bytes_besides<std::unique_ptr<int>>()));
   std::atomic<int> taken = 0;
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t) {
     threads.emplace_back([&, t] {
       for (int i = 0; i < 5000; ++i) {
         const auto replica = key(static_cast<std::uint32_t>((i + t) % 12));
-        cache.put(replica, 1, std::make_unique<int>(i));
+        cache.put(replica, 1, std::make_unique<int>(i), 100);
         if (const auto sample = cache.take(replica, 1)) taken += *sample ? 1 : 0;
       }
     });
@@ -102,7 +259,10 @@ TEST(SampleCache, IsSharedByThreads) {
   for (std::thread& thread : threads)
     thread.join();
   EXPECT_GT(taken, 0);
-  EXPECT_LE(taken, 20'000);
+  const plan::CacheUse use = cache.use();
+  EXPECT_EQ(use.hits, static_cast<std::uint64_t>(taken));
+  EXPECT_EQ(use.hits + use.misses, 20'000U);
+  EXPECT_LE(use.bytes, use.bytes_max);
 }
 
 plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,

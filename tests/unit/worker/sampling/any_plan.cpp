@@ -17,10 +17,8 @@ std::uint64_t Dice::below(std::uint64_t count) {
   return random::UniformInteger{.count = count}.draw(stream_);
 }
 
-namespace {
-
-/// The nth scan of a unit, as a unit of its own. A draw from the prior has no proposals, so sizes
-/// that it goes with for the scans after it are not its own.
+// A draw from the prior has no proposals, so sizes that it goes with for the scans after it are not
+// its own.
 plan::Unit alone(const plan::Unit& unit, std::uint32_t nth, std::uint64_t lineage) {
   plan::Unit one = unit;
   one.first_scan = base::ScanIndex{unit.first_scan.value + nth};
@@ -31,8 +29,6 @@ plan::Unit alone(const plan::Unit& unit, std::uint32_t nth, std::uint64_t lineag
   if (one.inverse_temperatures.front() == 0) one.proposal_scales.clear();
   return one;
 }
-
-}  // namespace
 
 plan::UnitResult ScanByScan::run(const plan::Unit& unit, base::BytesView state) const {
   plan::UnitResult all{.unit = unit, .scans = {}, .state_after = {state.begin(), state.end()}};
@@ -52,32 +48,155 @@ plan::UnitResult ScanByScan::run(const plan::Unit& unit, base::BytesView state) 
   return all;
 }
 
+plan::UnitResult RecordingWorker::run(const plan::Unit& unit, base::BytesView state) const {
+  plan::UnitResult all{.unit = unit, .scans = {}, .state_after = {state.begin(), state.end()}};
+  std::uint64_t lineage = unit.lineage;
+  for (std::uint32_t nth = 0; nth < unit.scans; ++nth) {
+    const plan::Unit one = alone(unit, nth, lineage);
+    plan::UnitResult result = worker_.run(one, all.state_after);
+    made_[{unit.replica, one.first_scan.value}] = {one, result.scans.front(), result.state_after};
+    lineage = result.scans.front().lineage;
+    all.scans.push_back(std::move(result.scans.front()));
+    all.state_after = std::move(result.state_after);
+  }
+  return all;
+}
+
+bool RecordingWorker::holds(const plan::Unit& unit) const {
+  return !unit.starts && made_.contains({unit.replica, unit.first_scan.value - 1});
+}
+
+std::optional<plan::UnitResult> RecordingWorker::run_from_held(const plan::Unit& unit) const {
+  if (!holds(unit)) return std::nullopt;
+  const base::Bytes state = made_.at({unit.replica, unit.first_scan.value - 1}).state_after;
+  return run(unit, state);
+}
+
+void AnySession::expect_next(const plan::Unit& unit) const {
+  EXPECT_GE(unit.scans, 1U);
+  const std::size_t betas = unit.inverse_temperatures.size();
+  EXPECT_TRUE(betas == 1 || betas == unit.scans);
+  // A replica starts once, and goes on where it was.
+  const auto known = next_scan_.find(unit.replica);
+  EXPECT_EQ(unit.starts, known == next_scan_.end());
+  if (known == next_scan_.end()) return;
+  EXPECT_EQ(unit.first_scan.value, known->second);
+  for (const Running& running : running_)
+    EXPECT_NE(running.result.unit.replica, unit.replica) << "runs already";
+}
+
+base::Bytes AnySession::state_before(const plan::Unit& unit) const {
+  if (unit.starts) return {};
+  return runs_.at({unit.replica, unit.first_scan.value - 1}).state_after;
+}
+
+void AnySession::takes(const RecordingWorker& worker, plan::UnitResult result) {
+  Running& running = running_.emplace_back();
+  const plan::Unit& unit = result.unit;
+  for (std::size_t nth = 0; nth < result.scans.size(); ++nth)
+    running.scans.push_back(worker.made({unit.replica, unit.first_scan.value + nth}));
+  running.result = std::move(result);
+}
+
 bool AnySession::hand_out(std::uint32_t scans_max) {
   const std::optional<plan::Unit> unit = plan_.next_unit(scans_max);
   if (!unit) return false;
-  EXPECT_GE(unit->scans, 1U);
   EXPECT_LE(unit->scans, scans_max);
-  const std::size_t betas = unit->inverse_temperatures.size();
-  EXPECT_TRUE(betas == 1 || betas == unit->scans);
-  const auto known = next_scan_.find(unit->replica);
-  // A replica starts once, and goes on where it was.
-  EXPECT_EQ(unit->starts, known == next_scan_.end());
-  base::Bytes state;
-  if (known != next_scan_.end()) {
-    EXPECT_EQ(unit->first_scan.value, known->second);
-    state = runs_.at({unit->replica, known->second - 1}).state_after;
+  expect_next(*unit);
+  takes(workers_[0], workers_[0].run(*unit, state_before(*unit)));
+  return true;
+}
+
+namespace {
+
+/// Whether the swap after a member's last scan is with a level that isn't of its block.
+bool left(const plan::LadderPart& part, const plan::UnitResult& member) {
+  const auto at =
+      std::ranges::find(part.inverse_temperatures, member.scans.back().inverse_temperature);
+  const auto nth = static_cast<std::uint32_t>(at - part.inverse_temperatures.begin());
+  const std::uint64_t scan = member.unit.first_scan.value + member.unit.scans - 1;
+  const auto partner = even_odd_partner(part.first_level + nth, scan, part.levels);
+  return partner && (*partner < part.first_level ||
+                     *partner >= part.first_level + part.inverse_temperatures.size());
+}
+
+/// Expects that results are as a block allows them, and counts what they have.
+void check_and_count(const plan::Block& block, const std::vector<plan::UnitResult>& results,
+                     BlockShapes& shapes) {
+  std::uint64_t scans = 0;
+  std::set<std::uint64_t> begins;
+  std::set<std::uint64_t> ends;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const plan::UnitResult& result = results[i];
+    EXPECT_EQ(result.unit.replica, block.members[i].replica);
+    EXPECT_EQ(result.unit.first_scan, block.members[i].first_scan);
+    EXPECT_GE(result.unit.scans, 1U);
+    EXPECT_EQ(result.unit.scans, result.scans.size());
+    scans += result.unit.scans;
+    begins.insert(result.unit.first_scan.value);
+    ends.insert(result.unit.first_scan.value + result.unit.scans);
+    if (!block.ladder) continue;
+    EXPECT_EQ(result.unit.inverse_temperatures.size(), result.unit.scans);
+    shapes.went_on += result.unit.scans > 1 ? 1 : 0;
+    shapes.left += left(*block.ladder, result) ? 1 : 0;
+    for (std::uint32_t nth = 1; nth < result.unit.scans; ++nth) {
+      const bool moved =
+          result.unit.inverse_temperature(nth) != result.unit.inverse_temperature(nth - 1);
+      shapes.swapped += moved ? 1 : 0;
+    }
   }
-  Running& running = running_.emplace_back();
-  running.result.unit = *unit;
-  std::uint64_t lineage = unit->lineage;
-  for (std::uint32_t nth = 0; nth < unit->scans; ++nth) {
-    const plan::Unit one = alone(*unit, nth, lineage);
-    plan::UnitResult result = worker_.run(one, state);
-    lineage = result.scans.front().lineage;
-    running.result.scans.push_back(result.scans.front());
-    running.scans.push_back({one, result.scans.front(), result.state_after});
-    state = result.state_after;
+  if (!block.ladder) return;
+  const plan::LadderPart& part = *block.ladder;
+  EXPECT_EQ(part.inverse_temperatures.size(), block.members.size());
+  EXPECT_LE(scans, std::max<std::uint64_t>(part.scans_max, block.members.size()));
+  EXPECT_LE(*ends.rbegin(), part.end_scan);
+  shapes.of_several += block.members.size() > 1 ? 1 : 0;
+  shapes.staggered += begins.size() > 1 ? 1 : 0;
+  const bool is_whole = block.members.size() == part.levels && scans > part.levels;
+  shapes.whole += is_whole && *ends.begin() == part.end_scan ? 1 : 0;
+  shapes.cut += scans == part.scans_max ? 1 : 0;
+}
+
+}  // namespace
+
+bool AnySession::hand_out_block(Dice& dice, const BlockRunnerOptions& options,
+                                BlockShapes& shapes) {
+  const plan::BlockLimits limits = {
+      .unit_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 8 : 400)),
+      .block_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 16 : 400))};
+  const std::optional<plan::Block> block = plan_.next_block(limits);
+  if (!block) return false;
+  if (!block->ladder) {
+    EXPECT_EQ(block->members.size(), 1U);
+    EXPECT_LE(block->members.front().scans, limits.unit_scans_max);
+    shapes.annealing += block->members.front().inverse_temperatures.size() > 1 ? 1 : 0;
   }
+
+  // Some states are given, some not; what the worker doesn't hold either keeps all from running.
+  const RecordingWorker& worker = workers_[dice.below(workers_.size())];
+  const BlockRunner runner(worker, clock_, options);
+  std::vector<plan::GivenState> all;
+  std::vector<plan::GivenState> some;
+  bool lacks = false;
+  for (const plan::Unit& member : block->members) {
+    expect_next(member);
+    all.emplace_back(state_before(member));
+    some.push_back(dice.once_in(3) ? all.back() : std::nullopt);
+    if (some.back() || member.starts) continue;
+    if (worker.holds(member)) ++shapes.held;
+    lacks = lacks || !worker.holds(member);
+  }
+  std::vector<plan::UnitResult> results = runner.run(*block, some);
+  EXPECT_EQ(results.empty(), lacks);
+  if (lacks) {
+    ++shapes.lacking;
+    results = runner.run(*block, all);
+  }
+  EXPECT_EQ(results.size(), block->members.size());
+  if (results.size() != block->members.size()) return false;
+  check_and_count(*block, results, shapes);
+  for (plan::UnitResult& result : results)
+    takes(worker, std::move(result));
   return true;
 }
 
@@ -99,12 +218,21 @@ void AnySession::run_serially() {
 }
 
 void AnySession::run_randomly(Dice& dice, std::uint64_t steps) {
+  const std::uint64_t longest = dice.once_in(2) ? 1 : 1 + dice.below(20);
+  run(dice, steps, [&] { return hand_out(static_cast<std::uint32_t>(1 + dice.below(longest))); });
+}
+
+void AnySession::run_in_blocks(Dice& dice, const BlockRunnerOptions& options, BlockShapes& shapes,
+                               std::uint64_t steps) {
+  run(dice, steps, [&] { return hand_out_block(dice, options, shapes); });
+}
+
+void AnySession::run(Dice& dice, std::uint64_t steps, const std::function<bool()>& hand_out) {
   // Some sessions keep much in flight, some little; some cut small.
   const std::uint64_t odds = 1 + dice.below(6);
-  const std::uint64_t longest = dice.once_in(2) ? 1 : 1 + dice.below(20);
   for (; steps > 0 && !plan_.finished(); --steps) {
     const bool hands_out = running_.empty() || !dice.once_in(odds);
-    if (hands_out && hand_out(static_cast<std::uint32_t>(1 + dice.below(longest)))) continue;
+    if (hands_out && hand_out()) continue;
     ASSERT_FALSE(running_.empty()) << "nothing runs, nothing is handed out, not finished";
     complete(dice.below(running_.size()));
     if (::testing::Test::HasFailure()) return;

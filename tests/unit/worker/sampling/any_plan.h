@@ -2,16 +2,20 @@
 // method. What was handed out and what came of it is kept by place.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "common/base/clock.h"
 #include "common/plan/plan.h"
 #include "common/random/stream.h"
 #include "tests/unit/worker/sampling/slow_ladder.h"
+#include "worker/sampling/block_runner.h"
 #include "worker/sampling/stop_rule.h"
 
 namespace sleight::sampling {
@@ -52,14 +56,50 @@ struct ScanRun {
 };
 using ScanRuns = std::map<Place, ScanRun>;
 
+/// The nth scan of a unit, as a unit of its own.
+plan::Unit alone(const plan::Unit& unit, std::uint32_t nth, std::uint64_t lineage);
+
+/// Runs units scan by scan and keeps what came of each: so it holds the states that it made.
+class RecordingWorker final : public plan::UnitWorker {
+ public:
+  explicit RecordingWorker(const plan::UnitWorker& worker) : worker_(worker) {}
+  plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override;
+  std::optional<plan::UnitResult> run_from_held(const plan::Unit& unit) const override;
+  bool holds(const plan::Unit& unit) const;
+  const ScanRun& made(const Place& place) const { return made_.at(place); }
+
+ private:
+  const plan::UnitWorker& worker_;
+  mutable ScanRuns made_;
+};
+
+/// What the blocks of a test had in them, counted.
+struct BlockShapes {
+  std::uint64_t of_several = 0;  ///< blocks with more than one member
+  std::uint64_t staggered = 0;   ///< whose members began at different scans
+  std::uint64_t whole = 0;       ///< of whole ladders that all went on to the round's end
+  std::uint64_t cut = 0;         ///< that the limit ended
+  std::uint64_t went_on = 0;     ///< members that made more than one scan
+  std::uint64_t swapped = 0;     ///< scans of members at another level than the one before
+  std::uint64_t left = 0;        ///< members that stopped where a level outside is the partner
+  std::uint64_t annealing = 0;   ///< units that anneal
+  std::uint64_t held = 0;        ///< states that weren't given
+  std::uint64_t lacking = 0;     ///< blocks that couldn't run for want of a state
+};
+
 class AnySession {
  public:
-  AnySession(plan::Plan& plan, const plan::UnitWorker& worker) : plan_(plan), worker_(worker) {}
+  AnySession(plan::Plan& plan, const plan::UnitWorker& worker)
+      : plan_(plan), workers_{RecordingWorker(worker), RecordingWorker(worker)} {}
 
   /// One unit of one scan after another.
   void run_serially();
   /// Units of random lengths that complete in random order; so many steps at most.
   void run_randomly(Dice& dice, std::uint64_t steps = UINT64_MAX);
+  /// Blocks of random sizes on two workers, with states given or held; the results of members, each
+  /// by itself, are consumed in random order.
+  void run_in_blocks(Dice& dice, const BlockRunnerOptions& options, BlockShapes& shapes,
+                     std::uint64_t steps = UINT64_MAX);
   void complete_all(Dice& dice);
   /// Whole replicas in random order (or theirs), in random batches.
   void replay(const ScanRuns& stored, Dice& dice);
@@ -71,11 +111,18 @@ class AnySession {
     plan::UnitResult result;
     std::vector<ScanRun> scans;
   };
+  void run(Dice& dice, std::uint64_t steps, const std::function<bool()>& hand_out);
   bool hand_out(std::uint32_t scans_max);
+  bool hand_out_block(Dice& dice, const BlockRunnerOptions& options, BlockShapes& shapes);
+  /// Expects that a unit is what comes next of its replica.
+  void expect_next(const plan::Unit& unit) const;
+  base::Bytes state_before(const plan::Unit& unit) const;
+  void takes(const RecordingWorker& worker, plan::UnitResult result);
   void complete(std::size_t which);
 
   plan::Plan& plan_;
-  const plan::UnitWorker& worker_;
+  std::array<RecordingWorker, 2> workers_;
+  base::ManualClock clock_;
   ScanRuns runs_;
   std::map<plan::ReplicaKey, std::uint64_t> next_scan_;
   std::vector<Running> running_;

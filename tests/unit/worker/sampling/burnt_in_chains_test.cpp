@@ -1,5 +1,5 @@
-// What holds for every method: orders of delivery, stored results, stop rules, draws. With burn-ins
-// and with simulated annealing before.
+// What holds for every method: orders of delivery, blocks, stored results, stop rules, draws. With
+// burn-ins and with simulated annealing before.
 #include "worker/sampling/burnt_in_chains.h"
 
 #include <fmt/format.h>
@@ -127,11 +127,17 @@ void expect_same_moment(const plan::Plan& a, const plan::Plan& b) {
   expect_equal(a.report(), b.report());
 }
 
+BlockRunnerOptions runner_of(const Case& given) {
+  return {.seed = given.ladder.seed, .rules = {}};
+}
+
 TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
-  // Goal: units, results, stop, draws and report are the same however units are cut and in whatever
-  // order they complete; and the stop is where the rules say. Method: random cases of all methods;
-  // serially, and in three random sessions; the stop and the draws recounted from a longer run.
+  // Goal: units, results, stop, draws and report are the same however units and blocks are cut and
+  // in whatever order they complete; and the stop is where the rules say. Method: random cases of
+  // all methods; serially, and in random sessions by units and by blocks; the stop and the draws
+  // recounted from a longer run.
   std::set<std::pair<std::uint64_t, bool>> stops;  // by method: whether solutions ended it
+  std::vector<BlockShapes> shapes(k_methods);
   for (std::uint64_t index = 0; index < k_cases; ++index) {
     SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
     Dice dice(k_seed, index);
@@ -155,22 +161,34 @@ TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
     for (const auto& [place, run] : serial.runs())
       ASSERT_EQ(run, all.runs().at(place));
     stops.emplace(index % k_methods, given.stop.scans != end);
-    for (int repeat = 0; repeat < 3; ++repeat) {
+    for (int repeat = 0; repeat < 4; ++repeat) {
       const auto plan = plan_of(given, given.stop);
       AnySession session(*plan, worker);
-      session.run_randomly(dice);
+      if (repeat % 2 == 0) {
+        session.run_randomly(dice);
+      } else {
+        session.run_in_blocks(dice, runner_of(given), shapes[index % k_methods]);
+      }
       expect_same_moment(*plan, *serial_plan);
       EXPECT_TRUE(session.runs() == serial.runs());
       if (HasFailure()) return;
     }
   }
   EXPECT_EQ(stops.size(), 2 * k_methods);
+  for (std::uint64_t method = 0; method < k_methods; ++method) {
+    SCOPED_TRACE(method);
+    const bool meets = static_cast<Method>(method) != Method::plain;
+    EXPECT_EQ(shapes[method].of_several > 500, meets);
+    EXPECT_EQ(shapes[method].swapped > 500, meets);
+    EXPECT_GT(shapes[method].annealing, 20U);
+  }
 }
 
 TEST(EveryMethod, GoesOnFromAnyStoredResults) {
   // Goal: a fresh plan that consumes stored results replica by replica is where the stopped one is,
-  // and goes on to the same end. Method: stop at a random moment, with what was in flight lost or
-  // kept; replay in the store's order or another.
+  // and goes on to the same end, by units or by blocks. Method: stop at a random moment, with what
+  // was in flight lost or kept; replay in the store's order or another.
+  BlockShapes shapes;
   for (std::uint64_t index = 0; index < 2 * k_cases; ++index) {
     SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, k_cases + index));
     Dice dice(k_seed, k_cases + index);
@@ -181,13 +199,20 @@ TEST(EveryMethod, GoesOnFromAnyStoredResults) {
     whole.run_serially();
     const auto stopped_plan = plan_of(given, given.stop);
     AnySession stopped(*stopped_plan, worker);
-    stopped.run_randomly(dice, dice.below(3 * whole.runs().size()));
+    const auto run_some = [&](AnySession& session, std::uint64_t steps) {
+      if (dice.once_in(2)) {
+        session.run_randomly(dice, steps);
+      } else {
+        session.run_in_blocks(dice, runner_of(given), shapes, steps);
+      }
+    };
+    run_some(stopped, dice.below(3 * whole.runs().size()));
     if (dice.once_in(2)) stopped.complete_all(dice);
     const auto plan = plan_of(given, given.stop);
     AnySession resumed(*plan, worker);
     resumed.replay(stopped.runs(), dice);
     expect_same_moment(*plan, *stopped_plan);
-    resumed.run_randomly(dice);
+    run_some(resumed, UINT64_MAX);
     expect_same_moment(*plan, *whole_plan);
     EXPECT_TRUE(resumed.runs() == whole.runs());
     if (HasFailure()) return;

@@ -23,6 +23,7 @@ class Played {
       const std::uint32_t replica = unit->replica.replica.value;
       const double beta = unit->inverse_temperatures.front();
       plan::ScanRecord record = score(beta, scan);
+      record.inverse_temperature = beta;
       record.lineage = unit->starts || beta == 0 ? plan::lineage_from(unit->replica.replica, scan)
                                                  : unit->lineage;
       EXPECT_EQ(unit->starts, !betas_.contains(replica));

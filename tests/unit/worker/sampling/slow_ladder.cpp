@@ -54,10 +54,14 @@ class Slow {
  public:
   Slow(const LadderOptions& options, const plan::UnitWorker& worker)
       : options_(options), worker_(worker) {
-    begin_round(0, options.first_ladder, {});
+    begin_round(options.anneal_scans, options.first_ladder, {});
   }
 
   void scan(std::uint64_t scan) {
+    if (scan < options_.anneal_scans) {
+      anneal(scan);
+      return;
+    }
     // Everyone makes the scan.
     std::vector<plan::ScanRecord> records;
     std::vector<LevelScan> levels;
@@ -72,11 +76,7 @@ class Slow {
                             .inverse_temperatures = {ladder()[level]},
                             .proposal_scales = round.scales[level],
                             .excursion = {}};
-      const plan::UnitResult done = worker_.run(unit, states_[replica]);
-      result_.units.emplace(SlowLadder::Place{replica, scan}, unit);
-      states_[replica] = done.state_after;
-      const plan::ScanRecord& record = records.emplace_back(done.scans.front());
-      lineages_[replica] = record.lineage;
+      const plan::ScanRecord& record = records.emplace_back(run(unit));
       levels.push_back({.log_constraint = record.log_constraint, .satisfied = record.satisfied});
       round.counts[level].add(record.proposed, record.accepted);
       if (level == 0) visits_[replica].push_back({scan, false});
@@ -112,6 +112,31 @@ class Slow {
 
  private:
   const std::vector<double>& ladder() const { return result_.rounds.back().statistics.ladder(); }
+
+  plan::ScanRecord run(const plan::Unit& unit) {
+    const std::uint32_t replica = unit.replica.replica.value;
+    const plan::UnitResult done = worker_.run(unit, states_[replica]);
+    result_.units.emplace(SlowLadder::Place{replica, unit.first_scan.value}, unit);
+    result_.results.emplace(SlowLadder::Place{replica, unit.first_scan.value}, done);
+    states_[replica] = done.state_after;
+    lineages_[replica] = done.scans.front().lineage;
+    return done.scans.front();
+  }
+
+  /// Everyone is on the way to the temperature that it begins with.
+  void anneal(std::uint64_t scan) {
+    const double share = static_cast<double>(scan) / static_cast<double>(options_.anneal_scans);
+    for (std::uint32_t replica = 0; replica < at_.size(); ++replica) {
+      run({.replica = {options_.chain, base::ReplicaId{replica}},
+           .first_scan = base::ScanIndex{scan},
+           .scans = 1,
+           .starts = scan == 0,
+           .lineage = lineages_[replica],
+           .inverse_temperatures = {options_.first_ladder[replica] * share},
+           .proposal_scales = {},
+           .excursion = {}});
+    }
+  }
 
   void learn(std::uint64_t scan) {
     const RoundReport& last = result_.rounds.back();

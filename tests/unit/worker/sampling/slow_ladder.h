@@ -1,7 +1,7 @@
-// Parallel tempering as plainly as can be, for tests: all replicas make a scan, then the pairs of
-// that scan's parity swap, then, at a round's end, the ladder is spaced anew. It shares with the
-// real one the pure functions that have tests of their own (ladder.h, round_statistics.h, tuning.h)
-// and none of its bookkeeping.
+// Parallel tempering as plainly as can be, for tests: all replicas anneal, if they do; then they
+// make a scan, then the pairs of that scan's parity swap, then, at a round's end, the ladder is
+// spaced anew. It shares with the real one the pure functions that have tests of their own
+// (ladder.h, round_statistics.h, tuning.h) and none of its bookkeeping.
 #pragma once
 
 #include <cstdint>
@@ -38,9 +38,10 @@ struct SlowLadder {
   std::vector<std::uint64_t> solutions;  ///< likewise
   using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< replica, scan
   std::map<Place, plan::Unit> units;
+  std::map<Place, plan::UnitResult> results;
 };
 
-/// So many scans of it.
+/// So many scans of it, those that anneal included.
 SlowLadder slow_ladder(const LadderOptions& options, const plan::UnitWorker& worker,
                        std::uint64_t scans);
 

@@ -49,7 +49,7 @@ TEST(FurthestBehind, RunsFirst) {
   // has. Method: by hand.
   const auto chosen = [](std::vector<FakeChain> chains) -> std::optional<std::uint32_t> {
     const auto unit =
-        unit_of_furthest_behind(chains, [](FakeChain& chain) -> std::optional<plan::Unit> {
+        next_of_furthest_behind(chains, [](FakeChain& chain) -> std::optional<plan::Unit> {
           if (!chain.has_unit) return std::nullopt;
           plan::Unit made;
           made.replica.chain = base::ChainId{chain.id};

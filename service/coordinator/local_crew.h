@@ -1,0 +1,52 @@
+// Threads of this process that compute blocks: one worker, number 0.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "service/coordinator/crew.h"
+
+namespace sleight::coordinator {
+
+inline constexpr core::WorkerId k_local_worker{0};
+
+/// Each thread takes the oldest assignment. send and receive are for one driving thread. The
+/// threads start with the first assignment: until then the process may fork safely, which reading a
+/// file that may be anything does.
+class LocalCrew final : public Crew {
+ public:
+  /// Borrows the worker. REQUIRES: threads >= 1.
+  LocalCrew(const plan::BlockWorker& worker, std::uint32_t threads);
+  /// Lets running blocks end and drops waiting ones.
+  ~LocalCrew() override;
+  LocalCrew(const LocalCrew&) = delete;
+  LocalCrew& operator=(const LocalCrew&) = delete;
+
+  std::vector<core::Joined> members() const override;
+  void send(core::WorkerId worker, schema::Assignment assignment) override;
+  void send(core::WorkerId worker, const schema::Ping& ping) override;
+  std::vector<core::Input> receive(double timeout_s) override;
+
+ private:
+  void work();
+
+  const plan::BlockWorker& worker_;
+  const std::uint32_t threads_wanted_;
+  std::mutex mutex_;
+  std::condition_variable work_waits_;
+  std::condition_variable input_waits_;
+  std::deque<schema::Assignment> waiting_;
+  std::set<std::uint64_t> before_it_;  ///< assignments that are not done
+  std::vector<core::Input> inputs_;
+  std::exception_ptr failure_;
+  bool ending_ = false;
+  std::vector<std::thread> threads_;  // last: they use all of the above
+};
+
+}  // namespace sleight::coordinator

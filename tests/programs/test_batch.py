@@ -1,0 +1,175 @@
+"""Goal: an MPI job ends in order when it is asked to, its idle ranks leave the machine alone, and
+ranks that can't be used say so. Method: real jobs under mpirun, asked by the signals that batch
+systems send; the processor time of ranks that have nothing to do, as the kernel counts it."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import time
+
+import harness
+from harness import ProgramTest
+
+TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+
+
+class Batch(ProgramTest):
+    def start_batch(self, ranks, request, output, *args):
+        process = harness.start(harness.batch(ranks, request, output, *args, folder=self.folder))
+        self.addCleanup(harness.kill_group, process)
+        return process
+
+    def ranks_of(self, process):
+        """Process ids of a job's ranks by number, once all have started."""
+        children = subprocess.run(["pgrep", "-P", str(process.pid), "sleight-batch"],
+                                  capture_output=True, text=True).stdout.split()
+        ranks = {}
+        for child in children:
+            try:
+                environment = pathlib.Path(f"/proc/{child}/environ").read_bytes().split(b"\0")
+            except (FileNotFoundError, ProcessLookupError):
+                continue
+            for entry in environment:
+                if entry.startswith(b"OMPI_COMM_WORLD_RANK="):
+                    ranks[int(entry.split(b"=")[1])] = int(child)
+        return ranks
+
+    def wait_for_scans(self, output):
+        """Until the run store holds some."""
+        import sqlite3
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline:
+            try:
+                store = sqlite3.connect(f"file:{output}.run/store.sqlite?mode=ro", uri=True)
+                count, = store.execute("SELECT count(*) FROM scan").fetchone()
+                store.close()
+                if count > 50:
+                    return
+            except sqlite3.OperationalError:
+                pass
+            time.sleep(0.05)
+        self.fail("nothing is stored within a minute")
+
+    def stopped_by(self, number, code):
+        """A job that is asked by a signal ends with its work stored, and goes on to the same."""
+        request = self.write_request(scans=2000, chains=3, iterations_per_scan=1000)
+        whole = self.path("whole.h5")
+        self.direct(request, whole)
+        output = self.path("stopped.h5")
+        process = self.start_batch(3, request, output)
+        self.wait_for_scans(output)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, code, errors)
+        result = self.succeed(harness.run(harness.batch(2, request, output, "--json", "-q",
+                                                        folder=self.folder)))
+        summary = json.loads(result.stdout)
+        self.assertEqual(summary["session"], 2)
+        self.assertLess(summary["session_scans"], 6000)
+        self.assertEqual(self.digest(output), self.digest(whole))
+        return errors
+
+    def test_a_batch_systems_warning_ends_it_in_order(self):
+        # mpirun passes SIGUSR1 on: rank 0 stops, stores, writes the archive and says how it ended.
+        self.stopped_by(signal.SIGUSR1, 130)
+
+    def test_sigterm_loses_nothing(self):
+        # mpirun ends its ranks about a second after it has passed SIGTERM on, and says 1 or 130
+        # according to who was first.
+        request = self.write_request(scans=2000, chains=3, iterations_per_scan=1000)
+        output = self.path("terminated.h5")
+        process = self.start_batch(3, request, output)
+        self.wait_for_scans(output)
+        process.terminate()
+        process.communicate(timeout=60)
+        self.assertIn(process.returncode, (1, 130, 143))
+        self.succeed(harness.run(harness.batch(2, request, output, "-q", folder=self.folder)))
+        whole = self.path("whole.h5")
+        self.direct(request, whole)
+        self.assertEqual(self.digest(output), self.digest(whole))
+
+    def test_signals_to_all_ranks_at_once(self):
+        # A batch system may signal every process of a job: rank 0 alone decides, and its echo
+        # through mpirun does not count as a second wish.
+        request = self.write_request(scans=2000, chains=3, iterations_per_scan=1000)
+        output = self.path("all.h5")
+        process = self.start_batch(3, request, output)
+        self.wait_for_scans(output)
+        ranks = self.ranks_of(process)
+        self.assertEqual(sorted(ranks), [0, 1, 2])
+        for rank in sorted(ranks, reverse=True):
+            os.kill(ranks[rank], signal.SIGUSR1)
+        process.send_signal(signal.SIGUSR1)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertTrue(output.exists())
+
+    def test_idle_ranks_take_no_processor(self):
+        # One chain keeps one rank busy; what the others take is looking for messages.
+        request = self.write_request(scans=1000000, chains=1, iterations_per_scan=100000)
+        process = self.start_batch(4, request, self.path("idle.h5"))
+        self.wait_for_scans_of_one(process)
+        ranks = self.ranks_of(process)
+
+        def seconds(pid):
+            fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(") ", 1)[1].split()
+            return (int(fields[11]) + int(fields[12])) / TICKS_PER_S
+
+        before = {rank: seconds(pid) for rank, pid in ranks.items()}
+        begin = time.monotonic()
+        time.sleep(4)
+        took = time.monotonic() - begin
+        shares = {rank: (seconds(pid) - before[rank]) / took for rank, pid in ranks.items()}
+        process.send_signal(signal.SIGUSR1)
+        process.communicate(timeout=60)
+        print("\nshares of a core by rank:", {rank: f"{share:.1%}" for rank, share in shares.items()})
+        busy = max(shares.values())
+        self.assertGreater(busy, 0.2)
+        idle = sorted(shares.values())[:2]
+        self.assertEqual(len(idle), 2)
+        for share in idle:
+            self.assertLess(share, 0.02)
+
+    def wait_for_scans_of_one(self, process):
+        deadline = time.monotonic() + 60
+        while len(self.ranks_of(process)) < 4 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(2)  # past the start of MPI
+
+    def test_a_full_disk_ends_it_with_a_reason(self):
+        # A file system of 2 MB for the run; with space again it goes on.
+        disk = self.path("disk")
+        disk.mkdir()
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", str(disk)],
+                                 capture_output=True, text=True)
+        if mounted.returncode != 0:
+            self.skipTest("may not mount: " + mounted.stderr.strip())
+        self.addCleanup(subprocess.run, ["umount", str(disk)])
+        request = self.write_request(scans=30000)
+        output = disk / "a.h5"
+        job = harness.batch(3, request, output, "-q", folder=self.folder)
+        result = harness.run(job)
+        self.assertEqual(result.returncode, 5, result.stderr)
+        self.assertIn("store.sqlite", result.stderr)
+        self.assertFalse(output.exists())
+        subprocess.run(["mount", "-o", "remount,size=64m", str(disk)], check=True)
+        self.succeed(harness.run(job))
+        whole = self.path("whole.h5")
+        self.direct(request, whole)
+        self.assertEqual(output.read_bytes(), whole.read_bytes())
+
+    def test_a_rank_with_another_request_is_refused(self):
+        one = self.write_request("one.toml", seed=1)
+        other = self.write_request("other.toml", seed=2)
+        command = harness.batch(1, one, self.path("a.h5"), folder=self.folder)
+        command += [":", "-n", "1", harness.program("sleight-batch"), str(other), "-o",
+                    str(self.path("a.h5"))]
+        result = harness.run(command)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("rank 1 reads another request", result.stderr)
+
+
+if __name__ == "__main__":
+    harness.main()

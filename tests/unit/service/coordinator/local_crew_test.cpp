@@ -1,0 +1,294 @@
+#include "service/coordinator/local_crew.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "common/base/clock.h"
+#include "common/base/error.h"
+#include "worker/sampling/block_runner.h"
+
+namespace sleight::coordinator {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// A worker that does what a test says.
+class FakeWorker final : public plan::BlockWorker {
+ public:
+  using Act = std::function<void(const plan::Unit&)>;
+  explicit FakeWorker(Act act = {}) : act_(std::move(act)) {}
+
+  /// Each member's state comes back; nothing at all where one isn't given.
+  std::vector<plan::UnitResult> run(const plan::Block& block,
+                                    std::span<const plan::GivenState> states) const override {
+    ++started_;
+    std::vector<plan::UnitResult> results;
+    for (std::size_t i = 0; i < block.members.size(); ++i) {
+      if (act_) act_(block.members[i]);
+      if (!states[i]) return {};
+      results.push_back({.unit = block.members[i], .scans = {}, .state_after = *states[i]});
+    }
+    return results;
+  }
+  plan::CacheUse cache_use() const override {
+    return {.hits = 1, .misses = 2, .evictions = 3, .bytes = 4, .bytes_max = 5};
+  }
+  int started() const { return started_; }
+
+ private:
+  Act act_;
+  mutable std::atomic<int> started_{0};
+};
+
+plan::Unit unit(std::uint32_t chain) {
+  return {.replica = {base::ChainId{chain}, base::ReplicaId{0}}, .first_scan = {}, .scans = 1};
+}
+
+schema::Assignment assignment(std::uint64_t number, base::Bytes state = {}) {
+  const auto chain = static_cast<std::uint32_t>(number);
+  return {.epoch = 9,
+          .assignment = number,
+          .block = {.members = {unit(chain)}, .ladder = {}},
+          .states = {std::move(state)}};
+}
+
+/// Waits until a number of deliveries has come.
+std::vector<schema::Delivery> collect(LocalCrew& crew, std::size_t count) {
+  std::vector<schema::Delivery> all;
+  while (all.size() < count) {
+    for (core::Input& input : crew.receive(10)) {
+      auto& delivered = std::get<core::Delivered>(input);
+      EXPECT_EQ(delivered.worker, k_local_worker);
+      all.push_back(std::move(delivered.delivery));
+    }
+  }
+  return all;
+}
+
+/// What is before the crew by its own account.
+std::vector<std::uint64_t> before(LocalCrew& crew) {
+  crew.send(k_local_worker, schema::Ping{.epoch = 9});
+  const std::vector<core::Input> inputs = crew.receive(10);
+  EXPECT_EQ(inputs.size(), 1U);
+  const auto& answered = std::get<core::Answered>(inputs.at(0));
+  EXPECT_EQ(answered.worker, k_local_worker);
+  EXPECT_EQ(answered.pong.epoch, 9U);
+  return answered.pong.assignments;
+}
+
+/// A gate that holds workers up.
+class Gate {
+ public:
+  void pass() {
+    ++waiting_;
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return open_; });
+  }
+  void open() {
+    const std::scoped_lock lock(mutex_);
+    open_ = true;
+    changed_.notify_all();
+  }
+  void await(int count) const {
+    while (waiting_ < count)
+      std::this_thread::yield();
+  }
+
+ private:
+  std::atomic<int> waiting_{0};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = false;
+};
+
+TEST(LocalCrew, IsOneWorkerOfAllThreads) {
+  // Goal: the scheduler sees one worker with as many threads as were asked for, that sends nothing
+  // over any network. Method: ask.
+  const FakeWorker worker;
+  const LocalCrew crew(worker, 3);
+  ASSERT_EQ(crew.members().size(), 1U);
+  EXPECT_EQ(crew.members()[0].worker, k_local_worker);
+  EXPECT_EQ(crew.members()[0].threads, 3U);
+  EXPECT_EQ(crew.traffic().messages, 0U);
+  EXPECT_EQ(crew.traffic().bytes, 0U);
+}
+
+TEST(LocalCrew, ComputesEveryAssignmentOnce) {
+  // Goal: each assignment comes back once, under its number and epoch, with its own state and the
+  // worker's cache. Method: 500 assignments through 3 threads.
+  const FakeWorker worker;
+  LocalCrew crew(worker, 3);
+  for (std::uint32_t i = 0; i < 500; ++i)
+    crew.send(k_local_worker, assignment(i, base::Bytes(i)));
+  std::set<std::uint64_t> seen;
+  for (const schema::Delivery& delivery : collect(crew, 500)) {
+    EXPECT_TRUE(seen.insert(delivery.assignment).second);
+    EXPECT_EQ(delivery.epoch, 9U);
+    EXPECT_EQ(delivery.cache, worker.cache_use());
+    ASSERT_EQ(delivery.results.size(), 1U);
+    EXPECT_EQ(delivery.results[0].unit.replica.chain.value, delivery.assignment);
+    EXPECT_EQ(delivery.results[0].state_after.size(), delivery.assignment);
+  }
+  EXPECT_TRUE(before(crew).empty());
+  EXPECT_EQ(worker.started(), 500);
+}
+
+TEST(LocalCrew, BlocksComeBackWhole) {
+  // Goal: a block's members and what is given of their states reach the worker as they are, and its
+  // results the driver; also when it has none. Method: a block of three; one that lacks a state.
+  const FakeWorker worker;
+  LocalCrew crew(worker, 1);
+  schema::Assignment block = assignment(1);
+  block.block.members = {unit(4), unit(5), unit(6)};
+  block.states = {base::Bytes(4), base::Bytes(5), base::Bytes(6)};
+  crew.send(k_local_worker, block);
+  const schema::Delivery whole = collect(crew, 1).at(0);
+  ASSERT_EQ(whole.results.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(whole.results[i].unit, block.block.members[i]);
+    EXPECT_EQ(whole.results[i].state_after.size(), 4 + i);
+  }
+  block.assignment = 2;
+  block.states[1].reset();
+  crew.send(k_local_worker, block);
+  const schema::Delivery missing = collect(crew, 1).at(0);
+  EXPECT_EQ(missing.assignment, 2U);
+  EXPECT_TRUE(missing.results.empty());
+}
+
+TEST(LocalCrew, AnswersPingsWithWhatIsBeforeIt) {
+  // Goal: a pong names the assignments that run and that wait, and no others, at once. Method: two
+  // threads held up in six assignments; then all are let go.
+  Gate gate;
+  const FakeWorker worker([&](const auto&) { gate.pass(); });
+  LocalCrew crew(worker, 2);
+  EXPECT_TRUE(before(crew).empty());
+  for (std::uint32_t i = 0; i < 6; ++i)
+    crew.send(k_local_worker, assignment(i));
+  gate.await(2);
+  EXPECT_THAT(before(crew), ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_TRUE(crew.receive(0).empty());
+  gate.open();
+  (void)collect(crew, 6);
+  EXPECT_TRUE(before(crew).empty());
+}
+
+TEST(LocalCrew, TakesTheOldestFirst) {
+  // Goal: assignments begin in the order in which they were sent. Method: one thread; the order of
+  // its deliveries.
+  const FakeWorker worker;
+  LocalCrew crew(worker, 1);
+  for (const std::uint64_t number : {7U, 3U, 9U, 1U})
+    crew.send(k_local_worker, assignment(number));
+  std::vector<std::uint64_t> order;
+  for (const schema::Delivery& delivery : collect(crew, 4))
+    order.push_back(delivery.assignment);
+  EXPECT_THAT(order, ElementsAre(7, 3, 9, 1));
+}
+
+TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
+  // Goal: as many assignments run at once as there are threads. Method: units that wait for each
+  // other; fewer threads would wait for ever.
+  Gate gate;
+  const FakeWorker worker([&](const auto&) { gate.pass(); });
+  LocalCrew crew(worker, 4);
+  for (std::uint32_t i = 0; i < 4; ++i)
+    crew.send(k_local_worker, assignment(i));
+  gate.await(4);
+  gate.open();
+  EXPECT_EQ(collect(crew, 4).size(), 4U);
+}
+
+TEST(LocalCrew, ReceiveEndsWithoutResults) {
+  // Goal: a time-out returns nothing and loses nothing. Method: receive while the worker is held
+  // up, then after it is released.
+  Gate gate;
+  const FakeWorker worker([&](const auto&) { gate.pass(); });
+  LocalCrew crew(worker, 1);
+  crew.send(k_local_worker, assignment(0));
+  EXPECT_TRUE(crew.receive(0.02).empty());
+  EXPECT_THAT(before(crew), ElementsAre(0));
+  gate.open();
+  EXPECT_EQ(collect(crew, 1).size(), 1U);
+}
+
+TEST(LocalCrew, WorkersExceptionComesOutOfReceive) {
+  // Goal: a failure in a thread reaches the driver as what it was, again if need be, and doesn't
+  // end the process. Method: the third of five units throws.
+  const FakeWorker worker([](const plan::Unit& failing) {
+    if (failing.replica.chain.value == 2) {
+      throw base::Error(base::ExitCode::environment, "no memory");
+    }
+  });
+  LocalCrew crew(worker, 2);
+  for (std::uint32_t i = 0; i < 5; ++i)
+    crew.send(k_local_worker, assignment(i));
+  std::string reason;
+  while (reason.empty()) {
+    try {
+      (void)crew.receive(10);
+    } catch (const base::Error& error) {
+      reason = error.what();
+    }
+  }
+  EXPECT_EQ(reason, "no memory");
+  EXPECT_THROW((void)crew.receive(0), base::Error);
+}
+
+TEST(LocalCrew, DestructorDropsWhatWaits) {
+  // Goal: leaving lets running blocks end and starts no other. Method: one thread held up in the
+  // first of a hundred assignments while another thread destroys the crew.
+  Gate gate;
+  const FakeWorker worker([&](const auto&) { gate.pass(); });
+  auto crew = std::make_unique<LocalCrew>(worker, 1);
+  for (std::uint32_t i = 0; i < 100; ++i)
+    crew->send(k_local_worker, assignment(i));
+  gate.await(1);
+  std::thread destroyer([&] { crew.reset(); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  gate.open();
+  destroyer.join();
+  EXPECT_LE(worker.started(), 2);
+}
+
+/// A worker of single units.
+class TimedWorker final : public plan::UnitWorker {
+ public:
+  explicit TimedWorker(base::ManualClock& clock) : clock_(clock) {}
+  plan::UnitResult run(const plan::Unit& unit, base::BytesView) const override {
+    clock_.advance(2.5);
+    return {.unit = unit, .scans = {plan::ScanRecord{}}, .state_after = {}};
+  }
+
+ private:
+  base::ManualClock& clock_;
+};
+
+TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
+  // Goal: the cost_s that reaches the driver is the time between begin and end of a unit. Method: a
+  // clock that the worker moves.
+  base::ManualClock clock;
+  const TimedWorker worker(clock);
+  const sampling::BlockRunner runner(worker, clock, {.seed = 1});
+  LocalCrew crew(runner, 1);
+  crew.send(k_local_worker, assignment(0, base::Bytes(1)));
+  EXPECT_EQ(collect(crew, 1).at(0).results.at(0).cost_s, 2.5);
+}
+
+TEST(LocalCrewDeathTest, ForeignWorkerIsABug) {
+  // Goal: what is meant for another worker isn't computed here. Method: worker 1.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const FakeWorker worker;
+  LocalCrew crew(worker, 1);
+  EXPECT_DEATH(crew.send(core::WorkerId{1}, assignment(0)), "check failed");
+  EXPECT_DEATH(crew.send(core::WorkerId{1}, schema::Ping{}), "check failed");
+}
+
+}  // namespace
+}  // namespace sleight::coordinator

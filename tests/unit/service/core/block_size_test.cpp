@@ -1,0 +1,219 @@
+#include "service/core/block_size.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "common/random/discrete_distributions.h"
+#include "common/random/stream.h"
+
+namespace sleight::core {
+namespace {
+
+constexpr std::uint64_t k_seed = 662607;
+constexpr std::uint64_t k_any = 1'000'000;  ///< more scans than any block has
+
+/// Options of round numbers: 20 ms a block, or what 1 ms a thread at half the time comes to.
+constexpr BlockSizeOptions k_round{.target_s = 0.020,
+                                   .handling_s = 0.001,
+                                   .handling_share = 0.5,
+                                   .target_s_max = 1,
+                                   .least_s = 0.004,
+                                   .scans_max = 8192};
+
+/// Runs blocks as large as they may be, until they stay as large.
+void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
+  for (int i = 0; i < 60; ++i) {
+    const std::uint32_t scans = size.limits(threads, k_any).block_scans_max;
+    size.measured(scans, scans, scan_s * scans);
+  }
+}
+
+TEST(BlockSize, BeginsWithOneScan) {
+  // Goal: before anything is measured a block is one scan, however many threads wait. Method: ask.
+  const BlockSize size(k_round);
+  EXPECT_EQ(size.limits(1, k_any).unit_scans_max, 1U);
+  EXPECT_EQ(size.limits(5000, k_any).block_scans_max, 1U);
+  EXPECT_EQ(size.expected_s(100), 0);
+}
+
+TEST(BlockSize, BlocksTakeAboutTheirTarget) {
+  // Goal: blocks come to target_s, growing at most fourfold a step; the growth itself is used.
+  // Method: a scan of 1 ms, block by block from the first.
+  BlockSize size(k_round);
+  std::uint32_t before = 1;
+  bool grew_fourfold = false;
+  for (int i = 0; i < 20; ++i) {
+    size.measured(before, before, 0.001 * before);
+    const std::uint32_t now = size.limits(1, k_any).block_scans_max;
+    EXPECT_LE(now, 4 * before);
+    grew_fourfold |= now == 4 * before;
+    before = now;
+  }
+  EXPECT_TRUE(grew_fourfold);
+  EXPECT_NEAR(before, 20, 1);
+  EXPECT_NEAR(size.expected_s(before), 0.020, 0.001);
+}
+
+TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
+  // Goal: scans_max bounds a block, and is reached. Method: a scan that costs a nanosecond, or
+  // nothing at all by the clock.
+  for (const double scan_s : {1e-9, 0.0}) {
+    BlockSize size(k_round);
+    settle(size, scan_s);
+    EXPECT_EQ(size.limits(1, k_any).block_scans_max, k_round.scans_max);
+    EXPECT_EQ(size.limits(1, k_any).unit_scans_max, k_round.scans_max);
+  }
+}
+
+TEST(BlockSize, DearScansComeOneByOne) {
+  // Goal: a scan longer than the target is a block of its own. Method: a scan of a minute, also
+  // when scans were cheap before.
+  BlockSize size(k_round);
+  settle(size, 1e-6);
+  EXPECT_GT(size.limits(1, k_any).block_scans_max, 1000U);
+  settle(size, 60);
+  EXPECT_EQ(size.limits(1, k_any).block_scans_max, 1U);
+  EXPECT_NEAR(size.expected_s(2), 120, 1);
+}
+
+TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
+  // Goal: scans_max of one replica bounds a unit, not a block of several; 0 counts as 1. Method: a
+  // block of 20 scans.
+  BlockSize size(k_round);
+  settle(size, 0.001);
+  for (const auto& [may, expected] : {std::pair{0U, 1U}, {1U, 1U}, {7U, 7U}, {500U, 20U}}) {
+    const plan::BlockLimits limits = size.limits(1, may);
+    EXPECT_NEAR(limits.unit_scans_max, expected, 1) << may;
+    EXPECT_LE(limits.unit_scans_max, std::max(may, 1U));
+    EXPECT_NEAR(limits.block_scans_max, 20, 1);
+  }
+}
+
+TEST(BlockSize, StartsCountForNothing) {
+  // Goal: a replica's start, which makes no proposal, doesn't make scans look cheap. Method: blocks
+  // of nothing but starts leave all as it was; one start among ten scans is left out of the cost,
+  // not of the growth.
+  BlockSize size(k_round);
+  size.measured(8, 0, 1e-6);
+  EXPECT_EQ(size.limits(1, k_any).block_scans_max, 1U);
+  EXPECT_EQ(size.expected_s(1), 0);
+  size.measured(10, 9, 0.0009);
+  EXPECT_DOUBLE_EQ(size.expected_s(1), 0.0001);
+  EXPECT_EQ(size.limits(1, k_any).block_scans_max, 40U);
+}
+
+TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
+  // Goal: blocks are so long that handling one for each thread takes handling_share of the time,
+  // from target_s up to target_s_max. Method: 1 ms of handling at one half.
+  const std::vector<std::pair<std::uint64_t, double>> expected{
+      {0, 0.020}, {1, 0.020}, {10, 0.020}, {11, 0.022}, {100, 0.2}, {500, 1}, {100'000, 1}};
+  for (const auto& [threads, block_s] : expected) {
+    BlockSize size(k_round);
+    settle(size, 0.0005, threads);
+    EXPECT_NEAR(size.expected_s(size.limits(threads, k_any).block_scans_max), block_s, 0.001)
+        << threads;
+  }
+}
+
+TEST(BlockSize, HungerMakesBlocksShorter) {
+  // Goal: blocks shrink where threads find no work, to least_s and to what the coordinator can
+  // handle at least, and come back when they find some. Method: starve and feed at 1 and at 8
+  // threads; scans of 0.1 ms.
+  for (const auto& [threads, shortest_s] : {std::pair{1U, 0.004}, {8U, 0.016}}) {
+    BlockSize size(k_round);
+    settle(size, 0.0001, threads);
+    const auto block_s = [&size, threads = threads] {
+      return size.expected_s(size.limits(threads, k_any).block_scans_max);
+    };
+    EXPECT_NEAR(block_s(), 0.020, 0.0002);
+    double before = block_s();
+    for (int i = 0; i < 30; ++i) {
+      size.starved();
+      EXPECT_LE(block_s(), before);
+      before = block_s();
+    }
+    EXPECT_NEAR(before, shortest_s, 0.0002);
+    for (int i = 0; i < 2000; ++i) {
+      size.fed();
+      EXPECT_GE(block_s(), before);
+      before = block_s();
+    }
+    EXPECT_NEAR(before, 0.020, 0.0002);
+  }
+}
+
+TEST(BlockSize, AWellFedRunHasNoCredit) {
+  // Goal: hunger shows at once, however long all were fed. Method: starve once after many meals.
+  BlockSize size(k_round);
+  settle(size, 0.0001);
+  for (int i = 0; i < 10'000; ++i)
+    size.fed();
+  const std::uint32_t before = size.limits(1, k_any).block_scans_max;
+  size.starved();
+  EXPECT_LT(size.limits(1, k_any).block_scans_max, before);
+}
+
+TEST(BlockSize, LongHungerIsForgottenSoon) {
+  // Goal: however long threads starved, blocks are back at their target after as many meals as it
+  // takes from the shortest. Method: starve 10,000 times; feed 170, since 1.01^170 > 0.020 / 0.004.
+  BlockSize size(k_round);
+  settle(size, 0.0001);
+  for (int i = 0; i < 10'000; ++i)
+    size.starved();
+  EXPECT_NEAR(size.limits(1, k_any).block_scans_max, 40, 1);
+  for (int i = 0; i < 170; ++i)
+    size.fed();
+  EXPECT_NEAR(size.limits(1, k_any).block_scans_max, 200, 1);
+}
+
+TEST(BlockSize, StrangeCostsDoNoHarm) {
+  // Goal: what a clock or another rank says about cost never leads out of bounds, and is forgotten.
+  // Method: random measurements with costs that are no time among them, from a printed seed; then
+  // honest ones. What is no time at all must leave everything as it was.
+  const double infinity = std::numeric_limits<double>::infinity();
+  const std::vector<double> costs{std::numeric_limits<double>::quiet_NaN(),
+                                  -1,
+                                  infinity,
+                                  -infinity,
+                                  0,
+                                  -0.0,
+                                  std::numeric_limits<double>::max(),
+                                  std::numeric_limits<double>::denorm_min(),
+                                  1e300,
+                                  1e-300,
+                                  0.01};
+  random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 0);
+  const auto below = [&](std::uint64_t count) {
+    return random::UniformInteger{.count = count}.draw(stream);
+  };
+  BlockSize size(k_round);
+  for (int step = 0; step < 20'000; ++step) {
+    SCOPED_TRACE(testing::Message() << "seed " << k_seed << ", step " << step);
+    const std::uint64_t threads = below(2000);
+    const std::uint64_t scans = 1 + below(k_round.scans_max);
+    const double cost_s = costs[below(costs.size())];
+    const double expected_s = size.expected_s(1);
+    size.measured(scans, below(scans + 1), cost_s);
+    if (!(cost_s >= 0 && cost_s < infinity)) {
+      EXPECT_EQ(size.expected_s(1), expected_s);
+    }
+    if (below(3) == 0) size.starved();
+    if (below(3) == 0) size.fed();
+    const plan::BlockLimits limits = size.limits(threads, below(10'000));
+    ASSERT_GE(limits.unit_scans_max, 1U);
+    ASSERT_LE(limits.unit_scans_max, limits.block_scans_max);
+    ASSERT_LE(limits.block_scans_max, k_round.scans_max);
+    ASSERT_GE(size.expected_s(1), 0);
+  }
+  for (int i = 0; i < 5000; ++i) {
+    size.fed();
+    size.measured(20, 20, 0.020);
+  }
+  EXPECT_NEAR(size.limits(1, k_any).block_scans_max, 20, 1);
+}
+
+}  // namespace
+}  // namespace sleight::core

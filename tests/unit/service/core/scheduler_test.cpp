@@ -1,0 +1,556 @@
+// The scheduler, in scripts (script.h).
+#include "service/core/scheduler.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/unit/service/core/script.h"
+
+namespace sleight::core {
+namespace {
+
+/// Leases of 30 s, silent workers asked every 5 s.
+SchedulerOptions blocks_ahead(std::uint32_t count) {
+  SchedulerOptions options;
+  options.blocks_ahead = count;
+  return options;
+}
+
+TEST(Scheduler, GivesToTheLeastLoaded) {
+  // Goal: the worker with the least before it per thread gets the next block, the lowest id among
+  // equals, until every thread has one; the one that is heard gets up to two for each thread.
+  // Method: ten blocks become free at once, then three workers deliver.
+  expect_goes("a b<a c<a d<a e<a f<a g<a h<a i<a j<a k<a", blocks_ahead(1), R"(join 3
+  assign 3 #0 a@0+1 starts
+join 1 threads=2
+join 2
+done 3 #0
+  keep a@0+1
+  assign 1 #1 b@0+1 starts
+  assign 2 #2 c@0+1 starts
+  assign 3 #3 d@0+1 starts
+  assign 1 #4 e@0+1 starts
+  assign 3 #5 f@0+1 starts
+done 2 #2
+  keep c@0+1
+  assign 2 #6 g@0+1 starts
+  assign 2 #7 h@0+1 starts
+done 1 #1
+  keep b@0+1
+  assign 1 #8 i@0+1 starts
+  assign 1 #9 j@0+1 starts
+  assign 1 #10 k@0+1 starts
+)");
+}
+
+TEST(Scheduler, SendsNothingAheadOfLongScans) {
+  // Goal: where a scan takes longer than ahead_s_max, a worker has one block for each thread, and
+  // two again when scans are short again. Method: costs that go up and down.
+  SchedulerOptions options = blocks_ahead(1);
+  options.ahead_s_max = 0.1;
+  expect_goes("a2 b2 c2 d2 e2 f9 g9 h9 i9 j9 k9", options, R"(join 1 threads=2
+  assign 1 #0 a@0+2 starts
+  assign 1 #1 b@0+2 starts
+  assign 1 #2 c@0+2 starts
+  assign 1 #3 d@0+2 starts
+done 1 #0 cost=0.01
+  keep a@0+2
+  assign 1 #4 e@0+2 starts
+done 1 #1 cost=2
+  keep b@0+2
+done 1 #2 cost=2
+  keep c@0+2
+done 1 #3 cost=0
+  keep d@0+2
+  assign 1 #5 f@0+9 starts
+done 1 #4 cost=0
+  keep e@0+2
+  assign 1 #6 g@0+9 starts
+done 1 #5 cost=0
+  keep f@0+9
+  assign 1 #7 h@0+9 starts
+done 1 #6 cost=0
+  keep g@0+9
+  assign 1 #8 i@0+9 starts
+done 1 #7 cost=0
+  keep h@0+9
+  assign 1 #9 j@0+9 starts
+)");
+}
+
+TEST(Scheduler, SendsAStateOnceToWhoMadeIt) {
+  // Goal: a state goes as its version to the worker that made it, as bytes to another one, and as
+  // bytes to one that says it doesn't hold it. Method: one replica, two workers.
+  expect_goes("a3 a2 a a", blocks_ahead(0), R"(join 1
+  assign 1 #0 a@0+3 starts
+join 2
+done 1 #0
+  keep a@0+3
+  assign 1 #1 a@3+2 held
+leave 1
+  assign 2 #2 a@3+2 bytes
+done 2 #2
+  keep a@3+2
+  assign 2 #3 a@5+1 held
+done 2 #3 lacking
+  assign 2 #4 a@5+1 bytes
+done 2 #4
+  keep a@5+1
+  assign 2 #5 a@6+1 held
+done 2 #5
+  keep a@6+1
+  (ended)
+)");
+}
+
+TEST(Scheduler, GoesOnFromStoredStates) {
+  // Goal: replicas that a run store knows go on with bytes at first. Method: two of three known.
+  expect_goes("a b c a", blocks_ahead(0), R"(resume a 5
+resume c 2
+join 1 threads=3
+  assign 1 #0 a@5+1 bytes
+  assign 1 #1 b@0+1 starts
+  assign 1 #2 c@2+1 bytes
+done 1 #0
+  keep a@5+1
+  assign 1 #3 a@6+1 held
+)");
+}
+
+TEST(Scheduler, GivesPartsOfLaddersToWhoHoldsMost) {
+  // Goal: each member's state goes by itself; the worker that holds most gets the block, and how
+  // far members come is theirs. Method: a ladder of three, of which two workers hold parts.
+  expect_goes("a b c [abc] [abc]", blocks_ahead(0), R"(join 1
+  assign 1 #0 a@0+1 starts
+join 2 threads=2
+  assign 2 #1 b@0+1 starts
+  assign 2 #2 c@0+1 starts
+done 2 #1
+  keep b@0+1
+done 1 #0
+  keep a@0+1
+done 2 #2
+  keep c@0+1
+  assign 1 #3 [a@1 held, b@1 bytes, c@1 bytes]
+done 1 #3 scans=2
+  keep a@1+2 b@1+2 c@1+2
+  assign 1 #4 [a@3 held, b@3 held, c@3 held]
+done 1 #4 scans=1
+  keep a@3+1 b@3+1 c@3+1
+  (ended)
+)");
+}
+
+TEST(Scheduler, PrefersBlocksWhoseStatesAreHeld) {
+  // Goal: among the blocks that wait a worker gets one whose states it holds. Method: what the
+  // first worker holds comes second.
+  expect_goes("a b c b<c a<c", blocks_ahead(0), R"(join 1
+  assign 1 #0 a@0+1 starts
+join 2
+  assign 2 #1 b@0+1 starts
+join 3
+  assign 3 #2 c@0+1 starts
+done 2 #1
+  keep b@0+1
+done 1 #0
+  keep a@0+1
+done 3 #2
+  keep c@0+1
+  assign 1 #3 a@1+1 held
+  assign 2 #4 b@1+1 held
+)");
+}
+
+TEST(Scheduler, PassesABlockOverABoundedNumberOfTimes) {
+  // Goal: a block that no worker holds states of is passed over k_passed_over_max times and then
+  // runs, also when one came back before it that was never passed over. Method: a worker that
+  // always has the next block of its own replica, two that are at work for ever.
+  std::string plan = "a x y z";
+  std::string script = R"(join 1
+  assign 1 #0 a@0+1 starts
+join 2
+  assign 2 #1 x@0+1 starts
+join 3
+  assign 3 #2 y@0+1 starts
+)";
+  std::uint32_t last = 0;
+  for (std::uint32_t scan = 1; scan <= k_passed_over_max; ++scan) {
+    plan += " a";
+    script += fmt::format("done 1 #{}\n  keep a@{}+1\n  assign 1 #{} a@{}+1 held\n", last, scan - 1,
+                          scan + 2, scan);
+    last = scan + 2;
+  }
+  script +=
+      fmt::format(R"(leave 2
+done 1 #{}
+  keep a@{}+1
+  assign 1 #{} z@0+1 starts
+done 1 #{}
+  keep z@0+1
+  assign 1 #{} a@{}+1 held
+)",
+                  last, k_passed_over_max, last + 1, last + 1, last + 2, k_passed_over_max + 1);
+  expect_goes(plan + " a a", blocks_ahead(0), script);
+}
+
+TEST(Scheduler, TakesTheFirstResultOfABlock) {
+  // Goal: when a lease ends another worker gets the block too; whichever result comes first counts,
+  // the other one, or the same again, changes nothing. Method: both orders.
+  expect_goes("a b<a", blocks_ahead(0), R"(tick 0
+join 1
+  assign 1 #0 a@0+1 starts
+join 2
+tick 29.9
+tick 30
+  ask 1
+  assign 2 #1 a@0+1 starts
+done 1 #0
+  keep a@0+1
+  assign 1 #2 b@0+1 starts
+done 2 #1
+  (refused)
+done 1 #0
+  (refused)
+done 1 #2
+  keep b@0+1
+  (ended)
+)");
+  expect_goes("a b<a", blocks_ahead(0), R"(tick 0
+join 1
+  assign 1 #0 a@0+1 starts
+join 2
+tick 30
+  ask 1
+  assign 2 #1 a@0+1 starts
+done 2 #1
+  keep a@0+1
+  assign 2 #2 b@0+1 starts
+done 1 #0
+  (refused)
+)");
+  // Late, and nobody else was there to run it.
+  expect_goes("a b<a", blocks_ahead(0), R"(tick 0
+join 1
+  assign 1 #0 a@0+1 starts
+tick 31
+  ask 1
+done 1 #0
+  keep a@0+1
+  assign 1 #1 b@0+1 starts
+)");
+}
+
+TEST(Scheduler, RefusesWhatDoesNotFit) {
+  // Goal: a delivery of another epoch changes nothing; one of another replica, scan, number of
+  // members or of scans is refused, and the block waits again, once. Method: one after the other,
+  // with room for two copies.
+  expect_goes("a2", blocks_ahead(1), R"(join 1
+  assign 1 #0 a@0+2 starts
+done 1 #0 epoch=2
+  (refused)
+done 1 #0 wrong=replica
+  assign 1 #1 a@0+2 starts
+  (refused)
+done 1 #1 wrong=first
+  assign 1 #2 a@0+2 starts
+  (refused)
+done 1 #2 wrong=members
+  assign 1 #3 a@0+2 starts
+  (refused)
+done 1 #3 wrong=scans
+  assign 1 #4 a@0+2 starts
+  (refused)
+done 1 #4 scans=1
+  assign 1 #5 a@0+2 starts
+  (refused)
+done 1 #5 scans=0
+  assign 1 #6 a@0+2 starts
+  (refused)
+done 1 #6
+  keep a@0+2
+  (ended)
+)");
+  // Members of a ladder's part go as far as the part does, together as far as its limit.
+  expect_goes("[ab] [ab] [ab]", blocks_ahead(1), R"(join 1
+  assign 1 #0 [a@0 starts, b@0 starts]
+done 1 #0 scans=4
+  assign 1 #1 [a@0 starts, b@0 starts]
+  (refused)
+done 1 #1 scans=0
+  assign 1 #2 [a@0 starts, b@0 starts]
+  (refused)
+done 1 #2 scans=3
+  keep a@0+3 b@0+3
+  assign 1 #3 [a@3 held, b@3 held]
+)");
+  expect_goes("[ab]", blocks_ahead(1), R"(resume a 8
+resume b 8
+join 1
+  assign 1 #0 [a@8 bytes, b@8 bytes]
+done 1 #0 scans=3
+  assign 1 #1 [a@8 bytes, b@8 bytes]
+  (refused)
+done 1 #1 scans=2
+  keep a@8+2 b@8+2
+  (ended)
+)");
+}
+
+TEST(Scheduler, LeasesRunFromTheClocksBeginning) {
+  // Goal: a clock that begins anywhere ends no lease of what was given out before it began. Method:
+  // a first tick far from 0, and one below it.
+  expect_goes("a", blocks_ahead(0), R"(join 1
+  assign 1 #0 a@0+1 starts
+tick 17000
+tick 17029
+tick 17030
+  ask 1
+tick 17035
+  ask 1
+)");
+  expect_goes("a", blocks_ahead(0), R"(join 1
+  assign 1 #0 a@0+1 starts
+tick -400
+tick -371
+tick -370
+  ask 1
+)");
+}
+
+TEST(Scheduler, AsksTheSilentUntilTheyAnswer) {
+  // Goal: a worker whose lease ended gets nothing, and is asked again and again; what it says it
+  // lacks is given again, what it has keeps its lease and isn't given to others. Method: both
+  // answers; one of another epoch is none.
+  expect_goes("a b", blocks_ahead(1), R"(tick 0
+join 1
+  assign 1 #0 a@0+1 starts
+  assign 1 #1 b@0+1 starts
+tick 30
+  ask 1
+tick 34.9
+tick 35
+  ask 1
+pong 1 #0 epoch=2
+tick 40
+  ask 1
+pong 1 #0
+  assign 1 #2 b@0+1 starts
+join 2
+tick 99.9
+tick 100
+  ask 1
+  assign 2 #3 a@0+1 starts
+)");
+}
+
+TEST(Scheduler, TakesAnAnswerForWhatWasBeforeTheQuestion) {
+  // Goal: what was assigned after a worker was asked isn't lost because the answer lacks it.
+  // Method: a result, and with it a new block, comes between question and answer.
+  expect_goes("a b<a", blocks_ahead(0), R"(tick 0
+join 1
+  assign 1 #0 a@0+1 starts
+tick 30
+  ask 1
+done 1 #0
+  keep a@0+1
+  assign 1 #1 b@0+1 starts
+pong 1
+done 1 #1
+  keep b@0+1
+  (ended)
+)");
+}
+
+TEST(Scheduler, AsksAgainForWhatItHeardNothingOf) {
+  // Goal: a worker that is heard again without saying what it has is asked again about what it may
+  // have lost. Method: assignments and the question are lost, the worker comes back under its name,
+  // or with a result of something else: its room would be full for ever.
+  expect_goes("a b", blocks_ahead(1), R"(tick 0
+join 1
+  assign 1 #0 a@0+1 starts
+  assign 1 #1 b@0+1 starts
+tick 30
+  ask 1
+join 1
+tick 60
+tick 90
+  ask 1
+pong 1
+  assign 1 #2 a@0+1 starts
+  assign 1 #3 b@0+1 starts
+)");
+  expect_goes("a b c", blocks_ahead(1), R"(tick 0
+join 1
+  assign 1 #0 a@0+1 starts
+  assign 1 #1 b@0+1 starts
+tick 30
+  ask 1
+done 1 #1
+  keep b@0+1
+  assign 1 #2 a@0+1 starts
+tick 90
+  ask 1
+pong 1 #2
+  assign 1 #3 c@0+1 starts
+)");
+}
+
+TEST(Scheduler, KeepsLeasesOfCopiesApart) {
+  // Goal: a block that two have waits for neither; when one of them is gone the other's lease still
+  // holds. Method: the first answers while the second has a copy, which then leaves.
+  expect_goes("a", blocks_ahead(0), R"(tick 0
+join 1
+  assign 1 #0 a@0+1 starts
+join 2
+tick 30
+  ask 1
+  assign 2 #1 a@0+1 starts
+pong 1 #0
+leave 2
+join 3
+tick 149
+tick 150
+  ask 1
+  assign 3 #2 a@0+1 starts
+leave 1
+tick 269
+tick 270
+  ask 3
+done 3 #2
+  keep a@0+1
+  (ended)
+)");
+}
+
+TEST(Scheduler, GivesOnAllOfASilentWorkerInOrder) {
+  // Goal: of a worker with many blocks whose leases end, or that leaves, others get all, the oldest
+  // first; it is asked once. Method: three blocks each time.
+  expect_goes("a b c", blocks_ahead(0), R"(tick 0
+join 1 threads=3
+  assign 1 #0 a@0+1 starts
+  assign 1 #1 b@0+1 starts
+  assign 1 #2 c@0+1 starts
+join 2 threads=3
+tick 31
+  ask 1
+  assign 2 #3 a@0+1 starts
+  assign 2 #4 b@0+1 starts
+  assign 2 #5 c@0+1 starts
+join 3 threads=3
+leave 2
+  assign 3 #6 a@0+1 starts
+  assign 3 #7 b@0+1 starts
+  assign 3 #8 c@0+1 starts
+)");
+}
+
+TEST(Scheduler, ForgetsAnEarlierIncarnation) {
+  // Goal: of a worker that joins anew everything waits again, its states go as bytes, and results
+  // of before are refused; one that joins as it was loses nothing. Method: both.
+  expect_goes("a b a b", blocks_ahead(1), R"(join 1 incarnation=7
+  assign 1 #0 a@0+1 starts
+  assign 1 #1 b@0+1 starts
+done 1 #0
+  keep a@0+1
+  assign 1 #2 a@1+1 held
+join 1 incarnation=7
+join 1 incarnation=8
+  assign 1 #3 b@0+1 starts
+  assign 1 #4 a@1+1 bytes
+done 1 #2
+  (refused)
+done 1 #4
+  keep a@1+1
+done 1 #3
+  keep b@0+1
+  assign 1 #5 b@1+1 held
+)");
+}
+
+TEST(Scheduler, StopsWhenAllCameBack) {
+  // Goal: after a stop nothing is handed out, what comes back in time is kept, and the end is when
+  // all came back or its lease ended. Method: a result; a lease; deliveries without use; nothing.
+  expect_goes("a b c a", blocks_ahead(0), R"(join 1 threads=2
+  assign 1 #0 a@0+1 starts
+  assign 1 #1 b@0+1 starts
+stop
+join 2
+done 1 #0
+  keep a@0+1
+done 1 #1
+  keep b@0+1
+  (ended)
+)");
+  expect_goes("a b c", blocks_ahead(0), R"(tick 0
+join 1 threads=2
+  assign 1 #0 a@0+1 starts
+  assign 1 #1 b@0+1 starts
+stop
+done 1 #1
+  keep b@0+1
+tick 30
+  ask 1
+  (ended)
+)");
+  expect_goes("a b c", blocks_ahead(0), R"(resume a 3
+join 1 threads=3
+  assign 1 #0 a@3+1 bytes
+  assign 1 #1 b@0+1 starts
+  assign 1 #2 c@0+1 starts
+stop
+done 1 #0 lacking
+done 1 #1 wrong=first
+  (refused)
+leave 1
+  (ended)
+)");
+  expect_goes("a", blocks_ahead(0), "stop\n  (ended)\n");
+}
+
+TEST(Scheduler, ListensToNobodyItDoesNotKnow) {
+  // Goal: answers and departures of workers that never joined change nothing; a result counts
+  // whoever it is from, but states go as bytes to one that joins after it. Method: before and after
+  // one has joined.
+  expect_goes("a a", blocks_ahead(0), R"(leave 4
+pong 4 #0
+join 1
+  assign 1 #0 a@0+1 starts
+leave 4
+pong 4
+done 4 #7 lacking
+  (refused)
+done 4 #0
+  keep a@0+1
+  assign 1 #1 a@1+1 bytes
+leave 1
+join 4
+  assign 4 #2 a@1+1 bytes
+)");
+}
+
+TEST(Scheduler, CountsWhatHappened) {
+  // Goal: counts are of what was kept, copied, refused and sent. Method: a script with each.
+  Script script("a2 a3 a", blocks_ahead(0));
+  script.play(R"(join 1
+done 1 #0
+done 1 #1 lacking
+done 1 #2
+leave 1
+join 2
+done 2 #4 epoch=5
+done 2 #4
+)");
+  const Counts& counts = script.counts();
+  EXPECT_EQ(counts.blocks, 3U);
+  EXPECT_EQ(counts.scans, 6U);
+  EXPECT_EQ(counts.copies, 2U);
+  EXPECT_EQ(counts.refused, 1U);
+  EXPECT_EQ(counts.states_sent, 2U);
+  EXPECT_EQ(counts.states_held, 2U);
+  EXPECT_EQ(counts.states_missing, 1U);
+}
+
+}  // namespace
+}  // namespace sleight::core

@@ -1,0 +1,253 @@
+// What a worker does with the samples that it holds: runs from them, counts what they spare, and
+// knows how large they are.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "common/random/discrete_distributions.h"
+#include "worker/run/chain_worker.h"
+#include "worker/worlds/ball_2d/ball_2d.h"
+#include "worker/worlds/spelling/spelling.h"
+
+namespace sleight::run {
+namespace {
+
+using worlds::ball_2d::Ball2d;
+using worlds::spelling::Spelling;
+
+constexpr std::uint64_t k_seed = 137035;
+
+plan::ReplicaKey key(std::uint32_t chain, std::uint32_t replica = 0) {
+  return {base::ChainId{chain}, base::ReplicaId{replica}};
+}
+
+plan::Unit unit(const plan::ReplicaKey& replica, std::uint64_t first, std::uint32_t scans,
+                double beta = 1) {
+  return {.replica = replica,
+          .first_scan = base::ScanIndex{first},
+          .scans = scans,
+          .starts = first == 0,
+          .lineage = 0,
+          .inverse_temperatures = {beta}};
+}
+
+worlds::spelling::Parameters two_bins() {
+  worlds::spelling::Parameters parameters;
+  parameters.pattern = worlds::spelling::pattern_of_rows("##").value();
+  return parameters;
+}
+
+/// How many simulations were made, by whichever copy of a world.
+using Count = std::shared_ptr<std::atomic<std::uint64_t>>;
+
+/// A world that counts its simulations.
+template <class W>
+struct Counted : W {
+  template <class Parameters>
+  Counted(const Parameters& parameters, Count simulations)
+      : W(parameters), count(std::move(simulations)) {}
+  typename W::Outcome simulate(const typename W::State& state) const {
+    ++*count;
+    return W::simulate(state);
+  }
+  Count count;
+};
+static_assert(World<Counted<Ball2d>> && World<Counted<Spelling>>);
+static_assert(sampling::HasSurrogate<Counted<Spelling>>);
+
+/// A unit at random temperatures, one for all scans or one each, with an excursion or without.
+plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,
+                       random::Stream& stream) {
+  const auto below = [&](std::uint64_t count) {
+    return random::UniformInteger{.count = count}.draw(stream);
+  };
+  plan::Unit made = unit(replica, first, static_cast<std::uint32_t>(1 + below(5)));
+  const std::vector<double> betas{0, 0.1, 0.5, 1};
+  switch (below(3)) {
+    case 0:
+      made.inverse_temperatures.clear();
+      for (std::uint32_t nth = 0; nth < made.scans; ++nth)
+        made.inverse_temperatures.push_back(betas[below(4)]);
+      break;
+    case 1:
+      made.excursion = {0.5, 0.1, 0};
+      break;
+    default:
+      made.inverse_temperatures = {betas[below(4)]};
+  }
+  return made;
+}
+
+/// A replica on its way, and whether a worker holds its newest sample.
+struct Replica {
+  std::uint64_t next = 0;
+  std::uint64_t lineage = 0;
+  base::Bytes state;
+  bool held = false;
+};
+
+/// Six replicas by turns, in random units. A worker runs from what it holds where it does; another
+/// one, which holds nothing, from bytes.
+template <class MakeWorld>
+void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions options) {
+  const auto held_count = std::make_shared<std::atomic<std::uint64_t>>(0);
+  const auto given_count = std::make_shared<std::atomic<std::uint64_t>>(0);
+  const ChainWorker holder(make_world(held_count), options);
+  options.cache_bytes_max = 0;
+  const ChainWorker forgetter(make_world(given_count), options);
+  std::vector<Replica> replicas(6);
+  random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 0);
+  std::uint64_t hits = 0;
+  std::uint64_t misses = 0;
+  for (int turn = 0; turn < 200; ++turn) {
+    SCOPED_TRACE(fmt::format("seed {}, turn {}", k_seed, turn));
+    const auto id = static_cast<std::uint32_t>(random::UniformInteger{.count = 6}.draw(stream));
+    Replica& replica = replicas[id];
+    plan::Unit next = random_unit(key(id / 2, id % 2), replica.next, stream);
+    next.lineage = replica.lineage;
+
+    const std::uint64_t given_before = *given_count;
+    const plan::UnitResult given = forgetter.run(next, replica.state);
+    EXPECT_EQ(given.simulations, *given_count - given_before);
+
+    const std::uint64_t held_before = *held_count;
+    std::optional<plan::UnitResult> result;
+    if (!next.starts) {
+      result = holder.run_from_held(next);
+      ASSERT_EQ(result.has_value(), replica.held);
+      (result ? hits : misses) += 1;
+    }
+    if (!result) result = holder.run(next, replica.state);
+    EXPECT_EQ(result->simulations, *held_count - held_before);
+    ASSERT_EQ(result->unit, given.unit);
+    ASSERT_EQ(result->scans, given.scans);
+    ASSERT_EQ(result->state_after, given.state_after);
+    // What was held spares the simulation of the state before, and nothing else.
+    EXPECT_EQ(given.simulations - result->simulations, !next.starts && replica.held ? 1U : 0U);
+    replica.held = true;
+    // Now and then a result is lost on its way: what is held is then of another scan.
+    if (turn % 7 == 3) {
+      replica.held = false;
+      continue;
+    }
+    replica = {.next = replica.next + next.scans,
+               .lineage = given.scans.back().lineage,
+               .state = given.state_after,
+               .held = true};
+  }
+  EXPECT_GT(hits, 50U);
+  EXPECT_GT(misses, 10U);
+}
+
+TEST(HeldSamples, GiveWhatBytesGive) {
+  // Goal: run_from_held is run with the state's bytes, bit for bit, and has nothing exactly where
+  // the worker doesn't hold the sample; simulations counts those of the target and no others, with
+  // that of a state which wasn't held. Method: worlds that count theirs, against a worker without a
+  // cache; at all temperatures, with excursions, with a surrogate, with several iterations a scan.
+  expect_held_equals_given(
+      [](Count count) { return Counted<Ball2d>(worlds::ball_2d::Parameters{}, std::move(count)); },
+      {.seed = 3, .iterations_per_scan = 2});
+  worlds::spelling::Parameters spelling = two_bins();
+  for (const std::uint32_t solo_steps : {0U, 3U}) {
+    spelling.proposal.solo_steps = solo_steps;
+    expect_held_equals_given(
+        [&](Count count) { return Counted<Spelling>(spelling, std::move(count)); },
+        {.seed = 4, .iterations_per_scan = 2, .thin = 3, .first_draw = 4});
+  }
+}
+
+TEST(HeldSamples, AreOfOneReplicaAndScanAndTakenOnce) {
+  // Goal: nothing is run from a sample that isn't the one before the unit. Method: another scan,
+  // chain, replica; twice; a worker that never ran the replica; and that nothing is said to be
+  // wrong: the right one is still there after the others were asked for.
+  const ChainWorker<Ball2d> worker(Ball2d({}), {.seed = 1});
+  EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 10, 2)));
+  const plan::UnitResult before = worker.run(unit(key(0, 1), 0, 10), {});
+  EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 9, 2)));
+  EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 11, 2)));
+  EXPECT_FALSE(worker.run_from_held(unit(key(1, 1), 10, 2)));
+  EXPECT_FALSE(worker.run_from_held(unit(key(0, 0), 10, 2)));
+  EXPECT_TRUE(worker.run_from_held(unit(key(0, 1), 10, 2)));
+  EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 10, 2)));
+  EXPECT_EQ(worker.cache_use().hits, 1U);
+  EXPECT_EQ(worker.cache_use().misses, 6U);
+  EXPECT_GT(worker.run(unit(key(0, 1), 10, 2), before.state_after).scans.size(), 0U);
+}
+
+TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
+  // Goal: a worker whose memory is full gives up what it ran longest ago, and says so. Method: room
+  // for three balls; five replicas; without room for any, nothing is held.
+  const ChainWorker<Ball2d> roomy(Ball2d({}), {.seed = 1});
+  (void)roomy.run(unit(key(0), 0, 3), {});
+  const std::size_t one = roomy.cache_use().bytes;
+  EXPECT_GE(one, sizeof(sampling::Sample<Ball2d>));
+  const ChainWorker<Ball2d> worker(Ball2d({}), {.seed = 1, .cache_bytes_max = 3 * one + one / 2});
+  for (std::uint32_t chain = 0; chain < 5; ++chain)
+    (void)worker.run(unit(key(chain), 0, 3), {});
+  EXPECT_EQ(worker.cache_use().evictions, 2U);
+  EXPECT_EQ(worker.cache_use().bytes, 3 * one);
+  for (std::uint32_t chain = 0; chain < 5; ++chain)
+    EXPECT_EQ(worker.run_from_held(unit(key(chain), 3, 1)).has_value(), chain >= 2) << chain;
+
+  const ChainWorker<Ball2d> none(Ball2d({}), {.seed = 1, .cache_bytes_max = one - 1});
+  (void)none.run(unit(key(0), 0, 3), {});
+  EXPECT_FALSE(none.run_from_held(unit(key(0), 3, 1)));
+  EXPECT_EQ(none.cache_use().bytes, 0U);
+}
+
+TEST(HeldSamplesDeathTest, MisuseIsABug) {
+  // Goal: what starts has no sample before it, and a unit has scans. Method: one of each.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const ChainWorker<Ball2d> worker(Ball2d({}), {.seed = 1});
+  EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 0, 1)), "check failed");
+  EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 1, 0)), "check failed");
+}
+
+TEST(HeldSamples, OwnedBytesCoverAllArrays) {
+  // Goal: what a world says that a sample owns is no less than its arrays take, those of the
+  // surrogate's outcome included, whatever came of it, and not much more. Method: draws from the
+  // prior, with the capacities that their arrays have; one that is impossible, so that its outcome
+  // has no arrays; arrays with room to spare.
+  worlds::spelling::Parameters parameters = two_bins();
+  parameters.world.drop_interval_s = 0.001;
+  const Spelling world(parameters);
+  random::Stream stream({.seed = k_seed, .purpose = random::Purpose::start}, 0);
+  const auto arrays_bytes = [&](const Spelling::State& state, const Spelling::Outcome& outcome) {
+    const auto solo = world.surrogate({}).simulate(state);
+    const auto bytes = [](const auto& array) {
+      return array.capacity() * sizeof(typename std::decay_t<decltype(array)>::value_type);
+    };
+    return bytes(state.offsets_m) + bytes(state.active) + bytes(state.drops_m) +
+           bytes(outcome.filling) + bytes(solo.alone) + bytes(solo.filling);
+  };
+  for (int draw = 0; draw < 50; ++draw) {
+    Spelling::State state = world.draw_prior(stream);
+    if (draw % 5 == 4) {  // all drop at one place, too soon after one another
+      std::ranges::fill(state.drops_m, state.drops_m[0]);
+      std::ranges::fill(state.active, std::uint8_t{1});
+    }
+    if (draw % 5 == 3) {
+      state.offsets_m.reserve(500);
+      state.active.reserve(300);
+      state.drops_m.reserve(200);
+    }
+    const Spelling::Outcome outcome = world.simulate(state);
+    if (draw % 5 == 4) {
+      EXPECT_EQ(outcome.end, worlds::spelling::End::impossible);
+    }
+    EXPECT_GE(world.owned_bytes(state, outcome), arrays_bytes(state, outcome)) << draw;
+    EXPECT_LE(world.owned_bytes(state, outcome), arrays_bytes(state, outcome) + 64) << draw;
+  }
+  EXPECT_EQ(Ball2d({}).owned_bytes({}, {}), 0U);
+}
+
+}  // namespace
+}  // namespace sleight::run

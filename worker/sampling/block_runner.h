@@ -1,0 +1,41 @@
+// Runs blocks (common/plan/block.h): units alone as they are, parts of ladders scan by scan with
+// the swaps between their members, by the same rules as the plan (ladder_run.h).
+//
+// Invariant: each member's records are those of its scans run one at a time at the levels at which
+// the plan would have put it; a member stops where only the plan knows its next level.
+// Thread-safe, if the worker is.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/plan/block.h"
+#include "worker/sampling/rules.h"
+
+namespace sleight::sampling {
+
+struct BlockRunnerOptions {
+  std::uint64_t seed = 1;
+  Rules rules{};
+};
+
+class BlockRunner final : public plan::BlockWorker {
+ public:
+  /// Borrows both; the clock measures what results say they cost.
+  BlockRunner(const plan::UnitWorker& worker, const base::Clock& clock,
+              const BlockRunnerOptions& options)
+      : worker_(worker), clock_(clock), options_(options) {}
+
+  std::vector<plan::UnitResult> run(const plan::Block& block,
+                                    std::span<const plan::GivenState> states) const override;
+  plan::CacheUse cache_use() const override { return worker_.cache_use(); }
+
+ private:
+  const plan::UnitWorker& worker_;
+  const base::Clock& clock_;
+  BlockRunnerOptions options_;
+};
+
+}  // namespace sleight::sampling
