@@ -56,6 +56,8 @@ std::string progress_line(const std::string& name, const Progress& progress) {
     const auto left = static_cast<double>(progress.scans_total - progress.scans_done);
     line += fmt::format("  {} left", clock_time(left / rate));
   }
+  line += fmt::format("  {} sims/s",
+                      grouped(static_cast<std::uint64_t>(per_s(progress.session_simulations))));
   line += fmt::format("  solutions {}", grouped(progress.solutions));
   if (progress.solutions_wanted > 0) {
     line += fmt::format(" of {}", grouped(progress.solutions_wanted));
@@ -65,8 +67,6 @@ std::string progress_line(const std::string& name, const Progress& progress) {
   }
   line += fmt::format("  satisfied {} ({:.0f}%)", grouped(progress.session_satisfied),
                       percent(progress.session_satisfied, progress.session_scans));
-  line += fmt::format("  {} simulations/s",
-                      grouped(static_cast<std::uint64_t>(per_s(progress.session_simulations))));
   line += fmt::format("  accepted {:.0f}%",
                       percent(progress.session_accepted, progress.session_proposed));
   line += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");

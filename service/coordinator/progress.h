@@ -11,8 +11,9 @@ namespace sleight::coordinator {
 /// A plain line every so often when the output is no terminal.
 inline constexpr double k_plain_line_every_s = 5;
 
-/// "ball_2d  12,400 of 40,000 scans (31%)  0:04 left  solutions 4  round trips 12  satisfied 6,448
-/// (52%)  85,200 simulations/s  accepted 41%  2 workers", in one line, what matters most first.
+/// "ball_2d  12,400 of 40,000 scans (31%)  0:04 left  85,200 sims/s  solutions 4  round trips 12
+/// satisfied 6,448 (52%)  accepted 41%  2 workers", in one line, what matters most first: a
+/// terminal may show its beginning alone.
 std::string progress_line(const std::string& name, const Progress& progress);
 
 /// 1234567 as "1,234,567".
