@@ -44,6 +44,11 @@ struct Block {
 struct BlockLimits {
   std::uint32_t unit_scans_max = 1;   ///< of a unit alone
   std::uint32_t block_scans_max = 1;  ///< of all members of a ladder's part together
+  /// Threads that want blocks at once and could be fed with small ones. Where there is a ladder for
+  /// each, one of up to so many levels is not split: parts leave edges, and what runs along these
+  /// comes in small blocks.
+  std::uint64_t threads = 1;
+  std::uint32_t whole_levels_max = 0;
 };
 
 /// The state that a member begins with: as bytes, or nothing where the worker is thought to hold it

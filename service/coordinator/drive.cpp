@@ -68,8 +68,12 @@ class Driver {
 
   /// Tells the scheduler, and does what it says.
   void carry_out(core::Input input) {
-    if (const auto* delivered = std::get_if<core::Delivered>(&input))
-      caches_[delivered->worker] = delivered->delivery.cache;
+    if (const auto* delivered = std::get_if<core::Delivered>(&input)) {
+      // Threads of one worker may deliver in another order than they looked.
+      plan::CacheUse& known = caches_[delivered->worker];
+      const plan::CacheUse& said = delivered->delivery.cache;
+      if (said.hits + said.misses >= known.hits + known.misses) known = said;
+    }
     for (core::Effect& effect : scheduler_.step(std::move(input))) {
       if (auto* keep = std::get_if<core::Keep>(&effect)) {
         for (plan::UnitResult& result : keep->results)

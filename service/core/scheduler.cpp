@@ -284,8 +284,10 @@ void Scheduler::fetch() {
   while (waiting_.size() < wanted) {
     // No unit is longer than what all chains have behind them: so they stay within a factor of two
     // of one another, and a run that is cut short has something to show of each.
+    const std::uint64_t blocks = assignments_.size() + waiting_.size() + 1;
+    const BlockSize::Threads threads{.all = threads_, .at_work = std::min(threads_, blocks)};
     std::optional<plan::Block> block =
-        plan_.next_block(size_.limits(threads(), std::max<std::uint64_t>(plan_.scans_common(), 1)));
+        plan_.next_block(size_.limits(threads, std::max<std::uint64_t>(plan_.scans_common(), 1)));
     if (!block) return;
     const TaskId id = next_task_++;
     const std::optional<WorkerId> preferred = holder_of_most(*block);

@@ -106,7 +106,7 @@ void AnnealedImportance::consume(base::ReplicaId replica, std::uint64_t first_sc
 }
 
 std::uint64_t AnnealedImportance::scans() const {
-  return burn_in_.scans + std::ranges::min(lanes_, {}, &Lane::scan).scan;
+  return burn_in_.scans + std::ranges::min_element(lanes_, {}, &Lane::scan)->scan;
 }
 
 std::uint64_t AnnealedImportance::draws() const {

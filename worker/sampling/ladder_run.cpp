@@ -147,8 +147,23 @@ std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint3
   return anneal(chosen, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, scans_max)));
 }
 
+/// Where a block of the whole ladder ends: at the end of a row, so that all levels can go on in one
+/// block again, and of as many rows as the limit has scans for; at least one that isn't begun.
+std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
+                                        std::uint64_t end_scan, std::uint64_t scans_max) const {
+  std::uint64_t begin = 0;  // of the first row that nobody has begun
+  std::uint64_t sum = 0;
+  for (const std::uint32_t id : ready) {
+    begin = std::max(begin, replicas_[id].next_scan);
+    sum += replicas_[id].next_scan;
+  }
+  const std::uint64_t most = (scans_max + sum) / ready.size();
+  return std::min(end_scan, std::max(begin + 1, most));
+}
+
 std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
-                                                 const plan::BlockLimits& limits) {
+                                                 const plan::BlockLimits& limits,
+                                                 std::size_t ladders) {
   const std::uint32_t chosen = furthest_behind(horizon);
   if (chosen == k_nobody) return std::nullopt;
   const bool alone =
@@ -163,12 +178,22 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
     if (replicas_[id].level != k_nobody && may_run(id, horizon)) ready[replicas_[id].level] = id;
   }
 
+  const bool is_whole = std::ranges::find(ready, k_nobody) == ready.end();
+  const bool waits_for_all = ladders >= limits.threads && levels() <= limits.whole_levels_max;
+  if (waits_for_all && !is_whole && std::ranges::any_of(replicas_, &Replica::handed_out))
+    return std::nullopt;
+
   // Neighbours join: all, if each can make a scan; else as many as come to the limit in a triangle
   // whose sides lose a level with each scan.
   std::uint32_t first = replicas_[chosen].level;
   std::uint32_t end = first + 1;
-  const auto root = static_cast<std::uint32_t>(std::sqrt(2.0 * limits.block_scans_max));
-  const std::uint32_t wanted = limits.block_scans_max >= levels() ? levels() : root;
+  const auto root = static_cast<std::uint64_t>(std::sqrt(2.0 * limits.block_scans_max));
+  const std::uint64_t share =
+      ladders >= limits.threads ? levels() : ladders * levels() / (2 * limits.threads);
+  const bool has_scans_for_all = limits.block_scans_max >= levels();
+  const bool takes_all = waits_for_all || (has_scans_for_all && share == levels());
+  const std::uint64_t wanted =
+      takes_all ? levels() : std::min(share, has_scans_for_all ? levels() : root);
   const auto joins = [&](std::uint32_t level) { return ready[level] != k_nobody; };
   for (bool grew = true; grew && end - first < wanted;) {
     grew = end < levels() && joins(end);
@@ -187,6 +212,16 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
           .proposal_scales = {},
           .end_scan = std::min(horizon, round_end()),
           .scans_max = limits.block_scans_max};
+  if (is_whole && takes_all) {
+    const std::uint64_t end_scan = whole_rows_end(ready, part.end_scan, limits.block_scans_max);
+    std::uint64_t scans = 0;
+    for (const std::uint32_t id : ready)
+      scans += end_scan - replicas_[id].next_scan;
+    if (waits_for_all || scans <= limits.block_scans_max) {
+      part.end_scan = end_scan;
+      part.scans_max = static_cast<std::uint32_t>(scans);
+    }
+  }
   for (std::uint32_t level = first; level < end; ++level) {
     block.members.push_back(scan_of(ready[level]));
     replicas_[ready[level]].handed_out = true;

@@ -72,7 +72,11 @@ class LadderRun {
   /// handed out. `horizon`: scans that may be begun.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
   /// Such a unit and, as far as the limit goes, those of neighbouring levels that may run now too.
-  std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits);
+  /// `ladders`: that go on side by side. Where each thread has one, a ladder goes to it whole, so
+  /// that no swap waits and no state travels; else a block takes half a thread's share of the
+  /// levels.
+  std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,
+                                        std::size_t ladders = 1);
   /// REQUIRES: as Plan::consume.
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
                std::span<const plan::ScanRecord> records);
@@ -114,6 +118,8 @@ class LadderRun {
 
   std::uint32_t furthest_behind(std::uint64_t horizon) const;
   plan::Unit scan_of(std::uint32_t replica) const;
+  std::uint64_t whole_rows_end(std::span<const std::uint32_t> ready, std::uint64_t end_scan,
+                               std::uint64_t scans_max) const;
   bool may_run(std::uint32_t replica, std::uint64_t horizon) const;
   const std::vector<double>& ladder() const { return rounds_.back().statistics.ladder(); }
   std::uint32_t levels() const { return static_cast<std::uint32_t>(ladder().size()); }

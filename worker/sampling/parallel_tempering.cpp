@@ -29,8 +29,11 @@ std::optional<plan::Unit> ParallelTempering::next_unit(std::uint32_t scans_max) 
 }
 
 std::optional<plan::Block> ParallelTempering::next_block(const plan::BlockLimits& limits) {
-  return next_of_furthest_behind(
-      ladders_, [&](LadderRun& ladder) { return ladder.next_block(stop_.horizon(), limits); });
+  const auto goes_on = [&](const LadderRun& ladder) { return ladder.scans() < stop_.horizon(); };
+  const auto going = static_cast<std::size_t>(std::ranges::count_if(ladders_, goes_on));
+  return next_of_furthest_behind(ladders_, [&](LadderRun& ladder) {
+    return ladder.next_block(stop_.horizon(), limits, going);
+  });
 }
 
 void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,

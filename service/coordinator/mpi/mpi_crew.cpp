@@ -154,14 +154,12 @@ void MpiCrew::send(core::WorkerId worker, const schema::Ping& ping) {
 
 std::vector<core::Input> MpiCrew::receive(double timeout_s) {
   const double begin_s = clock_.now_s();
-  double backoff_s = k_coordinator_poll_s;
   std::vector<core::Input> inputs;
   while (true) {
     poll_ranks(inputs);
-    for (core::Input& input : local_.receive(inputs.empty() ? backoff_s : 0))
+    for (core::Input& input : local_.receive(inputs.empty() ? k_coordinator_poll_s : 0))
       inputs.push_back(std::move(input));
     if (!inputs.empty() || clock_.now_s() - begin_s >= timeout_s) return inputs;
-    backoff_s = std::min(2 * backoff_s, schema::k_poll_interval_s_max);
   }
 }
 

@@ -6,10 +6,12 @@
 #include <chrono>
 #include <deque>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
@@ -19,11 +21,38 @@ namespace {
 
 constexpr int k_coordinator_rank = 0;
 
-void send(const schema::Message& message) {
-  const base::Bytes bytes = schema::encode(message);
-  MPI_Send(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, k_coordinator_rank,
-           schema::k_message_tag, MPI_COMM_WORLD);
-}
+/// Messages on their way to rank 0. A large one takes until that rank looks for it: to wait for
+/// that would spin on a core that could compute.
+class Outbox {
+ public:
+  Outbox() = default;
+  Outbox(const Outbox&) = delete;
+  Outbox& operator=(const Outbox&) = delete;
+  /// Waits until all are received, or the job ends.
+  ~Outbox() {
+    for (Sent& sent : sent_)
+      MPI_Wait(&sent.request, MPI_STATUS_IGNORE);
+  }
+
+  void send(const schema::Message& message) {
+    std::erase_if(sent_, [](Sent& sent) {
+      int done = 0;
+      MPI_Test(&sent.request, &done, MPI_STATUS_IGNORE);
+      return done != 0;
+    });
+    Sent& sent = sent_.emplace_back();
+    sent.bytes = std::make_unique<base::Bytes>(schema::encode(message));
+    MPI_Isend(sent.bytes->data(), static_cast<int>(sent.bytes->size()), MPI_BYTE,
+              k_coordinator_rank, schema::k_message_tag, MPI_COMM_WORLD, &sent.request);
+  }
+
+ private:
+  struct Sent {
+    std::unique_ptr<base::Bytes> bytes;
+    MPI_Request request = MPI_REQUEST_NULL;
+  };
+  std::vector<Sent> sent_;
+};
 
 base::Result<schema::Message, std::string> receive(const MPI_Status& status) {
   int size = 0;
@@ -51,7 +80,7 @@ std::optional<base::Result<schema::Message, std::string>> next_message(bool wait
 /// What is before this rank, and what it does about messages.
 class Desk {
  public:
-  explicit Desk(const plan::BlockWorker& worker) : worker_(worker) {}
+  Desk(const plan::BlockWorker& worker, Outbox& outbox) : worker_(worker), outbox_(outbox) {}
 
   /// Takes in all that has arrived, answers pings, runs the oldest assignment; false after a stop.
   bool turn() {
@@ -69,34 +98,36 @@ class Desk {
     }
     const schema::Assignment next = std::move(waiting_.front());
     waiting_.pop_front();
-    send(schema::Delivery{.epoch = next.epoch,
-                          .assignment = next.assignment,
-                          .results = worker_.run(next.block, next.states),
-                          .cache = worker_.cache_use()});
+    outbox_.send(schema::Delivery{.epoch = next.epoch,
+                                  .assignment = next.assignment,
+                                  .results = worker_.run(next.block, next.states),
+                                  .cache = worker_.cache_use()});
     return true;
   }
 
  private:
-  void answer(const schema::Ping& ping) const {
+  void answer(const schema::Ping& ping) {
     schema::Pong pong{.epoch = ping.epoch, .assignments = {}};
     for (const schema::Assignment& assignment : waiting_)
       pong.assignments.push_back(assignment.assignment);
-    send(pong);
+    outbox_.send(pong);
   }
 
   const plan::BlockWorker& worker_;
+  Outbox& outbox_;
   std::deque<schema::Assignment> waiting_;  ///< oldest first
 };
 
 }  // namespace
 
 void refuse(const std::string& reason) {
-  send(schema::Failure{.reason = reason});
+  Outbox().send(schema::Failure{.reason = reason});
 }
 
 void serve(const plan::BlockWorker& worker, const schema::Hello& hello) {
-  send(hello);
-  Desk desk(worker);
+  Outbox outbox;
+  outbox.send(hello);
+  Desk desk(worker, outbox);
   try {
     while (desk.turn()) {
     }

@@ -26,7 +26,8 @@ constexpr BlockSizeOptions k_round{.target_s = 0.020,
 /// Runs blocks as large as they may be, until they stay as large.
 void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
   for (int i = 0; i < 60; ++i) {
-    const std::uint32_t scans = size.limits(threads, k_any).block_scans_max;
+    const std::uint32_t scans =
+        size.limits({.all = threads, .at_work = threads}, k_any).block_scans_max;
     size.measured(scans, scans, scan_s * scans);
   }
 }
@@ -34,8 +35,8 @@ void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
 TEST(BlockSize, BeginsWithOneScan) {
   // Goal: before anything is measured a block is one scan, however many threads wait. Method: ask.
   const BlockSize size(k_round);
-  EXPECT_EQ(size.limits(1, k_any).unit_scans_max, 1U);
-  EXPECT_EQ(size.limits(5000, k_any).block_scans_max, 1U);
+  EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).unit_scans_max, 1U);
+  EXPECT_EQ(size.limits({.all = 5000, .at_work = 5000}, k_any).block_scans_max, 1U);
   EXPECT_EQ(size.expected_s(100), 0);
 }
 
@@ -47,7 +48,7 @@ TEST(BlockSize, BlocksTakeAboutTheirTarget) {
   bool grew_fourfold = false;
   for (int i = 0; i < 20; ++i) {
     size.measured(before, before, 0.001 * before);
-    const std::uint32_t now = size.limits(1, k_any).block_scans_max;
+    const std::uint32_t now = size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max;
     EXPECT_LE(now, 4 * before);
     grew_fourfold |= now == 4 * before;
     before = now;
@@ -63,8 +64,8 @@ TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
   for (const double scan_s : {1e-9, 0.0}) {
     BlockSize size(k_round);
     settle(size, scan_s);
-    EXPECT_EQ(size.limits(1, k_any).block_scans_max, k_round.scans_max);
-    EXPECT_EQ(size.limits(1, k_any).unit_scans_max, k_round.scans_max);
+    EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, k_round.scans_max);
+    EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).unit_scans_max, k_round.scans_max);
   }
 }
 
@@ -73,9 +74,9 @@ TEST(BlockSize, DearScansComeOneByOne) {
   // when scans were cheap before.
   BlockSize size(k_round);
   settle(size, 1e-6);
-  EXPECT_GT(size.limits(1, k_any).block_scans_max, 1000U);
+  EXPECT_GT(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 1000U);
   settle(size, 60);
-  EXPECT_EQ(size.limits(1, k_any).block_scans_max, 1U);
+  EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 1U);
   EXPECT_NEAR(size.expected_s(2), 120, 1);
 }
 
@@ -85,7 +86,7 @@ TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
   BlockSize size(k_round);
   settle(size, 0.001);
   for (const auto& [may, expected] : {std::pair{0U, 1U}, {1U, 1U}, {7U, 7U}, {500U, 20U}}) {
-    const plan::BlockLimits limits = size.limits(1, may);
+    const plan::BlockLimits limits = size.limits({.all = 1, .at_work = 1}, may);
     EXPECT_NEAR(limits.unit_scans_max, expected, 1) << may;
     EXPECT_LE(limits.unit_scans_max, std::max(may, 1U));
     EXPECT_NEAR(limits.block_scans_max, 20, 1);
@@ -98,11 +99,11 @@ TEST(BlockSize, StartsCountForNothing) {
   // not of the growth.
   BlockSize size(k_round);
   size.measured(8, 0, 1e-6);
-  EXPECT_EQ(size.limits(1, k_any).block_scans_max, 1U);
+  EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 1U);
   EXPECT_EQ(size.expected_s(1), 0);
   size.measured(10, 9, 0.0009);
   EXPECT_DOUBLE_EQ(size.expected_s(1), 0.0001);
-  EXPECT_EQ(size.limits(1, k_any).block_scans_max, 40U);
+  EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 40U);
 }
 
 TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
@@ -113,7 +114,9 @@ TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
   for (const auto& [threads, block_s] : expected) {
     BlockSize size(k_round);
     settle(size, 0.0005, threads);
-    EXPECT_NEAR(size.expected_s(size.limits(threads, k_any).block_scans_max), block_s, 0.001)
+    EXPECT_NEAR(
+        size.expected_s(size.limits({.all = threads, .at_work = threads}, k_any).block_scans_max),
+        block_s, 0.001)
         << threads;
   }
 }
@@ -126,7 +129,8 @@ TEST(BlockSize, HungerMakesBlocksShorter) {
     BlockSize size(k_round);
     settle(size, 0.0001, threads);
     const auto block_s = [&size, threads = threads] {
-      return size.expected_s(size.limits(threads, k_any).block_scans_max);
+      return size.expected_s(
+          size.limits({.all = threads, .at_work = threads}, k_any).block_scans_max);
     };
     EXPECT_NEAR(block_s(), 0.020, 0.0002);
     double before = block_s();
@@ -151,9 +155,9 @@ TEST(BlockSize, AWellFedRunHasNoCredit) {
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
     size.fed();
-  const std::uint32_t before = size.limits(1, k_any).block_scans_max;
+  const std::uint32_t before = size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max;
   size.starved();
-  EXPECT_LT(size.limits(1, k_any).block_scans_max, before);
+  EXPECT_LT(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, before);
 }
 
 TEST(BlockSize, LongHungerIsForgottenSoon) {
@@ -163,10 +167,10 @@ TEST(BlockSize, LongHungerIsForgottenSoon) {
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
     size.starved();
-  EXPECT_NEAR(size.limits(1, k_any).block_scans_max, 40, 1);
+  EXPECT_NEAR(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 40, 1);
   for (int i = 0; i < 170; ++i)
     size.fed();
-  EXPECT_NEAR(size.limits(1, k_any).block_scans_max, 200, 1);
+  EXPECT_NEAR(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 200, 1);
 }
 
 TEST(BlockSize, StrangeCostsDoNoHarm) {
@@ -202,7 +206,8 @@ TEST(BlockSize, StrangeCostsDoNoHarm) {
     }
     if (below(3) == 0) size.starved();
     if (below(3) == 0) size.fed();
-    const plan::BlockLimits limits = size.limits(threads, below(10'000));
+    const plan::BlockLimits limits =
+        size.limits({.all = threads, .at_work = threads}, below(10'000));
     ASSERT_GE(limits.unit_scans_max, 1U);
     ASSERT_LE(limits.unit_scans_max, limits.block_scans_max);
     ASSERT_LE(limits.block_scans_max, k_round.scans_max);
@@ -212,7 +217,7 @@ TEST(BlockSize, StrangeCostsDoNoHarm) {
     size.fed();
     size.measured(20, 20, 0.020);
   }
-  EXPECT_NEAR(size.limits(1, k_any).block_scans_max, 20, 1);
+  EXPECT_NEAR(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 20, 1);
 }
 
 }  // namespace

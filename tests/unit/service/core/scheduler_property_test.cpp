@@ -398,8 +398,9 @@ TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
   for (const std::uint64_t count :
        {counts.blocks, counts.copies, counts.refused, counts.states_sent, counts.states_held,
         counts.states_missing, happened.lost, happened.doubled, happened.joined_anew,
-        happened.came_back, happened.left, happened.asked, happened.several})
+        happened.came_back, happened.left, happened.asked})
     EXPECT_GT(count, k_cases / 2);
+  EXPECT_GT(happened.several, k_cases / 10);  // ladders are split where threads are many
 }
 
 TEST(SchedulerProperty, EndsAfterAStop) {

@@ -163,7 +163,9 @@ bool AnySession::hand_out_block(Dice& dice, const BlockRunnerOptions& options,
                                 BlockShapes& shapes) {
   const plan::BlockLimits limits = {
       .unit_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 8 : 400)),
-      .block_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 16 : 400))};
+      .block_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 16 : 400)),
+      .threads = 1 + dice.below(3),
+      .whole_levels_max = static_cast<std::uint32_t>(dice.once_in(2) ? 0 : 6)};
   const std::optional<plan::Block> block = plan_.next_block(limits);
   if (!block) return false;
   if (!block->ladder) {

@@ -259,6 +259,7 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
   const BlockRunner runner(slow, clock, {});
   SecondScan second = second_scan(k_levels, 70, numbers);
   ASSERT_EQ(second.block.members.size(), k_levels);
+  second.block.ladder->end_scan = 1000;
   for (std::uint32_t limit = 1; limit <= 70; ++limit) {
     second.block.ladder->scans_max = limit;
     const double begin_s = clock.now_s();

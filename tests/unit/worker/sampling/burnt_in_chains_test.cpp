@@ -178,7 +178,7 @@ TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
   for (std::uint64_t method = 0; method < k_methods; ++method) {
     SCOPED_TRACE(method);
     const bool meets = static_cast<Method>(method) != Method::plain;
-    EXPECT_EQ(shapes[method].of_several > 500, meets);
+    EXPECT_EQ(shapes[method].of_several > 300, meets);
     EXPECT_EQ(shapes[method].swapped > 500, meets);
     EXPECT_GT(shapes[method].annealing, 20U);
   }

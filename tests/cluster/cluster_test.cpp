@@ -1,0 +1,112 @@
+// Contracts C1 and C2 under faults.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include "tests/cluster/cluster.h"
+
+namespace sleight::cluster {
+namespace {
+
+/// One seed alone (SLEIGHT_SEED=n).
+std::optional<std::uint64_t> seed_asked_for() {
+  const char* text = std::getenv("SLEIGHT_SEED");
+  if (text == nullptr) return std::nullopt;
+  return std::strtoull(text, nullptr, 10);
+}
+
+/// Of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
+std::uint64_t seeds() {
+  return std::getenv("SLEIGHT_SOAK") != nullptr ? 10'000 : 150;
+}
+
+/// Tests of a name, each with its share of the seeds: so several processes may run them.
+constexpr std::uint64_t k_shares = 4;
+
+/// What the clusters of a test came to, for people.
+struct Summary {
+  std::uint64_t runs = 0;
+  std::uint64_t large = 0;
+  std::uint64_t faults = 0;
+  std::uint64_t sessions = 0;
+  core::Counts counts{};
+  double utilisation = 0;
+  double last_s = 0;  ///< the longest from the last fault to the end
+
+  void add(const Case& of, const Outcome& outcome) {
+    ++runs;
+    large += of.scenario.workers > 1024 ? 1 : 0;
+    faults += of.scenario.faults.size();
+    sessions += outcome.sessions;
+    counts.blocks += outcome.counts.blocks;
+    counts.copies += outcome.counts.copies;
+    counts.refused += outcome.counts.refused;
+    counts.states_missing += outcome.counts.states_missing;
+    utilisation += outcome.utilisation;
+    last_s = std::max(last_s, outcome.end_s - outcome.quiet_s);
+  }
+  void print() const {
+    fmt::print(
+        "{} seeds ({} above 1024 workers), {} faults, {} sessions, {} blocks, {} copies, {} "
+        "refused, "
+        "{} states missing; mean utilisation {:.2f}; at most {:.2f} s from the last fault to the "
+        "end\n",
+        runs, large, faults, sessions, counts.blocks, counts.copies, counts.refused,
+        counts.states_missing, utilisation / static_cast<double>(runs), last_s);
+  }
+};
+
+/// Runs a seed's cluster and says what is wrong with it.
+void check_seed(std::uint64_t seed, const CaseChoice& choice, const char* test, Summary& summary) {
+  const Case of = case_of(seed, choice);
+  SCOPED_TRACE(fmt::format(
+      "{}\nreplay: SLEIGHT_SEED={} build/release/tests/tests_cluster --gtest_filter='{}/0'",
+      of.name(), seed, test));
+  const Outcome outcome = Cluster(of).run(liveness_bound_s(of));
+  EXPECT_GE(of.expected.scans(), k_units_per_worker * of.scenario.workers);
+  EXPECT_TRUE(outcome.is_finished)
+      << "has not ended " << outcome.end_s - outcome.quiet_s << " s after the last fault";
+  EXPECT_EQ(outcome.violation, "");
+  EXPECT_EQ(outcome.difference, "");
+  EXPECT_EQ(outcome.digest, digest_of(of.expected));
+  summary.add(of, outcome);
+}
+
+class Seeds : public testing::TestWithParam<std::uint64_t> {
+ protected:
+  void check_share(const CaseChoice& choice, const char* test, std::uint64_t last) const {
+    Summary summary;
+    if (const auto only = seed_asked_for()) {
+      check_seed(*only, choice, test, summary);
+    } else {
+      for (std::uint64_t seed = 1 + GetParam(); seed <= last; seed += k_shares) {
+        check_seed(seed, choice, test, summary);
+        if (HasFailure()) break;
+      }
+    }
+    summary.print();
+  }
+};
+
+TEST_P(Seeds, DigestIsTheSerialRuns) {
+  // Goal: whatever happens to workers, messages, coordinator and disk, a run ends once faults stop,
+  // with the bits of the serial run, and with nothing lost that was committed. Method: clusters of
+  // 1 to 4096 workers by seed, digests compared, the store's invariants checked, a bound on the
+  // time from the last fault to the end.
+  check_share({}, "*DigestIsTheSerialRuns", seeds());
+}
+
+TEST_P(Seeds, FewWorkersDoIt) {
+  // Goal: the same where each worker counts: what takes one up for ever stops the run. Method:
+  // likewise with at most four, which is cheap: twenty times as many seeds.
+  check_share({.method = {}, .workers_max = 4}, "*FewWorkersDoIt", 20 * seeds());
+}
+
+INSTANTIATE_TEST_SUITE_P(Clusters, Seeds, testing::Range<std::uint64_t>(0, k_shares));
+
+}  // namespace
+}  // namespace sleight::cluster

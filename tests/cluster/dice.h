@@ -1,0 +1,35 @@
+// Random choices of a simulated cluster: a function of its seed and of the order of asking. Each
+// part of a cluster has dice of its own, so that a change in one doesn't move what the others draw.
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+
+#include "common/math/elementary.h"
+#include "common/random/stream.h"
+
+namespace sleight::cluster {
+
+class Dice {
+ public:
+  enum class Part : std::uint32_t { scenario = 1, faults, network, coordinator, store };
+
+  Dice(std::uint64_t seed, Part part)
+      : stream_({.seed = seed, .purpose = random::Purpose::prior},
+                static_cast<std::uint64_t>(part)) {}
+
+  double uniform(double least, double most) { return least + (most - least) * stream_.uniform(); }
+  double log_uniform(double least, double most) {
+    return math::exp(uniform(math::log(least), math::log(most)));
+  }
+  bool chance(double probability) { return stream_.uniform() < probability; }
+  /// REQUIRES: least <= most.
+  std::uint64_t whole(std::uint64_t least, std::uint64_t most) {
+    return least + stream_.bits() % (most - least + 1);
+  }
+
+ private:
+  random::Stream stream_;
+};
+
+}  // namespace sleight::cluster

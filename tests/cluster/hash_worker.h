@@ -1,0 +1,63 @@
+// Work as a hash chain (HashedWorker), scan by scan, with costs that follow from which scan it is,
+// and with a bounded memory of states by replica and version, as a worker process has one.
+//
+// Costs are log-uniform over a factor of k_cost_spread. Running advances the clock that is given by
+// what the work costs: so a block runner that measures its time measures just that.
+// Not thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "common/base/clock.h"
+#include "tests/cluster/mistakes.h"
+#include "tests/unit/worker/sampling/slow_ladder.h"
+#include "worker/run/sample_cache.h"
+
+namespace sleight::cluster {
+
+/// Sebastiano Vigna's splitmix64.
+std::uint64_t mixed(std::uint64_t a, std::uint64_t b);
+
+inline constexpr double k_cost_spread = 100;
+
+/// Of one scan, wherever and whenever it runs.
+struct Costs {
+  std::uint64_t seed = 1;
+  double least_s = 1e-4;
+  double of(const plan::ReplicaKey& replica, std::uint64_t scan) const;
+  /// The mean of a log-uniform number over the spread.
+  double mean_s() const;
+};
+
+struct HashWorkerOptions {
+  sampling::HashedWorker::Options hash;
+  Costs costs;
+  std::size_t states_held_bytes = 0;
+  std::uint64_t id = 0;  ///< of the worker: no result hangs on it
+  Mistake mistake = Mistake::none;
+};
+
+class HashWorker final : public plan::UnitWorker {
+ public:
+  /// Borrows the clock.
+  HashWorker(const HashWorkerOptions& options, base::ManualClock& clock);
+
+  plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override;
+  std::optional<plan::UnitResult> run_from_held(const plan::Unit& unit) const override;
+  plan::CacheUse cache_use() const override { return held_.use(); }
+
+ private:
+  plan::UnitResult go_on(const plan::Unit& unit, base::Bytes state) const;
+  std::optional<base::Bytes> take(const plan::Unit& unit) const;
+
+  HashWorkerOptions options_;
+  sampling::HashedWorker hashed_;
+  base::ManualClock& clock_;
+  mutable run::SampleCache<base::Bytes> held_;
+  mutable std::map<plan::ReplicaKey, base::Bytes> any_version_;  ///< for the mistake of that name
+};
+
+}  // namespace sleight::cluster

@@ -1,0 +1,137 @@
+// How much of many workers' time is used, in the simulated cluster: scans of 1 ms on average whose
+// costs are log-uniform over a factor of 100, messages of 20 to 200 us, a coordinator that needs
+// 50 us for each, no faults, and the scheduler's own options.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/math/elementary.h"
+#include "tests/cluster/cluster.h"
+#include "worker/sampling/ladder.h"
+#include "worker/sampling/parallel_tempering.h"
+
+namespace sleight::cluster {
+namespace {
+
+struct Size {
+  std::uint32_t workers = 1;
+  std::uint32_t ladders = 1;
+  std::uint32_t levels = 32;
+  std::uint64_t scans = 64;
+};
+
+Case case_of_size(const Size& size) {
+  sampling::ParallelTemperingOptions options;
+  options.ladders = size.ladders;
+  options.ladder.first_ladder = sampling::first_ladder(size.levels);
+  options.ladder.levels_chosen = false;
+  options.ladder.round_scans = size.scans;
+  options.stop.rounds = 1;
+  Case of;
+  Scenario& scenario = of.scenario;
+  scenario.method = Method::tempering;
+  scenario.make_plan = [options](const sampling::Rules&) {
+    return std::make_unique<sampling::ParallelTempering>(options);
+  };
+  scenario.workers = size.workers;
+  scenario.work.costs.least_s = 1e-3 / Costs{.seed = 1, .least_s = 1}.mean_s();
+  scenario.work.states_held_bytes = 1'000'000;
+  scenario.handling_s = 50e-6;
+  scenario.hello_every_s = 10;
+  expect_serial(of);
+  return of;
+}
+
+Outcome checked_run(const Case& of) {
+  Outcome outcome = Cluster(of).run(liveness_bound_s(of));
+  EXPECT_TRUE(outcome.is_finished);
+  EXPECT_EQ(outcome.digest, digest_of(of.expected));
+  return outcome;
+}
+
+/// To the terminal, and to the end of the file that SLEIGHT_OUT names.
+void print_line(const std::string& line) {
+  fmt::print("{}\n", line);
+  const char* path = std::getenv("SLEIGHT_OUT");
+  if (path == nullptr) return;
+  std::FILE* file = std::fopen(path, "a");
+  ASSERT_NE(file, nullptr) << path;
+  fmt::print(file, "{}\n", line);
+  std::fclose(file);
+}
+
+/// When all levels have made their scans if each begins as soon as its swap is decided: no worker
+/// nor message is waited for. A swap's two levels go on together, when the later one is done.
+double critical_path_s(const Case& of, const Size& size) {
+  std::vector<double> done_s(size.levels, 0.0);
+  for (std::uint64_t scan = 0; scan < size.scans; ++scan) {
+    // Costs belong to replicas; any one's are as good, since they are independent.
+    for (std::uint32_t level = 0; level < size.levels; ++level)
+      done_s[level] += of.scenario.work.costs.of({{}, base::ReplicaId{level}}, scan);
+    for (std::uint32_t level = scan % 2; level + 1 < size.levels; level += 2)
+      done_s[level] = done_s[level + 1] = std::max(done_s[level], done_s[level + 1]);
+  }
+  return *std::ranges::max_element(done_s);
+}
+
+TEST(Scale, AThousandWorkersAreBusy) {
+  // Goal: at least 95% of 1,024 workers' time is used where there are ladders enough, one for each.
+  // Method: clusters of several sizes; utilisation between the first and the last fifth of the
+  // scans, and over the whole run, with the ramps at its ends.
+  const bool is_long = std::getenv("SLEIGHT_SOAK") != nullptr;
+  print_line("| workers | ladders x levels | scans a block | amid the run | whole run | run |");
+  print_line("|---|---|---|---|---|---|");
+  for (const Size size : {Size{.workers = 128, .ladders = 128, .levels = 32, .scans = 100},
+                          Size{.workers = 1024, .ladders = 512, .levels = 32, .scans = 20},
+                          Size{.workers = 1024, .ladders = 1024, .levels = 32, .scans = 20},
+                          Size{.workers = 1024, .ladders = 2048, .levels = 8, .scans = 40}}) {
+    Size run = size;
+    if (is_long) run.scans *= 5;
+    const Case of = case_of_size(run);
+    const Outcome outcome = checked_run(of);
+    print_line(fmt::format(
+        "| {} | {} x {} | {:.0f} | {:.1f}% | {:.1f}% | {:.1f} s |", run.workers, run.ladders,
+        run.levels,
+        static_cast<double>(outcome.counts.scans) / static_cast<double>(outcome.counts.blocks),
+        100 * outcome.utilisation_amid, 100 * outcome.utilisation, outcome.end_s));
+    if (run.ladders >= run.workers) {
+      EXPECT_GE(outcome.utilisation_amid, 0.95);
+    }
+  }
+}
+
+TEST(Scale, OneLadderAgainstWorkers) {
+  // Goal: a curve of utilisation against workers for one ladder, with the theory beside it. Method:
+  // clusters of 1 to 64 workers. A ladder of N levels has at most N units at once, so W workers
+  // take at least sum(c) / W, and at least the critical path of the swaps. As each scan of a pair
+  // waits for the slower of two, that is longer than S E[max(c1, c2)] for S scans: for costs
+  // log-uniform over a factor r, with q = log r,
+  //   E[c] / E[max(c1, c2)] = (r - 1) / (2 (r - (r - 1) / q)).
+  constexpr Size k_size{.workers = 1, .ladders = 1, .levels = 32, .scans = 600};
+  constexpr double k_r = k_cost_spread;
+  const double pairs = (k_r - 1) / (2 * (k_r - (k_r - 1) / math::log(k_r)));
+  print_line("| workers | utilisation | critical path's bound | pairs' bound |");
+  print_line("|---|---|---|---|");
+  for (std::uint32_t workers = 1; workers <= 64; workers *= 2) {
+    Size size = k_size;
+    size.workers = workers;
+    const Case of = case_of_size(size);
+    const Outcome outcome = checked_run(of);
+    const double path = std::min(1.0, of.work_s / (workers * critical_path_s(of, size)));
+    const double of_pairs = std::min(1.0, pairs * size.levels / workers);
+    print_line(fmt::format("| {} | {:.1f}% | {:.1f}% | {:.1f}% |", workers,
+                           100 * outcome.utilisation, 100 * path, 100 * of_pairs));
+    // The replicas' own costs make the path; the one that is computed is another draw of it.
+    EXPECT_LE(outcome.utilisation, 1.1 * path);
+    EXPECT_GE(outcome.utilisation, workers <= 4 ? 0.9 * path : 0.4 * path);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::cluster

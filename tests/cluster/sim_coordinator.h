@@ -1,0 +1,65 @@
+// One session of a simulated coordinator: what service/coordinator/drive.cpp does, with the real
+// scheduler and a fresh real plan, on the simulated clock.
+//
+// It is a serial resource: each message that comes in takes handling_s of its time, in the order of
+// arrival. It ends by dying (then nothing more comes of it) or with the run.
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "service/core/scheduler.h"
+#include "tests/cluster/event_queue.h"
+#include "tests/cluster/scenario.h"
+#include "tests/cluster/sim_store.h"
+#include "tests/cluster/wrong_parts.h"
+
+namespace sleight::cluster {
+
+class SimCoordinator : public std::enable_shared_from_this<SimCoordinator> {
+ public:
+  /// Messages to workers, and its own end.
+  struct Outside {
+    std::function<void(core::WorkerId, schema::Assignment)> assign;
+    std::function<void(core::WorkerId, schema::Ping)> ask;
+    std::function<void()> died;
+    std::function<void()> finished;
+  };
+
+  /// Borrows all. REQUIRES: the store was opened under this epoch.
+  SimCoordinator(const Scenario& scenario, std::uint64_t epoch, SimStore& store, EventQueue& events,
+                 Outside outside);
+
+  void begin();
+  void receive(core::Input input);
+  void die() { is_dead_ = true; }
+
+  const plan::Plan& plan() const { return *plan_; }
+  const core::Counts& counts() const { return scheduler_.counts(); }
+
+ private:
+  void catch_up();
+  void carry_out(core::Input input);
+  void tick();
+  void commit_soon();
+  void commit();
+  void end_if_over();
+  /// Calls something later unless this session has ended.
+  void at(double time_s, std::function<void(SimCoordinator&)> action);
+
+  const Scenario& scenario_;
+  SimStore& store_;
+  EventQueue& events_;
+  Outside outside_;
+  std::unique_ptr<plan::Plan> plan_;
+  core::Scheduler scheduler_;
+  WrongDeliveries wrong_;
+  double busy_until_s_ = 0;
+  bool commit_waits_ = false;
+  bool is_dead_ = false;
+};
+
+}  // namespace sleight::cluster

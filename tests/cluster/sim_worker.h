@@ -1,0 +1,92 @@
+// A simulated worker process: what it was given waits in a queue, each thread runs a block after
+// the other, and results go back when the block's cost is over.
+//
+// It may die (its queue, its states and what it runs are gone; a later start is a new incarnation),
+// or stall (nothing happens until the stall ends, then all that came meanwhile). It answers pings,
+// and says hello at its start and, from time to time, when it has nothing before it or has heard
+// nothing for as long: so a new coordinator learns of it.
+//
+// Not thread-safe. The cluster owns it and outlives all events.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "service/core/messages.h"
+#include "tests/cluster/event_queue.h"
+#include "tests/cluster/hash_worker.h"
+#include "tests/cluster/scenario.h"
+#include "tests/cluster/wrong_parts.h"
+#include "worker/sampling/block_runner.h"
+
+namespace sleight::cluster {
+
+/// How many threads are at work, over time. Not thread-safe.
+class Meter {
+ public:
+  void change(double now_s, int threads) {
+    thread_s_ += (now_s - since_s_) * busy_;
+    since_s_ = now_s;
+    busy_ += threads;
+  }
+  /// Thread time worked up to now.
+  double thread_s(double now_s) const { return thread_s_ + (now_s - since_s_) * busy_; }
+
+ private:
+  double thread_s_ = 0;
+  double since_s_ = 0;
+  int busy_ = 0;
+};
+
+class SimWorker {
+ public:
+  /// By which it speaks to the coordinator.
+  using Send = std::function<void(core::Input)>;
+
+  /// Borrows all; the clock measures costs and is nobody's but the workers'.
+  SimWorker(const Scenario& scenario, std::uint32_t id, EventQueue& events,
+            base::ManualClock& clock, Meter& meter, Send send);
+
+  /// As a new incarnation, if it isn't there.
+  void start();
+  void die();
+  void stall(double until_s) { stalled_until_s_ = std::max(stalled_until_s_, until_s); }
+  void receive(const schema::Assignment& assignment);
+  void receive(const schema::Ping& ping);
+
+  bool is_alive() const { return process_ != nullptr; }
+  core::WorkerId id() const { return id_; }
+
+ private:
+  /// What a death takes.
+  struct Process {
+    Process(const Scenario& scenario, std::uint32_t id, base::ManualClock& clock);
+    HashWorker units;
+    sampling::BlockRunner blocks;
+    WrongBlocks wrong_blocks;
+    std::deque<schema::Assignment> queue;
+    std::multiset<std::pair<std::uint64_t, std::uint64_t>> running;  ///< (epoch, assignment)
+  };
+  void when_awake(const EventQueue::Action& action);
+  void say_hello();
+  void greet_now_and_then();
+  void work();
+
+  const Scenario& scenario_;
+  core::WorkerId id_;
+  std::uint32_t threads_;
+  EventQueue& events_;
+  base::ManualClock& clock_;
+  Meter& meter_;
+  Send send_;
+  std::uint64_t incarnation_ = 0;
+  std::unique_ptr<Process> process_;
+  double stalled_until_s_ = 0;
+  double heard_s_ = 0;
+};
+
+}  // namespace sleight::cluster

@@ -1,0 +1,52 @@
+// What a wrong coordinator and a wrong worker do in the place of the right ones (mistakes.h). The
+// right ones do nothing of this.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "common/plan/block.h"
+#include "common/schema/messages.h"
+#include "tests/cluster/mistakes.h"
+#include "worker/sampling/rules.h"
+
+namespace sleight::cluster {
+
+/// A coordinator's way with deliveries. Not thread-safe.
+class WrongDeliveries {
+ public:
+  WrongDeliveries(Mistake mistake, std::uint64_t epoch) : mistake_(mistake), epoch_(epoch) {}
+  void given(const schema::Assignment& assignment);
+  /// What the coordinator takes the delivery for.
+  void take(schema::Delivery& delivery);
+
+ private:
+  bool take_as(schema::Delivery& delivery, std::uint64_t assignment) const;
+
+  Mistake mistake_;
+  std::uint64_t epoch_;
+  std::map<std::uint64_t, plan::Block> outstanding_;  ///< by assignment
+  std::map<std::uint64_t, plan::Block> delivered_;
+};
+
+/// A block worker's way with parts of ladders. Borrows both workers. Thread-safe, if they are.
+class WrongBlocks final : public plan::BlockWorker {
+ public:
+  WrongBlocks(Mistake mistake, const plan::BlockWorker& right, const plan::UnitWorker& units)
+      : mistake_(mistake), right_(right), units_(units) {}
+  std::vector<plan::UnitResult> run(const plan::Block& block,
+                                    std::span<const plan::GivenState> states) const override;
+  plan::CacheUse cache_use() const override { return right_.cache_use(); }
+
+ private:
+  Mistake mistake_;
+  const plan::BlockWorker& right_;
+  const plan::UnitWorker& units_;
+};
+
+/// By which a plan decides.
+sampling::Rules rules_with(Mistake mistake);
+
+}  // namespace sleight::cluster
