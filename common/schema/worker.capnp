@@ -129,5 +129,5 @@ struct CacheUse {
 
 struct Pong {
   epoch @0 :UInt64;
-  assignments @1 :List(UInt64);  # before the worker, the one that it computes included
+  assignments @1 :List(UInt64);  # before the worker, which answers between two
 }

@@ -1,5 +1,6 @@
 #include "service/coordinator/drive.h"
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -28,6 +29,7 @@ class Driver {
 
   DriveOutcome run() {
     catch_up();
+    heard_s_ = clock_.now_s();
     DriveEnd end = DriveEnd::finished;
     carry_out(tick());
     stop_if_asked(end);  // before anything is handed out
@@ -89,7 +91,10 @@ class Driver {
 
   /// The scheduler's time stands still while a checkpoint is written: silence that nobody listened
   /// to is none.
-  core::Tick tick() const { return {.now_s = clock_.now_s() - deaf_s_}; }
+  core::Tick tick() {
+    heard_s_ = std::max(heard_s_, clock_.now_s() - deaf_s_);  // rounding must not turn it back
+    return {.now_s = heard_s_};
+  }
 
   /// Once: what is running then ends, so that nothing computed is thrown away.
   void stop_if_asked(DriveEnd& end) {
@@ -181,7 +186,8 @@ class Driver {
   double report_s_ = 0;
   double checkpoint_s_;
   double checkpoint_cost_s_ = 0;
-  double deaf_s_ = 0;  ///< spent on checkpoints
+  double deaf_s_ = 0;   ///< spent on checkpoints
+  double heard_s_ = 0;  ///< the scheduler's time; set at the beginning
 };
 
 }  // namespace

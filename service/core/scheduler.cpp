@@ -263,7 +263,8 @@ void Scheduler::take_back(AssignmentId id) {
 }
 
 bool Scheduler::has_room(const Worker& worker) const {
-  const bool ahead = size_.expected_s(1) < options_.ahead_s_max;
+  const double scan_s = size_.expected_s(1);
+  const bool ahead = scan_s < options_.ahead_s_max;
   const std::size_t per_thread = 1 + (ahead ? options_.blocks_ahead : 0);
   return !worker.silent && worker.before_it.size() < worker.threads * per_thread;
 }
@@ -290,6 +291,7 @@ void Scheduler::fetch() {
         plan_.next_block(size_.limits(threads, std::max<std::uint64_t>(plan_.scans_common(), 1)));
     if (!block) return;
     const TaskId id = next_task_++;
+    splits_ladders_ = block->ladder.has_value();
     const std::optional<WorkerId> preferred = holder_of_most(*block);
     tasks_[id] = {.block = *std::move(block), .leases = {}, .preferred = preferred};
     waiting_.insert(waiting_.end(), id);
@@ -301,7 +303,8 @@ void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
   while (!roomy_.empty() && roomy_.begin()->first < 1) {
     const WorkerId worker = roomy_.begin()->second;
     if (!has_work()) {
-      if (heard_of) size_.starved();
+      // Smaller blocks would leave more of a ladder to others; of plain chains they wouldn't.
+      if (heard_of && splits_ladders_) size_.starved();
       return;
     }
     give(worker, take_waiting(choose(worker)));

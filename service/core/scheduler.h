@@ -163,6 +163,7 @@ class Scheduler {
   BlockSize size_;
   std::optional<double> now_s_;  ///< none before the first tick
   bool stopping_ = false;
+  bool splits_ladders_ = false;  ///< as the last block that the plan gave
   TaskId next_task_ = 0;
   AssignmentId next_assignment_ = 0;
   std::map<TaskId, Task> tasks_;  ///< not done

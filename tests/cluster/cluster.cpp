@@ -100,7 +100,7 @@ void Cluster::begin_session() {
             SimWorker& to = *workers_[worker.value];
             network_.send([&to, ping] { to.receive(ping); });
           },
-      .died = [this] { end_session(); },
+      .left = [this] { end_session(); },
       .finished =
           [this] {
             outcome_.is_finished = true;
@@ -157,6 +157,8 @@ void Cluster::strike(const Fault& fault) {
     for_workers(fault, [](SimWorker& worker) { worker.start(); });
   } else if (fault.kind == Kind::coordinator_dies) {
     if (coordinator_) end_session();
+  } else if (fault.kind == Kind::coordinator_stops) {
+    if (coordinator_) coordinator_->receive(core::StopAsked{});
   } else if (fault.kind == Kind::dies_before_commit) {
     store_.crash_at_next_commit(SimStore::Crash::before);
   } else if (fault.kind == Kind::dies_in_commit) {

@@ -11,11 +11,13 @@ using Kind = Fault::Kind;
 
 /// Workers and messages come more often: a coordinator's end sets back everything.
 constexpr Kind k_kinds[] = {
-    Kind::workers_die,       Kind::workers_die,      Kind::workers_die,    Kind::workers_stall,
-    Kind::workers_stall,     Kind::workers_stall,    Kind::workers_join,   Kind::workers_join,
-    Kind::messages_lost,     Kind::messages_lost,    Kind::messages_lost,  Kind::messages_twice,
-    Kind::messages_twice,    Kind::messages_twice,   Kind::messages_late,  Kind::messages_late,
-    Kind::messages_late,     Kind::coordinator_dies, Kind::dies_in_commit, Kind::dies_before_commit,
+    Kind::workers_die,       Kind::workers_die,    Kind::workers_die,
+    Kind::workers_stall,     Kind::workers_stall,  Kind::workers_stall,
+    Kind::workers_join,      Kind::workers_join,   Kind::messages_lost,
+    Kind::messages_lost,     Kind::messages_lost,  Kind::messages_twice,
+    Kind::messages_twice,    Kind::messages_twice, Kind::messages_late,
+    Kind::messages_late,     Kind::messages_late,  Kind::coordinator_dies,
+    Kind::coordinator_stops, Kind::dies_in_commit, Kind::dies_before_commit,
     Kind::dies_after_commit, Kind::disk_full,
 };
 

@@ -15,6 +15,7 @@ struct Fault {
     messages_twice,  ///< likewise
     messages_late,   ///< likewise: later ones overtake them
     coordinator_dies,
+    coordinator_stops,   ///< in order: it waits for what is given out, stores it and leaves
     dies_before_commit,  ///< of the next group
     dies_in_commit,      ///< when a part of what was put is on disk
     dies_after_commit,

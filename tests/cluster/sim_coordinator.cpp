@@ -101,7 +101,7 @@ void SimCoordinator::commit() {
   commit_waits_ = false;
   if (is_dead_ || !store_.has_pending() || store_.commit(events_.now_s())) return;
   die();
-  outside_.died();
+  outside_.left();
 }
 
 void SimCoordinator::end_if_over() {
@@ -109,7 +109,11 @@ void SimCoordinator::end_if_over() {
   commit();
   if (is_dead_) return;
   die();
-  outside_.finished();
+  if (plan_->finished()) {
+    outside_.finished();
+  } else {
+    outside_.left();  // it was asked to stop
+  }
 }
 
 }  // namespace sleight::cluster

@@ -25,7 +25,7 @@ class SimCoordinator : public std::enable_shared_from_this<SimCoordinator> {
   struct Outside {
     std::function<void(core::WorkerId, schema::Assignment)> assign;
     std::function<void(core::WorkerId, schema::Ping)> ask;
-    std::function<void()> died;
+    std::function<void()> left;  ///< with work to be done
     std::function<void()> finished;
   };
 

@@ -35,10 +35,11 @@ std::optional<plan::Unit> BurntInChains::next_unit(std::uint32_t scans_max) {
 }
 
 std::optional<plan::Block> BurntInChains::next_block(const plan::BlockLimits& limits) {
+  const auto burns_in = [](const Chain& chain) { return chain.part == nullptr; };
+  const auto burning = static_cast<std::size_t>(std::ranges::count_if(chains_, burns_in));
   return next_of_furthest_behind(chains_, [&](Chain& chain) -> std::optional<plan::Block> {
     if (!chain.part)
-      return chain.burn_in.next_block(std::min(burn_in_scans_, stop_.horizon()), limits,
-                                      chains_.size());
+      return chain.burn_in.next_block(std::min(burn_in_scans_, stop_.horizon()), limits, burning);
     auto unit = chain.part->next_unit(stop_.horizon(), limits.unit_scans_max);
     if (!unit) return std::nullopt;
     return plan::Block{.members = {*std::move(unit)}, .ladder = {}};

@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 #include <mpi.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <thread>
 #include <utility>
 
-#include "common/base/check.h"
 #include "common/base/error.h"
 
 namespace sleight::coordinator {
@@ -31,6 +32,10 @@ std::size_t count_ranks() {
 
 void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+base::Error unexpected_from(std::size_t rank) {
+  return {base::ExitCode::bug, fmt::format("rank {} sent a message that nobody asked for", rank)};
 }
 
 struct Received {
@@ -74,8 +79,15 @@ MpiCrew::MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock,
 }
 
 MpiCrew::~MpiCrew() {
-  // Deliveries on their way are received and dropped, so that no rank is stuck in a send; a rank
-  // that doesn't answer is left to mpirun.
+  // After a failure the job is aborted: nobody waits for ranks that may have failed, too, and what
+  // is on its way to them must outlive this.
+  if (std::uncaught_exceptions() > 0) {
+    for (Send& pending : sends_)
+      static_cast<void>(pending.bytes.release());
+    return;
+  }
+
+  // Deliveries on their way are received and dropped, so that no rank is stuck in a send.
   const double begin_s = clock_.now_s();
   std::vector<core::Input> dropped;
   const auto owes = [](const Rank& rank) { return rank.outstanding > 0; };
@@ -86,6 +98,14 @@ MpiCrew::~MpiCrew() {
       break;
     }
     sleep_s(schema::k_poll_interval_s_max);
+  }
+  // A rank that is stuck would keep the job in MPI_Finalize for ever; all results are stored.
+  if (std::ranges::any_of(ranks_, owes)) {
+    spdlog::warn(
+        "ranks have not answered for {} s after the run's end: the job is ended without "
+        "them",
+        k_hello_timeout_s);
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(base::ExitCode::bug));
   }
   for (std::size_t rank = 1; rank < ranks_.size(); ++rank)
     send_to_rank(rank, schema::Stop{});
@@ -119,7 +139,7 @@ void MpiCrew::await_hellos(const schema::Hello& expected) {
       throw base::Error(fmt::format("rank {}: {}", received->rank, failure->reason));
     }
     const auto* hello = std::get_if<schema::Hello>(&received->message);
-    CHECK(hello != nullptr);
+    if (hello == nullptr) throw unexpected_from(received->rank);
     if (hello->program_version != expected.program_version) {
       throw base::Error(fmt::format(
           "rank {} runs version {}, rank 0 runs {}: install the same version on every host",
@@ -177,9 +197,8 @@ void MpiCrew::poll_ranks(std::vector<core::Input>& inputs) {
       continue;
     }
     auto* delivery = std::get_if<schema::Delivery>(&received->message);
-    CHECK(delivery != nullptr);
     Rank& rank = ranks_.at(received->rank);
-    CHECK_GT(rank.outstanding, 0U);
+    if (delivery == nullptr || rank.outstanding == 0) throw unexpected_from(received->rank);
     --rank.outstanding;
     inputs.emplace_back(core::Delivered{.worker = worker, .delivery = std::move(*delivery)});
   }

@@ -2,8 +2,8 @@
 // n; rank 0 drives, and computes with threads of its own beside it.
 //
 // Every other rank runs serve (worker/run/mpi/mpi_worker.h). Only the driving thread calls MPI
-// (MPI_THREAD_FUNNELED); waiting backs off from 20 us to 2 ms, since a blocking receive would burn
-// a core.
+// (MPI_THREAD_FUNNELED); it looks for messages every half millisecond, since a blocking receive
+// would burn a core.
 //
 // A rank that dies takes the whole job with it (Open MPI 4 can't say which rank is gone): the job
 // is started again and goes on from its run store.
@@ -29,7 +29,7 @@ class MpiCrew final : public Crew {
   /// REQUIRES: MPI is initialised with MPI_THREAD_FUNNELED, and this is rank 0's main thread.
   MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock, std::uint32_t local_threads,
           const schema::Hello& expected);
-  /// Tells every rank to leave.
+  /// Tells every rank to leave; while an exception passes it leaves them to MPI_Abort.
   ~MpiCrew() override;
   MpiCrew(const MpiCrew&) = delete;
   MpiCrew& operator=(const MpiCrew&) = delete;
