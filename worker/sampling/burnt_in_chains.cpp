@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "worker/sampling/furthest_behind.h"
 #include "worker/sampling/ladder_report.h"
 
 namespace sleight::sampling {
@@ -15,19 +14,21 @@ BurntInChains::BurntInChains(const BurntInOptions& options)
     : options_(options),
       burn_in_scans_(options.ladder.anneal_scans +
                      scans_through_round(options.ladder.round_scans, options.burn_in_rounds)),
+      order_(options.chains),
       stop_(options.stop, options.ladder.round_scans, burn_in_scans_) {
-  CHECK_GE(options.chains, 1U);
   CHECK_GE(options.burn_in_rounds, 1U);
   LadderOptions ladder = options.ladder;
   for (std::uint32_t id = 0; id < options.chains; ++id) {
     ladder.chain = base::ChainId{id};
     chains_.push_back({.burn_in = LadderRun(ladder), .part = nullptr, .waiting = {}});
   }
+  burning_ = chains_.size();
 }
 
 std::optional<plan::Unit> BurntInChains::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  return next_of_furthest_behind(chains_, [&](Chain& chain) {
+  return order_.first({.horizon = stop_.horizon(), .splits = true}, [&](std::size_t id) {
+    Chain& chain = chains_[id];
     return chain.part
                ? chain.part->next_unit(stop_.horizon(), scans_max)
                : chain.burn_in.next_unit(std::min(burn_in_scans_, stop_.horizon()), scans_max);
@@ -35,12 +36,13 @@ std::optional<plan::Unit> BurntInChains::next_unit(std::uint32_t scans_max) {
 }
 
 std::optional<plan::Block> BurntInChains::next_block(const plan::BlockLimits& limits) {
-  const auto burns_in = [](const Chain& chain) { return chain.part == nullptr; };
-  const auto burning = static_cast<std::size_t>(std::ranges::count_if(chains_, burns_in));
-  return next_of_furthest_behind(chains_, [&](Chain& chain) -> std::optional<plan::Block> {
+  const std::uint64_t horizon = stop_.horizon();
+  const FurthestBehind::Asked asked{.horizon = horizon, .splits = burning_ < limits.threads};
+  return order_.first(asked, [&](std::size_t id) -> std::optional<plan::Block> {
+    Chain& chain = chains_[id];
     if (!chain.part)
-      return chain.burn_in.next_block(std::min(burn_in_scans_, stop_.horizon()), limits, burning);
-    auto unit = chain.part->next_unit(stop_.horizon(), limits.unit_scans_max);
+      return chain.burn_in.next_block(std::min(burn_in_scans_, horizon), limits, burning_);
+    auto unit = chain.part->next_unit(horizon, limits.unit_scans_max);
     if (!unit) return std::nullopt;
     return plan::Block{.members = {*std::move(unit)}, .ladder = {}};
   });
@@ -69,7 +71,8 @@ void BurntInChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan
     }
   }
   if (!chain.part && chain.burn_in.scans() == burn_in_scans_) begin_part(chain);
-  stop_.judge(scans_of_all(), [&](std::uint64_t round_end) {
+  order_.moved(replica.chain.value, chain.scans());
+  stop_.judge(order_.least(), [&](std::uint64_t round_end) {
     std::uint64_t solutions = 0;
     for (const Chain& each : chains_)
       solutions += each.part ? each.part->solutions().before(round_end) : 0;
@@ -77,23 +80,19 @@ void BurntInChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan
   });
 }
 
-std::uint64_t BurntInChains::scans_of_all() const {
-  return std::ranges::min_element(chains_, {}, &Chain::scans)->scans();
-}
-
 void BurntInChains::begin_part(Chain& chain) {
   chain.part = options_.go_on(chain.burn_in.burn_in());
+  --burning_;
   for (const auto& [replica, results] : std::exchange(chain.waiting, {}))
     chain.part->consume(base::ReplicaId{replica}, results.first, results.second);
 }
 
 bool BurntInChains::finished() const {
-  return std::ranges::all_of(chains_,
-                             [&](const Chain& chain) { return chain.scans() >= stop_.end(); });
+  return order_.least() >= stop_.end();
 }
 
 std::uint64_t BurntInChains::scans_common() const {
-  return std::min(scans_of_all(), stop_.end());
+  return std::min(order_.least(), stop_.end());
 }
 
 plan::Draws BurntInChains::draws() const {

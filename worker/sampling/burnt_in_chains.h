@@ -14,6 +14,7 @@
 
 #include "common/plan/plan.h"
 #include "worker/sampling/chain_part.h"
+#include "worker/sampling/furthest_behind.h"
 #include "worker/sampling/ladder_run.h"
 #include "worker/sampling/stop_rule.h"
 
@@ -58,13 +59,14 @@ class BurntInChains final : public plan::Plan {
     std::map<std::uint32_t, std::pair<std::uint64_t, std::vector<plan::ScanRecord>>> waiting;
     std::uint64_t scans() const { return part ? part->scans() : burn_in.scans(); }
   };
-  std::uint64_t scans_of_all() const;
   void begin_part(Chain& chain);
 
   BurntInOptions options_;
   std::uint64_t burn_in_scans_;
+  FurthestBehind order_;  ///< of chains
   StopJudge stop_;
   std::vector<Chain> chains_;
+  std::size_t burning_ = 0;  ///< chains in their burn-in
   std::uint64_t records_ = 0;
 };
 

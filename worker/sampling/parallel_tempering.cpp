@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "common/base/check.h"
-#include "worker/sampling/furthest_behind.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/ladder_report.h"
 
@@ -13,8 +12,8 @@ namespace sleight::sampling {
 
 ParallelTempering::ParallelTempering(const ParallelTemperingOptions& options)
     : anneal_scans_(options.ladder.anneal_scans),
+      order_(options.ladders),
       stop_(options.stop, options.ladder.round_scans, options.ladder.anneal_scans) {
-  CHECK_GE(options.ladders, 1U);
   LadderOptions ladder = options.ladder;
   for (std::uint32_t id = 0; id < options.ladders; ++id) {
     ladder.chain = base::ChainId{id};
@@ -24,23 +23,27 @@ ParallelTempering::ParallelTempering(const ParallelTemperingOptions& options)
 
 std::optional<plan::Unit> ParallelTempering::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  return next_of_furthest_behind(
-      ladders_, [&](LadderRun& ladder) { return ladder.next_unit(stop_.horizon(), scans_max); });
+  return order_.first({.horizon = stop_.horizon(), .splits = true}, [&](std::size_t ladder) {
+    return ladders_[ladder].next_unit(stop_.horizon(), scans_max);
+  });
 }
 
 std::optional<plan::Block> ParallelTempering::next_block(const plan::BlockLimits& limits) {
-  const auto goes_on = [&](const LadderRun& ladder) { return ladder.scans() < stop_.horizon(); };
-  const auto going = static_cast<std::size_t>(std::ranges::count_if(ladders_, goes_on));
-  return next_of_furthest_behind(ladders_, [&](LadderRun& ladder) {
-    return ladder.next_block(stop_.horizon(), limits, going);
+  const std::uint64_t horizon = stop_.horizon();
+  const std::size_t going = order_.going(horizon);
+  const bool splits = going < limits.threads;
+  return order_.first({.horizon = horizon, .splits = splits}, [&](std::size_t ladder) {
+    return ladders_[ladder].next_block(horizon, limits, going);
   });
 }
 
 void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                                 std::span<const plan::ScanRecord> records) {
   CHECK_LT(replica.chain.value, ladders_.size());
-  ladders_[replica.chain.value].consume(replica.replica, first_scan.value, records);
-  stop_.judge(reached_by_all(), [&](std::uint64_t round_end) {
+  LadderRun& consumer = ladders_[replica.chain.value];
+  consumer.consume(replica.replica, first_scan.value, records);
+  order_.moved(replica.chain.value, consumer.scans());
+  stop_.judge(order_.least(), [&](std::uint64_t round_end) {
     std::uint64_t solutions = 0;
     for (const LadderRun& ladder : ladders_)
       solutions += ladder.solutions().before(round_end);
@@ -49,16 +52,11 @@ void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_
 }
 
 bool ParallelTempering::finished() const {
-  return std::ranges::all_of(
-      ladders_, [&](const LadderRun& ladder) { return ladder.scans() >= stop_.end(); });
-}
-
-std::uint64_t ParallelTempering::reached_by_all() const {
-  return std::ranges::min_element(ladders_, {}, &LadderRun::scans)->scans();
+  return order_.least() >= stop_.end();
 }
 
 std::uint64_t ParallelTempering::scans_common() const {
-  return std::min(reached_by_all(), stop_.end());
+  return std::min(order_.least(), stop_.end());
 }
 
 plan::Draws ParallelTempering::draws() const {

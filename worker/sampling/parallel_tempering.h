@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/plan/plan.h"
+#include "worker/sampling/furthest_behind.h"
 #include "worker/sampling/ladder_run.h"
 #include "worker/sampling/stop_rule.h"
 
@@ -47,11 +48,9 @@ class ParallelTempering final : public plan::Plan {
   const std::vector<LadderRun>& ladders() const { return ladders_; }
 
  private:
-  /// Scans that all ladders have, beyond the stop too.
-  std::uint64_t reached_by_all() const;
-
   std::uint64_t anneal_scans_;
   std::vector<LadderRun> ladders_;
+  FurthestBehind order_;  ///< of ladders
   StopJudge stop_;
 };
 

@@ -5,8 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "worker/sampling/furthest_behind.h"
-
 namespace sleight::sampling {
 namespace {
 
@@ -35,33 +33,6 @@ TEST(Solutions, CountEachLineageOnce) {
   EXPECT_EQ(solutions.before(6), 1U);
   EXPECT_EQ(solutions.before(20), 1U);
   EXPECT_EQ(solutions.before(21), 3U);
-}
-
-struct FakeChain {
-  std::uint32_t id;
-  std::uint64_t done;
-  bool has_unit;
-  std::uint64_t scans() const { return done; }
-};
-
-TEST(FurthestBehind, RunsFirst) {
-  // Goal: the chain with the fewest scans that has a unit, the first among equals; none if none
-  // has. Method: by hand.
-  const auto chosen = [](std::vector<FakeChain> chains) -> std::optional<std::uint32_t> {
-    const auto unit =
-        next_of_furthest_behind(chains, [](FakeChain& chain) -> std::optional<plan::Unit> {
-          if (!chain.has_unit) return std::nullopt;
-          plan::Unit made;
-          made.replica.chain = base::ChainId{chain.id};
-          return made;
-        });
-    return unit ? std::optional(unit->replica.chain.value) : std::nullopt;
-  };
-  EXPECT_EQ(chosen({{0, 5, true}, {1, 3, true}, {2, 3, true}}), 1U);
-  EXPECT_EQ(chosen({{0, 5, true}, {1, 3, false}, {2, 3, true}}), 2U);
-  EXPECT_EQ(chosen({{0, 5, true}, {1, 3, false}, {2, 4, false}, {3, 5, true}}), 0U);
-  EXPECT_EQ(chosen({{0, 5, false}}), std::nullopt);
-  EXPECT_EQ(chosen({}), std::nullopt);
 }
 
 }  // namespace
