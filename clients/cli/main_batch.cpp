@@ -2,11 +2,13 @@
 // and computes, the other ranks compute. Without mpirun it is one rank, and MPI is not started.
 #include <fmt/format.h>
 #include <mpi.h>
+#include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string>
@@ -50,7 +52,13 @@ int run_rank_0(const DirectArguments& arguments, bool with_mpi) {
     return run_and_report(*request, catalogue, arguments, crew);
   }
   coordinator::MpiCrew crew(runner, clock, 1, hello_of(*request));
-  return run_and_report(*request, catalogue, arguments, crew);
+  const int code = run_and_report(*request, catalogue, arguments, crew);
+  if (!crew.dismiss()) {
+    spdlog::warn("some ranks don't answer; everything is stored, and the job ends without them");
+    std::fflush(nullptr);
+    MPI_Abort(MPI_COMM_WORLD, code);
+  }
+  return code;
 }
 
 void run_other_rank(DirectArguments arguments) {

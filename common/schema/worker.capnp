@@ -8,6 +8,7 @@
 #     │◀─── Ping ──────────────────────│   after a long silence
 #     │──── Pong [21] ────────────────▶│   what is before it
 #     │◀─── Stop ──────────────────────│
+#     │──── Stop ─────────────────────▶│   the last one
 #
 # A delivery is a pure function of the request, which every rank reads itself, and the assignment; so
 # an assignment may be given to several workers, lost, or repeated. What a worker keeps between two
@@ -31,7 +32,7 @@ $Cxx.namespace("sleight::schema::wire");
 struct Message {
   union {
     assignment @0 :Assignment;  # coordinator to worker
-    stop @1 :Void;              # coordinator to worker: leave; no answer
+    stop @1 :Void;              # coordinator to worker: leave; back, as the last: it leaves
     delivery @2 :Delivery;      # worker to coordinator
     failure @3 :Text;           # worker to coordinator: it can't go on, and why
     hello @4 :Hello;            # worker to coordinator, once, first

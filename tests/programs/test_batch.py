@@ -9,6 +9,7 @@ import signal
 import sqlite3
 import subprocess
 import time
+import unittest
 
 import harness
 from harness import ProgramTest
@@ -175,6 +176,24 @@ class Batch(ProgramTest):
         result = harness.run(command)
         self.assertNotEqual(result.returncode, 0)
         self.assertIn("rank 1 reads another request", result.stderr)
+
+    @unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "takes a lease's 30 s")
+    def test_a_rank_that_hangs_holds_up_nothing(self):
+        # Goal: a rank that stands still delays a run by a lease, and its end by a bounded wait;
+        # the archive is the undisturbed run's. Method: SIGSTOP for good in mid-run.
+        request = self.write_request(scans=2000, chains=3, iterations_per_scan=1000)
+        output = self.path("hung.h5")
+        process = self.start_batch(3, request, output, "-q")
+        self.wait_for_scans(output)
+        os.kill(self.ranks_of(process)[1], signal.SIGSTOP)
+        begin = time.monotonic()
+        errors = process.communicate(timeout=150)[1]
+        print(f"\nended {time.monotonic() - begin:.0f} s after a rank did")
+        self.assertEqual(process.returncode, 0, errors)
+        self.assertIn("don't answer", errors)
+        whole = self.path("whole.h5")
+        self.direct(request, whole)
+        self.assertEqual(self.digest(output), self.digest(whole))
 
 
 if __name__ == "__main__":

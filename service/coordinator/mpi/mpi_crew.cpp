@@ -19,6 +19,9 @@ namespace {
 
 /// Ranks start within a second or so of one another; this is for a machine under heavy load.
 constexpr double k_hello_timeout_s = 120;
+/// A rank leaves when it has run the block that it is at. One that is stopped, or on a host that
+/// hangs, would keep the job for ever.
+constexpr double k_leave_timeout_s = 20;
 /// Ranks have another block before them when they deliver one, so a delivery may lie this long:
 /// each look takes processor time from the threads that compute. Results of these threads wake at
 /// once.
@@ -79,38 +82,33 @@ MpiCrew::MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock,
 }
 
 MpiCrew::~MpiCrew() {
-  // After a failure the job is aborted: nobody waits for ranks that may have failed, too, and what
-  // is on its way to them must outlive this.
-  if (std::uncaught_exceptions() > 0) {
-    for (Send& pending : sends_)
-      static_cast<void>(pending.bytes.release());
-    return;
-  }
-
-  // Deliveries on their way are received and dropped, so that no rank is stuck in a send.
-  const double begin_s = clock_.now_s();
-  std::vector<core::Input> dropped;
-  const auto owes = [](const Rank& rank) { return rank.outstanding > 0; };
-  while (std::ranges::any_of(ranks_, owes) && clock_.now_s() - begin_s < k_hello_timeout_s) {
-    try {
-      poll_ranks(dropped);
-    } catch (const base::Error&) {
-      break;
-    }
-    sleep_s(schema::k_poll_interval_s_max);
-  }
-  // A rank that is stuck would keep the job in MPI_Finalize for ever; all results are stored.
-  if (std::ranges::any_of(ranks_, owes)) {
-    spdlog::warn(
-        "ranks have not answered for {} s after the run's end: the job is ended without "
-        "them",
-        k_hello_timeout_s);
-    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(base::ExitCode::bug));
-  }
-  for (std::size_t rank = 1; rank < ranks_.size(); ++rank)
-    send_to_rank(rank, schema::Stop{});
+  // After a failure the job is aborted: nobody waits for ranks that may have failed, too.
+  if (std::uncaught_exceptions() == 0 && dismiss()) return;
+  // What is on its way to ranks that haven't left must outlive this.
   for (Send& pending : sends_)
-    MPI_Wait(&pending.request, MPI_STATUS_IGNORE);
+    static_cast<void>(pending.bytes.release());
+}
+
+bool MpiCrew::dismiss() {
+  const std::size_t others = ranks_.size() - 1;
+  if (!std::exchange(is_dismissed_, true)) {
+    for (std::size_t rank = 1; rank <= others; ++rank)
+      send_to_rank(rank, schema::Stop{});
+    // Deliveries on their way are received and dropped, so that no rank is stuck in a send.
+    const double begin_s = clock_.now_s();
+    std::vector<core::Input> dropped;
+    try {
+      while (left_ < others && clock_.now_s() - begin_s < k_leave_timeout_s) {
+        poll_ranks(dropped);
+        dropped.clear();
+        sleep_s(schema::k_poll_interval_s_max);
+      }
+    } catch (const base::Error& failure) {
+      spdlog::warn("after the run's end: {}", failure.what());
+    }
+    if (left_ == others) drop_finished_sends();
+  }
+  return left_ == others;
 }
 
 std::vector<core::Joined> MpiCrew::members() const {
@@ -194,6 +192,10 @@ void MpiCrew::poll_ranks(std::vector<core::Input>& inputs) {
     const core::WorkerId worker{static_cast<std::uint32_t>(received->rank)};
     if (auto* pong = std::get_if<schema::Pong>(&received->message)) {
       inputs.emplace_back(core::Answered{.worker = worker, .pong = std::move(*pong)});
+      continue;
+    }
+    if (std::holds_alternative<schema::Stop>(received->message) && is_dismissed_) {
+      ++left_;
       continue;
     }
     auto* delivery = std::get_if<schema::Delivery>(&received->message);

@@ -29,7 +29,7 @@ class MpiCrew final : public Crew {
   /// REQUIRES: MPI is initialised with MPI_THREAD_FUNNELED, and this is rank 0's main thread.
   MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock, std::uint32_t local_threads,
           const schema::Hello& expected);
-  /// Tells every rank to leave; while an exception passes it leaves them to MPI_Abort.
+  /// Dismisses the ranks; while an exception passes it leaves them to MPI_Abort.
   ~MpiCrew() override;
   MpiCrew(const MpiCrew&) = delete;
   MpiCrew& operator=(const MpiCrew&) = delete;
@@ -39,6 +39,10 @@ class MpiCrew final : public Crew {
   void send(core::WorkerId worker, const schema::Ping& ping) override;
   std::vector<core::Input> receive(double timeout_s) override;
   Traffic traffic() const override { return traffic_; }
+
+  /// Tells every rank to leave, and waits for that a while: false when some haven't. MPI_Finalize
+  /// would then wait for them for ever, MPI_Abort doesn't. Nothing may be sent afterwards.
+  bool dismiss();
 
  private:
   void await_hellos(const schema::Hello& expected);
@@ -57,6 +61,8 @@ class MpiCrew final : public Crew {
   std::vector<Rank> ranks_;  ///< by rank; the first is this one
   std::vector<Send> sends_;  ///< not yet known to be done; their bytes must live on
   Traffic traffic_;
+  bool is_dismissed_ = false;
+  std::size_t left_ = 0;  ///< ranks that have said that they leave
 };
 
 }  // namespace sleight::coordinator

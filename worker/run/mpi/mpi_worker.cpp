@@ -131,6 +131,7 @@ void serve(const plan::BlockWorker& worker, const schema::Hello& hello) {
   try {
     while (desk.turn()) {
     }
+    outbox.send(schema::Stop{});
   } catch (const std::exception& failure) {
     refuse(failure.what());
   }
