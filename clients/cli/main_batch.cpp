@@ -39,26 +39,26 @@ schema::Hello hello_of(const request::DirectionRequest& request) {
           .threads = 1};
 }
 
-int run_rank_0(const DirectArguments& arguments, bool with_mpi) {
+struct Rank0End {
+  int code = 0;
+  bool all_have_left = true;  ///< no other rank is still there
+};
+
+Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi) {
   coordinator::catch_stop_signals();
   run::Catalogue catalogue;
   const auto request = read_request_file(catalogue, arguments);
-  if (!request) return static_cast<int>(base::ExitCode::bad_request);
+  if (!request) return {.code = static_cast<int>(base::ExitCode::bad_request)};
   const base::SteadyClock clock;
   const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
   const sampling::BlockRunner runner(*worker, clock, {.seed = request->sampler.seed});
   if (!with_mpi) {
     coordinator::LocalCrew crew(runner, 1);
-    return run_and_report(*request, catalogue, arguments, crew);
+    return {.code = run_and_report(*request, catalogue, arguments, crew)};
   }
   coordinator::MpiCrew crew(runner, clock, 1, hello_of(*request));
   const int code = run_and_report(*request, catalogue, arguments, crew);
-  if (!crew.dismiss()) {
-    spdlog::warn("some ranks don't answer; everything is stored, and the job ends without them");
-    std::fflush(nullptr);
-    MPI_Abort(MPI_COMM_WORLD, code);
-  }
-  return code;
+  return {.code = code, .all_have_left = crew.dismiss()};
 }
 
 void run_other_rank(DirectArguments arguments) {
@@ -94,8 +94,18 @@ int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
     return 0;
   }
   try {
-    const int code = cli::with_results([&] { return run_rank_0(arguments, true); });
-    if (code == static_cast<int>(base::ExitCode::bad_request)) MPI_Abort(MPI_COMM_WORLD, code);
+    bool all_have_left = true;
+    const int code = cli::with_results([&] {
+      const Rank0End end = run_rank_0(arguments, true);
+      all_have_left = end.all_have_left;
+      return end.code;
+    });
+    if (!all_have_left)
+      spdlog::warn("some ranks don't answer; everything is stored, and the job ends without them");
+    if (!all_have_left || code == static_cast<int>(base::ExitCode::bad_request)) {
+      std::fflush(nullptr);
+      MPI_Abort(MPI_COMM_WORLD, code);
+    }
     MPI_Finalize();
     return code;
   } catch (...) {
@@ -127,7 +137,7 @@ int main_of(int argc, char** argv) {
   base::log_to_stderr("sleight-batch", false);
   if (started_by_mpirun()) return run_ranks(arguments, &argc, &argv);
   try {
-    return cli::with_results([&] { return run_rank_0(arguments, false); });
+    return cli::with_results([&] { return run_rank_0(arguments, false).code; });
   } catch (...) {
     return report_failure("sleight-batch");
   }

@@ -35,8 +35,8 @@ class FurthestBehind {
   void moved(std::size_t chain, std::uint64_t scans);
 
   /// What `next` has of the chain with the fewest scans, the lowest number among equals; where that
-  /// is nothing, of the next one, and so on. REQUIRES: a chain without anything comes to have some
-  /// only by moving, or for another question.
+  /// is nothing, of the next one, and so on. REQUIRES: a chain without anything has something out
+  /// whose coming back moves it, or comes to have some for another question only.
   template <class Next>
   auto first(const Asked& asked, const Next& next) -> decltype(next(std::size_t{0})) {
     if (asked != asked_) {

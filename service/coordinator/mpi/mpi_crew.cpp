@@ -22,10 +22,10 @@ constexpr double k_hello_timeout_s = 120;
 /// A rank leaves when it has run the block that it is at. One that is stopped, or on a host that
 /// hangs, would keep the job for ever.
 constexpr double k_leave_timeout_s = 20;
-/// Ranks have another block before them when they deliver one, so a delivery may lie this long:
-/// each look takes processor time from the threads that compute. Results of these threads wake at
-/// once.
-constexpr double k_coordinator_poll_s = 0.5e-3;
+/// A delivery may lie this long: most ranks have another block before them, but one that has run a
+/// whole ladder waits for an answer; and each look takes processor time from the threads that
+/// compute. Results of these threads wake at once.
+constexpr double k_coordinator_poll_s = 0.3e-3;
 
 std::size_t count_ranks() {
   int ranks = 0;
@@ -106,7 +106,7 @@ bool MpiCrew::dismiss() {
     } catch (const base::Error& failure) {
       spdlog::warn("after the run's end: {}", failure.what());
     }
-    if (left_ == others) drop_finished_sends();
+    if (left_ == others) finish_sends();
   }
   return left_ == others;
 }
@@ -213,6 +213,12 @@ void MpiCrew::send_to_rank(std::size_t rank, const schema::Message& message) {
   traffic_.bytes += pending.bytes->size();
   MPI_Isend(pending.bytes->data(), static_cast<int>(pending.bytes->size()), MPI_BYTE,
             static_cast<int>(rank), schema::k_message_tag, MPI_COMM_WORLD, &pending.request);
+}
+
+void MpiCrew::finish_sends() {
+  for (Send& pending : sends_)
+    MPI_Wait(&pending.request, MPI_STATUS_IGNORE);
+  sends_.clear();
 }
 
 void MpiCrew::drop_finished_sends() {

@@ -50,6 +50,8 @@ class MpiCrew final : public Crew {
   void poll_ranks(std::vector<core::Input>& inputs);
   void send_to_rank(std::size_t rank, const schema::Message& message);
   void drop_finished_sends();
+  /// REQUIRES: their receivers have had them.
+  void finish_sends();
 
   struct Rank {
     std::uint32_t threads = 0;    ///< 0 until its hello

@@ -20,6 +20,9 @@ namespace sleight::run {
 namespace {
 
 constexpr int k_coordinator_rank = 0;
+/// Looks for a message are spread so that one is found at most a tenth later than it came: a rank
+/// that runs a whole ladder has nothing to do before its next block is there.
+constexpr double k_backoff_growth = 1.1;
 
 /// Messages on their way to rank 0. A large one takes until that rank looks for it: to wait for
 /// that would spin on a core that could compute.
@@ -73,7 +76,7 @@ std::optional<base::Result<schema::Message, std::string>> next_message(bool wait
     if (arrived != 0) return receive(status);
     if (!waits) return std::nullopt;
     std::this_thread::sleep_for(std::chrono::duration<double>(backoff_s));
-    backoff_s = std::min(2 * backoff_s, schema::k_poll_interval_s_max);
+    backoff_s = std::min(k_backoff_growth * backoff_s, schema::k_poll_interval_s_max);
   }
 }
 

@@ -45,7 +45,7 @@ struct Case {
 Case random_case(Dice& dice) {
   Case made;
   made.tempers = dice.once_in(2);
-  made.chains = static_cast<std::uint32_t>(1 + dice.below(made.tempers ? 2 : 8));
+  made.chains = static_cast<std::uint32_t>(1 + dice.below(made.tempers ? 4 : 8));
   made.ladder.first_ladder = sampling::first_ladder(static_cast<std::uint32_t>(2 + dice.below(5)));
   made.ladder.levels_max = 8;
   made.ladder.round_scans = 1 + dice.below(20);
@@ -398,9 +398,8 @@ TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
   for (const std::uint64_t count :
        {counts.blocks, counts.copies, counts.refused, counts.states_sent, counts.states_held,
         counts.states_missing, happened.lost, happened.doubled, happened.joined_anew,
-        happened.came_back, happened.left, happened.asked})
+        happened.came_back, happened.left, happened.asked, happened.several})
     EXPECT_GT(count, k_cases / 2);
-  EXPECT_GT(happened.several, k_cases / 10);  // ladders are split where threads are many
 }
 
 TEST(SchedulerProperty, EndsAfterAStop) {
