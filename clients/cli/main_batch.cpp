@@ -3,16 +3,16 @@
 #include <fmt/format.h>
 #include <mpi.h>
 #include <spdlog/spdlog.h>
-#include <sys/prctl.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <optional>
+#include <sstream>
 #include <string>
 
+#include "clients/cli/end_with_mpirun.h"
 #include "clients/cli/main_run.h"
 #include "clients/cli/output.h"
 #include "common/base/check.h"
@@ -29,8 +29,16 @@
 namespace sleight::programs {
 namespace {
 
+/// Of this process in its job, as mpirun or srun says; none: there is no job.
+std::optional<std::string> rank_by_environment() {
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK"}) {
+    if (const char* rank = std::getenv(name)) return rank;
+  }
+  return std::nullopt;
+}
+
 bool started_by_mpirun() {
-  return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr || std::getenv("PMIX_RANK") != nullptr;
+  return rank_by_environment().has_value();
 }
 
 schema::Hello hello_of(const request::DirectionRequest& request) {
@@ -131,7 +139,9 @@ int main_of(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
+    std::ostringstream unheard;  // all ranks have the same to say
+    const bool speaks = rank_by_environment().value_or("0") == "0";
+    const int code = speaks ? app.exit(error) : app.exit(error, unheard, unheard);
     return code == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
   }
   base::log_to_stderr("sleight-batch", false);
@@ -148,7 +158,6 @@ int main_of(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   sleight::cli::occupy_standard_streams();
-  // A rank must not outlive the mpirun that started it.
-  if (sleight::programs::started_by_mpirun()) prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (sleight::programs::started_by_mpirun()) sleight::cli::end_with_mpirun();
   return sleight::programs::main_of(argc, argv);
 }

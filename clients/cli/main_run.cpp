@@ -86,11 +86,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return;
   }
-  if (summary.scans == 0 && summary.end == coordinator::DriveEnd::finished) {
-    fmt::print(
-        "The burn-in takes more scans than [stop] allows, so there is no draw and no archive: "
-        "ask for more scans, or for fewer burn_in_rounds or anneal_scans.\n");
-  } else if (summary.scans == 0) {
+  if (summary.scans == 0) {
     fmt::print("Stopped before every chain had its first draw: no archive yet.\n");
   } else {
     fmt::print("{}: {} chains of {} scans, seed {}, digest {}\n", arguments.output,

@@ -96,6 +96,8 @@ class UnitWorker {
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
   /// The same from the sample that this worker holds since it ran the unit before, if it does.
   virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }
+  /// Whether it has that sample now. REQUIRES: !unit.starts.
+  virtual bool holds(const Unit&) const { return false; }
   virtual CacheUse cache_use() const { return {}; }
 };
 

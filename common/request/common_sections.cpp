@@ -108,7 +108,8 @@ void bind_stop(Binder& stop, StopRule& p) {
                         {.minimum = 1,
                          .maximum = static_cast<std::int64_t>(k_scans_max),
                          .unit = "scans",
-                         .help = "ends after so many scans of each chain"});
+                         .help = "ends after so many scans of each chain, annealing and burn-in "
+                                 "included"});
   stop.optional_integer("rounds", p.rounds,
                         {.minimum = 1,
                          .maximum = k_rounds_max,

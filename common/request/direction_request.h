@@ -71,10 +71,14 @@ struct SamplerParameters {
   friend bool operator==(const SamplerParameters&, const SamplerParameters&) = default;
 };
 
+/// Scans of each chain before those whose states count: of annealing, and of a burn-in.
+std::uint64_t scans_before_draws(const SamplerParameters& sampler);
+
 /// At least one is given. Each is judged logically, never by a clock. The scans of `rounds` rounds,
 /// round_scans * (2^rounds - 1), are at most k_scans_max too.
 struct StopRule {
-  std::optional<std::uint64_t> scans;   ///< of each chain, its start (scan 0) included
+  /// Of each chain, its start (scan 0) included; more than scans_before_draws.
+  std::optional<std::uint64_t> scans;
   std::optional<std::uint32_t> rounds;  ///< of each chain
   /// Lineages with a satisfying animation, over all chains, judged at the ends of rounds.
   std::optional<std::uint32_t> independent_solutions;

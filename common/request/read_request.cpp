@@ -151,6 +151,21 @@ bool is_mentioned(const Document& document, std::string_view section) {
                      [&](const Entry& entry) { return entry.key == section; });
 }
 
+/// Some scan is left to count.
+void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& request) {
+  for (const char* key : {"method", "round_scans", "burn_in_rounds", "anneal_scans"}) {
+    if (!sampler.valid(key)) return;
+  }
+  if (!stop.valid("scans") || !request.stop.scans) return;
+  const std::uint64_t before = scans_before_draws(request.sampler);
+  if (*request.stop.scans > before) return;
+  stop.error("scans",
+             fmt::format("expected more than {}, which annealing and burn-in take of each chain "
+                         "before its first animation counts, found {}; ask for more scans, or for "
+                         "less anneal_scans, burn_in_rounds or round_scans in [sampler]",
+                         before, *request.stop.scans));
+}
+
 void check_stop(const Document& document, Binder& stop, const Binder& sampler,
                 const DirectionRequest& request, Diagnostics& diagnostics) {
   // Some rule ends the run.
@@ -179,6 +194,8 @@ void check_stop(const Document& document, Binder& stop, const Binder& sampler,
     }
   }
 
+  check_scans(stop, sampler, request);
+
   // So many lineages can exist.
   const bool plain_chains = request.sampler.method == Method::metropolis_hastings;
   if (request.stop.independent_solutions && plain_chains && sampler.valid("method") &&
@@ -205,6 +222,14 @@ std::vector<NormalisedSection> normalised_sections(const SectionBinders& section
 }
 
 }  // namespace
+
+std::uint64_t scans_before_draws(const SamplerParameters& sampler) {
+  const bool burns_in =
+      sampler.method != Method::metropolis_hastings && sampler.method != Method::parallel_tempering;
+  const std::uint32_t rounds = burns_in ? sampler.burn_in_rounds.value_or(k_burn_in_rounds) : 0;
+  return sampler.anneal_scans.value_or(0) +
+         sampler.round_scans * ((std::uint64_t{1} << rounds) - 1);
+}
 
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds) {

@@ -51,6 +51,11 @@ std::optional<plan::UnitResult> HashWorker::run_from_held(const plan::Unit& unit
   return go_on(unit, *std::move(held));
 }
 
+bool HashWorker::holds(const plan::Unit& unit) const {
+  if (options_.mistake == Mistake::any_version) return any_version_.contains(unit.replica);
+  return held_.holds(unit.replica, unit.first_scan.value);
+}
+
 std::optional<base::Bytes> HashWorker::take(const plan::Unit& unit) const {
   if (options_.mistake != Mistake::any_version)
     return held_.take(unit.replica, unit.first_scan.value);

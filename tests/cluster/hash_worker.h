@@ -47,6 +47,7 @@ class HashWorker final : public plan::UnitWorker {
 
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override;
   std::optional<plan::UnitResult> run_from_held(const plan::Unit& unit) const override;
+  bool holds(const plan::Unit& unit) const override;
   plan::CacheUse cache_use() const override { return held_.use(); }
 
  private:

@@ -38,10 +38,12 @@ def environment():
             "ASAN_OPTIONS": "detect_leaks=0"}
 
 
-def batch(ranks, request, output, *args, folder=None):
-    """The command line of a batch job whose files of Open MPI's lie in `folder`."""
-    own = [] if folder is None else ["--mca", "orte_tmpdir_base", str(folder),
-                                     "--mca", "btl_vader_backing_directory", str(folder)]
+def batch(ranks, request, output, *args, folder=None, files=None):
+    """The command line of a batch job. In `folder` lie the files of Open MPI's, those that back its
+    memory included; in `files` all but these."""
+    own = [] if folder is None else ["--mca", "btl_vader_backing_directory", str(folder)]
+    if folder or files:
+        own += ["--mca", "orte_tmpdir_base", str(folder or files)]
     return [*MPIRUN, *own, "-n", str(ranks), program("sleight-batch"), str(request), "-o",
             str(output), *args]
 

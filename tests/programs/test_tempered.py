@@ -162,10 +162,23 @@ rounds = 3
             self.assertEqual(output.read_bytes(), one.read_bytes(), way)
 
     def test_stopping_in_the_burn_in_leaves_no_archive(self):
-        request = self.request("simulated_tempering", 100)
-        result = self.direct(request, self.path("early.h5"), "--json")
+        # One scan of the first chain's burn-in takes longer than the run may.
+        request = self.request("simulated_tempering", 1000, iterations=1000000)
+        output = self.path("early.h5")
+        result = self.direct(request, output, "--time-limit", "0.2s", "--json")
         self.assertEqual(json.loads(result.stdout)["archive"], "")
-        self.assertFalse(self.path("early.h5").exists())
+        self.assertFalse(output.exists())
+        result = self.direct(request, output, "--time-limit", "0.2s")
+        self.assertIn("Stopped before every chain had its first draw", result.stdout)
+
+    def test_a_run_within_its_burn_in_is_refused(self):
+        request = self.request("simulated_tempering", BURN_IN)
+        result = harness.sleight("direct", request, "-o", self.path("none.h5"))
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn(f"request.toml:14:1: 'scans' in [stop]: expected more than {BURN_IN}",
+                      result.stderr)
+        self.direct(self.request("simulated_tempering", BURN_IN + 1), self.path("some.h5"))
+        self.assertEqual(self.info(self.path("some.h5"))["scans"], 1)
 
 
 if __name__ == "__main__":

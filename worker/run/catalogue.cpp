@@ -34,17 +34,6 @@ std::vector<bool> kinds_with_scale_of(const T& world) {
   return kinds;
 }
 
-/// Scans before those whose states count: of annealing, and of a burn-in.
-std::uint64_t scans_before(const request::SamplerParameters& sampler) {
-  const bool burns_in = sampler.method != request::Method::metropolis_hastings &&
-                        sampler.method != request::Method::parallel_tempering;
-  return sampler.anneal_scans.value_or(0) +
-         (burns_in
-              ? sampling::scans_through_round(
-                    sampler.round_scans, sampler.burn_in_rounds.value_or(request::k_burn_in_rounds))
-              : 0);
-}
-
 ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                                   const WorkerResources& resources) {
   const request::SamplerParameters& sampler = request.sampler;
@@ -55,7 +44,7 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
   return {.seed = sampler.seed,
           .iterations_per_scan = sampler.iterations_per_scan,
           .thin = scans_are_draws ? request.output.thin : 1,
-          .first_draw = scans_before(sampler),
+          .first_draw = request::scans_before_draws(sampler),
           .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0,
           .cache_bytes_max = resources.cache_bytes_max};
 }

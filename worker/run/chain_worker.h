@@ -73,6 +73,11 @@ class ChainWorker final : public plan::UnitWorker {
     return go_on(unit, std::move(held));
   }
 
+  bool holds(const plan::Unit& unit) const override {
+    CHECK(!unit.starts);
+    return cache_.holds(unit.replica, unit.first_scan.value);
+  }
+
   plan::CacheUse cache_use() const override { return cache_.use(); }
 
  private:

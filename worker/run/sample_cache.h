@@ -41,6 +41,12 @@ class SampleCache {
     return sample;
   }
 
+  bool holds(const plan::ReplicaKey& replica, std::uint64_t next_scan) const {
+    const std::scoped_lock lock(mutex_);
+    const auto found = entries_.find(replica);
+    return found != entries_.end() && found->second.next_scan == next_scan;
+  }
+
   /// `bytes`: what the sample takes up, all that it owns included.
   void put(const plan::ReplicaKey& replica, std::uint64_t next_scan, Sample sample,
            std::size_t bytes) {

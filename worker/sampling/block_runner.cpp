@@ -34,8 +34,13 @@ class PartRun {
       seats_[i] = {.member = i, .scan = block.members[i].first_scan.value};
   }
 
-  /// False when a state is neither given nor held.
+  /// False when a state is neither given nor held: then nothing is run, as far as that is known
+  /// before.
   bool begin(const plan::Block& block, std::span<const plan::GivenState> states) {
+    for (std::size_t i = 0; i < seats_.size(); ++i) {
+      const plan::Unit& member = block.members[i];
+      if (!member.starts && !states[i] && !worker_.holds(member)) return false;
+    }
     for (std::size_t i = 0; i < seats_.size(); ++i) {
       std::optional<UnitResult> result = run_unit(worker_, block.members[i], states[i]);
       if (!result) return false;

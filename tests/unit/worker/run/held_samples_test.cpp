@@ -175,7 +175,11 @@ TEST(HeldSamples, AreOfOneReplicaAndScanAndTakenOnce) {
   EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 11, 2)));
   EXPECT_FALSE(worker.run_from_held(unit(key(1, 1), 10, 2)));
   EXPECT_FALSE(worker.run_from_held(unit(key(0, 0), 10, 2)));
+  EXPECT_FALSE(worker.holds(unit(key(0, 1), 9, 2)));
+  EXPECT_FALSE(worker.holds(unit(key(0, 0), 10, 2)));
+  EXPECT_TRUE(worker.holds(unit(key(0, 1), 10, 2)));
   EXPECT_TRUE(worker.run_from_held(unit(key(0, 1), 10, 2)));
+  EXPECT_FALSE(worker.holds(unit(key(0, 1), 10, 2)));
   EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 10, 2)));
   EXPECT_EQ(worker.cache_use().hits, 1U);
   EXPECT_EQ(worker.cache_use().misses, 6U);
@@ -209,6 +213,7 @@ TEST(HeldSamplesDeathTest, MisuseIsABug) {
   const ChainWorker<Ball2d> worker(Ball2d({}), {.seed = 1});
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 0, 1)), "check failed");
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 1, 0)), "check failed");
+  EXPECT_DEATH((void)worker.holds(unit(key(0), 0, 1)), "check failed");
 }
 
 TEST(HeldSamples, OwnedBytesCoverAllArrays) {

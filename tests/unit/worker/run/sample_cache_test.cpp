@@ -103,6 +103,10 @@ class PlainCache {
  public:
   using Sample = std::shared_ptr<int>;
   explicit PlainCache(std::size_t bytes_max) { use_.bytes_max = bytes_max; }
+  bool holds(const plan::ReplicaKey& replica, std::uint64_t scan) const {
+    const auto found = std::ranges::find(held_, replica, &Entry::replica);
+    return found != held_.end() && found->scan == scan;
+  }
   std::weak_ptr<int> take(const plan::ReplicaKey& replica, std::uint64_t scan) {
     const auto found = std::ranges::find(held_, replica, &Entry::replica);
     if (found == held_.end() || found->scan != scan) {
@@ -169,6 +173,7 @@ std::uint64_t first_difference(plan::CacheUse& use) {
     const plan::ReplicaKey replica =
         key(static_cast<std::uint32_t>(below(3)), static_cast<std::uint32_t>(below(3)));
     const std::uint64_t scan = below(2);
+    if (cache.holds(replica, scan) != plain.holds(replica, scan)) return step;
     if (below(2) == 0) {
       auto sample = std::make_shared<int>(static_cast<int>(step));
       all.emplace_back(sample);

@@ -198,9 +198,9 @@ void expect_same(const std::vector<plan::UnitResult>& a, const std::vector<plan:
 }
 
 TEST(BlockRunner, SaysNothingWithoutAllStates) {
-  // Goal: a block runs only if each state is given or held; what ran in vain before changes nothing
-  // of its results afterwards. Method: a ladder of five; every set of states given, on a worker
-  // that holds all, on one that holds none, and on that one again with all given.
+  // Goal: a block runs only if each state is given or held, and else nothing of it runs. Method: a
+  // ladder of five; every set of states given, on a worker that holds all, on one that holds none,
+  // and on that one again with all given.
   constexpr std::uint32_t k_levels = 5;
   const ScanByScan numbers({.seed = 3, .roughness = {5}});
   const RecordingWorker knowing(numbers);
@@ -220,6 +220,7 @@ TEST(BlockRunner, SaysNothingWithoutAllStates) {
     const BlockRunner on_fresh(fresh, clock, {});
     const bool has_all = given + 1 == 1U << k_levels;
     EXPECT_EQ(on_fresh.run(second.block, states).empty(), !has_all);
+    EXPECT_EQ(fresh.has_run(), has_all);
     expect_same(on_fresh.run(second.block, second.states), expected);
   }
   // A worker that holds nothing at all, and a unit alone.
