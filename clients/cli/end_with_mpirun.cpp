@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstring>
 
@@ -17,21 +18,22 @@ int parent_signal() {
 }
 
 /// As Open MPI 4 and 5 name the files that back a rank's memory.
-constexpr const char* k_segment_names[] = {"/vader_segment.", "/sm_segment."};
+constexpr const char* k_segment_names[] = {"vader_segment.", "sm_segment."};
 
 /// Removes the file that a line of /proc/self/maps names, if it is such a one.
 void unlink_segment(const char* line) {
   const char* path = std::strchr(line, '/');
   if (path == nullptr) return;
+  const char* file = std::strrchr(path, '/') + 1;
   for (const char* name : k_segment_names) {
-    if (std::strstr(path, name) != nullptr) unlink(path);
+    if (std::strncmp(file, name, std::strlen(name)) == 0) unlink(path);
   }
 }
 
-/// Async-signal-safe, so without streams or memory of its own. What is mapped is known to the
+/// Async-signal-safe, so without streams or memory from elsewhere. What is mapped is known to the
 /// kernel alone: Open MPI tells no names.
 void unlink_mapped_segments() {
-  static std::array<char, 16384> text;
+  std::array<char, 16384> text;
   const int maps = open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
   if (maps < 0) return;
   std::size_t held = 0;
@@ -51,7 +53,11 @@ void unlink_mapped_segments() {
   close(maps);
 }
 
+// The signal comes once for each thread of mpirun that ends, so to several threads at once.
+std::atomic_flag is_leaving = ATOMIC_FLAG_INIT;
+
 extern "C" void on_parent_gone(int) {
+  if (is_leaving.test_and_set()) return;
   unlink_mapped_segments();
   _exit(128 + SIGKILL);
 }
