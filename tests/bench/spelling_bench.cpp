@@ -35,8 +35,9 @@ std::vector<Spelling::State> full_states(const Spelling& world, std::uint64_t co
 
 using Simulate = worlds::spelling::Outcome (Spelling::*)(const Spelling::State&) const;
 
-void simulation(benchmark::State& state, Simulate simulate, std::uint64_t expected) {
-  const Spelling world{worlds::spelling::Parameters{}};
+void simulation(benchmark::State& state, Simulate simulate, worlds::spelling::Replays replays,
+                std::uint64_t expected) {
+  const Spelling world(worlds::spelling::Parameters{}, replays);
   const auto states = full_states(world, 200);
   ResultHash hash;
   for (std::size_t i = 0; i < 20; ++i) {
@@ -50,17 +51,22 @@ void simulation(benchmark::State& state, Simulate simulate, std::uint64_t expect
   state.SetItemsProcessed(state.iterations());
   verify(state, hash.value(), expected);
 }
-BENCHMARK_CAPTURE(simulation, decision, &Spelling::simulate, 0xcbb75db773a49fa5U)
+using worlds::spelling::Replays;
+BENCHMARK_CAPTURE(simulation, decision, &Spelling::simulate, Replays::no, 0xcbb75db773a49fa5U)
     ->Name("spelling_hi/decision")
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(simulation, rest, &Spelling::simulate_to_rest, 0x90497cb06cba6dfbU)
+/// The same with all that simulations of similar states need.
+BENCHMARK_CAPTURE(simulation, decision_told, &Spelling::simulate, Replays::yes, 0xcbb75db773a49fa5U)
+    ->Name("spelling_hi/decision_told")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(simulation, rest, &Spelling::simulate_to_rest, Replays::no, 0x90497cb06cba6dfbU)
     ->Name("spelling_hi/rest")
     ->Unit(benchmark::kMillisecond);
 
 /// A whole chain, as figure 2.8 shows it.
-void chain(benchmark::State& state) {
+void chain(benchmark::State& state, worlds::spelling::Replays replays) {
   constexpr std::uint64_t k_iterations = 20'000;
-  const Spelling world{worlds::spelling::Parameters{}};
+  const Spelling world(worlds::spelling::Parameters{}, replays);
   std::uint64_t result = 0;
   std::uint64_t simulated = 0;
   for (auto _ : state) {
@@ -77,7 +83,14 @@ void chain(benchmark::State& state) {
   state.counters["simulated"] = static_cast<double>(simulated);
   verify(state, result, 0x9cc1f7e24e4dac03U);
 }
-BENCHMARK(chain)->Name("spelling_hi/chain_20000")->Unit(benchmark::kSecond)->Iterations(1);
+BENCHMARK_CAPTURE(chain, replays, worlds::spelling::Replays::yes)
+    ->Name("spelling_hi/chain_20000")
+    ->Unit(benchmark::kSecond)
+    ->Iterations(1);
+BENCHMARK_CAPTURE(chain, fresh, worlds::spelling::Replays::no)
+    ->Name("spelling_hi/chain_20000_fresh")
+    ->Unit(benchmark::kSecond)
+    ->Iterations(1);
 
 }  // namespace
 }  // namespace sleight::bench

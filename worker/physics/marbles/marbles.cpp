@@ -11,6 +11,9 @@
 namespace sleight::physics {
 namespace {
 
+/// What Counts::work() takes a decision about rest for.
+constexpr std::uint64_t k_rest_work = 4;
+
 TouchBox touch_box_of(const Box& box) {
   TouchBox result;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -38,7 +41,8 @@ bool are_marbles(const Scene& scene) {
 }
 
 void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
-                    MarbleConfinement confinement, std::uint64_t work_max) {
+                    MarbleConfinement confinement, std::uint64_t work_max,
+                    const MarbleReplay& replay) {
   scene_ = &scene;
   near_ = &near;
   statics_ = &near.statics();
@@ -75,6 +79,7 @@ void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
   catches_up_ = false;
   counts_ = {};
   failure_.reset();
+  begin_replay(replay);
 }
 
 std::optional<SceneError> Marbles::run_until(Tick tick) {
@@ -100,6 +105,10 @@ void Marbles::process(const EventKey& event) {
                      seconds(event.tick - Tick{})));
     return;
   }
+  if (event.kind != EventKind::update) {
+    own_work_[ball] += event.kind == EventKind::rest ? k_rest_work : 1;
+    last_event_[ball] = event.tick;
+  }
   switch (event.kind) {
     case EventKind::start:
       start_ball(ball, event);
@@ -113,18 +122,28 @@ void Marbles::process(const EventKey& event) {
         collide(ball, event.higher, event.tick);
       }
       balls_changed();
+      tell_marks();
       return;
     case EventKind::mode:
       ++counts_.modes;
       change_mode(ball, event.tick);
       balls_changed();
+      tell_marks();
       return;
     case EventKind::rest:
       ++counts_.rest_decisions;
       if (rest(ball, event.tick) == 0) refresh_key(ball);
       balls_changed();
+      tell_marks();
       return;
     case EventKind::update:
+      if (replayed_[ball] != nullptr) {
+        goes_live(ball);
+      } else if (balls_[ball].suspended && !balls_[ball].resumes) {
+        balls_[ball].resumes = true;
+        to_resume_.push_back(ball);
+      }
+      return;
     case EventKind::control:
     case EventKind::sample:
       break;
@@ -142,6 +161,7 @@ void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
                                      .angular_velocity_radps = state.twist.angular_velocity_radps}};
   // Those that are left alone where it starts must be where they are by now.
   const TouchBox here = path_box_of(ball, event.tick, event.tick);
+  if (!replays_.empty()) comes_near_replayed(ball, here, event.tick, false);
   boxes_.for_each_overlapping(here, [&](std::uint32_t other) {
     if (!balls_[other].suspended || balls_[other].resumes) return;
     balls_[other].resumes = true;
@@ -158,6 +178,10 @@ void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
   balls_[ball].started = true;
   changed_.assign(1, ball);
   balls_changed();
+  if (records_) {
+    met_.assign(1, ball);
+    tell_marks();
+  }
 }
 
 /// What a ball that starts overlaps, by name; empty if nothing.
@@ -229,13 +253,22 @@ bool Marbles::suspend(std::uint32_t ball) {
     is_alone = !balls_[other].suspended && !path_meets(other, now_, next_of(other), confined, 0);
   });
   if (!is_alone) return false;
+  // The way of a replayed one is known, so when that comes near is, too.
+  const Tick disturbed = replayed_comes_near(confined);
+  if (disturbed <= now_) return false;
   boxes_.set(ball, confined);
-  Ball& left = balls_[ball];
+  Marble& left = balls_[ball];
   left.suspended = true;
   left.resumes = false;
+  if (records_) {
+    tell_part(ball, confined);
+    told_[ball].alone_from = std::min(told_[ball].alone_from, now_);
+  }
   left.static_tick = left.pair_tick = k_never;
   left.static_feature = partners_[ball] = k_none;
-  keys_[ball] = k_no_event;
+  keys_[ball] = disturbed == k_never
+                    ? k_no_event
+                    : EventKey{.tick = disturbed, .kind = EventKind::update, .lower = ball};
   ++counts_.suspensions;
   for (std::uint32_t other = 0; other < balls_.size(); ++other) {
     if (partners_[other] != ball) continue;
@@ -249,6 +282,7 @@ bool Marbles::suspend(std::uint32_t ball) {
 /// that is taking place.
 void Marbles::resume(const EventKey& present) {
   const Tick now = now_;
+  present_ = now;
   catches_up_ = true;
   while (!failure_) {
     if (!to_resume_.empty()) {
@@ -272,7 +306,7 @@ void Marbles::resume(const EventKey& present) {
 }
 
 void Marbles::refresh_key(std::uint32_t index) {
-  const Ball& ball = balls_[index];
+  const Marble& ball = balls_[index];
   EventKey best = k_no_event;
   const auto offer = [&](const EventKey& key) {
     if (key < best) best = key;

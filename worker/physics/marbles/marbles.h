@@ -14,6 +14,21 @@
 //      at rest overlap, or the two don't meet before the next event of one of them.
 //   3. A ball that is left alone is in its confinement, which no other ball's path comes near. It
 //      catches up with the present when one does: until then nothing else has touched it.
+//   4. What is replayed is not simulated, and makes no difference ("What stays the same", below).
+//
+// What stays the same. A simulation that records tells, of each ball, its story: the boxes that it
+// was in, whom it met and when, and now and then all that goes on from there (marble_story.h). One
+// of a scene that differs in some balls, or in static geometry here and there, can be given these
+// stories. A ball that has one is replayed, which costs nothing, up to the least of
+//   - a part of its way on which the scene differs;
+//   - a meeting with a ball that isn't replayed;
+//   - a part of its way that the path of a ball which isn't replayed comes near;
+//   - the story's end, if the ball doesn't stay where it is.
+// Then it goes on from the last mark before: between that and the present it is alone with static
+// geometry, so that catching up changes nothing for others. Stories keep so many marks, and where
+// one is missing the simulation gives up; so it does with any error, and where it takes a good part
+// of the work that it may: is_replay_void(), and only a simulation of everything knows.
+//
 // Nothing is allocated after start once lists have grown. Cost: some 6,000 instructions per event
 // among ten balls, below 1 microsecond; of n balls some 10 n more. Thread safety: none.
 #pragma once
@@ -21,6 +36,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +45,7 @@
 #include "worker/physics/broad_phase/box.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/marbles/ball_boxes.h"
+#include "worker/physics/marbles/marble_story.h"
 #include "worker/physics/marbles/near_features.h"
 #include "worker/physics/marbles/path_bounds.h"
 #include "worker/physics/marbles/surroundings.h"
@@ -51,6 +68,20 @@ using MarbleConfinement =
 /// that don't draw their starts again; no controls, no periods.
 bool are_marbles(const Scene& scene);
 
+/// By ball; null where nothing is known, or the ball itself is another one.
+using MarbleStories = std::vector<std::shared_ptr<const MarbleStory>>;
+
+/// What is known before a simulation begins, and what shall be known afterwards.
+struct MarbleReplay {
+  const MarbleStories* stories = nullptr;  ///< of all balls, of a simulation that is over
+  /// What a ball overlaps, with all of itself, that meets something of static geometry that is
+  /// otherwise than in that simulation.
+  std::span<const TouchBox> changed{};
+  /// The same of one whose confinement is another one.
+  std::span<const TouchBox> changed_confinements{};
+  bool records = false;
+};
+
 class Marbles {
  public:
   /// Events so far.
@@ -72,7 +103,8 @@ class Marbles {
   /// are wedged collide some million times in a second. REQUIRES: are_marbles(scene);
   /// error_of(scene) has none; `near` is of this scene's static geometry and radius.
   void start(const Scene& scene, const NearFeatures& near, Tick end,
-             MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX);
+             MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX,
+             const MarbleReplay& replay = {});
   /// Processes all events up to and at a tick. Nothing if all went well; the engine stays where it
   /// is after an error. REQUIRES: not beyond the end.
   std::optional<SceneError> run_until(Tick tick);
@@ -93,37 +125,18 @@ class Marbles {
   Twist twist(BodyId marble) const { return twist_at(marble.value, now_); }
   const Counts& counts() const { return counts_; }
 
+  /// The story that a ball is replayed by at present, null if by none: then nothing of the above
+  /// may be asked for.
+  const MarbleStory* replayed(BodyId marble) const { return replayed_[marble.value].get(); }
+  /// Simulates a ball from the present on.
+  void stop_replay(BodyId marble);
+  /// Whether what happened isn't known to be what would happen without stories.
+  bool is_replay_void() const;
+  /// What has happened so far: of all balls. REQUIRES: it records; the replay isn't void.
+  MarbleStories stories() const;
+
  private:
-  static constexpr std::uint32_t k_none = UINT32_MAX;
-  struct Ball {
-    Segment segment;
-    // What it stays on, in contact.
-    std::array<std::uint32_t, 3> supports{};
-    std::uint32_t support_count = 0;
-    std::uint32_t leaves = k_none;  ///< the one whose region its centre leaves at mode_end, if any
-    Tick mode_end = k_never;
-    Vec3 half_way = Vec3::Zero();      ///< of a piece over an edge (lasting_contact.h)
-    Tick met_body{-k_tick_max.value};  ///< when it last collided with another ball
-    enum class Stance : std::uint8_t { unknown, stands, moves };
-    Stance stance = Stance::unknown;  ///< on its supports, where it was when it was last asked for
-    Tick stance_tick{};
-    // What it does next.
-    Tick static_tick = k_never;
-    std::uint32_t static_feature = k_none;
-    std::uint32_t last_feature = k_none;  ///< that it collided with
-    Tick pair_tick = k_never;
-    // Collisions at one tick, and in a window.
-    Tick at_tick{-1};
-    std::uint32_t at_tick_count = 0;
-    std::uint32_t window_count = 0;
-    Tick window{};
-    bool started = false;
-    bool suspended = false;
-    bool resumes = false;
-    std::span<const std::uint32_t> all_supports() const {
-      return std::span(supports).first(support_count);
-    }
-  };
+  static constexpr std::uint32_t k_none = Marble::k_none;
 
   // State.
   bool is_resting(std::uint32_t ball) const {
@@ -131,7 +144,7 @@ class Marbles {
   }
   /// Up to when a ball's present motion goes on, other balls apart; of one at rest, the present.
   Tick next_of(std::uint32_t ball) const {
-    const Ball& own = balls_[ball];
+    const Marble& own = balls_[ball];
     return is_resting(ball) ? now_ : std::min({own.static_tick, own.mode_end, end_});
   }
   Twist twist_at(std::uint32_t ball, Tick tick) const;
@@ -172,6 +185,21 @@ class Marbles {
   bool has_left(std::uint32_t ball, Tick tick);
   double hop_speed_mps() const { return k_hop_share * scene_->slow.separation_speed_mps; }
 
+  // What is told and replayed (marbles_stories.cpp).
+  void begin_replay(const MarbleReplay& replay);
+  void begin_story(std::uint32_t ball);
+  void tell_part(std::uint32_t ball, const TouchBox& box);
+  void tell_meeting(std::uint32_t a, std::uint32_t b);
+  void tell_marks();
+  MarbleStory::Mark mark_in(MarbleStory& story, std::uint32_t ball, Tick tick) const;
+  void goes_live(std::uint32_t ball);
+  void goes_live_by(std::uint32_t ball, Tick tick);
+  void hasten(std::size_t from);
+  void comes_near_replayed(std::uint32_t ball, const TouchBox& box, Tick to, bool is_path);
+  Tick replayed_comes_near(const TouchBox& box) const;
+  /// The tick of what takes place, also while some catch up with it.
+  Tick present() const { return catches_up_ ? present_ : now_; }
+
   // When balls meet something (marbles_predictions.cpp).
   void predict_static(std::uint32_t ball);
   struct Window;
@@ -203,7 +231,7 @@ class Marbles {
   TickCount alone_for_ = 0;
   bool contacts_last_ = false;
 
-  std::vector<Ball> balls_;
+  std::vector<Marble> balls_;
   std::vector<Surroundings> surroundings_;
   BallBoxes boxes_;                      ///< of paths, or of confinements
   std::vector<EventKey> keys_;           ///< of each ball's next event
@@ -213,6 +241,19 @@ class Marbles {
   std::vector<std::uint32_t> changed_;
   std::vector<std::uint32_t> to_resume_;
   bool catches_up_ = false;
+  Tick present_{};  ///< that they catch up with
+  // Stories.
+  bool records_ = false;
+  std::vector<MarbleStory> told_;        ///< of those that are simulated, if it records
+  std::vector<std::uint32_t> met_;       ///< at the present event
+  MarbleStories replayed_;               ///< null: simulated
+  std::vector<std::uint32_t> replays_;   ///< those that aren't null, ascending
+  std::vector<std::uint64_t> own_work_;  ///< by ball: of events of which it is the lower one
+  std::vector<Tick> last_event_;         ///< by ball
+  std::vector<std::pair<std::uint32_t, Tick>> hastened_;  ///< scratch: who goes live by when
+  std::uint64_t replayed_work_ = 0;  ///< of events before the marks that some went on from
+  bool has_replayed_ = false;
+  bool lacks_mark_ = false;
   Counts counts_;
   std::optional<SceneError> failure_;
 };

@@ -36,11 +36,12 @@ Twist Marbles::twist_at(std::uint32_t ball, Tick tick) const {
 }
 
 void Marbles::begin_segment(std::uint32_t index, const Segment& segment) {
-  Ball& ball = balls_[index];
+  Marble& ball = balls_[index];
   ball.segment = segment;
   ball.support_count = 0;
-  ball.stance = Ball::Stance::unknown;
+  ball.stance = Marble::Stance::unknown;
   ball.mode_end = k_never;
+  last_event_[index] = segment.flight.begin;
   changed_.push_back(index);
 }
 
@@ -65,7 +66,7 @@ ContactLaw Marbles::law_of(MaterialId other, bool plastic) const {
 }
 
 std::uint32_t Marbles::count_at(std::uint32_t index, Tick tick) {
-  Ball& ball = balls_[index];
+  Marble& ball = balls_[index];
   ball.at_tick_count = ball.at_tick == tick ? ball.at_tick_count + 1 : 1;
   ball.at_tick = tick;
   const auto note = [&](std::string what) {
@@ -99,6 +100,7 @@ void Marbles::collide(std::uint32_t a, std::uint32_t b, Tick tick) {
   const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
   const ContactLaw law = law_of(material_, plastic);
   recent_.note(a, b, tick, gap_m);
+  if (records_) tell_meeting(a, b);
   if (contacts_last_) balls_[a].met_body = balls_[b].met_body = tick;
   bool a_rests = is_resting(a);
   bool b_rests = is_resting(b);
@@ -224,7 +226,7 @@ void Marbles::begin_on_faces(std::uint32_t index, std::span<const std::uint32_t>
     return;
   }
   begin_segment(index, stay->segment);
-  Ball& ball = balls_[index];
+  Marble& ball = balls_[index];
   for (std::size_t i = 0; i < features.size(); ++i) {
     if ((stay->subset >> i & 1U) != 0) ball.supports[ball.support_count++] = features[i];
   }
@@ -254,7 +256,7 @@ void Marbles::begin_caught(std::uint32_t index, std::uint32_t feature, const Vec
 
 void Marbles::change_mode(std::uint32_t index, Tick tick) {
   changed_.clear();
-  const Ball& ball = balls_[index];
+  const Marble& ball = balls_[index];
   const bool rolled = ball.segment.mode == MotionMode::rolling;
   const Twist twist = twist_at(index, tick);
   const Vec3 place_m = place_at(index, tick);
@@ -277,7 +279,12 @@ void Marbles::change_mode(std::uint32_t index, Tick tick) {
 std::size_t Marbles::rest(std::uint32_t index, Tick tick) {
   changed_.clear();
   const auto present = [&](std::uint32_t member) {
-    Ball& ball = balls_[member];
+    if (records_) {
+      if (member != index) tell_meeting(index, member);
+      resting_.for_each_partner(member, tick,
+                                [&](std::uint32_t partner) { tell_meeting(member, partner); });
+    }
+    Marble& ball = balls_[member];
     Resting::Present state{.speed_mps = fastest_point_mps(radius_m_, twist_at(member, tick)),
                            .weight_n = inertia_.mass_kg * scene_->gravity_mps2,
                            .reach_m = radius_m_,
@@ -300,13 +307,13 @@ std::size_t Marbles::rest(std::uint32_t index, Tick tick) {
                       std::ranges::all_of(ball.all_supports(), [&](std::uint32_t feature) {
                         return statics_->feature(feature).kind == FeatureKind::face;
                       });
-    if (ball.stance == Ball::Stance::unknown || !same) {
+    if (ball.stance == Marble::Stance::unknown || !same) {
       ball.stance_tick = tick;
       const bool stands =
           stands_on(round_, std::span(contacts).first(ball.support_count), scene_->gravity_mps2);
-      ball.stance = stands ? Ball::Stance::stands : Ball::Stance::moves;
+      ball.stance = stands ? Marble::Stance::stands : Marble::Stance::moves;
     }
-    if (ball.stance == Ball::Stance::stands) {
+    if (ball.stance == Marble::Stance::stands) {
       state.stance = Resting::Stance::holds;
     } else if (resting_.touched_only(member, tick, ball.all_supports())) {
       state.stance = Resting::Stance::slides;
@@ -330,6 +337,7 @@ std::size_t Marbles::rest(std::uint32_t index, Tick tick) {
 void Marbles::wake_dependents(std::uint32_t ball, Tick tick) {
   for (const std::uint32_t dependent : resting_.wake(ball)) {
     if (!is_resting(dependent)) continue;
+    if (records_) tell_meeting(ball, dependent);
     begin_after(dependent, place_at(dependent, tick), {}, tick);
     resting_.woke(dependent, tick, {place_at(dependent, tick), Quat::Identity()});
   }

@@ -198,12 +198,13 @@ struct Marbles::Window {
 /// When a ball whose motion has changed now meets static geometry, and the box of its path up to
 /// its next event.
 void Marbles::predict_static(std::uint32_t index) {
-  Ball& ball = balls_[index];
+  Marble& ball = balls_[index];
   ball.static_tick = k_never;
   ball.static_feature = k_none;
   const FreeFlight& flight = ball.segment.flight;
   if (ball.segment.mode == MotionMode::resting) {
     boxes_.set(index, path_box_of(index, now_, now_));
+    if (records_) tell_part(index, boxes_.of(index));
     return;
   }
   // What it stays on it doesn't meet before its mode event. What it has just left is often what it
@@ -298,6 +299,7 @@ void Marbles::predict_static(std::uint32_t index) {
   } else {
     boxes_.set(index, path_box_of(index, now_, next_of(index)));
   }
+  if (records_) tell_part(index, boxes_.of(index));
 }
 
 /// A search takes some ticks; so many mean that a bound is wrong.
@@ -398,6 +400,10 @@ void Marbles::predict_pairs(std::uint32_t index) {
   boxes_.for_each_overlapping(own, [&](std::uint32_t other) {
     if (other != index) comes_near(index, own, other);
   });
+  if (!replays_.empty()) {
+    const bool rests = is_resting(index);
+    comes_near_replayed(index, own, rests ? end_ : next_of(index), !rests);
+  }
 }
 
 /// A ball's path comes near another one's, or near its confinement.
@@ -418,6 +424,43 @@ void Marbles::comes_near(std::uint32_t index, const TouchBox& own, std::uint32_t
   if (tick >= balls_[index].pair_tick) return;
   balls_[index].pair_tick = tick;
   partners_[index] = other;
+}
+
+/// A ball is in a box from now to a tick, or, if that is its path, where that takes it.
+void Marbles::comes_near_replayed(std::uint32_t index, const TouchBox& box, Tick to, bool is_path) {
+  const Tick from = present();
+  if (to < from) return;
+  const double reach_m = 2 * (radius_m_ + k_place_pad_m);
+  const std::size_t found = hastened_.size();
+  for (const std::uint32_t other : replays_) {
+    const auto& parts = replayed_[other]->parts;
+    auto part = std::ranges::upper_bound(parts, from, {}, &MarbleStory::Part::begin);
+    if (part != parts.begin()) --part;
+    for (; part != parts.end() && part->begin <= to; ++part) {
+      if (!overlaps(box, part->box) || apart_m2(box, part->box, radius_m_) > reach_m * reach_m)
+        continue;
+      const Tick begin = std::max(from, part->begin);
+      const Tick end = part + 1 == parts.end() ? to : std::min(to, (part + 1)->begin);
+      if (is_path && !path_meets(index, begin, end, part->box, 0)) continue;
+      hastened_.emplace_back(other, begin);
+      break;
+    }
+  }
+  hasten(found);
+}
+
+/// When a ball that is replayed is first in a box, as far as its story goes; k_never if never.
+Tick Marbles::replayed_comes_near(const TouchBox& box) const {
+  Tick first = k_never;
+  for (const std::uint32_t other : replays_) {
+    const auto& parts = replayed_[other]->parts;
+    auto part = std::ranges::upper_bound(parts, now_, {}, &MarbleStory::Part::begin);
+    if (part != parts.begin()) --part;
+    for (; part != parts.end() && part->begin < first; ++part) {
+      if (overlaps(box, part->box)) first = std::max(now_, part->begin);
+    }
+  }
+  return first;
 }
 
 Refractory Marbles::refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const {

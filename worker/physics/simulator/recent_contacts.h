@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <iterator>
+#include <span>
 #include <vector>
 
 #include "worker/physics/event/tick.h"
@@ -35,6 +37,26 @@ class RecentContacts {
   /// Bodies have no contacts. With 0 bodies there is no refractory time.
   void reset(std::size_t bodies) { of_body_.assign(bodies, {}); }
   bool enabled() const { return !of_body_.empty(); }
+
+  /// A collision with a partner.
+  struct Entry {
+    std::uint32_t partner = UINT32_MAX;
+    Tick tick{-1};
+    double gap_m = 0;
+  };
+  /// Appends all that is known of a body, for a simulation that goes on from here; how much.
+  std::size_t remember(std::uint32_t body, std::vector<Entry>& entries) const {
+    if (!enabled()) return 0;
+    const std::size_t before = entries.size();
+    std::ranges::copy_if(of_body_[body].entries, std::back_inserter(entries),
+                         [](const Entry& entry) { return entry.partner != UINT32_MAX; });
+    return entries.size() - before;
+  }
+  void restore(std::uint32_t body, std::span<const Entry> entries) {
+    if (!enabled()) return;
+    of_body_[body] = {};
+    std::ranges::copy(entries, of_body_[body].entries.begin());
+  }
 
   /// A collision of a body with a partner, by an id of the caller's choice.
   void note(std::uint32_t body, std::uint32_t partner, Tick tick, double gap_m) {
@@ -67,11 +89,6 @@ class RecentContacts {
   static constexpr std::size_t k_partners = 16;
   /// Rounding of distances at coordinates of some metres.
   static constexpr double k_least_step_m = 2e-14;
-  struct Entry {
-    std::uint32_t partner = UINT32_MAX;
-    Tick tick{-1};
-    double gap_m = 0;
-  };
   struct Ring {
     std::array<Entry, k_partners> entries;
   };

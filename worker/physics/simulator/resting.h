@@ -137,6 +137,16 @@ class Resting {
     });
   }
 
+  /// Calls visit(partner) for each other body that a body touched in the last rest_time_s, more
+  /// than once perhaps: on their rest its own hangs, too.
+  template <class Visit>
+  void for_each_partner(std::uint32_t body, Tick now, const Visit& visit) const {
+    for (const TouchRecord& touch : logs_[body].touches()) {
+      if (touch.partner != k_static_partner && now - touch.tick <= rest_span())
+        visit(touch.partner);
+    }
+  }
+
   /// When the body asks next whether it may rest; k_never if it isn't slow.
   Tick due(std::uint32_t body) const { return logs_[body].due; }
 
@@ -157,14 +167,21 @@ class Resting {
   /// It is in no place any more.
   void leave(std::uint32_t body) { logs_[body].in_place = logs_[body].has_place = false; }
 
+  /// All that is known of a body, for a simulation that goes on from here. What it touched lies in
+  /// a list that memories share, since most touched little.
+  class Memory;
+  using TouchList = std::vector<TouchRecord>;
+  Memory memory(std::uint32_t body, TouchList& touches) const;
+  void restore(std::uint32_t body, const Memory& memory, const TouchList& touches);
+
  private:
-  struct Log {
+  /// Of a body, but for what it touched and for what a decision notes on its way.
+  struct Known {
     Tick slow_since = k_never;
     Tick counted_since{};  ///< slow_collisions are counted from here
     Tick due = k_never;
     std::uint32_t slow_collisions = 0;
     std::uint32_t count = 0;  ///< of records
-    std::array<TouchRecord, k_records> records;
     std::uint32_t supporter_count = 0;
     std::array<std::uint32_t, k_records> supporters{};  ///< of a resting body
     bool rests = false;
@@ -173,6 +190,14 @@ class Resting {
     Pose place{};
     Tick stays_since = k_never;  ///< slow, and about there all the time; as decisions found it
     Vec3 stays_at_m = Vec3::Zero();
+
+    bool leans_on(std::uint32_t other) const {
+      const auto end = supporters.begin() + supporter_count;
+      return std::find(supporters.begin(), end, other) != end;
+    }
+  };
+  struct Log : Known {
+    std::array<TouchRecord, k_records> records;
     // Of the last decision in which the body was looked at.
     bool candidate = false;  ///< it may rest, as far as is known
     std::uint32_t carried = 0;
@@ -180,10 +205,6 @@ class Resting {
     Present state{};
 
     std::span<const TouchRecord> touches() const { return {records.data(), count}; }
-    bool leans_on(std::uint32_t other) const {
-      const auto end = supporters.begin() + supporter_count;
-      return std::find(supporters.begin(), end, other) != end;
-    }
   };
 
   /// Which of some contacts, as bits.
@@ -221,6 +242,36 @@ class Resting {
   std::vector<std::uint32_t> set_;  ///< scratch
   std::uint64_t round_ = 0;         ///< decisions so far
 };
+
+class Resting::Memory {
+ public:
+  /// Whether the body rested, on that other one among others.
+  bool rests_on(std::uint32_t other) const { return known_.rests && known_.leans_on(other); }
+
+ private:
+  friend class Resting;
+  Known known_;
+  std::size_t first_touch_ = 0;  ///< of known_.count in the list
+};
+
+inline Resting::Memory Resting::memory(std::uint32_t body, TouchList& touches) const {
+  Memory memory;
+  if (!enabled()) return memory;
+  const Log& log = logs_[body];
+  memory.known_ = log;
+  memory.first_touch_ = touches.size();
+  touches.insert(touches.end(), log.records.begin(), log.records.begin() + log.count);
+  return memory;
+}
+
+inline void Resting::restore(std::uint32_t body, const Memory& memory, const TouchList& touches) {
+  if (!enabled()) return;
+  Log& log = logs_[body];
+  log = {};
+  static_cast<Known&>(log) = memory.known_;
+  std::copy_n(touches.begin() + static_cast<std::ptrdiff_t>(memory.first_touch_), log.count,
+              log.records.begin());
+}
 
 template <class PresentOf>
 bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {

@@ -69,8 +69,8 @@ double flip_balls(const Prior& prior, const ProposalParameters& p, double scale,
 
 }  // namespace
 
-std::uint32_t State::active_count() const {
-  return std::accumulate(active.begin(), active.end(), 0U);
+std::uint32_t State::active_before(std::size_t ball) const {
+  return std::accumulate(active.begin(), active.begin() + static_cast<std::ptrdiff_t>(ball), 0U);
 }
 
 double Prior::log_area() const {

@@ -51,7 +51,9 @@ struct State {
   std::vector<Vec3> offsets_m;       ///< of the partition vertices
   std::vector<std::uint8_t> active;  ///< by ball: 1 if it takes part
   std::vector<Vec2> drops_m;         ///< by ball: where it is dropped; 0 if it isn't
-  std::uint32_t active_count() const;
+  std::uint32_t active_count() const { return active_before(active.size()); }
+  /// Of those with a lower number.
+  std::uint32_t active_before(std::size_t ball) const;
   friend bool operator==(const State&, const State&) = default;
 };
 

@@ -30,6 +30,37 @@ constexpr double k_solo_walk_max = 60;
 constexpr double k_walk_scale_min = 0.5;
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
+/// A ball at present; `known`: what was seen of it at this tick in the simulation that its story is
+/// of, if somebody looked.
+Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
+  if (const physics::MarbleStory* story = marbles.replayed({ball})) {
+    // One that was left alone then, but of whom it is known by now what it did, isn't now: others
+    // may be where it would not have been left alone.
+    if (known != nullptr && (!known->was_alone || story->is_alone_at(marbles.now()))) return *known;
+    if (story->stays && story->last.tick <= marbles.now()) {
+      const physics::Segment& segment = story->last.marble.segment;
+      return {
+          .ball = {.centre_m = segment.flight.position_m,
+                   .twist = {segment.flight.velocity_mps, segment.flight.angular_velocity_radps},
+                   .rests = segment.mode == physics::MotionMode::resting},
+          .was_alone = story->last.marble.suspended};
+    }
+    marbles.stop_replay({ball});
+  }
+  const physics::Segment& segment = marbles.segment({ball});
+  const bool rests = segment.mode == physics::MotionMode::resting;
+  // One that is left alone is trapped, and counts as it was.
+  if (marbles.is_suspended({ball})) {
+    return {.ball = {.centre_m = segment.flight.position_m,
+                     .twist = {segment.flight.velocity_mps, segment.flight.angular_velocity_radps},
+                     .rests = rests},
+            .was_alone = true};
+  }
+  return {.ball = {.centre_m = marbles.position_m({ball}),
+                   .twist = marbles.twist({ball}),
+                   .rests = rests}};
+}
+
 /// The bin that a ball fills with others' help; k_fills_none if it would alone, or fills none.
 std::int16_t filled_with_help(const Outcome& outcome, const SoloBalls::Outcome& solo,
                               std::size_t ball) {
@@ -38,9 +69,11 @@ std::int16_t filled_with_help(const Outcome& outcome, const SoloBalls::Outcome& 
 
 }  // namespace
 
-Spelling::Spelling(const Parameters& parameters)
+Spelling::Spelling(const Parameters& parameters, Replays replays)
     : parameters_(parameters),
+      replays_(replays),
       bins_(parameters.world, parameters.pattern.columns, parameters.pattern.rows),
+      influence_(bins_, parameters.world),
       prior_{.vertices = bins_.vertex_count(),
              .balls = parameters.pattern.count(),
              .vertex_sd_m = parameters.world.vertex_sd_m} {
@@ -146,7 +179,7 @@ std::optional<std::int16_t> Spelling::bin_alone(std::span<const Vec3> offsets_m,
                                                 const Vec2& drop_m) const {
   const State state{
       .offsets_m = {offsets_m.begin(), offsets_m.end()}, .active = {1}, .drops_m = {drop_m}};
-  const Result result = simulated(state, false);
+  const Result result = simulated(state, Until::decided);
   if (result.outcome.end == End::impossible) return std::nullopt;
   return result.outcome.is_animation() ? result.outcome.filling.front() : k_fills_none;
 }
@@ -154,11 +187,12 @@ std::optional<std::int16_t> Spelling::bin_alone(std::span<const Vec3> offsets_m,
 std::optional<physics::Scene> Spelling::scene(const State& state) const {
   auto surface = bins_.surface(state.offsets_m);
   if (!surface) return std::nullopt;
-  return scene_in(state, std::move(surface));
+  return scene_in(state, std::move(surface), Bodies::active);
 }
 
 physics::Scene Spelling::scene_in(const State& state,
-                                  std::shared_ptr<const physics::TriangleMesh> surface) const {
+                                  std::shared_ptr<const physics::TriangleMesh> surface,
+                                  Bodies bodies) const {
   const WorldParameters& world = parameters_.world;
   physics::Scene scene;
   scene.gravity_mps2 = {0, 0, -world.gravity_mps2};
@@ -176,28 +210,33 @@ physics::Scene Spelling::scene_in(const State& state,
   const double mass_kg =
       world.density_kgpm3 * 4 / 3 * std::numbers::pi * radius_m * radius_m * radius_m;
   for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
-    if (state.active[ball] == 0) continue;
+    const bool is_active = state.active[ball] != 0;
+    if (!is_active && bodies == Bodies::active) continue;
     const Vec2& drop_m = state.drops_m[ball];
-    const double start_s = world.drop_interval_s * static_cast<double>(ball);
     physics::BodyDescription body;
     body.name = "ball " + std::to_string(ball);
     body.shape = physics::Sphere{.radius_m = radius_m};
     body.inertia = physics::solid_ball_inertia(mass_kg, radius_m);
     body.start.pose.position_m = {drop_m.x(), drop_m.y(), world.drop_height_m + radius_m};
-    body.start_tick = physics::Tick{} + physics::ticks_after(start_s);
+    body.start_tick = is_active ? start_of(ball) : physics::k_never;
     scene.bodies.push_back(std::move(body));
   }
   return scene;
 }
 
-physics::Tick Spelling::limit_of(const physics::Scene& scene) const {
-  return scene.bodies.back().start_tick + physics::ticks_after(parameters_.world.time_limit_s);
+physics::Tick Spelling::start_of(std::size_t ball) const {
+  return physics::Tick{} +
+         physics::ticks_after(parameters_.world.drop_interval_s * static_cast<double>(ball));
+}
+
+physics::Tick Spelling::limit_after(physics::Tick last_start) const {
+  return last_start + physics::ticks_after(parameters_.world.time_limit_s);
 }
 
 template <class Engine, class AllStay>
-End Spelling::run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay) const {
-  const physics::Tick limit = limit_of(scene);
-  for (physics::Tick end = scene.bodies.back().start_tick; end < limit;) {
+End Spelling::run(physics::Tick last_start, Engine& engine, const AllStay& all_stay) const {
+  const physics::Tick limit = limit_after(last_start);
+  for (physics::Tick end = last_start; end < limit;) {
     end = std::min(limit, end + physics::ticks_after(k_look_every_s));
     if (const auto error = engine.run_until(end)) {
       return error->kind == physics::SceneError::Kind::overlap ? End::impossible
@@ -214,59 +253,100 @@ std::unique_ptr<BoxGeometry> Spelling::new_geometry() const {
               .active = {1},
               .drops_m = {Vec2(0, 0)}};
   auto mesh = bins_.unmoved_surface();
-  return std::make_unique<BoxGeometry>(scene_in(state, mesh), mesh, bins_.vertex_count());
+  return std::make_unique<BoxGeometry>(scene_in(state, mesh, Bodies::active), mesh,
+                                       bins_.vertex_count());
 }
 
 Outcome Spelling::simulate(const State& state) const {
-  return simulated(state, false).outcome;
+  return simulated(state, Until::decided, replays_ == Replays::yes).outcome;
+}
+
+Outcome Spelling::simulate_from(const State& candidate, const State& state,
+                                const Outcome& outcome) const {
+  if (replays_ == Replays::no || !outcome.past) return simulate(candidate);
+  const Known known{.state = state, .past = *outcome.past};
+  return simulated(candidate, Until::decided, true, &known).outcome;
 }
 
 Outcome Spelling::simulate_to_rest(const State& state) const {
-  return simulated(state, true).outcome;
+  return simulated(state, Until::rest).outcome;
 }
 
-Spelling::Result Spelling::simulated(const State& state, bool to_rest) const {
+Spelling::Result Spelling::simulated(const State& state, Until until, bool records,
+                                     const Known* known) const {
   const BoxGeometries::Loan geometry = geometries_->borrow([&] { return new_geometry(); });
   if (!geometry->move_to(bins_, state.offsets_m)) return {.outcome = {.end = End::impossible}};
-  const physics::Scene scene = scene_in(state, geometry->mesh());
-  if (scene.bodies.empty()) return {.outcome = {.filling = filling_of({})}};
+  if (state.active_count() == 0) return {.outcome = {.filling = filling_of({})}};
+  std::optional<Result> result;
+  if (known != nullptr) result = simulated_in(*geometry, state, until, records, known);
+  if (!result) result = simulated_in(*geometry, state, until, records, nullptr);
+  return *std::move(result);
+}
+
+std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, const State& state,
+                                                       Until until, bool records,
+                                                       const Known* known) const {
+  const physics::Scene scene = scene_in(state, geometry.mesh(), Bodies::all);
+  std::size_t last = state.active.size() - 1;
+  while (state.active[last] == 0)
+    --last;
+  const physics::Tick last_start = start_of(last);
   const Traps traps(parameters_.world, bins_, state.offsets_m);
   physics::MarbleConfinement confinement;
-  if (!to_rest) {
+  if (until == Until::decided) {
     confinement = [&](physics::BodyId, const Vec3& centre_m,
                       const physics::Twist& twist) -> std::optional<physics::Box> {
       const auto place = traps.of(centre_m, twist);
       return place ? std::optional(place->box) : std::nullopt;
     };
   }
-  physics::Marbles& marbles = geometry->marbles();
-  marbles.start(scene, geometry->near(), limit_of(scene), confinement,
-                (to_rest ? k_work_to_rest : 1) * k_work_per_ball_max * scene.bodies.size());
-  if (marbles.run_until(physics::Tick{})) return {.outcome = {.end = End::impossible}};
-  std::vector<Traps::Ball> balls(scene.bodies.size());
+  physics::MarbleStories stories;
+  ChangedPlaces changed;
+  physics::MarbleReplay replay{.stories = nullptr, .changed = {}, .records = records};
+  if (known != nullptr) {
+    stories = stories_that_hold(known->past, known->state, state);
+    changed = influence_.changed(known->state.offsets_m, state.offsets_m);
+    replay.stories = &stories;
+    replay.changed = changed.geometry;
+    replay.changed_confinements = changed.traps;
+  }
+  physics::Marbles& marbles = geometry.marbles();
+  const std::uint64_t work_max =
+      (until == Until::rest ? k_work_to_rest : 1) * k_work_per_ball_max * state.active_count();
+  marbles.start(scene, geometry.near(), limit_after(last_start), confinement, work_max, replay);
+  if (marbles.run_until(physics::Tick{})) {
+    if (marbles.is_replay_void()) return std::nullopt;
+    return Result{.outcome = {.end = End::impossible}};
+  }
+  auto past = records ? std::make_shared<Past>() : nullptr;
+  std::vector<Traps::Ball> balls;
   const auto look = [&] {
-    for (std::uint32_t body = 0; body < balls.size(); ++body) {
-      // One that is left alone is trapped, and counts as it was.
-      const physics::Segment& segment = marbles.segment({body});
-      const bool alone = marbles.is_suspended({body});
-      balls[body] = {.centre_m = alone ? segment.flight.position_m : marbles.position_m({body}),
-                     .twist = alone ? physics::Twist{segment.flight.velocity_mps,
-                                                     segment.flight.angular_velocity_radps}
-                                    : marbles.twist({body}),
-                     .rests = segment.mode == physics::MotionMode::resting};
+    const Look* known_look = known != nullptr ? known->past.look_at(marbles.now()) : nullptr;
+    Look seen{.tick = marbles.now(), .balls = {}};
+    for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
+      if (state.active[ball] == 0) continue;
+      const auto nth = known_look == nullptr ? 0 : known->state.active_before(ball);
+      seen.balls.push_back(
+          seen_of(marbles, ball, known_look != nullptr ? &known_look->balls[nth] : nullptr));
     }
+    balls.clear();
+    for (const Seen& one : seen.balls)
+      balls.push_back(one.ball);
+    if (past) past->looks.push_back(std::move(seen));
   };
-  const End end = run(scene, marbles, [&] {
+  const End end = run(last_start, marbles, [&] {
     look();
-    return to_rest ? std::ranges::all_of(balls, &Traps::Ball::rests) : traps.all_stay(balls);
+    return until == Until::rest ? std::ranges::all_of(balls, &Traps::Ball::rests)
+                                : traps.all_stay(balls);
   });
-  if (end != End::settled && end != End::time_limit) return {.outcome = {.end = end}};
+  if (marbles.is_replay_void()) return std::nullopt;
+  if (end != End::settled && end != End::time_limit) return Result{.outcome = {.end = end}};
 
   Result result;
-  std::size_t body = 0;
+  std::size_t nth = 0;
   for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
     if (state.active[ball] == 0) continue;
-    const Traps::Ball& seen = balls[body++];
+    const Traps::Ball& seen = balls[nth++];
     if (!seen.rests && !traps.of(seen.centre_m, seen.twist)) continue;
     result.staying.push_back(ball);
     result.places_m.push_back(seen.centre_m);
@@ -276,6 +356,10 @@ Spelling::Result Spelling::simulated(const State& state, bool to_rest) const {
   result.outcome.filling = filling_of(result);
   result.outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
   result.outcome.end = others == 0 ? End::settled : End::time_limit;
+  if (past) {
+    past->stories = marbles.stories();
+    result.outcome.past = std::move(past);
+  }
   return result;
 }
 
@@ -300,7 +384,7 @@ Animation Spelling::animate(const State& state) const {
   const auto scene = this->scene(state);
   CHECK(scene.has_value());
   physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
-  const End end = run(*scene, simulation, [&] {
+  const End end = run(scene->bodies.back().start_tick, simulation, [&] {
     bool all_rest = true;
     for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
       all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
@@ -313,7 +397,7 @@ Animation Spelling::animate(const State& state) const {
 
 std::vector<int> Spelling::balls_of_bins(const State& state) const {
   std::vector<int> balls(std::size_t{bins_.columns()} * bins_.rows(), -1);
-  const Result result = simulated(state, false);
+  const Result result = simulated(state, Until::decided);
   for (std::size_t i = 0; i < result.staying.size(); ++i) {
     const auto bin = filled_bin(result.places_m[i]);
     if (!bin) continue;

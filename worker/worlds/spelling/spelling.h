@@ -43,6 +43,7 @@
 #include "worker/worlds/spelling/bins.h"
 #include "worker/worlds/spelling/box_geometry.h"
 #include "worker/worlds/spelling/parameters.h"
+#include "worker/worlds/spelling/past.h"
 #include "worker/worlds/spelling/proposals.h"
 #include "worker/worlds/spelling/solo_balls.h"
 #include "worker/worlds/spelling/state_bytes.h"
@@ -64,6 +65,8 @@ struct Outcome {
   double end_s = 0;
   End end = End::settled;
   Filling filling{};  ///< empty if there is no animation
+  /// For simulate_from; none if that is not wanted, or there is nothing to go on from.
+  std::shared_ptr<const Past> past{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
@@ -74,12 +77,15 @@ struct Animation {
   std::vector<std::uint32_t> balls{};  ///< which they are, in the recording's order
 };
 
+/// Whether simulations are made from what is known of similar ones. Changes no result.
+enum class Replays : std::uint8_t { no, yes };
+
 class Spelling {
  public:
   using State = spelling::State;
   using Outcome = spelling::Outcome;
 
-  explicit Spelling(const Parameters& parameters);
+  explicit Spelling(const Parameters& parameters, Replays replays = Replays::yes);
 
   const Parameters& parameters() const { return parameters_; }
   const Bins& bins() const { return bins_; }
@@ -92,6 +98,8 @@ class Spelling {
   double log_prior(const State& state) const { return prior_.log_density(state); }
   /// As far as it takes to know the outcome.
   Outcome simulate(const State& state) const;
+  /// The same of a candidate, for less, if it resembles a state whose outcome is known.
+  Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
   /// Until all balls are at rest: the same but for `end_s`.
   Outcome simulate_to_rest(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
@@ -148,7 +156,8 @@ class Spelling {
   std::size_t owned_bytes(const State& state, const Outcome& outcome) const {
     return state.offsets_m.capacity() * sizeof(Vec3) + state.active.capacity() +
            state.drops_m.capacity() * sizeof(Vec2) +
-           (outcome.filling.capacity() + 2 * state.active.size()) * sizeof(Filling::value_type);
+           (outcome.filling.capacity() + 2 * state.active.size()) * sizeof(Filling::value_type) +
+           (outcome.past ? outcome.past->bytes() : 0);
   }
   std::optional<State> decode(base::BytesView bytes) const {
     return spelling::decode(prior_, bytes);
@@ -172,25 +181,40 @@ class Spelling {
   /// Runs until all balls stay, or to the limit. How it ended, as far as it didn't fail: at the
   /// limit, time_limit.
   template <class Engine, class AllStay>
-  End run(const physics::Scene& scene, Engine& engine, const AllStay& all_stay) const;
-  physics::Tick limit_of(const physics::Scene& scene) const;
+  End run(physics::Tick last_start, Engine& engine, const AllStay& all_stay) const;
+  physics::Tick limit_after(physics::Tick last_start) const;
+  physics::Tick start_of(std::size_t ball) const;
   /// What a simulation came to, and where those active balls are that stay there.
   struct Result {
     Outcome outcome{};
     std::vector<std::uint32_t> staying{};  ///< balls
     std::vector<Vec3> places_m{};
   };
-  Result simulated(const State& state, bool to_rest) const;
+  enum class Until : std::uint8_t { decided, rest };
+  /// `known`: what a similar state came to, if anything is known.
+  struct Known {
+    const State& state;
+    const Past& past;
+  };
+  Result simulated(const State& state, Until until, bool records = false,
+                   const Known* known = nullptr) const;
+  /// Nothing if what is known doesn't suffice.
+  std::optional<Result> simulated_in(BoxGeometry& geometry, const State& state, Until until,
+                                     bool records, const Known* known) const;
   Filling filling_of(const Result& result) const;
-  /// The scene of a state in a box with such a surface.
-  physics::Scene scene_in(const State& state,
-                          std::shared_ptr<const physics::TriangleMesh> surface) const;
+  /// The scene of a state in a box with such a surface; with all balls, those that aren't active
+  /// never start, else with the active ones only.
+  enum class Bodies : std::uint8_t { active, all };
+  physics::Scene scene_in(const State& state, std::shared_ptr<const physics::TriangleMesh> surface,
+                          Bodies bodies) const;
   std::unique_ptr<BoxGeometry> new_geometry() const;
   /// The designated bin that a ball in its place fills, if any.
   std::optional<Bin> filled_bin(const Vec3& centre_m) const;
 
   Parameters parameters_;
+  Replays replays_ = Replays::yes;
   Bins bins_;
+  Influence influence_;
   Prior prior_;
   Windows windows_;
   std::vector<std::int16_t> numbers_;  ///< by bin, row by row: of the designated ones, in order
@@ -200,5 +224,6 @@ class Spelling {
 static_assert(sampling::BoundsConstraint<Spelling>);
 static_assert(sampling::ProposesByOutcome<Spelling>);
 static_assert(sampling::HasSurrogate<Spelling>);
+static_assert(sampling::SimulatesChanges<Spelling>);
 
 }  // namespace sleight::worlds::spelling

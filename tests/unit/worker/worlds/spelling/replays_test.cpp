@@ -1,0 +1,81 @@
+// What a candidate comes to is the same from what is known of a similar state as from nothing.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+
+#include "common/math/elementary.h"
+#include "worker/worlds/spelling/spelling.h"
+
+namespace sleight::worlds::spelling {
+namespace {
+
+constexpr std::uint64_t k_seed = 20261122;
+
+std::uint64_t proposal_count() {
+  return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 : 1'500;
+}
+
+Pattern pattern_of(std::uint32_t columns, std::uint32_t rows) {
+  return {.columns = columns,
+          .rows = rows,
+          .designated = std::vector<std::uint8_t>(std::size_t{columns} * rows, 1)};
+}
+
+void expect_same(const Outcome& a, const Outcome& b) {
+  EXPECT_EQ(a.filled, b.filled);
+  EXPECT_EQ(a.elsewhere, b.elsewhere);
+  EXPECT_EQ(a.end, b.end);
+  EXPECT_EQ(a.end_s, b.end_s);
+  EXPECT_EQ(a.filling, b.filling);
+}
+
+/// A chain that accepts a candidate if it fills as many bins, or by chance: each candidate from
+/// what is known, and by itself.
+void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint64_t seed) {
+  const Spelling world(parameters);
+  const Spelling fresh(parameters, Replays::no);
+  random::Stream stream({.seed = seed, .purpose = random::Purpose::proposal}, 0);
+  State state = world.draw_prior(stream);
+  Outcome outcome = world.simulate(state);
+  expect_same(outcome, fresh.simulate(state));
+  std::uint64_t with_past = 0;
+  for (std::uint64_t i = 0; i < proposals; ++i) {
+    SCOPED_TRACE(fmt::format("seed {}, proposal {}", seed, i));
+    const auto proposal = world.propose(state, outcome, {}, stream);
+    if (outcome.past) ++with_past;
+    const Outcome candidate = world.simulate_from(proposal.candidate, state, outcome);
+    expect_same(candidate, fresh.simulate(proposal.candidate));
+    EXPECT_EQ(fresh.simulate_from(proposal.candidate, state, outcome).past, nullptr);
+    if (::testing::Test::HasFailure()) return;
+    if (candidate.filled >= outcome.filled || stream.uniform() < 0.1) {
+      state = proposal.candidate;
+      outcome = candidate;
+    }
+  }
+  EXPECT_GT(with_past, proposals / 2);
+}
+
+TEST(Replays, MakeNoDifference) {
+  // Goal: filled, elsewhere, the end and when it was clear are those of a simulation by itself, for
+  // proposals of every kind, one after the other. Method: chains in the HI box, in boxes of few
+  // bins in which balls crowd, and with vertices that move far.
+  const std::uint64_t count = proposal_count();
+  run_chain({}, count, k_seed);
+  Parameters crowded;
+  crowded.pattern = pattern_of(2, 2);
+  crowded.proposal.vertex_probability = 0.1;
+  run_chain(crowded, count / 2, k_seed + 1);
+  crowded.pattern = pattern_of(3, 3);
+  crowded.world.drop_interval_s = 0.05;
+  run_chain(crowded, count / 4, k_seed + 2);
+  Parameters aimed;
+  aimed.proposal.change_vertices = 0.1;
+  aimed.proposal.aim_ball = 0.22;
+  aimed.proposal.vertex_sd_m = 0.0005;
+  run_chain(aimed, count / 2, k_seed + 3);
+}
+
+}  // namespace
+}  // namespace sleight::worlds::spelling

@@ -1,0 +1,111 @@
+// What one marble did in a simulation, as far as a simulation of nearly the same scene needs it to
+// leave that marble alone (marbles.h, "What stays the same").
+//
+// Ids are those of the simulation that told the story, and must mean the same balls in the other
+// one.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "worker/physics/event/event.h"
+#include "worker/physics/marbles/touch_box.h"
+#include "worker/physics/simulator/recent_contacts.h"
+#include "worker/physics/simulator/resting.h"
+#include "worker/physics/simulator/segment.h"
+
+namespace sleight::physics {
+
+/// A ball of Marbles at present.
+struct Marble {
+  static constexpr std::uint32_t k_none = UINT32_MAX;
+  Segment segment;
+  // What it stays on, in contact.
+  std::array<std::uint32_t, 3> supports{};
+  std::uint32_t support_count = 0;
+  std::uint32_t leaves = k_none;  ///< the one whose region its centre leaves at mode_end, if any
+  Tick mode_end = k_never;
+  Vec3 half_way = Vec3::Zero();      ///< of a piece over an edge (lasting_contact.h)
+  Tick met_body{-k_tick_max.value};  ///< when it last collided with another ball
+  enum class Stance : std::uint8_t { unknown, stands, moves };
+  Stance stance = Stance::unknown;  ///< on its supports, where it was when it was last asked for
+  Tick stance_tick{};
+  // What it does next.
+  Tick static_tick = k_never;
+  std::uint32_t static_feature = k_none;
+  std::uint32_t last_feature = k_none;  ///< that it collided with
+  Tick pair_tick = k_never;
+  // Collisions at one tick, and in a window.
+  Tick at_tick{-1};
+  std::uint32_t at_tick_count = 0;
+  std::uint32_t window_count = 0;
+  Tick window{};
+  bool started = false;
+  bool suspended = false;
+  bool resumes = false;
+  std::span<const std::uint32_t> all_supports() const {
+    return std::span(supports).first(support_count);
+  }
+};
+
+struct MarbleStory {
+  /// A part of its way: the ball is in the box from here to where the next part begins.
+  struct Part {
+    Tick begin;
+    bool is_alone = false;  ///< left alone in its confinement, which the box is
+    TouchBox box;
+  };
+  /// All that goes on from an event.
+  struct Mark {
+    Tick tick;
+    std::size_t parts = 0;  ///< that began up to here
+    std::uint64_t work = 0;
+    Marble marble;
+    Resting::Memory rest;
+    std::size_t first_met = 0;  ///< in `met`
+    std::size_t met_count = 0;
+  };
+  /// An event at which another ball had a say.
+  struct Meeting {
+    Tick tick;
+    std::uint32_t partner = 0;
+  };
+
+  std::vector<Part> parts{};
+  std::vector<Mark> marks{};        ///< its start, and after meetings
+  std::vector<Meeting> meetings{};  ///< in the order of time
+  Mark last{};                      ///< after its last event
+  // What marks know of contacts.
+  Resting::TouchList touches{};
+  std::vector<RecentContacts::Entry> met{};
+  std::uint64_t work = 0;     ///< of the events that are told as its own
+  Tick until{};               ///< known so far
+  Tick alone_from = k_never;  ///< first left alone in its confinement
+  bool stays = false;         ///< and for good: at rest or left alone, until it is met
+
+  void clear() {
+    parts.clear();
+    marks.clear();
+    meetings.clear();
+    touches.clear();
+    met.clear();
+    work = 0;
+    alone_from = k_never;
+    stays = false;
+  }
+  /// Whether it was left alone at a tick.
+  bool is_alone_at(Tick tick) const;
+  /// The last mark before a tick: null if there is none, or if meetings lie in between of which
+  /// nothing more is known; then `is_gap`.
+  const Mark* mark_before(Tick tick, bool& is_gap) const;
+  std::size_t bytes() const {
+    return sizeof(*this) + parts.capacity() * sizeof(Part) + marks.capacity() * sizeof(Mark) +
+           meetings.capacity() * sizeof(Meeting) + touches.capacity() * sizeof(TouchRecord) +
+           met.capacity() * sizeof(RecentContacts::Entry);
+  }
+};
+
+}  // namespace sleight::physics

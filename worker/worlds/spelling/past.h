@@ -1,0 +1,73 @@
+// What a simulation of the spelling balls leaves for those of similar states: each ball's story,
+// and where all were when it was looked whether they stay (physics/marbles/marbles.h).
+//
+// Thread safety: const functions may be called from several threads at once.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "worker/physics/marbles/marbles.h"
+#include "worker/worlds/spelling/bins.h"
+#include "worker/worlds/spelling/proposals.h"
+#include "worker/worlds/spelling/traps.h"
+
+namespace sleight::worlds::spelling {
+
+/// What was seen of a ball: as it was at that time, or, of one that was left alone, when it was.
+struct Seen {
+  Traps::Ball ball;
+  bool was_alone = false;
+};
+struct Look {
+  physics::Tick tick;
+  std::vector<Seen> balls;  ///< those that are active
+};
+
+struct Past {
+  physics::MarbleStories stories;  ///< by ball
+  std::vector<Look> looks;
+
+  /// What was seen of all balls at a tick; null if nobody looked.
+  const Look* look_at(physics::Tick tick) const {
+    const auto found = std::ranges::find(looks, tick, &Look::tick);
+    return found == looks.end() ? nullptr : &*found;
+  }
+  std::size_t bytes() const {
+    std::size_t bytes = sizeof(*this) + stories.capacity() * sizeof(stories[0]);
+    for (const auto& story : stories)
+      bytes += story ? story->bytes() : 0;
+    for (const Look& look : looks)
+      bytes += sizeof(look) + look.balls.capacity() * sizeof(look.balls[0]);
+    return bytes;
+  }
+};
+
+/// The stories that hold for a candidate as well: those of balls that start as they did.
+physics::MarbleStories stories_that_hold(const Past& past, const State& state,
+                                         const State& candidate);
+
+/// Where balls fare otherwise in a box whose vertices have other offsets.
+struct ChangedPlaces {
+  std::vector<physics::TouchBox> geometry;  ///< a ball that meets what differs overlaps some
+  std::vector<physics::TouchBox> traps;     ///< one that is in a trap that differs overlaps some
+};
+
+/// What hangs on each partition vertex.
+class Influence {
+ public:
+  explicit Influence(const Bins& bins, const WorldParameters& world);
+  ChangedPlaces changed(std::span<const Vec3> before_m, std::span<const Vec3> after_m) const;
+
+ private:
+  std::vector<Vec3> vertices_m_;  ///< of the surface without offsets
+  std::vector<std::vector<physics::TriangleCorners>> triangles_;  ///< by partition vertex
+  /// By partition vertex: what a ball overlaps whose centre is in a bin at whose corner it is.
+  std::vector<physics::TouchBox> traps_;
+};
+
+}  // namespace sleight::worlds::spelling
