@@ -282,6 +282,9 @@ bool Marbles::suspend(std::uint32_t ball) {
 /// that is taking place.
 void Marbles::resume(const EventKey& present) {
   const Tick now = now_;
+  // Who starts while others catch up has others catch up with that.
+  const bool outer = catches_up_;
+  const Tick outer_present = present_;
   present_ = now;
   catches_up_ = true;
   while (!failure_) {
@@ -301,7 +304,8 @@ void Marbles::resume(const EventKey& present) {
     now_ = event.tick;
     process(event);
   }
-  catches_up_ = false;
+  catches_up_ = outer;
+  present_ = outer_present;
   now_ = now;
 }
 

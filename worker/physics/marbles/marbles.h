@@ -21,16 +21,19 @@
 // of a scene that differs in some balls, or in static geometry here and there, can be given these
 // stories. A ball that has one is replayed, which costs nothing, up to the least of
 //   - a part of its way on which the scene differs;
-//   - a meeting with a ball that isn't replayed;
+//   - a meeting with a ball that isn't replayed, or soon after one with a ball that isn't any more,
+//     of which decisions about rest will ask;
+//   - what it rests on, or what rests on it, isn't replayed any more;
 //   - a part of its way that the path of a ball which isn't replayed comes near;
 //   - the story's end, if the ball doesn't stay where it is.
-// Then it goes on from the last mark before: between that and the present it is alone with static
-// geometry, so that catching up changes nothing for others. Stories keep so many marks, and where
-// one is missing the simulation gives up; so it does with any error, and where it takes a good part
-// of the work that it may: is_replay_void(), and only a simulation of everything knows.
+// Then it goes live, from the last mark before: between that and the present it is alone with
+// static geometry, so that catching up changes nothing for others. Stories keep so many marks, and
+// where one is missing the simulation gives up; so it does with any error, and where it takes a
+// good part of the work that it may: is_replay_void(), and only a simulation of everything knows.
 //
-// Nothing is allocated after start once lists have grown. Cost: some 6,000 instructions per event
-// among ten balls, below 1 microsecond; of n balls some 10 n more. Thread safety: none.
+// Nothing is allocated after start once lists have grown, but for stories. Cost: some 6,000
+// instructions per event among ten balls, below 1 microsecond; of n balls some 10 n more. Thread
+// safety: none.
 #pragma once
 
 #include <array>
@@ -71,7 +74,10 @@ bool are_marbles(const Scene& scene);
 /// By ball; null where nothing is known, or the ball itself is another one.
 using MarbleStories = std::vector<std::shared_ptr<const MarbleStory>>;
 
-/// What is known before a simulation begins, and what shall be known afterwards.
+/// What is known before a simulation begins, and what shall be known afterwards. REQUIRES: stories
+/// are of one simulation; what is the same of its scene but for `changed` are static geometry, the
+/// laws, the balls and the starts of those with a story; its confinement is the same but for
+/// `changed_confinements`.
 struct MarbleReplay {
   const MarbleStories* stories = nullptr;  ///< of all balls, of a simulation that is over
   /// What a ball overlaps, with all of itself, that meets something of static geometry that is
@@ -106,7 +112,7 @@ class Marbles {
              MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX,
              const MarbleReplay& replay = {});
   /// Processes all events up to and at a tick. Nothing if all went well; the engine stays where it
-  /// is after an error. REQUIRES: not beyond the end.
+  /// is after an error, which means nothing if is_replay_void(). REQUIRES: not beyond the end.
   std::optional<SceneError> run_until(Tick tick);
 
   Tick now() const { return now_; }

@@ -12,9 +12,9 @@ namespace {
 /// from there is rare.
 constexpr std::size_t k_marks_max = 48;
 
-/// A simulation in which more than this share of the work that it may take is done is run whole:
-/// what is replayed was counted in another one, where left alone balls were disturbed by others.
-constexpr std::uint64_t k_work_share = 2;
+/// The work of what is replayed was counted in another simulation, in which others disturbed balls
+/// that were left alone. So one that comes within this factor of the work that it may take is void.
+constexpr std::uint64_t k_work_margin = 2;
 
 /// When a ball that is told of is in one of some boxes, from a tick on; k_never if never.
 Tick first_in(const MarbleStory& story, std::span<const TouchBox> boxes, Tick from) {
@@ -70,7 +70,11 @@ MarbleStory::Mark Marbles::mark_in(MarbleStory& story, std::uint32_t ball, Tick 
 void Marbles::tell_marks() {
   for (const std::uint32_t ball : met_) {
     MarbleStory& told = told_[ball];
-    if (told.marks.size() == k_marks_max) told.marks.pop_back();
+    if (told.marks.size() == k_marks_max) {
+      told.touches.resize(told.marks.back().rest.first_touch());
+      told.met.resize(told.marks.back().first_met);
+      told.marks.pop_back();
+    }
     told.marks.push_back(mark_in(told, ball, now_));
   }
   met_.clear();
@@ -86,7 +90,10 @@ MarbleStories Marbles::stories() const {
       continue;
     }
     if (!balls_[ball].started) continue;
-    auto story = std::make_shared<MarbleStory>(told_[ball]);
+    auto story = std::make_shared<MarbleStory>();
+    story->touches.reserve(told_[ball].touches.size() + Resting::k_records);
+    story->met.reserve(told_[ball].met.size() + RecentContacts::k_partners);
+    *story = told_[ball];
     story->last = mark_in(*story, ball, last_event_[ball]);
     story->work = own_work_[ball];
     story->until = now_;
@@ -143,7 +150,7 @@ bool Marbles::is_replay_void() const {
   std::uint64_t work = counts_.work() + replayed_work_;
   for (const std::uint32_t ball : replays_)
     work += replayed_[ball]->work;
-  return work > work_max_ / k_work_share;
+  return work > work_max_ / k_work_margin;
 }
 
 void Marbles::stop_replay(BodyId marble) {
@@ -183,6 +190,7 @@ void Marbles::goes_live(std::uint32_t ball) {
   const std::size_t from = hastened_.size();
   for (const std::uint32_t other : replays_) {
     const MarbleStory& theirs = *replayed_[other];
+    bool has_met = false;
     for (const MarbleStory::Meeting& meeting : theirs.meetings) {
       if (meeting.partner != ball) continue;
       if (meeting.tick >= now) {
@@ -190,7 +198,9 @@ void Marbles::goes_live(std::uint32_t ball) {
       } else if (now - meeting.tick <= resting_.rest_span()) {
         hastened_.emplace_back(other, now);
       }
+      has_met = has_met || meeting.tick < now;
     }
+    if (!has_met) continue;
     bool is_gap = false;
     const MarbleStory::Mark* mark = theirs.mark_before(now, is_gap);
     if (is_gap || (mark != nullptr && mark->rest.rests_on(ball)))
@@ -207,8 +217,12 @@ void Marbles::goes_live(std::uint32_t ball) {
     keys_[ball] = {
         .tick = scene_->bodies[ball].start_tick, .kind = EventKind::start, .lower = ball};
   } else {
+    // What it rests on must be there to wake it.
+    for (const std::uint32_t other : replays_) {
+      if (mark->rest.rests_on(other)) hastened_.emplace_back(other, now);
+    }
     balls_[ball] = mark->marble;
-    balls_[ball].suspended = balls_[ball].resumes = true;
+    balls_[ball].suspended = balls_[ball].resumes = true;  // waits to catch up
     resting_.restore(ball, mark->rest, story->touches);
     recent_.restore(ball, std::span(story->met).subspan(mark->first_met, mark->met_count));
     surroundings_[ball] = {};
@@ -225,8 +239,12 @@ void Marbles::goes_live(std::uint32_t ball) {
       own.parts.assign(story->parts.begin(),
                        story->parts.begin() + static_cast<std::ptrdiff_t>(mark->parts));
       std::ranges::copy_if(story->marks, std::back_inserter(own.marks), is_before);
-      own.touches = story->touches;
-      own.met = story->met;
+      // Lists grow with marks, so what later ones know lies behind.
+      const std::size_t touches = mark->rest.first_touch() + mark->rest.touch_count();
+      const std::size_t met = mark->first_met + mark->met_count;
+      own.touches.assign(story->touches.begin(),
+                         story->touches.begin() + static_cast<std::ptrdiff_t>(touches));
+      own.met.assign(story->met.begin(), story->met.begin() + static_cast<std::ptrdiff_t>(met));
       std::ranges::copy_if(story->meetings, std::back_inserter(own.meetings), is_before);
     }
   }

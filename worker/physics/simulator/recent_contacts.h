@@ -38,6 +38,8 @@ class RecentContacts {
   void reset(std::size_t bodies) { of_body_.assign(bodies, {}); }
   bool enabled() const { return !of_body_.empty(); }
 
+  /// More than a body has neighbours that press on it within a microsecond.
+  static constexpr std::size_t k_partners = 16;
   /// A collision with a partner.
   struct Entry {
     std::uint32_t partner = UINT32_MAX;
@@ -85,8 +87,6 @@ class RecentContacts {
   }
 
  private:
-  /// More than a body has neighbours that press on it within a microsecond.
-  static constexpr std::size_t k_partners = 16;
   /// Rounding of distances at coordinates of some metres.
   static constexpr double k_least_step_m = 2e-14;
   struct Ring {

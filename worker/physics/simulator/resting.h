@@ -247,6 +247,9 @@ class Resting::Memory {
  public:
   /// Whether the body rested, on that other one among others.
   bool rests_on(std::uint32_t other) const { return known_.rests && known_.leans_on(other); }
+  /// Where in the list what it touched lies, and how much that is.
+  std::size_t first_touch() const { return first_touch_; }
+  std::size_t touch_count() const { return known_.count; }
 
  private:
   friend class Resting;

@@ -41,8 +41,9 @@ struct Past {
     std::size_t bytes = sizeof(*this) + stories.capacity() * sizeof(stories[0]);
     for (const auto& story : stories)
       bytes += story ? story->bytes() : 0;
+    bytes += looks.capacity() * sizeof(looks[0]);
     for (const Look& look : looks)
-      bytes += sizeof(look) + look.balls.capacity() * sizeof(look.balls[0]);
+      bytes += look.balls.capacity() * sizeof(look.balls[0]);
     return bytes;
   }
 };

@@ -325,9 +325,11 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
     Look seen{.tick = marbles.now(), .balls = {}};
     for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
       if (state.active[ball] == 0) continue;
-      const auto nth = known_look == nullptr ? 0 : known->state.active_before(ball);
-      seen.balls.push_back(
-          seen_of(marbles, ball, known_look != nullptr ? &known_look->balls[nth] : nullptr));
+      // Others were elsewhere in that look, or in none.
+      const bool is_known = known_look != nullptr && known->state.active[ball] != 0;
+      const Seen* before =
+          is_known ? &known_look->balls[known->state.active_before(ball)] : nullptr;
+      seen.balls.push_back(seen_of(marbles, ball, before));
     }
     balls.clear();
     for (const Seen& one : seen.balls)
