@@ -42,6 +42,12 @@ struct Counted : World {
     ++*count_;
     return World::simulate(state);
   }
+  typename World::Outcome simulate_from(
+      const typename World::State& candidate, const typename World::State& state,
+      const typename World::Outcome& outcome) const requires sampling::SimulatesChanges<World> {
+    ++*count_;
+    return World::simulate_from(candidate, state, outcome);
+  }
   std::uint64_t* count_;
 };
 
