@@ -6,28 +6,20 @@
 #include <cstdlib>
 
 #include "common/random/stream.h"
+#include "tests/unit/worker/physics/marbles/equal_marbles.h"
 #include "tests/unit/worker/physics/marbles/same_balls.h"
 #include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics {
 namespace {
 
-std::uint64_t scene_count() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 20'000 : 200;
+/// Those of every other seed start at once.
+scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
+  return testing::equal_marbles(balls, seed, seed % 2 == 0 ? 0 : 40'000'000);
 }
 
-/// The scene of marbles that slide and roll over planes, a pedestal and a sheet, with equal balls.
-scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
-  scenes::Setting setting = scenes::marbles(balls, seed);
-  std::uint32_t i = 0;
-  for (BodyDescription& body : setting.scene.bodies) {
-    const BodyDescription& first = setting.scene.bodies.front();
-    body.shape = first.shape;
-    body.inertia = first.inertia;
-    body.material = first.material;
-    body.start_tick = Tick{} + TickCount{seed % 2 == 0 ? 0 : 40'000'000} * i++;
-  }
-  return setting;
+std::uint64_t scene_count() {
+  return std::getenv("SLEIGHT_SOAK") != nullptr ? 20'000 : 200;
 }
 
 SimulationOptions places_only() {

@@ -7,6 +7,7 @@
 
 #include "common/random/distributions.h"
 #include "common/random/stream.h"
+#include "tests/unit/worker/physics/marbles/equal_marbles.h"
 #include "worker/physics/marbles/marbles.h"
 #include "worker/physics/scenes/scenes.h"
 
@@ -28,19 +29,6 @@ struct Dice {
   double within(double half) { return random::Uniform{.low = -half, .high = half}.draw(stream); }
   random::Stream stream;
 };
-
-scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed, TickCount interval) {
-  scenes::Setting setting = scenes::marbles(balls, seed);
-  std::uint32_t i = 0;
-  for (BodyDescription& body : setting.scene.bodies) {
-    const BodyDescription& first = setting.scene.bodies.front();
-    body.shape = first.shape;
-    body.inertia = first.inertia;
-    body.material = first.material;
-    body.start_tick = Tick{} + interval * i++;
-  }
-  return setting;
-}
 
 ::testing::AssertionResult same_end(const Marbles& a, const Marbles& b) {
   for (std::uint32_t i = 0; i < a.size(); ++i) {
@@ -74,7 +62,7 @@ TEST(Stories, ReplayingMakesNoDifference) {
     Dice dice(index);
     const auto balls = static_cast<std::uint32_t>(1 + dice.below(14));
     const TickCount intervals[] = {0, 20'000'000, 100'000'000, 300'000'000};
-    scenes::Setting setting = equal_marbles(balls, index, intervals[dice.below(4)]);
+    scenes::Setting setting = testing::equal_marbles(balls, index, intervals[dice.below(4)]);
     Scene scene = setting.scene;
     const Scene at_first = scene;
     const StaticGeometry statics(scene);
@@ -153,7 +141,7 @@ TEST(Stories, ReplayingMakesNoDifference) {
 
 /// Two balls side by side, far enough from each other, above a floor.
 Scene two_balls(double apart_m) {
-  scenes::Setting setting = equal_marbles(2, 4, 0);
+  scenes::Setting setting = testing::equal_marbles(2, 4, 0);
   Scene scene = setting.scene;
   for (std::size_t ball = 0; ball < 2; ++ball) {
     scene.bodies[ball].start.pose.position_m =

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "tests/unit/worker/physics/marbles/same_balls.h"
+#include "tests/unit/worker/worlds/spelling/full_pattern.h"
 #include "worker/physics/simulator/simulation.h"
 #include "worker/worlds/spelling/spelling.h"
 #include "worker/worlds/spelling/traps.h"
@@ -18,12 +19,6 @@ using physics::ticks_after;
 
 std::uint64_t state_count() {
   return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 : 300;
-}
-
-Pattern pattern_of(std::uint32_t columns, std::uint32_t rows) {
-  return {.columns = columns,
-          .rows = rows,
-          .designated = std::vector<std::uint8_t>(std::size_t{columns} * rows, 1)};
 }
 
 /// A prior draw; of some, all balls are active.
@@ -120,13 +115,13 @@ TEST(SpellingMarbles, EqualASimulation) {
 
 TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
   // Goal: the same where every bin is at a wall. Method: the same.
-  expect_all_alike(pattern_of(1, 2), state_count());
-  expect_all_alike(pattern_of(3, 3), state_count() / 3);
+  expect_all_alike(full_pattern(1, 2), state_count());
+  expect_all_alike(full_pattern(3, 3), state_count() / 3);
 }
 
 TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
   // Goal: the same with many balls, on the grid of ACM. Method: the same.
-  expect_all_alike(pattern_of(15, 7), state_count() / 50);
+  expect_all_alike(full_pattern(15, 7), state_count() / 50);
 }
 
 /// A world such as requests may ask for: sizes, shapes, materials and how slow contacts end.
@@ -137,7 +132,7 @@ Parameters any_world(random::Stream& stream) {
   Parameters parameters;
   const auto columns = static_cast<std::uint32_t>(uniform(1, 5));
   const auto rows = static_cast<std::uint32_t>(uniform(2, 4));
-  parameters.pattern = pattern_of(columns, rows);
+  parameters.pattern = full_pattern(columns, rows);
   WorldParameters& world = parameters.world;
   const double scale = stream.uniform() < 0.5 ? uniform(0.1, 1) : uniform(1, 10);
   world.bin_m = 0.02 * scale;

@@ -2,10 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstdlib>
 
-#include "common/math/elementary.h"
+#include "tests/unit/worker/worlds/spelling/full_pattern.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
@@ -15,12 +14,6 @@ constexpr std::uint64_t k_seed = 20261122;
 
 std::uint64_t proposal_count() {
   return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 : 1'500;
-}
-
-Pattern pattern_of(std::uint32_t columns, std::uint32_t rows) {
-  return {.columns = columns,
-          .rows = rows,
-          .designated = std::vector<std::uint8_t>(std::size_t{columns} * rows, 1)};
 }
 
 void expect_same(const Outcome& a, const Outcome& b) {
@@ -64,10 +57,10 @@ TEST(Replays, MakeNoDifference) {
   const std::uint64_t count = proposal_count();
   run_chain({}, count, k_seed);
   Parameters crowded;
-  crowded.pattern = pattern_of(2, 2);
+  crowded.pattern = full_pattern(2, 2);
   crowded.proposal.vertex_probability = 0.1;
   run_chain(crowded, count / 2, k_seed + 1);
-  crowded.pattern = pattern_of(3, 3);
+  crowded.pattern = full_pattern(3, 3);
   crowded.world.drop_interval_s = 0.05;
   run_chain(crowded, count / 4, k_seed + 2);
   Parameters aimed;

@@ -1,0 +1,25 @@
+// A scene for Marbles.
+#pragma once
+
+#include <cstdint>
+
+#include "worker/physics/scenes/scenes.h"
+
+namespace sleight::physics::testing {
+
+/// The scene of marbles that slide and roll over planes, a pedestal and a sheet, with equal balls
+/// that start one after the other.
+inline scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed, TickCount interval) {
+  scenes::Setting setting = scenes::marbles(balls, seed);
+  std::uint32_t i = 0;
+  for (BodyDescription& body : setting.scene.bodies) {
+    const BodyDescription& first = setting.scene.bodies.front();
+    body.shape = first.shape;
+    body.inertia = first.inertia;
+    body.material = first.material;
+    body.start_tick = Tick{} + interval * i++;
+  }
+  return setting;
+}
+
+}  // namespace sleight::physics::testing

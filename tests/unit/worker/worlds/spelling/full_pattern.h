@@ -1,0 +1,18 @@
+// A word that fills a whole box.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "worker/worlds/spelling/pattern.h"
+
+namespace sleight::worlds::spelling {
+
+/// Every bin is designated.
+inline Pattern full_pattern(std::uint32_t columns, std::uint32_t rows) {
+  return {.columns = columns,
+          .rows = rows,
+          .designated = std::vector<std::uint8_t>(std::size_t{columns} * rows, 1)};
+}
+
+}  // namespace sleight::worlds::spelling
