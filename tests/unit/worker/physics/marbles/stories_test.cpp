@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t k_seed = 20261121;
 
 std::uint64_t scene_count() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 20'000 : 100;
+  return std::getenv("SLEIGHT_SOAK") != nullptr ? 20'000 : 300;
 }
 
 struct Dice {
@@ -72,7 +72,7 @@ TEST(Stories, ReplayingMakesNoDifference) {
     MarbleStories stories(balls);
     for (int step = 0; step < 12; ++step) {
       SCOPED_TRACE(fmt::format("seed {}, scene {}, step {}", k_seed, index, step));
-      const Tick end = last + ticks_after(0.3 * static_cast<double>(1 + dice.below(5)));
+      const Tick end = last + ticks_after(0.4 * static_cast<double>(1 + dice.below(8)));
       Marbles whole;
       whole.start(scene, near, end);
       Marbles marbles;
