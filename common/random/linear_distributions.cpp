@@ -57,10 +57,18 @@ double Normal::draw(Stream& stream) const {
 }
 
 double Normal::log_density(double x) const {
-  check(*this);
+  return NormalLogDensity(*this)(x);
+}
+
+NormalLogDensity::NormalLogDensity(const Normal& normal) : normal_(normal) {
+  check(normal);
+  log_sd_ = math::log(normal.sd);
+}
+
+double NormalLogDensity::operator()(double x) const {
   CHECK(!std::isnan(x));
-  const double z = (x - mean) / sd;
-  return (-0.5 * z * z - math::log(sd)) - k_half_log_two_pi;
+  const double z = (x - normal_.mean) / normal_.sd;
+  return (-0.5 * z * z - log_sd_) - k_half_log_two_pi;
 }
 
 double Exponential::draw(Stream& stream) const {

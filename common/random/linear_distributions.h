@@ -33,6 +33,17 @@ struct Normal {
   double log_density(double x) const;
 };
 
+/// The log density of a normal distribution for many numbers: log_density's, bit for bit, for less.
+class NormalLogDensity {
+ public:
+  explicit NormalLogDensity(const Normal& normal);
+  double operator()(double x) const;
+
+ private:
+  Normal normal_;
+  double log_sd_;
+};
+
 /// On [0, infinity), density rate exp(-rate x): -log(u)/rate. One word per draw. The grid of u
 /// bounds draws to 36.8/rate; the mass beyond is 1e-16. REQUIRES: rate > 0 and finite, and 1/rate
 /// finite.

@@ -55,8 +55,29 @@ struct MarbleStory {
   /// A part of its way: the ball is in the box from here to where the next part begins.
   struct Part {
     Tick begin;
+    std::uint32_t last_feature = Marble::k_none;  ///< of static geometry that it collided with
+    std::array<std::uint32_t, 3> supports{};      ///< what it stays on
+    std::uint8_t support_count = 0;
+    MotionMode mode = MotionMode::free;
     bool is_alone = false;  ///< left alone in its confinement, which the box is
     TouchBox box;
+    std::span<const std::uint32_t> all_supports() const {
+      return std::span(supports).first(support_count);
+    }
+  };
+  /// How it moves there; of one that is left alone, how it did when it was.
+  struct Way {
+    Tick begin;
+    Vec3 position_m = Vec3::Zero();
+    Vec3 velocity_mps = Vec3::Zero();
+    Vec3 acceleration_mps2 = Vec3::Zero();
+    Vec3 angular_velocity_radps = Vec3::Zero();  ///< as it begins
+    FreeFlight flight() const {
+      return {.begin = begin,
+              .position_m = position_m,
+              .velocity_mps = velocity_mps,
+              .acceleration_mps2 = acceleration_mps2};
+    }
   };
   /// All that goes on from an event.
   struct Mark {
@@ -75,6 +96,7 @@ struct MarbleStory {
   };
 
   std::vector<Part> parts{};
+  std::vector<Way> ways{};          ///< by part
   std::vector<Mark> marks{};        ///< its start, and after meetings
   std::vector<Meeting> meetings{};  ///< in the order of time
   Mark last{};                      ///< after its last event
@@ -88,6 +110,7 @@ struct MarbleStory {
 
   void clear() {
     parts.clear();
+    ways.clear();
     marks.clear();
     meetings.clear();
     touches.clear();
@@ -102,8 +125,9 @@ struct MarbleStory {
   /// nothing more is known; then `is_gap`.
   const Mark* mark_before(Tick tick, bool& is_gap) const;
   std::size_t bytes() const {
-    return sizeof(*this) + parts.capacity() * sizeof(Part) + marks.capacity() * sizeof(Mark) +
-           meetings.capacity() * sizeof(Meeting) + touches.capacity() * sizeof(TouchRecord) +
+    return sizeof(*this) + parts.capacity() * sizeof(Part) + ways.capacity() * sizeof(Way) +
+           marks.capacity() * sizeof(Mark) + meetings.capacity() * sizeof(Meeting) +
+           touches.capacity() * sizeof(TouchRecord) +
            met.capacity() * sizeof(RecentContacts::Entry);
   }
 };

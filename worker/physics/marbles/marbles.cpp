@@ -14,15 +14,6 @@ namespace {
 /// What Counts::work() takes a decision about rest for.
 constexpr std::uint64_t k_rest_work = 4;
 
-TouchBox touch_box_of(const Box& box) {
-  TouchBox result;
-  for (std::size_t i = 0; i < 3; ++i) {
-    result.low_m[i] = box.low_m[i];
-    result.high_m[i] = box.high_m[i];
-  }
-  return result;
-}
-
 }  // namespace
 
 bool are_marbles(const Scene& scene) {
@@ -122,23 +113,27 @@ void Marbles::process(const EventKey& event) {
         collide(ball, event.higher, event.tick);
       }
       balls_changed();
-      tell_marks();
+      tell_marks(ball);
       return;
     case EventKind::mode:
       ++counts_.modes;
       change_mode(ball, event.tick);
       balls_changed();
-      tell_marks();
+      tell_marks(ball);
       return;
     case EventKind::rest:
       ++counts_.rest_decisions;
       if (rest(ball, event.tick) == 0) refresh_key(ball);
       balls_changed();
-      tell_marks();
+      tell_marks(ball);
       return;
     case EventKind::update:
       if (replayed_[ball] != nullptr) {
         goes_live(ball);
+      } else if (meets_replayed(ball)) {
+        goes_live(partners_[ball]);
+        predict_pairs(ball);
+        refresh_key(ball);
       } else if (balls_[ball].suspended && !balls_[ball].resumes) {
         balls_[ball].resumes = true;
         to_resume_.push_back(ball);
@@ -180,7 +175,7 @@ void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
   balls_changed();
   if (records_) {
     met_.assign(1, ball);
-    tell_marks();
+    tell_marks(ball);
   }
 }
 
@@ -321,11 +316,15 @@ void Marbles::refresh_key(std::uint32_t index) {
            .lower = index,
            .higher = k_static | ball.static_feature});
   const std::uint32_t partner = partners_[index];
-  if (partner != k_none)
+  if (partner != k_none && replayed_[partner] != nullptr) {
+    // Before they meet, that one must be here.
+    offer({.tick = ball.pair_tick, .kind = EventKind::update, .lower = index});
+  } else if (partner != k_none) {
     offer({.tick = ball.pair_tick,
            .kind = EventKind::collision,
            .lower = std::min(index, partner),
            .higher = std::max(index, partner)});
+  }
   if (ball.mode_end != k_never)
     offer({.tick = ball.mode_end, .kind = EventKind::mode, .lower = index});
   const Tick due = resting_.enabled() ? resting_.due(index) : k_never;

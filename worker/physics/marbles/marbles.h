@@ -17,14 +17,19 @@
 //   4. What is replayed is not simulated, and makes no difference ("What stays the same", below).
 //
 // What stays the same. A simulation that records tells, of each ball, its story: the boxes that it
-// was in, whom it met and when, and now and then all that goes on from there (marble_story.h). One
-// of a scene that differs in some balls, or in static geometry here and there, can be given these
-// stories. A ball that has one is replayed, which costs nothing, up to the least of
-//   - a part of its way on which the scene differs;
-//   - a meeting with a ball that isn't replayed, or soon after one with a ball that isn't any more,
-//     of which decisions about rest will ask;
+// was in and its flights there, whom it met and when, and now and then all that goes on from there
+// (marble_story.h). One of a scene that differs in some balls, or in static geometry here and
+// there, can be given these stories. A ball that has one is replayed, which costs nothing, up to
+// the least of
+//   - where it meets static geometry that isn't as it was, or met some that was otherwise;
+//   - where it was left alone and would not be, or in another confinement;
+//   - a meeting in its story with a ball that isn't replayed now, or soon after one with a ball
+//   that
+//     isn't any more, of which decisions about rest will ask;
 //   - what it rests on, or what rests on it, isn't replayed any more;
-//   - a part of its way that the path of a ball which isn't replayed comes near;
+//   - a ball that isn't replayed meets it, for which it is an obstacle that moves in a known way,
+//   or
+//     comes near the confinement in which it is alone;
 //   - the story's end, if the ball doesn't stay where it is.
 // Then it goes live, from the last mark before: between that and the present it is alone with
 // static geometry, so that catching up changes nothing for others. Stories keep so many marks, and
@@ -74,17 +79,19 @@ bool are_marbles(const Scene& scene);
 /// By ball; null where nothing is known, or the ball itself is another one.
 using MarbleStories = std::vector<std::shared_ptr<const MarbleStory>>;
 
+/// Where static geometry may be otherwise than in another simulation.
+struct MarbleChange {
+  std::span<const std::uint32_t> features;  ///< which
+  TouchBox box;  ///< a ball overlaps it if it meets one of them, as that was or is
+};
+
 /// What is known before a simulation begins, and what shall be known afterwards. REQUIRES: stories
-/// are of one simulation; what is the same of its scene but for `changed` are static geometry, the
-/// laws, the balls and the starts of those with a story; its confinement is the same but for
-/// `changed_confinements`.
+/// are of one simulation; what is the same of its scene are static geometry but for changes, the
+/// laws, the balls and the starts of those with a story.
 struct MarbleReplay {
-  const MarbleStories* stories = nullptr;  ///< of all balls, of a simulation that is over
-  /// What a ball overlaps, with all of itself, that meets something of static geometry that is
-  /// otherwise than in that simulation.
-  std::span<const TouchBox> changed{};
-  /// The same of one whose confinement is another one.
-  std::span<const TouchBox> changed_confinements{};
+  const MarbleStories* stories = nullptr;   ///< of all balls, of a simulation that is over
+  std::span<const MarbleChange> changes{};  ///< of static geometry
+  bool confinement_differs = false;         ///< it may say something else of a place and a twist
   bool records = false;
 };
 
@@ -145,6 +152,9 @@ class Marbles {
   static constexpr std::uint32_t k_none = Marble::k_none;
 
   // State.
+  bool meets_replayed(std::uint32_t ball) const {
+    return partners_[ball] != k_none && replayed_[partners_[ball]] != nullptr;
+  }
   bool is_resting(std::uint32_t ball) const {
     return balls_[ball].segment.mode == MotionMode::resting;
   }
@@ -191,18 +201,24 @@ class Marbles {
   bool has_left(std::uint32_t ball, Tick tick);
   double hop_speed_mps() const { return k_hop_share * scene_->slow.separation_speed_mps; }
 
-  // What is told and replayed (marbles_stories.cpp).
-  void begin_replay(const MarbleReplay& replay);
+  // What is told (marbles_stories.cpp).
   void begin_story(std::uint32_t ball);
   void tell_part(std::uint32_t ball, const TouchBox& box);
   void tell_meeting(std::uint32_t a, std::uint32_t b);
-  void tell_marks();
+  void tell_marks(std::uint32_t of);
   MarbleStory::Mark mark_in(MarbleStory& story, std::uint32_t ball, Tick tick) const;
+
+  // What is replayed (marbles_replays.cpp).
+  void begin_replay(const MarbleReplay& replay);
   void goes_live(std::uint32_t ball);
   void goes_live_by(std::uint32_t ball, Tick tick);
   void hasten(std::size_t from);
   void comes_near_replayed(std::uint32_t ball, const TouchBox& box, Tick to, bool is_path);
-  Tick replayed_comes_near(const TouchBox& box) const;
+  void find_part_now(std::uint32_t ball);
+  Tick replayed_comes_near(const TouchBox& box);
+  bool stays_alone(std::uint32_t ball, const MarbleStory::Part& part,
+                   const MarbleStory::Way& way) const;
+  Tick first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick until);
   /// The tick of what takes place, also while some catch up with it.
   Tick present() const { return catches_up_ ? present_ : now_; }
 
@@ -217,9 +233,23 @@ class Marbles {
   void predict_pairs(std::uint32_t ball);
   void comes_near(std::uint32_t ball, const TouchBox& own, std::uint32_t other);
   Tick predict_pair(std::uint32_t a, std::uint32_t b) const;
+  Tick first_touch(const FreeFlight& first, const FreeFlight& second, Tick from, Tick until,
+                   const Refractory& refractory) const;
+  bool starts_at(std::uint32_t ball, const MarbleStory::Way& way) const;
+  Tick meets_way(std::uint32_t ball, const MarbleStory::Way& way, MotionMode mode, Tick from,
+                 Tick until) const;
+  Tick first_met(const FreeFlight& flight, Tick from, Tick until, const MarbleChange& change,
+                 std::span<const std::uint32_t> without);
   Refractory refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const;
-  TouchBox path_box_of(std::uint32_t ball, Tick from, Tick to) const;
-  bool path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox& box, int depth) const;
+  TouchBox way_box_of(const FreeFlight& flight, Tick from, Tick to) const;
+  TouchBox path_box_of(std::uint32_t ball, Tick from, Tick to) const {
+    return way_box_of(balls_[ball].segment.flight, from, to);
+  }
+  bool way_meets(const FreeFlight& flight, Tick from, Tick to, const TouchBox& box,
+                 int depth) const;
+  bool path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox& box, int depth) const {
+    return way_meets(balls_[ball].segment.flight, from, to, box, depth);
+  }
 
   const Scene* scene_ = nullptr;
   const NearFeatures* near_ = nullptr;
@@ -239,9 +269,10 @@ class Marbles {
 
   std::vector<Marble> balls_;
   std::vector<Surroundings> surroundings_;
-  BallBoxes boxes_;                      ///< of paths, or of confinements
-  std::vector<EventKey> keys_;           ///< of each ball's next event
-  std::vector<std::uint32_t> partners_;  ///< whom each ball meets next, if it does at pair_tick
+  BallBoxes boxes_;             ///< of paths, or of confinements
+  std::vector<EventKey> keys_;  ///< of each ball's next event
+  /// Whom each ball meets next, if it does at pair_tick; of one that is replayed, by its story.
+  std::vector<std::uint32_t> partners_;
   Resting resting_;
   RecentContacts recent_;
   std::vector<std::uint32_t> changed_;
@@ -250,12 +281,15 @@ class Marbles {
   Tick present_{};  ///< that they catch up with
   // Stories.
   bool records_ = false;
-  std::vector<MarbleStory> told_;        ///< of those that are simulated, if it records
-  std::vector<std::uint32_t> met_;       ///< at the present event
-  MarbleStories replayed_;               ///< null: simulated
-  std::vector<std::uint32_t> replays_;   ///< those that aren't null, ascending
+  std::vector<MarbleStory> told_;                 ///< of those that are simulated, if it records
+  std::vector<std::uint32_t> met_;                ///< at the present event
+  MarbleStories replayed_;                        ///< null: simulated
+  std::vector<std::uint32_t> replays_;            ///< those that aren't null, ascending
+  std::vector<std::uint8_t> is_changed_feature_;  ///< by feature
+  std::vector<std::size_t> part_now_;             ///< of each replayed ball's story
   std::vector<std::uint64_t> own_work_;  ///< by ball: of events of which it is the lower one
   std::vector<Tick> last_event_;         ///< by ball
+  std::vector<std::uint32_t> unmarked_;  ///< by ball: events since its last mark
   std::vector<std::pair<std::uint32_t, Tick>> hastened_;  ///< scratch: who goes live by when
   std::uint64_t replayed_work_ = 0;  ///< of events before the marks that some went on from
   bool has_replayed_ = false;

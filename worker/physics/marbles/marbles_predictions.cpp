@@ -117,15 +117,6 @@ TouchBox ball_box(const PathExtent& extent, double radius_m) {
           .high_m = floats_of(high_m + rounding * fabs(high_m))};
 }
 
-/// How far apart the centres of two balls are at least, squared, that stay in two boxes.
-double apart_m2(const TouchBox& a, const TouchBox& b, double radius_m) {
-  const Four gaps_m =
-      max(Four::of(a.low_m) - Four::of(b.high_m), Four::of(b.low_m) - Four::of(a.high_m)) +
-      Four::axes(2 * radius_m);
-  const Four apart_m = max(gaps_m, Four::zero());
-  return dot(apart_m, apart_m);
-}
-
 /// Whether two balls certainly don't touch for a while: their distance is at least that from a
 /// plane at right angles to the way between them.
 bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double span_s) {
@@ -360,10 +351,38 @@ Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner
   return k_never;
 }
 
+/// When a ball first meets one of some features, from a tick on and up to another one, as
+/// predict_static finds it; k_never if it doesn't.
+Tick Marbles::first_met(const FreeFlight& flight, Tick from, Tick until, const MarbleChange& change,
+                        std::span<const std::uint32_t> without) {
+  Window window;
+  window.start = from;
+  window.begin(flight);
+  window.ends(until);
+  window.path.sets_margins(near_->coordinates_m(), radius_m_);
+  window.make_box();
+  Tick first = k_never;
+  for (const std::uint32_t index : change.features) {
+    if (!overlaps(window.box, near_->touch_boxes()[index])) continue;
+    if (std::ranges::find(without, index) != without.end()) continue;
+    const SphereFeature& feature = statics_->feature(index);
+    if (feature.kind == FeatureKind::face) {
+      const double after_s = face_not_before_s(window.path, feature);
+      if (after_s <= window.path.span_s)
+        first = std::min(first, meets_face(flight, feature, window, after_s));
+    } else {
+      const CornerWay way = corner_way(window.path, feature);
+      const double after_s = corner_not_before_s(window.path, way, radius_m_);
+      if (after_s <= window.path.span_s)
+        first = std::min(first, meets_corner(flight, feature, window, after_s));
+    }
+  }
+  return first;
+}
+
 // ---- two balls ----------------------------------------------------------------------------------
 
-TouchBox Marbles::path_box_of(std::uint32_t index, Tick from, Tick to) const {
-  const FreeFlight& flight = balls_[index].segment.flight;
+TouchBox Marbles::way_box_of(const FreeFlight& flight, Tick from, Tick to) const {
   const Four velocity_mps = Four::of(flight.velocity_mps);
   const Four pull_mps2 = Four::of(flight.acceleration_mps2);
   Four first_m = Four::of(flight.position_m);
@@ -380,15 +399,15 @@ TouchBox Marbles::path_box_of(std::uint32_t index, Tick from, Tick to) const {
   return ball_box(extent, radius_m_);
 }
 
-bool Marbles::path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox& box,
-                         int depth) const {
+bool Marbles::way_meets(const FreeFlight& flight, Tick from, Tick to, const TouchBox& box,
+                        int depth) const {
   // Both boxes hold balls: their centres are further in, and touch at two radii.
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
-  if (apart_m2(path_box_of(ball, from, to), box, radius_m_) > reach_m * reach_m) return false;
+  if (apart_m2(way_box_of(flight, from, to), box, radius_m_) > reach_m * reach_m) return false;
   if (depth == k_halvings || to - from < 2) return true;
   const Tick middle = from + (to - from) / 2;
-  return path_meets(ball, from, middle, box, depth + 1) ||
-         path_meets(ball, middle, to, box, depth + 1);
+  return way_meets(flight, from, middle, box, depth + 1) ||
+         way_meets(flight, middle, to, box, depth + 1);
 }
 
 /// When a ball whose motion has changed meets another one, if first; wakes the attention of those
@@ -426,43 +445,6 @@ void Marbles::comes_near(std::uint32_t index, const TouchBox& own, std::uint32_t
   partners_[index] = other;
 }
 
-/// A ball is in a box from now to a tick, or, if that is its path, where that takes it.
-void Marbles::comes_near_replayed(std::uint32_t index, const TouchBox& box, Tick to, bool is_path) {
-  const Tick from = present();
-  if (to < from) return;
-  const double reach_m = 2 * (radius_m_ + k_place_pad_m);
-  const std::size_t found = hastened_.size();
-  for (const std::uint32_t other : replays_) {
-    const auto& parts = replayed_[other]->parts;
-    auto part = std::ranges::upper_bound(parts, from, {}, &MarbleStory::Part::begin);
-    if (part != parts.begin()) --part;
-    for (; part != parts.end() && part->begin <= to; ++part) {
-      if (!overlaps(box, part->box) || apart_m2(box, part->box, radius_m_) > reach_m * reach_m)
-        continue;
-      const Tick begin = std::max(from, part->begin);
-      const Tick end = part + 1 == parts.end() ? to : std::min(to, (part + 1)->begin);
-      if (is_path && !path_meets(index, begin, end, part->box, 0)) continue;
-      hastened_.emplace_back(other, begin);
-      break;
-    }
-  }
-  hasten(found);
-}
-
-/// When a ball that is replayed is first in a box, as far as its story goes; k_never if never.
-Tick Marbles::replayed_comes_near(const TouchBox& box) const {
-  Tick first = k_never;
-  for (const std::uint32_t other : replays_) {
-    const auto& parts = replayed_[other]->parts;
-    auto part = std::ranges::upper_bound(parts, now_, {}, &MarbleStory::Part::begin);
-    if (part != parts.begin()) --part;
-    for (; part != parts.end() && part->begin < first; ++part) {
-      if (overlaps(box, part->box)) first = std::max(now_, part->begin);
-    }
-  }
-  return first;
-}
-
 Refractory Marbles::refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const {
   const Refractory refractory = recent_.of(a, b);
   if (refractory.until <= begin) return refractory;
@@ -491,6 +473,13 @@ Tick Marbles::predict_pair(std::uint32_t a, std::uint32_t b) const {
   // Beyond the next change of either nobody asks.
   const Tick until = std::min(is_resting(a) ? end_ : next_of(a), is_resting(b) ? end_ : next_of(b));
   const Tick from = std::max(now_, begin);
+  return first_touch(first, second, from, until, refractory);
+}
+
+/// When two balls collide, from a tick on and up to another one; k_never if they don't.
+Tick Marbles::first_touch(const FreeFlight& first, const FreeFlight& second, Tick from, Tick until,
+                          const Refractory& refractory) const {
+  const double radii_m = radius_m_ + radius_m_;
   if (from <= until &&
       stay_apart(centre_at(first, from), centre_at(second, from), radii_m, seconds(until - from)))
     return k_never;

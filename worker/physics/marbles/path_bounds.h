@@ -261,4 +261,13 @@ inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& pat
   return false;
 }
 
+/// How far apart the centres of two balls are at least, squared, that stay in two boxes.
+inline double apart_m2(const TouchBox& a, const TouchBox& b, double radius_m) {
+  const Four gaps_m =
+      max(Four::of(a.low_m) - Four::of(b.high_m), Four::of(b.low_m) - Four::of(a.high_m)) +
+      Four::axes(2 * radius_m);
+  const Four apart_m = max(gaps_m, Four::zero());
+  return dot(apart_m, apart_m);
+}
+
 }  // namespace sleight::physics

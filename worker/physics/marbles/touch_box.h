@@ -33,6 +33,15 @@ struct alignas(32) TouchBox {
   std::array<float, 4> high_m{};
 };
 
+inline TouchBox touch_box_of(const Box& box) {
+  TouchBox result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    result.low_m[i] = box.low_m[i];
+    result.high_m[i] = box.high_m[i];
+  }
+  return result;
+}
+
 /// Holds no centre: of features that can't be met.
 inline constexpr TouchBox k_unmeetable{
     .low_m = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),

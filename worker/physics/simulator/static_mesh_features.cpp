@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "common/base/check.h"
 #include "worker/physics/simulator/static_geometry.h"
@@ -154,6 +155,33 @@ void StaticGeometry::write_moved(MeshPlace& place) {
   }
   add(mesh.moved_edges(), place.first_edge, 1);
   add(mesh.moved_vertices(), place.first_vertex, 1);
+}
+
+std::vector<std::uint32_t> StaticGeometry::features_about(std::size_t index,
+                                                          std::uint32_t vertex) const {
+  const MeshPlace& place = meshes_[index];
+  const TriangleMesh& mesh = *place.mesh;
+  std::set<std::uint32_t> features;
+  const auto add_face = [&](std::uint32_t triangle) {
+    if (triangle == k_no_triangle) return;
+    const std::uint32_t backs = place.closed ? 1 : 2;
+    for (std::uint32_t back = 0; back < backs; ++back)
+      features.insert(place.first_face + backs * triangle + back);
+  };
+  for (std::uint32_t triangle = 0; triangle < mesh.triangles().size(); ++triangle) {
+    const TriangleCorners& corners = mesh.triangles()[triangle];
+    if (std::ranges::find(corners, vertex) == corners.end()) continue;
+    add_face(triangle);
+    for (const std::uint32_t edge : mesh.edges_of(triangle)) {
+      features.insert(place.first_edge + edge);
+      // How far the faces beside it reach depends on how flat it is.
+      for (const std::uint32_t beside : mesh.edges()[edge].triangle)
+        add_face(beside);
+    }
+    for (const std::uint32_t corner : corners)
+      features.insert(place.first_vertex + corner);
+  }
+  return {features.begin(), features.end()};
 }
 
 void StaticGeometry::write_margins(MeshPlace& place, std::uint32_t triangle) const {

@@ -1,6 +1,7 @@
 #include "worker/worlds/spelling/past.h"
 
 #include <limits>
+#include <set>
 
 #include "common/base/check.h"
 
@@ -35,50 +36,47 @@ physics::MarbleStories stories_that_hold(const Past& past, const State& state,
   return stories;
 }
 
-Influence::Influence(const Bins& bins, const WorldParameters& world)
-    : triangles_(bins.vertex_count()), traps_(bins.vertex_count(), k_nowhere) {
+Influence::Influence(const Bins& bins, const physics::StaticGeometry& statics) {
   const auto mesh = bins.unmoved_surface();
   vertices_m_.assign(mesh->vertices_m().begin(), mesh->vertices_m().end());
-  for (const physics::TriangleCorners& corners : mesh->triangles()) {
-    for (const std::uint32_t corner : corners) {
-      if (corner < triangles_.size()) triangles_[corner].push_back(corners);
-    }
-  }
-  // A ball's box reaches from its centre by its radius, so much less does this.
-  const double half_m = 0.5 * (world.bin_m + world.partition_m);
-  const double inset_m = std::max(0.0, half_m - 0.5 * world.ball_diameter_m);
-  for (std::uint32_t row = 0; row < bins.rows(); ++row) {
-    for (std::uint32_t column = 0; column < bins.columns(); ++column) {
-      for (const std::uint32_t corner : bins.corners({column, row})) {
-        if (corner == k_no_vertex) continue;
-        Vec3 middle_m = bins.floor_middle_m({column, row});
-        middle_m.z() = 0;
-        const Vec3 reach_m(inset_m, inset_m, world.partition_height_m);
-        grow(traps_[corner], middle_m - reach_m);
-        grow(traps_[corner], middle_m + reach_m);
+  std::vector<std::vector<physics::TriangleCorners>> triangles(bins.vertex_count());
+  for (std::uint32_t triangle = 0; triangle < mesh->triangles().size(); ++triangle) {
+    for (const std::uint32_t corner : mesh->triangles()[triangle]) {
+      if (corner >= triangles.size()) continue;
+      for (const std::uint32_t edge : mesh->edges_of(triangle)) {
+        for (const std::uint32_t beside : mesh->edges()[edge].triangle) {
+          if (beside != physics::k_no_triangle)
+            triangles[corner].push_back(mesh->triangles()[beside]);
+        }
       }
     }
+  }
+  for (std::uint32_t vertex = 0; vertex < bins.vertex_count(); ++vertex) {
+    features_.push_back(statics.features_about(0, vertex));
+    std::set<std::uint32_t> corners;
+    for (const physics::TriangleCorners& of_one : triangles[vertex])
+      corners.insert(of_one.begin(), of_one.end());
+    corners_.emplace_back(corners.begin(), corners.end());
   }
 }
 
-ChangedPlaces Influence::changed(std::span<const Vec3> before_m,
-                                 std::span<const Vec3> after_m) const {
-  CHECK_EQ(before_m.size(), triangles_.size());
-  CHECK_EQ(after_m.size(), triangles_.size());
-  ChangedPlaces changed;
-  for (std::size_t vertex = 0; vertex < triangles_.size(); ++vertex) {
+std::vector<physics::MarbleChange> Influence::changes(std::span<const Vec3> before_m,
+                                                      std::span<const Vec3> after_m) const {
+  CHECK_EQ(before_m.size(), features_.size());
+  CHECK_EQ(after_m.size(), features_.size());
+  std::vector<physics::MarbleChange> changes;
+  for (std::size_t vertex = 0; vertex < features_.size(); ++vertex) {
     if (before_m[vertex] == after_m[vertex]) continue;
-    changed.traps.push_back(traps_[vertex]);
-    for (const physics::TriangleCorners& corners : triangles_[vertex]) {
-      physics::TouchBox& box = changed.geometry.emplace_back(k_nowhere);
-      for (const std::uint32_t corner : corners) {
-        const bool moves = corner < before_m.size();
-        for (const std::span<const Vec3>& offsets_m : {before_m, after_m})
-          grow(box, moves ? Vec3(vertices_m_[corner] + offsets_m[corner]) : vertices_m_[corner]);
-      }
+    physics::MarbleChange& change = changes.emplace_back(
+        physics::MarbleChange{.features = features_[vertex], .box = k_nowhere});
+    for (const std::uint32_t corner : corners_[vertex]) {
+      const bool moves = corner < before_m.size();
+      for (const std::span<const Vec3>& offsets_m : {before_m, after_m})
+        grow(change.box,
+             moves ? Vec3(vertices_m_[corner] + offsets_m[corner]) : vertices_m_[corner]);
     }
   }
-  return changed;
+  return changes;
 }
 
 }  // namespace sleight::worlds::spelling

@@ -31,6 +31,7 @@ struct Look {
 struct Past {
   physics::MarbleStories stories;  ///< by ball
   std::vector<Look> looks;
+  std::uint64_t simulated = 0;  ///< events that it took to know all this (Marbles::Counts::work)
 
   /// What was seen of all balls at a tick; null if nobody looked.
   const Look* look_at(physics::Tick tick) const {
@@ -52,23 +53,21 @@ struct Past {
 physics::MarbleStories stories_that_hold(const Past& past, const State& state,
                                          const State& candidate);
 
-/// Where balls fare otherwise in a box whose vertices have other offsets.
-struct ChangedPlaces {
-  std::vector<physics::TouchBox> geometry;  ///< a ball that meets what differs overlaps some
-  std::vector<physics::TouchBox> traps;     ///< one that is in a trap that differs overlaps some
-};
-
 /// What hangs on each partition vertex.
 class Influence {
  public:
-  explicit Influence(const Bins& bins, const WorldParameters& world);
-  ChangedPlaces changed(std::span<const Vec3> before_m, std::span<const Vec3> after_m) const;
+  /// `statics`: of a scene with the bins' surface for its only mesh.
+  Influence(const Bins& bins, const physics::StaticGeometry& statics);
+  /// What is otherwise in a box whose vertices have other offsets, each in a place of its own.
+  /// Refers to this.
+  std::vector<physics::MarbleChange> changes(std::span<const Vec3> before_m,
+                                             std::span<const Vec3> after_m) const;
 
  private:
   std::vector<Vec3> vertices_m_;  ///< of the surface without offsets
-  std::vector<std::vector<physics::TriangleCorners>> triangles_;  ///< by partition vertex
-  /// By partition vertex: what a ball overlaps whose centre is in a bin at whose corner it is.
-  std::vector<physics::TouchBox> traps_;
+  // By partition vertex.
+  std::vector<std::vector<std::uint32_t>> features_;
+  std::vector<std::vector<std::uint32_t>> corners_;  ///< of the triangles about it, and beside them
 };
 
 }  // namespace sleight::worlds::spelling

@@ -84,11 +84,11 @@ State Prior::draw(random::Stream& stream) const {
 double Prior::log_density(const State& state) const {
   CHECK_EQ(state.offsets_m.size(), std::size_t{vertices});
   CHECK_EQ(state.active.size(), std::size_t{balls});
-  const random::Normal normal{.mean = 0, .sd = vertex_sd_m};
+  const random::NormalLogDensity log_density({.mean = 0, .sd = vertex_sd_m});
   double sum = 0;
   for (const Vec3& offset_m : state.offsets_m) {
     for (int axis = 0; axis < 3; ++axis)
-      sum += normal.log_density(offset_m[axis]);
+      sum += log_density(offset_m[axis]);
   }
   sum += static_cast<double>(balls) * math::log(0.5);
   for (std::size_t ball = 0; ball < balls; ++ball) {

@@ -73,7 +73,7 @@ Spelling::Spelling(const Parameters& parameters, Replays replays)
     : parameters_(parameters),
       replays_(replays),
       bins_(parameters.world, parameters.pattern.columns, parameters.pattern.rows),
-      influence_(bins_, parameters.world),
+      influence_(bins_, new_geometry()->near().statics()),
       prior_{.vertices = bins_.vertex_count(),
              .balls = parameters.pattern.count(),
              .vertex_sd_m = parameters.world.vertex_sd_m} {
@@ -301,14 +301,15 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
     };
   }
   physics::MarbleStories stories;
-  ChangedPlaces changed;
-  physics::MarbleReplay replay{.stories = nullptr, .changed = {}, .records = records};
+  std::vector<physics::MarbleChange> changes;
+  physics::MarbleReplay replay{.stories = nullptr, .records = records};
   if (known != nullptr) {
     stories = stories_that_hold(known->past, known->state, state);
-    changed = influence_.changed(known->state.offsets_m, state.offsets_m);
+    changes = influence_.changes(known->state.offsets_m, state.offsets_m);
     replay.stories = &stories;
-    replay.changed = changed.geometry;
-    replay.changed_confinements = changed.traps;
+    replay.changes = changes;
+    // Which traps there are hangs on the vertices, too.
+    replay.confinement_differs = !changes.empty();
   }
   physics::Marbles& marbles = geometry.marbles();
   const std::uint64_t work_max =
@@ -360,6 +361,7 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   result.outcome.end = others == 0 ? End::settled : End::time_limit;
   if (past) {
     past->stories = marbles.stories();
+    past->simulated = marbles.counts().work();
     result.outcome.past = std::move(past);
   }
   return result;

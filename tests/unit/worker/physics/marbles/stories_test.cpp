@@ -76,9 +76,8 @@ TEST(Stories, ReplayingMakesNoDifference) {
       Marbles whole;
       whole.start(scene, near, end);
       Marbles marbles;
-      marbles.start(
-          scene, near, end, {}, UINT64_MAX,
-          {.stories = &stories, .changed = {}, .changed_confinements = {}, .records = true});
+      marbles.start(scene, near, end, {}, UINT64_MAX,
+                    {.stories = &stories, .changes = {}, .records = true});
       const auto expected = whole.run_until(end);
       const int looks = static_cast<int>(dice.below(3));
       for (int look = 1; look <= looks; ++look) {
@@ -165,7 +164,7 @@ TEST(Stories, AWrongStoryMakesADifference) {
   const Tick end = Tick{} + ticks_after(1);
   Marbles told;
   told.start(before, near, end, {}, UINT64_MAX,
-             {.stories = nullptr, .changed = {}, .changed_confinements = {}, .records = true});
+             {.stories = nullptr, .changes = {}, .records = true});
   ASSERT_FALSE(told.run_until(end));
   MarbleStories stories = told.stories();
   ASSERT_NE(stories[0], nullptr);
@@ -176,9 +175,8 @@ TEST(Stories, AWrongStoryMakesADifference) {
   for (const bool is_right : {true, false}) {
     if (is_right) stories[1] = nullptr;
     Marbles marbles;
-    marbles.start(
-        after, near, end, {}, UINT64_MAX,
-        {.stories = &stories, .changed = {}, .changed_confinements = {}, .records = true});
+    marbles.start(after, near, end, {}, UINT64_MAX,
+                  {.stories = &stories, .changes = {}, .records = true});
     ASSERT_FALSE(marbles.run_until(end));
     for (std::uint32_t ball = 0; ball < 2; ++ball)
       marbles.stop_replay({ball});

@@ -1,0 +1,299 @@
+// How stories of another simulation are replayed.
+#include <algorithm>
+#include <utility>
+
+#include "common/base/check.h"
+#include "worker/physics/marbles/marbles.h"
+
+namespace sleight::physics {
+namespace {
+
+/// The work of what is replayed was counted in another simulation, in which others disturbed balls
+/// that were left alone. So one that comes within this factor of the work that it may take is void.
+constexpr std::uint64_t k_work_margin = 2;
+
+}  // namespace
+
+/// Whether a ball that was left alone would be in the same confinement.
+bool Marbles::stays_alone(std::uint32_t ball, const MarbleStory::Part& part,
+                          const MarbleStory::Way& way) const {
+  const auto box = confinement_(
+      {ball}, way.position_m,
+      {.velocity_mps = way.velocity_mps, .angular_velocity_radps = way.angular_velocity_radps});
+  if (!box) return false;
+  const TouchBox confined = touch_box_of(*box);
+  return confined.low_m == part.box.low_m && confined.high_m == part.box.high_m;
+}
+
+/// When a ball that is told of first meets something of static geometry that is otherwise than it
+/// was, or was met by it and isn't now, or would be left alone otherwise; k_never if not up to a
+/// tick.
+Tick Marbles::first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick until) {
+  const MarbleStory& story = *replayed_[ball];
+  const auto is_changed = [&](std::uint32_t feature) {
+    return feature != k_none && is_changed_feature_[feature] != 0;
+  };
+  for (std::size_t i = 0; i < story.parts.size(); ++i) {
+    const MarbleStory::Part& part = story.parts[i];
+    if (part.begin > until) break;
+    if (part.is_alone) {
+      // Whatever is met in a confinement, it isn't left.
+      if (replay.confinement_differs && !stays_alone(ball, part, story.ways[i])) return part.begin;
+      continue;
+    }
+    Tick first = k_never;
+    for (const MarbleChange& change : replay.changes) {
+      if (!overlaps(change.box, part.box)) continue;
+      if (is_changed(part.last_feature) || std::ranges::any_of(part.all_supports(), is_changed))
+        return part.begin;
+      if (part.mode == MotionMode::resting) continue;
+      const Tick end = i + 1 < story.parts.size() ? story.parts[i + 1].begin : until;
+      first = std::min(first, first_met(story.ways[i].flight(), part.begin, std::min(end, end_),
+                                        change, part.all_supports()));
+    }
+    if (first != k_never) return first;
+  }
+  return k_never;
+}
+
+void Marbles::begin_replay(const MarbleReplay& replay) {
+  const std::size_t count = balls_.size();
+  records_ = replay.records;
+  met_.clear();
+  replays_.clear();
+  hastened_.clear();
+  replayed_.assign(count, nullptr);
+  last_event_.assign(count, Tick{});
+  own_work_.assign(count, 0);
+  unmarked_.assign(count, 0);
+  replayed_work_ = 0;
+  lacks_mark_ = false;
+  if (records_) {
+    told_.resize(count);
+    for (MarbleStory& story : told_)
+      story.clear();
+  }
+  has_replayed_ = false;
+  if (replay.stories == nullptr) return;
+  CHECK_EQ(replay.stories->size(), count);
+  for (std::uint32_t ball = 0; ball < count; ++ball) {
+    if ((*replay.stories)[ball] == nullptr) continue;
+    replayed_[ball] = (*replay.stories)[ball];
+    replays_.push_back(ball);
+  }
+  has_replayed_ = !replays_.empty();
+  part_now_.assign(count, 0);
+  is_changed_feature_.assign(replay.changes.empty() ? 0 : statics_->feature_count(), 0);
+  for (const MarbleChange& change : replay.changes) {
+    for (const std::uint32_t feature : change.features)
+      is_changed_feature_[feature] = 1;
+  }
+  for (const std::uint32_t ball : replays_) {
+    const MarbleStory& story = *replayed_[ball];
+    Tick until = story.stays ? k_never : story.until;
+    if (!replay.changes.empty() || replay.confinement_differs)
+      until = std::min(until, first_changed(ball, replay, until));
+    for (const MarbleStory::Meeting& meeting : story.meetings) {
+      if (replayed_[meeting.partner] == nullptr) until = std::min(until, meeting.tick);
+    }
+    keys_[ball] = until == k_never
+                      ? k_no_event
+                      : EventKey{.tick = until, .kind = EventKind::update, .lower = ball};
+  }
+}
+
+bool Marbles::is_replay_void() const {
+  if (!has_replayed_) return false;
+  if (failure_ || lacks_mark_) return true;
+  std::uint64_t work = counts_.work() + replayed_work_;
+  for (const std::uint32_t ball : replays_)
+    work += replayed_[ball]->work;
+  return work > work_max_ / k_work_margin;
+}
+
+void Marbles::stop_replay(BodyId marble) {
+  if (replayed_[marble.value] == nullptr) return;
+  goes_live(marble.value);
+  // All that happens up to the present has happened.
+  resume({.tick = now_, .kind = EventKind::sample, .lower = UINT32_MAX});
+}
+
+void Marbles::goes_live_by(std::uint32_t ball, Tick tick) {
+  if (replayed_[ball] == nullptr) return;
+  if (tick <= present()) {
+    goes_live(ball);
+  } else if (tick < keys_[ball].tick) {
+    keys_[ball] = {.tick = tick, .kind = EventKind::update, .lower = ball};
+  }
+}
+
+/// Makes all of them that were found since the list was so long go live.
+void Marbles::hasten(std::size_t from) {
+  while (hastened_.size() > from) {
+    const auto [ball, tick] = hastened_.back();
+    hastened_.pop_back();
+    goes_live_by(ball, tick);
+  }
+}
+
+/// From the present on a ball is simulated. It is then among those that catch up.
+void Marbles::goes_live(std::uint32_t ball) {
+  const std::shared_ptr<const MarbleStory> story = std::move(replayed_[ball]);
+  replayed_[ball] = nullptr;
+  std::erase(replays_, ball);
+  const Tick now = present();
+
+  // What it did to others in its story it may not do now: neither meet them, nor be what the one
+  // that it has just met rests on, or asks about rest with.
+  const std::size_t from = hastened_.size();
+  for (const std::uint32_t other : replays_) {
+    const MarbleStory& theirs = *replayed_[other];
+    bool has_met = false;
+    for (const MarbleStory::Meeting& meeting : theirs.meetings) {
+      if (meeting.partner != ball) continue;
+      if (meeting.tick >= now) {
+        hastened_.emplace_back(other, meeting.tick);
+      } else if (now - meeting.tick <= resting_.rest_span()) {
+        hastened_.emplace_back(other, now);
+      }
+      has_met = has_met || meeting.tick < now;
+    }
+    if (!has_met) continue;
+    bool is_gap = false;
+    const MarbleStory::Mark* mark = theirs.mark_before(now, is_gap);
+    if (is_gap || (mark != nullptr && mark->rest.rests_on(ball)))
+      hastened_.emplace_back(other, now);
+  }
+
+  bool is_gap = false;
+  const MarbleStory::Mark* mark = story->mark_before(now, is_gap);
+  if (is_gap) {
+    lacks_mark_ = true;
+    fail(SceneError::Kind::search_failed, name(ball) + ": its story lacks a mark");
+  } else if (mark == nullptr) {
+    if (records_) begin_story(ball);
+    keys_[ball] = {
+        .tick = scene_->bodies[ball].start_tick, .kind = EventKind::start, .lower = ball};
+  } else {
+    // What it rests on must be there to wake it.
+    for (const std::uint32_t other : replays_) {
+      if (mark->rest.rests_on(other)) hastened_.emplace_back(other, now);
+    }
+    balls_[ball] = mark->marble;
+    balls_[ball].suspended = balls_[ball].resumes = true;  // waits to catch up
+    resting_.restore(ball, mark->rest, story->touches);
+    recent_.restore(ball, std::span(story->met).subspan(mark->first_met, mark->met_count));
+    surroundings_[ball] = {};
+    last_event_[ball] = mark->tick;
+    own_work_[ball] = mark->work;
+    unmarked_[ball] = 0;
+    replayed_work_ += mark->work;
+    keys_[ball] = k_no_event;
+    to_resume_.push_back(ball);
+    if (records_) {
+      MarbleStory& own = told_[ball];
+      const auto is_before = [&](const auto& it) { return it.tick <= mark->tick; };
+      own.clear();
+      if (story->alone_from <= mark->tick) own.alone_from = story->alone_from;
+      const auto parts = static_cast<std::ptrdiff_t>(mark->parts);
+      own.parts.assign(story->parts.begin(), story->parts.begin() + parts);
+      own.ways.assign(story->ways.begin(), story->ways.begin() + parts);
+      std::ranges::copy_if(story->marks, std::back_inserter(own.marks), is_before);
+      // Lists grow with marks, so what later ones know lies behind.
+      const std::size_t touches = mark->rest.first_touch() + mark->rest.touch_count();
+      const std::size_t met = mark->first_met + mark->met_count;
+      own.touches.assign(story->touches.begin(),
+                         story->touches.begin() + static_cast<std::ptrdiff_t>(touches));
+      own.met.assign(story->met.begin(), story->met.begin() + static_cast<std::ptrdiff_t>(met));
+      std::ranges::copy_if(story->meetings, std::back_inserter(own.meetings), is_before);
+    }
+  }
+  hasten(from);
+}
+
+// ---- those that are simulated, and those that are replayed --------------------------------------
+
+/// A ball is in a box from now to a tick, or, if that is its path, where that takes it.
+void Marbles::comes_near_replayed(std::uint32_t index, const TouchBox& box, Tick to, bool is_path) {
+  const Tick from = present();
+  if (to < from) return;
+  const double reach_m = 2 * (radius_m_ + k_place_pad_m);
+  const std::size_t found = hastened_.size();
+  for (const std::uint32_t other : replays_) {
+    const auto& parts = replayed_[other]->parts;
+    find_part_now(other);
+    for (auto part = parts.begin() + static_cast<std::ptrdiff_t>(part_now_[other]);
+         part != parts.end() && part->begin <= to; ++part) {
+      if (!overlaps(box, part->box) || apart_m2(box, part->box, radius_m_) > reach_m * reach_m)
+        continue;
+      const Tick begin = std::max(from, part->begin);
+      const Tick end = part + 1 == parts.end() ? to : std::min(to, (part + 1)->begin);
+      const auto number = static_cast<std::size_t>(part - parts.begin());
+      if (!balls_[index].started || part->is_alone) {
+        if (is_path && !path_meets(index, begin, end, part->box, 0)) continue;
+        hastened_.emplace_back(other, begin);
+        break;
+      }
+      const MarbleStory::Way& way = replayed_[other]->ways[number];
+      const Tick tick = number == 0 && part->begin == begin && starts_at(index, way)
+                            ? begin
+                            : std::max(begin, meets_way(index, way, part->mode, begin, end));
+      if (tick > end) continue;
+      if (tick <= balls_[index].pair_tick) {
+        balls_[index].pair_tick = tick;
+        partners_[index] = other;
+      }
+      break;
+    }
+  }
+  hasten(found);
+}
+
+/// Whether another one starts where a ball is then, or as good as there.
+bool Marbles::starts_at(std::uint32_t ball, const MarbleStory::Way& way) const {
+  const double reach_m = 2 * (radius_m_ + k_place_pad_m);
+  return apart_m2(path_box_of(ball, way.begin, way.begin),
+                  way_box_of(way.flight(), way.begin, way.begin), radius_m_) <= reach_m * reach_m;
+}
+
+/// When a ball meets one that moves in a known way, both from a tick on and up to another one; not
+/// too late.
+Tick Marbles::meets_way(std::uint32_t ball, const MarbleStory::Way& way, MotionMode mode, Tick from,
+                        Tick until) const {
+  const Segment& segment = balls_[ball].segment;
+  if (segment.mode == MotionMode::resting && mode == MotionMode::resting) return k_never;
+  const double radii_m = radius_m_ + radius_m_;
+  if (segment.mode == MotionMode::free && mode == MotionMode::free)
+    return collision_of_flights(segment.flight, way.flight(), scene_->gravity_mps2, Vec3(0, 0, 0),
+                                radii_m);
+  return first_touch(segment.flight, way.flight(), from, until, {});
+}
+
+/// The last part of a replayed ball's way that began before the present.
+void Marbles::find_part_now(std::uint32_t ball) {
+  const auto& parts = replayed_[ball]->parts;
+  std::size_t& part = part_now_[ball];
+  while (part + 1 < parts.size() && parts[part + 1].begin <= present())
+    ++part;
+}
+
+/// When a ball that is replayed first comes near a box, as far as its story goes; k_never if never.
+Tick Marbles::replayed_comes_near(const TouchBox& box) {
+  Tick first = k_never;
+  for (const std::uint32_t other : replays_) {
+    const MarbleStory& story = *replayed_[other];
+    find_part_now(other);
+    for (std::size_t i = part_now_[other]; i < story.parts.size(); ++i) {
+      const Tick begin = std::max(now_, story.parts[i].begin);
+      if (begin >= first) break;
+      if (!overlaps(box, story.parts[i].box)) continue;
+      const bool ends = i + 1 < story.parts.size() && !story.parts[i].is_alone;
+      if (ends && !way_meets(story.ways[i].flight(), begin, story.parts[i + 1].begin, box, 0))
+        continue;
+      first = begin;
+    }
+  }
+  return first;
+}
+
+}  // namespace sleight::physics
