@@ -107,9 +107,16 @@ class StaticGeometry {
   std::uint64_t boxes_made() const { return boxes_made_; }
   /// Those that the last refresh wrote anew; some may come twice.
   std::span<const std::uint32_t> refreshed() const { return refreshed_; }
-  /// Those of a mesh, by its place in the scene, that may be others once a vertex has moved: what
-  /// hangs on it, and faces beside that. Ascending.
-  std::vector<std::uint32_t> features_about(std::size_t mesh, std::uint32_t vertex) const;
+  /// What of a mesh, by its place in the scene, is otherwise once a vertex has moved, as long as
+  /// none gets, or had, a coordinate greater than all others: regions' margins hang on that.
+  struct About {
+    std::vector<std::uint32_t> features;  ///< that hang on it
+    /// Faces that do not, beside some that do: theirs is otherwise only where an edge between has
+    /// become flat, or is flat no more.
+    std::vector<std::uint32_t> beside;
+    std::vector<std::uint32_t> edges;  ///< of the mesh: those that may
+  };
+  About about(std::size_t mesh, std::uint32_t vertex) const;
   const HalfSpace& plane(std::uint32_t index) const { return planes_[index]; }
   /// REQUIRES: plane_count() <= index < piece_count().
   const MovingPiece& piece(std::uint32_t index) const { return pieces_[index - plane_count_]; }

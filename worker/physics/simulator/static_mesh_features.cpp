@@ -1,6 +1,7 @@
 // The features of a mesh, and what happens to them when vertices move.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <set>
 
@@ -157,31 +158,35 @@ void StaticGeometry::write_moved(MeshPlace& place) {
   add(mesh.moved_vertices(), place.first_vertex, 1);
 }
 
-std::vector<std::uint32_t> StaticGeometry::features_about(std::size_t index,
-                                                          std::uint32_t vertex) const {
+StaticGeometry::About StaticGeometry::about(std::size_t index, std::uint32_t vertex) const {
   const MeshPlace& place = meshes_[index];
   const TriangleMesh& mesh = *place.mesh;
   std::set<std::uint32_t> features;
-  const auto add_face = [&](std::uint32_t triangle) {
-    if (triangle == k_no_triangle) return;
-    const std::uint32_t backs = place.closed ? 1 : 2;
-    for (std::uint32_t back = 0; back < backs; ++back)
-      features.insert(place.first_face + backs * triangle + back);
+  std::set<std::uint32_t> edges;
+  std::set<std::uint32_t> faces_beside;
+  const std::uint32_t backs = place.closed ? 1 : 2;
+  const auto add_face = [&](std::uint32_t triangle, std::set<std::uint32_t>& to) {
+    for (std::uint32_t back = 0; back < backs && triangle != k_no_triangle; ++back)
+      to.insert(place.first_face + backs * triangle + back);
   };
   for (std::uint32_t triangle = 0; triangle < mesh.triangles().size(); ++triangle) {
     const TriangleCorners& corners = mesh.triangles()[triangle];
     if (std::ranges::find(corners, vertex) == corners.end()) continue;
-    add_face(triangle);
-    for (const std::uint32_t edge : mesh.edges_of(triangle)) {
-      features.insert(place.first_edge + edge);
-      // How far the faces beside it reach depends on how flat it is.
-      for (const std::uint32_t beside : mesh.edges()[edge].triangle)
-        add_face(beside);
-    }
+    add_face(triangle, features);
     for (const std::uint32_t corner : corners)
       features.insert(place.first_vertex + corner);
+    for (const std::uint32_t edge : mesh.edges_of(triangle)) {
+      features.insert(place.first_edge + edge);
+      edges.insert(edge);
+      for (const std::uint32_t beside : mesh.edges()[edge].triangle)
+        add_face(beside, faces_beside);
+    }
   }
-  return {features.begin(), features.end()};
+  About about{.features = {features.begin(), features.end()},
+              .beside = {},
+              .edges = {edges.begin(), edges.end()}};
+  std::ranges::set_difference(faces_beside, features, std::back_inserter(about.beside));
+  return about;
 }
 
 void StaticGeometry::write_margins(MeshPlace& place, std::uint32_t triangle) const {

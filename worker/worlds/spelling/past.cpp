@@ -1,6 +1,7 @@
 #include "worker/worlds/spelling/past.h"
 
-#include <limits>
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "common/base/check.h"
@@ -39,42 +40,53 @@ physics::MarbleStories stories_that_hold(const Past& past, const State& state,
 Influence::Influence(const Bins& bins, const physics::StaticGeometry& statics) {
   const auto mesh = bins.unmoved_surface();
   vertices_m_.assign(mesh->vertices_m().begin(), mesh->vertices_m().end());
-  std::vector<std::vector<physics::TriangleCorners>> triangles(bins.vertex_count());
-  for (std::uint32_t triangle = 0; triangle < mesh->triangles().size(); ++triangle) {
-    for (const std::uint32_t corner : mesh->triangles()[triangle]) {
-      if (corner >= triangles.size()) continue;
-      for (const std::uint32_t edge : mesh->edges_of(triangle)) {
-        for (const std::uint32_t beside : mesh->edges()[edge].triangle) {
-          if (beside != physics::k_no_triangle)
-            triangles[corner].push_back(mesh->triangles()[beside]);
-        }
+  std::set<std::uint32_t> edges;
+  for (std::uint32_t vertex = 0; vertex < bins.vertex_count(); ++vertex) {
+    Vertex& one = of_vertex_.emplace_back(Vertex{.about = statics.about(0, vertex), .corners = {}});
+    edges.insert(one.about.edges.begin(), one.about.edges.end());
+    std::set<std::uint32_t> corners;
+    for (const std::uint32_t edge : one.about.edges) {
+      for (const std::uint32_t triangle : mesh->edges()[edge].triangle) {
+        if (triangle == physics::k_no_triangle) continue;
+        corners.insert(mesh->triangles()[triangle].begin(), mesh->triangles()[triangle].end());
       }
     }
+    one.corners.assign(corners.begin(), corners.end());
   }
-  for (std::uint32_t vertex = 0; vertex < bins.vertex_count(); ++vertex) {
-    features_.push_back(statics.features_about(0, vertex));
-    std::set<std::uint32_t> corners;
-    for (const physics::TriangleCorners& of_one : triangles[vertex])
-      corners.insert(of_one.begin(), of_one.end());
-    corners_.emplace_back(corners.begin(), corners.end());
-  }
+  edges_.assign(edges.begin(), edges.end());
 }
 
-std::vector<physics::MarbleChange> Influence::changes(std::span<const Vec3> before_m,
-                                                      std::span<const Vec3> after_m) const {
-  CHECK_EQ(before_m.size(), features_.size());
-  CHECK_EQ(after_m.size(), features_.size());
+std::vector<std::uint32_t> Influence::flat_edges(const physics::TriangleMesh& surface) const {
+  std::vector<std::uint32_t> flat;
+  std::ranges::copy_if(edges_, std::back_inserter(flat), [&](std::uint32_t edge) {
+    return surface.edges()[edge].kind == physics::EdgeKind::flat;
+  });
+  return flat;
+}
+
+std::vector<physics::MarbleChange> Influence::changes(
+    std::span<const Vec3> before_m, std::span<const std::uint32_t> flat_before,
+    std::span<const Vec3> after_m, std::span<const std::uint32_t> flat_after) const {
+  CHECK_EQ(before_m.size(), of_vertex_.size());
+  CHECK_EQ(after_m.size(), of_vertex_.size());
   std::vector<physics::MarbleChange> changes;
-  for (std::size_t vertex = 0; vertex < features_.size(); ++vertex) {
-    if (before_m[vertex] == after_m[vertex]) continue;
-    physics::MarbleChange& change = changes.emplace_back(
-        physics::MarbleChange{.features = features_[vertex], .box = k_nowhere});
-    for (const std::uint32_t corner : corners_[vertex]) {
+  for (std::size_t i = 0; i < of_vertex_.size(); ++i) {
+    if (before_m[i] == after_m[i]) continue;
+    const Vertex& vertex = of_vertex_[i];
+    physics::TouchBox box = k_nowhere;
+    for (const std::uint32_t corner : vertex.corners) {
       const bool moves = corner < before_m.size();
       for (const std::span<const Vec3>& offsets_m : {before_m, after_m})
-        grow(change.box,
-             moves ? Vec3(vertices_m_[corner] + offsets_m[corner]) : vertices_m_[corner]);
+        grow(box, moves ? Vec3(vertices_m_[corner] + offsets_m[corner]) : vertices_m_[corner]);
     }
+    changes.push_back({.features = vertex.about.features, .box = box});
+    const auto has_one_of = [&](std::span<const std::uint32_t> flat) {
+      return std::ranges::any_of(flat, [&](std::uint32_t edge) {
+        return std::ranges::binary_search(vertex.about.edges, edge);
+      });
+    };
+    if (has_one_of(flat_before) || has_one_of(flat_after))
+      changes.push_back({.features = vertex.about.beside, .box = box});
   }
   return changes;
 }

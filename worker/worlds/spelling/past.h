@@ -31,6 +31,7 @@ struct Look {
 struct Past {
   physics::MarbleStories stories;  ///< by ball
   std::vector<Look> looks;
+  std::vector<std::uint32_t> flat_edges;  ///< of the box (Influence)
   std::uint64_t simulated = 0;  ///< events that it took to know all this (Marbles::Counts::work)
 
   /// What was seen of all balls at a tick; null if nobody looked.
@@ -42,7 +43,7 @@ struct Past {
     std::size_t bytes = sizeof(*this) + stories.capacity() * sizeof(stories[0]);
     for (const auto& story : stories)
       bytes += story ? story->bytes() : 0;
-    bytes += looks.capacity() * sizeof(looks[0]);
+    bytes += flat_edges.capacity() * sizeof(flat_edges[0]) + looks.capacity() * sizeof(looks[0]);
     for (const Look& look : looks)
       bytes += look.balls.capacity() * sizeof(look.balls[0]);
     return bytes;
@@ -58,16 +59,24 @@ class Influence {
  public:
   /// `statics`: of a scene with the bins' surface for its only mesh.
   Influence(const Bins& bins, const physics::StaticGeometry& statics);
-  /// What is otherwise in a box whose vertices have other offsets, each in a place of its own.
-  /// Refers to this.
+  /// Those edges of the bins' surface as it is that are flat, though its vertices move: none,
+  /// mostly.
+  std::vector<std::uint32_t> flat_edges(const physics::TriangleMesh& surface) const;
+  /// What is otherwise in a box whose vertices have other offsets, and which of its edges were flat
+  /// and are. Refers to this.
   std::vector<physics::MarbleChange> changes(std::span<const Vec3> before_m,
-                                             std::span<const Vec3> after_m) const;
+                                             std::span<const std::uint32_t> flat_before,
+                                             std::span<const Vec3> after_m,
+                                             std::span<const std::uint32_t> flat_after) const;
 
  private:
+  struct Vertex {
+    physics::StaticGeometry::About about;
+    std::vector<std::uint32_t> corners;  ///< of all triangles in that
+  };
   std::vector<Vec3> vertices_m_;  ///< of the surface without offsets
-  // By partition vertex.
-  std::vector<std::vector<std::uint32_t>> features_;
-  std::vector<std::vector<std::uint32_t>> corners_;  ///< of the triangles about it, and beside them
+  std::vector<Vertex> of_vertex_;
+  std::vector<std::uint32_t> edges_;  ///< of any vertex, ascending
 };
 
 }  // namespace sleight::worlds::spelling

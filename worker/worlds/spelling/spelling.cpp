@@ -305,7 +305,8 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   physics::MarbleReplay replay{.stories = nullptr, .records = records};
   if (known != nullptr) {
     stories = stories_that_hold(known->past, known->state, state);
-    changes = influence_.changes(known->state.offsets_m, state.offsets_m);
+    changes = influence_.changes(known->state.offsets_m, known->past.flat_edges, state.offsets_m,
+                                 influence_.flat_edges(*geometry.mesh()));
     replay.stories = &stories;
     replay.changes = changes;
     // Which traps there are hangs on the vertices, too.
@@ -361,6 +362,7 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   result.outcome.end = others == 0 ? End::settled : End::time_limit;
   if (past) {
     past->stories = marbles.stories();
+    past->flat_edges = influence_.flat_edges(*geometry.mesh());
     past->simulated = marbles.counts().work();
     result.outcome.past = std::move(past);
   }
