@@ -23,29 +23,28 @@ struct Seen {
   Traps::Ball ball;
   bool was_alone = false;
 };
-struct Look {
-  physics::Tick tick;
-  std::vector<Seen> balls;  ///< those that are active
-};
 
 struct Past {
   physics::MarbleStories stories;  ///< by ball
-  std::vector<Look> looks;
+  std::vector<physics::Tick> looks;
+  std::vector<Seen> seen;                 ///< by look, those balls that are active
   std::vector<std::uint32_t> flat_edges;  ///< of the box (Influence)
   std::uint64_t simulated = 0;  ///< events that it took to know all this (Marbles::Counts::work)
 
-  /// What was seen of all balls at a tick; null if nobody looked.
-  const Look* look_at(physics::Tick tick) const {
-    const auto found = std::ranges::find(looks, tick, &Look::tick);
-    return found == looks.end() ? nullptr : &*found;
+  /// What was seen of all balls at a tick; nothing if nobody looked.
+  std::span<const Seen> seen_at(physics::Tick tick) const {
+    const auto found = std::ranges::lower_bound(looks, tick);
+    if (found == looks.end() || *found != tick) return {};
+    const std::size_t active = seen.size() / looks.size();
+    return std::span(seen).subspan(static_cast<std::size_t>(found - looks.begin()) * active,
+                                   active);
   }
   std::size_t bytes() const {
     std::size_t bytes = sizeof(*this) + stories.capacity() * sizeof(stories[0]);
     for (const auto& story : stories)
       bytes += story ? story->bytes() : 0;
-    bytes += flat_edges.capacity() * sizeof(flat_edges[0]) + looks.capacity() * sizeof(looks[0]);
-    for (const Look& look : looks)
-      bytes += look.balls.capacity() * sizeof(look.balls[0]);
+    bytes += flat_edges.capacity() * sizeof(flat_edges[0]);
+    bytes += looks.capacity() * sizeof(looks[0]) + seen.capacity() * sizeof(seen[0]);
     return bytes;
   }
 };

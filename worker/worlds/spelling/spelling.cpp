@@ -322,21 +322,25 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   }
   auto past = records ? std::make_shared<Past>() : nullptr;
   std::vector<Traps::Ball> balls;
+  balls.reserve(state.active_count());
+  if (past && known != nullptr) {
+    past->looks.reserve(known->past.looks.size());
+    past->seen.reserve(known->past.seen.size());
+  }
   const auto look = [&] {
-    const Look* known_look = known != nullptr ? known->past.look_at(marbles.now()) : nullptr;
-    Look seen{.tick = marbles.now(), .balls = {}};
+    std::span<const Seen> known_look;
+    if (known != nullptr) known_look = known->past.seen_at(marbles.now());
+    balls.clear();
     for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
       if (state.active[ball] == 0) continue;
       // Others were elsewhere in that look, or in none.
-      const bool is_known = known_look != nullptr && known->state.active[ball] != 0;
-      const Seen* before =
-          is_known ? &known_look->balls[known->state.active_before(ball)] : nullptr;
-      seen.balls.push_back(seen_of(marbles, ball, before));
+      const bool is_known = !known_look.empty() && known->state.active[ball] != 0;
+      const Seen* before = is_known ? &known_look[known->state.active_before(ball)] : nullptr;
+      const Seen seen = seen_of(marbles, ball, before);
+      balls.push_back(seen.ball);
+      if (past) past->seen.push_back(seen);
     }
-    balls.clear();
-    for (const Seen& one : seen.balls)
-      balls.push_back(one.ball);
-    if (past) past->looks.push_back(std::move(seen));
+    if (past) past->looks.push_back(marbles.now());
   };
   const End end = run(last_start, marbles, [&] {
     look();
