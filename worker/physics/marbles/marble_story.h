@@ -56,14 +56,9 @@ struct MarbleStory {
   struct Part {
     Tick begin;
     std::uint32_t last_feature = Marble::k_none;  ///< of static geometry that it collided with
-    std::array<std::uint32_t, 3> supports{};      ///< what it stays on
-    std::uint8_t support_count = 0;
     MotionMode mode = MotionMode::free;
     bool is_alone = false;  ///< left alone in its confinement, which the box is
     TouchBox box;
-    std::span<const std::uint32_t> all_supports() const {
-      return std::span(supports).first(support_count);
-    }
   };
   /// How it moves there; of one that is left alone, how it did when it was.
   struct Way {

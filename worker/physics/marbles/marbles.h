@@ -238,8 +238,7 @@ class Marbles {
   bool starts_at(std::uint32_t ball, const MarbleStory::Way& way) const;
   Tick meets_way(std::uint32_t ball, const MarbleStory::Way& way, MotionMode mode, Tick from,
                  Tick until) const;
-  Tick first_met(const FreeFlight& flight, Tick from, Tick until, const MarbleChange& change,
-                 std::span<const std::uint32_t> without);
+  Tick first_met(const FreeFlight& flight, Tick from, Tick until, const MarbleChange& change);
   Refractory refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const;
   TouchBox way_box_of(const FreeFlight& flight, Tick from, Tick to) const;
   TouchBox path_box_of(std::uint32_t ball, Tick from, Tick to) const {

@@ -353,8 +353,8 @@ Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner
 
 /// When a ball first meets one of some features, from a tick on and up to another one, as
 /// predict_static finds it; k_never if it doesn't.
-Tick Marbles::first_met(const FreeFlight& flight, Tick from, Tick until, const MarbleChange& change,
-                        std::span<const std::uint32_t> without) {
+Tick Marbles::first_met(const FreeFlight& flight, Tick from, Tick until,
+                        const MarbleChange& change) {
   Window window;
   window.start = from;
   window.begin(flight);
@@ -364,7 +364,6 @@ Tick Marbles::first_met(const FreeFlight& flight, Tick from, Tick until, const M
   Tick first = k_never;
   for (const std::uint32_t index : change.features) {
     if (!overlaps(window.box, near_->touch_boxes()[index])) continue;
-    if (std::ranges::find(without, index) != without.end()) continue;
     const SphereFeature& feature = statics_->feature(index);
     if (feature.kind == FeatureKind::face) {
       const double after_s = face_not_before_s(window.path, feature);

@@ -44,12 +44,12 @@ Tick Marbles::first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick
     Tick first = k_never;
     for (const MarbleChange& change : replay.changes) {
       if (!overlaps(change.box, part.box)) continue;
-      if (is_changed(part.last_feature) || std::ranges::any_of(part.all_supports(), is_changed))
-        return part.begin;
+      // What it stays on it has met before.
+      if (is_changed(part.last_feature)) return part.begin;
       if (part.mode == MotionMode::resting) continue;
       const Tick end = i + 1 < story.parts.size() ? story.parts[i + 1].begin : until;
-      first = std::min(first, first_met(story.ways[i].flight(), part.begin, std::min(end, end_),
-                                        change, part.all_supports()));
+      first = std::min(first,
+                       first_met(story.ways[i].flight(), part.begin, std::min(end, end_), change));
     }
     if (first != k_never) return first;
   }

@@ -37,8 +37,6 @@ void Marbles::tell_part(std::uint32_t ball, const TouchBox& box) {
   const Marble& own = balls_[ball];
   parts.push_back({.begin = now_,
                    .last_feature = own.last_feature,
-                   .supports = own.supports,
-                   .support_count = static_cast<std::uint8_t>(own.support_count),
                    .mode = own.segment.mode,
                    .is_alone = own.suspended,
                    .box = box});

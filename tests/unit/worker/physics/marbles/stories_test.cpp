@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/random/distributions.h"
@@ -274,6 +276,53 @@ TEST(Stories, AWrongStoryMakesADifference) {
     EXPECT_EQ(static_cast<bool>(same_end(whole, marbles)), is_right);
     stories = told.stories();
   }
+}
+
+TEST(Stories, ABallIsLeftAloneNowIfItWouldBeNow) {
+  // Goal: a story in which a ball is left alone holds up to there if the confinement is another one
+  // by now, and beyond only if it is the same. Method: a ball that is left alone in a box once it
+  // is slow; then in the same, in a wider one, and never.
+  Scene scene = two_balls(1);
+  scene.bodies.resize(1);
+  const StaticGeometry statics(scene);
+  const NearFeatures near(statics, std::get<Sphere>(scene.bodies[0].shape).radius_m);
+  const Tick end = Tick{} + ticks_after(3);
+  const auto within = [](float half_m) {
+    return [half_m](BodyId, const Vec3&, const Twist& twist) {
+      return math::norm(twist.velocity_mps) > 0.3
+                 ? std::nullopt
+                 : std::optional(Box{.low_m = {-half_m, -half_m, -half_m},
+                                     .high_m = {half_m, half_m, half_m}});
+    };
+  };
+  const auto never = [](BodyId, const Vec3&, const Twist&) { return std::optional<Box>(); };
+  Marbles told;
+  told.start(scene, near, end, within(1), UINT64_MAX,
+             {.stories = nullptr, .changes = {}, .records = true});
+  ASSERT_FALSE(told.run_until(end));
+  ASSERT_TRUE(told.is_suspended({0}));
+  const MarbleStories stories = told.stories();
+  const auto replay = [&](MarbleConfinement confinement) {
+    Marbles marbles;
+    marbles.start(
+        scene, near, end, std::move(confinement), UINT64_MAX,
+        {.stories = &stories, .changes = {}, .confinement_differs = true, .records = true});
+    EXPECT_FALSE(marbles.run_until(end));
+    EXPECT_FALSE(marbles.is_replay_void());
+    return marbles;
+  };
+  EXPECT_NE(replay(within(1)).replayed({0}), nullptr);
+  const Marbles wider = replay(within(2));
+  EXPECT_EQ(wider.replayed({0}), nullptr);
+  EXPECT_TRUE(wider.is_suspended({0}));
+  const Marbles free = replay(never);
+  EXPECT_EQ(free.replayed({0}), nullptr);
+  EXPECT_FALSE(free.is_suspended({0}));
+  Marbles whole;
+  whole.start(scene, near, end);
+  ASSERT_FALSE(whole.run_until(end));
+  EXPECT_NE(whole.position_m({0}), told.segment({0}).flight.position_m);
+  EXPECT_TRUE(same_end(whole, free));
 }
 
 }  // namespace
