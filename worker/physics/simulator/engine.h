@@ -111,6 +111,13 @@ class Engine {
   void rest(const EventKey& event);
   void bodies_changed();
   void sample();
+
+  // Replaying (engine_replay.h).
+  bool starts_as_told(std::uint32_t body, const EventKey& event);
+  void replay();
+  void schedule_replay();
+  void take_over_live();
+
   std::string obstacle_of(std::uint32_t body);
   void watch(std::uint32_t body);
   void unwatch(std::uint32_t body);

@@ -89,6 +89,7 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
            .made = now_};
   Sink sink{*this, body, predict_new};
   boxes_.move({body}, box, sink);
+  world_.comes_into(body, box);
   if (predict_new) fetch_next_neighbours();
   watch_statics(body, box);
   if (!predict_new) return;
@@ -107,6 +108,7 @@ void Engine<Boxes, Queue>::renew_box(std::uint32_t body, bool predict_new) {
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
   if (!world_.has_statics() || world_.static_count(body) == 0) return false;
+  if (world_.is_replayed(body)) return false;
   if (!holds(static_boxes_[body], box)) {
     // A body that flies past would leave the wider box at once.
     const auto margin = static_cast<float>(k_static_margin_radii * world_.reach_m(body));
@@ -161,6 +163,7 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
     if (!world_.started(body)) continue;
     all_boxes_[body] =
         path_box(world_.path(body), world_.reach_m(body) + k_touch_m, now_, std::max(next, now_));
+    world_.comes_into(body, all_boxes_[body]);
     if (watch_statics(body, all_boxes_[body])) refresh_key(body);
   }
   PairsSink sink{*this};

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "worker/physics/simulator/engine.h"
 #include "worker/physics/simulator/engine_boxes.h"
+#include "worker/physics/simulator/engine_replay.h"
 
 namespace sleight::physics {
 
@@ -39,7 +39,7 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
     failure_ = from->failure;
   }
   const auto count = world.size();
-  queue_.reset(count + 3);
+  queue_.reset(count + 4);
   graph_.reset(count, options_.algorithm == Algorithm::all_pairs
                           ? PairGraph::Room{.list = std::max(count, 1U), .average = 0}
                           : PairGraph::Room{.list = k_list_room, .average = k_list_average});
@@ -72,12 +72,10 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
   for (std::uint32_t body = 0; body < count; ++body) {
     if (world.started(body)) motion_changed(body);
   }
+  schedule_replay();
+  take_over_live();
   const std::vector<Control>& controls = world.scene().controls;
-  controls_.resize(controls.size());
-  std::iota(controls_.begin(), controls_.end(), 0U);
-  std::stable_sort(controls_.begin(), controls_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return controls[a].tick < controls[b].tick;
-  });
+  controls_ = controls_in_order(world.scene());
   while (from && next_control_ < controls_.size() &&
          controls[controls_[next_control_]].tick <= now_) {
     ++next_control_;
@@ -104,10 +102,12 @@ void Engine<Boxes, Queue>::watch(std::uint32_t body) {
     }
     for (std::uint32_t index = 0; index < world_.static_count(body); ++index)
       statics_[body].push_back({.index = index});
+    if (world_.statics_differ()) world_.make_live(body);
   } else {
     const Box box = path_box(world_.path(body), world_.reach_m(body) + k_touch_m, now_, now_ + 1);
     Sink sink{*this, body, false};
     boxes_.insert({body}, box, sink);
+    world_.comes_into(body, box);
     watch_statics(body, box);
   }
   is_watched_[body] = 1;
@@ -131,6 +131,7 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
   if (end < now_) return failure_;
   // The boxes of the last call hold until its end only.
   if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
+  take_over_live();
   while (!failure_ && !queue_.empty()) {
     const QueuedEvent event = queue_.least();
     if (event.key.tick > end) break;
@@ -142,6 +143,7 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
     process(event);
     if (!world_.failure().empty()) fail(SceneError::Kind::search_failed, world_.failure());
     if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
+    if (world_.has_gone_live()) take_over_live();
   }
   if (!failure_) now_ = end;
   return failure_;
@@ -152,6 +154,10 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
   const EventKey& event = queued.key;
+  if (queued.slot.value == world_.size() + 3) {
+    replay();
+    return;
+  }
   switch (event.kind) {
     case EventKind::update:
       if (event.lower == k_nobody) return;  // the synchronous algorithm wants new boxes
@@ -186,6 +192,7 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
       if (world_.stays_on_faces(event.lower)) {
         ++counts_.modes;
         world_.change_mode(event.lower, event);
+        world_.tell(event);
         bodies_changed();
         return;
       }
@@ -239,6 +246,8 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
   ++counts_.starts;
   ++present_;
   world_.begin_segment(body, world_.segment(body), event);
+  world_.tell(event);
+  if (world_.replays()) starts_as_told(body, event);
   ++changes_[body];
   motion_changed(body);
 }
@@ -269,6 +278,7 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
     ++counts_.collisions;
     world_.collide(event.lower, event.higher, event);
   }
+  world_.tell(event);
   bodies_changed();
 }
 
@@ -289,6 +299,7 @@ void Engine<Boxes, Queue>::rest(const EventKey& event) {
   ++counts_.rest_decisions;
   const std::size_t rested = world_.rest(event.lower, event);
   counts_.rests += rested;
+  world_.tell(event);
   bodies_changed();
   if (rested == 0) refresh_key(event.lower);
 }
@@ -322,8 +333,15 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
   ++counts_.controls;
   ++next_control_;
   schedule_control();
-  if (!world_.started(control.body.value)) return;
+  const std::uint32_t body = control.body.value;
+  if (!world_.started(body)) return;
+  if (world_.is_replayed(body) && event.feature < world_.same_controls()) {
+    CHECK(world_.next_told() == event);
+    replay();
+    if (world_.is_replayed(body)) return;
+  }
   world_.apply(control, event);
+  world_.tell(event);
   bodies_changed();
 }
 
@@ -400,8 +418,12 @@ void Engine<Boxes, Queue>::end_pair(std::uint32_t a, std::uint32_t b) {
 /// Predicts a pair; the prediction goes to the body's copy of the edge, and the other copy is void.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict(std::uint32_t body, PairEdge& edge) {
-  ++counts_.predictions;
   edge.other_changes = changes_[edge.other];
+  if (world_.is_replayed(body) && world_.is_replayed(edge.other)) {
+    edge.predict({});
+    return;
+  }
+  ++counts_.predictions;
   const std::uint32_t lower = std::min(body, edge.other);
   const std::uint32_t higher = std::max(body, edge.other);
   if (world_.free_spheres(lower, higher) && options_.algorithm != Algorithm::all_pairs) {
@@ -429,7 +451,8 @@ void Engine<Boxes, Queue>::predict_all(std::uint32_t body) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_last(std::uint32_t body, std::size_t count) {
   const std::span<PairEdge> edges = graph_.edges_of(body).last(count);
-  const bool flies = options_.algorithm != Algorithm::all_pairs && world_.in_free_flight(body);
+  const bool flies = options_.algorithm != Algorithm::all_pairs && world_.in_free_flight(body) &&
+                     !world_.is_replayed(body);
   if (flies && world_.predict_flight(body, edges, changes_, now_)) {
     counts_.predictions += edges.size();
     return;
@@ -445,6 +468,7 @@ void Engine<Boxes, Queue>::predict_last(std::uint32_t body, std::size_t count) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_statics(std::uint32_t body) {
+  if (world_.is_replayed(body)) return;
   // What comes after the first change of the body's motion needn't be known.
   Tick until = std::min(bounds_[body].expiry, world_.mode_end(body));
   for (StaticEdge& edge : statics_of(body)) {
@@ -474,6 +498,10 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
   for (const PairEdge& edge : least > best.tick ? edges.first(0) : edges) {
     if (edge.tick != least || edge.other_changes != changes_[edge.other]) continue;
     offer(edge, std::min(body, edge.other), std::max(body, edge.other));
+  }
+  if (world_.is_replayed(body)) {
+    queue_.set({body}, best);  // what else it does is told
+    return;
   }
   for (const StaticEdge& edge : statics_of(body)) {
     if (edge.prediction.tick <= best.tick) offer(edge.prediction, body, k_static | edge.index);

@@ -251,14 +251,17 @@ void Resting::record(Log& log, const TouchRecord& touch) const {
   log.records[place] = touch;
 }
 
-void Resting::touched(std::uint32_t body, const TouchRecord& touch, double before_mps,
-                      double after_mps, double parting_mps) {
+bool Resting::is_slow(double before_mps, double after_mps, double parting_mps) const {
+  return before_mps < rule_.rest_speed_mps && after_mps < rule_.rest_speed_mps &&
+         parting_mps <= k_slow_parting * rule_.separation_speed_mps;
+}
+
+void Resting::touched(std::uint32_t body, const TouchRecord& touch, bool slowly) {
   if (!enabled()) return;
   Log& log = logs_[body];
   log.rests = false;
   record(log, touch);
-  if (before_mps >= rule_.rest_speed_mps || after_mps >= rule_.rest_speed_mps ||
-      parting_mps > k_slow_parting * rule_.separation_speed_mps) {
+  if (!slowly) {
     log.slow_since = k_never;
     log.due = due_if_not_slow(log, touch.tick);
     log.slow_collisions = 0;

@@ -118,7 +118,12 @@ class Resting {
   /// parts. One that parts faster than slow bounces do is not slow: the body would freeze in the
   /// air.
   void touched(std::uint32_t body, const TouchRecord& record, double before_mps, double after_mps,
-               double parting_mps);
+               double parting_mps) {
+    touched(body, record, is_slow(before_mps, after_mps, parting_mps));
+  }
+  bool is_slow(double before_mps, double after_mps, double parting_mps) const;
+  /// The same, where that is known.
+  void touched(std::uint32_t body, const TouchRecord& record, bool slowly);
   /// A body begins a segment in which it stays in contact; it is slow from a tick of that on, or
   /// not (k_never).
   void stays(std::uint32_t body, Tick now, Tick slow_from);
@@ -147,6 +152,14 @@ class Resting {
     }
   }
 
+  /// Calls visit(supporter) for each body that a resting one leans on.
+  template <class Visit>
+  void for_each_supporter(std::uint32_t body, const Visit& visit) const {
+    const Log& log = logs_[body];
+    for (std::uint32_t i = 0; log.rests && i < log.supporter_count; ++i)
+      visit(log.supporters[i]);
+  }
+
   /// When the body asks next whether it may rest; k_never if it isn't slow.
   Tick due(std::uint32_t body) const { return logs_[body].due; }
 
@@ -172,7 +185,7 @@ class Resting {
   class Memory;
   using TouchList = std::vector<TouchRecord>;
   Memory memory(std::uint32_t body, TouchList& touches) const;
-  void restore(std::uint32_t body, const Memory& memory, const TouchList& touches);
+  void restore(std::uint32_t body, const Memory& memory, std::span<const TouchRecord> touches);
 
  private:
   /// Of a body, but for what it touched and for what a decision notes on its way.
@@ -267,10 +280,11 @@ inline Resting::Memory Resting::memory(std::uint32_t body, TouchList& touches) c
   return memory;
 }
 
-inline void Resting::restore(std::uint32_t body, const Memory& memory, const TouchList& touches) {
+inline void Resting::restore(std::uint32_t body, const Memory& memory,
+                             std::span<const TouchRecord> touches) {
   if (!enabled()) return;
   Log& log = logs_[body];
-  log = {};
+  log.round = 0;  // what the last decision noted counts no more
   static_cast<Known&>(log) = memory.known_;
   std::copy_n(touches.begin() + static_cast<std::ptrdiff_t>(memory.first_touch_), log.count,
               log.records.begin());

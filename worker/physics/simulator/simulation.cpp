@@ -64,12 +64,34 @@ std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& opti
 
 class Simulation::Impl {
  public:
-  Impl(const Scene& scene, const SimulationOptions& options)
-      : world(scene, options.record, options.segments_reserved),
-        engine(engine_of(world, options, std::nullopt)) {}
+  Impl(const Scene& scene, SimulationOptions chosen, std::shared_ptr<const History> past)
+      : options(std::move(chosen)),
+        world(scene, options.record || options.tell, options.segments_reserved) {
+    if (options.tell) world.begin_telling(options.history_bytes_max);
+    world.begin_replay(std::move(past));
+  }
 
+  std::optional<SceneError> run_until(Tick end) {
+    if (engine) return engine->run_until(end);
+    if (end < now) return {};
+    // As long as nothing differs there is nothing to simulate, but samples to be seen.
+    std::optional<Takeover> from;
+    if (world.replays() && options.sample_every == 0 && world.quiet_until() > now) {
+      skipped = true;
+      now = world.skip_quiet(end);
+      if (now == end) return {};
+    }
+    if (skipped) from = Takeover{.now = now, .counts = {}, .failure = {}};
+    engine = engine_of(world, options, from);
+    return engine->run_until(end);
+  }
+
+  SimulationOptions options;
   World world;
-  std::unique_ptr<AnyEngine> engine;
+  std::unique_ptr<AnyEngine> engine{};  ///< once it is needed
+  bool skipped = false;
+  bool failed = false;
+  Tick now{};  ///< without an engine
 };
 
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -78,25 +100,27 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 Simulation::~Simulation() = default;
 
 base::Result<Simulation, SceneError> Simulation::start(const Scene& scene,
-                                                       const SimulationOptions& options) {
+                                                       const SimulationOptions& options,
+                                                       std::shared_ptr<const History> past) {
   if (auto error = error_of(scene)) return *std::move(error);
-  Simulation simulation(std::make_unique<Impl>(scene, options));
+  Simulation simulation(std::make_unique<Impl>(scene, options, std::move(past)));
   if (auto error = simulation.run_until(Tick{})) return *std::move(error);
   return simulation;
 }
 
 std::optional<SceneError> Simulation::run_until(Tick end) {
-  auto error = impl_->engine->run_until(end);
-  impl_->world.recording().end_at(impl_->engine->now());
+  auto error = impl_->run_until(end);
+  impl_->failed = error.has_value();
   return error;
 }
 
 void Simulation::go_on_with(const SimulationOptions& options) {
-  impl_->engine = engine_of(impl_->world, options, impl_->engine->state());
+  impl_->options = options;
+  if (impl_->engine) impl_->engine = engine_of(impl_->world, options, impl_->engine->state());
 }
 
 Tick Simulation::now() const {
-  return impl_->engine->now();
+  return impl_->engine ? impl_->engine->now() : impl_->now;
 }
 bool Simulation::started(BodyId body) const {
   return impl_->world.started(body.value);
@@ -114,10 +138,16 @@ double Simulation::kinetic_energy_j() const {
   return impl_->world.kinetic_energy_j(now());
 }
 const Counts& Simulation::counts() const {
-  return impl_->engine->counts();
+  static constexpr Counts k_none{};
+  return impl_->engine ? impl_->engine->counts() : k_none;
 }
 const Recording& Simulation::recording() const {
-  return impl_->world.recording();
+  Recording& recording = impl_->world.recording();
+  recording.end_at(now());
+  return recording;
+}
+std::shared_ptr<const History> Simulation::history() const {
+  return impl_->failed ? nullptr : impl_->world.history(now());
 }
 
 }  // namespace sleight::physics

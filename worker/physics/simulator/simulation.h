@@ -33,6 +33,7 @@
 
 #include "common/base/result.h"
 #include "worker/physics/simulator/engine_options.h"
+#include "worker/physics/simulator/history.h"
 #include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/scene.h"
 
@@ -47,15 +48,26 @@ struct SimulationOptions {
   QueueKind queue = QueueKind::tournament;
   bool record = true;                  ///< keep the segments; the last of each body is always kept
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
-  TickCount sample_every = 0;          ///< sampling events from tick 0 on; 0: none
+  bool tell = false;                   ///< keep what history() gives, the recording included
+  /// Of memory for that: if it takes more, there will be no history.
+  std::size_t history_bytes_max = std::size_t{1} << 30U;
+  TickCount sample_every = 0;  ///< sampling events from tick 0 on; 0: none
   std::function<void(Tick)> on_sample{};
 };
 
 class Simulation {
  public:
   /// Checks the scene and puts the bodies that start at tick 0 in their places.
+  ///
+  /// What is the same as in the past, a simulation of a scene with as many bodies, is not simulated
+  /// again: only bodies that differ in themselves or in their starts, those that come near what
+  /// differs of static geometry, and whom these come to touch, or are asked about with them. All of
+  /// what is below is the same, bit for bit, as without a past, but for counts(). A body without
+  /// activity is one that starts at k_tick_max. REQUIRES: a body with the same start as in the past
+  /// has the same start_again; the past's meshes and polyhedra have not been changed since.
   static base::Result<Simulation, SceneError> start(const Scene& scene,
-                                                    const SimulationOptions& options);
+                                                    const SimulationOptions& options,
+                                                    std::shared_ptr<const History> past = nullptr);
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
   ~Simulation();
@@ -81,8 +93,12 @@ class Simulation {
   /// Of all bodies that have started.
   double kinetic_energy_j() const;
   const Counts& counts() const;
-  /// Up to now(). Empty if not recorded.
+  /// Up to now(). Empty if not recorded. Of one that tells it is made, or completed, here.
   const Recording& recording() const;
+  /// All that happened up to now(), as the past of other simulations: shared, and good for as long
+  /// as anybody keeps it. Null if it was not told or takes too much memory, or after an error. What
+  /// is the same as in this simulation's own past up to the first difference is shared with that.
+  std::shared_ptr<const History> history() const;
 
  private:
   class Impl;

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@
 #include "worker/physics/response/contact_motion.h"
 #include "worker/physics/response/rigid_impact.h"
 #include "worker/physics/response/sphere_impact.h"
+#include "worker/physics/simulator/body_memory.h"
+#include "worker/physics/simulator/history.h"
 #include "worker/physics/simulator/lanes.h"
 #include "worker/physics/simulator/lasting_contact.h"
 #include "worker/physics/simulator/near_places.h"
@@ -29,9 +32,11 @@
 #include "worker/physics/simulator/piece_searches.h"
 #include "worker/physics/simulator/recent_contacts.h"
 #include "worker/physics/simulator/recording.h"
+#include "worker/physics/simulator/replay.h"
 #include "worker/physics/simulator/resting.h"
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/simulator/telling.h"
 
 namespace sleight::physics {
 
@@ -88,8 +93,8 @@ class World {
     const double radius_m = flights_[body].radius_m;
     return radius_m > 0 ? radius_m : constants_[body].reach_m;
   }
-  const Recording& recording() const { return recording_; }
-  Recording& recording() { return recording_; }
+  /// Up to the last event. Its end is the caller's affair.
+  Recording& recording();
   bool periodic() const { return periodic_; }
   bool started(std::uint32_t body) const { return started_[body] != 0; }
   /// For people.
@@ -184,6 +189,52 @@ class World {
   Tick rest_due(std::uint32_t body) const {
     return resting_.enabled() ? resting_.due(body) : k_never;
   }
+
+  // Telling what happens (world_replay.cpp).
+  /// From now on, for history(). REQUIRES: nothing has happened yet.
+  void begin_telling(std::size_t bytes_max);
+  /// An event is over.
+  void tell(const EventKey& event) {
+    if (telling_) tell_event(event);
+  }
+  /// All that happened up to now; null if it isn't told, is too much, or something went wrong.
+  std::shared_ptr<const History> history(Tick now);
+
+  // Replaying what another simulation told (replay.h).
+  /// REQUIRES: nothing has happened yet.
+  void begin_replay(std::shared_ptr<const History> past);
+  bool replays() const { return replay_ != nullptr; }
+  /// Nothing but what is told happens before this tick. REQUIRES: replays().
+  Tick quiet_until() const { return replay_->quiet_until; }
+  /// All that happens before that tick, and up to and at `end`; up to where that was. REQUIRES:
+  /// replays(); no other events were processed.
+  Tick skip_quiet(Tick end);
+  bool is_replayed(std::uint32_t body) const {
+    return replayed_count_ != 0 && replayed_[body] != 0;
+  }
+  /// A body has started: whether it is replayed from now on.
+  bool replays_start(std::uint32_t body, const EventKey& event);
+  /// Whether nobody is replayed, or will be.
+  bool replay_is_over() const { return replayed_count_ == 0 && replay_->awaited_count == 0; }
+  void end_replay() { replay_ = nullptr; }
+  // REQUIRES, of these: replays().
+  /// The key of the next event that is told of bodies that are replayed; or of the history's end.
+  EventKey next_told();
+  /// Replays it; or makes live who had a part in it and is replayed, if not all are. Whether it was
+  /// replayed: changed() then lists who began a segment.
+  bool play();
+  /// How many of the scene's controls, in order, are the history's.
+  std::size_t same_controls() const { return replay_->changes.same_controls; }
+  /// A replayed body comes near a place where static geometry differs, if it does: it goes live.
+  void comes_into(std::uint32_t body, const Box& box) {
+    if (is_replayed(body) && replay_->changes.places.meet(box)) make_live(body);
+  }
+  bool statics_differ() const { return replay_ && !replay_->changes.places.none(); }
+  void make_live(std::uint32_t body);
+  /// Who was replayed and is no more, since the last forget_gone_live.
+  bool has_gone_live() const { return !gone_live_.empty(); }
+  std::span<const std::uint32_t> bodies_gone_live();
+  void forget_gone_live() { gone_live_.clear(); }
 
   /// Whether the two touch or overlap at a tick.
   bool touching(std::uint32_t a, std::uint32_t b, Tick tick);
@@ -285,20 +336,22 @@ class World {
   void wake_on_those_that_left(const EventKey& event);
   bool has_left(std::uint32_t body, Tick tick);
 
+  // Telling and replaying (world_replay.cpp).
+  void tell_event(const EventKey& event);
+  void stop_telling();
+  void note_touch(std::uint32_t body, const TouchRecord& touch, bool slowly) {
+    resting_.touched(body, touch, slowly);
+    if (telling_) telling_->touches(body, touch, slowly);
+  }
+  /// What a body knows is about to change, or has, in more than what it touches.
+  void note_memory(std::uint32_t body) {
+    if (telling_) telling_->remembers(body);
+  }
+  void find_quiet_until();
+  void recall(const ToldEvent& event);
+  void set_replayed(std::uint32_t body);
+
   // Lasting contact of spheres (world_modes.cpp).
-  /// What a sphere in contact stays on.
-  struct Supports {
-    std::array<std::uint32_t, 3> features{};
-    std::uint32_t count = 0;
-    Tick end = k_never;                   ///< of the segment's accelerations
-    std::uint32_t leaves = Stay::k_none;  ///< the one whose region the centre leaves then, if any
-    Tick met_body{-k_tick_max.value};     ///< when it last collided with another body
-    Vec3 half_way = Vec3::Zero();         ///< of a piece over an edge (lasting_contact.h)
-    std::span<const std::uint32_t> all() const { return std::span(features).first(count); }
-    bool holds(std::uint32_t feature) const {
-      return std::ranges::find(all(), feature) != all().end();
-    }
-  };
   /// Whether a sphere that meets a feature so slowly loses its bounce there, and may stay.
   bool is_caught(std::uint32_t body, std::uint32_t feature, double approach_mps, double restitution,
                  Tick tick);
@@ -354,6 +407,12 @@ class World {
   };
   std::vector<AtTick> at_tick_;
   Recording recording_;
+  std::unique_ptr<Telling> telling_;
+  std::size_t told_recorded_ = 0;  ///< told events whose segments are in the recording
+  std::unique_ptr<Replay> replay_;
+  std::vector<std::uint8_t> replayed_;  ///< by body
+  std::uint32_t replayed_count_ = 0;
+  std::vector<std::uint32_t> gone_live_;
   std::string failure_;
   /// What predict_flight needs of the axes: beyond `half_m` the nearest image is another; it is at
   /// one period if the distance is within `sure_m` of `middle_m`.

@@ -125,6 +125,10 @@ void World::begin_after(std::uint32_t body, const Twist& twist, const EventKey& 
 
 void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   changed_.clear();
+  if (replayed_count_ != 0) {
+    make_live(a);
+    make_live(b);
+  }
   if (plain_spheres_ && free_spheres(a, b) && turns_[a] == 0 && turns_[b] == 0) {
     collide_plain(a, b, event);
     return;
@@ -134,6 +138,7 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
   const ContactLaw law = law_of(constants_[a].material, constants_[b].material, plastic);
   recent_.note(a, b, tick, contact.gap_m);
+  if (telling_) telling_->meet(contact.gap_m);
   if (!supports_.empty()) {
     supports_[a].met_body = tick;
     supports_[b].met_body = tick;
@@ -168,24 +173,24 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
     const Vec3 place_b_m = position_at(segments_[b].flight, tick);
     const double parting = parting_mps(contact, after.a, place_a_m, after.b, place_b_m);
     if (!a_rests) {
-      resting_.touched(a,
-                       {.tick = tick,
-                        .partner = b,
-                        .friction = law.friction,
-                        .normal = -contact.normal,
-                        .arm_m = contact.point_m - place_a_m},
-                       fastest_point_mps(a, twist_at(a, tick)), fastest_point_mps(a, after.a),
-                       parting);
+      note_touch(a,
+                 {.tick = tick,
+                  .partner = b,
+                  .friction = law.friction,
+                  .normal = -contact.normal,
+                  .arm_m = contact.point_m - place_a_m},
+                 resting_.is_slow(fastest_point_mps(a, twist_at(a, tick)),
+                                  fastest_point_mps(a, after.a), parting));
     }
     if (!b_rests) {
-      resting_.touched(b,
-                       {.tick = tick,
-                        .partner = a,
-                        .friction = law.friction,
-                        .normal = contact.normal,
-                        .arm_m = contact.point_m - place_b_m},
-                       fastest_point_mps(b, twist_at(b, tick)), fastest_point_mps(b, after.b),
-                       parting);
+      note_touch(b,
+                 {.tick = tick,
+                  .partner = a,
+                  .friction = law.friction,
+                  .normal = contact.normal,
+                  .arm_m = contact.point_m - place_b_m},
+                 resting_.is_slow(fastest_point_mps(b, twist_at(b, tick)),
+                                  fastest_point_mps(b, after.b), parting));
     }
   }
   if (!a_rests) begin_after(a, after.a, event);
@@ -204,16 +209,16 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   const Twist before = twist_at(body, tick);
   const auto log_touch = [&](const Twist& after) {
     if (!resting_.enabled()) return;
-    resting_.touched(
-        body,
-        {.tick = tick,
-         .partner = k_static_partner,
-         .feature = index,
-         .friction = law.friction,
-         .normal = contact.normal,
-         .arm_m = contact.point_m - position_at(segments_[body].flight, tick)},
-        fastest_point_mps(body, before), fastest_point_mps(body, after),
-        parting_mps(contact, {}, Vec3::Zero(), after, position_at(segments_[body].flight, tick)));
+    const Vec3 place_m = position_at(segments_[body].flight, tick);
+    note_touch(body,
+               {.tick = tick,
+                .partner = k_static_partner,
+                .feature = index,
+                .friction = law.friction,
+                .normal = contact.normal,
+                .arm_m = contact.point_m - place_m},
+               resting_.is_slow(fastest_point_mps(body, before), fastest_point_mps(body, after),
+                                parting_mps(contact, {}, Vec3::Zero(), after, place_m)));
   };
   const double approach_mps = -math::dot(contact.normal, before.velocity_mps);
   const bool caught = is_caught(body, index, approach_mps, law.restitution, tick);
@@ -246,10 +251,12 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
 void World::apply(const Control& control, const EventKey& event) {
   changed_.clear();
   const std::uint32_t body = control.body.value;
+  make_live(body);
   Twist twist = twist_at(body, event.tick);
   twist.velocity_mps += control.velocity_change_mps;
   twist.angular_velocity_radps += control.angular_velocity_change_radps;
   wake_dependents(body, event);
+  note_memory(body);
   resting_.disturbed(body);
   begin_after(body, twist, event);
   wake_on_those_that_left(event);

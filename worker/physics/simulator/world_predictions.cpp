@@ -74,7 +74,7 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint3
   const std::size_t pairs =
       std::size_t{constants_[a].part_count} * std::size_t{constants_[b].part_count};
   // Nothing to look for while both stay near places in which they are clear of each other.
-  const PlacesOfPair places = places_.enabled() ? places_.of(a, b, begin) : 0;
+  const PlacesOfPair places = places_.enabled() ? places_.of(a, b, now) : 0;
   if (places != 0 && search != k_no_search) {
     bool all_clear = true;
     for (const PieceSearch& part : searches_.of(search))

@@ -41,6 +41,13 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, double near_m,
 std::size_t World::rest(std::uint32_t body, const EventKey& event) {
   changed_.clear();
   const auto present = [&](std::uint32_t member) {
+    // Asked for, and changed: so are its partners, on whom it may come to rest.
+    make_live(member);
+    note_memory(member);
+    resting_.for_each_partner(member, event.tick, [&](std::uint32_t partner) {
+      make_live(partner);
+      if (telling_) telling_->takes_part(partner);
+    });
     const bool stays = stays_on_faces(member);
     for (std::uint32_t i = 0; stays && i < supports_[member].count; ++i) {
       resting_.still_touches(member,
@@ -65,6 +72,7 @@ std::size_t World::rest(std::uint32_t body, const EventKey& event) {
   }
   const std::size_t count = changed_.size();
   if (count == 0 && has_left(body, event.tick)) {
+    note_memory(body);
     resting_.leave(body);
     wake_dependents(body, event);
   }
@@ -84,6 +92,8 @@ Resting::Stance World::stance_of(std::uint32_t body, Tick tick) {
 
 void World::wake_dependents(std::uint32_t body, const EventKey& event) {
   for (const std::uint32_t dependent : resting_.wake(body)) {
+    make_live(dependent);
+    note_memory(dependent);
     if (!is_resting(dependent)) continue;
     begin_after(dependent, {}, event);
     const FreeFlight& flight = segments_[dependent].flight;
@@ -108,6 +118,7 @@ void World::wake_on_those_that_left(const EventKey& event) {
   for (std::size_t i = 0; i < changed_.size(); ++i) {
     const std::uint32_t body = changed_[i];
     if (is_resting(body) || !has_left(body, event.tick)) continue;
+    note_memory(body);
     resting_.leave(body);
     wake_dependents(body, event);
   }

@@ -1,0 +1,283 @@
+// What is replayed makes no difference: simulations of scenes that differ in something, with the
+// history of the one before, against simulations of everything.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+
+#include "tests/unit/worker/physics/simulator/proposals.h"
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::physics {
+namespace {
+
+using testing::Dice;
+using testing::Subject;
+
+constexpr std::uint64_t k_seed = 20261121;
+constexpr int k_steps = 20;
+
+/// Chains of proposals, each of k_steps.
+std::uint64_t chain_count() {
+  return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 / k_steps : 64;
+}
+
+SimulationOptions random_way(Dice& dice) {
+  SimulationOptions options;
+  options.tell = true;
+  switch (dice.below(8)) {
+    case 0:
+      options.algorithm = Algorithm::synchronous;
+      break;
+    case 1:
+      options.algorithm = Algorithm::all_pairs;
+      break;
+    default:
+      break;
+  }
+  if (dice.one_in(6)) options.broad_phase = BroadPhaseKind::sweep_and_prune;
+  const auto queue = dice.below(6);
+  if (queue == 0) options.queue = QueueKind::heap;
+  if (queue == 1) options.queue = QueueKind::calendar;
+  return options;
+}
+
+::testing::AssertionResult same_state(const Simulation& a, const Simulation& b,
+                                      std::size_t bodies) {
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    const BodyId body{i};
+    if (a.started(body) != b.started(body))
+      return ::testing::AssertionFailure() << "body " << i << " has started in one only";
+    if (!a.started(body)) continue;
+    const Tick now = a.now();
+    const Pose p = a.pose(body, now);
+    const Pose q = b.pose(body, now);
+    const Twist v = a.twist(body, now);
+    const Twist w = b.twist(body, now);
+    if (p.position_m != q.position_m || p.orientation.coeffs() != q.orientation.coeffs() ||
+        v.velocity_mps != w.velocity_mps || v.angular_velocity_radps != w.angular_velocity_radps ||
+        a.mode(body) != b.mode(body))
+      return ::testing::AssertionFailure() << "body " << i << " differs";
+  }
+  return ::testing::AssertionSuccess();
+}
+
+/// Where two recordings part.
+std::string first_difference(const Recording& a, const Recording& b) {
+  std::string found = "nowhere but at their ends";
+  Tick first = k_never;
+  for (std::uint32_t i = 0; i < a.bodies(); ++i) {
+    const auto p = a.segments({i});
+    const auto q = b.segments({i});
+    for (std::size_t k = 0; k < std::max(p.size(), q.size()); ++k) {
+      const bool same = k < p.size() && k < q.size() && p[k].cause == q[k].cause &&
+                        same_bits(p[k].segment, q[k].segment);
+      if (same) continue;
+      const EventKey cause = k < p.size() ? p[k].cause : q[k].cause;
+      if (cause.tick >= first) break;
+      first = cause.tick;
+      found = fmt::format("body {}, segment {} of {} and {}, tick {}, kind {}, {}, {}", i, k,
+                          p.size(), q.size(), cause.tick.value, static_cast<int>(cause.kind),
+                          cause.lower, cause.higher);
+      break;
+    }
+  }
+  return found;
+}
+
+struct Tally {
+  std::uint64_t runs = 0;
+  std::uint64_t failed = 0;
+  std::uint64_t replayed = 0;   ///< events
+  std::uint64_t simulated = 0;  ///< the same of those with a past
+  std::uint64_t all = 0;        ///< of simulations of everything
+};
+
+std::uint64_t changes_of(const Counts& counts) {
+  return counts.collisions + counts.static_collisions + counts.controls + counts.starts +
+         counts.modes + counts.rest_decisions;
+}
+
+/// Proposals one after the other, each from the last one that was accepted.
+void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
+  Scene accepted = subject.scene;
+  std::shared_ptr<const History> past;
+  for (int step = 0; step < k_steps; ++step) {
+    SCOPED_TRACE(fmt::format("step {}", step));
+    Scene scene = accepted;
+    const bool is_same = step == 0 || dice.one_in(12);
+    for (auto changes = is_same ? 0 : 1 + dice.below(2); changes > 0; --changes)
+      testing::change(scene, subject, dice);
+    const Tick end =
+        Tick{} + ticks_after(subject.duration_s * (0.4 + 0.1 * static_cast<double>(dice.below(7))));
+    const SimulationOptions way = random_way(dice);
+    ++tally.runs;
+    auto whole = Simulation::start(scene, {});
+    auto reused = Simulation::start(scene, way, past);
+    ASSERT_EQ(whole.ok(), reused.ok());
+    if (!whole) {
+      ASSERT_EQ(whole.error().message, reused.error().message);
+      ++tally.failed;
+      continue;
+    }
+    Simulation expected = std::move(whole).value();
+    Simulation simulation = std::move(reused).value();
+    std::optional<SceneError> error;
+    const auto looks = 1 + dice.below(3);
+    for (std::uint64_t look = 1; look <= looks && !error; ++look) {
+      const Tick tick{end.value * static_cast<TickCount>(look) / static_cast<TickCount>(looks)};
+      error = expected.run_until(tick);
+      const auto other = simulation.run_until(tick);
+      ASSERT_EQ(error ? error->message : "", other ? other->message : "");
+      if (error) break;
+      ASSERT_TRUE(same_state(expected, simulation, scene.bodies.size()));
+      if (dice.one_in(4)) simulation.go_on_with(random_way(dice));
+      if (dice.one_in(8)) {
+        ASSERT_EQ(simulation.recording().digest(), expected.recording().digest());
+      }
+    }
+    ASSERT_EQ(simulation.now(), expected.now());
+    ASSERT_EQ(simulation.recording().digest(), expected.recording().digest())
+        << first_difference(expected.recording(), simulation.recording());
+    if (error) {
+      ++tally.failed;
+      ASSERT_EQ(simulation.history(), nullptr);
+      continue;
+    }
+    if (past) {
+      tally.replayed += simulation.counts().replayed;
+      tally.simulated += changes_of(simulation.counts());
+      tally.all += changes_of(expected.counts());
+    }
+    // A proposal that is rejected leaves the past as it is.
+    if (!past || dice.one_in(2)) {
+      past = simulation.history();
+      ASSERT_NE(past, nullptr);
+      accepted = std::move(scene);
+    }
+  }
+}
+
+TEST(Reuse, ReplayingMakesNoDifference) {
+  // Goal: DESIGN section 3, reuse: the result equals a fresh simulation bit for bit. Method: random
+  // scenes of every kind; in each, proposals one after the other (bodies that start elsewhere,
+  // faster, later, not at all or again, static geometry that moves, kicks, other laws), some
+  // accepted; each is simulated with the history of the last accepted one, in all ways, and whole.
+  std::map<std::string, Tally> by_kind;
+  for (std::uint64_t n = 0; n < chain_count() && !HasFatalFailure(); ++n) {
+    const Subject subject = testing::subject_of(n);
+    SCOPED_TRACE(fmt::format("seed {}, chain {}: {}", k_seed, n, subject.name));
+    Dice dice(k_seed, n);
+    run_chain(subject, dice, by_kind[subject.name.substr(0, subject.name.find(' '))]);
+  }
+  for (const auto& [kind, tally] : by_kind) {
+    fmt::print("seed {}: {}: {} runs, {} failed; events: {} replayed, {} simulated, {} without\n",
+               k_seed, kind, tally.runs, tally.failed, tally.replayed, tally.simulated, tally.all);
+    EXPECT_GT(tally.replayed, tally.simulated / 50) << kind;
+    EXPECT_LT(tally.failed, tally.runs / 2) << kind;
+  }
+}
+
+/// Balls side by side on a floor, each at rest soon.
+Scene balls_apart(std::uint32_t count) {
+  Scene scene;
+  scene.gravity_mps2 = {0, 0, -9.81};
+  scene.contacts = ContactTable(1, {.restitution = 0.5, .friction = 0.3, .rolling_friction = 0.05});
+  scene.slow = scenes::slow_contacts_of(0.02);
+  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    scene.bodies.push_back({.name = {},
+                            .shape = Sphere{.radius_m = 0.01},
+                            .inertia = solid_ball_inertia(0.01, 0.01),
+                            .start = {.pose = {.position_m = {0.05 * i, 0, 0.03}}, .twist = {}}});
+  }
+  return scene;
+}
+
+struct Told {
+  std::uint64_t digest = 0;
+  Counts counts;
+  std::shared_ptr<const History> history;
+};
+
+Told run(const Scene& scene, double duration_s, std::shared_ptr<const History> past = nullptr,
+         SimulationOptions options = {}) {
+  options.tell = true;
+  Simulation simulation = Simulation::start(scene, options, std::move(past)).value();
+  const auto error = simulation.run_until(Tick{} + ticks_after(duration_s));
+  EXPECT_FALSE(error) << error->message;
+  return {simulation.recording().digest(), simulation.counts(), simulation.history()};
+}
+
+TEST(Reuse, AWrongHistoryMakesADifference) {
+  // Goal: what is replayed is not simulated, so the property above can fail. Method: a history that
+  // claims to be of a scene of which it isn't.
+  const Scene before = balls_apart(3);
+  Scene after = before;
+  after.bodies[1].start.twist.velocity_mps.x() = 0.1;
+  const Told told = run(before, 1);
+  History wrong = *told.history;
+  EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+  wrong.scene = after;
+  EXPECT_EQ(run(after, 1, std::make_shared<const History>(wrong)).digest, told.digest);
+  EXPECT_NE(told.digest, run(after, 1).digest);
+}
+
+TEST(Reuse, OnlyWhatDiffersIsSimulated) {
+  // Goal: the point of it. Method: of balls apart one starts otherwise; the others are replayed
+  // to the last event; of the same scene nothing at all is simulated.
+  const Scene before = balls_apart(8);
+  const Told told = run(before, 2);
+  Scene after = before;
+  after.bodies[5].start.pose.position_m.z() += 0.01;
+  const Told reused = run(after, 2, told.history);
+  EXPECT_EQ(reused.digest, run(after, 2).digest);
+  EXPECT_GT(reused.counts.replayed, 7U);
+  EXPECT_EQ(reused.counts.starts, 8U);
+  const Counts alone = run(after, 2).counts;
+  EXPECT_LT(reused.counts.static_collisions, alone.static_collisions / 4);
+  EXPECT_EQ(run(before, 2, told.history).counts.events(), 0U);
+}
+
+TEST(Reuse, WhatIsTheSameIsShared) {
+  // Goal: memory. Method: a kick late in a long fall; the histories have the same chunks before it.
+  // A proposal that is not accepted leaves its past as it was.
+  Scene scene = balls_apart(120);
+  const Told told = run(scene, 2);
+  const std::size_t chunks = told.history->chunks.size();
+  ASSERT_GT(chunks, 3U);
+  const auto first = told.history->chunks.front();
+  scene.controls.push_back(
+      {.tick = Tick{} + ticks_after(1.5), .body = {7}, .velocity_change_mps = {0, 0, 0.3}});
+  const Told reused = run(scene, 2, told.history);
+  EXPECT_EQ(reused.digest, run(scene, 2).digest);
+  EXPECT_EQ(reused.history->chunks.front(), first);
+  EXPECT_EQ(told.history->chunks.size(), chunks);
+}
+
+TEST(Reuse, MemoryIsBounded) {
+  // Goal: a simulation whose history would take too much goes on without. Method: a small limit;
+  // the recording is whole, and there is no history.
+  const Scene scene = balls_apart(20);
+  SimulationOptions options;
+  options.tell = true;
+  options.history_bytes_max = 20'000;
+  Simulation simulation = Simulation::start(scene, options).value();
+  ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(1)));
+  EXPECT_EQ(simulation.history(), nullptr);
+  EXPECT_EQ(simulation.recording().digest(), run(scene, 1).digest);
+}
+
+TEST(Reuse, ItGoesOnBeyondThePast) {
+  // Goal: the past's end. Method: pasts that end while balls fall, roll and rest, and at tick 0.
+  const Scene scene = balls_apart(5);
+  const std::uint64_t expected = run(scene, 2).digest;
+  for (const double end_s : {0.0, 0.01, 0.1, 0.3, 0.5, 1.0, 1.9}) {
+    const Told told = run(scene, end_s);
+    EXPECT_EQ(run(scene, 2, told.history).digest, expected) << end_s;
+  }
+}
+
+}  // namespace
+}  // namespace sleight::physics

@@ -1,0 +1,61 @@
+// Replaying what another simulation told: bodies of the templates in engine.h.
+//
+// A replayed body has a box and pairs as any other. Its pairs with others that are replayed are
+// not predicted, nor is static geometry, and it asks for no decisions: what comes of these is told.
+// One slot of the queue holds the next event that is told.
+#pragma once
+
+#include "worker/physics/simulator/engine.h"
+
+namespace sleight::physics {
+
+/// A body has started; whether it is replayed from now on.
+template <BroadPhase Boxes, EventQueue Queue>
+bool Engine<Boxes, Queue>::starts_as_told(std::uint32_t body, const EventKey& event) {
+  const bool told = world_.replays_start(body, event);
+  if (told) {
+    // Its place was free of static geometry for the next tick, which is all that the list says.
+    for (StaticEdge& edge : statics_[body])
+      world_.end_search(edge.search);
+    if (options_.algorithm != Algorithm::all_pairs) {
+      statics_[body].clear();
+      world_.comes_into(body, boxes_.box({body}));
+    } else if (world_.statics_differ()) {
+      world_.make_live(body);  // without boxes nobody notices when it comes near
+    }
+  }
+  schedule_replay();
+  return told;
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::replay() {
+  if (world_.play()) {
+    ++counts_.replayed;
+    bodies_changed();
+  }
+  schedule_replay();
+}
+
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::schedule_replay() {
+  if (world_.replays() && world_.replay_is_over()) world_.end_replay();
+  if (world_.replays()) {
+    queue_.set({world_.size() + 3}, world_.next_told());
+  } else {
+    queue_.erase({world_.size() + 3});
+  }
+}
+
+/// Who was replayed up to now is simulated from now on.
+template <BroadPhase Boxes, EventQueue Queue>
+void Engine<Boxes, Queue>::take_over_live() {
+  for (const std::uint32_t body : world_.bodies_gone_live()) {
+    if (options_.algorithm == Algorithm::asynchronous) watch_statics(body, boxes_.box({body}));
+    if (options_.algorithm == Algorithm::synchronous) watch_statics(body, all_boxes_[body]);
+    predict_all(body);
+  }
+  world_.forget_gone_live();
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,142 @@
+// All that happened in a simulation, so that one of nearly the same scene need not compute it again
+// (docs/SIMULATOR.md, "What stays the same").
+//
+// Idea. A list of events in the order in which they were processed. Each names the bodies that had
+// a part in it, the segments that they began, and what else they know now that they didn't before.
+// Who goes through the list so has, at each event, everything that a simulation would know by then
+// of these bodies; nothing is predicted, and no collision is resolved. A recording (recording.h) is
+// the same segments by body.
+//
+// Invariants
+//   1. A body had a part in an event if what it knows was changed, or asked for, by it. So what an
+//      event did is a function of what its participants knew, of static geometry near them, and of
+//      the scene's laws.
+//   2. Chunks do not change once a history has them, and histories share them.
+// Thread safety: a History is shared between threads that read it; the rest none.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "worker/physics/event/event.h"
+#include "worker/physics/simulator/body_memory.h"
+#include "worker/physics/simulator/recording.h"
+#include "worker/physics/simulator/scene.h"
+#include "worker/physics/simulator/segment.h"
+
+namespace sleight::physics {
+
+/// A body's part in an event: its id, and marks of what follows in the event's lists.
+struct Participant {
+  static constexpr std::uint32_t k_begins = 1U << 31U;     ///< a segment
+  static constexpr std::uint32_t k_touches = 1U << 30U;    ///< something, as Resting::touched
+  static constexpr std::uint32_t k_slowly = 1U << 29U;     ///< and that was slow
+  static constexpr std::uint32_t k_remembers = 1U << 28U;  ///< all that it knows
+  std::uint32_t bits = 0;
+  std::uint32_t body() const { return bits & (k_remembers - 1); }
+  bool begins() const { return (bits & k_begins) != 0; }
+  bool touches() const { return (bits & k_touches) != 0; }
+  bool slowly() const { return (bits & k_slowly) != 0; }
+  bool remembers() const { return (bits & k_remembers) != 0; }
+};
+
+/// An event as it is told. Lists are in the order of participants.
+struct ToldEvent {
+  EventKey key;
+  double gap_m = 0;  ///< of a collision of two bodies
+  std::span<const Participant> participants;
+  std::span<const Segment> segments;
+  /// One for each that touches, and as many as each that remembers has: Resting::Memory says where.
+  std::span<const TouchRecord> touches;
+  std::span<const BodyMemory> memories;
+};
+
+/// Some hundreds of events that follow one another.
+class HistoryChunk {
+ public:
+  std::size_t size() const { return events_.size(); }
+  ToldEvent event(std::size_t index) const;
+  void append(const ToldEvent& event);
+  /// Room for as much as another one has.
+  void reserve_like(const HistoryChunk& other);
+  std::size_t bytes() const;
+
+ private:
+  struct Entry {
+    EventKey key;
+    double gap_m = 0;
+    // Where its parts of the lists end.
+    std::uint32_t participants = 0, segments = 0, touches = 0, memories = 0;
+  };
+  std::vector<Entry> events_;
+  std::vector<Participant> participants_;
+  std::vector<Segment> segments_;
+  std::vector<TouchRecord> touches_;
+  std::vector<BodyMemory> memories_;
+};
+
+using HistoryChunks = std::vector<std::shared_ptr<const HistoryChunk>>;
+
+/// Of a simulation up to and at a tick. REQUIRES: the meshes and polyhedra that its scene shares
+/// stay as they are.
+struct History {
+  Scene scene;
+  HistoryChunks chunks;
+  Tick end{};  ///< everything up to and at it is told
+  /// Memory, of which some may be shared with other histories.
+  std::size_t bytes() const;
+};
+
+/// Goes through a list of chunks. Whoever made them must keep them.
+class HistoryReader {
+ public:
+  HistoryReader() = default;
+  explicit HistoryReader(const HistoryChunks& chunks) : chunks_(chunks) { find_event(); }
+  bool at_end() const { return chunk_ == chunks_.size(); }
+  // REQUIRES, of the rest: not at the end.
+  const ToldEvent& event() const { return event_; }
+  void next() {
+    ++index_;
+    find_event();
+  }
+  /// The whole chunk, if its first event is the next one; else null.
+  std::shared_ptr<const HistoryChunk> whole_chunk() const {
+    return index_ == 0 ? chunks_[chunk_] : nullptr;
+  }
+
+ private:
+  void find_event();
+  std::span<const std::shared_ptr<const HistoryChunk>> chunks_;
+  std::size_t chunk_ = 0;
+  std::size_t index_ = 0;
+  ToldEvent event_;
+};
+
+/// Collects events.
+class HistoryWriter {
+ public:
+  void append(const ToldEvent& event);
+  /// Appends a chunk as it is.
+  void share(std::shared_ptr<const HistoryChunk> chunk);
+  /// All so far; what comes later is not in it.
+  HistoryChunks chunks();
+  std::size_t bytes() const { return closed_bytes_ + (open_ ? open_->bytes() : 0); }
+
+ private:
+  void close();
+  HistoryChunks closed_;
+  std::size_t closed_bytes_ = 0;
+  std::shared_ptr<HistoryChunk> open_;
+};
+
+/// Appends to a recording the segments of events from some place in a list on; the place after the
+/// last one.
+std::size_t append_to(Recording& recording, const HistoryChunks& chunks, std::size_t events_done);
+
+/// Whether two segments are the same, bit for bit.
+bool same_bits(const Segment& a, const Segment& b);
+
+}  // namespace sleight::physics
