@@ -114,7 +114,7 @@ class Engine {
 
   // Replaying (engine_replay.h).
   bool starts_as_told(std::uint32_t body, const EventKey& event);
-  void replay();
+  bool replay();
   void schedule_replay();
   void take_over_live();
 

@@ -337,8 +337,7 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
   if (!world_.started(body)) return;
   if (world_.is_replayed(body) && event.feature < world_.same_controls()) {
     CHECK(world_.next_told() == event);
-    replay();
-    if (world_.is_replayed(body)) return;
+    if (replay()) return;
   }
   world_.apply(control, event);
   world_.tell(event);

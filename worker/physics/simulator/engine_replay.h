@@ -28,13 +28,16 @@ bool Engine<Boxes, Queue>::starts_as_told(std::uint32_t body, const EventKey& ev
   return told;
 }
 
+/// The next event that is told; whether it was replayed.
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::replay() {
-  if (world_.play()) {
+bool Engine<Boxes, Queue>::replay() {
+  const bool played = world_.play();
+  if (played) {
     ++counts_.replayed;
     bodies_changed();
   }
   schedule_replay();
+  return played;
 }
 
 template <BroadPhase Boxes, EventQueue Queue>

@@ -1,0 +1,144 @@
+// What it costs to keep a simulation's history, and what it saves (docs/SIMULATOR.md, "What stays
+// the same").
+//
+// A row runs the same scene in two ways in turn, and says how long the one took (`whole_ms`, a
+// recorded simulation of everything, CPU time) and the other (`ms`), the start and the making of
+// the new history included.
+//   tell   a simulation that keeps its history
+//   all    everything differs: with the past of another scene that is of no use, against without
+//   early  one body starts otherwise, or is kicked, at the beginning: all that mixes is simulated
+//   half   the same half-way
+//   late   the same after nine tenths
+// In rows with a past both keep their histories, as in a chain of proposals; in `all` neither does.
+// What is verified is the digest of the recording, which is that of the simulation of everything.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <ctime>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "tests/bench/harness.h"
+#include "worker/physics/scenes/scenes.h"
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::bench {
+namespace {
+
+using physics::History;
+using physics::Scene;
+using physics::Simulation;
+using physics::SimulationOptions;
+using physics::Tick;
+namespace scenes = physics::scenes;
+
+constexpr std::uint64_t k_seed = 1;
+
+struct Subject {
+  const char* name;
+  scenes::Setting (*make)(std::uint32_t bodies, std::uint64_t seed);
+  std::uint32_t n;
+  double duration_s;
+};
+
+constexpr Subject k_subjects[] = {
+    {"boxed_spheres", scenes::boxed_spheres, 64, 100},
+    {"boxed_polyhedra", scenes::boxed_polyhedra, 64, 50},
+    {"hourglass", scenes::hourglass, 40, 7},
+    {"marbles", scenes::marbles, 15, 2},
+};
+
+enum class Row : std::uint8_t { tell, all, early, half, late };
+constexpr const char* k_rows[] = {"tell", "all", "early", "half", "late"};
+
+struct Outcome {
+  double cpu_s = 0;
+  std::uint64_t replayed = 0;
+  std::shared_ptr<const History> history;
+};
+
+Outcome timed(const Scene& scene, double duration_s, bool tell,
+              const std::shared_ptr<const History>& past) {
+  SimulationOptions options;
+  options.tell = tell;
+  const std::clock_t begin = std::clock();
+  Simulation simulation = Simulation::start(scene, options, past).value();
+  const auto error = simulation.run_until(Tick{} + physics::ticks_after(duration_s));
+  CHECK(!error);
+  Outcome outcome{.history = simulation.history()};
+  outcome.cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  outcome.replayed = simulation.counts().replayed;
+  return outcome;
+}
+
+std::uint64_t digest_of(const Scene& scene, double duration_s,
+                        const std::shared_ptr<const History>& past) {
+  Simulation simulation = Simulation::start(scene, {}, past).value();
+  CHECK(!simulation.run_until(Tick{} + physics::ticks_after(duration_s)));
+  return simulation.recording().digest();
+}
+
+/// A proposal that changes one body after a share of the time, or all at once.
+Scene changed(const Subject& subject, const Scene& before, Row row) {
+  Scene scene = before;
+  if (row == Row::all) {
+    for (physics::BodyDescription& body : scene.bodies)
+      body.start.twist.velocity_mps.x() += 1e-9;
+  } else if (row != Row::tell) {
+    const double share = row == Row::early ? 0 : row == Row::half ? 0.5 : 0.9;
+    const std::size_t last = scene.bodies.size() - 1;
+    if (scene.bodies[last].start_tick > Tick{}) {
+      // Bodies start one after the other.
+      const auto chosen = static_cast<std::size_t>(share * static_cast<double>(last));
+      scene.bodies[chosen].start.twist.angular_velocity_radps.x() += 1;
+    } else {
+      scene.controls.push_back({.tick = Tick{} + physics::ticks_after(share * subject.duration_s),
+                                .body = {3},
+                                .velocity_change_mps = {0.01, 0, 0}});
+    }
+  }
+  return scene;
+}
+
+void run(benchmark::State& state, const Subject& subject, Row row) {
+  const Scene before = subject.make(subject.n, k_seed).scene;
+  const Scene scene = changed(subject, before, row);
+  const auto past =
+      row == Row::tell ? nullptr : timed(before, subject.duration_s, true, nullptr).history;
+  const bool both_tell = row != Row::tell && row != Row::all;
+  double whole_s = 0;
+  double s = 0;
+  std::uint64_t replayed = 0;
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    whole_s += timed(scene, subject.duration_s, both_tell, nullptr).cpu_s;
+    const Outcome outcome = timed(scene, subject.duration_s, row != Row::all, past);
+    s += outcome.cpu_s;
+    replayed = outcome.replayed;
+    if (outcome.history) bytes = outcome.history->bytes();
+  }
+  const auto runs = static_cast<double>(state.iterations());
+  state.counters["whole_ms"] = 1e3 * whole_s / runs;
+  state.counters["ms"] = 1e3 * s / runs;
+  state.counters["ratio"] = s / whole_s;
+  state.counters["replayed"] = static_cast<double>(replayed);
+  state.counters["history_MB"] = 1e-6 * static_cast<double>(bytes);
+  verify(state, digest_of(scene, subject.duration_s, past),
+         digest_of(scene, subject.duration_s, nullptr));
+}
+
+[[maybe_unused]] const bool k_added = [] {
+  for (const Subject& subject : k_subjects) {
+    for (std::size_t i = 0; i < std::size(k_rows); ++i) {
+      benchmark::RegisterBenchmark(
+          fmt::format("reuse/{}/{}", subject.name, k_rows[i]).c_str(),
+          [&subject, i](benchmark::State& state) { run(state, subject, static_cast<Row>(i)); })
+          ->Unit(benchmark::kMillisecond);
+    }
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace sleight::bench
