@@ -41,8 +41,7 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, double near_m,
 std::size_t World::rest(std::uint32_t body, const EventKey& event) {
   changed_.clear();
   const auto present = [&](std::uint32_t member) {
-    // Asked for, and changed: so are its partners, on whom it may come to rest.
-    make_live(member);
+    // Its partners are asked next, and it may come to rest on them.
     note_memory(member);
     resting_.for_each_partner(member, event.tick, [&](std::uint32_t partner) {
       make_live(partner);
@@ -72,7 +71,6 @@ std::size_t World::rest(std::uint32_t body, const EventKey& event) {
   }
   const std::size_t count = changed_.size();
   if (count == 0 && has_left(body, event.tick)) {
-    note_memory(body);
     resting_.leave(body);
     wake_dependents(body, event);
   }
