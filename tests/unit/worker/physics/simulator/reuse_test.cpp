@@ -265,6 +265,88 @@ TEST(Reuse, AKickTowardsWhatDiffersComesOnce) {
   }
 }
 
+/// A box of a half width about a place.
+std::shared_ptr<const ConvexPolyhedron> block(const Vec3& centre_m, double half_m) {
+  std::vector<Vec3> corners_m;
+  for (int corner = 0; corner < 8; ++corner) {
+    corners_m.push_back(centre_m + half_m * Vec3((corner & 1) != 0 ? 1 : -1,
+                                                 (corner & 2) != 0 ? 1 : -1,
+                                                 (corner & 4) != 0 ? 1 : -1));
+  }
+  return std::make_shared<const ConvexPolyhedron>(convex_hull(corners_m).value());
+}
+
+/// Balls and cubes above a floor, and a block far away from them.
+Scene beside_a_block() {
+  Scene scene = balls_apart(4);
+  const Scene cubes = scenes::cube_drop(2, 1).scene;
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    scene.bodies.push_back(cubes.bodies[i]);
+    scene.bodies.back().start.pose.position_m = {0.05 * i, 0.1, 0.1};
+  }
+  scene.convexes.push_back({.name = "block", .polyhedron = block({1, 1, 1}, 0.01)});
+  return scene;
+}
+
+TEST(Reuse, PlacesCountAsTheyWereAndAsTheyAre) {
+  // Goal: who met something that is gone goes live, as well as who meets something that has come.
+  // Method: a block under one body, and far away, in either order; balls and cubes.
+  const Scene away = beside_a_block();
+  for (std::uint32_t i = 0; i < away.bodies.size(); ++i) {
+    Scene below = away;
+    const Vec3 start_m = away.bodies[i].start.pose.position_m;
+    below.convexes[0].polyhedron = block({start_m.x() + 0.003, start_m.y(), 0.003}, 0.005);
+    const Told far = run(away, 1);
+    const Told near = run(below, 1);
+    EXPECT_NE(far.digest, near.digest);
+    EXPECT_EQ(run(below, 1, far.history).digest, near.digest);
+    const Told back = run(away, 1, near.history);
+    EXPECT_EQ(back.digest, far.digest);
+    EXPECT_GT(back.counts.replayed, 3U);
+  }
+}
+
+TEST(Reuse, StartsSeeWhatDiffers) {
+  // Goal: a start is no event of a past in which there was room, or none. Method: a body starts
+  // late, deep inside of a block that wasn't there: it is an error. One that drew its place again
+  // as a block was in its way takes its first one when that has gone, and the other way round.
+  Scene away = beside_a_block();
+  BodyDescription& late = away.bodies[1];
+  late.start_tick = Tick{} + ticks_after(0.7);
+  late.start.pose.position_m = {0.3, 0.3, 0.2};
+  Scene around = away;
+  around.convexes[0].polyhedron = block({0.3, 0.3, 0.2}, 0.1);
+  const Told far = run(away, 1);
+  Simulation fails = Simulation::start(around, {}, far.history).value();
+  const auto error = fails.run_until(Tick{} + ticks_after(1));
+  ASSERT_TRUE(error);
+  EXPECT_NE(error->message.find("overlaps"), std::string::npos) << error->message;
+  EXPECT_EQ(fails.now(), late.start_tick);
+
+  for (Scene* scene : {&away, &around}) {
+    scene->bodies[1].start_again = [](std::uint32_t attempt) -> StartState {
+      return {.pose = {.position_m = {0.3, 0.3 + 0.05 * attempt, 0.2}}, .twist = {}};
+    };
+  }
+  const Told free = run(away, 1);
+  const Told drawn = run(around, 1);
+  EXPECT_GT(drawn.counts.start_draws, 0U);
+  EXPECT_EQ(run(around, 1, free.history).digest, drawn.digest);
+  EXPECT_EQ(run(away, 1, drawn.history).digest, free.digest);
+
+  // The same when another body is in the way.
+  Scene alone = away;
+  Scene two = away;
+  two.bodies[0].start_tick = Tick{} + ticks_after(0.69);
+  two.bodies[0].start.pose.position_m = {0.3, 0.3, 0.205};
+  alone.bodies[0].start_tick = k_tick_max;
+  const Told with = run(two, 1);
+  const Told without = run(alone, 1);
+  EXPECT_GT(with.counts.start_draws, 0U);
+  EXPECT_EQ(run(two, 1, without.history).digest, with.digest);
+  EXPECT_EQ(run(alone, 1, with.history).digest, without.digest);
+}
+
 TEST(Reuse, SleepersAreWokenByTheirOwnKind) {
   // Goal: replay.h, invariant 3. Method: a pyramid of balls in a tray of planes comes to rest; then
   // one after the other is kicked, late, or isn't there from the start; and the floor is lowered.
