@@ -1,0 +1,94 @@
+// Runs with and without a past, and how they differ.
+//
+// Thread safety: pure functions.
+#pragma once
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "tests/unit/worker/physics/simulator/proposals.h"
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::physics::testing {
+
+/// Any way to run a scene, that tells.
+inline SimulationOptions random_way(Dice& dice) {
+  SimulationOptions options;
+  options.tell = true;
+  switch (dice.below(8)) {
+    case 0:
+      options.algorithm = Algorithm::synchronous;
+      break;
+    case 1:
+      options.algorithm = Algorithm::all_pairs;
+      break;
+    default:
+      break;
+  }
+  if (dice.one_in(6)) options.broad_phase = BroadPhaseKind::sweep_and_prune;
+  const auto queue = dice.below(6);
+  if (queue == 0) options.queue = QueueKind::heap;
+  if (queue == 1) options.queue = QueueKind::calendar;
+  return options;
+}
+
+/// Where two recordings part.
+inline std::string first_difference(const Recording& a, const Recording& b) {
+  std::string found = "nowhere but at their ends";
+  Tick first = k_never;
+  for (std::uint32_t i = 0; i < a.bodies(); ++i) {
+    const auto p = a.segments({i});
+    const auto q = b.segments({i});
+    for (std::size_t k = 0; k < std::max(p.size(), q.size()); ++k) {
+      const bool same = k < p.size() && k < q.size() && p[k].cause == q[k].cause &&
+                        same_bits(p[k].segment, q[k].segment);
+      if (same) continue;
+      const EventKey cause = k < p.size() ? p[k].cause : q[k].cause;
+      if (cause.tick >= first) break;
+      first = cause.tick;
+      found = fmt::format("body {}, segment {} of {} and {}, tick {}, kind {}, {}, {}", i, k,
+                          p.size(), q.size(), cause.tick.value, static_cast<int>(cause.kind),
+                          cause.lower, cause.higher);
+      break;
+    }
+  }
+  return found;
+}
+
+/// Balls side by side on a floor, each at rest soon.
+inline Scene balls_apart(std::uint32_t count) {
+  Scene scene;
+  scene.gravity_mps2 = {0, 0, -9.81};
+  scene.contacts = ContactTable(1, {.restitution = 0.5, .friction = 0.3, .rolling_friction = 0.05});
+  scene.slow = scenes::slow_contacts_of(0.02);
+  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    scene.bodies.push_back({.name = {},
+                            .shape = Sphere{.radius_m = 0.01},
+                            .inertia = solid_ball_inertia(0.01, 0.01),
+                            .start = {.pose = {.position_m = {0.05 * i, 0, 0.03}}, .twist = {}}});
+  }
+  return scene;
+}
+
+struct Told {
+  std::uint64_t digest = 0;
+  Counts counts;
+  std::shared_ptr<const History> history;
+};
+
+inline Told run(const Scene& scene, double duration_s,
+                std::shared_ptr<const History> past = nullptr, SimulationOptions options = {}) {
+  options.tell = true;
+  Simulation simulation = Simulation::start(scene, options, std::move(past)).value();
+  const auto error = simulation.run_until(Tick{} + ticks_after(duration_s));
+  EXPECT_FALSE(error) << error->message;
+  return {simulation.recording().digest(), simulation.counts(), simulation.history()};
+}
+
+}  // namespace sleight::physics::testing
