@@ -241,18 +241,16 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
     if (!outcome.past) return all;
     for (const auto& story : outcome.past->stories) {
       if (!story) continue;
-      all += bytes(story->parts) + bytes(story->marks) + bytes(story->meetings) +
-             bytes(story->touches) + bytes(story->met);
+      all += bytes(story->parts) + bytes(story->ways) + bytes(story->marks) +
+             bytes(story->meetings) + bytes(story->touches) + bytes(story->met);
     }
-    for (const auto& look : outcome.past->looks)
-      all += bytes(look.balls);
-    return all;
+    return all + bytes(outcome.past->looks) + bytes(outcome.past->seen) +
+           bytes(outcome.past->flat_edges);
   };
   const auto objects_bytes = [](const Spelling::Outcome& outcome) -> std::size_t {
     if (!outcome.past) return 0;
     const worlds::spelling::Past& past = *outcome.past;
-    return sizeof(past) + past.stories.size() * (16 + sizeof(physics::MarbleStory)) +
-           past.looks.capacity() * sizeof(worlds::spelling::Look);
+    return sizeof(past) + past.stories.size() * (16 + sizeof(physics::MarbleStory));
   };
   for (int draw = 0; draw < 50; ++draw) {
     Spelling::State state = world.draw_prior(stream);
