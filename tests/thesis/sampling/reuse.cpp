@@ -36,14 +36,16 @@ struct Observed : Spelling {
       : Spelling(parameters), last_(&last) {}
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const {
     Outcome result = Spelling::simulate_from(candidate, state, outcome);
-    const Outcome whole = simulate(candidate);
+    const Outcome whole = Spelling::simulate_from(candidate, candidate, {});
     if (outcome_values(result) != outcome_values(whole) || result.filling != whole.filling) {
       fmt::print(stderr, "reuse makes a difference\n");
       std::exit(1);
     }
     *last_ = {};
-    if (result.past && whole.past)
-      *last_ = {.all = whole.past->simulated, .simulated = result.past->simulated};
+    if (whole.past) {
+      const std::uint64_t all = whole.past->simulated;
+      *last_ = {.all = all, .simulated = result.past ? result.past->simulated : all};
+    }
     return result;
   }
   Events* last_;

@@ -15,7 +15,7 @@ constexpr std::size_t k_marks_max = 48;
 /// A ball that meets nobody has one after so many events, as going on from the last one takes all
 /// since: more often costs more than it saves. Of these it has no more, for those that follow
 /// meetings are needed.
-constexpr std::uint32_t k_mark_every = 8;
+constexpr std::uint32_t k_mark_every = 16;
 constexpr std::size_t k_way_marks_max = 24;
 
 }  // namespace

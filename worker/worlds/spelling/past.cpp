@@ -25,14 +25,24 @@ void grow(physics::TouchBox& box, const Vec3& place_m) {
 
 }  // namespace
 
+bool starts_alike(const State& state, const State& candidate, std::size_t ball) {
+  return candidate.active[ball] != 0 && state.active[ball] != 0 &&
+         candidate.drops_m[ball] == state.drops_m[ball];
+}
+
+bool any_starts_alike(const State& state, const State& candidate) {
+  for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
+    if (starts_alike(state, candidate, ball)) return true;
+  }
+  return false;
+}
+
 physics::MarbleStories stories_that_hold(const Past& past, const State& state,
                                          const State& candidate) {
   CHECK_EQ(past.stories.size(), candidate.active.size());
   physics::MarbleStories stories = past.stories;
   for (std::size_t ball = 0; ball < stories.size(); ++ball) {
-    const bool same = candidate.active[ball] != 0 && state.active[ball] != 0 &&
-                      candidate.drops_m[ball] == state.drops_m[ball];
-    if (!same) stories[ball] = nullptr;
+    if (!starts_alike(state, candidate, ball)) stories[ball] = nullptr;
   }
   return stories;
 }

@@ -49,6 +49,11 @@ struct Past {
   }
 };
 
+/// Whether a ball takes part in both and starts in the same place.
+bool starts_alike(const State& state, const State& candidate, std::size_t ball);
+/// Whether any does.
+bool any_starts_alike(const State& state, const State& candidate);
+
 /// The stories that hold for a candidate as well: those of balls that start as they did.
 physics::MarbleStories stories_that_hold(const Past& past, const State& state,
                                          const State& candidate);

@@ -258,12 +258,15 @@ std::unique_ptr<BoxGeometry> Spelling::new_geometry() const {
 }
 
 Outcome Spelling::simulate(const State& state) const {
-  return simulated(state, Until::decided, replays_ == Replays::yes).outcome;
+  return simulated(state, Until::decided).outcome;
 }
 
 Outcome Spelling::simulate_from(const State& candidate, const State& state,
                                 const Outcome& outcome) const {
-  if (replays_ == Replays::no || !outcome.past) return simulate(candidate);
+  // Where nothing is alike, nothing can be gone on from; mostly such a candidate is rejected, and
+  // if it isn't, the next one that is like it and is accepted tells.
+  if (replays_ == Replays::no || !any_starts_alike(state, candidate)) return simulate(candidate);
+  if (!outcome.past) return simulated(candidate, Until::decided, true).outcome;
   const Known known{.state = state, .past = *outcome.past};
   return simulated(candidate, Until::decided, true, &known).outcome;
 }

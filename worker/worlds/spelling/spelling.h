@@ -65,7 +65,8 @@ struct Outcome {
   double end_s = 0;
   End end = End::settled;
   Filling filling{};  ///< empty if there is no animation
-  /// For simulate_from; none if that is not wanted, or there is nothing to go on from.
+  /// For simulate_from, which makes it; none if that is not wanted, or the candidate had nothing in
+  /// common with the state.
   std::shared_ptr<const Past> past{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
