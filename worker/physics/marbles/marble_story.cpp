@@ -12,9 +12,9 @@ const MarbleStory::Mark* MarbleStory::mark_before(Tick tick, bool& is_gap) const
     const auto after = std::ranges::lower_bound(marks, tick, {}, &Mark::tick);
     if (after != marks.begin()) mark = &*(after - 1);
   }
-  const Tick from = mark != nullptr ? mark->tick : Tick{-1};
-  is_gap = std::ranges::any_of(
-      meetings, [&](const Meeting& meeting) { return meeting.tick > from && meeting.tick < tick; });
+  // Of several meetings at a tick the first one's mark may be all that is left.
+  const std::size_t known = mark != nullptr ? mark->meetings : 0;
+  is_gap = known < meetings.size() && meetings[known].tick < tick;
   return mark;
 }
 

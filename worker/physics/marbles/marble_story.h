@@ -77,8 +77,9 @@ struct MarbleStory {
   /// All that goes on from an event.
   struct Mark {
     Tick tick;
-    std::size_t parts = 0;   ///< that began up to here
-    std::uint64_t work = 0;  ///< of events up to here that are told as its own
+    std::size_t parts = 0;     ///< that began up to here
+    std::size_t meetings = 0;  ///< the same
+    std::uint64_t work = 0;    ///< of events up to here that are told as its own
     Marble marble;
     Resting::Memory rest;
     std::size_t first_met = 0;  ///< in `met`

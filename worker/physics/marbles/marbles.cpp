@@ -130,13 +130,15 @@ void Marbles::process(const EventKey& event) {
     case EventKind::update:
       if (replayed_[ball] != nullptr) {
         goes_live(ball);
-      } else if (meets_replayed(ball)) {
-        goes_live(partners_[ball]);
-        predict_pairs(ball);
-        refresh_key(ball);
-      } else if (balls_[ball].suspended && !balls_[ball].resumes) {
+      } else if (balls_[ball].suspended) {
+        if (balls_[ball].resumes) return;
         balls_[ball].resumes = true;
         to_resume_.push_back(ball);
+      } else {
+        // Whom it was to meet may have gone live by now, for another reason.
+        if (meets_replayed(ball)) goes_live(partners_[ball]);
+        predict_pairs(ball);
+        refresh_key(ball);
       }
       return;
     case EventKind::control:

@@ -31,11 +31,12 @@ bool Marbles::stays_alone(std::uint32_t ball, const MarbleStory::Part& part,
 Tick Marbles::first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick until) {
   const MarbleStory& story = *replayed_[ball];
   const auto is_changed = [&](std::uint32_t feature) {
-    return feature != k_none && is_changed_feature_[feature] != 0;
+    return feature != k_none && !is_changed_feature_.empty() && is_changed_feature_[feature] != 0;
   };
   for (std::size_t i = 0; i < story.parts.size(); ++i) {
     const MarbleStory::Part& part = story.parts[i];
     if (part.begin > until) break;
+    if (is_changed(part.last_feature)) return part.begin;
     if (part.is_alone) {
       // Whatever is met in a confinement, it isn't left.
       if (replay.confinement_differs && !stays_alone(ball, part, story.ways[i])) return part.begin;
@@ -44,8 +45,9 @@ Tick Marbles::first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick
     Tick first = k_never;
     for (const MarbleChange& change : replay.changes) {
       if (!overlaps(change.box, part.box)) continue;
-      // What it stays on it has met before.
-      if (is_changed(part.last_feature)) return part.begin;
+      // What it stays on it has met before. Whether it may start there is asked when it does.
+      const TouchBox start = way_box_of(story.ways[i].flight(), part.begin, part.begin);
+      if (i == 0 && overlaps(change.box, start)) return part.begin;
       if (part.mode == MotionMode::resting) continue;
       const Tick end = i + 1 < story.parts.size() ? story.parts[i + 1].begin : until;
       first = std::min(first,
@@ -205,7 +207,8 @@ void Marbles::goes_live(std::uint32_t ball) {
       own.touches.assign(story->touches.begin(),
                          story->touches.begin() + static_cast<std::ptrdiff_t>(touches));
       own.met.assign(story->met.begin(), story->met.begin() + static_cast<std::ptrdiff_t>(met));
-      std::ranges::copy_if(story->meetings, std::back_inserter(own.meetings), is_before);
+      own.meetings.assign(story->meetings.begin(),
+                          story->meetings.begin() + static_cast<std::ptrdiff_t>(mark->meetings));
     }
   }
   hasten(from);

@@ -29,12 +29,14 @@ void Marbles::begin_story(std::uint32_t ball) {
 void Marbles::tell_part(std::uint32_t ball, const TouchBox& box) {
   auto& parts = told_[ball].parts;
   auto& ways = told_[ball].ways;
-  // What was to come has not, or is told again.
-  while (!parts.empty() && parts.back().begin >= now_) {
+  const Marble& own = balls_[ball];
+  // What was to come has not, or is told again. Of several collisions at a tick each counts.
+  while (!parts.empty() &&
+         (parts.back().begin > now_ ||
+          (parts.back().begin == now_ && parts.back().last_feature == own.last_feature))) {
     parts.pop_back();
     ways.pop_back();
   }
-  const Marble& own = balls_[ball];
   parts.push_back({.begin = now_,
                    .last_feature = own.last_feature,
                    .mode = own.segment.mode,
@@ -60,6 +62,7 @@ void Marbles::tell_meeting(std::uint32_t a, std::uint32_t b) {
 MarbleStory::Mark Marbles::mark_in(MarbleStory& story, std::uint32_t ball, Tick tick) const {
   MarbleStory::Mark mark{.tick = tick,
                          .parts = story.parts.size(),
+                         .meetings = story.meetings.size(),
                          .work = own_work_[ball],
                          .marble = balls_[ball],
                          .rest = resting_.memory(ball, story.touches),

@@ -158,6 +158,7 @@ class Engine {
   std::vector<Bound> bounds_;
   std::vector<std::vector<std::uint32_t>> candidates_;  ///< static features in a wider box
   std::vector<Box> static_boxes_;                       ///< that one
+  Tick boxes_until_ = k_never;                          ///< of the synchronous algorithm
   std::vector<Box> all_boxes_;                          ///< scratch of the synchronous algorithm
   std::vector<std::uint32_t> near_;                     ///< scratch
   std::vector<std::uint32_t> changes_;                  ///< of each body's motion

@@ -146,6 +146,7 @@ bool Engine<Boxes, Queue>::watch_statics(std::uint32_t body, const Box& box) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
+  boxes_until_ = k_never;
   if (failure_ || present_ == 0) return;
   // Boxes last until the next event, but not too long: there may be no pair near for a while.
   TickCount step = k_tick_max.value;
@@ -159,6 +160,7 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
                            .lower = k_nobody,
                            .higher = k_nobody});
   const Tick next = std::min(queue_.least().key.tick, end);
+  boxes_until_ = std::max(next, now_);
   for (std::uint32_t body = 0; body < world_.size(); ++body) {
     if (!world_.started(body)) continue;
     all_boxes_[body] =

@@ -334,7 +334,10 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
   ++next_control_;
   schedule_control();
   const std::uint32_t body = control.body.value;
-  if (!world_.started(body)) return;
+  if (!world_.started(body)) {
+    schedule_replay();
+    return;
+  }
   if (world_.is_replayed(body) && event.feature < world_.same_controls()) {
     CHECK(world_.next_told() == event);
     if (replay()) return;
@@ -342,6 +345,7 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
   world_.apply(control, event);
   world_.tell(event);
   bodies_changed();
+  schedule_replay();  // what was told of it is passed over
 }
 
 template <BroadPhase Boxes, EventQueue Queue>

@@ -43,10 +43,14 @@ bool Engine<Boxes, Queue>::replay() {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::schedule_replay() {
   if (world_.replays() && world_.replay_is_over()) world_.end_replay();
-  if (world_.replays()) {
-    queue_.set({world_.size() + 3}, world_.next_told());
-  } else {
+  const EventKey told = world_.replays() ? world_.next_told() : k_no_event;
+  // Controls that both have come by themselves, in the order that the scene gives.
+  const bool comes_by_itself =
+      told.kind == EventKind::control && told.feature < world_.same_controls();
+  if (told == k_no_event || comes_by_itself) {
     queue_.erase({world_.size() + 3});
+  } else {
+    queue_.set({world_.size() + 3}, told);
   }
 }
 
@@ -59,6 +63,14 @@ void Engine<Boxes, Queue>::take_over_live() {
     predict_all(body);
   }
   world_.forget_gone_live();
+  // Boxes were made to last until the event that came next, which is withdrawn if it was a void
+  // prediction of theirs.
+  if (options_.algorithm == Algorithm::synchronous && boxes_until_ != k_never &&
+      (queue_.empty() || queue_.least().key.tick > boxes_until_)) {
+    queue_.set(
+        {world_.size() + 2},
+        {.tick = boxes_until_, .kind = EventKind::update, .lower = k_nobody, .higher = k_nobody});
+  }
 }
 
 }  // namespace sleight::physics

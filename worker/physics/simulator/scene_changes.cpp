@@ -224,6 +224,11 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     changes.bodies.push_back(differs ? 1 : 0);
     if (differs) changes.first = std::min({changes.first, was.start_tick, is.start_tick});
   }
+  // Then nothing can be replayed, and geometry needn't be looked at.
+  if (std::ranges::all_of(changes.bodies, [](auto differs) { return differs != 0; })) {
+    changes.laws = true;
+    return changes;
+  }
   // Regions depend on how large spheres are.
   if (!same_shapes || !same_statics(before, after)) {
     const StaticGeometry old(before);

@@ -67,7 +67,7 @@ class Simulation::Impl {
   Impl(const Scene& scene, SimulationOptions chosen, std::shared_ptr<const History> past)
       : options(std::move(chosen)),
         world(scene, options.record || options.tell, options.segments_reserved) {
-    if (options.tell) world.begin_telling(options.history_bytes_max);
+    if (options.tell) world.begin_telling(options.history_bytes_max, options.record);
     world.begin_replay(std::move(past));
   }
 

@@ -11,9 +11,10 @@
 //   auto started = Simulation::start(scene, {});
 //   if (!started) return report(started.error().message);
 //   Simulation simulation = std::move(started).value();
-//   if (auto error = simulation.run_until(Tick{} + ticks_after(5.0))) return
-//   report(error->message); Pose pose = simulation.pose({0}, simulation.now()); for (const auto&
-//   [segment, cause] : simulation.recording().segments({0})) ...
+//   auto error = simulation.run_until(Tick{} + ticks_after(5.0));
+//   if (error) return report(error->message);
+//   Pose pose = simulation.pose({0}, simulation.now());
+//   for (const auto& [segment, cause] : simulation.recording().segments({0})) ...
 //
 // Idea. Between two events a body's motion is a closed function of time (segment.h). The simulator
 // predicts events, processes the least (event.h says in which order), and begins new segments for
@@ -48,8 +49,9 @@ struct SimulationOptions {
   QueueKind queue = QueueKind::tournament;
   bool record = true;                  ///< keep the segments; the last of each body is always kept
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
-  bool tell = false;                   ///< keep what history() gives, the recording included
-  /// Of memory for that: if it takes more, there will be no history.
+  bool tell = false;  ///< keep what history() gives, from which recording() is made
+  /// Of memory for that. If it takes more there will be no history, and a recording only if that is
+  /// wanted.
   std::size_t history_bytes_max = std::size_t{1} << 30U;
   TickCount sample_every = 0;  ///< sampling events from tick 0 on; 0: none
   std::function<void(Tick)> on_sample{};
@@ -59,12 +61,14 @@ class Simulation {
  public:
   /// Checks the scene and puts the bodies that start at tick 0 in their places.
   ///
-  /// What is the same as in the past, a simulation of a scene with as many bodies, is not simulated
-  /// again: only bodies that differ in themselves or in their starts, those that come near what
-  /// differs of static geometry, and whom these come to touch, or are asked about with them. All of
-  /// what is below is the same, bit for bit, as without a past, but for counts(). A body without
-  /// activity is one that starts at k_tick_max. REQUIRES: a body with the same start as in the past
-  /// has the same start_again; the past's meshes and polyhedra have not been changed since.
+  /// With a past, only what differs from that is simulated: bodies with other shapes, masses,
+  /// materials or starts; those that come near static geometry that differs; and whom these touch,
+  /// or are asked about with. The rest is replayed. All of what is below is the same, bit for bit,
+  /// as without a past, but for counts(). A past with other laws (gravity, surfaces, slow contacts,
+  /// periods) or another number of bodies is of no use, nor is null. Compounds are the same if they
+  /// are the same object. A body without activity is one that starts at k_tick_max. REQUIRES: a
+  /// body with the same start as in the past has the same start_again; the past's meshes and
+  /// polyhedra have not been changed since.
   static base::Result<Simulation, SceneError> start(const Scene& scene,
                                                     const SimulationOptions& options,
                                                     std::shared_ptr<const History> past = nullptr);
@@ -77,8 +81,9 @@ class Simulation {
   std::optional<SceneError> run_until(Tick end);
 
   /// Goes on with another algorithm, broad phase or queue, and other sampling events, which come at
-  /// multiples of their interval. What is recorded stays as it is: `record` and
-  /// `segments_reserved` have no effect. A simulation that has failed stays so.
+  /// multiples of their interval. What is recorded or told stays as it is: `record`,
+  /// `segments_reserved`, `tell` and `history_bytes_max` have no effect. A simulation that has
+  /// failed stays so.
   void go_on_with(const SimulationOptions& options);
 
   Tick now() const;

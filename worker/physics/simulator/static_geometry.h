@@ -108,7 +108,7 @@ class StaticGeometry {
   /// Those that the last refresh wrote anew; some may come twice.
   std::span<const std::uint32_t> refreshed() const { return refreshed_; }
   /// What of a mesh, by its place in the scene, is otherwise once a vertex has moved, as long as
-  /// none gets, or had, a coordinate greater than all others: regions' margins hang on that.
+  /// border_m stays; all is, if not.
   struct About {
     std::vector<std::uint32_t> features;  ///< that hang on it
     /// Faces that do not, beside some that do: theirs is otherwise only where an edge between has
@@ -117,6 +117,8 @@ class StaticGeometry {
     std::vector<std::uint32_t> edges;  ///< of the mesh: those that may
   };
   About about(std::size_t mesh, std::uint32_t vertex) const;
+  /// How far a mesh's regions reach over their borders: by rounding, at its greatest coordinate.
+  double border_m(std::size_t mesh) const { return meshes_[mesh].margins.border_m; }
   const HalfSpace& plane(std::uint32_t index) const { return planes_[index]; }
   /// REQUIRES: plane_count() <= index < piece_count().
   const MovingPiece& piece(std::uint32_t index) const { return pieces_[index - plane_count_]; }

@@ -192,7 +192,7 @@ class World {
 
   // Telling what happens (world_replay.cpp).
   /// From now on, for history(). REQUIRES: nothing has happened yet.
-  void begin_telling(std::size_t bytes_max);
+  void begin_telling(std::size_t bytes_max, bool records);
   /// An event is over.
   void tell(const EventKey& event) {
     if (telling_) tell_event(event);
@@ -424,6 +424,7 @@ class World {
   };
   Images images_;
   bool record_ = true;
+  bool records_without_telling_ = true;
   bool periodic_ = false;
   bool has_statics_ = false;
   bool has_modes_ = false;      ///< bodies that may have mode events

@@ -9,8 +9,9 @@ namespace sleight::physics {
 
 // ---- telling ------------------------------------------------------------------------------------
 
-void World::begin_telling(std::size_t bytes_max) {
+void World::begin_telling(std::size_t bytes_max, bool records) {
   telling_ = std::make_unique<Telling>(size(), bytes_max);
+  records_without_telling_ = records;
   record_ = false;  // the history has the segments
 }
 
@@ -31,9 +32,13 @@ void World::tell_event(const EventKey& event) {
 }
 
 void World::stop_telling() {
-  recording();
+  if (records_without_telling_) {
+    recording();
+    record_ = true;
+  } else {
+    recording_.reset(size(), 0);
+  }
   telling_ = nullptr;
-  record_ = true;
 }
 
 Recording& World::recording() {
@@ -42,9 +47,11 @@ Recording& World::recording() {
 }
 
 std::shared_ptr<const History> World::history(Tick now) {
+  if (telling_ && telling_->is_full()) stop_telling();
   if (!telling_ || !failure_.empty()) return nullptr;
-  return std::make_shared<const History>(
-      History{.scene = scene_, .chunks = telling_->writer().chunks(), .end = now});
+  return std::make_shared<const History>(History{.scene = scene_,
+                                                 .chunks = telling_->writer().chunks(),
+                                                 .end = std::min(now, k_tick_max - 1)});
 }
 
 // ---- replaying ----------------------------------------------------------------------------------
@@ -141,6 +148,8 @@ Tick World::skip_quiet(Tick end) {
   std::size_t shared = 0;  ///< events that are the new history's already
   for (; !reader.at_end() && reader.event().key.tick <= last; reader.next()) {
     const ToldEvent& event = reader.event();
+    // All that was told is over by now.
+    if (telling_ && shared == 0 && telling_->is_full()) stop_telling();
     if (telling_ && shared == 0) {
       // Chunks that are skipped to their ends are shared.
       const auto chunk = reader.whole_chunk();
@@ -229,6 +238,7 @@ bool World::play() {
       make_live(participant.body());
     return false;
   }
+  if (telling_ && telling_->is_full()) stop_telling();
   std::size_t segment = 0;
   for (const Participant& participant : event.participants) {
     if (!participant.begins()) continue;

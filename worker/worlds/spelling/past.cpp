@@ -30,7 +30,11 @@ bool starts_alike(const State& state, const State& candidate, std::size_t ball) 
          candidate.drops_m[ball] == state.drops_m[ball];
 }
 
-bool any_starts_alike(const State& state, const State& candidate) {
+bool resembles(const State& candidate, const State& state) {
+  std::size_t moved = 0;
+  for (std::size_t vertex = 0; vertex < state.offsets_m.size(); ++vertex)
+    moved += candidate.offsets_m[vertex] != state.offsets_m[vertex] ? 1U : 0U;
+  if (2 * moved > state.offsets_m.size()) return false;
   for (std::size_t ball = 0; ball < state.active.size(); ++ball) {
     if (starts_alike(state, candidate, ball)) return true;
   }

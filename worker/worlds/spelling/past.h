@@ -29,6 +29,7 @@ struct Past {
   std::vector<physics::Tick> looks;
   std::vector<Seen> seen;                 ///< by look, those balls that are active
   std::vector<std::uint32_t> flat_edges;  ///< of the box (Influence)
+  double border_m = 0;                    ///< of the box (StaticGeometry::border_m)
   std::uint64_t simulated = 0;  ///< events that it took to know all this (Marbles::Counts::work)
 
   /// What was seen of all balls at a tick; nothing if nobody looked.
@@ -51,8 +52,9 @@ struct Past {
 
 /// Whether a ball takes part in both and starts in the same place.
 bool starts_alike(const State& state, const State& candidate, std::size_t ball);
-/// Whether any does.
-bool any_starts_alike(const State& state, const State& candidate);
+/// Whether a candidate may have something in common with a state: a ball that starts alike, and at
+/// least half of the box, without which balls differ from their first collision on.
+bool resembles(const State& candidate, const State& state);
 
 /// The stories that hold for a candidate as well: those of balls that start as they did.
 physics::MarbleStories stories_that_hold(const Past& past, const State& state,

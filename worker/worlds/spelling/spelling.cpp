@@ -263,9 +263,9 @@ Outcome Spelling::simulate(const State& state) const {
 
 Outcome Spelling::simulate_from(const State& candidate, const State& state,
                                 const Outcome& outcome) const {
-  // Where nothing is alike, nothing can be gone on from; mostly such a candidate is rejected, and
-  // if it isn't, the next one that is like it and is accepted tells.
-  if (replays_ == Replays::no || !any_starts_alike(state, candidate)) return simulate(candidate);
+  // Where nothing is alike, there is nothing to go on from, nor does the candidate tell: mostly it
+  // is rejected, and if it isn't, the next one that resembles it does.
+  if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
   if (!outcome.past) return simulated(candidate, Until::decided, true).outcome;
   const Known known{.state = state, .past = *outcome.past};
   return simulated(candidate, Until::decided, true, &known).outcome;
@@ -281,7 +281,8 @@ Spelling::Result Spelling::simulated(const State& state, Until until, bool recor
   if (!geometry->move_to(bins_, state.offsets_m)) return {.outcome = {.end = End::impossible}};
   if (state.active_count() == 0) return {.outcome = {.filling = filling_of({})}};
   std::optional<Result> result;
-  if (known != nullptr) result = simulated_in(*geometry, state, until, records, known);
+  if (known != nullptr && known->past.border_m == geometry->near().statics().border_m(0))
+    result = simulated_in(*geometry, state, until, records, known);
   if (!result) result = simulated_in(*geometry, state, until, records, nullptr);
   return *std::move(result);
 }
@@ -370,6 +371,7 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   if (past) {
     past->stories = marbles.stories();
     past->flat_edges = influence_.flat_edges(*geometry.mesh());
+    past->border_m = geometry.near().statics().border_m(0);
     past->simulated = marbles.counts().work();
     result.outcome.past = std::move(past);
   }

@@ -274,7 +274,7 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
               arrays_bytes(state, outcome) + objects_bytes(outcome) + 64)
         << draw;
   }
-  EXPECT_GE(with_past, 35);
+  EXPECT_GE(with_past, 25);
   EXPECT_EQ(Ball2d({}).owned_bytes({}, {}), 0U);
 }
 

@@ -217,8 +217,9 @@ TEST(Reuse, WhatIsTheSameIsShared) {
 }
 
 TEST(Reuse, MemoryIsBounded) {
-  // Goal: a simulation whose history would take too much goes on without. Method: a small limit;
-  // the recording is whole, and there is no history.
+  // Goal: a simulation whose history would take too much goes on without. Method: a small limit,
+  // of what is simulated and of what is replayed; there is no history, and the recording is whole,
+  // or empty if none was asked for.
   const Scene scene = balls_apart(20);
   SimulationOptions options;
   options.tell = true;
@@ -226,7 +227,25 @@ TEST(Reuse, MemoryIsBounded) {
   Simulation simulation = Simulation::start(scene, options).value();
   ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(1)));
   EXPECT_EQ(simulation.history(), nullptr);
-  EXPECT_EQ(simulation.recording().digest(), run(scene, 1).digest);
+  const Told whole = run(scene, 1);
+  EXPECT_EQ(simulation.recording().digest(), whole.digest);
+
+  Simulation replays = Simulation::start(scene, options, whole.history).value();
+  ASSERT_FALSE(replays.run_until(Tick{} + ticks_after(1)));
+  EXPECT_EQ(replays.history(), nullptr);
+  EXPECT_EQ(replays.recording().digest(), whole.digest);
+  Scene otherwise = scene;
+  otherwise.bodies[3].start.pose.position_m.z() += 0.001;
+  Simulation differs = Simulation::start(otherwise, options, whole.history).value();
+  ASSERT_FALSE(differs.run_until(Tick{} + ticks_after(1)));
+  EXPECT_EQ(differs.history(), nullptr);
+  EXPECT_EQ(differs.recording().digest(), run(otherwise, 1).digest);
+
+  options.record = false;
+  Simulation forgets = Simulation::start(scene, options).value();
+  ASSERT_FALSE(forgets.run_until(Tick{} + ticks_after(1)));
+  EXPECT_EQ(forgets.history(), nullptr);
+  EXPECT_EQ(forgets.recording().segment_count(), 0U);
 }
 
 /// A tick in a history: of an event, of the first one of two within a microsecond, of a kick, or

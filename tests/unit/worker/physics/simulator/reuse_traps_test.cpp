@@ -39,6 +39,31 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
   }
 }
 
+TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
+  // Goal: kicks at one tick come in the scene's order, which need not be that of bodies. Method:
+  // two such kicks, the later body's first; that one starts otherwise, or never in either scene.
+  Scene before = balls_apart(6);
+  before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
+  for (const std::uint32_t body : {5U, 2U, 4U, 1U}) {
+    before.controls.push_back({.tick = Tick{} + ticks_after(0.5),
+                               .body = {body},
+                               .velocity_change_mps = {0, 2, 0.1 * body}});
+  }
+  for (const bool never : {false, true}) {
+    if (never) before.bodies[5].start_tick = k_tick_max;
+    const Told told = run(before, 1);
+    Scene after = before;
+    after.bodies[never ? 0 : 5].start.pose.position_m.z() += 0.001;
+    EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+    after.planes[1].outside.offset_m = -0.15;
+    EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+    after.controls.pop_back();
+    EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+    std::swap(after.controls[0], after.controls[1]);
+    EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+  }
+}
+
 /// A box of a half width about a place.
 std::shared_ptr<const ConvexPolyhedron> block(const Vec3& centre_m, double half_m) {
   std::vector<Vec3> corners_m;
