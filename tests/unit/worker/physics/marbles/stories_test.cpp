@@ -378,7 +378,7 @@ TEST(Stories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
   statics.refresh(0);
   near.refresh();
   const MarbleChange change{.features = features,
-                            .box = {.low_m = {0, -2, -2, 0}, .high_m = {1, 2, 2, 0}}};
+                            .box = {.low_m = {0.05F, -2, -2, 0}, .high_m = {1, 2, 2, 0}}};
   Marbles whole;
   whole.start(scene, near, end, where_slow);
   ASSERT_FALSE(whole.run_until(end));
