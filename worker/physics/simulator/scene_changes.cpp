@@ -129,11 +129,8 @@ class PlaceFinder {
   ChangedPlaces find() {
     compare_features();
     compare_pieces();
-    if (!places_.boxes.empty()) {
-      places_.all = places_.boxes.front();
-      for (const Box& box : places_.boxes)
-        places_.all = joined(places_.all, box);
-    }
+    places_.boxes = BoxTree(boxes_);
+    places_.has_boxes = !boxes_.empty();
     return std::move(places_);
   }
 
@@ -173,7 +170,7 @@ class PlaceFinder {
     if (is_plane(statics, index)) {
       places_.outside.push_back(statics.plane(index));
     } else {
-      places_.boxes.push_back(statics.feature_box(index));
+      boxes_.push_back(statics.feature_box(index));
     }
   }
   void add_piece(const StaticGeometry& statics, std::uint32_t index) {
@@ -183,12 +180,13 @@ class PlaceFinder {
       return;
     }
     const ConvexView& view = *statics.piece(index).view;
-    places_.boxes.push_back(box_around(std::span(view.vertices_m, view.vertex_count)));
+    boxes_.push_back(box_around(std::span(view.vertices_m, view.vertex_count)));
   }
 
   const StaticGeometry& before_;
   const StaticGeometry& after_;
   ChangedPlaces places_;
+  std::vector<Box> boxes_;
 };
 
 }  // namespace
@@ -196,8 +194,9 @@ class PlaceFinder {
 bool ChangedPlaces::meet(const Box& body) const {
   const auto reached = [&](const HalfSpace& plane) { return reaches(plane, body); };
   if (std::ranges::any_of(outside, reached)) return true;
-  if (boxes.empty() || !overlap(all, body)) return false;
-  return std::ranges::any_of(boxes, [&](const Box& box) { return overlap(box, body); });
+  bool met = false;
+  boxes.for_each_overlap(body, [&](std::uint32_t) { met = true; });
+  return met;
 }
 
 std::vector<std::uint32_t> controls_in_order(const Scene& scene) {

@@ -10,6 +10,7 @@
 #include "worker/physics/broad_phase/box.h"
 #include "worker/physics/event/tick.h"
 #include "worker/physics/shape/shapes.h"
+#include "worker/physics/simulator/box_tree.h"
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/static_geometry.h"
 
@@ -18,11 +19,11 @@ namespace sleight::physics {
 /// Where static geometry differs: a body that overlaps none of these places, with all of itself and
 /// k_touch_m around it, meets the same in both scenes, under the same indices.
 struct ChangedPlaces {
-  std::vector<Box> boxes;          ///< of pieces and features, as they were and as they are
+  BoxTree boxes;  ///< of pieces and features, as they were and as they are
+  bool has_boxes = false;
   std::vector<HalfSpace> outside;  ///< the same of planes
-  Box all{};                       ///< of the boxes; means nothing if there are none
 
-  bool none() const { return boxes.empty() && outside.empty(); }
+  bool none() const { return !has_boxes && outside.empty(); }
   bool meet(const Box& body) const;
 };
 
