@@ -83,6 +83,20 @@ bool same_statics(const Scene& a, const Scene& b) {
          std::ranges::equal(a.meshes, b.meshes, same_mesh);
 }
 
+/// Whether most vertices of two scenes' meshes are elsewhere.
+bool most_moved(const Scene& a, const Scene& b) {
+  std::size_t moved = 0;
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < std::min(a.meshes.size(), b.meshes.size()); ++i) {
+    const auto first = a.meshes[i].mesh->vertices_m();
+    const auto second = b.meshes[i].mesh->vertices_m();
+    all += std::max(first.size(), second.size());
+    for (std::size_t v = 0; v < std::min(first.size(), second.size()); ++v)
+      moved += same(first[v], second[v]) ? 0U : 1U;
+  }
+  return 2 * moved > all;
+}
+
 bool same_feature(const StaticGeometry& a, const StaticGeometry& b, std::uint32_t index) {
   const SphereFeature& first = a.feature(index);
   const SphereFeature& second = b.feature(index);
@@ -223,8 +237,10 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     changes.bodies.push_back(differs ? 1 : 0);
     if (differs) changes.first = std::min({changes.first, was.start_tick, is.start_tick});
   }
-  // Then nothing can be replayed, and geometry needn't be looked at.
-  if (std::ranges::all_of(changes.bodies, [](auto differs) { return differs != 0; })) {
+  // Then nothing can be replayed, or next to nothing, and features needn't be compared, which takes
+  // as long as some simulations.
+  if (std::ranges::all_of(changes.bodies, [](auto differs) { return differs != 0; }) ||
+      most_moved(before, after)) {
     changes.laws = true;
     return changes;
   }
