@@ -99,10 +99,9 @@ struct MarbleStory {
   // What marks know of contacts.
   Resting::TouchList touches{};
   std::vector<RecentContacts::Entry> met{};
-  std::uint64_t work = 0;     ///< of the events that are told as its own
-  Tick until{};               ///< known so far
-  Tick alone_from = k_never;  ///< first left alone in its confinement
-  bool stays = false;         ///< and for good: at rest or left alone, until it is met
+  std::uint64_t work = 0;  ///< of the events that are told as its own
+  Tick until{};            ///< known so far
+  bool stays = false;      ///< and for good: at rest or left alone, until it is met
 
   void clear() {
     parts.clear();
@@ -112,7 +111,6 @@ struct MarbleStory {
     touches.clear();
     met.clear();
     work = 0;
-    alone_from = k_never;
     stays = false;
   }
   /// Whether it was left alone at a tick.

@@ -257,10 +257,7 @@ bool Marbles::suspend(std::uint32_t ball) {
   Marble& left = balls_[ball];
   left.suspended = true;
   left.resumes = false;
-  if (records_) {
-    tell_part(ball, confined);
-    told_[ball].alone_from = std::min(told_[ball].alone_from, now_);
-  }
+  if (records_) tell_part(ball, confined);
   left.static_tick = left.pair_tick = k_never;
   left.static_feature = partners_[ball] = k_none;
   keys_[ball] = disturbed == k_never

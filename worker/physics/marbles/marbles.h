@@ -24,12 +24,10 @@
 //   - where it meets static geometry that isn't as it was, or met some that was otherwise;
 //   - where it was left alone and would not be, or in another confinement;
 //   - a meeting in its story with a ball that isn't replayed now, or soon after one with a ball
-//   that
-//     isn't any more, of which decisions about rest will ask;
+//     that isn't any more, of which decisions about rest will ask;
 //   - what it rests on, or what rests on it, isn't replayed any more;
 //   - a ball that isn't replayed meets it, for which it is an obstacle that moves in a known way,
-//   or
-//     comes near the confinement in which it is alone;
+//     or comes near the confinement in which it is alone;
 //   - the story's end, if the ball doesn't stay where it is.
 // Then it goes live, from the last mark before: between that and the present it is alone with
 // static geometry, so that catching up changes nothing for others. Stories keep so many marks, and

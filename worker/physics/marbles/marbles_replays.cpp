@@ -196,7 +196,6 @@ void Marbles::goes_live(std::uint32_t ball) {
       MarbleStory& own = told_[ball];
       const auto is_before = [&](const auto& it) { return it.tick <= mark->tick; };
       own.clear();
-      if (story->alone_from <= mark->tick) own.alone_from = story->alone_from;
       const auto parts = static_cast<std::ptrdiff_t>(mark->parts);
       own.parts.assign(story->parts.begin(), story->parts.begin() + parts);
       own.ways.assign(story->ways.begin(), story->ways.begin() + parts);

@@ -14,6 +14,7 @@
 #include <emmintrin.h>
 #endif
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -40,6 +41,15 @@ inline TouchBox touch_box_of(const Box& box) {
     result.high_m[i] = box.high_m[i];
   }
   return result;
+}
+
+/// So that a box holds a place, and some margin about it.
+inline void enlarge(TouchBox& box, const Vec3& place_m, float margin_m) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto at_m = static_cast<float>(place_m[static_cast<Eigen::Index>(axis)]);
+    box.low_m[axis] = std::min(box.low_m[axis], at_m - margin_m);
+    box.high_m[axis] = std::max(box.high_m[axis], at_m + margin_m);
+  }
 }
 
 /// Holds no centre: of features that can't be met.

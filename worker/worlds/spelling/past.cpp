@@ -14,15 +14,6 @@ constexpr float k_margin_m = 1e-5F;
 
 constexpr physics::TouchBox k_nowhere = physics::k_unmeetable;
 
-/// By more than a place.
-void grow(physics::TouchBox& box, const Vec3& place_m) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto at_m = static_cast<float>(place_m[static_cast<Eigen::Index>(axis)]);
-    box.low_m[axis] = std::min(box.low_m[axis], at_m - k_margin_m);
-    box.high_m[axis] = std::max(box.high_m[axis], at_m + k_margin_m);
-  }
-}
-
 }  // namespace
 
 bool starts_alike(const State& state, const State& candidate, std::size_t ball) {
@@ -91,7 +82,9 @@ std::vector<physics::MarbleChange> Influence::changes(
     for (const std::uint32_t corner : vertex.corners) {
       const bool moves = corner < before_m.size();
       for (const std::span<const Vec3>& offsets_m : {before_m, after_m})
-        grow(box, moves ? Vec3(vertices_m_[corner] + offsets_m[corner]) : vertices_m_[corner]);
+        physics::enlarge(
+            box, moves ? Vec3(vertices_m_[corner] + offsets_m[corner]) : vertices_m_[corner],
+            k_margin_m);
     }
     changes.push_back({.features = vertex.about.features, .box = box});
     const auto has_one_of = [&](std::span<const std::uint32_t> flat) {

@@ -8,28 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "common/random/distributions.h"
-#include "common/random/stream.h"
+#include "tests/unit/worker/physics/simulator/dice.h"
 #include "worker/physics/scenes/scenes.h"
 #include "worker/physics/simulator/scene.h"
 
 namespace sleight::physics::testing {
-
-struct Dice {
-  Dice(std::uint64_t seed, std::uint64_t index)
-      : stream({.seed = seed, .purpose = random::Purpose::prior}, index) {}
-  std::uint64_t below(std::uint64_t count) {
-    return random::UniformInteger{.count = count}.draw(stream);
-  }
-  bool one_in(std::uint64_t count) { return below(count) == 0; }
-  double within(double half) { return random::Uniform{.low = -half, .high = half}.draw(stream); }
-  Vec3 vector_within(double half) {
-    const double x = within(half);
-    const double y = within(half);
-    return {x, y, within(half)};
-  }
-  random::Stream stream;
-};
 
 /// A scene that proposals start from, and how large its changes are.
 struct Subject {

@@ -1,0 +1,30 @@
+// Random choices of a test, from a stream of its own.
+#pragma once
+
+#include <cstdint>
+
+#include "common/math/vector.h"
+#include "common/random/distributions.h"
+#include "common/random/stream.h"
+
+namespace sleight::physics::testing {
+
+using math::Vec3;
+
+struct Dice {
+  Dice(std::uint64_t seed, std::uint64_t index)
+      : stream({.seed = seed, .purpose = random::Purpose::prior}, index) {}
+  std::uint64_t below(std::uint64_t count) {
+    return random::UniformInteger{.count = count}.draw(stream);
+  }
+  bool one_in(std::uint64_t count) { return below(count) == 0; }
+  double within(double half) { return random::Uniform{.low = -half, .high = half}.draw(stream); }
+  Vec3 vector_within(double half) {
+    const double x = within(half);
+    const double y = within(half);
+    return {x, y, within(half)};
+  }
+  random::Stream stream;
+};
+
+}  // namespace sleight::physics::testing
