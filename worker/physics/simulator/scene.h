@@ -22,6 +22,7 @@
 #include "worker/physics/shape/triangle_mesh.h"
 #include "worker/physics/simulator/sphere_search.h"
 #include "worker/physics/simulator/surface_law.h"
+#include "worker/physics/surface/surface_controls.h"
 
 namespace sleight::physics {
 
@@ -113,6 +114,7 @@ struct Scene {
   std::vector<StaticPlane> planes;
   std::vector<StaticConvex> convexes;
   std::vector<StaticMesh> meshes;
+  std::vector<StaticSurface> surfaces;  ///< met by boxes only (shapes.h)
   ContactTable contacts;
   SlowContacts slow;
   Vec3 gravity_mps2 = Vec3::Zero();

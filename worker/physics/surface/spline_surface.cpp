@@ -1,0 +1,229 @@
+#include "worker/physics/surface/spline_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/check.h"
+
+namespace sleight::physics {
+namespace {
+
+/// Patches that a throw touches, some tens, before the table grows.
+constexpr std::size_t k_slots = 256;
+/// Bounds are widened by this share for the rounding of differences and of evaluation.
+constexpr double k_bound_margin = 1e-9;
+/// And by so much of the heights themselves, whose differences may cancel.
+constexpr double k_height_rounding = 64 * 0x1p-53;
+
+using Points = std::array<std::array<double, 4>, 4>;  ///< by i, then by j
+
+std::size_t hash_of(GridIndex index) {
+  const auto i = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.i));
+  const auto j = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.j));
+  return static_cast<std::size_t>(((i << 32U | j) * 0x9e3779b97f4a7c15U) >> 32U);
+}
+
+/// Coefficients of 1, u, u^2 and u^3 of the cubic over four points.
+std::array<double, 4> cubic_over(double p0, double p1, double p2, double p3) {
+  constexpr double k_sixth = 1.0 / 6.0;
+  return {((p0 + p2) + 4 * p1) * k_sixth, 0.5 * (p2 - p0), 0.5 * ((p0 + p2) - 2 * p1),
+          ((p3 - p0) + 3 * (p1 - p2)) * k_sixth};
+}
+
+/// The four basis functions at a place in a cell.
+std::array<double, 4> basis_at(double u) {
+  constexpr double k_sixth = 1.0 / 6.0;
+  const double w = 1 - u;
+  const double u2 = u * u;
+  return {k_sixth * (w * w * w), k_sixth * ((3 * u - 6) * u2 + 4),
+          k_sixth * (((-3 * u + 3) * u + 3) * u + 1), k_sixth * (u2 * u)};
+}
+
+struct Extent {
+  double least = 0;
+  double most = 0;
+  void hold(double value, bool first) {
+    least = first ? value : std::min(least, value);
+    most = first ? value : std::max(most, value);
+  }
+  double magnitude() const { return std::max(std::fabs(least), std::fabs(most)); }
+};
+
+SurfaceBounds bounds_over(const Points& p, double per_spacing) {
+  Extent height;
+  Extent x;
+  Extent y;
+  Extent xx;
+  Extent yy;
+  Extent xy;
+  for (std::size_t a = 0; a < 4; ++a) {
+    for (std::size_t b = 0; b < 4; ++b) {
+      height.hold(p[a][b], a + b == 0);
+      if (a < 3) x.hold(p[a + 1][b] - p[a][b], a + b == 0);
+      if (b < 3) y.hold(p[a][b + 1] - p[a][b], a + b == 0);
+      if (a < 2) xx.hold((p[a][b] + p[a + 2][b]) - 2 * p[a + 1][b], a + b == 0);
+      if (b < 2) yy.hold((p[a][b] + p[a][b + 2]) - 2 * p[a][b + 1], a + b == 0);
+      if (a < 3 && b < 3)
+        xy.hold((p[a + 1][b + 1] + p[a][b]) - (p[a + 1][b] + p[a][b + 1]), a + b == 0);
+    }
+  }
+  const double rounding_m = k_height_rounding * height.magnitude();
+  const double wider = 1 + k_bound_margin;
+  const double per_area = per_spacing * per_spacing;
+  const double slope_x = (x.magnitude() + rounding_m) * per_spacing;
+  const double slope_y = (y.magnitude() + rounding_m) * per_spacing;
+  // No eigenvalue of a symmetric matrix lies outside of its rows' discs (Gershgorin).
+  const double turn_m = xy.magnitude() + rounding_m;
+  const double most_m = std::max(xx.most, yy.most) + turn_m;
+  const double least_m = std::min(xx.least, yy.least) - turn_m;
+  return {.top_m = height.most + rounding_m,
+          .slope = wider * std::sqrt(slope_x * slope_x + slope_y * slope_y),
+          .hollow_per_m = wider * std::max(0.0, most_m * per_area),
+          .bump_per_m = wider * std::max(0.0, -least_m * per_area)};
+}
+
+}  // namespace
+
+SplineSurface::SplineSurface(const StaticSurface& surface)
+    : controls_(surface.controls),
+      spacing_m_(surface.spacing_m),
+      per_spacing_(1 / surface.spacing_m),
+      slots_(k_slots) {
+  CHECK(controls_ != nullptr);
+  CHECK(spacing_m_ > 0);
+}
+
+GridIndex SplineSurface::patch_at(double x_m, double y_m) const {
+  return {static_cast<std::int32_t>(std::floor(x_m * per_spacing_)),
+          static_cast<std::int32_t>(std::floor(y_m * per_spacing_))};
+}
+
+SurfacePlace SplineSurface::at(double x_m, double y_m) {
+  const double column = x_m * per_spacing_;
+  const double row = y_m * per_spacing_;
+  const double i = std::floor(column);
+  const double j = std::floor(row);
+  const double u = column - i;
+  const double v = row - j;
+  const Patch& here = patch({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
+  const std::array<double, 16>& c = here.coefficient;
+  std::array<double, 4> value;  // of each power of u
+  std::array<double, 4> along_v;
+  for (std::size_t a = 0; a < 4; ++a) {
+    const std::size_t k = 4 * a;
+    value[a] = ((c[k + 3] * v + c[k + 2]) * v + c[k + 1]) * v + c[k];
+    along_v[a] = (3 * c[k + 3] * v + 2 * c[k + 2]) * v + c[k + 1];
+  }
+  return {.height_m = ((value[3] * u + value[2]) * u + value[1]) * u + value[0],
+          .slope_x = ((3 * value[3] * u + 2 * value[2]) * u + value[1]) * per_spacing_,
+          .slope_y =
+              (((along_v[3] * u + along_v[2]) * u + along_v[1]) * u + along_v[0]) * per_spacing_};
+}
+
+SurfaceBounds SplineSurface::bounds_in(double x_low_m, double x_high_m, double y_low_m,
+                                       double y_high_m) {
+  const PatchRange range{patch_at(x_low_m, y_low_m), patch_at(x_high_m, y_high_m)};
+  if (has_last_range_ && range == last_range_) return last_bounds_;
+  SurfaceBounds all = patch(range.low).bounds;
+  for (std::int32_t i = range.low.i; i <= range.high.i; ++i) {
+    for (std::int32_t j = range.low.j; j <= range.high.j; ++j) {
+      const SurfaceBounds& one = patch({i, j}).bounds;
+      all.top_m = std::max(all.top_m, one.top_m);
+      all.slope = std::max(all.slope, one.slope);
+      all.hollow_per_m = std::max(all.hollow_per_m, one.hollow_per_m);
+      all.bump_per_m = std::max(all.bump_per_m, one.bump_per_m);
+    }
+  }
+  last_range_ = range;
+  last_bounds_ = all;
+  has_last_range_ = true;
+  return all;
+}
+
+std::array<GridIndex, 16> SplineSurface::support(GridIndex patch) {
+  std::array<GridIndex, 16> points;
+  for (std::int32_t a = 0; a < 4; ++a) {
+    for (std::int32_t b = 0; b < 4; ++b)
+      points[static_cast<std::size_t>(4 * a + b)] = {patch.i + a - 1, patch.j + b - 1};
+  }
+  return points;
+}
+
+std::array<double, 16> SplineSurface::weights_at(double x_m, double y_m) const {
+  const double column = x_m * per_spacing_;
+  const double row = y_m * per_spacing_;
+  const std::array<double, 4> of_u = basis_at(column - std::floor(column));
+  const std::array<double, 4> of_v = basis_at(row - std::floor(row));
+  std::array<double, 16> weights;
+  for (std::size_t a = 0; a < 4; ++a) {
+    for (std::size_t b = 0; b < 4; ++b)
+      weights[4 * a + b] = of_u[a] * of_v[b];
+  }
+  return weights;
+}
+
+SurfaceControl SplineSurface::fields_at(double x_m, double y_m) const {
+  const std::array<GridIndex, 16> points = support(patch_at(x_m, y_m));
+  const std::array<double, 16> weights = weights_at(x_m, y_m);
+  SurfaceControl sum;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const SurfaceControl one = controls_->at(points[k]);
+    sum.restitution += weights[k] * one.restitution;
+    sum.friction += weights[k] * one.friction;
+  }
+  // The weights sum to 1 up to rounding.
+  sum.restitution = std::clamp(sum.restitution, 0.0, 1.0);
+  sum.friction = std::max(sum.friction, 0.0);
+  return sum;
+}
+
+SplineSurface::Patch SplineSurface::made(GridIndex index) {
+  Points p;
+  const std::array<GridIndex, 16> points = support(index);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    p[k / 4][k % 4] = controls_->at(points[k]).height_m;
+  Patch patch;
+  std::array<std::array<double, 4>, 4> in_v;  // by i: coefficients of powers of v
+  for (std::size_t a = 0; a < 4; ++a)
+    in_v[a] = cubic_over(p[a][0], p[a][1], p[a][2], p[a][3]);
+  for (std::size_t b = 0; b < 4; ++b) {
+    const std::array<double, 4> in_u = cubic_over(in_v[0][b], in_v[1][b], in_v[2][b], in_v[3][b]);
+    for (std::size_t a = 0; a < 4; ++a)
+      patch.coefficient[4 * a + b] = in_u[a];
+  }
+  patch.bounds = bounds_over(p, per_spacing_);
+  return patch;
+}
+
+const SplineSurface::Patch& SplineSurface::patch(GridIndex index) {
+  if (last_ != k_none && index == last_index_) return patches_[last_];
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t place = hash_of(index) & mask;
+  while (slots_[place].number != k_none && slots_[place].index != index)
+    place = (place + 1) & mask;
+  if (slots_[place].number == k_none) {
+    slots_[place] = {index, static_cast<std::uint32_t>(patches_.size())};
+    patches_.push_back(made(index));
+    last_ = slots_[place].number;
+    if (2 * patches_.size() > slots_.size()) grow();
+  } else {
+    last_ = slots_[place].number;
+  }
+  last_index_ = index;
+  return patches_[last_];
+}
+
+void SplineSurface::grow() {
+  std::vector<Slot> old(2 * slots_.size());
+  old.swap(slots_);
+  const std::size_t mask = slots_.size() - 1;
+  for (const Slot& slot : old) {
+    if (slot.number == k_none) continue;
+    std::size_t place = hash_of(slot.index) & mask;
+    while (slots_[place].number != k_none)
+      place = (place + 1) & mask;
+    slots_[place] = slot;
+  }
+}
+
+}  // namespace sleight::physics

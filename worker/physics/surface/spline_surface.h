@@ -1,0 +1,93 @@
+// A spline surface as simulations ask for it: heights, slopes, bounds and laws at places, from
+// patches that are made when somebody first comes near.
+//
+// Frame: the world's, z up. The patch (i, j) lies over i spacing <= x < (i + 1) spacing, likewise
+// y, and hangs on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
+//
+// Formulas: the uniform cubic B-spline's basis, e.g. L. Piegl and W. Tiller, "The NURBS Book"
+// (2nd edition, 1997), chapter 2; derivatives are splines over differences of the points, and a
+// spline stays between the least and greatest of its points (ibid., P3.3 and P4.22): hence bounds.
+//
+// Invariants
+//   1. What is returned is a function of the arguments and the control points: never of what was
+//      asked before.
+//   2. Bounds hold at every place of the region, rounding included.
+// Thread safety: none: asking makes patches.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "worker/physics/surface/surface_controls.h"
+
+namespace sleight::physics {
+
+/// A place on the surface, and how it rises there.
+struct SurfacePlace {
+  double height_m = 0;
+  double slope_x = 0;  ///< dz/dx
+  double slope_y = 0;
+};
+
+/// What the surface does at most in a region.
+struct SurfaceBounds {
+  double top_m = 0;         ///< no height is above
+  double slope = 0;         ///< of the steepest descent, >= 0
+  double hollow_per_m = 0;  ///< greatest second derivative in any direction, >= 0
+  double bump_per_m = 0;    ///< least one, with its sign changed, >= 0
+};
+
+struct PatchRange {
+  GridIndex low;
+  GridIndex high;  ///< inclusive
+  friend bool operator==(const PatchRange&, const PatchRange&) = default;
+};
+
+class SplineSurface {
+ public:
+  /// Shares the control points. REQUIRES: there are some; spacing_m > 0.
+  explicit SplineSurface(const StaticSurface& surface);
+
+  double spacing_m() const { return spacing_m_; }
+  SurfacePlace at(double x_m, double y_m);
+  /// Of the patches that a rectangle touches.
+  SurfaceBounds bounds_in(double x_low_m, double x_high_m, double y_low_m, double y_high_m);
+  /// Its heights do not enter.
+  SurfaceControl fields_at(double x_m, double y_m) const;
+  /// The sixteen control points that a place hangs on, row by row, and their weights there.
+  static std::array<GridIndex, 16> support(GridIndex patch);
+  GridIndex patch_at(double x_m, double y_m) const;
+  std::array<double, 16> weights_at(double x_m, double y_m) const;
+  std::size_t patches_made() const { return patches_.size(); }
+
+ private:
+  struct Patch {
+    std::array<double, 16> coefficient{};  ///< of u^a v^b at 4 a + b
+    SurfaceBounds bounds;
+  };
+  const Patch& patch(GridIndex index);
+  Patch made(GridIndex index);
+  void grow();
+
+  /// Open addressing; a slot of no patch has number k_none.
+  struct Slot {
+    GridIndex index;
+    std::uint32_t number = k_none;
+  };
+  static constexpr std::uint32_t k_none = UINT32_MAX;
+
+  std::shared_ptr<const SurfaceControls> controls_;
+  double spacing_m_;
+  double per_spacing_;
+  std::vector<Slot> slots_;
+  std::vector<Patch> patches_;
+  GridIndex last_index_;  ///< the patch asked for last
+  std::uint32_t last_ = k_none;
+  PatchRange last_range_;
+  SurfaceBounds last_bounds_;
+  bool has_last_range_ = false;
+};
+
+}  // namespace sleight::physics
