@@ -5,7 +5,7 @@
 // y, and hangs on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
 //
 // Formulas: the uniform cubic B-spline's basis, e.g. L. Piegl and W. Tiller, "The NURBS Book"
-// (2nd edition, 1997), chapter 2; derivatives are splines over differences of the points, and a
+// (2nd edition, 1997), chapter 2; bounds are those of the same patch's Bezier form, since a Bezier
 // spline stays between the least and greatest of its points (ibid., P3.3 and P4.22): hence bounds.
 //
 // Invariants
@@ -29,6 +29,9 @@ struct SurfacePlace {
   double height_m = 0;
   double slope_x = 0;  ///< dz/dx
   double slope_y = 0;
+  double bend_xx_per_m = 0;  ///< second derivatives
+  double bend_xy_per_m = 0;
+  double bend_yy_per_m = 0;
 };
 
 /// What the surface does at most in a region.
@@ -37,6 +40,7 @@ struct SurfaceBounds {
   double slope = 0;         ///< of the steepest descent, >= 0
   double hollow_per_m = 0;  ///< greatest second derivative in any direction, >= 0
   double bump_per_m = 0;    ///< least one, with its sign changed, >= 0
+  double twist_per_m2 = 0;  ///< greatest third derivative in any direction, >= 0
 };
 
 struct PatchRange {
