@@ -23,6 +23,12 @@ std::size_t hash_of(GridIndex index) {
   return static_cast<std::size_t>(((i << 32U | j) * 0x9e3779b97f4a7c15U) >> 32U);
 }
 
+/// The index of a cell. A conversion of what doesn't fit would be undefined.
+std::int32_t index_of(double floored) {
+  CHECK(std::fabs(floored) <= k_patch_index_max);
+  return static_cast<std::int32_t>(floored);
+}
+
 /// Coefficients of 1, u, u^2 and u^3 of the cubic over four points.
 std::array<double, 4> cubic_over(double p0, double p1, double p2, double p3) {
   constexpr double k_sixth = 1.0 / 6.0;
@@ -150,8 +156,7 @@ SplineSurface::SplineSurface(const StaticSurface& surface)
 }
 
 GridIndex SplineSurface::patch_at(double x_m, double y_m) const {
-  return {static_cast<std::int32_t>(std::floor(x_m * per_spacing_)),
-          static_cast<std::int32_t>(std::floor(y_m * per_spacing_))};
+  return {index_of(std::floor(x_m * per_spacing_)), index_of(std::floor(y_m * per_spacing_))};
 }
 
 SurfacePlace SplineSurface::at(double x_m, double y_m) {
@@ -161,7 +166,7 @@ SurfacePlace SplineSurface::at(double x_m, double y_m) {
   const double j = std::floor(row);
   const double u = column - i;
   const double v = row - j;
-  const Patch& here = patch({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
+  const Patch& here = patch({index_of(i), index_of(j)});
   const std::array<double, 16>& c = here.coefficient;
   std::array<double, 4> value;  // of each power of u
   std::array<double, 4> along_v;
@@ -186,6 +191,7 @@ SurfaceBounds SplineSurface::bounds_in(double x_low_m, double x_high_m, double y
                                        double y_high_m) {
   const PatchRange range{patch_at(x_low_m, y_low_m), patch_at(x_high_m, y_high_m)};
   if (has_last_range_ && range == last_range_) return last_bounds_;
+  CHECK(range.low.i <= range.high.i && range.low.j <= range.high.j);
   SurfaceBounds all = patch(range.low).bounds;
   for (std::int32_t i = range.low.i; i <= range.high.i; ++i) {
     for (std::int32_t j = range.low.j; j <= range.high.j; ++j) {
@@ -207,7 +213,7 @@ std::array<GridIndex, 16> SplineSurface::support(GridIndex patch) {
   std::array<GridIndex, 16> points;
   for (std::int32_t a = 0; a < 4; ++a) {
     for (std::int32_t b = 0; b < 4; ++b)
-      points[static_cast<std::size_t>(4 * a + b)] = {patch.i + a - 1, patch.j + b - 1};
+      points[static_cast<std::size_t>(4 * a + b)] = {patch.i + (a - 1), patch.j + (b - 1)};
   }
   return points;
 }
@@ -264,15 +270,16 @@ const SplineSurface::Patch& SplineSurface::patch(GridIndex index) {
   std::size_t place = hash_of(index) & mask;
   while (slots_[place].number != k_none && slots_[place].index != index)
     place = (place + 1) & mask;
-  if (slots_[place].number == k_none) {
-    slots_[place] = {index, static_cast<std::uint32_t>(patches_.size())};
+  std::uint32_t number = slots_[place].number;
+  if (number == k_none) {
+    // Control points may fail: no slot names a patch before it is there.
+    number = static_cast<std::uint32_t>(patches_.size());
     patches_.push_back(made(index));
-    last_ = slots_[place].number;
-    if (2 * patches_.size() > slots_.size()) grow();
-  } else {
-    last_ = slots_[place].number;
+    slots_[place] = {index, number};
   }
+  last_ = number;
   last_index_ = index;
+  if (2 * patches_.size() > slots_.size()) grow();
   return patches_[last_];
 }
 

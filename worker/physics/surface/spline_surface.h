@@ -49,6 +49,11 @@ struct PatchRange {
   friend bool operator==(const PatchRange&, const PatchRange&) = default;
 };
 
+/// Patches lie at most so many from the origin on either axis, so that the indices of the points
+/// around them fit: at 1 mm, 2147 km.
+inline constexpr std::int32_t k_patch_index_max = INT32_MAX - 2;
+
+/// REQUIRES for all places: finite, and in such a patch.
 class SplineSurface {
  public:
   /// Shares the control points. REQUIRES: there are some; spacing_m > 0.
@@ -56,7 +61,7 @@ class SplineSurface {
 
   double spacing_m() const { return spacing_m_; }
   SurfacePlace at(double x_m, double y_m);
-  /// Of the patches that a rectangle touches.
+  /// Of the patches that a rectangle touches. REQUIRES: low <= high on each axis.
   SurfaceBounds bounds_in(double x_low_m, double x_high_m, double y_low_m, double y_high_m);
   /// Its heights do not enter.
   SurfaceControl fields_at(double x_m, double y_m) const;
