@@ -303,18 +303,18 @@ class Look {
   double failing_s() { return lowest_corner_counts() ? best_s_ : failing_of_all_s(); }
   /// The same with the help of what earlier looks have kept, and for later ones.
   double failing_s(NearPoints& near) {
-    if (near.known) {
-      const double others_s = others_failing_s(near);
-      if (others_s > 0) {
-        note_all(near);
-        if (best_s_ <= others_s || others_s >= k_worth_s) return std::min(best_s_, others_s);
-      }
+    if (near.known && see_others(near)) {
+      note_all(near);
+      if (others_clear_until(best_s_)) return best_s_;
+      const double others_s = others_failing_s();
+      if (others_s >= k_worth_s) return std::min(best_s_, others_s);
     }
     if (lowest_corner_counts()) return best_s_;
-    if (gather(near)) {
+    if (gather(near) && see_others(near)) {
       note_all(near);
-      const double others_s = others_failing_s(near);
-      if (best_s_ <= others_s || others_s >= k_worth_s) return std::min(best_s_, others_s);
+      if (others_clear_until(best_s_)) return best_s_;
+      const double others_s = others_failing_s();
+      if (others_s >= k_worth_s) return std::min(best_s_, others_s);
     }
     return failing_of_all_s();
   }
@@ -344,20 +344,38 @@ class Look {
     for (std::size_t i = 0; i < near.count; ++i)
       note(points_.above(near.own_m[i]));
   }
-  /// How long no point but those near touches; 0 if that isn't known.
-  double others_failing_s(const NearPoints& near) const {
-    double until_s = k_forever_s;
-    const double pull_mps2 = std::fabs(box_.acceleration_mps2.z()) + box_.turning_acceleration_mps2;
+  /// What corners may still move before others than those near count. False if that is nothing.
+  bool see_others(const NearPoints& near) {
+    others_ = {.pull_mps2 = std::fabs(box_.acceleration_mps2.z()) + box_.turning_acceleration_mps2,
+               .room_m = near.room_m};
+    const double aside_mps = near.slope * pace_.past_mps;
     for (std::size_t i = 0; i < near.corners_m.size(); ++i) {
       const Vec3 place_m = points_.place_m(box_.view->vertices_m[i]);
       const Vec3 moved_m = place_m - near.corners_m[i];
-      const double gone_m = std::sqrt(moved_m.x() * moved_m.x() + moved_m.y() * moved_m.y());
-      const double left_m = near.allowed_m[i] - (std::fabs(moved_m.z()) + near.slope * gone_m);
-      if (left_m <= 0 || gone_m >= near.room_m) return 0;
-      const double rate_mps = std::fabs(upwards_mps(place_m)) + near.slope * pace_.past_mps;
-      const double root = std::sqrt(rate_mps * rate_mps + 2 * pull_mps2 * left_m);
-      if (rate_mps + root > 0) until_s = std::min(until_s, 2 * left_m / (rate_mps + root));
-      if (pace_.past_mps > 0) until_s = std::min(until_s, (near.room_m - gone_m) / pace_.past_mps);
+      const double gone_m = std::fabs(moved_m.x()) + std::fabs(moved_m.y());  // or less
+      others_.left_m[i] = near.allowed_m[i] - (std::fabs(moved_m.z()) + near.slope * gone_m);
+      others_.rate_mps[i] = std::fabs(upwards_mps(place_m)) + aside_mps;
+      others_.room_m = std::min(others_.room_m, near.room_m - gone_m);
+      if (others_.left_m[i] <= 0) return false;
+    }
+    return others_.room_m > 0;
+  }
+  bool others_clear_until(double until_s) const {
+    const double pull_mps = 0.5 * others_.pull_mps2 * until_s;
+    for (std::size_t i = 0; i < others_.left_m.size(); ++i) {
+      if (others_.left_m[i] <= (others_.rate_mps[i] + pull_mps) * until_s) return false;
+    }
+    return others_.room_m > pace_.past_mps * until_s;
+  }
+  /// How long that is so.
+  double others_failing_s() const {
+    double until_s = pace_.past_mps > 0 ? others_.room_m / pace_.past_mps : k_forever_s;
+    for (std::size_t i = 0; i < others_.left_m.size(); ++i) {
+      const double rate_mps = others_.rate_mps[i];
+      const double root =
+          std::sqrt(rate_mps * rate_mps + 2 * others_.pull_mps2 * others_.left_m[i]);
+      if (rate_mps + root > 0)
+        until_s = std::min(until_s, 2 * others_.left_m[i] / (rate_mps + root));
     }
     return until_s;
   }
@@ -409,6 +427,10 @@ class Look {
 
   void note(const Above& point) {
     lowest_m_ = std::min(lowest_m_, point.gap_m);
+    // The bound is concave in time: what is out of touch now and then is so in between.
+    const double fall_mps = 0.5 * pace_.fall_of(point, best_s_) * best_s_;
+    if (point.gap_m > k_touch_m && point.gap_m + (point.rate_mps - fall_mps) * best_s_ > k_touch_m)
+      return;
     const double soon_s = collides_after_s(point, best_s_);
     // A bound for a shorter time is a better one.
     if (soon_s < best_s_)
@@ -536,6 +558,14 @@ class Look {
   const MovingPiece& box_;
   const Pace& pace_;
   Corners corners_;
+  /// What others than the points that are near may do.
+  struct Others {
+    std::array<double, 8> left_m{};  ///< by corner
+    std::array<double, 8> rate_mps{};
+    double pull_mps2 = 0;
+    double room_m = 0;
+  };
+  Others others_;
   double best_s_ = k_forever_s;    ///< no point that was looked at collides before
   double lowest_m_ = k_forever_s;  ///< gap of those
   bool shortened_ = false;         ///< what wasn't split is clear for a part of that time
