@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "worker/physics/simulator/envelope.h"
+#include "worker/physics/simulator/first_collision.h"
 
 namespace sleight::physics {
 namespace {
 
 using envelope::Envelope;
-using envelope::k_forever_s;
 using envelope::Line;
 
 /// Corners of the envelope that one look goes along; it may stop at any of them.
@@ -25,26 +25,8 @@ constexpr double k_well_apart = 0.02;
 /// A skip this long is not made longer by a second axis: in heaps, where speed matters most, bodies
 /// mostly change their motion before.
 constexpr double k_long_enough_s = 5e-4;
-/// A skip is shortened by this share for the rounding of its own computation.
-constexpr double k_skip_margin = 0x1p-20;
-
-/// First h >= from at which place + rate h - fall h^2 / 2 <= k_touch and rate - fall h <
-/// -k_approach.
 double first_collision_s(const Line& line, double fall, double from_s) {
-  // When it falls fast enough.
-  double h = from_s;
-  if (line.rate_mps - fall * h >= -k_approach_mps) {
-    if (fall <= 0) return k_forever_s;
-    h = std::max(from_s, (line.rate_mps + k_approach_mps) / fall);
-  }
-  const double excess_m = line.place_m - k_touch_m;
-  if (excess_m + h * (line.rate_mps - 0.5 * fall * h) <= 0) return h;
-  // When it comes down to the touch: the later root.
-  if (fall <= 0) return excess_m / -line.rate_mps;
-  const double root = std::sqrt(std::max(0.0, line.rate_mps * line.rate_mps + 2 * fall * excess_m));
-  const double down_s =
-      line.rate_mps < 0 ? 2 * excess_m / (root - line.rate_mps) : (root + line.rate_mps) / fall;
-  return std::max(h, down_s);
+  return physics::first_collision_s(line.place_m, line.rate_mps, fall, from_s);
 }
 
 /// Walks along the envelope of two sets of lines, the first of which may be a fixed line at 0.
@@ -81,12 +63,6 @@ double failing_along(const Line& base, double fall, Envelope* first, Envelope& s
   return from_s;
 }
 
-Examined later(Tick tick, double span_s) {
-  if (!(span_s < seconds(k_tick_max.value))) return {.collides = false, .next = k_never};
-  const TickCount span = ticks_before(span_s * (1 - k_skip_margin));
-  return {.collides = false, .next = tick + std::max<TickCount>(1, span)};
-}
-
 Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
   return piece.velocity_mps +
          math::cross(piece.angular_velocity_radps, point_m - piece.pose.position_m);
@@ -94,16 +70,6 @@ Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
 
 bool collides(const PieceContact& contact, double touch_m) {
   return contact.gap_m <= touch_m && contact.rate_mps < -k_approach_mps;
-}
-
-/// Least h >= 0 at which place + rate h + curvature h^2 / 2 <= 0.
-double first_zero_s(double place, double rate, double curvature) {
-  if (place <= 0) return 0;
-  const double discriminant = rate * rate - 2 * curvature * place;
-  if (discriminant < 0) return k_forever_s;
-  const double root = std::sqrt(discriminant);
-  if (curvature < 0 && rate >= 0) return -(rate + root) / curvature;
-  return rate < 0 ? 2 * place / (root - rate) : k_forever_s;
 }
 
 /// How far below its centre a piece may come along the axis of its envelope, as a negative number.
@@ -308,7 +274,7 @@ bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, d
   if (!(excess_m > k_well_apart * near_m)) return false;
   const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
   const double rate_mps = math::dot(between_m, b.velocity_mps - a.velocity_mps) / distance_m;
-  examined = later(tick, first_zero_s(excess_m, rate_mps, -math::norm(pull_mps2)));
+  examined = look_after(tick, first_zero_s(excess_m, rate_mps, -math::norm(pull_mps2)));
   examined.gap_m = excess_m;
   return true;
 }
@@ -319,8 +285,8 @@ bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double rad
   const double excess_m =
       math::dot(axis, b.position_m) - solid_below.offset_m - radius_m - k_touch_m;
   if (!(excess_m > k_well_apart * radius_m)) return false;
-  examined = later(tick, first_zero_s(excess_m, math::dot(axis, b.velocity_mps),
-                                      math::dot(axis, b.acceleration_mps2)));
+  examined = look_after(tick, first_zero_s(excess_m, math::dot(axis, b.velocity_mps),
+                                           math::dot(axis, b.acceleration_mps2)));
   return true;
 }
 
@@ -332,7 +298,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     const double smaller_m = std::min(a.reach_m + a.radius_m, b.reach_m + b.radius_m);
     const double gap_m = guess.gap_m(a, b);
     if (gap_m > k_well_apart * smaller_m) {
-      Examined apart = later(tick, failing_along_axis(a, b, guess, touch_m, {}));
+      Examined apart = look_after(tick, failing_along_axis(a, b, guess, touch_m, {}));
       apart.gap_m = gap_m;
       return apart;
     }
@@ -360,7 +326,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
       span_s = std::max(span_s, failing_along_axis(a, b, shadows, touch_m, turn));
     }
   }
-  Examined apart = later(tick, span_s);
+  Examined apart = look_after(tick, span_s);
   apart.gap_m = closest.gap_m - (a.radius_m + b.radius_m);
   return apart;
 }
@@ -382,7 +348,7 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
   double span_s = failing_along(base, fall, nullptr, of_b);
   const double sphere_m = base.place_m - b.reach_m - k_touch_m;
   if (sphere_m > 0) span_s = std::max(span_s, first_zero_s(sphere_m, base.rate_mps, pull));
-  return later(tick, span_s);
+  return look_after(tick, span_s);
 }
 
 TickCount touch_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps, double radii_m) {

@@ -43,6 +43,7 @@ struct MovingPiece {
   Vec3 angular_velocity_radps = Vec3::Zero();
   /// Of any point of the piece against the centre, at most, from now on.
   double turning_acceleration_mps2 = 0;
+  bool turns_evenly = false;  ///< the angular velocity doesn't change
   /// Radius of a sphere about pose.position_m that holds the piece; infinite for what doesn't move.
   double reach_m = 0;
 };

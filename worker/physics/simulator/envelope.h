@@ -14,10 +14,9 @@
 #include <limits>
 
 #include "worker/physics/simulator/convex_search.h"
+#include "worker/physics/simulator/first_collision.h"
 
 namespace sleight::physics::envelope {
-
-inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 
 /// A vertex along the axis: place + rate h.
 struct Line {

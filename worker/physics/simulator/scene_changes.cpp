@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include "worker/physics/simulator/static_regions.h"
@@ -83,6 +85,43 @@ bool same_statics(const Scene& a, const Scene& b) {
          std::ranges::equal(a.meshes, b.meshes, same_mesh);
 }
 
+/// The surfaces' control points that may be others, by surface; nothing if all may be.
+std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene& before,
+                                                                    const Scene& after) {
+  std::vector<std::vector<GridIndex>> changed;
+  if (before.surfaces.size() != after.surfaces.size()) return std::nullopt;
+  for (std::size_t i = 0; i < after.surfaces.size(); ++i) {
+    const StaticSurface& was = before.surfaces[i];
+    const StaticSurface& is = after.surfaces[i];
+    if (!same(was.spacing_m, is.spacing_m) || !same(was.point_spacing_m, is.point_spacing_m))
+      return std::nullopt;
+    changed.emplace_back();
+    if (was.controls == is.controls) continue;
+    std::optional<std::vector<GridIndex>> points = is.controls->changed_from(*was.controls);
+    if (!points) return std::nullopt;
+    changed.back() = *std::move(points);
+  }
+  return changed;
+}
+
+/// Where a body hangs on a control point: over the patches that do, and below all heights there, as
+/// they were and as they are.
+Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point) {
+  double top_m = -std::numeric_limits<double>::infinity();
+  for (std::int32_t i = -3; i <= 3; ++i) {
+    for (std::int32_t j = -3; j <= 3; ++j) {
+      const GridIndex near{point.i + i, point.j + j};
+      top_m = std::max({top_m, was.controls->at(near).height_m, is.controls->at(near).height_m});
+    }
+  }
+  const double half_m = 2 * is.spacing_m;
+  const Vec3 middle_m(point.i * is.spacing_m, point.j * is.spacing_m, top_m);
+  Box box = joined(box_around(middle_m - Vec3(half_m, half_m, 0)),
+                   box_around(middle_m + Vec3(half_m, half_m, 0)));
+  box.low_m[2] = -1e6F;  // no coordinate is below
+  return box;
+}
+
 /// Whether most vertices of two scenes' meshes are elsewhere.
 bool most_moved(const Scene& a, const Scene& b) {
   std::size_t moved = 0;
@@ -140,7 +179,8 @@ class PlaceFinder {
   PlaceFinder(const StaticGeometry& before, const StaticGeometry& after)
       : before_(before), after_(after) {}
 
-  ChangedPlaces find() {
+  ChangedPlaces find(std::vector<Box> more) {
+    boxes_ = std::move(more);
     compare_features();
     compare_pieces();
     places_.boxes = BoxTree(boxes_);
@@ -244,13 +284,22 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     changes.laws = true;
     return changes;
   }
+  const auto controls = changed_controls(before, after);
+  changes.laws = !controls.has_value();
+  if (changes.laws) return changes;
+  std::vector<Box> over_surfaces;
+  for (std::size_t i = 0; i < controls->size(); ++i) {
+    for (const GridIndex point : (*controls)[i])
+      over_surfaces.push_back(place_of(before.surfaces[i], after.surfaces[i], point));
+  }
   // Regions depend on how large spheres are.
-  if (!same_shapes || !same_statics(before, after)) {
+  if (!same_shapes || !same_statics(before, after) || !over_surfaces.empty()) {
     const StaticGeometry old(before);
-    // Whether spheres may stay on something is a law.
-    changes.laws = (old.feature_count() > 0) != (statics.feature_count() > 0);
+    // Whether spheres may stay on something is a law, and surfaces are numbered after all pieces.
+    changes.laws = (old.feature_count() > 0) != (statics.feature_count() > 0) ||
+                   (!after.surfaces.empty() && old.piece_count() != statics.piece_count());
     if (changes.laws) return changes;
-    changes.places = PlaceFinder(old, statics).find();
+    changes.places = PlaceFinder(old, statics).find(std::move(over_surfaces));
   }
   const std::vector<std::uint32_t> old_order = controls_in_order(before);
   const std::vector<std::uint32_t> order = controls_in_order(after);

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "worker/physics/simulator/simulation.h"
+#include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/simulator/surface_search.h"
 
 namespace sleight::physics {
 namespace {
@@ -19,6 +21,7 @@ constexpr double k_spin_radps_max = 1e6;
 constexpr double k_gravity_mps2_max = 1e4;
 constexpr double k_mass_kg_min = 1e-12;
 constexpr double k_mass_kg_max = 1e12;
+constexpr double k_surface_spacing_m_min = 1e-3;
 constexpr double k_rest_time_s_min = 1e-6;
 constexpr double k_rest_time_s_max = 1e6;
 
@@ -133,11 +136,6 @@ std::optional<SceneError> error_of_laws(const ContactTable& contacts) {
   return std::nullopt;
 }
 
-/// A piece of static geometry, as it is called in errors.
-std::string static_name(std::string_view kind, const std::string& given, std::size_t index) {
-  return given.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} '{}'", kind, given);
-}
-
 std::optional<SceneError> error_of_vertices(std::span<const Vec3> vertices_m,
                                             const std::string& name) {
   for (std::size_t v = 0; v < vertices_m.size(); ++v) {
@@ -160,7 +158,7 @@ std::optional<SceneError> error_of_material(const Scene& scene, MaterialId mater
 std::optional<SceneError> error_of_statics(const Scene& scene) {
   for (std::size_t i = 0; i < scene.planes.size(); ++i) {
     const StaticPlane& plane = scene.planes[i];
-    const std::string name = static_name("plane", plane.name, i);
+    const std::string name = name_of_static("plane", plane.name, i);
     const double length = within(plane.outside.normal, 2) ? math::norm(plane.outside.normal) : 0;
     if (!(std::fabs(length - 1) < 1e-12) ||
         !(std::fabs(plane.outside.offset_m) <= k_coordinate_m_max)) {
@@ -172,7 +170,7 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.convexes.size(); ++i) {
     const StaticConvex& convex = scene.convexes[i];
-    const std::string name = static_name("convex", convex.name, i);
+    const std::string name = name_of_static("convex", convex.name, i);
     if (!convex.polyhedron || convex.polyhedron->vertices_m().empty()) {
       return error(Kind::bad_shape, fmt::format("{}: it has no vertices", name));
     }
@@ -181,12 +179,45 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const StaticMesh& mesh = scene.meshes[i];
-    const std::string name = static_name("mesh", mesh.name, i);
+    const std::string name = name_of_static("mesh", mesh.name, i);
     if (!mesh.mesh || mesh.mesh->triangles().empty()) {
       return error(Kind::bad_shape, fmt::format("{}: it has no triangles", name));
     }
     if (auto wrong = error_of_vertices(mesh.mesh->vertices_m(), name)) return wrong;
     if (auto wrong = error_of_material(scene, mesh.material, name)) return wrong;
+  }
+  return std::nullopt;
+}
+
+/// A surface and what meets it.
+std::optional<SceneError> error_of_surfaces(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
+    const StaticSurface& surface = scene.surfaces[i];
+    const std::string name = name_of_static("surface", surface.name, i);
+    if (!surface.controls)
+      return error(Kind::bad_shape, fmt::format("{}: no control points", name));
+    // Comparisons with NaN are false; a table as wide as a scene has numbers for all its points.
+    if (!(surface.spacing_m >= k_surface_spacing_m_min &&
+          surface.spacing_m <= k_coordinate_m_max)) {
+      return error(Kind::bad_number,
+                   fmt::format("{}: spacing {} m; give one from {} to {} m", name,
+                               surface.spacing_m, k_surface_spacing_m_min, k_coordinate_m_max));
+    }
+    if (!(surface.point_spacing_m > 0)) {
+      return error(Kind::bad_number, fmt::format("{}: point spacing {} m; give one above 0", name,
+                                                 surface.point_spacing_m));
+    }
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+      const auto* compound = std::get_if<std::shared_ptr<const Compound>>(&scene.bodies[b].shape);
+      const bool boxes = compound != nullptr &&
+                         std::ranges::all_of((*compound)->parts, [&](const ConvexPolyhedron& part) {
+                           return BoxLattice::of(part.view(), surface.point_spacing_m).has_value();
+                         });
+      if (boxes) continue;
+      return error(Kind::bad_shape,
+                   fmt::format("body {}: only boxes meet {}, with at most {} points to a side", b,
+                               name, BoxLattice::k_steps_max));
+    }
   }
   return std::nullopt;
 }
@@ -217,7 +248,7 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
                    fmt::format("period {} m; give one above 0, or 0 for none", period));
     }
     if (!scene.planes.empty() || !scene.convexes.empty() || !scene.meshes.empty() ||
-        scene.gravity_mps2 != Vec3::Zero()) {
+        !scene.surfaces.empty() || scene.gravity_mps2 != Vec3::Zero()) {
       return error(Kind::bad_number,
                    "a scene that repeats can have neither gravity nor static geometry");
     }
@@ -289,6 +320,7 @@ std::optional<SceneError> error_of(const Scene& scene) {
     if (auto wrong = error_of_body(scene, body, name)) return wrong;
   }
   if (auto wrong = error_of_statics(scene)) return wrong;
+  if (auto wrong = error_of_surfaces(scene)) return wrong;
   for (const Control& control : scene.controls) {
     if (control.body.value >= scene.bodies.size()) {
       return error(Kind::bad_reference, fmt::format("a control acts on body {}; the scene has {}",

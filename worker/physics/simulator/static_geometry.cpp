@@ -12,11 +12,6 @@
 namespace sleight::physics {
 namespace {
 
-std::string name_of(std::string_view kind, const std::string& given, std::size_t index) {
-  std::string name(kind);
-  return given.empty() ? name + " " + std::to_string(index) : name + " '" + given + "'";
-}
-
 bool inside(const ConvexPolyhedron& polyhedron, const Vec3& point_m) {
   return std::ranges::all_of(polyhedron.faces(), [&](const Face& face) {
     return math::dot(face.normal, point_m) < face.offset_m;
@@ -50,6 +45,11 @@ bool holds(const Box& box, const Vec3& point_m) {
 }
 
 }  // namespace
+
+std::string name_of_static(std::string_view kind, const std::string& given, std::size_t index) {
+  std::string name(kind);
+  return given.empty() ? name + " " + std::to_string(index) : name + " '" + given + "'";
+}
 
 /// Upper bounds of how much there will be.
 struct StaticGeometry::Sizes {
@@ -110,11 +110,11 @@ void StaticGeometry::assign(const Scene& scene) {
     add_plane(plane);
   plane_count_ = planes_.size();
   for (std::size_t i = 0; i < scene.convexes.size(); ++i) {
-    names_.push_back(name_of("convex", scene.convexes[i].name, i));
+    names_.push_back(name_of_static("convex", scene.convexes[i].name, i));
     add_convex(scene.convexes[i]);
   }
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    names_.push_back(name_of("mesh", scene.meshes[i].name, i));
+    names_.push_back(name_of_static("mesh", scene.meshes[i].name, i));
     add_mesh(scene.meshes[i]);
   }
   plant_feature_tree();
@@ -172,7 +172,7 @@ StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertice
 
 void StaticGeometry::add_plane(const StaticPlane& plane) {
   const StaticOwner owner{static_cast<std::uint32_t>(names_.size()), plane.material};
-  names_.push_back(name_of("plane", plane.name, planes_.size()));
+  names_.push_back(name_of_static("plane", plane.name, planes_.size()));
   planes_.push_back(plane.outside);
   features_.push_back({.kind = FeatureKind::face,
                        .point_m = plane.outside.offset_m * plane.outside.normal,

@@ -31,6 +31,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "worker/physics/broad_phase/box.h"
@@ -44,6 +45,9 @@ namespace sleight::physics {
 
 /// Whether some of a box is not outside of a plane.
 bool reaches(const HalfSpace& outside, const Box& box);
+
+/// As it is called in errors: "plane 'floor'", or "plane 0" without a name.
+std::string name_of_static(std::string_view kind, const std::string& given, std::size_t index);
 
 /// What a piece or feature belongs to.
 struct StaticOwner {

@@ -18,6 +18,13 @@ double wrapped(double x, double period) {
   return inside < period ? inside : 0;  // rounding can give the period itself
 }
 
+/// Whether some of a box is not above all that lies under it.
+bool surface_reaches(SplineSurface& surface, const Box& box) {
+  const auto low = [&](std::size_t axis) { return double{box.low_m[axis]}; };
+  const auto high = [&](std::size_t axis) { return double{box.high_m[axis]}; };
+  return low(2) <= surface.bounds_in(low(0), high(0), low(1), high(1)).top_m;
+}
+
 }  // namespace
 
 World::World(const Scene& scene, bool record, std::size_t segments_reserved)
@@ -78,7 +85,18 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     images_.middle_m.set(axis, 0.9 * period_m);
     images_.sure_m.set(axis, 0.35 * period_m);
   }
-  has_statics_ = statics_.feature_count() > 0 || statics_.piece_count() > 0;
+  for (std::size_t i = 0; i < scene_.surfaces.size(); ++i) {
+    const StaticSurface& surface = scene_.surfaces[i];
+    surfaces_.push_back(
+        {name_of_static("surface", surface.name, i), SplineSurface(surface), {}, {}});
+    surfaces_.back().near.resize(parts_.size());
+    for (const ConvexView& part : parts_) {
+      std::optional<BoxLattice> lattice = BoxLattice::of(part, surface.point_spacing_m);
+      CHECK(lattice.has_value());
+      surfaces_.back().lattices.push_back(*lattice);
+    }
+  }
+  has_statics_ = statics_.feature_count() > 0 || statics_.piece_count() > 0 || !surfaces_.empty();
   plain_spheres_ = only_spheres_ && !resting_.enabled() && !recent_.enabled() &&
                    scene_.contacts.materials() == 1 &&
                    scene_.contacts.between({}, {}).friction == 0;
@@ -215,6 +233,7 @@ const MovingPiece& World::moving_at(std::uint32_t body, Tick tick) {
       .angular_velocity_radps = twist.angular_velocity_radps,
       .turning_acceleration_mps2 =
           sphere ? 0 : turning_acceleration_mps2_max(turning.bounds, constants_[body].reach_m),
+      .turns_evenly = constants_[body].inertia.symmetry == InertiaSymmetry::spherical,
       .reach_m = sphere ? 0 : constants_[body].reach_m};
   turning.placed_at = tick;
   return turning.placed;
@@ -254,7 +273,8 @@ void World::note_place(std::uint32_t body) {
 // ---- static geometry ----------------------------------------------------------------------------
 
 std::uint32_t World::static_count(std::uint32_t body) const {
-  return constants_[body].is_sphere ? statics_.feature_count() : statics_.piece_count();
+  if (constants_[body].is_sphere) return statics_.feature_count();
+  return statics_.piece_count() + static_cast<std::uint32_t>(surfaces_.size());
 }
 
 void World::statics_near(std::uint32_t body, const Box& box,
@@ -263,6 +283,8 @@ void World::statics_near(std::uint32_t body, const Box& box,
     statics_.features_near(box, constants_[body].reach_m, found);
   } else {
     statics_.pieces_near(box, found);
+    for (std::uint32_t i = statics_.piece_count(); i < static_count(body); ++i)
+      if (surface_reaches(surface(i).surface, box)) found.push_back(i);
   }
 }
 
@@ -273,14 +295,16 @@ void World::statics_in(std::uint32_t body, const Box& box, std::span<const std::
     std::ranges::copy_if(some, std::back_inserter(found),
                          [&](std::uint32_t index) { return statics_.may_meet(index, centre); });
   } else {
-    std::ranges::copy_if(some, std::back_inserter(found),
-                         [&](std::uint32_t index) { return statics_.piece_overlaps(index, box); });
+    std::ranges::copy_if(some, std::back_inserter(found), [&](std::uint32_t index) {
+      return index < statics_.piece_count() ? statics_.piece_overlaps(index, box)
+                                            : surface_reaches(surface(index).surface, box);
+    });
   }
 }
 
 const std::string& World::static_name(std::uint32_t body, std::uint32_t index) const {
-  return constants_[body].is_sphere ? statics_.name_of_feature(index)
-                                    : statics_.name_of_piece(index);
+  if (constants_[body].is_sphere) return statics_.name_of_feature(index);
+  return is_surface(body, index) ? surface(index).name : statics_.name_of_piece(index);
 }
 
 // ---- room and time ------------------------------------------------------------------------------
@@ -308,18 +332,18 @@ bool World::touching_static(std::uint32_t body, std::uint32_t index, Tick tick) 
            outside_for_s(statics_.sides(feature), centre) == 0;
   }
   for (std::uint32_t part = 0; part < constants_[body].part_count; ++part) {
-    const MovingPiece piece = part_at(body, part, tick);
-    const PieceContact contact = index < statics_.plane_count()
-                                     ? contact_of(statics_.plane(index), piece)
-                                     : contact_of(statics_.piece(index), piece);
-    if (contact.gap_m <= k_touch_m) return true;
+    if (contact_with_static(index, body, part, tick).gap_m <= k_touch_m) return true;
   }
   return false;
 }
 
-std::string World::solid_around(std::uint32_t body, Tick tick) const {
-  const std::string* solid = statics_.solid_at(position_at(segments_[body].flight, tick));
-  return solid != nullptr ? *solid : "";
+std::string World::solid_at(const Vec3& place_m) const {
+  const std::string* solid = statics_.solid_at(place_m);
+  if (solid != nullptr) return *solid;
+  for (MetSurface& met : surfaces_) {
+    if (place_m.z() < met.surface.at(place_m.x(), place_m.y()).height_m) return met.name;
+  }
+  return "";
 }
 
 TickCount World::span_of_travel(std::uint32_t body, Tick tick, double radii) const {

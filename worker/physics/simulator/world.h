@@ -36,6 +36,7 @@
 #include "worker/physics/simulator/resting.h"
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/simulator/surface_search.h"
 #include "worker/physics/simulator/telling.h"
 
 namespace sleight::physics {
@@ -67,6 +68,14 @@ struct Path {
   Vec3 position_m = Vec3::Zero();
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 acceleration_mps2 = Vec3::Zero();
+};
+
+/// A spline surface of the scene.
+struct MetSurface {
+  std::string name;  ///< for people
+  SplineSurface surface;
+  std::vector<BoxLattice> lattices;  ///< of all bodies' parts, in their order
+  std::vector<NearPoints> near;      ///< the same
 };
 
 class World {
@@ -108,7 +117,7 @@ class World {
   bool has_statics() const { return has_statics_; }
   bool is_sphere(std::uint32_t body) const { return constants_[body].is_sphere; }
   // What static geometry a body may meet. Indices are a body's own affair: spheres meet features,
-  // others pieces.
+  // others pieces, and after these surfaces.
   std::uint32_t static_count(std::uint32_t body) const;
   void statics_near(std::uint32_t body, const Box& box, std::vector<std::uint32_t>& found) const;
   /// Of some of these, in their order, what it may meet in a box.
@@ -241,7 +250,10 @@ class World {
   bool touching_static(std::uint32_t body, std::uint32_t index, Tick tick);
   /// The static solid that the body's centre is in, by name; empty if none. A body deep inside of
   /// one may touch nothing of it.
-  std::string solid_around(std::uint32_t body, Tick tick) const;
+  std::string solid_around(std::uint32_t body, Tick tick) const {
+    return solid_at(position_at(segments_[body].flight, tick));
+  }
+  std::string solid_at(const Vec3& place_m) const;
 
   /// Within what time, to be counted from a tick, a body may move by a number of its radii.
   TickCount span_of_travel(std::uint32_t body, Tick tick, double radii) const;
@@ -298,6 +310,7 @@ class World {
   const MovingPiece& moving_at(std::uint32_t body, Tick tick);
   MovingPiece part_at(std::uint32_t body, std::uint32_t part, Tick tick);
   Segment segment_after(std::uint32_t body, Tick tick, const Vec3& position_m, const Twist& twist);
+  ContactLaw contact_law(double restitution, double friction, bool plastic) const;
   ContactLaw law_of(MaterialId a, MaterialId b, bool plastic) const;
   /// Corners that carry as well as those that a body touched with, for the decision about rest.
   void note_near_corners(std::uint32_t body, Tick tick);
@@ -314,6 +327,20 @@ class World {
   ImpactOutput impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
                          const ContactLaw& law, Tick tick, bool a_fixed, bool b_fixed);
   PieceContact contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event);
+  PieceContact contact_with_static(std::uint32_t index, std::uint32_t body, std::uint32_t part,
+                                   Tick tick);
+  bool is_surface(std::uint32_t body, std::uint32_t index) const {
+    return !constants_[body].is_sphere && index >= statics_.piece_count();
+  }
+  MetSurface& surface(std::uint32_t index) const {
+    return surfaces_[index - statics_.piece_count()];
+  }
+  const BoxLattice& lattice_on(std::uint32_t index, std::uint32_t body, std::uint32_t part) const {
+    return surface(index).lattices[constants_[body].first_part + part];
+  }
+  /// How a body bounces off static geometry, at a contact.
+  ContactLaw law_of_static(std::uint32_t body, std::uint32_t index, const Vec3& point_m,
+                           bool plastic) const;
   PieceContact static_contact_at(std::uint32_t body, std::uint32_t index, const EventKey& event);
   bool is_resting(std::uint32_t body) const { return segments_[body].mode == MotionMode::resting; }
   double fastest_point_mps(std::uint32_t body, const Twist& twist) const;
@@ -375,6 +402,7 @@ class World {
 
   Scene scene_;
   StaticGeometry statics_;
+  mutable std::vector<MetSurface> surfaces_;  ///< they keep what they were asked
   NearVector<Flight> flights_;
   NearVector<Segment> segments_;
   NearVector<BodyConstants> constants_;

@@ -21,12 +21,27 @@ double parting_mps(const PieceContact& contact, const Twist& a, const Vec3& cent
 
 }  // namespace
 
+ContactLaw World::contact_law(double restitution, double friction, bool plastic) const {
+  if (plastic) return {.restitution = 0, .friction = friction};
+  return {.restitution = restitution,
+          .friction = friction,
+          .separation_speed_floor_mps = scene_.slow.separation_speed_mps};
+}
+
 ContactLaw World::law_of(MaterialId a, MaterialId b, bool plastic) const {
   const SurfaceLaw& law = scene_.contacts.between(a, b);
-  if (plastic) return {.restitution = 0, .friction = law.friction};
-  return {.restitution = law.restitution,
-          .friction = law.friction,
-          .separation_speed_floor_mps = scene_.slow.separation_speed_mps};
+  return contact_law(law.restitution, law.friction, plastic);
+}
+
+ContactLaw World::law_of_static(std::uint32_t body, std::uint32_t index, const Vec3& point_m,
+                                bool plastic) const {
+  if (is_surface(body, index)) {
+    const SurfaceControl law = surface(index).surface.fields_at(point_m.x(), point_m.y());
+    return contact_law(law.restitution, law.friction, plastic);
+  }
+  const MaterialId material = constants_[body].is_sphere ? statics_.material_of_feature(index)
+                                                         : statics_.material_of_piece(index);
+  return law_of(constants_[body].material, material, plastic);
 }
 
 std::uint32_t World::count_at(std::uint32_t body, Tick tick) {
@@ -93,7 +108,14 @@ PieceContact World::static_contact_at(std::uint32_t body, std::uint32_t index,
     return contact;
   }
   if (const PieceContact* found = found_contact(body, k_static | index, event)) return *found;
-  const MovingPiece piece = part_at(body, event.feature, event.tick);
+  return contact_with_static(index, body, event.feature, event.tick);
+}
+
+PieceContact World::contact_with_static(std::uint32_t index, std::uint32_t body, std::uint32_t part,
+                                        Tick tick) {
+  const MovingPiece piece = part_at(body, part, tick);
+  if (is_surface(body, index))
+    return contact_of(surface(index).surface, lattice_on(index, body, part), piece);
   return index < statics_.plane_count() ? contact_of(statics_.plane(index), piece)
                                         : contact_of(statics_.piece(index), piece);
 }
@@ -202,10 +224,8 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   changed_.clear();
   const Tick tick = event.tick;
   const PieceContact contact = static_contact_at(body, index, event);
-  const MaterialId material = constants_[body].is_sphere ? statics_.material_of_feature(index)
-                                                         : statics_.material_of_piece(index);
   ContactLaw law =
-      law_of(constants_[body].material, material, count_at(body, tick) > k_elastic_at_a_tick);
+      law_of_static(body, index, contact.point_m, count_at(body, tick) > k_elastic_at_a_tick);
   const Twist before = twist_at(body, tick);
   const auto log_touch = [&](const Twist& after) {
     if (!resting_.enabled()) return;

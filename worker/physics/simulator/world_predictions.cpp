@@ -235,6 +235,12 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
         searches_.of(search), now, [&](std::uint32_t part, Tick tick, PieceSearch& search_of_part) {
           PieceContact contact;
           const auto examine_part = [&] {
+            if (is_surface(body, index)) {
+              MetSurface& met = surface(index);
+              return examine_surface(met.surface, lattice_on(index, body, part),
+                                     part_at(body, part, tick), tick,
+                                     met.near[constants_[body].first_part + part], contact);
+            }
             if (index >= statics_.plane_count()) {
               return examine_pieces(statics_.piece(index), part_at(body, part, tick), tick,
                                     k_touch_m, search_of_part.cache, contact);

@@ -102,8 +102,7 @@ void World::find_quiet_until() {
       if (event.key.kind != EventKind::start) continue;
       // It drew its place again, or would have to now.
       const Vec3& place_m = latest[body]->flight.position_m;
-      if (place_m != scene_.bodies[body].start.pose.position_m ||
-          statics_.solid_at(place_m) != nullptr)
+      if (place_m != scene_.bodies[body].start.pose.position_m || !solid_at(place_m).empty())
         until = std::min(until, event.key.tick);
     }
   }

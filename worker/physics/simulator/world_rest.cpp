@@ -159,6 +159,9 @@ void World::note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick
       if (constants_[touch.partner].is_sphere) return;
       for (std::uint32_t other = 0; other < constants_[touch.partner].part_count; ++other)
         note_both(own, part_at(touch.partner, other, tick));
+    } else if (is_surface(body, touch.feature)) {
+      points_near(surface(touch.feature).surface, lattice_on(touch.feature, body, part), own,
+                  near_m, note);
     } else if (touch.feature >= statics_.plane_count()) {
       note_both(own, statics_.piece(touch.feature));
     } else {

@@ -23,6 +23,12 @@ std::size_t hash_of(GridIndex index) {
   return static_cast<std::size_t>(((i << 32U | j) * 0x9e3779b97f4a7c15U) >> 32U);
 }
 
+/// The index of a cell. A conversion of what doesn't fit would be undefined.
+std::int32_t index_of(double floored) {
+  CHECK(std::fabs(floored) <= k_patch_index_max);
+  return static_cast<std::int32_t>(floored);
+}
+
 /// Coefficients of 1, u, u^2 and u^3 of the cubic over four points.
 std::array<double, 4> cubic_over(double p0, double p1, double p2, double p3) {
   constexpr double k_sixth = 1.0 / 6.0;
@@ -49,6 +55,60 @@ struct Extent {
   double magnitude() const { return std::max(std::fabs(least), std::fabs(most)); }
 };
 
+/// The points of the same cubic as a Bezier curve.
+std::array<double, 4> bezier_points(double p0, double p1, double p2, double p3) {
+  constexpr double k_third = 1.0 / 3.0;
+  constexpr double k_sixth = 1.0 / 6.0;
+  return {((p0 + p2) + 4 * p1) * k_sixth, (2 * p1 + p2) * k_third, (p1 + 2 * p2) * k_third,
+          ((p1 + p3) + 4 * p2) * k_sixth};
+}
+
+/// Those of a patch: they lie nearer to it than the B-spline's.
+Points bezier_points(const Points& p) {
+  Points in_v;
+  for (std::size_t a = 0; a < 4; ++a)
+    in_v[a] = bezier_points(p[a][0], p[a][1], p[a][2], p[a][3]);
+  Points q;
+  for (std::size_t b = 0; b < 4; ++b) {
+    const std::array<double, 4> in_u =
+        bezier_points(in_v[0][b], in_v[1][b], in_v[2][b], in_v[3][b]);
+    for (std::size_t a = 0; a < 4; ++a)
+      q[a][b] = in_u[a];
+  }
+  return q;
+}
+
+/// Of a patch in Bezier form: no third derivative in any direction is above this, in cells.
+double third_differences(const Points& p) {
+  double xxx = 0;
+  double xxy = 0;
+  double xyy = 0;
+  double yyy = 0;
+  const auto along_x = [&](std::size_t a, std::size_t b) { return p[a + 1][b] - p[a][b]; };
+  const auto along_y = [&](std::size_t a, std::size_t b) { return p[a][b + 1] - p[a][b]; };
+  const auto bend_x = [&](std::size_t a, std::size_t b) {
+    return along_x(a + 1, b) - along_x(a, b);
+  };
+  const auto bend_y = [&](std::size_t a, std::size_t b) {
+    return along_y(a, b + 1) - along_y(a, b);
+  };
+  for (std::size_t k = 0; k < 4; ++k) {
+    xxx = std::max(xxx, std::fabs(bend_x(1, k) - bend_x(0, k)));
+    yyy = std::max(yyy, std::fabs(bend_y(k, 1) - bend_y(k, 0)));
+  }
+  for (std::size_t a = 0; a < 2; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      xxy = std::max(xxy, std::fabs(bend_x(a, b + 1) - bend_x(a, b)));
+      xyy = std::max(xyy, std::fabs(bend_y(b + 1, a) - bend_y(b, a)));
+    }
+  }
+  // In the direction (c, s): c^3 S_xxx + 3 c^2 s S_xxy + ..., and c^2 s is at most 2 / sqrt(27).
+  constexpr double k_mixed = 3 * 0.3849002;
+  return 6 * (xxx + yyy) + k_mixed * 18 * (xxy + xyy);
+}
+
+/// A Bezier patch and its derivatives stay between the least and greatest of their points, which
+/// are differences of its own: 3 times first ones, 6 times second ones, 9 times mixed ones.
 SurfaceBounds bounds_over(const Points& p, double per_spacing) {
   Extent height;
   Extent x;
@@ -68,18 +128,20 @@ SurfaceBounds bounds_over(const Points& p, double per_spacing) {
     }
   }
   const double rounding_m = k_height_rounding * height.magnitude();
+  const double twist_m = third_differences(p) + 8 * 32 * rounding_m;
   const double wider = 1 + k_bound_margin;
   const double per_area = per_spacing * per_spacing;
-  const double slope_x = (x.magnitude() + rounding_m) * per_spacing;
-  const double slope_y = (y.magnitude() + rounding_m) * per_spacing;
+  const double slope_x = 3 * (x.magnitude() + rounding_m) * per_spacing;
+  const double slope_y = 3 * (y.magnitude() + rounding_m) * per_spacing;
   // No eigenvalue of a symmetric matrix lies outside of its rows' discs (Gershgorin).
-  const double turn_m = xy.magnitude() + rounding_m;
-  const double most_m = std::max(xx.most, yy.most) + turn_m;
-  const double least_m = std::min(xx.least, yy.least) - turn_m;
+  const double turn_m = 9 * (xy.magnitude() + rounding_m);
+  const double most_m = 6 * (std::max(xx.most, yy.most) + rounding_m) + turn_m;
+  const double least_m = 6 * (std::min(xx.least, yy.least) - rounding_m) - turn_m;
   return {.top_m = height.most + rounding_m,
           .slope = wider * std::sqrt(slope_x * slope_x + slope_y * slope_y),
           .hollow_per_m = wider * std::max(0.0, most_m * per_area),
-          .bump_per_m = wider * std::max(0.0, -least_m * per_area)};
+          .bump_per_m = wider * std::max(0.0, -least_m * per_area),
+          .twist_per_m2 = wider * twist_m * per_area * per_spacing};
 }
 
 }  // namespace
@@ -94,8 +156,7 @@ SplineSurface::SplineSurface(const StaticSurface& surface)
 }
 
 GridIndex SplineSurface::patch_at(double x_m, double y_m) const {
-  return {static_cast<std::int32_t>(std::floor(x_m * per_spacing_)),
-          static_cast<std::int32_t>(std::floor(y_m * per_spacing_))};
+  return {index_of(std::floor(x_m * per_spacing_)), index_of(std::floor(y_m * per_spacing_))};
 }
 
 SurfacePlace SplineSurface::at(double x_m, double y_m) {
@@ -105,25 +166,32 @@ SurfacePlace SplineSurface::at(double x_m, double y_m) {
   const double j = std::floor(row);
   const double u = column - i;
   const double v = row - j;
-  const Patch& here = patch({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
+  const Patch& here = patch({index_of(i), index_of(j)});
   const std::array<double, 16>& c = here.coefficient;
   std::array<double, 4> value;  // of each power of u
   std::array<double, 4> along_v;
+  std::array<double, 4> bend_v;
   for (std::size_t a = 0; a < 4; ++a) {
     const std::size_t k = 4 * a;
     value[a] = ((c[k + 3] * v + c[k + 2]) * v + c[k + 1]) * v + c[k];
     along_v[a] = (3 * c[k + 3] * v + 2 * c[k + 2]) * v + c[k + 1];
+    bend_v[a] = 6 * c[k + 3] * v + 2 * c[k + 2];
   }
-  return {.height_m = ((value[3] * u + value[2]) * u + value[1]) * u + value[0],
-          .slope_x = ((3 * value[3] * u + 2 * value[2]) * u + value[1]) * per_spacing_,
-          .slope_y =
-              (((along_v[3] * u + along_v[2]) * u + along_v[1]) * u + along_v[0]) * per_spacing_};
+  const double per_area = per_spacing_ * per_spacing_;
+  return {
+      .height_m = ((value[3] * u + value[2]) * u + value[1]) * u + value[0],
+      .slope_x = ((3 * value[3] * u + 2 * value[2]) * u + value[1]) * per_spacing_,
+      .slope_y = (((along_v[3] * u + along_v[2]) * u + along_v[1]) * u + along_v[0]) * per_spacing_,
+      .bend_xx_per_m = (6 * value[3] * u + 2 * value[2]) * per_area,
+      .bend_xy_per_m = ((3 * along_v[3] * u + 2 * along_v[2]) * u + along_v[1]) * per_area,
+      .bend_yy_per_m = (((bend_v[3] * u + bend_v[2]) * u + bend_v[1]) * u + bend_v[0]) * per_area};
 }
 
 SurfaceBounds SplineSurface::bounds_in(double x_low_m, double x_high_m, double y_low_m,
                                        double y_high_m) {
   const PatchRange range{patch_at(x_low_m, y_low_m), patch_at(x_high_m, y_high_m)};
   if (has_last_range_ && range == last_range_) return last_bounds_;
+  CHECK(range.low.i <= range.high.i && range.low.j <= range.high.j);
   SurfaceBounds all = patch(range.low).bounds;
   for (std::int32_t i = range.low.i; i <= range.high.i; ++i) {
     for (std::int32_t j = range.low.j; j <= range.high.j; ++j) {
@@ -132,6 +200,7 @@ SurfaceBounds SplineSurface::bounds_in(double x_low_m, double x_high_m, double y
       all.slope = std::max(all.slope, one.slope);
       all.hollow_per_m = std::max(all.hollow_per_m, one.hollow_per_m);
       all.bump_per_m = std::max(all.bump_per_m, one.bump_per_m);
+      all.twist_per_m2 = std::max(all.twist_per_m2, one.twist_per_m2);
     }
   }
   last_range_ = range;
@@ -144,7 +213,7 @@ std::array<GridIndex, 16> SplineSurface::support(GridIndex patch) {
   std::array<GridIndex, 16> points;
   for (std::int32_t a = 0; a < 4; ++a) {
     for (std::int32_t b = 0; b < 4; ++b)
-      points[static_cast<std::size_t>(4 * a + b)] = {patch.i + a - 1, patch.j + b - 1};
+      points[static_cast<std::size_t>(4 * a + b)] = {patch.i + (a - 1), patch.j + (b - 1)};
   }
   return points;
 }
@@ -191,7 +260,7 @@ SplineSurface::Patch SplineSurface::made(GridIndex index) {
     for (std::size_t a = 0; a < 4; ++a)
       patch.coefficient[4 * a + b] = in_u[a];
   }
-  patch.bounds = bounds_over(p, per_spacing_);
+  patch.bounds = bounds_over(bezier_points(p), per_spacing_);
   return patch;
 }
 
@@ -201,15 +270,16 @@ const SplineSurface::Patch& SplineSurface::patch(GridIndex index) {
   std::size_t place = hash_of(index) & mask;
   while (slots_[place].number != k_none && slots_[place].index != index)
     place = (place + 1) & mask;
-  if (slots_[place].number == k_none) {
-    slots_[place] = {index, static_cast<std::uint32_t>(patches_.size())};
+  std::uint32_t number = slots_[place].number;
+  if (number == k_none) {
+    // Control points may fail: no slot names a patch before it is there.
+    number = static_cast<std::uint32_t>(patches_.size());
     patches_.push_back(made(index));
-    last_ = slots_[place].number;
-    if (2 * patches_.size() > slots_.size()) grow();
-  } else {
-    last_ = slots_[place].number;
+    slots_[place] = {index, number};
   }
+  last_ = number;
   last_index_ = index;
+  if (2 * patches_.size() > slots_.size()) grow();
   return patches_[last_];
 }
 

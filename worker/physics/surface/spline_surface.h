@@ -5,7 +5,7 @@
 // y, and hangs on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
 //
 // Formulas: the uniform cubic B-spline's basis, e.g. L. Piegl and W. Tiller, "The NURBS Book"
-// (2nd edition, 1997), chapter 2; derivatives are splines over differences of the points, and a
+// (2nd edition, 1997), chapter 2; bounds are those of the same patch's Bezier form, since a Bezier
 // spline stays between the least and greatest of its points (ibid., P3.3 and P4.22): hence bounds.
 //
 // Invariants
@@ -29,6 +29,9 @@ struct SurfacePlace {
   double height_m = 0;
   double slope_x = 0;  ///< dz/dx
   double slope_y = 0;
+  double bend_xx_per_m = 0;  ///< second derivatives
+  double bend_xy_per_m = 0;
+  double bend_yy_per_m = 0;
 };
 
 /// What the surface does at most in a region.
@@ -37,6 +40,7 @@ struct SurfaceBounds {
   double slope = 0;         ///< of the steepest descent, >= 0
   double hollow_per_m = 0;  ///< greatest second derivative in any direction, >= 0
   double bump_per_m = 0;    ///< least one, with its sign changed, >= 0
+  double twist_per_m2 = 0;  ///< greatest third derivative in any direction, >= 0
 };
 
 struct PatchRange {
@@ -45,6 +49,11 @@ struct PatchRange {
   friend bool operator==(const PatchRange&, const PatchRange&) = default;
 };
 
+/// Patches lie at most so many from the origin on either axis, so that the indices of the points
+/// around them fit: at 1 mm, 2147 km.
+inline constexpr std::int32_t k_patch_index_max = INT32_MAX - 2;
+
+/// REQUIRES for all places: finite, and in such a patch.
 class SplineSurface {
  public:
   /// Shares the control points. REQUIRES: there are some; spacing_m > 0.
@@ -52,7 +61,7 @@ class SplineSurface {
 
   double spacing_m() const { return spacing_m_; }
   SurfacePlace at(double x_m, double y_m);
-  /// Of the patches that a rectangle touches.
+  /// Of the patches that a rectangle touches. REQUIRES: low <= high on each axis.
   SurfaceBounds bounds_in(double x_low_m, double x_high_m, double y_low_m, double y_high_m);
   /// Its heights do not enter.
   SurfaceControl fields_at(double x_m, double y_m) const;

@@ -50,9 +50,9 @@ struct StaticSurface {
   std::shared_ptr<const SurfaceControls> controls;
   double spacing_m = 0;  ///< of the grid
   /// Bodies meet it with their corners and with points on their edges and faces that are no further
-  /// apart than this. Between them a bump may pierce by curvature * (this)^2 / 4: less than a
-  /// micrometre at 1 mm and 2 per metre.
-  double point_spacing_m = 1e-3;
+  /// apart than this. Between them a bump may pierce by curvature * (this)^2 / 4: some
+  /// micrometres at 4 mm and 2 per metre.
+  double point_spacing_m = 4e-3;
 };
 
 }  // namespace sleight::physics

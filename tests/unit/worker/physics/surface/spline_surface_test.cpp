@@ -1,0 +1,439 @@
+// Goal: heights, slopes and fields are those of the spline, at any place and whatever was asked
+// before, and nothing is made that nobody asked for. Method: random control points without end
+// against a sum over basis functions in long double (reference_surface.h); differences; counts of
+// the control points asked for. Bounds: surface_bounds_test.cpp.
+#include "worker/physics/surface/spline_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "tests/unit/worker/physics/simulator/dice.h"
+#include "tests/unit/worker/physics/surface/reference_surface.h"
+
+namespace sleight::physics {
+namespace {
+
+using testing::controls_of;
+using testing::Dice;
+using testing::height_error_m;
+using testing::k_unit;
+using testing::random_controls;
+using testing::reference_at;
+using testing::ReferencePlace;
+using testing::slope_error;
+using testing::surface_of;
+
+constexpr double k_height_m = 0.02;
+constexpr double k_spacings_m[] = {1e-3, 0.0037, 0.01, 0.125, 1};
+constexpr double k_reaches[] = {3, 300, 1e6};  ///< cells from the origin
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+bool same(const SurfacePlace& a, const SurfacePlace& b) {
+  return a.height_m == b.height_m && a.slope_x == b.slope_x && a.slope_y == b.slope_y;
+}
+
+bool same(const SurfaceBounds& a, const SurfaceBounds& b) {
+  return a.top_m == b.top_m && a.slope == b.slope && a.hollow_per_m == b.hollow_per_m &&
+         a.bump_per_m == b.bump_per_m;
+}
+
+/// Calls take(surface, x_m, y_m) for places near the origin and far from it, on grids narrow
+/// and wide; some places are on lines of the grid.
+template <class Take>
+void for_each_place(std::uint64_t seed, int per_reach, Take&& take) {
+  Dice dice(seed, 0);
+  for (const double spacing_m : k_spacings_m) {
+    const StaticSurface surface =
+        surface_of(random_controls(dice.below(1000), k_height_m), spacing_m);
+    for (const double reach : k_reaches) {
+      for (int n = 0; n < per_reach; ++n) {
+        double column = dice.within(reach);
+        double row = dice.within(reach);
+        if (dice.one_in(8)) column = std::floor(column);
+        if (dice.one_in(8)) row = std::floor(row);
+        take(surface, column * spacing_m, row * spacing_m);
+      }
+    }
+  }
+}
+
+TEST(SplineSurface, HasTheHeightsAndSlopesOfTheDefinition) {
+  // Goal: heights and slopes, at indices of both signs and up to a million. Method: the reference's
+  // sums, within the rounding that follows from the size of the heights and of the index.
+  int places = 0;
+  for_each_place(1, 400, [&](const StaticSurface& surface, double x_m, double y_m) {
+    SplineSurface spline(surface);
+    const SurfacePlace got = spline.at(x_m, y_m);
+    const ReferencePlace expected = reference_at(surface, x_m, y_m);
+    const double slope_room = slope_error(surface, k_height_m, x_m, y_m);
+    ASSERT_NEAR(got.height_m, static_cast<double>(expected.height),
+                height_error_m(surface, k_height_m, x_m, y_m))
+        << x_m << ' ' << y_m << " spacing " << surface.spacing_m;
+    ASSERT_NEAR(got.slope_x, static_cast<double>(expected.slope_x), slope_room);
+    ASSERT_NEAR(got.slope_y, static_cast<double>(expected.slope_y), slope_room);
+    ++places;
+  });
+  EXPECT_EQ(places, 5 * 3 * 400);
+}
+
+TEST(SplineSurface, HasTheFieldsOfTheDefinition) {
+  // Goal: restitution and friction. Method: as for heights; and they stay in their ranges, also
+  // where all points are at an end of them.
+  for_each_place(2, 200, [&](const StaticSurface& surface, double x_m, double y_m) {
+    const SurfaceControl got = SplineSurface(surface).fields_at(x_m, y_m);
+    const ReferencePlace expected = reference_at(surface, x_m, y_m);
+    const double room = height_error_m(surface, 1, x_m, y_m);
+    ASSERT_NEAR(got.restitution, static_cast<double>(expected.restitution), room);
+    ASSERT_NEAR(got.friction, static_cast<double>(expected.friction), 2 * room);
+    ASSERT_EQ(got.height_m, 0);
+    ASSERT_TRUE(got.restitution >= 0 && got.restitution <= 1 && got.friction >= 0);
+  });
+}
+
+TEST(SplineSurface, SlopesAreTheDerivativesOfHeights) {
+  // Goal: a slope is the height's own, whatever a reference says. Method: central differences over
+  // a step of a thousandth of a cell, whose error the third derivative bounds (at most 8 heights
+  // per cell cubed, times a sixth of the step squared); the rest is rounding over the step.
+  constexpr double k_step = 1e-3;
+  for_each_place(3, 100, [&](const StaticSurface& surface, double x_m, double y_m) {
+    SplineSurface spline(surface);
+    const double step_m = k_step * surface.spacing_m;
+    const double from_x_m = x_m - step_m;
+    const double to_x_m = x_m + step_m;
+    const double from_y_m = y_m - step_m;
+    const double to_y_m = y_m + step_m;
+    const double room = k_height_m / surface.spacing_m * (8.0 / 6) * k_step * k_step +
+                        2 * height_error_m(surface, k_height_m, x_m, y_m) / step_m;
+    const SurfacePlace place = spline.at(x_m, y_m);
+    const double rise_x_m = spline.at(to_x_m, y_m).height_m - spline.at(from_x_m, y_m).height_m;
+    const double rise_y_m = spline.at(x_m, to_y_m).height_m - spline.at(x_m, from_y_m).height_m;
+    ASSERT_NEAR(rise_x_m / (to_x_m - from_x_m), place.slope_x, room);
+    ASSERT_NEAR(rise_y_m / (to_y_m - from_y_m), place.slope_y, room);
+  });
+}
+
+/// The last place below a line of the grid and the first that is not, as the surface counts.
+std::pair<double, double> around_line(const SplineSurface& spline, std::int32_t line) {
+  double above_m = line * spline.spacing_m();
+  // The line itself is off by a few bits at most; a surface that never crosses it ends here too.
+  constexpr int k_steps_max = 64;
+  for (int n = 0; n < k_steps_max && spline.patch_at(above_m, 0).i >= line; ++n)
+    above_m = std::nextafter(above_m, -k_infinity);
+  double below_m = above_m;
+  for (int n = 0; n < k_steps_max && spline.patch_at(above_m, 0).i < line; ++n) {
+    below_m = above_m;
+    above_m = std::nextafter(above_m, k_infinity);
+  }
+  return {below_m, above_m};
+}
+
+TEST(SplineSurface, AgreesWithItselfOnBothSidesOfALine) {
+  // Goal: whoever follows the surface over a border of patches sees no step. Method: the last place
+  // before a line against the first behind it, one bit of x apart, as heights and as slopes. Each
+  // side's rounding is some units in the last place of the control points' height.
+  Dice dice(4, 0);
+  for (const double spacing_m : k_spacings_m) {
+    const StaticSurface surface = surface_of(random_controls(4, k_height_m), spacing_m);
+    SplineSurface spline(surface);
+    for (int n = 0; n < 2000; ++n) {
+      const auto line = static_cast<std::int32_t>(dice.within(n % 2 == 0 ? 5 : 1000));
+      const auto [below_m, above_m] = around_line(spline, line);
+      ASSERT_NEAR(below_m, line * spacing_m, 8 * k_unit * (1 + std::abs(line)) * spacing_m);
+      const double other_m = dice.within(10 * spacing_m);
+      const bool along_x = dice.one_in(2);
+      const SurfacePlace before =
+          along_x ? spline.at(below_m, other_m) : spline.at(other_m, below_m);
+      const SurfacePlace behind =
+          along_x ? spline.at(above_m, other_m) : spline.at(other_m, above_m);
+      const double bits = 1 + std::abs(line);  // one bit of x, in units of a cell's last place
+      ASSERT_NEAR(before.height_m, behind.height_m, k_unit * k_height_m * (16 + 4 * bits));
+      const double slope_room = k_unit * k_height_m * (40 + 8 * bits) / spacing_m;
+      ASSERT_NEAR(before.slope_x, behind.slope_x, slope_room);
+      ASSERT_NEAR(before.slope_y, behind.slope_y, slope_room);
+    }
+  }
+}
+
+struct Side {
+  double value = 0;
+  double derivative = 0;  ///< per cell
+};
+
+/// A cubic's value and derivative at 0 from its values a fifth, two, three and four fifths of a
+/// cell away, on the side that step points to.
+Side continued(const std::array<double, 4>& f, double step) {
+  return {.value = 4 * f[0] - 6 * f[1] + 4 * f[2] - f[3],
+          .derivative = (-13.0 / 3 * f[0] + 19.0 / 2 * f[1] - 7 * f[2] + 11.0 / 6 * f[3]) / step};
+}
+
+TEST(SplineSurface, IsContinuousUpToSecondDerivatives) {
+  // Goal: height, slopes and second derivatives go over borders without a step. Method: along a
+  // line heights and slopes of a patch are cubics, so four places inside of it say, but for
+  // rounding, which value and derivative they have at the border; both sides must say the same.
+  // A slope's derivative across the border and that of the other slope are the second derivatives.
+  Dice dice(5, 0);
+  for (const double spacing_m : k_spacings_m) {
+    SplineSurface spline(surface_of(random_controls(5, k_height_m), spacing_m));
+    for (int n = 0; n < 300; ++n) {
+      const double line = std::floor(dice.within(40));
+      const double other = dice.within(40);
+      const bool along_x = dice.one_in(2);
+      const auto side = [&](double step) {
+        std::array<std::array<double, 4>, 3> values;
+        for (std::size_t k = 0; k < 4; ++k) {
+          const double here_m = (line + step * static_cast<double>(k + 1)) * spacing_m;
+          const SurfacePlace place =
+              along_x ? spline.at(here_m, other * spacing_m) : spline.at(other * spacing_m, here_m);
+          values[0][k] = place.height_m;
+          values[1][k] = place.slope_x * spacing_m;
+          values[2][k] = place.slope_y * spacing_m;
+        }
+        return std::array{continued(values[0], step), continued(values[1], step),
+                          continued(values[2], step)};
+      };
+      const std::array<Side, 3> before = side(-0.2);
+      const std::array<Side, 3> behind = side(0.2);
+      for (std::size_t k = 0; k < 3; ++k) {
+        ASSERT_NEAR(before[k].value, behind[k].value, 1e-12 * k_height_m);
+        ASSERT_NEAR(before[k].derivative, behind[k].derivative, 1e-11 * k_height_m);
+      }
+      // That the two slopes' derivatives are one matrix: the height's derivative is the slope.
+      ASSERT_NEAR(behind[0].derivative, behind[along_x ? 1 : 2].value, 1e-11 * k_height_m);
+    }
+  }
+}
+
+TEST(SplineSurface, TheCheckOfContinuitySeesAStep) {
+  // Goal: the test above can fail. Method: a kink of a millionth, which its formula must find.
+  const std::array<double, 4> before{0, 0, 0, 0};
+  std::array<double, 4> behind{};
+  for (std::size_t k = 0; k < 4; ++k)
+    behind[k] = 1e-6 * (static_cast<double>(k) + 1) * 0.2;
+  EXPECT_NEAR(continued(before, -0.2).derivative, 0, 1e-15);
+  EXPECT_NEAR(continued(behind, 0.2).derivative, 1e-6, 1e-15);
+  EXPECT_NEAR(continued(behind, 0.2).value, 0, 1e-15);
+}
+
+TEST(SplineSurface, WeightsAreTheDefinitions) {
+  // Goal: weights say on which points a place hangs and how much. Method: none is negative, they
+  // sum to 1, times the points of support they make heights and fields; each is the height there of
+  // a surface with that one point raised.
+  Dice dice(6, 0);
+  for_each_place(6, 50, [&](const StaticSurface& surface, double x_m, double y_m) {
+    SplineSurface spline(surface);
+    const GridIndex patch = spline.patch_at(x_m, y_m);
+    const std::array<GridIndex, 16> points = SplineSurface::support(patch);
+    const std::array<double, 16> weights = spline.weights_at(x_m, y_m);
+    double sum = 0;
+    double height_m = 0;
+    double friction = 0;
+    for (std::size_t k = 0; k < 16; ++k) {
+      ASSERT_EQ(points[k].i, patch.i - 1 + static_cast<std::int32_t>(k / 4));
+      ASSERT_EQ(points[k].j, patch.j - 1 + static_cast<std::int32_t>(k % 4));
+      ASSERT_GE(weights[k], 0);
+      sum += weights[k];
+      height_m += weights[k] * surface.controls->at(points[k]).height_m;
+      friction += weights[k] * surface.controls->at(points[k]).friction;
+    }
+    ASSERT_NEAR(sum, 1, 16 * k_unit);
+    ASSERT_NEAR(height_m, spline.at(x_m, y_m).height_m, 32 * k_unit * k_height_m);
+    ASSERT_NEAR(friction, spline.fields_at(x_m, y_m).friction, 32 * k_unit);
+
+    const std::size_t chosen = dice.below(16);
+    const GridIndex only = points[chosen];
+    SplineSurface raised(surface_of(controls_of([only](GridIndex at) {
+                                      return SurfaceControl{.height_m = at == only ? 1.0 : 0.0};
+                                    }),
+                                    surface.spacing_m));
+    ASSERT_NEAR(raised.at(x_m, y_m).height_m, weights[chosen], 16 * k_unit);
+  });
+}
+
+TEST(SplineSurface, TakesPlacesThatRoundIntoTheNextCell) {
+  // Goal: just below a line the place in the cell rounds to 1; nothing leaves its range. Method:
+  // places closer to 0 than any bit of a cell.
+  const StaticSurface surface = surface_of(random_controls(7, k_height_m), 0.01);
+  SplineSurface spline(surface);
+  const SurfacePlace at_zero = spline.at(0, 0);
+  for (const double x_m : {-1e-20, -1e-300, -0.0, -5e-324}) {
+    const SurfacePlace place = spline.at(x_m, x_m);
+    EXPECT_NEAR(place.height_m, at_zero.height_m, 16 * k_unit * k_height_m);
+    EXPECT_NEAR(place.slope_x, at_zero.slope_x, 64 * k_unit * k_height_m / 0.01);
+    for (const double weight : spline.weights_at(x_m, x_m))
+      EXPECT_TRUE(weight >= 0 && weight <= 1);
+  }
+}
+
+TEST(SplineSurface, OfEqualPointsIsConstant) {
+  // Goal: the basis functions sum to 1 everywhere. Method: equal control points; what comes out is
+  // theirs but for rounding, slopes are 0 but for the same, and at the ends of the ranges exactly
+  // within.
+  Dice dice(8, 0);
+  for (const SurfaceControl all : {SurfaceControl{0.3, 1, 0}, SurfaceControl{-17, 0, 0.7},
+                                   SurfaceControl{1.0 / 3, 0.1, 1e-3}, SurfaceControl{}}) {
+    const double spacing_m = k_spacings_m[dice.below(5)];
+    SplineSurface spline(surface_of(controls_of([all](GridIndex) { return all; }), spacing_m));
+    const double height_m = std::fabs(all.height_m);
+    for (int n = 0; n < 1000; ++n) {
+      const double x_m = dice.within(100);
+      const double y_m = dice.within(1);
+      const SurfacePlace place = spline.at(x_m, y_m);
+      ASSERT_NEAR(place.height_m, all.height_m, 8 * k_unit * height_m);
+      ASSERT_NEAR(place.slope_x, 0, 32 * k_unit * height_m / spacing_m);
+      ASSERT_NEAR(place.slope_y, 0, 32 * k_unit * height_m / spacing_m);
+      const SurfaceControl fields = spline.fields_at(x_m, y_m);
+      ASSERT_NEAR(fields.restitution, all.restitution, 8 * k_unit * all.restitution);
+      ASSERT_NEAR(fields.friction, all.friction, 8 * k_unit * all.friction);
+      ASSERT_TRUE(fields.restitution >= 0 && fields.restitution <= 1 && fields.friction >= 0);
+    }
+  }
+}
+
+struct Question {
+  double x_m = 0;
+  double y_m = 0;
+  double width_m = 0;
+};
+
+struct Answer {
+  SurfacePlace place;
+  SurfaceBounds bounds;
+  SurfaceControl fields;
+};
+
+Answer answer_of(SplineSurface& spline, const Question& q) {
+  // On one side the place before the bounds.
+  Answer answer;
+  if (q.x_m < 0) answer.place = spline.at(q.x_m, q.y_m);
+  answer.bounds = spline.bounds_in(q.x_m, q.x_m + q.width_m, q.y_m - q.width_m, q.y_m);
+  answer.place = spline.at(q.x_m, q.y_m);
+  answer.fields = spline.fields_at(q.x_m, q.y_m);
+  return answer;
+}
+
+void expect_same(const Answer& a, const Answer& b) {
+  EXPECT_TRUE(same(a.place, b.place));
+  EXPECT_TRUE(same(a.bounds, b.bounds));
+  EXPECT_EQ(a.fields, b.fields);
+}
+
+TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
+  // Goal: invariant 1, with so many patches that the table of patches grows several times. Method:
+  // the same questions in two orders, some twice in a row, and of surfaces that nothing was asked
+  // before: the same bits. Indices are near, far, and multiples of powers of two, as grids like
+  // them and as hashes don't.
+  constexpr double k_spacing_m = 0.01;
+  const StaticSurface surface = surface_of(random_controls(9, k_height_m), k_spacing_m);
+  Dice dice(9, 0);
+  std::vector<Question> questions;
+  for (int n = 0; n < 4000; ++n) {
+    const double far = n % 4 == 0 ? 65536 * std::floor(dice.within(20'000)) : 0;
+    questions.push_back(
+        {.x_m = (far + dice.within(60)) * k_spacing_m,
+         .y_m = dice.within(n % 3 == 0 ? 1e6 : 60) * k_spacing_m,
+         .width_m = dice.one_in(3) ? 0.0 : 3 * k_spacing_m * dice.stream.uniform()});
+  }
+  SplineSurface first(surface);
+  std::vector<Answer> answers;
+  for (const Question& question : questions)
+    answers.push_back(answer_of(first, question));
+  EXPECT_GT(first.patches_made(), 8000U);
+
+  SplineSurface second(surface);
+  for (int n = 0; n < 8000; ++n) {
+    const std::size_t k = dice.below(questions.size());
+    expect_same(answer_of(second, questions[k]), answers[k]);
+    if (dice.one_in(4)) expect_same(answer_of(second, questions[k]), answers[k]);
+  }
+  EXPECT_GT(second.patches_made(), 4000U);
+  for (std::size_t k = 0; k < questions.size(); k += 3) {
+    SplineSurface fresh(surface);
+    expect_same(answer_of(fresh, questions[k]), answers[k]);
+  }
+}
+
+TEST(SplineSurface, MakesOnlyThePatchesAskedFor) {
+  // Goal: the size of a table costs nothing; each patch asks for its sixteen points once. Method: a
+  // table of 10,000 x 10,000 points in a flat apron, and counts of what it was asked for.
+  constexpr double k_spacing_m = 0.005;
+  const auto table = controls_of([](GridIndex at) {
+    const bool inside = at.i >= 0 && at.i < 10'000 && at.j >= 0 && at.j < 10'000;
+    return SurfaceControl{.height_m = inside ? 1e-3 * ((at.i * 7 + at.j * 3) % 11) : 0.0};
+  });
+  SplineSurface spline(surface_of(table, k_spacing_m));
+  EXPECT_EQ(table->calls(), 0U);
+  Dice dice(10, 0);
+  std::set<GridIndex> asked;
+  for (int n = 0; n < 5000; ++n) {
+    const double centre_m = n % 2 == 0 ? 25 : 0;
+    const double x_m = centre_m + dice.within(0.1);
+    const double y_m = centre_m + dice.within(0.1);
+    const SurfacePlace place = spline.at(x_m, y_m);
+    EXPECT_TRUE(x_m > -3 * k_spacing_m || same(place, {}));
+    asked.insert(spline.patch_at(x_m, y_m));
+  }
+  EXPECT_EQ(spline.patches_made(), asked.size());
+  EXPECT_EQ(table->calls(), 16 * asked.size());
+  // A rectangle makes what it touches, lines included, and asking again makes nothing.
+  spline.bounds_in(10, 10 + 3.5 * k_spacing_m, 10, 10);
+  spline.bounds_in(10, 10 + 3.5 * k_spacing_m, 10, 10);
+  spline.at(10 + 2.2 * k_spacing_m, 10);
+  EXPECT_EQ(spline.patches_made(), asked.size() + 4);
+  EXPECT_EQ(table->calls(), 16 * (asked.size() + 4));
+}
+
+TEST(SplineSurface, OutlivesPointsThatFail) {
+  // Goal: what fails while a patch is made leaves nothing half made. Method: control points that
+  // throw at the first question of each patch.
+  const auto points = random_controls(11, k_height_m);
+  bool fails = false;
+  const auto failing = controls_of([&](GridIndex index) {
+    if (fails) throw std::runtime_error("no memory");
+    return points->at(index);
+  });
+  SplineSurface spline(surface_of(failing, 0.01));
+  SplineSurface expected(surface_of(points, 0.01));
+  for (int n = 0; n < 300; ++n) {
+    const double x_m = 0.013 * n;
+    fails = true;
+    EXPECT_THROW(spline.at(x_m, x_m), std::runtime_error);
+    fails = false;
+    EXPECT_TRUE(same(spline.at(x_m, x_m), expected.at(x_m, x_m)));
+    EXPECT_EQ(spline.patches_made(), expected.patches_made());
+  }
+}
+
+TEST(SplineSurfaceDeathTest, RefusesPlacesBeyondItsIndices) {
+  // Goal: a place whose patch has no index is a bug that is told, not a wrong patch; up to there
+  // places have heights. Method: the last patches on both sides, the next ones, infinity and NaN.
+  SplineSurface spline(surface_of(random_controls(12, k_height_m), 0.5));
+  constexpr double k_cells = k_patch_index_max;
+  for (const double column : {k_cells, -k_cells}) {
+    const double x_m = 0.5 * (column + 0.25);
+    EXPECT_EQ(spline.patch_at(x_m, 0).i, static_cast<std::int32_t>(column));
+    EXPECT_LE(std::fabs(spline.at(x_m, x_m).height_m), k_height_m);
+    EXPECT_LE(spline.at(x_m, x_m).height_m, spline.bounds_in(x_m, x_m, x_m, x_m).top_m);
+    EXPECT_LE(spline.fields_at(x_m, x_m).restitution, 1);
+  }
+  for (const double x_m : {0.5 * (k_cells + 1), -0.5 * (k_cells + 0.5), 1e300, -1e300, k_infinity,
+                           std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_DEATH(spline.at(x_m, 0), "check failed");
+    EXPECT_DEATH(spline.at(0, x_m), "check failed");
+    EXPECT_DEATH(static_cast<void>(spline.patch_at(x_m, 0)), "check failed");
+    EXPECT_DEATH(static_cast<void>(spline.fields_at(0, x_m)), "check failed");
+    EXPECT_DEATH(spline.bounds_in(0, x_m, 0, 0), "check failed");
+  }
+  EXPECT_DEATH(spline.bounds_in(1, 0, 0, 0), "check failed");
+}
+
+}  // namespace
+}  // namespace sleight::physics

@@ -1,0 +1,656 @@
+#include "worker/physics/simulator/surface_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "worker/physics/simulator/first_collision.h"
+
+namespace sleight::physics {
+namespace {
+
+/// Parallelograms may miss closing by this part of their size.
+constexpr double k_parallel = 1e-9;
+/// A part that is clear for this share of the time that others allow needn't be split; but when
+/// that is short, it is, as the collision is near.
+constexpr double k_long_enough = 0.7;
+constexpr double k_long_s = 3e-4;
+/// After a shorter span than this the points that are near are found again.
+constexpr double k_worth_s = 1e-4;
+/// Points are near that may touch within so many times the span of a look, as that is now.
+constexpr double k_looks_ahead = 3;
+constexpr double k_ahead_s_max = 2e-3;
+/// They are at least those that are as close, and none if that would be a large part of a box.
+constexpr double k_near_m_min = 5e-6;
+constexpr double k_near_share = 0.1;
+/// Bounds hold while the box's centre stays within this part of its reach; when it is higher than
+/// anything near, within a whole one and a patch.
+constexpr double k_room = 0.25;
+
+/// A point of the box, over the surface.
+struct Above {
+  Vec3 own_m = Vec3::Zero();  ///< in the box's frame
+  Vec3 place_m = Vec3::Zero();
+  double gap_m = 0;      ///< vertical
+  double allowed_m = 0;  ///< how far it may move, of NearPoints
+  double rate_mps = 0;   ///< of that
+  double pull_mps2 = 0;  ///< its second derivative, where the box turns evenly
+  double slope_x = 0;
+  double slope_y = 0;
+
+  Vec3 normal() const { return math::normalized(Vec3(-slope_x, -slope_y, 1)); }
+};
+
+/// How fast anything changes at most, while the box stays in the region that the bounds are of.
+struct Pace {
+  SurfaceBounds surface;
+  double stretch = 1;              ///< sqrt(1 + slope^2): length of (-S_x, -S_y, 1)
+  double bend_per_m = 0;           ///< of the surface, up or down
+  double past_mps = 0;             ///< of any point of the box, horizontally
+  double turning_radps = 0;        ///< of the box
+  double fall_mps2 = 0;            ///< the second derivative of a gap is no less than minus this
+  double jerk_mps3 = k_forever_s;  ///< nor does it change faster, where the box turns evenly
+  double valid_s = 0;
+
+  /// The same of one point's gap, for so long: at least 0.
+  double fall_of(const Above& point, double until_s) const {
+    const double fall = -point.pull_mps2 + jerk_mps3 * until_s;
+    return std::clamp(fall, 0.0, fall_mps2);
+  }
+};
+
+/// How long the centre stays within a horizontal distance.
+double stays_within_s(const MovingPiece& box, double room_m) {
+  const auto across = [](const Vec3& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); };
+  const double speed_mps = across(box.velocity_mps);
+  const double root = std::sqrt(speed_mps * speed_mps + 2 * across(box.acceleration_mps2) * room_m);
+  return speed_mps + root > 0 ? 2 * room_m / (speed_mps + root) : k_forever_s;
+}
+
+SurfaceBounds bounds_around(SplineSurface& surface, const MovingPiece& box, double room_m) {
+  const Vec3& centre_m = box.pose.position_m;
+  const double away_m = box.reach_m + room_m;
+  return surface.bounds_in(centre_m.x() - away_m, centre_m.x() + away_m, centre_m.y() - away_m,
+                           centre_m.y() + away_m);
+}
+
+Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
+  const double room_m = k_room * box.reach_m;
+  Pace pace{.surface = bounds_around(surface, box, room_m)};
+  const SurfaceBounds& bounds = pace.surface;
+  const Vec3& pull_mps2 = box.acceleration_mps2;
+  const double aside_mps2 =
+      std::sqrt(pull_mps2.x() * pull_mps2.x() + pull_mps2.y() * pull_mps2.y());
+  const double turning_mps = std::sqrt(box.turning_acceleration_mps2 * box.reach_m);
+  pace.valid_s = stays_within_s(box, room_m);
+  pace.stretch = std::sqrt(1 + bounds.slope * bounds.slope);
+  pace.bend_per_m = std::max(bounds.hollow_per_m, bounds.bump_per_m);
+  const double gained_mps = aside_mps2 > 0 ? aside_mps2 * pace.valid_s : 0;
+  const Vec3& v = box.velocity_mps;
+  pace.past_mps = std::sqrt(v.x() * v.x() + v.y() * v.y()) + turning_mps + gained_mps;
+  pace.turning_radps = std::max(math::norm(box.angular_velocity_radps), turning_mps / box.reach_m);
+  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x', with x'' of the centre and of turning.
+  pace.fall_mps2 = std::max(0.0, (bounds.slope * aside_mps2 - pull_mps2.z()) +
+                                     pace.stretch * box.turning_acceleration_mps2 +
+                                     bounds.hollow_per_m * (pace.past_mps * pace.past_mps));
+  if (box.turns_evenly) {
+    // The third derivative of z - S: -3 v^T H a - T v^3 as well as the points' own, (-grad S, 1) .
+    // j.
+    pace.jerk_mps3 =
+        pace.stretch * pace.turning_radps * box.turning_acceleration_mps2 +
+        pace.past_mps * (3 * pace.bend_per_m * (aside_mps2 + box.turning_acceleration_mps2) +
+                         bounds.twist_per_m2 * (pace.past_mps * pace.past_mps));
+  }
+  return pace;
+}
+
+/// Points of a box over a surface.
+class Points {
+ public:
+  using Allowed = std::array<double, 8>;  ///< by corner
+  Points(SplineSurface& surface, const MovingPiece& box, const Allowed& allowed_m = {})
+      : surface_(surface), box_(box), allowed_m_(allowed_m) {}
+
+  Above corner(std::size_t i) {
+    Above point = above(box_.view->vertices_m[i]);
+    point.allowed_m = allowed_m_[i];
+    return point;
+  }
+  Vec3 place_m(const Vec3& own_m) const { return to_world(box_.pose, own_m); }
+  Above of(const EdgeLattice& edge, std::int32_t i) {
+    const Vec3& origin_m = box_.view->vertices_m[edge.end[0]];
+    const double u = static_cast<double>(i) / edge.steps;
+    Above point = above(origin_m + u * (box_.view->vertices_m[edge.end[1]] - origin_m));
+    point.allowed_m = (1 - u) * allowed_m_[edge.end[0]] + u * allowed_m_[edge.end[1]];
+    return point;
+  }
+  Above of(const FaceLattice& face, std::int32_t i, std::int32_t j) {
+    const Vec3& origin_m = box_.view->vertices_m[face.corner[0]];
+    const double u = static_cast<double>(i) / face.along;
+    const double v = static_cast<double>(j) / face.across;
+    Above point = above(origin_m + u * (box_.view->vertices_m[face.corner[1]] - origin_m) +
+                        v * (box_.view->vertices_m[face.corner[3]] - origin_m));
+    const auto allowed_m = [&](std::size_t k) { return allowed_m_[face.corner[k]]; };
+    point.allowed_m = (1 - v) * ((1 - u) * allowed_m(0) + u * allowed_m(1)) +
+                      v * ((1 - u) * allowed_m(3) + u * allowed_m(2));
+    return point;
+  }
+  Above above(const Vec3& own_m) {
+    Above point;
+    point.own_m = own_m;
+    const Vec3 arm_m = math::product(box_.pose.rotation, own_m);
+    point.place_m = arm_m + box_.pose.position_m;
+    const SurfacePlace below = surface_.at(point.place_m.x(), point.place_m.y());
+    const Vec3 turning_mps = math::cross(box_.angular_velocity_radps, arm_m);
+    const Vec3 v = box_.velocity_mps + turning_mps;
+    const Vec3 a = box_.acceleration_mps2 + math::cross(box_.angular_velocity_radps, turning_mps);
+    const double bend_mps2 =
+        (below.bend_xx_per_m * (v.x() * v.x()) + 2 * below.bend_xy_per_m * (v.x() * v.y())) +
+        below.bend_yy_per_m * (v.y() * v.y());
+    point.gap_m = point.place_m.z() - below.height_m;
+    point.rate_mps = (v.z() - below.slope_x * v.x()) - below.slope_y * v.y();
+    point.pull_mps2 = ((a.z() - below.slope_x * a.x()) - below.slope_y * a.y()) - bend_mps2;
+    point.slope_x = below.slope_x;
+    point.slope_y = below.slope_y;
+    return point;
+  }
+
+ private:
+  SplineSurface& surface_;
+  const MovingPiece& box_;
+  Allowed allowed_m_;
+};
+
+/// Neighbouring points of an edge, and the outermost two of these.
+struct Stretch {
+  const EdgeLattice* edge = nullptr;
+  std::array<std::int32_t, 2> along{};
+  std::array<Above, 2> ends{};
+
+  std::int32_t steps() const { return along[1] - along[0]; }
+  std::span<const Above> outermost() const { return ends; }
+  double radius2_m2() const {
+    const Vec3 half_m = 0.5 * (ends[1].place_m - ends[0].place_m);
+    return math::dot(half_m, half_m);
+  }
+};
+
+/// Neighbouring points of a face, and the outermost four of these.
+struct Cell {
+  const FaceLattice* face = nullptr;
+  std::array<std::int32_t, 2> along{};
+  std::array<std::int32_t, 2> across{};
+  std::array<Above, 4> corners{};  ///< (0, 0), (1, 0), (1, 1), (0, 1)
+
+  std::int32_t steps() const { return std::max(along[1] - along[0], across[1] - across[0]); }
+  std::span<const Above> outermost() const { return corners; }
+  double radius2_m2() const {
+    const Vec3 one_m = 0.5 * (corners[2].place_m - corners[0].place_m);
+    const Vec3 other_m = 0.5 * (corners[3].place_m - corners[1].place_m);
+    return std::max(math::dot(one_m, one_m), math::dot(other_m, other_m));
+  }
+  /// Whether the side from a corner to the next one is on an edge of the box.
+  bool is_outer(std::size_t side) const {
+    const std::array<bool, 4> outer{across[0] == 0, along[1] == face->along,
+                                    across[1] == face->across, along[0] == 0};
+    return outer[side];
+  }
+};
+
+using Corners = std::array<Above, 8>;
+
+Cell cell_of(const FaceLattice& face, const Corners& corners) {
+  Cell cell{.face = &face, .along = {0, face.along}, .across = {0, face.across}};
+  for (std::size_t k = 0; k < 4; ++k)
+    cell.corners[k] = corners[face.corner[k]];
+  return cell;
+}
+
+/// Splits where there are points between the ends or corners: note(point) for the new ones, then
+/// visit(part) for each part.
+template <class Note, class Visit>
+void split(Points& points, const Stretch& stretch, const Note& note, const Visit& visit) {
+  const auto [i0, i2] = stretch.along;
+  if (i2 - i0 <= 1) return;
+  const std::int32_t i1 = i0 + (i2 - i0) / 2;
+  const Above middle = points.of(*stretch.edge, i1);
+  note(middle);
+  visit(Stretch{stretch.edge, {i0, i1}, {stretch.ends[0], middle}});
+  visit(Stretch{stretch.edge, {i1, i2}, {middle, stretch.ends[1]}});
+}
+
+template <class Note, class Visit>
+void split(Points& points, const Cell& cell, const Note& note, const Visit& visit) {
+  const FaceLattice& face = *cell.face;
+  const std::array<Above, 4>& c = cell.corners;
+  const auto [i0, i2] = cell.along;
+  const auto [j0, j2] = cell.across;
+  const std::int32_t i1 = i0 + (i2 - i0) / 2;
+  const std::int32_t j1 = j0 + (j2 - j0) / 2;
+  const auto point = [&](std::int32_t i, std::int32_t j) {
+    const Above one = points.of(face, i, j);
+    // Others are points of edges.
+    if (i > 0 && i < face.along && j > 0 && j < face.across) note(one);
+    return one;
+  };
+  if (j1 == j0) {
+    if (i1 == i0) return;
+    const Above low = point(i1, j0);
+    const Above high = point(i1, j2);
+    visit(Cell{&face, {i0, i1}, {j0, j2}, {c[0], low, high, c[3]}});
+    visit(Cell{&face, {i1, i2}, {j0, j2}, {low, c[1], c[2], high}});
+    return;
+  }
+  const Above left = point(i0, j1);
+  const Above right = point(i2, j1);
+  if (i1 == i0) {
+    visit(Cell{&face, {i0, i2}, {j0, j1}, {c[0], c[1], right, left}});
+    visit(Cell{&face, {i0, i2}, {j1, j2}, {left, right, c[2], c[3]}});
+    return;
+  }
+  const Above low = point(i1, j0);
+  const Above high = point(i1, j2);
+  const Above middle = point(i1, j1);
+  visit(Cell{&face, {i0, i1}, {j0, j1}, {c[0], low, middle, left}});
+  visit(Cell{&face, {i1, i2}, {j0, j1}, {low, c[1], right, middle}});
+  visit(Cell{&face, {i1, i2}, {j1, j2}, {middle, right, c[2], high}});
+  visit(Cell{&face, {i0, i1}, {j1, j2}, {left, middle, high, c[3]}});
+}
+
+/// Calls note(point) for all points whose gap is at most limit() above what they are allowed, and
+/// for others.
+template <class Part, class Limit, class Note>
+void visit_low(Points& points, const Part& part, double bump_per_m, const Limit& limit,
+               const Note& note) {
+  double least_m = k_forever_s;
+  for (const Above& point : part.outermost())
+    least_m = std::min(least_m, point.gap_m - point.allowed_m);
+  if (least_m - 0.5 * bump_per_m * part.radius2_m2() > limit()) return;
+  split(points, part, note,
+        [&](const Part& smaller) { visit_low(points, smaller, bump_per_m, limit, note); });
+}
+
+/// The same of all points of a box.
+template <class Limit, class Note>
+void visit_all_low(Points& points, const BoxLattice& lattice, const Corners& corners,
+                   double bump_per_m, const Limit& limit, const Note& note) {
+  for (const Above& corner : corners)
+    note(corner);
+  for (const EdgeLattice& edge : lattice.edges) {
+    const Stretch all{&edge, {0, edge.steps}, {corners[edge.end[0]], corners[edge.end[1]]}};
+    visit_low(points, all, bump_per_m, limit, note);
+  }
+  for (const FaceLattice& face : lattice.faces)
+    visit_low(points, cell_of(face, corners), bump_per_m, limit, note);
+}
+
+Corners corners_of(Points& points) {
+  Corners corners;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[i] = points.corner(i);
+  return corners;
+}
+
+class Look {
+ public:
+  Look(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box, const Pace& pace)
+      : points_(surface, box), surface_(surface), lattice_(lattice), box_(box), pace_(pace) {}
+
+  /// A time before which no point collides, not beyond the one for which the pace holds; 0 if one
+  /// does, which is then contact().
+  double failing_s() { return lowest_corner_counts() ? best_s_ : failing_of_all_s(); }
+  /// The same with the help of what earlier looks have kept, and for later ones.
+  double failing_s(NearPoints& near) {
+    if (near.known) {
+      const double others_s = others_failing_s(near);
+      if (others_s > 0) {
+        note_all(near);
+        if (best_s_ <= others_s || others_s >= k_worth_s) return std::min(best_s_, others_s);
+      }
+    }
+    if (lowest_corner_counts()) return best_s_;
+    if (gather(near)) {
+      note_all(near);
+      const double others_s = others_failing_s(near);
+      if (best_s_ <= others_s || others_s >= k_worth_s) return std::min(best_s_, others_s);
+    }
+    return failing_of_all_s();
+  }
+  bool collides() const { return colliding_; }
+  const Above& contact() const { return contact_; }
+
+ private:
+  /// Whether the lowest corner alone counts, before the time that corners allow. Looks at these.
+  bool lowest_corner_counts() {
+    best_s_ = pace_.valid_s;
+    corners_ = corners_of(points_);
+    for (const Above& corner : corners_)
+      note(corner);
+    return is_above_lowest_until(corners_, lattice_.steps_most, pace_.surface.bump_per_m,
+                                 horizon_s());
+  }
+  double failing_of_all_s() {
+    for (const EdgeLattice& edge : lattice_.edges)
+      visit(Stretch{&edge, {0, edge.steps}, {corners_[edge.end[0]], corners_[edge.end[1]]}});
+    for (const FaceLattice& face : lattice_.faces)
+      visit(cell_of(face, corners_));
+    return shortened_ ? k_long_enough * best_s_ : best_s_;
+  }
+
+  void note_all(const NearPoints& near) {
+    best_s_ = pace_.valid_s;
+    for (std::size_t i = 0; i < near.count; ++i)
+      note(points_.above(near.own_m[i]));
+  }
+  /// How long no point but those near touches; 0 if that isn't known.
+  double others_failing_s(const NearPoints& near) const {
+    double until_s = k_forever_s;
+    const double pull_mps2 = std::fabs(box_.acceleration_mps2.z()) + box_.turning_acceleration_mps2;
+    for (std::size_t i = 0; i < near.corners_m.size(); ++i) {
+      const Vec3 place_m = points_.place_m(box_.view->vertices_m[i]);
+      const Vec3 moved_m = place_m - near.corners_m[i];
+      const double gone_m = std::sqrt(moved_m.x() * moved_m.x() + moved_m.y() * moved_m.y());
+      const double left_m = near.allowed_m[i] - (std::fabs(moved_m.z()) + near.slope * gone_m);
+      if (left_m <= 0 || gone_m >= near.room_m) return 0;
+      const double rate_mps = std::fabs(upwards_mps(place_m)) + near.slope * pace_.past_mps;
+      const double root = std::sqrt(rate_mps * rate_mps + 2 * pull_mps2 * left_m);
+      if (rate_mps + root > 0) until_s = std::min(until_s, 2 * left_m / (rate_mps + root));
+      if (pace_.past_mps > 0) until_s = std::min(until_s, (near.room_m - gone_m) / pace_.past_mps);
+    }
+    return until_s;
+  }
+  double upwards_mps(const Vec3& place_m) const {
+    const Vec3 arm_m = place_m - box_.pose.position_m;
+    return box_.velocity_mps.z() + math::cross(box_.angular_velocity_radps, arm_m).z();
+  }
+  /// Finds what is near enough to count in this look and some more like it, for a while. False if
+  /// that is too much.
+  bool gather(NearPoints& near) {
+    near.known = false;
+    const double span_s = k_looks_ahead * std::min(best_s_, k_ahead_s_max);
+    const double aside_mps = pace_.surface.slope * pace_.past_mps + pace_.fall_mps2 * span_s;
+    double most_m = 0;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      near.corners_m[i] = corners_[i].place_m;
+      near.allowed_m[i] = std::max(
+          k_near_m_min, (std::fabs(upwards_mps(corners_[i].place_m)) + aside_mps) * span_s);
+      most_m = std::max(most_m, near.allowed_m[i]);
+    }
+    if (most_m > k_near_share * box_.reach_m) return false;
+    near.slope = pace_.surface.slope;
+    near.room_m = k_room * box_.reach_m;
+    near.count = 0;
+    bool fits = true;
+    Points points(surface_, box_, near.allowed_m);
+    visit_all_low(
+        points, lattice_, corners_of(points), pace_.surface.bump_per_m,
+        [&] { return fits ? k_touch_m : -k_forever_s; },
+        [&](const Above& point) {
+          if (point.gap_m - point.allowed_m > 2 * k_touch_m || !fits) return;
+          const auto kept = std::span(near.own_m).first(near.count);
+          if (std::ranges::find(kept, point.own_m) != kept.end()) return;
+          fits = near.count < NearPoints::k_most;
+          if (fits) near.own_m[near.count++] = point.own_m;
+        });
+    near.known = fits;
+    return fits;
+  }
+
+  /// How far ahead parts are looked at: within a tick is now, and then each point counts.
+  double horizon_s() const { return std::max(best_s_, k_seconds_per_tick); }
+
+  void note(const Above& point) {
+    lowest_m_ = std::min(lowest_m_, point.gap_m);
+    best_s_ = std::min(
+        best_s_, first_collision_s(point.gap_m, point.rate_mps, pace_.fall_of(point, best_s_), 0));
+    if (point.gap_m > k_touch_m || point.rate_mps * point.normal().z() >= -k_approach_mps) return;
+    if (colliding_ && point.gap_m >= contact_.gap_m) return;
+    colliding_ = true;
+    contact_ = point;
+  }
+
+  /// What a point must be higher than another one, a share 1 / steps of the way to which it is away
+  /// from that, to be out of touch as long as that doesn't collide.
+  double needed_m(std::int32_t steps) const {
+    return steps * (2 * k_touch_m + std::max(0.0, -lowest_m_));
+  }
+  /// Whether points on the way along `d` from one with such slopes are higher than it for so long,
+  /// or so much; `d` turns, and the slopes change as that point moves on.
+  bool rises_until(const Vec3& d, double slope_x, double slope_y, double bump_per_m, double by_m,
+                   double until_s) const {
+    const double across2 = d.x() * d.x() + d.y() * d.y();
+    const double higher_m =
+        ((d.z() - slope_x * d.x()) - slope_y * d.y()) - 0.5 * bump_per_m * across2 - by_m;
+    if (higher_m <= 0) return false;
+    const double length_m = std::sqrt(across2 + d.z() * d.z());
+    const double loss_mps =
+        length_m * (pace_.turning_radps * (pace_.stretch + bump_per_m * length_m) +
+                    pace_.bend_per_m * pace_.past_mps);
+    return higher_m > loss_mps * until_s;
+  }
+
+  /// Whether all that is spanned by some points is out of touch for so long, unless the lowest of
+  /// them collides. What counts is at least a share 1 / steps of the way from there to the others.
+  bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double bump_per_m,
+                             double until_s) const {
+    std::size_t lowest = 0;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      if (points[i].gap_m < points[lowest].gap_m) lowest = i;
+    }
+    const Above& least = points[lowest];
+    const double by_m = needed_m(steps);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (i != lowest && !rises_until(points[i].place_m - least.place_m, least.slope_x,
+                                      least.slope_y, bump_per_m, by_m, until_s))
+        return false;
+    }
+    return true;
+  }
+  /// The same unless a point of the box's edges collides, where a side of the cell is one of these.
+  bool is_above_edge_until(const Cell& cell, double bump_per_m, double until_s) const {
+    for (std::size_t side = 0; side < 4; ++side) {
+      if (!cell.is_outer(side)) continue;
+      const Above& one = cell.corners[side];
+      const Above& other = cell.corners[(side + 1) % 4];
+      const Vec3 across_m = cell.corners[(side + 3) % 4].place_m - one.place_m;
+      // Slopes anywhere on the side, against those at the nearer end.
+      const Vec3 half_m = 0.5 * (other.place_m - one.place_m);
+      const double by_m =
+          needed_m(cell.steps()) + pace_.bend_per_m * math::norm(half_m) * math::norm(across_m);
+      if (rises_until(across_m, one.slope_x, one.slope_y, bump_per_m, by_m, until_s) &&
+          rises_until(across_m, other.slope_x, other.slope_y, bump_per_m, by_m, until_s))
+        return true;
+    }
+    return false;
+  }
+  static bool is_above_edge_until(const Stretch&, double, double) { return false; }
+
+  /// Whether what is between the ends or corners of a part doesn't collide for so long.
+  template <class Part>
+  bool is_clear_until(const Part& part, double bump_per_m, double until_s) const {
+    const double radius2_m2 = part.radius2_m2();
+    // Bounds of heights are concave in time, so that their ends count.
+    const double out_m = 0.5 * bump_per_m * radius2_m2 + k_touch_m;
+    const double fallen = 0.5 * until_s * until_s;
+    const auto stays_out = [&](const Above& point) {
+      const double above_m = point.gap_m - out_m;
+      return above_m > 0 &&
+             above_m + point.rate_mps * until_s - fallen * pace_.fall_of(point, until_s) > 0;
+    };
+    if (std::ranges::all_of(part.outermost(), stays_out)) return true;
+    const double radius_m = std::sqrt(radius2_m2);
+    const double hurry_mps =
+        pace_.bend_per_m * radius_m * (pace_.past_mps + pace_.turning_radps * radius_m);
+    const auto parts = [&](const Above& point) {
+      return point.rate_mps - hurry_mps - pace_.fall_of(point, until_s) * until_s > -k_approach_mps;
+    };
+    return std::ranges::all_of(part.outermost(), parts) ||
+           is_above_lowest_until(part.outermost(), part.steps(), bump_per_m, until_s) ||
+           is_above_edge_until(part, bump_per_m, until_s);
+  }
+
+  /// How much the surface may bulge where a part is, and comes until then.
+  template <class Part>
+  double bump_under(const Part& part, double until_s) {
+    const std::span<const Above> points = part.outermost();
+    Vec3 low_m = points[0].place_m;
+    Vec3 high_m = low_m;
+    for (const Above& point : points) {
+      low_m = low_m.cwiseMin(point.place_m);
+      high_m = high_m.cwiseMax(point.place_m);
+    }
+    const double way_m = pace_.past_mps * std::min(until_s, pace_.valid_s);
+    return surface_
+        .bounds_in(low_m.x() - way_m, high_m.x() + way_m, low_m.y() - way_m, high_m.y() + way_m)
+        .bump_per_m;
+  }
+
+  template <class Part>
+  void visit(const Part& part) {
+    if (part.steps() <= 1) return;
+    const double until_s = horizon_s();
+    const double bump_per_m = bump_under(part, until_s);
+    if (is_clear_until(part, bump_per_m, until_s)) return;
+    if (until_s > k_long_s && is_clear_until(part, bump_per_m, k_long_enough * until_s)) {
+      shortened_ = true;
+      return;
+    }
+    split(
+        points_, part, [&](const Above& point) { note(point); },
+        [&](const Part& smaller) { visit(smaller); });
+  }
+
+  Points points_;
+  SplineSurface& surface_;
+  const BoxLattice& lattice_;
+  const MovingPiece& box_;
+  const Pace& pace_;
+  Corners corners_;
+  double best_s_ = k_forever_s;    ///< no point that was looked at collides before
+  double lowest_m_ = k_forever_s;  ///< gap of those
+  bool shortened_ = false;         ///< what wasn't split is clear for a part of that time
+  bool colliding_ = false;
+  Above contact_;
+};
+
+PieceContact contact_from(const Above& point) {
+  const Vec3 normal = point.normal();
+  return {.gap_m = point.gap_m,
+          .rate_mps = point.rate_mps * normal.z(),
+          .normal = normal,
+          .point_m = point.place_m - Vec3(0, 0, 0.5 * point.gap_m)};
+}
+
+}  // namespace
+
+std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing_m) {
+  if (piece.vertex_count != 8 || piece.face_count != 6) return std::nullopt;
+  BoxLattice lattice;
+  for (std::size_t f = 0; f < 6; ++f) {
+    const Face& face = piece.faces[f];
+    if (face.side_count != 4) return std::nullopt;
+    FaceLattice& points = lattice.faces[f];
+    for (std::size_t k = 0; k < 4; ++k)
+      points.corner[k] = piece.sides[face.first_side + k].vertex;
+    const auto vertex = [&](std::size_t k) { return piece.vertices_m[points.corner[k]]; };
+    const Vec3 along_m = vertex(1) - vertex(0);
+    const Vec3 across_m = vertex(3) - vertex(0);
+    const Vec3 missing_m = (vertex(2) - vertex(3)) - along_m;
+    const double steps_along = std::ceil(math::norm(along_m) / spacing_m);
+    const double steps_across = std::ceil(math::norm(across_m) / spacing_m);
+    if (math::norm(missing_m) > k_parallel * piece.r_outer_m ||
+        !(std::max(steps_along, steps_across) <= k_steps_max))
+      return std::nullopt;
+    points.along = std::max(1, static_cast<std::int32_t>(steps_along));
+    points.across = std::max(1, static_cast<std::int32_t>(steps_across));
+    lattice.steps_most = std::max({lattice.steps_most, points.along, points.across});
+  }
+  for (std::size_t e = 0; e < lattice.edges.size(); ++e) {
+    const auto [one, other] = piece.edges[e].vertex;
+    const Vec3 along_m = piece.vertices_m[other] - piece.vertices_m[one];
+    const double steps = std::ceil(math::norm(along_m) / spacing_m);
+    lattice.edges[e] = {{one, other}, std::max(1, static_cast<std::int32_t>(steps))};
+  }
+  return lattice;
+}
+
+Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
+                         Tick tick, NearPoints& near, PieceContact& contact) {
+  // While the sphere around the box is higher than everything near.
+  const double wide_m = box.reach_m + surface.spacing_m();
+  const double top_m = bounds_around(surface, box, wide_m).top_m;
+  const double clear_m = box.pose.position_m.z() - box.reach_m - top_m - k_touch_m;
+  if (clear_m > 0) {
+    const double span_s =
+        std::min(stays_within_s(box, wide_m),
+                 first_zero_s(clear_m, box.velocity_mps.z(), box.acceleration_mps2.z()));
+    Examined apart = look_after(tick, span_s);
+    apart.gap_m = clear_m;
+    return apart;
+  }
+  const Pace pace = pace_of(surface, box);
+  Look look(surface, lattice, box, pace);
+  const double span_s = look.failing_s(near);
+  if (look.collides()) {
+    contact = contact_from(look.contact());
+    return {.collides = true, .next = tick};
+  }
+  // No tick before the first one after this span.
+  const TickCount span = ticks_after(span_s * (1 - k_skip_margin));
+  return {.collides = false, .next = tick + std::max<TickCount>(1, span)};
+}
+
+PieceContact contact_of(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box) {
+  const Pace pace = pace_of(surface, box);
+  Look look(surface, lattice, box, pace);
+  look.failing_s();
+  if (look.collides()) return contact_from(look.contact());
+  Points points(surface, box);
+  const Corners corners = corners_of(points);
+  Above lowest = corners[0];
+  visit_all_low(
+      points, lattice, corners, pace.surface.bump_per_m, [&] { return lowest.gap_m; },
+      [&](const Above& point) {
+        if (point.gap_m < lowest.gap_m) lowest = point;
+      });
+  return contact_from(lowest);
+}
+
+void points_near(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
+                 double near_m, const std::function<void(const Vec3&, const Vec3&)>& found) {
+  constexpr double k_half_root = 0.70710678118654752;
+  constexpr std::array<std::array<double, 2>, k_outermost> k_ways{{{1, 0},
+                                                                   {k_half_root, k_half_root},
+                                                                   {0, 1},
+                                                                   {-k_half_root, k_half_root},
+                                                                   {-1, 0},
+                                                                   {-k_half_root, -k_half_root},
+                                                                   {0, -1},
+                                                                   {k_half_root, -k_half_root}}};
+  std::array<Above, k_outermost> outermost;
+  std::array<double, k_outermost> out_m;
+  out_m.fill(-k_forever_s);
+  const Vec3& centre_m = box.pose.position_m;
+  const auto note = [&](const Above& point) {
+    if (point.gap_m > near_m) return;
+    const Vec3 arm_m = point.place_m - centre_m;
+    for (std::size_t k = 0; k < k_outermost; ++k) {
+      const double way_m = arm_m.x() * k_ways[k][0] + arm_m.y() * k_ways[k][1];
+      if (way_m <= out_m[k]) continue;
+      out_m[k] = way_m;
+      outermost[k] = point;
+    }
+  };
+  Points points(surface, box);
+  visit_all_low(
+      points, lattice, corners_of(points), bounds_around(surface, box, 0).bump_per_m,
+      [&] { return near_m; }, note);
+  for (std::size_t k = 0; k < k_outermost; ++k) {
+    const auto same = [&](const Above& other) { return other.place_m == outermost[k].place_m; };
+    if (out_m[k] == -k_forever_s || std::any_of(outermost.begin(), outermost.begin() + k, same))
+      continue;
+    found(outermost[k].place_m, outermost[k].normal());
+  }
+}
+
+}  // namespace sleight::physics
