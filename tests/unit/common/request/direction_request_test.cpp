@@ -234,8 +234,8 @@ TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
   const auto errors = [](const std::string& table) {
     return toy::errors_of("[world]\nname = 'toy'\n[stop]\nscans = 1\n" + table);
   };
-  EXPECT_THAT(errors("[[world.peg]]\nx = 1\n"),
-              testing::ElementsAre("r.toml:6:1: unknown key 'x' in [[world.peg]]; did you mean "
+  EXPECT_THAT(errors("[[world.peg]]\nx_n = 1\n"),
+              testing::ElementsAre("r.toml:6:1: unknown key 'x_n' in [[world.peg]]; did you mean "
                                    "'x_m'?"));
   EXPECT_THAT(errors("[[world.peg]]\nthreads = 1\n"),
               testing::ElementsAre(testing::HasSubstr("command-line option")));

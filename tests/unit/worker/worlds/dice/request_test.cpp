@@ -121,7 +121,7 @@ TEST(DiceRequest, SlipsAreNamed) {
   // Goal: what can't be is said with its key and what to do. Method: one slip each.
   EXPECT_THAT(complaint("dice = 21"), HasSubstr("from 1 to 20"));
   EXPECT_THAT(complaint("dice = 2\n[[world.die]]\nx_mm = 1"), HasSubstr("1 tables [[world.die]]"));
-  EXPECT_THAT(complaint("[[world.die]]\nx = 1"), HasSubstr("did you mean 'x_mm'?"));
+  EXPECT_THAT(complaint("[[world.die]]\nx_mn = 1"), HasSubstr("did you mean 'x_mm'?"));
   EXPECT_THAT(complaint("[[world.die]]\nup = 2"), HasSubstr("must be \"fixed\" where up"));
   EXPECT_THAT(complaint("[[world.die]]\norientation = \"fixed\"\nup = 2\nqx = 1"),
               HasSubstr("give one of both"));
