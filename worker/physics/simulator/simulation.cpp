@@ -119,6 +119,10 @@ void Simulation::go_on_with(const SimulationOptions& options) {
   if (impl_->engine) impl_->engine = engine_of(impl_->world, options, impl_->engine->state());
 }
 
+std::span<const SurfaceTouch> Simulation::surface_touches() const {
+  return impl_->world.surface_touches();
+}
+
 Tick Simulation::now() const {
   return impl_->engine ? impl_->engine->now() : impl_->now;
 }

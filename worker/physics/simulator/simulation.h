@@ -31,12 +31,14 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "common/base/result.h"
 #include "worker/physics/simulator/engine_options.h"
 #include "worker/physics/simulator/history.h"
 #include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/scene.h"
+#include "worker/physics/simulator/surface_touches.h"
 
 namespace sleight::physics {
 
@@ -98,6 +100,8 @@ class Simulation {
   /// Of all bodies that have started.
   double kinetic_energy_j() const;
   const Counts& counts() const;
+  /// Collisions with the scene's surfaces up to now(), in order; also replayed ones.
+  std::span<const SurfaceTouch> surface_touches() const;
   /// Up to now(). Empty if not recorded. Of one that tells it is made, or completed, here.
   const Recording& recording() const;
   /// All that happened up to now(), as the past of other simulations: shared, and good for as long

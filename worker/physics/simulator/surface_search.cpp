@@ -15,6 +15,8 @@ constexpr double k_parallel = 1e-9;
 /// that is short, it is, as the collision is near.
 constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
+/// How much further a second bound of when a point collides reaches than the first one says.
+constexpr double k_a_bit_more = 1.1;
 /// After a shorter span than this the points that are near are found again.
 constexpr double k_worth_s = 1e-4;
 /// Points are near that may touch within so many times the span of a look, as that is now.
@@ -54,7 +56,7 @@ struct Pace {
 
   /// The same of one point's gap, for so long: at least 0.
   double fall_of(const Above& point, double until_s) const {
-    const double fall = -point.pull_mps2 + jerk_mps3 * until_s;
+    const double fall = -point.pull_mps2 + 0.5 * jerk_mps3 * until_s;
     return std::clamp(fall, 0.0, fall_mps2);
   }
 };
@@ -399,10 +401,18 @@ class Look {
   /// How far ahead parts are looked at: within a tick is now, and then each point counts.
   double horizon_s() const { return std::max(best_s_, k_seconds_per_tick); }
 
+  /// When a point may collide, if that is sooner than `until_s`, which it is else.
+  double collides_after_s(const Above& point, double until_s) const {
+    return std::min(
+        until_s, first_collision_s(point.gap_m, point.rate_mps, pace_.fall_of(point, until_s), 0));
+  }
+
   void note(const Above& point) {
     lowest_m_ = std::min(lowest_m_, point.gap_m);
-    best_s_ = std::min(
-        best_s_, first_collision_s(point.gap_m, point.rate_mps, pace_.fall_of(point, best_s_), 0));
+    const double soon_s = collides_after_s(point, best_s_);
+    // A bound for a shorter time is a better one.
+    if (soon_s < best_s_)
+      best_s_ = collides_after_s(point, std::min(best_s_, k_a_bit_more * soon_s));
     if (point.gap_m > k_touch_m || point.rate_mps * point.normal().z() >= -k_approach_mps) return;
     if (colliding_ && point.gap_m >= contact_.gap_m) return;
     colliding_ = true;
@@ -576,19 +586,21 @@ std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing
 
 Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
                          Tick tick, NearPoints& near, PieceContact& contact) {
-  // While the sphere around the box is higher than everything near.
-  const double wide_m = box.reach_m + surface.spacing_m();
-  const double top_m = bounds_around(surface, box, wide_m).top_m;
-  const double clear_m = box.pose.position_m.z() - box.reach_m - top_m - k_touch_m;
-  if (clear_m > 0) {
-    const double span_s =
-        std::min(stays_within_s(box, wide_m),
-                 first_zero_s(clear_m, box.velocity_mps.z(), box.acceleration_mps2.z()));
-    Examined apart = look_after(tick, span_s);
-    apart.gap_m = clear_m;
-    return apart;
-  }
   const Pace pace = pace_of(surface, box);
+  const double bottom_m = box.pose.position_m.z() - box.reach_m - k_touch_m;
+  if (bottom_m > pace.surface.top_m) {
+    // While the sphere around the box is higher than everything near.
+    const double wide_m = box.reach_m + surface.spacing_m();
+    const double clear_m = bottom_m - bounds_around(surface, box, wide_m).top_m;
+    if (clear_m > 0) {
+      const double span_s =
+          std::min(stays_within_s(box, wide_m),
+                   first_zero_s(clear_m, box.velocity_mps.z(), box.acceleration_mps2.z()));
+      Examined apart = look_after(tick, span_s);
+      apart.gap_m = clear_m;
+      return apart;
+    }
+  }
   Look look(surface, lattice, box, pace);
   const double span_s = look.failing_s(near);
   if (look.collides()) {

@@ -37,6 +37,7 @@
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/static_geometry.h"
 #include "worker/physics/simulator/surface_search.h"
+#include "worker/physics/simulator/surface_touches.h"
 #include "worker/physics/simulator/telling.h"
 
 namespace sleight::physics {
@@ -271,6 +272,7 @@ class World {
   Twist twist_at(std::uint32_t body, Tick tick);
   /// Of all bodies that have started.
   double kinetic_energy_j(Tick tick);
+  std::span<const SurfaceTouch> surface_touches() const { return surface_touches_; }
 
  private:
   /// What bodies that are not spheres need beside their segment.
@@ -327,6 +329,8 @@ class World {
   ImpactOutput impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
                          const ContactLaw& law, Tick tick, bool a_fixed, bool b_fixed);
   PieceContact contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event);
+  /// A body's contact with a surface, from its centre at the tick.
+  void note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& arm_m);
   PieceContact contact_with_static(std::uint32_t index, std::uint32_t body, std::uint32_t part,
                                    Tick tick);
   bool is_surface(std::uint32_t body, std::uint32_t index) const {
@@ -403,6 +407,7 @@ class World {
   Scene scene_;
   StaticGeometry statics_;
   mutable std::vector<MetSurface> surfaces_;  ///< they keep what they were asked
+  std::vector<SurfaceTouch> surface_touches_;
   NearVector<Flight> flights_;
   NearVector<Segment> segments_;
   NearVector<BodyConstants> constants_;

@@ -228,8 +228,9 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
       law_of_static(body, index, contact.point_m, count_at(body, tick) > k_elastic_at_a_tick);
   const Twist before = twist_at(body, tick);
   const auto log_touch = [&](const Twist& after) {
-    if (!resting_.enabled()) return;
+    if (!resting_.enabled() && !is_surface(body, index)) return;
     const Vec3 place_m = position_at(segments_[body].flight, tick);
+    if (is_surface(body, index)) note_surface(body, index, tick, contact.point_m - place_m);
     note_touch(body,
                {.tick = tick,
                 .partner = k_static_partner,
@@ -266,6 +267,13 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   log_touch(after.b);
   begin_after(body, after.b, event);
   wake_on_those_that_left(event);
+}
+
+void World::note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& arm_m) {
+  surface_touches_.push_back({.tick = tick,
+                              .body = body,
+                              .surface = index - statics_.piece_count(),
+                              .point_m = position_at(segments_[body].flight, tick) + arm_m});
 }
 
 void World::apply(const Control& control, const EventKey& event) {

@@ -124,6 +124,14 @@ void World::recall(const ToldEvent& event) {
         supports_[key.lower].met_body = key.tick;
         supports_[key.higher].met_body = key.tick;
       }
+    } else if (is_surface(key.lower, key.higher & ~k_static)) {
+      const std::uint32_t index = key.higher & ~k_static;
+      const auto touch = std::ranges::find_if(event.touches, [&](const TouchRecord& record) {
+        return record.tick == key.tick && record.partner == k_static_partner &&
+               record.feature == index;
+      });
+      CHECK(touch != event.touches.end());
+      note_surface(key.lower, index, key.tick, touch->arm_m);
     }
   }
   std::size_t touch = 0;

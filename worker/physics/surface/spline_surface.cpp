@@ -23,10 +23,12 @@ std::size_t hash_of(GridIndex index) {
   return static_cast<std::size_t>(((i << 32U | j) * 0x9e3779b97f4a7c15U) >> 32U);
 }
 
-/// The index of a cell. A conversion of what doesn't fit would be undefined.
-std::int32_t index_of(double floored) {
-  CHECK(std::fabs(floored) <= k_patch_index_max);
-  return static_cast<std::int32_t>(floored);
+/// The index of the cell that a place is in, in cells: std::floor without a call. A conversion of
+/// what doesn't fit would be undefined.
+std::int32_t index_of(double place) {
+  CHECK(std::fabs(place) <= k_patch_index_max);
+  const auto index = static_cast<std::int32_t>(place);
+  return index - (static_cast<double>(index) > place ? 1 : 0);
 }
 
 /// Coefficients of 1, u, u^2 and u^3 of the cubic over four points.
@@ -156,17 +158,16 @@ SplineSurface::SplineSurface(const StaticSurface& surface)
 }
 
 GridIndex SplineSurface::patch_at(double x_m, double y_m) const {
-  return {index_of(std::floor(x_m * per_spacing_)), index_of(std::floor(y_m * per_spacing_))};
+  return {index_of(x_m * per_spacing_), index_of(y_m * per_spacing_)};
 }
 
 SurfacePlace SplineSurface::at(double x_m, double y_m) {
   const double column = x_m * per_spacing_;
   const double row = y_m * per_spacing_;
-  const double i = std::floor(column);
-  const double j = std::floor(row);
-  const double u = column - i;
-  const double v = row - j;
-  const Patch& here = patch({index_of(i), index_of(j)});
+  const GridIndex index{index_of(column), index_of(row)};
+  const double u = column - index.i;
+  const double v = row - index.j;
+  const Patch& here = patch(index);
   const std::array<double, 16>& c = here.coefficient;
   std::array<double, 4> value;  // of each power of u
   std::array<double, 4> along_v;
@@ -221,8 +222,8 @@ std::array<GridIndex, 16> SplineSurface::support(GridIndex patch) {
 std::array<double, 16> SplineSurface::weights_at(double x_m, double y_m) const {
   const double column = x_m * per_spacing_;
   const double row = y_m * per_spacing_;
-  const std::array<double, 4> of_u = basis_at(column - std::floor(column));
-  const std::array<double, 4> of_v = basis_at(row - std::floor(row));
+  const std::array<double, 4> of_u = basis_at(column - index_of(column));
+  const std::array<double, 4> of_v = basis_at(row - index_of(row));
   std::array<double, 16> weights;
   for (std::size_t a = 0; a < 4; ++a) {
     for (std::size_t b = 0; b < 4; ++b)

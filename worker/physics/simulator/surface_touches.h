@@ -1,0 +1,21 @@
+// Where bodies touched spline surfaces.
+//
+// Thread safety: values.
+#pragma once
+
+#include <cstdint>
+
+#include "common/math/vector.h"
+#include "worker/physics/event/tick.h"
+
+namespace sleight::physics {
+
+/// A collision of a body with a surface.
+struct SurfaceTouch {
+  Tick tick{};
+  std::uint32_t body = 0;
+  std::uint32_t surface = 0;  ///< its place in the scene
+  math::Vec3 point_m = math::Vec3::Zero();
+};
+
+}  // namespace sleight::physics
