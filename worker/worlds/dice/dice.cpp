@@ -10,7 +10,6 @@
 #include "common/base/check.h"
 #include "worker/physics/shape/shapes.h"
 #include "worker/physics/simulator/simulation.h"
-#include "worker/physics/simulator/surface_touches.h"
 #include "worker/physics/surface/spline_surface.h"
 
 namespace sleight::worlds::dice {
@@ -146,7 +145,7 @@ Outcome Dice::simulated(const State& state, bool tells,
   }
   outcome.end_s = *std::ranges::max_element(views.rest_s);
   outcome.judgement = judge(parameters_.goals, parameters_.numbering, views, times_s_);
-  look_at_contacts(state, scene, recorded, outcome);
+  look_at_contacts(state, scene, simulation.surface_touches(), outcome);
   if (tells) outcome.past = simulation.history();
   if (recording != nullptr) *recording = recorded;
   outcome.at_end = std::move(views.at_end);
@@ -154,9 +153,9 @@ Outcome Dice::simulated(const State& state, bool tells,
 }
 
 void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
-                            const physics::Recording& recording, Outcome& outcome) const {
+                            std::span<const physics::SurfaceTouch> touches,
+                            Outcome& outcome) const {
   const physics::SplineSurface surface(scene.surfaces.front());
-  const std::vector<physics::SurfaceTouch> touches = physics::surface_touches(scene, recording);
   outcome.collisions = static_cast<std::uint32_t>(touches.size());
   if (touches.empty()) return;
 
@@ -210,6 +209,7 @@ Animation Dice::animate(const State& state) const {
   const Outcome outcome = simulated(state, false, nullptr, &animation.recording);
   CHECK(outcome.end != End::failed);
   animation.numberings = outcome.judgement.numberings;
+  animation.collisions = outcome.collisions;
   return animation;
 }
 

@@ -29,6 +29,7 @@
 #include "worker/physics/simulator/history.h"
 #include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/scene.h"
+#include "worker/physics/simulator/surface_touches.h"
 #include "worker/sampling/target.h"
 #include "worker/worlds/dice/parameters.h"
 #include "worker/worlds/dice/proposals.h"
@@ -63,6 +64,7 @@ struct Outcome {
 struct Animation {
   physics::Recording recording;
   std::vector<std::uint32_t> numberings;  ///< by die
+  std::uint32_t collisions = 0;           ///< with the table
 };
 
 /// Whether simulations are made from what is known of similar ones. Changes no result.
@@ -129,7 +131,7 @@ class Dice {
                     const std::shared_ptr<const physics::History>& past,
                     physics::Recording* recording = nullptr) const;
   void look_at_contacts(const State& state, const physics::Scene& scene,
-                        const physics::Recording& recording, Outcome& outcome) const;
+                        std::span<const physics::SurfaceTouch> touches, Outcome& outcome) const;
 
   Parameters parameters_;
   Replays replays_;

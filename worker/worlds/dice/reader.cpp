@@ -9,7 +9,6 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
-#include "worker/physics/simulator/surface_touches.h"
 #include "worker/worlds/dice/dice.h"
 
 namespace sleight::worlds::dice {
@@ -142,10 +141,10 @@ class DiceReader final : public archive::StateReader {
   }
 
   double likeness_distance(base::BytesView a, base::BytesView b) const override {
-    const State left_state = decoded(a);
-    const State right_state = decoded(b);
-    const physics::Recording left = world_.animate(left_state).recording;
-    const physics::Recording right = world_.animate(right_state).recording;
+    const Animation one_throw = world_.animate(decoded(a));
+    const Animation other_throw = world_.animate(decoded(b));
+    const physics::Recording& left = one_throw.recording;
+    const physics::Recording& right = other_throw.recording;
     const physics::TickCount step = physics::ticks_after(k_likeness_every_s);
     double most_m = 0;
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
@@ -155,11 +154,8 @@ class DiceReader final : public archive::StateReader {
         if (one && other) most_m = std::max(most_m, math::norm(Vec3(*one - *other)));
       }
     }
-    const auto touches = [&](const State& state, const physics::Recording& recording) {
-      return static_cast<double>(physics::surface_touches(world_.scene(state), recording).size());
-    };
-    const double left_touches = touches(left_state, left);
-    const double right_touches = touches(right_state, right);
+    const double left_touches = one_throw.collisions;
+    const double right_touches = other_throw.collisions;
     const double more = std::max({left_touches, right_touches, 1.0});
     return most_m / world_.parameters().world.side_m +
            std::fabs(left_touches - right_touches) / more;
