@@ -50,7 +50,7 @@ struct ThrowOdds {
   double log10_high = 0;
 };
 
-/// `log_natural_throw`: that a prior draw is what a blind thrower throws; all that satisfy are.
+/// `log_natural_throw`: as WorldLayout has it.
 ThrowOdds odds_of(const LogEstimate& log_p_satisfied, double log_natural_throw);
 
 /// "one throw in 3.2 million (2.1 to 4.9 million)"; "(error unknown)" where it is.

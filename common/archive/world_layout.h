@@ -42,8 +42,11 @@ struct WorldLayout {
   /// What whoever uses the samples must know, one line; empty: nothing. Programs say it when a run
   /// starts, and its archive carries it.
   std::string warning = {};
-  /// Log of the probability that a draw from the prior is a natural throw, of which all that
-  /// satisfy are some: a throw with all balls in it.
+  /// P(satisfied) of draws from the prior, divided by e to this, is that of natural throws, which a
+  /// person could make blindly. Below 0 where only some draws are such throws, and all that satisfy
+  /// are among them: the log of the probability that a draw has all balls in it. Above 0 where a
+  /// draw satisfies as soon as one of several equally likely throws that it stands for does: dice
+  /// whose faces are numbered afterwards.
   double log_natural_throw = 0;
 };
 

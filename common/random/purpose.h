@@ -18,6 +18,7 @@ enum class Purpose : std::uint32_t {
   start = 6,       ///< another place for a body that had no room at its start
   excursion = 7,   ///< the uniform number of a tempered transition's decision
   level = 8,       ///< which temperature simulated tempering moves to, and whether it does
+  table = 9,       ///< a control point of a random surface: the seed is the surface's own key
 };
 
 }  // namespace sleight::random

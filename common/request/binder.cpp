@@ -78,15 +78,19 @@ void Binder::refuse(const Value& value, std::string_view hint) {
        fmt::format("expected {}, found {}{}", spec.expected, description(value), hint));
 }
 
-double Binder::read_number(std::string_view key, double fallback, const NumberOptions& options) {
-  CHECK(in_range(fallback, options));
+std::optional<double> Binder::read_number(std::string_view key, std::optional<double> fallback,
+                                          const NumberOptions& options) {
   KeySpec spec{.key = std::string(key),
                .unit = std::string(options.unit),
-               .fallback = toml_number(fallback),
+               .presence = fallback ? Presence::defaulted : Presence::optional,
                .help = std::string(options.help)};
+  if (fallback) {
+    CHECK(in_range(*fallback, options));
+    spec.fallback = toml_number(*fallback);
+  }
   describe_range(options, spec);
 
-  double number = fallback;
+  std::optional<double> number = fallback;
   if (const Value* value = declare(std::move(spec))) {
     double found = std::numeric_limits<double>::quiet_NaN();
     if (const auto* as_number = std::get_if<double>(&value->held)) found = *as_number;
@@ -99,19 +103,46 @@ double Binder::read_number(std::string_view key, double fallback, const NumberOp
       refuse(*value);
     }
   }
-  keys_.back().value = toml_number(number);
+  if (number) keys_.back().value = toml_number(*number);
   return number;
 }
 
 void Binder::number(std::string_view key, double& value, const NumberOptions& options) {
-  value = read_number(key, value, options);
+  value = *read_number(key, value, options);
+}
+
+void Binder::optional_number(std::string_view key, std::optional<double>& value,
+                             const NumberOptions& options) {
+  CHECK(!value.has_value());
+  value = read_number(key, std::nullopt, options);
+}
+
+const TableArray* Binder::declare_tables(std::string_view key, const TablesOptions& options) {
+  const std::string name = fmt::format("[{}.{}]", section_name_, key);
+  const Value* value = declare({.key = std::string(key),
+                                .range = fmt::format("<= {} tables", options.count_max),
+                                .expected = fmt::format("tables, each below [{}]", name),
+                                .presence = Presence::optional,
+                                .help = std::string(options.help)});
+  arrays_.push_back({.key = std::string(key), .name = name, .specs = {}, .tables = {}});
+  if (value == nullptr) return nullptr;
+  const TableArray* array = section_->find_array(key);
+  if (array == nullptr) {
+    refuse(*value);
+  } else if (array->tables.size() > options.count_max) {
+    fail(key, array->tables[options.count_max].place,
+         fmt::format("at most {} tables [{}], found {}", options.count_max, name,
+                     array->tables.size()));
+    array = nullptr;
+  }
+  return array;
 }
 
 void Binder::angle_deg(std::string_view key, double& value_rad, const NumberOptions& options) {
   NumberOptions in_degrees = options;
   in_degrees.unit = "degrees";
   const double fallback = degrees_of_radians(value_rad);
-  const double degrees = read_number(key, fallback, in_degrees);
+  const double degrees = *read_number(key, fallback, in_degrees);
   // The default's own bits are kept where nothing else was asked for.
   if (degrees != fallback) value_rad = radians_of_degrees(degrees);
 }

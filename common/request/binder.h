@@ -23,6 +23,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -61,6 +62,14 @@ struct BoundKey {
   std::string value;  ///< as TOML; empty where an optional or required key is not given
 };
 
+/// An array of tables.
+struct BoundTables {
+  std::string key;
+  std::string name;             ///< "[section.key]": what stands between a section's brackets
+  std::vector<BoundKey> specs;  ///< what the keys of each are, with their defaults
+  std::vector<std::vector<BoundKey>> tables;  ///< those that the file has
+};
+
 /// A finite number; an integer will do in the file. -0 is read as 0.
 struct NumberOptions {
   double minimum = std::numeric_limits<double>::lowest();
@@ -83,6 +92,11 @@ struct TextOptions {
   std::string_view help = "";
 };
 
+struct TablesOptions {
+  std::size_t count_max = 1;
+  std::string_view help = "";
+};
+
 /// One of a key's choices: its name in the file and what it stands for.
 template <class T>
 struct Named {
@@ -101,6 +115,10 @@ class Binder {
   /// In the file in degrees, in `options` too; `value_rad` in radians. The normalised text has the
   /// degrees as they were given, so no digits are made up by converting there and back.
   void angle_deg(std::string_view key, double& value_rad, const NumberOptions& options);
+
+  /// A number that is there or not. REQUIRES: `value` is empty.
+  void optional_number(std::string_view key, std::optional<double>& value,
+                       const NumberOptions& options);
 
   /// REQUIRES: the range fits T.
   template <class T>
@@ -146,6 +164,26 @@ class Binder {
     if (chosen) value = choices[*chosen].value;
   }
 
+  /// `[[section.key]]`, any number of tables, each with keys of its own that `bind` declares for
+  /// one of `values`; these become as many as the file has. Once more it is bound without a file,
+  /// to a T{}, for help. Beyond the most that there may be tables are an error, and not bound.
+  template <class T>
+  void tables(std::string_view key, std::vector<T>& values, const TablesOptions& options,
+              const std::function<void(Binder& table, T& value)>& bind) {
+    values.clear();
+    const TableArray* given = declare_tables(key, options);
+    const std::string name = arrays_.back().name;
+    T described{};
+    Binder help(name, nullptr, diagnostics_);
+    bind(help, described);
+    arrays_.back().specs = help.keys();
+    for (std::size_t i = 0; given != nullptr && i < given->tables.size(); ++i) {
+      Binder table(name, &given->tables[i], diagnostics_);
+      bind(table, values.emplace_back());
+      arrays_.back().tables.push_back(table.keys());
+    }
+  }
+
   /// Whether the file gives the key, rightly or wrongly.
   bool given(std::string_view key) const;
 
@@ -159,6 +197,7 @@ class Binder {
 
   const std::string& section_name() const { return section_name_; }
   const std::vector<BoundKey>& keys() const { return keys_; }
+  const std::vector<BoundTables>& arrays() const { return arrays_; }
 
  private:
   template <class T>
@@ -173,7 +212,8 @@ class Binder {
     return names;
   }
 
-  double read_number(std::string_view key, double fallback, const NumberOptions& options);
+  std::optional<double> read_number(std::string_view key, std::optional<double> fallback,
+                                    const NumberOptions& options);
   std::optional<std::int64_t> read_integer(std::string_view key,
                                            std::optional<std::int64_t> fallback, Presence presence,
                                            const IntegerOptions& options);
@@ -183,6 +223,8 @@ class Binder {
 
   /// Adds the key and looks its value up: null if the file does not give it.
   const Value* declare(KeySpec spec);
+  /// Null if there are none, or too many.
+  const TableArray* declare_tables(std::string_view key, const TablesOptions& options);
   void refuse(const Value& value, std::string_view hint = "");
   void fail(std::string_view key, Place place, std::string_view message);
 
@@ -190,6 +232,7 @@ class Binder {
   const Section* section_;
   Diagnostics& diagnostics_;
   std::vector<BoundKey> keys_;
+  std::vector<BoundTables> arrays_;
   std::vector<std::string> invalid_;
 };
 

@@ -6,6 +6,8 @@
 //   [stop]        when it is enough: the first of the given rules that holds ends the run
 //   [output]      what is kept
 //
+// A section may have arrays of tables, as [[world.die]], each table with keys of its own.
+//
 // The keys of a world (in [world], [constraint] and, for its proposals, [sampler]) are bound by the
 // world itself, which this module knows as a WorldBinding only; a program's main passes the worlds
 // that it has.
@@ -93,9 +95,9 @@ struct OutputParameters {
   friend bool operator==(const OutputParameters&, const OutputParameters&) = default;
 };
 
-/// A section's keys in their fixed order, each value as TOML.
+/// A section's keys in their fixed order, each value as TOML. A table of an array is one as well.
 struct NormalisedSection {
-  std::string name;
+  std::string name;  ///< what stands between the brackets: "world", and "[world.die]" of a table
   std::vector<std::pair<std::string, std::string>> keys;
   friend bool operator==(const NormalisedSection&, const NormalisedSection&) = default;
 };
@@ -105,7 +107,7 @@ struct DirectionRequest {
   SamplerParameters sampler;
   StopRule stop;
   OutputParameters output;
-  std::vector<NormalisedSection> sections;  ///< all five, the world's keys included
+  std::vector<NormalisedSection> sections;  ///< all five and their tables, the world's included
   friend bool operator==(const DirectionRequest&, const DirectionRequest&) = default;
 };
 
@@ -143,7 +145,7 @@ std::string identity_text(const DirectionRequest& request);
 /// The request with another seed, as if its file had it. REQUIRES: seed <= k_seed_max.
 DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
 
-/// A section and what its keys are.
+/// A section, or any table of an array, and what its keys are.
 struct SectionKeys {
   std::string name;
   std::vector<KeySpec> keys;

@@ -113,8 +113,24 @@ Entry entry_of(const toml::key& key, const toml::node& node) {
   return {std::string(key.str()), place_of(key.source().begin), value_of(node)};
 }
 
+bool by_place(const Entry& a, const Entry& b) {
+  return a.place < b.place;
+}
+
+/// REQUIRES: an array of tables.
+TableArray tables_of(const std::string& section, const toml::key& key, const toml::array& array) {
+  TableArray tables{std::string(key.str()), {}};
+  for (const toml::node& node : array) {
+    Section table{fmt::format("[{}.{}]", section, key.str()), place_of(node.source().begin), {}};
+    for (const auto& [inner_key, inner] : *node.as_table())
+      table.entries.push_back(entry_of(inner_key, inner));
+    std::stable_sort(table.entries.begin(), table.entries.end(), by_place);
+    tables.tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
 Document document_of(const toml::table& root) {
-  const auto by_place = [](const auto& a, const auto& b) { return a.place < b.place; };
   Document document;
   for (const auto& [key, node] : root) {
     const toml::table* table = node.as_table();
@@ -125,11 +141,14 @@ Document document_of(const toml::table& root) {
     Section section{std::string(key.str()), place_of(key.source().begin), {}};
     for (const auto& [inner_key, inner] : *table) {
       section.entries.push_back(entry_of(inner_key, inner));
+      if (inner.is_array_of_tables())
+        section.arrays.push_back(tables_of(section.name, inner_key, *inner.as_array()));
     }
     std::stable_sort(section.entries.begin(), section.entries.end(), by_place);
     document.sections.push_back(std::move(section));
   }
-  std::stable_sort(document.sections.begin(), document.sections.end(), by_place);
+  std::stable_sort(document.sections.begin(), document.sections.end(),
+                   [](const Section& a, const Section& b) { return a.place < b.place; });
   std::stable_sort(document.loose.begin(), document.loose.end(), by_place);
   return document;
 }
@@ -145,6 +164,10 @@ auto* find_in(const Range& range, std::string_view name, auto member) {
 
 const Entry* Section::find(std::string_view key) const {
   return find_in(entries, key, &Entry::key);
+}
+
+const TableArray* Section::find_array(std::string_view key) const {
+  return find_in(arrays, key, &TableArray::key);
 }
 
 const Section* Document::find(std::string_view wanted) const {

@@ -2,7 +2,8 @@
 // instead of TOML, so that toml++ is compiled in one source file.
 //
 // Invariants
-//   1. Section names are distinct, and so are the keys of a section (TOML forbids doubles).
+//   1. Section names are distinct, and so are the keys of a section (TOML forbids doubles); the
+//      tables of an array all have its name.
 //   2. Sections and keys are in the order of their places.
 //   3. Every place lies in the file, or just behind a line's last character.
 // Values; thread-safe as such.
@@ -33,13 +34,25 @@ struct Entry {
   Value value;
 };
 
+struct Section;
+
+/// `[[section.key]]`, as often as it stands in the file. The section has an entry of this key, too:
+/// an array.
+struct TableArray {
+  std::string key;
+  std::vector<Section> tables;  ///< in order; named as they are written between brackets
+};
+
 struct Section {
   std::string name;
   Place place;
   std::vector<Entry> entries;
+  std::vector<TableArray> arrays{};
 
   /// Null if there is no such key.
   const Entry* find(std::string_view key) const;
+  /// Null if there is no such array of tables.
+  const TableArray* find_array(std::string_view key) const;
 };
 
 struct Document {

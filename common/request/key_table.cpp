@@ -44,11 +44,16 @@ std::vector<SectionKeys> request_keys(const WorldBinding& world) {
   CHECK(diagnostics.empty());
 
   std::vector<SectionKeys> listed;
-  for (const Binder* section : sections.all()) {
-    SectionKeys keys{section->section_name(), {}};
-    for (const BoundKey& bound : section->keys())
+  const auto list = [&](const std::string& name, const std::vector<BoundKey>& bound_keys) {
+    SectionKeys keys{name, {}};
+    for (const BoundKey& bound : bound_keys)
       keys.keys.push_back(bound.spec);
     listed.push_back(std::move(keys));
+  };
+  for (const Binder* section : sections.all()) {
+    list(section->section_name(), section->keys());
+    for (const BoundTables& array : section->arrays())
+      list(array.name, array.specs);
   }
   return listed;
 }

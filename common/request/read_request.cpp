@@ -53,6 +53,20 @@ class UnknownKeys {
                                               section, meant_key(entry, known)));
   }
 
+  /// Of a table of an array.
+  void table_key(const Entry& entry, const BoundTables& array) {
+    std::vector<std::string> known;
+    for (const BoundKey& bound : array.specs)
+      known.push_back(bound.spec.key);
+    if (std::find(known.begin(), known.end(), entry.key) != known.end()) return;
+    if (is_command_line_option(entry.key)) return command_line_option(entry);
+    const auto near = nearest(entry.key, known);
+    diagnostics_.add(entry.place,
+                     fmt::format("unknown key '{}' in [{}]; {}", shown(entry.key), array.name,
+                                 near ? fmt::format("did you mean '{}'?", *near)
+                                      : fmt::format("it has '{}'", fmt::join(known, "', '"))));
+  }
+
   void loose(const Entry& entry) {
     if (is_command_line_option(entry.key)) return command_line_option(entry);
     std::string why;
@@ -141,6 +155,14 @@ void report_unknown(const Document& document, const SectionBinders& sections, bo
     for (const Entry& entry : section.entries) {
       unknown.key(entry, section.name, world_known || is_common);
     }
+    for (const BoundTables& bound : (*at)->arrays()) {
+      const TableArray* array = section.find_array(bound.key);
+      if (array == nullptr) continue;
+      for (const Section& table : array->tables) {
+        for (const Entry& entry : table.entries)
+          unknown.table_key(entry, bound);
+      }
+    }
   }
 }
 
@@ -209,14 +231,22 @@ void check_stop(const Document& document, Binder& stop, const Binder& sampler,
   }
 }
 
+NormalisedSection normalised_section(const std::string& name, const std::vector<BoundKey>& keys) {
+  NormalisedSection section{name, {}};
+  for (const BoundKey& bound : keys) {
+    if (!bound.value.empty()) section.keys.emplace_back(bound.spec.key, bound.value);
+  }
+  return section;
+}
+
 std::vector<NormalisedSection> normalised_sections(const SectionBinders& sections) {
   std::vector<NormalisedSection> normalised;
   for (const Binder* section : sections.all()) {
-    NormalisedSection keys{section->section_name(), {}};
-    for (const BoundKey& bound : section->keys()) {
-      if (!bound.value.empty()) keys.keys.emplace_back(bound.spec.key, bound.value);
+    normalised.push_back(normalised_section(section->section_name(), section->keys()));
+    for (const BoundTables& array : section->arrays()) {
+      for (const std::vector<BoundKey>& table : array.tables)
+        normalised.push_back(normalised_section(array.name, table));
     }
-    normalised.push_back(std::move(keys));
   }
   return normalised;
 }

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "worker/worlds/ball_2d/request.h"
+#include "worker/worlds/dice/request.h"
 #include "worker/worlds/spelling/request.h"
 
 namespace sleight {
@@ -114,8 +115,10 @@ TEST(ShippedRequests, AreReadWithoutErrors) {
   const auto files = files_with(SLEIGHT_REQUESTS, ".toml");
   EXPECT_FALSE(files.empty());
   worlds::ball_2d::Parameters ball;
+  worlds::dice::Parameters dice;
   worlds::spelling::Parameters spelling;
   const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(ball),
+                                                 worlds::dice::request_binding(dice),
                                                  worlds::spelling::request_binding(spelling)};
   for (const fs::path& file : files) {
     const auto request = request::read_request(contents(file), file.filename().string(), known);

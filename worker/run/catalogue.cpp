@@ -14,6 +14,9 @@
 #include "worker/sampling/simulated_tempering.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/request.h"
+#include "worker/worlds/dice/dice.h"
+#include "worker/worlds/dice/reader.h"
+#include "worker/worlds/dice/request.h"
 #include "worker/worlds/spelling/reader.h"
 #include "worker/worlds/spelling/request.h"
 #include "worker/worlds/spelling/spelling.h"
@@ -68,6 +71,25 @@ class Ball2dEntry final : public WorldEntry {
   worlds::ball_2d::Parameters parameters_;
 };
 
+class DiceEntry final : public WorldEntry {
+ public:
+  request::WorldBinding binding() override { return worlds::dice::request_binding(parameters_); }
+  std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
+                                                const WorkerResources& resources) const override {
+    return std::make_unique<ChainWorker<worlds::dice::Dice>>(worlds::dice::Dice(parameters_),
+                                                             worker_options(request, resources));
+  }
+  std::unique_ptr<archive::StateReader> make_reader() const override {
+    return worlds::dice::make_state_reader(parameters_);
+  }
+  std::vector<bool> kinds_with_scale() const override {
+    return kinds_with_scale_of(worlds::dice::Dice(parameters_));
+  }
+
+ private:
+  worlds::dice::Parameters parameters_;
+};
+
 class SpellingEntry final : public WorldEntry {
  public:
   request::WorldBinding binding() override {
@@ -93,6 +115,7 @@ class SpellingEntry final : public WorldEntry {
 
 Catalogue::Catalogue() {
   worlds_.push_back({"ball_2d", std::make_unique<Ball2dEntry>()});
+  worlds_.push_back({"dice", std::make_unique<DiceEntry>()});
   worlds_.push_back({"spelling", std::make_unique<SpellingEntry>()});
 }
 

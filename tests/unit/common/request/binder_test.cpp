@@ -166,6 +166,48 @@ TEST(BinderError, IsPlacedAtTheKeyOrItsSection) {
   EXPECT_EQ(bound("", bind), "f:1:1: 'k' in [s]: at odds with 'j'\n");
 }
 
+TEST(BinderNumber, MayBeAbsent) {
+  // Goal: an optional number is there or not. Method: both, and a wrong one.
+  const auto bind = [](Binder& b) {
+    std::optional<double> x;
+    b.optional_number("x", x, {.minimum = 0, .maximum = 2});
+  };
+  EXPECT_EQ(bound("[s]", bind), "x = \n");
+  EXPECT_EQ(bound("[s]\nx = 1", bind), "x = 1.0\n");
+  EXPECT_EQ(bound("[s]\nx = 3", bind),
+            "f:2:5: 'x' in [s]: expected a number from 0 to 2, found 3\n");
+}
+
+TEST(BinderTables, AreReadOneByOne) {
+  // Goal: each table has values of its own; keys(), help and errors know them. Method: none, some,
+  // too many, and what is no table.
+  std::vector<double> values;
+  std::vector<std::size_t> shown;
+  const auto bind = [&](Binder& b) {
+    b.tables<double>("t", values, {.count_max = 2}, [](Binder& table, double& value) {
+      value = 7;
+      table.number("x", value, {.minimum = 0, .maximum = 9});
+    });
+    ASSERT_EQ(b.arrays().size(), 1U);
+    EXPECT_EQ(b.arrays()[0].name, "[s.t]");
+    ASSERT_EQ(b.arrays()[0].specs.size(), 1U);
+    EXPECT_EQ(b.arrays()[0].specs[0].value, "7.0");
+    shown.push_back(b.arrays()[0].tables.size());
+  };
+  EXPECT_EQ(bound("", bind), "t = \n");
+  EXPECT_EQ(bound("[s]", bind), "t = \n");
+  EXPECT_TRUE(values.empty());
+  EXPECT_EQ(bound("[[s.t]]\nx = 1\n[[s.t]]\n", bind), "t = \n");
+  EXPECT_EQ(values, (std::vector<double>{1, 7}));
+  EXPECT_EQ(shown.back(), 2U);
+  EXPECT_EQ(bound("[[s.t]]\n[[s.t]]\nx = 10\n", bind),
+            "f:3:5: 'x' in [[s.t]]: expected a number from 0 to 9, found 10\n");
+  EXPECT_EQ(bound("[s]\nt = 4", bind),
+            "f:2:5: 't' in [s]: expected tables, each below [[s.t]], found 4\n");
+  EXPECT_EQ(bound("[[s.t]]\n[[s.t]]\n[[s.t]]", bind).substr(0, 3), "f:3");
+  EXPECT_TRUE(values.empty());
+}
+
 TEST(BinderKeys, TellWhatAKeyIs) {
   Diagnostics diagnostics("f");
   Binder binder("s", nullptr, diagnostics);

@@ -216,6 +216,37 @@ TEST(WithSeed, IsAsIfTheFileHadIt) {
   EXPECT_EQ(request, read(std::string(k_least) + "[sampler]\nseed = 9223372036854775807"));
 }
 
+TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
+  // Goal: tables of a section are part of a request as its keys are: values, errors with their
+  // places, the canonical text, identity. Method: a good request, and one slip each.
+  toy::Parameters parameters;
+  const std::array worlds{toy::binding(parameters)};
+  const std::string pegs = "[[world.peg]]\ny_m = 2\n[[world.peg]]\nx_m = 3\n";
+  const std::string text = "[world]\nname = 'toy'\n" + pegs + "[stop]\nscans = 1\n";
+  const auto request = read_request(text, "r.toml", worlds);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(parameters.pegs, (std::vector<toy::Peg>{{0.5, 2.0}, {3, {}}}));
+  const std::string normal = normalised_text(request.value());
+  EXPECT_THAT(normal, testing::HasSubstr("surface = \"felt\"\n\n[[world.peg]]\nx_m = 0.5\n"
+                                         "y_m = 2.0\n\n[[world.peg]]\nx_m = 3.0\n\n[constraint]"));
+  EXPECT_THAT(identity_text(request.value()), testing::HasSubstr("[[world.peg]]"));
+  EXPECT_EQ(normalised_text(read_request(normal, "n.toml", worlds).value()), normal);
+  const auto errors = [](const std::string& table) {
+    return toy::errors_of("[world]\nname = 'toy'\n[stop]\nscans = 1\n" + table);
+  };
+  EXPECT_THAT(errors("[[world.peg]]\nx_n = 1\n"),
+              testing::ElementsAre("r.toml:6:1: unknown key 'x_n' in [[world.peg]]; did you mean "
+                                   "'x_m'?"));
+  EXPECT_THAT(errors("[[world.peg]]\nthreads = 1\n"),
+              testing::ElementsAre(testing::HasSubstr("command-line option")));
+  EXPECT_THAT(errors("[[world.peg]]\n[[world.peg]]\ny_m = 0.5\n"),
+              testing::ElementsAre("r.toml:7:1: 'y_m' in [[world.peg]]: is x_m"));
+  EXPECT_THAT(errors("[[world.pig]]\nx_m = 1\n"),
+              testing::ElementsAre(testing::HasSubstr("did you mean 'peg'")));
+  EXPECT_THAT(errors("[[output.peg]]\nx_m = 1\n"),
+              testing::ElementsAre(testing::HasSubstr("belongs in [world]")));
+}
+
 TEST(RequestKeys, ListEveryKeyOnce) {
   toy::Parameters parameters;
   std::string keys;
@@ -226,7 +257,8 @@ TEST(RequestKeys, ListEveryKeyOnce) {
     keys += "\n";
   }
   EXPECT_EQ(keys,
-            "world: name height_m tilt_deg balls spinning surface\n"
+            "world: name height_m tilt_deg balls spinning surface peg\n"
+            "[world.peg]: x_m y_m\n"
             "constraint: word lambda\n"
             "sampler: method chains replicas seed iterations_per_scan round_scans anneal_scans "
             "burn_in_rounds "

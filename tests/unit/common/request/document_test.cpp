@@ -39,6 +39,29 @@ TEST(Document, KeepsSectionsAndKeysInFileOrderWithPlaces) {
   EXPECT_EQ(document.find("c"), nullptr);
 }
 
+TEST(Document, KeepsArraysOfTables) {
+  // Goal: tables of an array come in order, with places, beside the section's keys; other arrays
+  // are none. Method: both ways to write them, and arrays that aren't such.
+  const Document document = parsed(
+      "[a]\nk = 1\n[[a.t]]\ny = 2\n\n  [[a.t]]\nx = 3\ny = 4\n[b]\nt = [{x = 5}]\nu = [1]\n");
+  const Section& a = document.sections[0];
+  EXPECT_EQ(a.entries.size(), 2U);
+  EXPECT_EQ(description(a.find("t")->value), "an array");
+  ASSERT_NE(a.find_array("t"), nullptr);
+  EXPECT_EQ(a.find_array("k"), nullptr);
+  const std::vector<Section>& tables = a.find_array("t")->tables;
+  ASSERT_EQ(tables.size(), 2U);
+  EXPECT_EQ(tables[0].name, "[a.t]");
+  EXPECT_EQ(tables[0].place.line, 3U);
+  EXPECT_EQ(tables[1].place.line, 6U);
+  EXPECT_EQ(tables[0].entries[0].place, (Place{4, 1}));
+  EXPECT_EQ(std::get<std::int64_t>(tables[1].find("y")->value.held), 4);
+  const Section& b = document.sections[1];
+  ASSERT_NE(b.find_array("t"), nullptr);
+  EXPECT_EQ(std::get<std::int64_t>(b.find_array("t")->tables[0].find("x")->value.held), 5);
+  EXPECT_EQ(b.find_array("u"), nullptr);
+}
+
 TEST(Document, DescribesEveryKindOfValue) {
   const Document document = parsed(
       "[s]\na = 'x\\u'\nb = 0x10\nc = 1e3\nd = true\ne = [1]\nf = {}\ng = 07:32:00\nh = -inf\n"

@@ -69,6 +69,11 @@ std::string random_request(Generator& random) {
       {line("height_m", random.number(0.001, 99)), line("tilt_deg", random.number(-90, 89)),
        line("balls", 1 + random.below(9)), line("spinning", random.coin()),
        line("surface", random.coin() ? "'felt'" : "\"wood\"")}));
+  for (std::uint64_t pegs = random.below(4); pegs > 0; --pegs) {
+    sections.back() +=
+        random_section(random, "[world.peg]", {},
+                       {line("x_m", random.number(0, 9)), line("y_m", random.number(-9, -1))});
+  }
   sections.push_back(
       random_section(random, "constraint", {},
                      {line("word", random.coin() ? "'A\"\\'" : "\"\\u00e4\\t\""),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,12 @@
 namespace sleight::request::toy {
 
 enum class Surface { felt, wood };
+
+struct Peg {
+  double x_m = 0.5;
+  std::optional<double> y_m{};
+  friend bool operator==(const Peg&, const Peg&) = default;
+};
 
 struct Parameters {
   double height_m = 2;
@@ -20,6 +27,7 @@ struct Parameters {
   Surface surface = Surface::felt;
   double lambda = 0.25;
   double step = 0.1;
+  std::vector<Peg> pegs{};
   friend bool operator==(const Parameters&, const Parameters&) = default;
 };
 
@@ -37,6 +45,12 @@ inline WorldBinding binding(Parameters& p, std::string name = "toy") {
             world.boolean("spinning", p.spinning, "whether they spin");
             world.choice("surface", p.surface, std::span<const Named<Surface>>(k_surfaces),
                          "what they roll on");
+            world.tables<Peg>("peg", p.pegs, {.count_max = 3, .help = "what they hit"},
+                              [](Binder& table, Peg& peg) {
+                                table.number("x_m", peg.x_m, {.minimum = 0, .maximum = 9});
+                                table.optional_number("y_m", peg.y_m, {.maximum = 9});
+                                if (peg.y_m == peg.x_m) table.error("y_m", "is x_m");
+                              });
             constraint.text("word", p.word, {.characters_max = 4, .help = "what they spell"});
             constraint.number("lambda", p.lambda, {});
             sampler.number("step", p.step, {.minimum = 0, .maximum = 1, .below_maximum = true});

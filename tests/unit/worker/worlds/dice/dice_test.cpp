@@ -1,0 +1,178 @@
+// Throws of dice: what comes of them, and that it is the same from what is known.
+#include "worker/worlds/dice/dice.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "tests/unit/worker/worlds/dice/support.h"
+
+namespace sleight::worlds::dice {
+namespace {
+
+constexpr std::uint64_t k_seed = 20261122;
+
+State state_of(const Dice& world, std::uint64_t number) {
+  random::Stream stream = testing::stream_of(k_seed, number);
+  return world.draw_prior(stream);
+}
+
+Goal goal_of(std::variant<Place, Region, FaceDirection, Turn, Velocity, RestBefore> wanted,
+             double sigma, double tolerance) {
+  return {.wanted = wanted, .sigma = sigma, .tolerance = tolerance};
+}
+
+TEST(Dice, ComeToRestOnTheTable) {
+  // Goal: throws end at rest, with some face of each die up, its centre half a side above the
+  // bumps, some way along. Method: prior draws with a goal for a face, whose distance is the tilt.
+  Parameters parameters;
+  parameters.goals = {goal_of(FaceDirection{.face = 6}, 0.2, 0.3)};
+  const Dice world(parameters);
+  for (std::uint64_t number = 0; number < 50; ++number) {
+    const Outcome outcome = world.simulate(state_of(world, number));
+    ASSERT_EQ(outcome.end, End::settled) << number;
+    EXPECT_GT(outcome.end_s, 0.1);
+    EXPECT_LT(outcome.end_s, 6);
+    EXPECT_GT(outcome.collisions, 1U);
+    EXPECT_NEAR(outcome.at_end[0].position_m.z(), 0.008, 0.004);
+    EXPECT_LT(outcome.judgement.distances[0], 0.3);
+    EXPECT_TRUE(world.satisfied(outcome));
+    EXPECT_EQ(world.log_constraint(outcome), outcome.judgement.log_constraint);
+  }
+}
+
+TEST(Dice, ContactsShareTheirWeights) {
+  // Goal: shares of control points are ascending, at most 4/9 each and 1 together, and 1 where all
+  // collisions are on the table; plausibility is the sum of their densities. Method: prior draws.
+  const Dice world(testing::all_random(2));
+  for (std::uint64_t number = 0; number < 10; ++number) {
+    const State state = state_of(world, number);
+    const Outcome outcome = world.simulate(state);
+    ASSERT_FALSE(outcome.contacts.empty());
+    double sum = 0;
+    double log_density = 0;
+    for (std::size_t i = 0; i < outcome.contacts.size(); ++i) {
+      const ContactShare& one = outcome.contacts[i];
+      EXPECT_GT(one.share, 0);
+      EXPECT_LE(one.share, k_share_max);
+      EXPECT_TRUE(i == 0 || outcome.contacts[i - 1].index < one.index);
+      sum += one.share;
+      log_density += log_density_of(world.parameters().world.table,
+                                    control_at(world.parameters().world, state, one.index));
+    }
+    EXPECT_NEAR(sum, 1, 1e-9);
+    EXPECT_EQ(outcome.log_plausibility, log_density);
+  }
+}
+
+TEST(Dice, WithoutRoomHaveNoAnimation) {
+  // Goal: dice that start in one place are no throw: zero density, no goal met. Method: two on top
+  // of each other.
+  Parameters parameters;
+  DieStart start;
+  start.position_sd_m = {0, 0, 0};
+  parameters.world.dice = {start, start};
+  parameters.goals = {goal_of(Place{}, 10, 10)};
+  const Dice world(parameters);
+  const Outcome outcome = world.simulate(state_of(world, 0));
+  EXPECT_EQ(outcome.end, End::failed);
+  EXPECT_FALSE(world.satisfied(outcome));
+  EXPECT_EQ(world.log_constraint(outcome), -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(world.outcome_values(outcome).back()));
+  EXPECT_TRUE(outcome.contacts.empty());
+}
+
+TEST(Dice, ThatStillMoveSatisfyNothing) {
+  // Goal: at the time limit goals are measured, and not satisfied. Method: a limit in the air.
+  Parameters parameters;
+  parameters.world.time_max_s = 0.05;
+  parameters.goals = {goal_of(Place{}, 10, 10)};
+  const Dice world(parameters);
+  const Outcome outcome = world.simulate(state_of(world, 0));
+  EXPECT_EQ(outcome.end, End::time_limit);
+  EXPECT_EQ(outcome.end_s, 0.05);
+  EXPECT_TRUE(outcome.judgement.all_met);
+  EXPECT_FALSE(world.satisfied(outcome));
+  EXPECT_GT(world.log_constraint(outcome), -1);
+}
+
+TEST(Dice, AreSeenAtTheTimesOfGoals) {
+  // Goal: goals see dice in flight, before their start and long after they rest. Method: where a
+  // die is at 0.03 s by its parabola; a second die that starts later; places at the end and at 5.9
+  // s.
+  Parameters parameters;
+  parameters.world.dice.assign(2, DieStart{});
+  parameters.world.dice[1].position_m.y() = 0.1;
+  parameters.world.dice[1].start_s = 0.2;
+  for (const double at_s : {0.0, 0.03, 5.9}) {
+    for (const std::uint32_t die : {0U, 1U}) {
+      Goal goal = goal_of(Place{}, 1, 1);
+      goal.die = die;
+      goal.at_s = at_s;
+      parameters.goals.push_back(goal);
+    }
+  }
+  parameters.goals.push_back(goal_of(Place{}, 1, 1));
+  const Dice world(parameters);
+  const State state = state_of(world, 7);
+  const auto from_origin = [](const Vec3& p) { return std::hypot(p.x(), p.y()); };
+  const Outcome outcome = world.simulate(state);
+  const std::vector<double>& d = outcome.judgement.distances;
+  const Vec3 start = state.dice[0].position_m;
+  EXPECT_NEAR(d[0], from_origin(start), 1e-12);
+  EXPECT_NEAR(d[1], from_origin(state.dice[1].position_m), 1e-12);
+  EXPECT_NEAR(d[2], from_origin(start + 0.03 * state.dice[0].velocity_mps), 1e-9);
+  EXPECT_NEAR(d[3], from_origin(state.dice[1].position_m), 1e-12);
+  EXPECT_EQ(d[4], d[6]);
+}
+
+void expect_same(const Outcome& a, const Outcome& b) {
+  EXPECT_EQ(a.end, b.end);
+  EXPECT_EQ(a.end_s, b.end_s);
+  EXPECT_EQ(a.judgement.log_constraint, b.judgement.log_constraint);
+  EXPECT_EQ(a.judgement.distances, b.judgement.distances);
+  EXPECT_EQ(a.judgement.numberings, b.judgement.numberings);
+  EXPECT_EQ(a.contacts, b.contacts);
+  EXPECT_EQ(a.collisions, b.collisions);
+  EXPECT_EQ(a.log_plausibility, b.log_plausibility);
+}
+
+TEST(Dice, ReplaysMakeNoDifference) {
+  // Goal: what comes of a candidate is the same from what is known of a similar state as from
+  // nothing, for proposals of every kind, one after the other. Method: chains of one die and of
+  // four, which take each second candidate; 40 times longer with SLEIGHT_SOAK=1.
+  const std::uint64_t longer = std::getenv("SLEIGHT_SOAK") != nullptr ? 40 : 1;
+  for (const std::uint32_t dice : {1U, 4U}) {
+    Parameters parameters = testing::all_random(dice);
+    parameters.goals = {goal_of(Place{}, 0.1, 0.01), goal_of(FaceDirection{.face = 1}, 0.2, 0.3)};
+    parameters.proposal.change_start = 0.15;
+    parameters.proposal.change_contact = 0.75;
+    const Dice world(parameters);
+    const Dice fresh(parameters, Replays::no);
+    random::Stream stream = testing::stream_of(k_seed, 1000 + dice);
+    State state = world.draw_prior(stream);
+    Outcome outcome = world.simulate(state);
+    std::uint64_t with_past = 0;
+    for (std::uint64_t i = 0; i < longer * 400 / dice; ++i) {
+      SCOPED_TRACE(fmt::format("{} dice, proposal {}", dice, i));
+      const auto proposal = world.propose(state, outcome, {}, stream);
+      if (outcome.past) ++with_past;
+      const Outcome candidate = world.simulate_from(proposal.candidate, state, outcome);
+      expect_same(candidate, fresh.simulate(proposal.candidate));
+      EXPECT_EQ(fresh.simulate_from(proposal.candidate, state, outcome).past, nullptr);
+      if (HasFailure()) return;
+      if (stream.uniform() < 0.5) {
+        state = proposal.candidate;
+        outcome = candidate;
+      }
+    }
+    EXPECT_GT(with_past, 0U);
+    EXPECT_GT(world.owned_bytes(state, outcome), 0U);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::worlds::dice

@@ -1,0 +1,177 @@
+// Goals of dice on poses made by hand, and numberings found afterwards.
+#include "worker/worlds/dice/goals.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "common/random/distributions.h"
+#include "tests/unit/worker/worlds/dice/support.h"
+
+namespace sleight::worlds::dice {
+namespace {
+
+constexpr double k_degree_rad = 0.017453292519943295;
+
+Goal goal_of(std::variant<Place, Region, FaceDirection, Turn, Velocity, RestBefore> wanted,
+             double sigma = 1, double tolerance = 0.5) {
+  return {.wanted = wanted, .sigma = sigma, .tolerance = tolerance};
+}
+
+Goal face_up(std::uint32_t face) {
+  return goal_of(FaceDirection{.face = face}, 10 * k_degree_rad, 20 * k_degree_rad);
+}
+Goal yaw_of(std::uint32_t face, double yaw_rad) {
+  return goal_of(
+      FaceDirection{.face = face, .direction = {std::cos(yaw_rad), std::sin(yaw_rad), 0}},
+      5 * k_degree_rad, 10 * k_degree_rad);
+}
+
+Views view(const DieView& die, double rest_s = 1) {
+  return {.at_end = {die}, .rest_s = {rest_s}, .at_times = {}};
+}
+
+double distance(const Goal& goal, const DieView& die, double rest_s = 1) {
+  return distance_of(goal, view(die, rest_s), {}, 0);
+}
+
+TEST(DiceGoals, MeasureDistances) {
+  // Goal: each sort of goal measures what goals.h says. Method: poses whose distances are known.
+  DieView die{.position_m = {3, 4, 9}};
+  EXPECT_EQ(distance(goal_of(Place{.centre_m = {0, 0}}), die), 5);
+  EXPECT_EQ(distance(goal_of(Region{.low_m = {0, 0}, .high_m = {3, 5}}), die), 0);
+  EXPECT_EQ(distance(goal_of(Region{.low_m = {0, 0}, .high_m = {1, 1}}), die), std::sqrt(13.0));
+  EXPECT_EQ(distance(goal_of(RestBefore{.time_s = 0.25}), die), 0.75);
+  EXPECT_EQ(distance(goal_of(RestBefore{.time_s = 2}), die), 0);
+  die.velocity_mps = {1, 2, 2};
+  EXPECT_EQ(distance(goal_of(Velocity{.velocity_mps = {0, 0, 0}}), die), 3);
+  die.orientation = math::quaternion_of_rotation_vector({0.3, 0, 0});
+  EXPECT_NEAR(distance(face_up(3), die), 0.3, 1e-15);
+  EXPECT_NEAR(distance(face_up(1), die), 90 * k_degree_rad, 1e-15);
+  EXPECT_NEAR(distance(face_up(4), die), 180 * k_degree_rad - 0.3, 1e-15);
+  EXPECT_NEAR(distance(yaw_of(1, 0.2), die), 0.2, 1e-15);
+  EXPECT_NEAR(distance(goal_of(Turn{}), die), 0.3, 1e-15);
+  // Of a rotation, not of a quaternion's sign.
+  die.orientation =
+      Quat(-die.orientation.w(), -die.orientation.x(), -die.orientation.y(), -die.orientation.z());
+  EXPECT_NEAR(distance(goal_of(Turn{}), die), 0.3, 1e-15);
+}
+
+TEST(DiceGoals, LookAtTheirTimes) {
+  // Goal: a goal with a time sees the die as it was then. Method: three times and two dice.
+  std::vector<Goal> goals(4, goal_of(Place{}));
+  goals[0].at_s = 2;
+  goals[1].at_s = 0.5;
+  goals[2].at_s = 2;
+  goals[2].die = 1;
+  const std::vector<double> times = goal_times(goals);
+  EXPECT_EQ(times, (std::vector<double>{0.5, 2}));
+  const auto at = [](double x) { return DieView{.position_m = {x, 0, 0}}; };
+  const Views views{
+      .at_end = {at(9), at(10)}, .rest_s = {1, 1}, .at_times = {at(1), at(2), at(3), at(4)}};
+  EXPECT_EQ(distance_of(goals[0], views, times, 0), 3);
+  EXPECT_EQ(distance_of(goals[1], views, times, 0), 1);
+  EXPECT_EQ(distance_of(goals[2], views, times, 0), 4);
+  EXPECT_EQ(distance_of(goals[3], views, times, 0), 9);
+}
+
+TEST(DiceGoals, AreGaussianAndMetWithinTolerances) {
+  // Goal: log p_c is the sum of -d^2 / 2 sigma^2, at most 0; met are all within tolerances. Method:
+  // two goals about their tolerances.
+  const std::vector<Goal> goals{goal_of(Place{.centre_m = {1, 0}}, 2, 3),
+                                goal_of(RestBefore{.time_s = 0}, 0.5, 1)};
+  const Judgement near = judge(goals, Numbering::free, view({}, 1), {});
+  EXPECT_NEAR(near.log_constraint, -0.125 - 2, 1e-15);
+  EXPECT_TRUE(near.all_met);
+  EXPECT_EQ(near.distances, (std::vector<double>{1, 1}));
+  EXPECT_FALSE(judge(goals, Numbering::free, view({}, 1.1), {}).all_met);
+  const Judgement none = judge({}, Numbering::free, view({}), {});
+  EXPECT_EQ(none.log_constraint, 0);
+  EXPECT_TRUE(none.all_met);
+}
+
+TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
+  // Goal: whichever of its 24 ways a die lies, some numbering meets its goals of faces, the least
+  // of those that do; there are as many as numberings_that_meet says. Method: all 24 orientations,
+  // turned a bit, and goals with one face, two, and all.
+  const Quat bit = math::quaternion_of_rotation_vector({0.03, -0.02, 0.04});
+  struct Case {
+    std::vector<Goal> goals;
+    std::uint32_t meet = 0;
+  };
+  const std::vector<Case> cases{
+      {{goal_of(Place{})}, 24},      {{face_up(6)}, 4},
+      {{yaw_of(2, 0)}, 4},           {{face_up(6), yaw_of(2, 0)}, 1},
+      {{face_up(5), face_up(5)}, 4}, {{goal_of(Turn{}, 5 * k_degree_rad, 10 * k_degree_rad)}, 1}};
+  for (const Case& one : cases) {
+    EXPECT_EQ(numberings_that_meet(one.goals, 0), one.meet);
+    for (std::uint32_t way = 0; way < k_numberings; ++way) {
+      const DieView die{.orientation = math::composed(bit, rotation_of_numbering(way))};
+      const Judgement judgement = judge(one.goals, Numbering::free, view(die), {});
+      EXPECT_TRUE(judgement.all_met);
+      std::uint32_t meet = 0;
+      std::uint32_t least = k_numberings;
+      double sum = 0;
+      for (std::uint32_t s = 0; s < k_numberings; ++s) {
+        bool all = true;
+        double log_p = 0;
+        for (const Goal& goal : one.goals) {
+          const double d = distance_of(goal, view(die), {}, s);
+          all = all && d <= goal.tolerance;
+          log_p -= d * d / (2 * goal.sigma * goal.sigma);
+        }
+        sum += std::exp(log_p) / 24;
+        if (!all) continue;
+        ++meet;
+        least = std::min(least, s);
+      }
+      EXPECT_EQ(meet, one.meet);
+      EXPECT_EQ(judgement.numberings[0], least);
+      // The sum over numberings, directly.
+      EXPECT_NEAR(judgement.log_constraint, std::log(sum), 1e-12);
+    }
+  }
+}
+
+TEST(DiceGoals, MarginalsAreDirectSums) {
+  // Goal: the same for any orientation, with several dice. Method: random ones; exponentials by the
+  // standard library.
+  std::vector<Goal> goals{face_up(2), yaw_of(1, 0.4), face_up(6)};
+  goals[2].die = 1;
+  for (std::uint64_t draw = 0; draw < 200; ++draw) {
+    random::Stream stream = testing::stream_of(5, draw);
+    Views views{.at_end = {}, .rest_s = {1, 1}, .at_times = {}};
+    for (int die = 0; die < 2; ++die)
+      views.at_end.push_back({.orientation = random::UniformRotation{}.draw(stream)});
+    long double log_p = 0;
+    for (std::uint32_t die = 0; die < 2; ++die) {
+      long double sum = 0;
+      for (std::uint32_t s = 0; s < k_numberings; ++s) {
+        long double exponent = 0;
+        for (const Goal& goal : goals) {
+          if (goal.die != die) continue;
+          const long double z = distance_of(goal, views, {}, s) / goal.sigma;
+          exponent -= z * z / 2;
+        }
+        sum += std::exp(exponent) / 24;
+      }
+      log_p += std::log(sum);
+    }
+    const Judgement judgement = judge(goals, Numbering::free, views, {});
+    EXPECT_NEAR(judgement.log_constraint, static_cast<double>(log_p),
+                1e-12 * (1 + std::fabs(static_cast<double>(log_p))));
+    EXPECT_LE(judgement.log_constraint, 0);
+    // With fixed numbers there is one term.
+    double fixed = 0;
+    for (const Goal& goal : goals) {
+      const double z = distance_of(goal, views, {}, 0) / goal.sigma;
+      fixed -= z * z / 2;
+    }
+    EXPECT_NEAR(judge(goals, Numbering::fixed, views, {}).log_constraint, fixed,
+                1e-12 * std::fabs(fixed));
+  }
+}
+
+}  // namespace
+}  // namespace sleight::worlds::dice

@@ -1,0 +1,55 @@
+// Faces of a die and its 24 numberings.
+#include "worker/worlds/dice/numbering.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+namespace sleight::worlds::dice {
+namespace {
+
+TEST(Numbering, IsThatOfADie) {
+  // Goal: with numbering 0 opposite faces add up to 7, and 1, 2, 3 go round anticlockwise. Method:
+  // normals; their triple product seen from outside.
+  const auto normal = [](std::uint32_t face) { return vector_of(direction_of_face(face, 0)); };
+  for (std::uint32_t face = 1; face <= 6; ++face)
+    EXPECT_EQ(normal(face), Vec3(-normal(7 - face))) << face;
+  EXPECT_EQ(math::dot(math::cross(normal(1), normal(2)), normal(3)), 1);
+  EXPECT_EQ(normal(1), Vec3(1, 0, 0));
+}
+
+TEST(Numbering, RotationsAreAllTwentyFour) {
+  // Goal: the rotations are distinct, proper, and move faces as the table of faces says. Method:
+  // each quaternion turns each face's normal of numbering 0 into that of the numbering.
+  std::set<std::vector<int>> seen;
+  for (std::uint32_t s = 0; s < k_numberings; ++s) {
+    const Quat q = rotation_of_numbering(s);
+    EXPECT_NEAR(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z(), 1, 1e-15) << s;
+    std::vector<int> faces;
+    for (std::uint32_t face = 1; face <= 6; ++face) {
+      const AxisDirection direction = direction_of_face(face, s);
+      const Vec3 turned = math::rotated(q, vector_of(direction_of_face(face, 0)));
+      EXPECT_LT(math::norm(Vec3(turned - vector_of(direction))), 1e-15) << s << " " << face;
+      faces.push_back(direction.sign * (direction.axis + 1));
+    }
+    seen.insert(faces);
+  }
+  EXPECT_EQ(seen.size(), 24U);
+  EXPECT_EQ(rotation_of_numbering(0).coeffs(), Quat::Identity().coeffs());
+}
+
+TEST(Numbering, OrientationsHaveTheirFaceUp) {
+  // Goal: the orientation that a request asks for by a face has that on top, at any yaw. Method:
+  // turn its normal.
+  for (std::uint32_t face = 1; face <= 6; ++face) {
+    for (const double yaw_rad : {0.0, 1.0, -2.5}) {
+      const Quat q = orientation_with_face_up(face, yaw_rad);
+      const Vec3 normal = math::rotated(q, vector_of(direction_of_face(face, 0)));
+      EXPECT_NEAR(normal.z(), 1, 1e-15) << face << " " << yaw_rad;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sleight::worlds::dice

@@ -1,0 +1,151 @@
+// States as bytes, and what archives say of them.
+#include "worker/worlds/dice/reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "tests/unit/worker/worlds/dice/support.h"
+
+namespace sleight::worlds::dice {
+namespace {
+
+/// A draw with some overrides.
+State state_of(const Dice& world, std::uint64_t number) {
+  random::Stream stream = testing::stream_of(12, number);
+  State state = world.draw_prior(stream);
+  for (std::uint64_t i = 0; i < number % 4; ++i) {
+    set_override(state.overrides,
+                 {.index = {static_cast<std::int32_t>(i) - 2, 3},
+                  .control = {.height_m = 1e-3, .restitution = 0.4, .friction = 0.5}});
+  }
+  return state;
+}
+
+TEST(DiceReader, StatesComeBackFromTheirBytes) {
+  // Goal: decode(encode(state)) is the state, and nothing else is taken. Method: draws; cut,
+  // lengthened and damaged bytes.
+  const Dice world(testing::all_random(2));
+  for (std::uint64_t number = 0; number < 20; ++number) {
+    const State state = state_of(world, number);
+    const base::Bytes bytes = world.encode(state);
+    const auto decoded = world.decode(bytes);
+    ASSERT_TRUE(decoded.has_value());
+    EXPECT_EQ(*decoded, state);
+    base::Bytes longer = bytes;
+    longer.push_back(std::byte{0});
+    EXPECT_FALSE(world.decode(longer));
+    for (std::size_t size = 0; size < bytes.size(); size += 7)
+      EXPECT_FALSE(world.decode(base::BytesView(bytes).subspan(0, size)));
+    EXPECT_FALSE(Dice(testing::all_random(1)).decode(bytes));
+  }
+  const auto refused = [&](const auto& damage) {
+    State bad = state_of(world, 3);
+    damage(bad);
+    return !world.decode(world.encode(bad)).has_value();
+  };
+  EXPECT_FALSE(refused([](State&) {}));
+  EXPECT_TRUE(refused([](State& s) { s.dice[1].spin_radps.y() = std::nan(""); }));
+  EXPECT_TRUE(refused([](State& s) { s.dice[0].orientation.w() += 0.1; }));
+  EXPECT_TRUE(refused([](State& s) { std::swap(s.overrides[0], s.overrides[1]); }));
+  EXPECT_TRUE(refused([](State& s) { s.overrides[1] = s.overrides[0]; }));
+  EXPECT_TRUE(refused([](State& s) { s.overrides[0].index.i = -33; }));
+  EXPECT_TRUE(refused([](State& s) { s.overrides[0].control.restitution = 0.8; }));
+  EXPECT_TRUE(refused(
+      [](State& s) { s.overrides[0].control.height_m = std::numeric_limits<double>::infinity(); }));
+  // A count that would need more bytes than there are.
+  base::Bytes many = world.encode(state_of(world, 0));
+  many[15] = std::byte{0x7f};
+  EXPECT_FALSE(world.decode(many));
+}
+
+TEST(DiceReader, NamesFitValues) {
+  // Goal: as many values and outcomes as the layout names, each name once, and recordings whose
+  // rows are segments in order. Method: count; each die's first row is its start, its last at rest
+  // with the wanted face up.
+  Parameters parameters = testing::all_random(2);
+  for (const std::uint32_t die : {0U, 1U}) {
+    parameters.goals.push_back(
+        {.die = die, .wanted = FaceDirection{.face = 2}, .sigma = 0.2, .tolerance = 0.4});
+    parameters.goals.push_back({.die = die, .wanted = Place{}, .sigma = 1, .tolerance = 1});
+  }
+  const Dice world(parameters);
+  const auto reader = make_state_reader(parameters);
+  const archive::WorldLayout& layout = reader->layout();
+  std::size_t named = 0;
+  for (const archive::Variable& variable : layout.variables)
+    named += variable.size();
+  std::size_t columns = 0;
+  for (const archive::Variable& column : layout.segment_columns)
+    columns += column.size();
+  std::set<std::string> names;
+  for (const archive::Variable& outcome : layout.outcomes)
+    names.insert(outcome.name);
+  EXPECT_EQ(names.size(), layout.outcomes.size());
+  EXPECT_EQ(layout.proposal_kinds.size(), k_kinds);
+  const State state = state_of(world, 2);
+  const base::Bytes bytes = world.encode(state);
+  const std::vector<double> values = reader->variables(bytes);
+  ASSERT_EQ(values.size(), named);
+  EXPECT_EQ(static_cast<std::uint64_t>(values[0]) << 32U | static_cast<std::uint64_t>(values[1]),
+            state.table_key);
+  EXPECT_EQ(values[2], 2);
+  EXPECT_EQ(world.outcome_values(world.simulate(state)).size(), layout.outcomes.size());
+
+  const archive::Recording recording = reader->record(bytes);
+  ASSERT_EQ(recording.columns, columns);
+  double die = -1;
+  for (std::size_t row = 0; row < recording.rows(); ++row) {
+    const double* now = &recording.values[row * columns];
+    if (now[0] != die) {
+      EXPECT_EQ(now[0], die + 1);
+      die = now[0];
+      EXPECT_EQ(now[1], 0);
+      EXPECT_EQ(now[3], state.dice[static_cast<std::size_t>(die)].position_m.x());
+    } else {
+      EXPECT_GE(now[1], now[1 - static_cast<std::ptrdiff_t>(columns)]);
+    }
+    const bool is_last = row + 1 == recording.rows() || now[columns] != die;
+    if (!is_last) continue;
+    EXPECT_EQ(now[2], 3);
+    const Quat q(now[12], now[13], now[14], now[15]);
+    EXPECT_GT(math::rotated(q, vector_of(direction_of_face(2, 0))).z(), 0.9);
+  }
+  EXPECT_EQ(die, 1);
+  EXPECT_TRUE(reader->plays_out(bytes));
+}
+
+TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
+  // Goal: P(satisfied) of the prior is that of numbered throws times 24 over those numberings that
+  // meet. Method: none, one face, one face and a yaw of another die; fixed numbers.
+  Parameters parameters = testing::all_random(2);
+  const auto log_throw = [&] { return make_state_reader(parameters)->layout().log_natural_throw; };
+  EXPECT_EQ(log_throw(), 0);
+  parameters.goals.push_back({.wanted = FaceDirection{.face = 2}});
+  EXPECT_NEAR(log_throw(), std::log(6.0), 1e-15);
+  parameters.goals.push_back({.die = 1, .wanted = FaceDirection{.face = 2}});
+  parameters.goals.push_back(
+      {.die = 1, .wanted = FaceDirection{.face = 1, .direction = {1, 0, 0}}});
+  EXPECT_NEAR(log_throw(), std::log(6.0 * 24), 1e-14);
+  parameters.numbering = Numbering::fixed;
+  EXPECT_EQ(log_throw(), 0);
+}
+
+TEST(DiceReader, LikenessIsADistance) {
+  // Goal: 0 for the same animation, more for others, symmetric. Method: prior draws.
+  const Parameters parameters = testing::all_random();
+  const Dice world(parameters);
+  const auto reader = make_state_reader(parameters);
+  for (std::uint64_t number = 0; number < 5; ++number) {
+    const base::Bytes a = world.encode(state_of(world, number));
+    const base::Bytes b = world.encode(state_of(world, number + 100));
+    EXPECT_EQ(reader->likeness_distance(a, a), 0);
+    EXPECT_EQ(reader->likeness_distance(a, b), reader->likeness_distance(b, a));
+    EXPECT_GT(reader->likeness_distance(a, b), 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::worlds::dice

@@ -1,0 +1,216 @@
+#include "worker/worlds/dice/dice.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/base/check.h"
+#include "worker/physics/shape/shapes.h"
+#include "worker/physics/simulator/simulation.h"
+#include "worker/physics/surface/spline_surface.h"
+
+namespace sleight::worlds::dice {
+namespace {
+
+/// It is looked so often whether all dice are at rest.
+constexpr double k_look_every_s = 0.1;
+
+physics::Tick tick_of(double time_s) {
+  return physics::Tick{} + physics::ticks_after(time_s);
+}
+
+/// Whether a candidate may have something in common with a state: the table's key, and a die that
+/// starts alike.
+bool resembles(const State& candidate, const State& state) {
+  if (candidate.table_key != state.table_key) return false;
+  for (std::size_t die = 0; die < state.dice.size(); ++die) {
+    if (candidate.dice[die] == state.dice[die]) return true;
+  }
+  return false;
+}
+
+DieView view_of(const physics::Simulation& simulation, physics::BodyId body,
+                const physics::BodyDescription& description, physics::Tick tick) {
+  if (!simulation.started(body)) {
+    return {.position_m = description.start.pose.position_m,
+            .orientation = description.start.pose.orientation,
+            .velocity_mps = description.start.twist.velocity_mps};
+  }
+  const physics::Pose pose = simulation.pose(body, tick);
+  return {.position_m = pose.position_m,
+          .orientation = pose.orientation,
+          .velocity_mps = simulation.twist(body, tick).velocity_mps};
+}
+
+bool rests(const physics::Simulation& simulation, physics::BodyId body) {
+  return simulation.started(body) && simulation.mode(body) == physics::MotionMode::resting;
+}
+
+}  // namespace
+
+Dice::Dice(const Parameters& parameters, Replays replays)
+    : parameters_(parameters), replays_(replays), times_s_(goal_times(parameters.goals)) {
+  CHECK(!parameters_.world.dice.empty());
+  auto cube = std::make_shared<physics::Compound>();
+  cube->parts.push_back(physics::cube(parameters_.world.side_m).value());
+  cube_ = std::move(cube);
+}
+
+physics::Scene Dice::scene(const State& state) const {
+  const WorldParameters& world = parameters_.world;
+  physics::Scene scene;
+  scene.gravity_mps2 = {0, 0, -world.gravity_mps2};
+  scene.contacts = physics::ContactTable(
+      1, {.restitution = world.dice_restitution, .friction = world.dice_friction});
+  scene.slow = physics::slow_contacts_of(world.side_m, world.gravity_mps2);
+  scene.surfaces.push_back(
+      {.name = "table",
+       .controls = std::make_shared<RandomTable>(world.table, state.table_key, state.overrides),
+       .spacing_m = world.table.spacing_m});
+  const double mass_kg = world.density_kgpm3 * world.side_m * world.side_m * world.side_m;
+  const double moment_kgm2 = mass_kg * world.side_m * world.side_m / 6;
+  for (std::size_t die = 0; die < state.dice.size(); ++die) {
+    const DieThrow& one = state.dice[die];
+    physics::BodyDescription body;
+    body.name = fmt::format("die {}", die + 1);
+    body.shape = cube_;
+    body.inertia = {.mass_kg = mass_kg,
+                    .principal_kgm2 = {moment_kgm2, moment_kgm2, moment_kgm2},
+                    .symmetry = physics::InertiaSymmetry::spherical};
+    body.start = {
+        .pose = {.position_m = one.position_m, .orientation = one.orientation},
+        .twist = {.velocity_mps = one.velocity_mps, .angular_velocity_radps = one.spin_radps}};
+    body.start_tick = tick_of(world.dice[die].start_s);
+    scene.bodies.push_back(std::move(body));
+  }
+  return scene;
+}
+
+Outcome Dice::simulate(const State& state) const {
+  return simulated(state, false, nullptr);
+}
+
+Outcome Dice::simulate_from(const State& candidate, const State& state,
+                            const Outcome& outcome) const {
+  // Where nothing is alike there is nothing to go on from, nor does the candidate tell: mostly it
+  // is rejected, and if it isn't, the next one that resembles it does.
+  if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
+  return simulated(candidate, true, outcome.past);
+}
+
+Outcome Dice::simulated(const State& state, bool tells,
+                        const std::shared_ptr<const physics::History>& past,
+                        physics::Recording* recording) const {
+  const physics::Scene scene = this->scene(state);
+  Outcome failed{.end = End::failed, .judgement = {.all_met = false}};
+  auto started = physics::Simulation::start(scene, {.record = true, .tell = tells}, past);
+  if (!started) return failed;
+  physics::Simulation simulation = std::move(started).value();
+
+  // Run to the times that goals look at, and until all dice rest.
+  const physics::Tick limit = tick_of(parameters_.world.time_max_s);
+  Views views;
+  Outcome outcome{.end = End::time_limit};
+  std::size_t seen = 0;
+  for (physics::Tick now{}; now < limit || seen < times_s_.size();) {
+    const physics::Tick goal = seen < times_s_.size() ? tick_of(times_s_[seen]) : physics::k_never;
+    if (goal == now || (outcome.end == End::settled && seen < times_s_.size())) {
+      // Of dice at rest it is known how they will be.
+      for (std::uint32_t die = 0; die < dice(); ++die)
+        views.at_times.push_back(view_of(simulation, {die}, scene.bodies[die], now));
+      ++seen;
+      continue;
+    }
+    if (outcome.end == End::settled) break;
+    now = std::min({limit, goal, now + physics::ticks_after(k_look_every_s)});
+    if (simulation.run_until(now)) return failed;
+    bool all_rest = true;
+    for (std::uint32_t die = 0; die < dice(); ++die)
+      all_rest = all_rest && rests(simulation, {die});
+    if (all_rest) outcome.end = End::settled;
+  }
+
+  // See what came of it.
+  const physics::Recording& recorded = simulation.recording();
+  for (std::uint32_t die = 0; die < dice(); ++die) {
+    views.at_end.push_back(view_of(simulation, {die}, scene.bodies[die], simulation.now()));
+    views.rest_s.push_back(
+        rests(simulation, {die})
+            ? physics::seconds(recorded.segments({die}).back().segment.flight.begin -
+                               physics::Tick{})
+            : parameters_.world.time_max_s);
+  }
+  outcome.end_s = *std::ranges::max_element(views.rest_s);
+  outcome.judgement = judge(parameters_.goals, parameters_.numbering, views, times_s_);
+  look_at_contacts(state, scene, simulation.surface_touches(), outcome);
+  if (tells) outcome.past = simulation.history();
+  if (recording != nullptr) *recording = recorded;
+  outcome.at_end = std::move(views.at_end);
+  return outcome;
+}
+
+void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
+                            std::span<const physics::SurfaceTouch> touches,
+                            Outcome& outcome) const {
+  const physics::SplineSurface surface(scene.surfaces.front());
+  outcome.collisions = static_cast<std::uint32_t>(touches.size());
+  if (touches.empty()) return;
+
+  // The mean weight of each control point, summed in the order of collisions.
+  std::map<GridIndex, double> sums;
+  for (const physics::SurfaceTouch& touch : touches) {
+    const double x_m = touch.point_m.x();
+    const double y_m = touch.point_m.y();
+    const auto points = physics::SplineSurface::support(surface.patch_at(x_m, y_m));
+    const auto weights = surface.weights_at(x_m, y_m);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      if (weights[k] > 0 && is_on_table(parameters_.world.table, points[k]))
+        sums[points[k]] += weights[k];
+    }
+  }
+  outcome.contacts.reserve(sums.size());
+  for (const auto& [index, sum] : sums) {
+    outcome.contacts.push_back({index, sum / static_cast<double>(touches.size())});
+    outcome.log_plausibility +=
+        log_density_of(parameters_.world.table, control_at(parameters_.world, state, index));
+  }
+}
+
+double Dice::log_constraint(const Outcome& outcome) const {
+  if (outcome.end == End::failed) return -std::numeric_limits<double>::infinity();
+  return outcome.judgement.log_constraint;
+}
+
+std::size_t Dice::owned_bytes(const State& state, const Outcome& outcome) const {
+  const Judgement& judgement = outcome.judgement;
+  return state.overrides.capacity() * sizeof(Override) + state.dice.capacity() * sizeof(DieThrow) +
+         outcome.contacts.capacity() * sizeof(ContactShare) +
+         outcome.at_end.capacity() * sizeof(DieView) +
+         judgement.distances.capacity() * sizeof(double) +
+         judgement.numberings.capacity() * sizeof(std::uint32_t) +
+         (outcome.past ? outcome.past->bytes() : 0);
+}
+
+std::vector<double> Dice::outcome_values(const Outcome& outcome) const {
+  std::vector<double> values{static_cast<double>(outcome.end), outcome.end_s,
+                             static_cast<double>(outcome.collisions), outcome.log_plausibility};
+  for (std::size_t goal = 0; goal < parameters_.goals.size(); ++goal) {
+    values.push_back(outcome.end == End::failed ? std::numeric_limits<double>::quiet_NaN()
+                                                : outcome.judgement.distances[goal]);
+  }
+  return values;
+}
+
+Animation Dice::animate(const State& state) const {
+  Animation animation;
+  const Outcome outcome = simulated(state, false, nullptr, &animation.recording);
+  CHECK(outcome.end != End::failed);
+  animation.numberings = outcome.judgement.numberings;
+  animation.collisions = outcome.collisions;
+  return animation;
+}
+
+}  // namespace sleight::worlds::dice

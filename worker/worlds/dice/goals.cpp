@@ -1,0 +1,176 @@
+#include "worker/worlds/dice/goals.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+#include "common/math/elementary.h"
+
+namespace sleight::worlds::dice {
+namespace {
+
+template <class... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+template <class... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
+
+/// Between unit vectors.
+double angle_between(const Vec3& a, const Vec3& b) {
+  return math::atan2(math::norm(math::cross(a, b)), math::dot(a, b));
+}
+
+/// Of a face, in the world's frame.
+Vec3 normal_of(const Quat& orientation, std::uint32_t face, std::uint32_t numbering) {
+  // A column of the matrix or its negative: equal bits for all numberings that put the face there.
+  const AxisDirection direction = direction_of_face(face, numbering);
+  const math::Mat3 axes = math::matrix_of(orientation);
+  const double sign = direction.sign;
+  return {sign * axes(0, direction.axis), sign * axes(1, direction.axis),
+          sign * axes(2, direction.axis)};
+}
+
+/// The angle of the rotation between two orientations.
+double angle_between(const Quat& a, const Quat& b) {
+  const Quat between = math::composed(a, math::inverse(b));
+  const Vec3 v(between.x(), between.y(), between.z());
+  return 2 * math::atan2(math::norm(v), std::fabs(between.w()));
+}
+
+double outside(double x, double low, double high) {
+  return std::max({0.0, low - x, x - high});
+}
+
+double log_density(double distance, double sigma) {
+  const double z = distance / sigma;
+  return -0.5 * z * z;
+}
+
+/// log of the mean of 24 numbers' exponentials, added in order.
+double log_mean_exp(const std::array<double, k_numberings>& logs) {
+  const double most = *std::ranges::max_element(logs);
+  if (most == -std::numeric_limits<double>::infinity()) return most;
+  double sum = 0;
+  for (const double one : logs)
+    sum += math::exp(one - most);
+  return most + math::log(sum / k_numberings);
+}
+
+}  // namespace
+
+std::vector<double> goal_times(std::span<const Goal> goals) {
+  std::vector<double> times;
+  for (const Goal& goal : goals) {
+    if (goal.at_s) times.push_back(*goal.at_s);
+  }
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+double distance_of(const Goal& goal, const Views& views, std::span<const double> times,
+                   std::uint32_t numbering) {
+  const std::size_t dice = views.at_end.size();
+  CHECK_LT(goal.die, dice);
+  const DieView* die = &views.at_end[goal.die];
+  if (goal.at_s) {
+    const auto time = std::ranges::lower_bound(times, *goal.at_s);
+    CHECK(time != times.end() && *time == *goal.at_s);
+    const auto nth = static_cast<std::size_t>(time - times.begin());
+    die = &views.at_times.at(nth * dice + goal.die);
+  }
+  return std::visit(
+      Overloaded{
+          [&](const Place& place) {
+            const Vec3& p = die->position_m;
+            return math::norm(Vec2(p.x() - place.centre_m.x(), p.y() - place.centre_m.y()));
+          },
+          [&](const Region& region) {
+            const Vec3& p = die->position_m;
+            return math::norm(Vec2(outside(p.x(), region.low_m.x(), region.high_m.x()),
+                                   outside(p.y(), region.low_m.y(), region.high_m.y())));
+          },
+          [&](const FaceDirection& face) {
+            return angle_between(normal_of(die->orientation, face.face, numbering), face.direction);
+          },
+          [&](const Turn& turn) {
+            return angle_between(math::composed(die->orientation, rotation_of_numbering(numbering)),
+                                 turn.orientation);
+          },
+          [&](const Velocity& velocity) {
+            return math::norm(Vec3(die->velocity_mps - velocity.velocity_mps));
+          },
+          [&](const RestBefore& before) {
+            return std::max(0.0, views.rest_s[goal.die] - before.time_s);
+          }},
+      goal.wanted);
+}
+
+Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& views,
+                std::span<const double> times) {
+  const std::size_t dice = views.at_end.size();
+  Judgement judgement{.numberings = std::vector<std::uint32_t>(dice, 0)};
+
+  // What hangs on the faces: which numbering each die has, and the mean over all.
+  for (std::uint32_t die = 0; numbering == Numbering::free && die < dice; ++die) {
+    std::array<double, k_numberings> logs{};
+    bool has_faces = false;
+    for (const Goal& goal : goals) {
+      if (goal.die != die || !goal.is_of_faces()) continue;
+      has_faces = true;
+      for (std::uint32_t s = 0; s < k_numberings; ++s)
+        logs[s] += log_density(distance_of(goal, views, times, s), goal.sigma);
+    }
+    if (!has_faces) continue;
+    const auto most = std::ranges::max_element(logs);  // the first of equals
+    judgement.numberings[die] = static_cast<std::uint32_t>(most - logs.begin());
+    judgement.log_constraint += log_mean_exp(logs);
+  }
+
+  // Everything else, and all distances.
+  for (const Goal& goal : goals) {
+    const double distance = distance_of(goal, views, times, judgement.numberings.at(goal.die));
+    judgement.distances.push_back(distance);
+    judgement.all_met = judgement.all_met && distance <= goal.tolerance;
+    if (numbering == Numbering::fixed || !goal.is_of_faces())
+      judgement.log_constraint += log_density(distance, goal.sigma);
+  }
+  return judgement;
+}
+
+std::uint32_t numberings_that_meet(std::span<const Goal> goals, std::uint32_t die) {
+  std::uint32_t count = 0;
+  for (std::uint32_t s = 0; s < k_numberings; ++s) {
+    const bool keeps_all = std::ranges::all_of(goals, [&](const Goal& goal) {
+      if (goal.die != die || !goal.is_of_faces()) return true;
+      const auto* face = std::get_if<FaceDirection>(&goal.wanted);
+      return face == nullptr ? s == 0
+                             : direction_of_face(face->face, s) == direction_of_face(face->face, 0);
+    });
+    count += keeps_all ? 1 : 0;
+  }
+  return count;
+}
+
+std::string name_of(const Goal& goal) {
+  return std::visit(Overloaded{[](const Place&) -> std::string { return "place"; },
+                               [](const Region&) -> std::string { return "region"; },
+                               [](const FaceDirection& face) -> std::string {
+                                 return face.direction.z() == 1 ? "face" : "yaw";
+                               },
+                               [](const Turn&) -> std::string { return "orientation"; },
+                               [](const Velocity&) -> std::string { return "velocity"; },
+                               [](const RestBefore&) -> std::string { return "before"; }},
+                    goal.wanted);
+}
+
+std::string unit_of(const Goal& goal) {
+  if (goal.is_of_faces()) return "rad";
+  if (std::holds_alternative<Velocity>(goal.wanted)) return "mps";
+  return std::holds_alternative<RestBefore>(goal.wanted) ? "s" : "m";
+}
+
+}  // namespace sleight::worlds::dice

@@ -1,0 +1,47 @@
+// The faces of a die, and the 24 ways to number them.
+//
+// In its own frame a die has its 1 on the side of +x, 2 on +y, 3 on +z, and opposite faces add up
+// to 7: 4 on -z, 5 on -y, 6 on -x. Seen from outside, 1, 2 and 3 go round their corner
+// anticlockwise.
+//
+// Idea. A cube that is turned by one of its 24 rotations before a throw moves in the same way and
+// shows other faces. So one motion of an unnumbered cube stands for 24 throws of a die: numbering s
+// is the die that was turned by rotation s in the cube's frame. Numbering 0 is the die as above.
+// Thread safety: pure functions.
+#pragma once
+
+#include <cstdint>
+
+#include "common/math/rotation.h"
+#include "common/math/vector.h"
+
+namespace sleight::worlds::dice {
+
+using math::Quat;
+using math::Vec3;
+
+inline constexpr std::uint32_t k_faces = 6;
+inline constexpr std::uint32_t k_numberings = 24;
+
+/// One of the six directions along a frame's axes.
+struct AxisDirection {
+  std::uint8_t axis = 0;  ///< x, y, z
+  std::int8_t sign = 1;
+  friend bool operator==(const AxisDirection&, const AxisDirection&) = default;
+};
+
+/// Where, in the cube's frame, a face is with a numbering.
+/// REQUIRES: 1 <= face <= 6, numbering < k_numberings.
+AxisDirection direction_of_face(std::uint32_t face, std::uint32_t numbering);
+
+/// The rotation of a numbering: from the numbered die's frame to the cube's.
+Quat rotation_of_numbering(std::uint32_t numbering);
+
+/// The unit vector along it.
+Vec3 vector_of(AxisDirection direction);
+
+/// An orientation in which this face is up and the die is otherwise as it was before the smallest
+/// turn that brings it there from the identity, then turned by an angle about the vertical.
+Quat orientation_with_face_up(std::uint32_t face, double yaw_rad);
+
+}  // namespace sleight::worlds::dice

@@ -1,0 +1,91 @@
+// The numbers of the dice on a random table (thesis 2.4.4), as a request gives them. SI units, z
+// up, the table about the origin at height 0.
+//
+// The thesis gives none of them. Those here are chosen: the die, its throw and the table's bumps
+// are those of the scene of dice that the project compares speeds with.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/math/rotation.h"
+#include "common/math/vector.h"
+#include "worker/worlds/dice/goals.h"
+
+namespace sleight::worlds::dice {
+
+inline constexpr std::uint32_t k_dice_max = 20;
+inline constexpr std::uint32_t k_grid_max = 10'000;  ///< control points of a side of the table
+inline constexpr double k_dice_apart_m = 0.03;       ///< starts of several dice, in y
+
+/// A number that is uniform between two, or constant where these are one.
+struct Range {
+  double low = 0;
+  double high = 0;
+  bool is_constant() const { return low == high; }
+  double mean() const { return 0.5 * (low + high); }
+};
+
+/// A random surface (random_table.h).
+struct TableParameters {
+  double spacing_m = 0.021;  ///< of the control points
+  std::uint32_t columns = 64;
+  std::uint32_t rows = 64;
+  /// Of a control point; the surface itself varies by 0.48 of it: 0.6 mm.
+  double height_sd_m = 0.00125;
+  Range restitution{0.5, 0.5};
+  Range friction{0.4, 0.4};
+};
+
+enum class StartOrientation : std::uint8_t { uniform, fixed };
+
+/// How a die starts: each component is normal; one whose standard deviation is 0 is fixed.
+struct DieStart {
+  Vec3 position_m{-0.15, 0, 0.1};  ///< of its centre
+  Vec3 position_sd_m{0.005, 0.005, 0};
+  StartOrientation orientation = StartOrientation::uniform;
+  Quat fixed_orientation = Quat::Identity();  ///< where it is fixed
+  Vec3 velocity_mps{0.7, 0, 0};
+  Vec3 velocity_sd_mps{0.1, 0.1, 0};
+  Vec3 spin_radps{0, 0, 0};
+  Vec3 spin_sd_radps{20, 20, 20};
+  double start_s = 0;  ///< when it is let go
+};
+
+struct WorldParameters {
+  double side_m = 0.016;
+  double density_kgpm3 = 1200;
+  double dice_restitution = 0.5;  ///< of dice that meet each other
+  double dice_friction = 0.4;
+  double gravity_mps2 = 9.81;
+  double time_max_s = 6;  ///< if the dice are not at rest before
+  TableParameters table;
+  std::vector<DieStart> dice{DieStart{}};
+};
+
+/// Shares of the kinds of proposals, which add up to 1, and their sizes (proposals.h).
+struct ProposalParameters {
+  double change_all = 0.02;
+  double change_die = 0.03;
+  double change_start = 0.35;
+  double change_control = 0.05;
+  double change_contact = 0.55;
+  // Standard deviations of the largest steps.
+  double position_m = 0.005;
+  double velocity_mps = 0.1;
+  double spin_radps = 20;
+  double turn_rad = 0.52359877559829887;  ///< 30 degrees
+  double height_m = 0.001;
+  double restitution = 0.2;
+  double friction = 0.2;
+  std::uint32_t halvings = 10;  ///< a step is halved 0 to so many times
+};
+
+struct Parameters {
+  WorldParameters world;
+  Numbering numbering = Numbering::free;
+  std::vector<Goal> goals;
+  ProposalParameters proposal;
+};
+
+}  // namespace sleight::worlds::dice

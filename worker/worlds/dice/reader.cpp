@@ -1,0 +1,217 @@
+#include "worker/worlds/dice/reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "common/base/check.h"
+#include "common/math/elementary.h"
+#include "worker/physics/simulator/segment.h"
+#include "worker/worlds/dice/dice.h"
+
+namespace sleight::worlds::dice {
+namespace {
+
+constexpr double k_likeness_every_s = 1.0 / 60;
+
+std::vector<archive::Variable> variables_of(const Dice& world) {
+  const archive::Dimension die{.name = "die", .size = world.dice()};
+  const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
+  const archive::Dimension quaternion{.name = "quaternion_wxyz", .size = 4};
+  const archive::Dimension half{.name = "half", .size = 2};
+  return {{.name = "table_key",
+           .dims = {half},
+           .unit = "1",
+           .meaning = "the upper and the lower 32 bits of the number that the table is made from"},
+          {.name = "changed_points",
+           .dims = {},
+           .unit = "1",
+           .meaning = "how many control points of the table are not those of its key"},
+          {.name = "start_position_m",
+           .dims = {die, xyz},
+           .unit = "m",
+           .meaning = "the die's centre when it is let go"},
+          {.name = "start_orientation",
+           .dims = {die, quaternion},
+           .unit = "1",
+           .meaning = "then, from the unnumbered cube's frame to the table's"},
+          {.name = "start_velocity_mps", .dims = {die, xyz}, .unit = "m s-1", .meaning = "then"},
+          {.name = "start_spin_radps",
+           .dims = {die, xyz},
+           .unit = "rad s-1",
+           .meaning = "angular velocity then, in the table's frame"}};
+}
+
+std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
+  std::vector<archive::Variable> outcomes{
+      {.name = "end",
+       .dims = {},
+       .unit = "1",
+       .meaning = "why it ended: 0 all at rest, 1 time limit, 2 no room to start, or the simulator "
+                  "could not go on"},
+      {.name = "end_s", .dims = {}, .unit = "s", .meaning = "when the last die came to rest"},
+      {.name = "collisions",
+       .dims = {},
+       .unit = "1",
+       .meaning = "collisions of dice with the table"},
+      {.name = "log_plausibility",
+       .dims = {},
+       .unit = "1",
+       .meaning = "log p_w of the control points that these hung on"}};
+  for (std::size_t i = 0; i < parameters.goals.size(); ++i) {
+    const Goal& goal = parameters.goals[i];
+    const std::string unit = unit_of(goal);
+    outcomes.push_back({.name = fmt::format("goal_{}_{}_{}", i + 1, name_of(goal), unit),
+                        .dims = {},
+                        .unit = unit == "mps" ? "m s-1" : unit,
+                        .meaning = fmt::format("how far die {} is from this goal", goal.die + 1)});
+  }
+  return outcomes;
+}
+
+archive::WorldLayout make_layout(const Dice& world) {
+  const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
+  const archive::Dimension quaternion{.name = "quaternion_wxyz", .size = 4};
+  archive::WorldLayout layout{
+      .world = "dice",
+      .variables = variables_of(world),
+      .outcomes = outcomes_of(world.parameters()),
+      .proposal_kinds = {"change_all", "change_die", "change_start", "change_control",
+                         "change_contact"},
+      .segment_columns = {
+          {.name = "moving_die", .dims = {}, .unit = "1", .meaning = "which die moves, from 0"},
+          {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the segment begins"},
+          {.name = "mode", .dims = {}, .unit = "1", .meaning = "0 flies, 3 rests"},
+          {.name = "position_m",
+           .dims = {xyz},
+           .unit = "m",
+           .meaning = "the die's centre there, from the middle of the table"},
+          {.name = "velocity_mps",
+           .dims = {xyz},
+           .unit = "m s-1",
+           .meaning = "the centre's velocity just after the segment's first instant"},
+          {.name = "acceleration_mps2",
+           .dims = {xyz},
+           .unit = "m s-2",
+           .meaning = "the centre's acceleration all along"},
+          {.name = "orientation",
+           .dims = {quaternion},
+           .unit = "1",
+           .meaning = "from the numbered die's frame (1 on +x, 2 on +y, 3 on +z) to the table's at "
+                      "the segment's beginning"},
+          {.name = "angular_velocity_radps",
+           .dims = {xyz},
+           .unit = "rad s-1",
+           .meaning = "in the table's frame, all along"}}};
+  if (world.parameters().numbering == Numbering::free) {
+    for (std::uint32_t die = 0; die < world.dice(); ++die) {
+      layout.log_natural_throw +=
+          math::log(double{k_numberings} / numberings_that_meet(world.parameters().goals, die));
+    }
+  }
+  return layout;
+}
+
+class DiceReader final : public archive::StateReader {
+ public:
+  explicit DiceReader(const Parameters& parameters)
+      : world_(parameters), layout_(make_layout(world_)) {}
+
+  const archive::WorldLayout& layout() const override { return layout_; }
+
+  std::vector<double> variables(base::BytesView bytes) const override {
+    const State state = decoded(bytes);
+    std::vector<double> values{static_cast<double>(state.table_key >> 32U),
+                               static_cast<double>(state.table_key & 0xffffffffU),
+                               static_cast<double>(state.overrides.size())};
+    const auto put = [&](const Vec3& v) { values.insert(values.end(), {v.x(), v.y(), v.z()}); };
+    for (const DieThrow& die : state.dice)
+      put(die.position_m);
+    for (const DieThrow& die : state.dice) {
+      const Quat& q = die.orientation;
+      values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
+    }
+    for (const DieThrow& die : state.dice)
+      put(die.velocity_mps);
+    for (const DieThrow& die : state.dice)
+      put(die.spin_radps);
+    return values;
+  }
+
+  double likeness_distance(base::BytesView a, base::BytesView b) const override {
+    const Animation one_throw = world_.animate(decoded(a));
+    const Animation other_throw = world_.animate(decoded(b));
+    const physics::Recording& left = one_throw.recording;
+    const physics::Recording& right = other_throw.recording;
+    const physics::TickCount step = physics::ticks_after(k_likeness_every_s);
+    double most_m = 0;
+    for (std::uint32_t die = 0; die < world_.dice(); ++die) {
+      for (physics::Tick t{}; t <= std::max(left.end(), right.end()); t = t + step) {
+        const auto one = place_at(left, {die}, t);
+        const auto other = place_at(right, {die}, t);
+        if (one && other) most_m = std::max(most_m, math::norm(Vec3(*one - *other)));
+      }
+    }
+    const double left_touches = one_throw.collisions;
+    const double right_touches = other_throw.collisions;
+    const double more = std::max({left_touches, right_touches, 1.0});
+    return most_m / world_.parameters().world.side_m +
+           std::fabs(left_touches - right_touches) / more;
+  }
+
+  archive::Recording record(base::BytesView state) const override {
+    const Animation animation = world_.animate(decoded(state));
+    archive::Recording recording{.columns = 19, .values = {}};
+    auto& values = recording.values;
+    const auto put = [&](const Vec3& v) { values.insert(values.end(), {v.x(), v.y(), v.z()}); };
+    for (std::uint32_t die = 0; die < world_.dice(); ++die) {
+      const Quat numbered = rotation_of_numbering(animation.numberings[die]);
+      for (const auto& [segment, cause] : animation.recording.segments({die})) {
+        const physics::FreeFlight& flight = segment.flight;
+        values.insert(values.end(),
+                      {static_cast<double>(die), physics::seconds(flight.begin - physics::Tick{}),
+                       static_cast<double>(segment.mode)});
+        put(flight.position_m);
+        put(flight.velocity_mps);
+        put(flight.acceleration_mps2);
+        const Quat q = math::composed(flight.orientation, numbered);
+        values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
+        put(flight.angular_velocity_radps);
+      }
+    }
+    return recording;
+  }
+
+  bool plays_out(base::BytesView state) const override {
+    return world_.satisfied(world_.simulate(decoded(state)));
+  }
+
+ private:
+  State decoded(base::BytesView bytes) const {
+    auto state = world_.decode(bytes);
+    CHECK(state.has_value());
+    return *std::move(state);
+  }
+
+  /// Where it was last, after the recording's end; nothing before the die has started.
+  static std::optional<Vec3> place_at(const physics::Recording& recording, physics::BodyId die,
+                                      physics::Tick tick) {
+    const physics::Tick known = std::min(tick, recording.end());
+    const physics::Segment* segment = recording.segment_at(die, known);
+    if (segment == nullptr) return std::nullopt;
+    return physics::position_at(segment->flight, known);
+  }
+
+  Dice world_;
+  archive::WorldLayout layout_;
+};
+
+}  // namespace
+
+std::unique_ptr<archive::StateReader> make_state_reader(const Parameters& parameters) {
+  return std::make_unique<DiceReader>(parameters);
+}
+
+}  // namespace sleight::worlds::dice

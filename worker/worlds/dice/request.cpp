@@ -1,0 +1,497 @@
+#include "worker/worlds/dice/request.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "common/math/elementary.h"
+
+namespace sleight::worlds::dice {
+namespace {
+
+using request::Binder;
+using request::NumberOptions;
+
+constexpr std::array<request::Named<Numbering>, 2> k_numbering_names{
+    {{"free", Numbering::free}, {"fixed", Numbering::fixed}}};
+constexpr std::array<request::Named<StartOrientation>, 2> k_orientation_names{
+    {{"uniform", StartOrientation::uniform}, {"fixed", StartOrientation::fixed}}};
+constexpr std::uint32_t k_goals_max = 100;  ///< of one sort
+constexpr double k_far_mm = 100'000;
+
+void length_mm(Binder& binder, std::string_view key, double& value_m, NumberOptions options) {
+  double value_mm = std::round(value_m * 1e12) / 1e9;
+  options.unit = "mm";
+  binder.number(key, value_mm, options);
+  value_m = value_mm / 1e3;
+}
+
+// Starts.
+
+/// One [[world.die]].
+struct DieKeys {
+  DieStart start;
+  std::optional<double> y_mm;
+  std::optional<std::uint32_t> up;
+  double yaw_rad = 0;
+  std::array<double, 4> quaternion{1, 0, 0, 0};
+};
+
+void bind_velocities(Binder& die, DieStart& start) {
+  constexpr std::array<const char*, 3> k_velocity{"velocity_x_mps", "velocity_y_mps",
+                                                  "velocity_z_mps"};
+  constexpr std::array<const char*, 3> k_velocity_sd{"velocity_x_sd_mps", "velocity_y_sd_mps",
+                                                     "velocity_z_sd_mps"};
+  constexpr std::array<const char*, 3> k_spin{"spin_x_radps", "spin_y_radps", "spin_z_radps"};
+  constexpr std::array<const char*, 3> k_spin_sd{"spin_x_sd_radps", "spin_y_sd_radps",
+                                                 "spin_z_sd_radps"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<Eigen::Index>(axis);
+    die.number(k_velocity[axis], start.velocity_mps[k],
+               {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "mean"});
+    die.number(k_velocity_sd[axis], start.velocity_sd_mps[k],
+               {.minimum = 0,
+                .maximum = 100,
+                .unit = "m/s",
+                .help = "standard deviation; 0: it is not uncertain"});
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<Eigen::Index>(axis);
+    die.number(k_spin[axis], start.spin_radps[k],
+               {.minimum = -1000, .maximum = 1000, .unit = "rad/s", .help = "mean"});
+    die.number(k_spin_sd[axis], start.spin_sd_radps[k],
+               {.minimum = 0,
+                .maximum = 1000,
+                .unit = "rad/s",
+                .help = "standard deviation; 0: it is not uncertain"});
+  }
+}
+
+void bind_orientation(Binder& die, DieKeys& keys) {
+  die.choice<StartOrientation>("orientation", keys.start.orientation, k_orientation_names,
+                               "any, all as likely, or the one that up and yaw_deg, or qw to qz "
+                               "give");
+  die.optional_integer("up", keys.up,
+                       {.minimum = 1, .maximum = k_faces, .help = "the face on top, if fixed"});
+  die.angle_deg("yaw_deg", keys.yaw_rad,
+                {.minimum = -360, .maximum = 360, .help = "then turned about the vertical"});
+  constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
+  bool gives_quaternion = false;
+  double square = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    die.number(k_parts[i], keys.quaternion[i],
+               {.minimum = -1, .maximum = 1, .help = "of a quaternion in place of up, if fixed"});
+    gives_quaternion = gives_quaternion || die.given(k_parts[i]);
+    square += keys.quaternion[i] * keys.quaternion[i];
+  }
+  if (!die.valid("orientation")) return;
+  const bool is_fixed = keys.start.orientation == StartOrientation::fixed;
+  if (!is_fixed && (keys.up || gives_quaternion)) {
+    die.error("orientation", "must be \"fixed\" where up or a quaternion is given");
+  } else if (keys.up && gives_quaternion) {
+    die.error("up", "goes without a quaternion: give one of both");
+  } else if (!(square > 0.01)) {
+    die.error("qw", "the quaternion is too small to be a rotation");
+  } else if (is_fixed) {
+    const auto& q = keys.quaternion;
+    keys.start.fixed_orientation =
+        gives_quaternion ? math::normalized(Quat(q[0], q[1], q[2], q[3]))
+                         : orientation_with_face_up(keys.up.value_or(3), keys.yaw_rad);
+  }
+}
+
+void bind_die(Binder& die, DieKeys& keys) {
+  DieStart& start = keys.start;
+  const auto place = [&](std::string_view key, double& value_m, std::string_view help) {
+    length_mm(die, key, value_m, {.minimum = -k_far_mm, .maximum = k_far_mm, .help = help});
+  };
+  const auto sd = [&](std::string_view key, double& value_m) {
+    length_mm(
+        die, key, value_m,
+        {.minimum = 0, .maximum = 1000, .help = "standard deviation; 0: it is not uncertain"});
+  };
+  place("x_mm", start.position_m.x(), "where its centre is let go, on average");
+  die.optional_number("y_mm", keys.y_mm,
+                      {.minimum = -k_far_mm,
+                       .maximum = k_far_mm,
+                       .unit = "mm",
+                       .help = "likewise; dice stand 30 mm apart without it"});
+  length_mm(die, "height_mm", start.position_m.z(),
+            {.minimum = 0, .maximum = k_far_mm, .help = "of its centre above the table"});
+  sd("x_sd_mm", start.position_sd_m.x());
+  sd("y_sd_mm", start.position_sd_m.y());
+  sd("height_sd_mm", start.position_sd_m.z());
+  bind_velocities(die, start);
+  bind_orientation(die, keys);
+  die.number("start_s", start.start_s,
+             {.minimum = 0, .maximum = 100, .unit = "s", .help = "when it is let go"});
+}
+
+void bind_dice(Binder& world, WorldParameters& p) {
+  std::optional<std::uint32_t> count;
+  std::vector<DieKeys> given;
+  world.optional_integer("dice", count,
+                         {.minimum = 1,
+                          .maximum = k_dice_max,
+                          .help = "how many; as many as there are tables [[world.die]], or 1"});
+  world.tables<DieKeys>("die", given,
+                        {.count_max = k_dice_max, .help = "how each starts, in order"}, bind_die);
+  if (count && !given.empty() && *count != given.size() && world.valid("dice")) {
+    world.error("dice", fmt::format("there are {} tables [[world.die]]: leave it out, or give as "
+                                    "many",
+                                    given.size()));
+  }
+  if (given.empty()) given.resize(count.value_or(1));
+  p.dice.clear();
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const double place = static_cast<double>(i) - 0.5 * static_cast<double>(given.size() - 1);
+    DieStart& start = given[i].start;
+    start.position_m.y() = given[i].y_mm ? *given[i].y_mm / 1e3 : k_dice_apart_m * place;
+    p.dice.push_back(start);
+  }
+}
+
+// The table and everything else of the world.
+
+void bind_range(Binder& world, const std::string& name, Range& range, double maximum) {
+  const std::string low = name + "_low";
+  const std::string high = name + "_high";
+  world.number(low, range.low,
+               {.minimum = 0, .maximum = maximum, .help = "least of a control point of the table"});
+  world.number(high, range.high,
+               {.minimum = 0, .maximum = maximum, .help = "greatest; the same: it is constant"});
+  if (world.valid(low) && world.valid(high) && range.low > range.high) {
+    world.error(high, fmt::format("must be at least {}", low));
+    range = {range.high, range.high};
+  }
+}
+
+void bind_world(Binder& world, WorldParameters& p) {
+  bind_dice(world, p);
+  length_mm(world, "side_mm", p.side_m, {.minimum = 1, .maximum = 1000, .help = "of a die"});
+  world.number("density_kgpm3", p.density_kgpm3,
+               {.minimum = 1, .maximum = 30000, .unit = "kg/m3", .help = "of the dice"});
+  world.number("dice_restitution", p.dice_restitution,
+               {.minimum = 0, .maximum = 1, .help = "of dice that meet"});
+  world.number("dice_friction", p.dice_friction,
+               {.minimum = 0, .maximum = 10, .help = "of dice that meet"});
+  world.number("gravity_mps2", p.gravity_mps2,
+               {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "downwards"});
+  world.number(
+      "time_max_s", p.time_max_s,
+      {.minimum = 0.01, .maximum = 100, .unit = "s", .help = "for dice that do not come to rest"});
+  TableParameters& table = p.table;
+  length_mm(world, "spacing_mm", table.spacing_m,
+            {.minimum = 1, .maximum = 10000, .help = "of the table's control points"});
+  world.integer("columns", table.columns,
+                {.minimum = 1, .maximum = k_grid_max, .help = "of control points, along x"});
+  world.integer("rows", table.rows,
+                {.minimum = 1, .maximum = k_grid_max, .help = "of control points, along y"});
+  length_mm(world, "height_sd_mm", table.height_sd_m,
+            {.minimum = 0,
+             .maximum = 1000,
+             .help = "of a control point; the table itself varies by 0.48 of it"});
+  bind_range(world, "restitution", table.restitution, 1);
+  bind_range(world, "friction", table.friction, 10);
+  for (const char* key : {"spacing_mm", "height_sd_mm"}) {
+    if (!world.valid(key)) return;
+  }
+  constexpr double k_steepest = 0.5;
+  if (table.height_sd_m > k_steepest * table.spacing_m) {
+    world.error("height_sd_mm", fmt::format("must be at most {:.6g}, half of spacing_mm",
+                                            1e3 * k_steepest * table.spacing_m));
+  }
+  for (const DieStart& start : p.dice) {
+    if (start.start_s >= p.time_max_s && world.valid("time_max_s"))
+      world.error("time_max_s", "must be above start_s of every [[world.die]]");
+  }
+}
+
+// Goals.
+
+struct GoalKeys {
+  Goal goal;
+  std::uint32_t die = 1;
+};
+
+/// What binds the goals of one request: how many dice there are, and how long they are watched.
+struct GoalBinder {
+  Binder& constraint;
+  const WorldParameters& world;
+  std::vector<Goal>& goals;
+
+  void bind_die(Binder& table, GoalKeys& keys) const {
+    table.integer("die", keys.die, {.minimum = 1, .maximum = k_dice_max, .help = "which one"});
+    keys.goal.die = keys.die - 1;
+    if (table.valid("die") && keys.die > world.dice.size()) {
+      keys.goal.die = 0;
+      table.error("die",
+                  fmt::format("there {} {} {} in [world]", world.dice.size() == 1 ? "is" : "are",
+                              world.dice.size(), world.dice.size() == 1 ? "die" : "dice"));
+    }
+  }
+  void bind_time(Binder& table, GoalKeys& keys) const {
+    table.optional_number("at_s", keys.goal.at_s,
+                          {.minimum = 0,
+                           .maximum = 100,
+                           .unit = "s",
+                           .help = "when; without it at the end, at rest"});
+    if (keys.goal.at_s && *keys.goal.at_s > world.time_max_s) {
+      keys.goal.at_s.reset();
+      table.error("at_s", "must be at most time_max_s of [world]");
+    }
+  }
+  static void bind_lengths(Binder& table, GoalKeys& keys, double tolerance_min) {
+    length_mm(table, "sigma_mm", keys.goal.sigma,
+              {.minimum = 0.001, .maximum = k_far_mm, .help = "standard deviation of p_c"});
+    length_mm(
+        table, "tolerance_mm", keys.goal.tolerance,
+        {.minimum = tolerance_min, .maximum = k_far_mm, .help = "a throw within it satisfies"});
+  }
+  static void bind_angles(Binder& table, GoalKeys& keys) {
+    table.angle_deg("sigma_deg", keys.goal.sigma,
+                    {.minimum = 0.001, .maximum = 360, .help = "standard deviation of p_c"});
+    table.angle_deg("tolerance_deg", keys.goal.tolerance,
+                    {.minimum = 0.001,
+                     .maximum = k_face_tolerance_max_deg,
+                     .help = "a throw within it satisfies"});
+  }
+
+  /// An array of goals, each of which `bind` reads, from `defaults` on.
+  template <class Keys>
+  void tables(std::string_view key, std::string_view help,
+              const std::function<void(Binder&, Keys&)>& bind) {
+    std::vector<Keys> given;
+    constraint.tables<Keys>(key, given, {.count_max = k_goals_max, .help = help},
+                            [&](Binder& table, Keys& keys) {
+                              bind_die(table, keys);
+                              bind(table, keys);
+                            });
+    for (Keys& keys : given)
+      goals.push_back(keys.goal);
+  }
+
+  void bind_all();
+};
+
+struct PlaceKeys : GoalKeys {
+  Place place;
+  PlaceKeys() { goal.sigma = 0.0025, goal.tolerance = 0.005; }
+};
+struct RegionKeys : GoalKeys {
+  Region region{.low_m = {-0.05, -0.05}, .high_m = {0.05, 0.05}};
+  RegionKeys() { goal.sigma = 0.005, goal.tolerance = 0; }
+};
+struct FaceKeys : GoalKeys {
+  std::uint32_t up = 6;
+  FaceKeys() { goal.sigma = 0.17453292519943295, goal.tolerance = 0.3490658503988659; }
+};
+struct YawKeys : GoalKeys {
+  std::uint32_t face = 1;
+  double yaw_rad = 0;
+  YawKeys() { goal.sigma = 0.087266462599716474, goal.tolerance = 0.17453292519943295; }
+};
+struct TurnKeys : GoalKeys {
+  std::array<double, 4> quaternion{1, 0, 0, 0};
+  TurnKeys() { goal.sigma = 0.087266462599716474, goal.tolerance = 0.17453292519943295; }
+};
+struct VelocityKeys : GoalKeys {
+  Vec3 velocity_mps{0, 0, 0};
+  VelocityKeys() { goal.sigma = 0.05, goal.tolerance = 0.1; }
+};
+struct BeforeKeys : GoalKeys {
+  double time_s = 2;
+  BeforeKeys() { goal.sigma = 0.1, goal.tolerance = 0; }
+};
+
+void bind_turn(Binder& table, TurnKeys& keys) {
+  constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
+  double square = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    table.number(k_parts[i], keys.quaternion[i],
+                 {.minimum = -1, .maximum = 1, .help = "of the die's orientation"});
+    square += keys.quaternion[i] * keys.quaternion[i];
+  }
+  const auto& q = keys.quaternion;
+  if (!(square > 0.01)) {
+    table.error("qw", "the quaternion is too small to be a rotation");
+  } else {
+    keys.goal.wanted = Turn{math::normalized(Quat(q[0], q[1], q[2], q[3]))};
+  }
+}
+
+void GoalBinder::bind_all() {
+  const NumberOptions place{.minimum = -k_far_mm, .maximum = k_far_mm, .help = "of its centre"};
+  tables<PlaceKeys>("place", "where a die's centre is", [&](Binder& table, PlaceKeys& keys) {
+    length_mm(table, "x_mm", keys.place.centre_m.x(), place);
+    length_mm(table, "y_mm", keys.place.centre_m.y(), place);
+    bind_lengths(table, keys, 0.001);
+    bind_time(table, keys);
+    keys.goal.wanted = keys.place;
+  });
+  tables<RegionKeys>("region", "a rectangle that a die's centre is in",
+                     [&](Binder& table, RegionKeys& keys) {
+                       Region& region = keys.region;
+                       length_mm(table, "x_low_mm", region.low_m.x(), place);
+                       length_mm(table, "x_high_mm", region.high_m.x(), place);
+                       length_mm(table, "y_low_mm", region.low_m.y(), place);
+                       length_mm(table, "y_high_mm", region.high_m.y(), place);
+                       bind_lengths(table, keys, 0);
+                       bind_time(table, keys);
+                       keys.goal.wanted = region;
+                       if (region.low_m.x() > region.high_m.x())
+                         table.error("x_high_mm", "must be at least x_low_mm");
+                       if (region.low_m.y() > region.high_m.y())
+                         table.error("y_high_mm", "must be at least y_low_mm");
+                     });
+  tables<FaceKeys>("face", "which face of a die is up", [&](Binder& table, FaceKeys& keys) {
+    table.integer("up", keys.up,
+                  {.minimum = 1, .maximum = k_faces, .help = "opposites add up to 7"});
+    bind_angles(table, keys);
+    bind_time(table, keys);
+    keys.goal.wanted = FaceDirection{.face = keys.up, .direction = Vec3(0, 0, 1)};
+  });
+  tables<YawKeys>("yaw", "where to a face at the side points", [&](Binder& table, YawKeys& keys) {
+    table.integer("face", keys.face, {.minimum = 1, .maximum = k_faces, .help = "which one"});
+    table.angle_deg("yaw_deg", keys.yaw_rad,
+                    {.minimum = -360,
+                     .maximum = 360,
+                     .help = "of its outward normal, from the x axis towards the y axis"});
+    bind_angles(table, keys);
+    bind_time(table, keys);
+    const math::SinCos yaw = math::sincos(keys.yaw_rad);
+    keys.goal.wanted = FaceDirection{.face = keys.face, .direction = Vec3(yaw.cos, yaw.sin, 0)};
+  });
+  tables<TurnKeys>("orientation", "a die's orientation", [&](Binder& table, TurnKeys& keys) {
+    bind_turn(table, keys);
+    bind_angles(table, keys);
+    bind_time(table, keys);
+  });
+  tables<VelocityKeys>("velocity", "a die's velocity", [&](Binder& table, VelocityKeys& keys) {
+    constexpr std::array<const char*, 3> k_parts{"x_mps", "y_mps", "z_mps"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      table.number(k_parts[axis], keys.velocity_mps[static_cast<Eigen::Index>(axis)],
+                   {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "of its centre"});
+    }
+    table.number(
+        "sigma_mps", keys.goal.sigma,
+        {.minimum = 1e-6, .maximum = 100, .unit = "m/s", .help = "standard deviation of p_c"});
+    table.number(
+        "tolerance_mps", keys.goal.tolerance,
+        {.minimum = 1e-6, .maximum = 100, .unit = "m/s", .help = "a throw within it satisfies"});
+    bind_time(table, keys);
+    keys.goal.wanted = Velocity{keys.velocity_mps};
+  });
+  tables<BeforeKeys>(
+      "before", "a time before which a die rests", [&](Binder& table, BeforeKeys& keys) {
+        table.number(
+            "time_s", keys.time_s,
+            {.minimum = 0, .maximum = 100, .unit = "s", .help = "from the first start on"});
+        table.number(
+            "sigma_s", keys.goal.sigma,
+            {.minimum = 1e-6, .maximum = 100, .unit = "s", .help = "standard deviation of p_c"});
+        table.number(
+            "tolerance_s", keys.goal.tolerance,
+            {.minimum = 0, .maximum = 100, .unit = "s", .help = "a throw within it satisfies"});
+        keys.goal.wanted = RestBefore{keys.time_s};
+      });
+}
+
+/// What goals of faces ask of each other and of how dice start.
+void check_faces(Binder& constraint, const Parameters& p) {
+  for (std::uint32_t die = 0; die < p.world.dice.size(); ++die) {
+    std::vector<const Goal*> of_faces;
+    for (const Goal& goal : p.goals) {
+      if (goal.die == die && goal.is_of_faces()) of_faces.push_back(&goal);
+    }
+    if (of_faces.empty()) continue;
+    if (p.numbering == Numbering::free) {
+      if (p.world.dice[die].orientation == StartOrientation::fixed) {
+        constraint.error(
+            "numbering",
+            fmt::format("must be \"fixed\": die {} starts with a fixed orientation, so "
+                        "its faces can't be numbered afterwards",
+                        die + 1));
+      }
+      for (const Goal* goal : of_faces) {
+        if (goal->at_s != of_faces.front()->at_s) {
+          constraint.error("numbering",
+                           fmt::format("must be \"fixed\": die {} has goals for its faces at "
+                                       "several times, which one numbering has to meet",
+                                       die + 1));
+          break;
+        }
+      }
+    }
+    for (const Goal* up : of_faces) {
+      for (const Goal* side : of_faces) {
+        if (name_of(*up) != "face" || name_of(*side) != "yaw" || up->at_s != side->at_s) continue;
+        const std::uint32_t top = std::get<FaceDirection>(up->wanted).face;
+        const std::uint32_t other = std::get<FaceDirection>(side->wanted).face;
+        if (other == top || other + top == k_faces + 1) {
+          constraint.error("yaw", fmt::format("face {} of die {} is not at the side when {} is up",
+                                              other, die + 1, top));
+        }
+      }
+    }
+  }
+}
+
+void bind_proposal(Binder& sampler, ProposalParameters& p) {
+  const auto share = [&](std::string_view key, double& value, std::string_view help) {
+    sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
+  };
+  share("change_all", p.change_all, "share of proposals that draw everything anew");
+  share("change_die", p.change_die, "share of those that throw one die anew");
+  share("change_start", p.change_start, "share of those that change one component of a start");
+  share("change_control", p.change_control, "share of those that change any control point");
+  share("change_contact", p.change_contact, "share of those that change one at a collision");
+  length_mm(sampler, "position_step_mm", p.position_m,
+            {.minimum = 1e-6, .maximum = 1000, .help = "standard deviation of the largest step"});
+  const auto step = [&](std::string_view key, double& value, std::string_view unit,
+                        double maximum) {
+    sampler.number(key, value,
+                   {.minimum = 1e-9, .maximum = maximum, .unit = unit, .help = "likewise"});
+  };
+  step("velocity_step_mps", p.velocity_mps, "m/s", 100);
+  step("spin_step_radps", p.spin_radps, "rad/s", 1000);
+  sampler.angle_deg("turn_step_deg", p.turn_rad,
+                    {.minimum = 1e-6, .maximum = 360, .help = "likewise, of the orientation"});
+  length_mm(sampler, "height_step_mm", p.height_m,
+            {.minimum = 1e-6, .maximum = 1000, .help = "likewise, of a control point"});
+  step("restitution_step", p.restitution, "", 1);
+  step("friction_step", p.friction, "", 10);
+  sampler.integer(
+      "halvings", p.halvings,
+      {.minimum = 0, .maximum = 40, .help = "a step is halved 0 to so many times, all as likely"});
+  for (const char* key :
+       {"change_all", "change_die", "change_start", "change_control", "change_contact"}) {
+    if (!sampler.valid(key)) return;
+  }
+  const double sum =
+      p.change_all + p.change_die + p.change_start + p.change_control + p.change_contact;
+  if (std::fabs(sum - 1) > 1e-9)
+    sampler.error("change_all", fmt::format("the shares add up to {:.6g}, not to 1", sum));
+}
+
+}  // namespace
+
+request::WorldBinding request_binding(Parameters& parameters) {
+  return {"dice", "dice thrown on a bumpy table that come to rest as is wanted",
+          [&parameters](Binder& world, Binder& constraint, Binder& sampler) {
+            parameters = Parameters{};
+            bind_world(world, parameters.world);
+            constraint.choice<Numbering>(
+                "numbering", parameters.numbering, k_numbering_names,
+                "free: dice are numbered after the throw, as suits best; fixed: before");
+            GoalBinder{constraint, parameters.world, parameters.goals}.bind_all();
+            check_faces(constraint, parameters);
+            bind_proposal(sampler, parameters.proposal);
+          }};
+}
+
+}  // namespace sleight::worlds::dice

@@ -1,0 +1,16 @@
+// The keys of the dice in a direction request.
+//
+// Lengths are in millimetres in the file and angles in degrees; in Parameters in metres and
+// radians. Dice are counted from 1 in the file.
+#pragma once
+
+#include "common/request/direction_request.h"
+#include "worker/worlds/dice/parameters.h"
+
+namespace sleight::worlds::dice {
+
+/// The world "dice", bound to `parameters`, which must outlive the binding. Reading a request sets
+/// every one of them. Not thread-safe for the same `parameters`.
+request::WorldBinding request_binding(Parameters& parameters);
+
+}  // namespace sleight::worlds::dice
