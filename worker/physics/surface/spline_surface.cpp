@@ -8,20 +8,15 @@
 namespace sleight::physics {
 namespace {
 
-/// Patches that a throw touches, some tens, before the table grows.
-constexpr std::size_t k_slots = 256;
+/// A throw comes near so many before tables grow.
+constexpr std::size_t k_points = 256;
+constexpr std::size_t k_patches = 128;
 /// Bounds are widened by this share for the rounding of differences and of evaluation.
 constexpr double k_bound_margin = 1e-9;
 /// And by so much of the heights themselves, whose differences may cancel.
 constexpr double k_height_rounding = 64 * 0x1p-53;
 
 using Points = std::array<std::array<double, 4>, 4>;  ///< by i, then by j
-
-std::size_t hash_of(GridIndex index) {
-  const auto i = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.i));
-  const auto j = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.j));
-  return static_cast<std::size_t>(((i << 32U | j) * 0x9e3779b97f4a7c15U) >> 32U);
-}
 
 /// The index of the cell that a place is in, in cells: std::floor without a call. A conversion of
 /// what doesn't fit would be undefined.
@@ -152,7 +147,8 @@ SplineSurface::SplineSurface(const StaticSurface& surface)
     : controls_(surface.controls),
       spacing_m_(surface.spacing_m),
       per_spacing_(1 / surface.spacing_m),
-      slots_(k_slots) {
+      points_(k_points),
+      patches_(k_patches) {
   CHECK(controls_ != nullptr);
   CHECK(spacing_m_ > 0);
 }
@@ -232,12 +228,12 @@ std::array<double, 16> SplineSurface::weights_at(double x_m, double y_m) const {
   return weights;
 }
 
-SurfaceControl SplineSurface::fields_at(double x_m, double y_m) const {
+SurfaceControl SplineSurface::fields_at(double x_m, double y_m) {
   const std::array<GridIndex, 16> points = support(patch_at(x_m, y_m));
   const std::array<double, 16> weights = weights_at(x_m, y_m);
   SurfaceControl sum;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const SurfaceControl one = controls_->at(points[k]);
+    const SurfaceControl& one = control(points[k]);
     sum.restitution += weights[k] * one.restitution;
     sum.friction += weights[k] * one.friction;
   }
@@ -251,7 +247,7 @@ SplineSurface::Patch SplineSurface::made(GridIndex index) {
   Points p;
   const std::array<GridIndex, 16> points = support(index);
   for (std::size_t k = 0; k < points.size(); ++k)
-    p[k / 4][k % 4] = controls_->at(points[k]).height_m;
+    p[k / 4][k % 4] = control(points[k]).height_m;
   Patch patch;
   std::array<std::array<double, 4>, 4> in_v;  // by i: coefficients of powers of v
   for (std::size_t a = 0; a < 4; ++a)
@@ -266,35 +262,11 @@ SplineSurface::Patch SplineSurface::made(GridIndex index) {
 }
 
 const SplineSurface::Patch& SplineSurface::patch(GridIndex index) {
-  if (last_ != k_none && index == last_index_) return patches_[last_];
-  const std::size_t mask = slots_.size() - 1;
-  std::size_t place = hash_of(index) & mask;
-  while (slots_[place].number != k_none && slots_[place].index != index)
-    place = (place + 1) & mask;
-  std::uint32_t number = slots_[place].number;
-  if (number == k_none) {
-    // Control points may fail: no slot names a patch before it is there.
-    number = static_cast<std::uint32_t>(patches_.size());
-    patches_.push_back(made(index));
-    slots_[place] = {index, number};
-  }
-  last_ = number;
-  last_index_ = index;
-  if (2 * patches_.size() > slots_.size()) grow();
-  return patches_[last_];
+  return patches_.at(index, [&](GridIndex where) { return made(where); });
 }
 
-void SplineSurface::grow() {
-  std::vector<Slot> old(2 * slots_.size());
-  old.swap(slots_);
-  const std::size_t mask = slots_.size() - 1;
-  for (const Slot& slot : old) {
-    if (slot.number == k_none) continue;
-    std::size_t place = hash_of(slot.index) & mask;
-    while (slots_[place].number != k_none)
-      place = (place + 1) & mask;
-    slots_[place] = slot;
-  }
+const SurfaceControl& SplineSurface::control(GridIndex index) {
+  return points_.at(index, [&](GridIndex where) { return controls_->at(where); });
 }
 
 }  // namespace sleight::physics

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/physics/surface/grid_table.h"
 #include "worker/physics/surface/surface_controls.h"
 
 namespace sleight::physics {
@@ -64,7 +65,7 @@ class SplineSurface {
   /// Of the patches that a rectangle touches. REQUIRES: low <= high on each axis.
   SurfaceBounds bounds_in(double x_low_m, double x_high_m, double y_low_m, double y_high_m);
   /// Its heights do not enter.
-  SurfaceControl fields_at(double x_m, double y_m) const;
+  SurfaceControl fields_at(double x_m, double y_m);
   /// The sixteen control points that a place hangs on, row by row, and their weights there.
   static std::array<GridIndex, 16> support(GridIndex patch);
   GridIndex patch_at(double x_m, double y_m) const;
@@ -78,22 +79,13 @@ class SplineSurface {
   };
   const Patch& patch(GridIndex index);
   Patch made(GridIndex index);
-  void grow();
-
-  /// Open addressing; a slot of no patch has number k_none.
-  struct Slot {
-    GridIndex index;
-    std::uint32_t number = k_none;
-  };
-  static constexpr std::uint32_t k_none = UINT32_MAX;
+  const SurfaceControl& control(GridIndex index);
 
   std::shared_ptr<const SurfaceControls> controls_;
   double spacing_m_;
   double per_spacing_;
-  std::vector<Slot> slots_;
-  std::vector<Patch> patches_;
-  GridIndex last_index_;  ///< the patch asked for last
-  std::uint32_t last_ = k_none;
+  GridTable<SurfaceControl> points_;
+  GridTable<Patch> patches_;
   PatchRange last_range_;
   SurfaceBounds last_bounds_;
   bool has_last_range_ = false;
