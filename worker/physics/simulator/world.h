@@ -329,8 +329,9 @@ class World {
   ImpactOutput impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
                          const ContactLaw& law, Tick tick, bool a_fixed, bool b_fixed);
   PieceContact contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event);
-  /// A body's contact with a surface, from its centre at the tick.
-  void note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& arm_m);
+  /// A body has touched a surface, at an arm from its centre.
+  void note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& centre_m,
+                    const Vec3& arm_m);
   PieceContact contact_with_static(std::uint32_t index, std::uint32_t body, std::uint32_t part,
                                    Tick tick);
   bool is_surface(std::uint32_t body, std::uint32_t index) const {
@@ -380,6 +381,7 @@ class World {
   }
   void find_quiet_until();
   void recall(const ToldEvent& event);
+  void recall_surface(const ToldEvent& event);
   void set_replayed(std::uint32_t body);
 
   // Lasting contact of spheres (world_modes.cpp).

@@ -230,7 +230,8 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   const auto log_touch = [&](const Twist& after) {
     if (!resting_.enabled() && !is_surface(body, index)) return;
     const Vec3 place_m = position_at(segments_[body].flight, tick);
-    if (is_surface(body, index)) note_surface(body, index, tick, contact.point_m - place_m);
+    if (is_surface(body, index))
+      note_surface(body, index, tick, place_m, contact.point_m - place_m);
     note_touch(body,
                {.tick = tick,
                 .partner = k_static_partner,
@@ -269,11 +270,12 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   wake_on_those_that_left(event);
 }
 
-void World::note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& arm_m) {
+void World::note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& centre_m,
+                         const Vec3& arm_m) {
   surface_touches_.push_back({.tick = tick,
                               .body = body,
                               .surface = index - statics_.piece_count(),
-                              .point_m = position_at(segments_[body].flight, tick) + arm_m});
+                              .point_m = centre_m + arm_m});
 }
 
 void World::apply(const Control& control, const EventKey& event) {

@@ -112,6 +112,23 @@ void World::find_quiet_until() {
   replay.quiet_until = until;
 }
 
+/// Where a body touched a surface, at the beginning of the segment that it began then.
+void World::recall_surface(const ToldEvent& event) {
+  const EventKey& key = event.key;
+  const std::uint32_t index = key.higher & ~k_static;
+  const auto touch = std::ranges::find_if(event.touches, [&](const TouchRecord& record) {
+    return record.tick == key.tick && record.partner == k_static_partner && record.feature == index;
+  });
+  CHECK(touch != event.touches.end());
+  std::size_t segment = 0;
+  for (const Participant& participant : event.participants) {
+    if (participant.begins() && participant.body() == key.lower)
+      note_surface(key.lower, index, key.tick, event.segments[segment].flight.position_m,
+                   touch->arm_m);
+    if (participant.begins()) ++segment;
+  }
+}
+
 /// What participants know after an event. REQUIRES: their segments have begun.
 void World::recall(const ToldEvent& event) {
   const EventKey& key = event.key;
@@ -125,13 +142,7 @@ void World::recall(const ToldEvent& event) {
         supports_[key.higher].met_body = key.tick;
       }
     } else if (is_surface(key.lower, key.higher & ~k_static)) {
-      const std::uint32_t index = key.higher & ~k_static;
-      const auto touch = std::ranges::find_if(event.touches, [&](const TouchRecord& record) {
-        return record.tick == key.tick && record.partner == k_static_partner &&
-               record.feature == index;
-      });
-      CHECK(touch != event.touches.end());
-      note_surface(key.lower, index, key.tick, touch->arm_m);
+      recall_surface(event);
     }
   }
   std::size_t touch = 0;
