@@ -246,10 +246,12 @@ TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
   parameters.proposal.change_start = 0;
   parameters.proposal.change_control = 0;
   parameters.proposal.change_contact = 1;
-  const double p = least_p(Hasty(parameters), {1, 40, 4000});
+  parameters.proposal.halvings = 0;
+  parameters.proposal.height_m = 0.003;
+  const double p = least_p(Hasty(parameters), {0, 40, 20'000});
   std::printf("hasty, 40 steps: p %g\n", p);
   EXPECT_LT(p, 1e-9);
-  const double right = least_p(Formula(parameters), {1, 40, 4000});
+  const double right = least_p(Formula(parameters), {0, 40, 20'000});
   std::printf("contacts alone, 40 steps: p %g\n", right);
   EXPECT_GT(right, 1e-4);
 }
