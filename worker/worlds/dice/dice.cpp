@@ -159,21 +159,31 @@ void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
   outcome.collisions = static_cast<std::uint32_t>(touches.size());
   if (touches.empty()) return;
 
-  // The mean weight of each control point, summed in the order of collisions.
+  // The mean weight of each control point, summed in the order of collisions. A collision counts
+  // by how long the die flew to it: most are small bounces of a die that settles.
   std::map<GridIndex, double> sums;
+  std::vector<physics::Tick> before;
+  for (const physics::BodyDescription& body : scene.bodies)
+    before.push_back(body.start_tick);
+  double flown_s = 0;
   for (const physics::SurfaceTouch& touch : touches) {
+    // At one tick, too, it is a collision.
+    const double flight_s =
+        physics::seconds(std::max<physics::TickCount>(1, touch.tick - before[touch.body]));
+    before[touch.body] = touch.tick;
+    flown_s += flight_s;
     const double x_m = touch.point_m.x();
     const double y_m = touch.point_m.y();
     const auto points = physics::SplineSurface::support(surface.patch_at(x_m, y_m));
     const auto weights = surface.weights_at(x_m, y_m);
     for (std::size_t k = 0; k < points.size(); ++k) {
       if (weights[k] > 0 && is_on_table(parameters_.world.table, points[k]))
-        sums[points[k]] += weights[k];
+        sums[points[k]] += weights[k] * flight_s;
     }
   }
   outcome.contacts.reserve(sums.size());
   for (const auto& [index, sum] : sums) {
-    outcome.contacts.push_back({index, sum / static_cast<double>(touches.size())});
+    outcome.contacts.push_back({index, sum / flown_s});
     outcome.log_plausibility +=
         log_density_of(parameters_.world.table, control_at(parameters_.world, state, index));
   }
