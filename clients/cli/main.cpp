@@ -10,6 +10,7 @@
 #include "clients/cli/archive_commands.h"
 #include "clients/cli/diagnose_command.h"
 #include "clients/cli/main_diagnose.h"
+#include "clients/cli/main_dice_scene.h"
 #include "clients/cli/main_direct.h"
 #include "clients/cli/main_spelling_box.h"
 #include "clients/cli/output.h"
@@ -140,7 +141,7 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
   command
       ->add_option("--what", options.what,
                    "trace: outcome and log p; paths: the motion (ball_2d); animations: the motion "
-                   "(spelling)")
+                   "(dice, spelling)")
       ->check(CLI::IsMember({"trace", "paths", "animations"}))
       ->capture_default_str();
   command->add_option("--chain", options.chain, "Only this chain")
@@ -159,9 +160,14 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
       "  sleight plot ball.h5 --chain 0 --draws 1000 -o figure_2_4.svg\n"
       "  sleight plot ball.h5 --what paths -o figure_2_3.png\n"
       "  sleight plot hi.h5 --chain 0 -o hi_filled.svg\n"
-      "  sleight plot hi.h5 --what animations --count 4 -o hi_animations.png");
-  command->callback(
-      [&] { action = [&] { return cli::plot_archive(options, read_spelling_box); }; });
+      "  sleight plot hi.h5 --what animations --count 4 -o hi_animations.png\n"
+      "  sleight plot die.h5 --what animations -o die_animations.svg");
+  command->callback([&] {
+    action = [&] {
+      return cli::plot_archive(options,
+                               {.spelling_box = read_spelling_box, .dice_scene = read_dice_scene});
+    };
+  });
 }
 
 int main_of(int argc, char** argv) {

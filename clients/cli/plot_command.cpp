@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "clients/cli/ball_2d_figures.h"
+#include "clients/cli/dice_figures.h"
 #include "clients/cli/output.h"
 #include "clients/cli/request_numbers.h"
 #include "clients/cli/spelling_figures.h"
@@ -44,15 +45,22 @@ plot::Figure plain_trace(const archive::Source& source, const PlotOptions& optio
   return figure;
 }
 
-SpellingBox spelling_box_of(const archive::Source& source, const SpellingBoxReader& read) {
-  auto box = read(archive::summary_of(source).request_text);
-  if (box) return std::move(box).value();
-  throw base::Error(base::ExitCode::bad_archive,
-                    source.name() + ": its request is none of balls that spell: " + box.error());
+/// What a world's reader makes of the archive's request.
+template <class Read>
+auto read_of(const archive::Source& source, const Read& read, const char* things) {
+  auto scene = read(archive::summary_of(source).request_text);
+  if (scene) return std::move(scene).value();
+  throw base::Error(
+      base::ExitCode::bad_archive,
+      fmt::format("{}: its request is none of {}: {}", source.name(), things, scene.error()));
+}
+
+SpellingBox spelling_box_of(const archive::Source& source, const WorldReaders& readers) {
+  return read_of(source, readers.spelling_box, "balls that spell");
 }
 
 plot::Figure figure_of(const archive::Source& source, const PlotOptions& options,
-                       const SpellingBoxReader& read_box) {
+                       const WorldReaders& readers) {
   const std::string world = archive::summary_of(source).world;
   if (options.what == "paths") {
     if (world == "ball_2d") return ball_2d_paths(source, options.chain, options.count);
@@ -60,24 +68,29 @@ plot::Figure figure_of(const archive::Source& source, const PlotOptions& options
         base::ExitCode::usage,
         fmt::format("paths can be drawn of ball_2d archives only, and {} is of the "
                     "world {}{}",
-                    source.name(), world, world == "spelling" ? "; try --what animations" : ""));
+                    source.name(), world, world == "spelling" || world == "dice" ? "; try --what animations" : ""));
   }
   if (options.what == "animations") {
     if (world == "spelling") {
       // A terminal's dots are too few for the frames.
       return spelling_animations(
-          source, spelling_box_of(source, read_box),
+          source, spelling_box_of(source, readers),
           {.chain = options.chain, .count = options.count, .frames = !options.output.empty()});
+    }
+    if (world == "dice") {
+      return dice_animations(
+          source, read_of(source, readers.dice_scene, "dice"),
+          {.chain = options.chain, .count = options.count, .front = !options.output.empty()});
     }
     throw base::Error(
         base::ExitCode::usage,
-        fmt::format("animations can be drawn of spelling archives only, and {} is of "
+        fmt::format("animations can be drawn of dice and spelling archives only, and {} is of "
                     "the world {}{}",
                     source.name(), world, world == "ball_2d" ? "; try --what paths" : ""));
   }
   if (world == "ball_2d") return ball_2d_trace(source, options.chain, options.draws);
   if (world == "spelling") {
-    return spelling_trace(source, spelling_box_of(source, read_box), options.chain, options.draws);
+    return spelling_trace(source, spelling_box_of(source, readers), options.chain, options.draws);
   }
   return plain_trace(source, options);
 }
@@ -92,11 +105,11 @@ void draw_on_terminal(const plot::Figure& figure) {
 
 }  // namespace
 
-int plot_archive(const PlotOptions& options, const SpellingBoxReader& spelling_box) {
+int plot_archive(const PlotOptions& options, const WorldReaders& readers) {
   if (!options.output.empty()) refuse_same_file(options.path, options.output);
   const auto draw = [&] {
     const auto source = archive::hdf5::open_file(options.path);
-    const plot::Figure figure = figure_of(*source, options, spelling_box);
+    const plot::Figure figure = figure_of(*source, options, readers);
     if (options.output.empty()) {
       draw_on_terminal(figure);
     } else {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "clients/cli/dice_figures.h"
 #include "clients/cli/spelling_figures.h"
 
 namespace sleight::cli {
@@ -18,7 +19,13 @@ struct PlotOptions {
   std::uint64_t count = 3;             ///< paths or animations to draw
 };
 
+/// What pictures need of requests that only their worlds know.
+struct WorldReaders {
+  SpellingBoxReader spelling_box;
+  DiceSceneReader dice_scene;
+};
+
 /// Returns the exit code; throws base::Error.
-int plot_archive(const PlotOptions& options, const SpellingBoxReader& spelling_box);
+int plot_archive(const PlotOptions& options, const WorldReaders& readers);
 
 }  // namespace sleight::cli

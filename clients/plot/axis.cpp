@@ -144,6 +144,10 @@ struct Extents {
     add(rectangle.high);
     x_margin = true;
   }
+  void operator()(const Polygon& polygon) {
+    add_all(polygon.corners);
+    x_margin = true;
+  }
   void operator()(const Text& text) {
     add(text.at);
     x_margin = true;

@@ -146,6 +146,13 @@ struct Rectangle {
   double width_px = 1.4;  ///< of the outline, where not filled
 };
 
+/// A filled area: its corners in order, the last joined to the first. None if any is not finite.
+struct Polygon {
+  std::vector<Point> corners = {};
+  Color color = palette::k_grey;
+  std::string label = {};
+};
+
 enum class Anchor { start, middle, end };
 
 /// Words at a point: their baseline starts, is centred or ends there.
@@ -161,7 +168,7 @@ struct Text {
 };
 
 using Series = std::variant<Line, Steps, Markers, HorizontalBand, HorizontalLine, VerticalLine,
-                            Arrow, Disc, Rectangle, Text>;
+                            Arrow, Disc, Rectangle, Polygon, Text>;
 
 struct Panel {
   std::string title = {};

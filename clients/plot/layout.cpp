@@ -53,6 +53,7 @@ LegendEntry entry_of(const Series& series) {
     LegendEntry operator()(const Rectangle& s) const {
       return {s.label, s.filled ? Swatch::area : Swatch::line, s.color};
     }
+    LegendEntry operator()(const Polygon& s) const { return {s.label, Swatch::area, s.color}; }
     LegendEntry operator()(const Text&) const { return {}; }
   };
   return std::visit(Visitor{}, series);

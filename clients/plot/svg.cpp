@@ -97,6 +97,10 @@ class SeriesPainter {
       svg_.rectangle_outline(box, {.color = rectangle.color, .width = rectangle.width_px});
     }
   }
+  void operator()(const Polygon& polygon) const {
+    if (!std::ranges::all_of(polygon.corners, is_drawable)) return;
+    svg_.polygon(to_pixels(polygon.corners), polygon.color);
+  }
   void operator()(const Text& text) const {
     if (!is_drawable(text.at)) return;
     Point at = layout_.to_pixels(text.at);

@@ -102,6 +102,13 @@ class DotPainter {
     for (std::size_t i = 1; i < std::size(corners); ++i)
       canvas_.line(corners[i - 1], corners[i], rectangle.color);
   }
+  void operator()(const Polygon& polygon) const {
+    if (!std::ranges::all_of(polygon.corners, is_drawable)) return;
+    for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
+      canvas_.line(to_dots(polygon.corners[i]),
+                   to_dots(polygon.corners[(i + 1) % polygon.corners.size()]), polygon.color);
+    }
+  }
   void operator()(const Text& text) const {
     if (!is_drawable(text.at)) return;
     const Point at = to_dots(text.at);

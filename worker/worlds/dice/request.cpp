@@ -85,7 +85,8 @@ void bind_orientation(Binder& die, DieKeys& keys) {
   for (std::size_t i = 0; i < 4; ++i) {
     die.number(k_parts[i], keys.quaternion[i],
                {.minimum = -1, .maximum = 1, .help = "of a quaternion in place of up, if fixed"});
-    gives_quaternion = gives_quaternion || die.given(k_parts[i]);
+    // By its value: a normalised request has every key, given or not.
+    gives_quaternion = gives_quaternion || keys.quaternion[i] != (i == 0 ? 1 : 0);
     square += keys.quaternion[i] * keys.quaternion[i];
   }
   if (!die.valid("orientation")) return;

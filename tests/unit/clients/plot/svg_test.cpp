@@ -117,6 +117,8 @@ TEST(Svg, DrawsEachKindOfSeries) {
   EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}, .filled = false}), "fill=\"none\""),
             1U + occurrences(svg_of(Rectangle{.high = {1, 1}}), "fill=\"none\""));
   EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, k_inf}}), "<rect"), 2U);
+  EXPECT_EQ(occurrences(svg_of(Polygon{.corners = {{0, 0}, {1, 0}, {0, 1}}}), "<polygon"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Polygon{.corners = {{0, 0}, {1, 0}, {0, k_inf}}}), "<polygon"), 0U);
   EXPECT_EQ(occurrences(svg_of(Text{.text = "words"}), ">words<"), 1U);
   EXPECT_EQ(occurrences(svg_of(Text{.text = "words"}), "paint-order"), 1U);
   EXPECT_EQ(occurrences(svg_of(Text{.text = "words", .inside = true}), "paint-order"), 0U);

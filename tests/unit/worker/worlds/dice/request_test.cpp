@@ -117,6 +117,28 @@ TEST(DiceRequest, GoalsAreArraysOfTables) {
   EXPECT_EQ(again.goals.size(), 7U);
 }
 
+TEST(DiceRequest, NormalisedStartsReadBack) {
+  // Goal: the request that an archive holds, which has every key, can be read and gives the same
+  // starts. Method: each way to orient a start.
+  for (const std::string start :
+       {"x_mm = 1", "orientation = \"uniform\"", "orientation = \"fixed\"",
+        "orientation = \"fixed\"\nup = 2\nyaw_deg = 30",
+        "orientation = \"fixed\"\nqw = 0.6\nqz = 0.8"}) {
+    Parameters parameters;
+    const auto request = read(parameters, "[[world.die]]\n" + start);
+    ASSERT_TRUE(request.ok()) << start << ": " << to_string(request.error().front());
+    Parameters again;
+    const std::array worlds{request_binding(again)};
+    const std::string normal = normalised_text(request.value());
+    const auto reread = request::read_request(normal, "n.toml", worlds);
+    ASSERT_TRUE(reread.ok()) << start << ": " << to_string(reread.error().front());
+    EXPECT_EQ(normalised_text(reread.value()), normal);
+    EXPECT_EQ(again.world.dice[0].orientation, parameters.world.dice[0].orientation);
+    EXPECT_EQ(again.world.dice[0].fixed_orientation.coeffs(),
+              parameters.world.dice[0].fixed_orientation.coeffs());
+  }
+}
+
 TEST(DiceRequest, SlipsAreNamed) {
   // Goal: what can't be is said with its key and what to do. Method: one slip each.
   EXPECT_THAT(complaint("dice = 21"), HasSubstr("from 1 to 20"));

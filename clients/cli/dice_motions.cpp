@@ -1,0 +1,136 @@
+#include "clients/cli/dice_motions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "clients/cli/kept_animations.h"
+#include "common/archive/format.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+using math::Quat;
+using math::Vec3;
+
+/// Most segments of an animation: some hundred times what twenty dice have.
+constexpr std::uint64_t k_segments_max = 1'000'000;
+
+/// Larger numbers, in SI units, are no motion of dice.
+constexpr double k_number_max = 1e6;
+constexpr double k_norm_off_max = 1e-3;
+constexpr double k_mm_per_m = 1000;
+
+/// The columns of an animation's segments.
+class Segments {
+ public:
+  Segments(const archive::Source& source, std::size_t animation)
+      : rows_(segments_of(source, animation, k_segments_max)),
+        die(column(source, "moving_die", 1)),
+        start_s(column(source, "start_s", 1)),
+        position_m(column(source, "position_m", 3)),
+        velocity_mps(column(source, "velocity_mps", 3)),
+        acceleration_mps2(column(source, "acceleration_mps2", 3)),
+        orientation(column(source, "orientation", 4)),
+        spin_radps(column(source, "angular_velocity_radps", 3)) {}
+
+  std::size_t count() const { return rows_.count; }
+
+  bool is_sane() const {
+    return std::ranges::all_of({&start_s, &position_m, &velocity_mps, &acceleration_mps2,
+                                &orientation, &spin_radps},
+                               [](const std::vector<double>* values) {
+                                 return std::ranges::all_of(*values, [](double value) {
+                                   return std::abs(value) <= k_number_max;  // not of NaN
+                                 });
+                               });
+  }
+
+  static Vec3 row(const std::vector<double>& values, std::size_t row) {
+    return {values[3 * row], values[3 * row + 1], values[3 * row + 2]};
+  }
+
+  Quat orientation_at(std::size_t row) const {
+    const double* q = &orientation[4 * row];
+    return {q[0], q[1], q[2], q[3]};
+  }
+
+ private:
+  std::vector<double> column(const archive::Source& source, std::string_view name,
+                             std::uint64_t width) const {
+    return read_rows(source, archive::k_animations, name, width, rows_);
+  }
+
+  Rows rows_;
+
+ public:
+  const std::vector<double> die;
+  const std::vector<double> start_s;
+  const std::vector<double> position_m;
+  const std::vector<double> velocity_mps;
+  const std::vector<double> acceleration_mps2;
+  const std::vector<double> orientation;
+  const std::vector<double> spin_radps;
+};
+
+bool is_rotation(const Quat& q) {
+  const double square = q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z();
+  return std::abs(square - 1) <= k_norm_off_max;
+}
+
+}  // namespace
+
+std::optional<DiePose> DieMotion::pose_at(double time_s) const {
+  const auto after =
+      std::upper_bound(pieces_.begin(), pieces_.end(), time_s,
+                       [](double time, const Piece& piece) { return time < piece.start_s; });
+  if (after == pieces_.begin()) return std::nullopt;
+  const Piece& piece = *std::prev(after);
+  const double t = time_s - piece.start_s;
+  const Quat turn = math::quaternion_of_rotation_vector(piece.spin_radps * t);
+  return DiePose{.centre_mm = piece.position_mm + t * piece.velocity_mmps +
+                              0.5 * t * t * piece.acceleration_mmps2,
+                 .orientation = math::normalized(math::composed(turn, piece.orientation))};
+}
+
+std::vector<DieMotion> read_dice_motions(const archive::Source& source, std::size_t animation,
+                                         std::uint64_t dice) {
+  const Segments segments(source, animation);
+  const auto refuse = [&](const char* reason) {
+    throw base::Error(base::ExitCode::bad_archive,
+                      fmt::format("{}: its animation {} {}", source.name(), animation, reason));
+  };
+  if (!segments.is_sane()) refuse("has numbers that no motion of dice has");
+  std::map<std::uint64_t, DieMotion> motions;
+  for (std::size_t row = 0; row < segments.count(); ++row) {
+    // The comparisons are false for NaN: what is not trusted is cast afterwards.
+    const double die = segments.die[row];
+    if (!(die >= 0 && die < static_cast<double>(dice)))
+      refuse("moves dice that its request doesn't have");
+    const auto number = static_cast<std::uint64_t>(die);
+    DieMotion& motion = motions.try_emplace(number, number).first->second;
+    const double start_s = segments.start_s[row];
+    if (!motion.pieces().empty() && motion.rest_s() > start_s)
+      refuse("has segments that are not in the order of time");
+    const Quat orientation = segments.orientation_at(row);
+    if (!is_rotation(orientation)) refuse("has orientations that are no rotations");
+    motion.append({.start_s = start_s,
+                   .position_mm = k_mm_per_m * Segments::row(segments.position_m, row),
+                   .velocity_mmps = k_mm_per_m * Segments::row(segments.velocity_mps, row),
+                   .acceleration_mmps2 = k_mm_per_m * Segments::row(segments.acceleration_mps2, row),
+                   .orientation = math::normalized(orientation),
+                   .spin_radps = Segments::row(segments.spin_radps, row)});
+  }
+  if (motions.empty()) refuse("moves no die");
+  std::vector<DieMotion> out;
+  for (auto& [number, motion] : motions)
+    out.push_back(std::move(motion));
+  return out;
+}
+
+}  // namespace sleight::cli
