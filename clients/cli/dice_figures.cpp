@@ -29,9 +29,9 @@ constexpr double k_above_height_px_max = 620;
 constexpr double k_px_per_mm_max = 4.5;
 constexpr double k_caption_px = 18;  ///< above a view
 constexpr double k_caption_size_px = 11.5;
-constexpr double k_between_px = 12;     ///< between the views
-constexpr double k_grid_px_min = 5;     ///< closer lines are none
-constexpr double k_title_room_px = 9;   ///< of a panel, beside the title's own height
+constexpr double k_between_px = 12;    ///< between the views
+constexpr double k_grid_px_min = 5;    ///< closer lines are none
+constexpr double k_title_room_px = 9;  ///< of a panel, beside the title's own height
 constexpr double k_margin_mm = 4;
 
 constexpr Color k_table{0xF6, 0xF4, 0xEF};
@@ -112,19 +112,18 @@ Arrangement arrange(const Extent& extent, std::size_t panels) {
   const bool is_wide = extent.width_mm() > 1.2 * extent.depth_mm();
   sizes.columns = std::min<std::size_t>(panels, is_wide ? 2 : 3);
   const auto columns = static_cast<double>(sizes.columns);
-  const double room_px =
-      (k_figure_width_px - 2 * plot::style::k_outer - (columns - 1) * plot::style::k_between_panels) /
-      columns;
-  sizes.px_per_mm = std::min({room_px / extent.width_mm(),
-                              k_above_height_px_max / extent.depth_mm(),
-                              k_above_height_px_max / extent.height_mm(), k_px_per_mm_max});
+  const double room_px = (k_figure_width_px - 2 * plot::style::k_outer -
+                          (columns - 1) * plot::style::k_between_panels) /
+                         columns;
+  sizes.px_per_mm =
+      std::min({room_px / extent.width_mm(), k_above_height_px_max / extent.depth_mm(),
+                k_above_height_px_max / extent.height_mm(), k_px_per_mm_max});
   sizes.width_px =
       std::max(extent.width_mm() * sizes.px_per_mm, std::min(room_px, k_panel_width_px_min));
   sizes.above_height_px = extent.depth_mm() * sizes.px_per_mm;
   sizes.front_height_px = extent.height_mm() * sizes.px_per_mm;
   // A word beneath the front, too.
-  sizes.height_px =
-      sizes.above_height_px + sizes.front_height_px + k_between_px + 3 * k_caption_px;
+  sizes.height_px = sizes.above_height_px + sizes.front_height_px + k_between_px + 3 * k_caption_px;
   return sizes;
 }
 
@@ -169,9 +168,8 @@ class Painter {
 
   void from_front(const View& view, const std::vector<DieMotion>& dice) {
     const Point ground = view.at({extent_.right_mm, 0});
-    panel_.series.push_back(plot::Rectangle{.low = view.at({extent_.left_mm, extent_.bottom_mm}),
-                                            .high = ground,
-                                            .color = k_table});
+    panel_.series.push_back(plot::Rectangle{
+        .low = view.at({extent_.left_mm, extent_.bottom_mm}), .high = ground, .color = k_table});
     panel_.series.push_back(plot::Line{.points = {view.at({extent_.left_mm, 0}), ground},
                                        .color = plot::palette::k_grey,
                                        .width_px = 1});
@@ -335,12 +333,13 @@ plot::Panel animation_panel(const DiceScene& scene, const Extent& extent, const 
 /// The table from above alone, in millimetres.
 plot::Panel above_panel(const DiceScene& scene, const Extent& extent,
                         const DiceAnimation& animation) {
-  plot::Panel panel{.title = fmt::format("{}; {}", animation.title, outcome_of(scene, animation.dice)),
-                    .x_label = "x (mm)",
-                    .y_label = "y (mm)",
-                    .equal_aspect = true,
-                    .grid = false,
-                    .legend = false};
+  plot::Panel panel{
+      .title = fmt::format("{}; {}", animation.title, outcome_of(scene, animation.dice)),
+      .x_label = "x (mm)",
+      .y_label = "y (mm)",
+      .equal_aspect = true,
+      .grid = false,
+      .legend = false};
   Painter(scene, extent, panel)
       .from_above({.seen = Seen::from_above, .origin = {0, 0}, .px_per_mm = 1}, animation.dice);
   return panel;

@@ -27,56 +27,49 @@ constexpr double k_norm_off_max = 1e-3;
 constexpr double k_mm_per_m = 1000;
 
 /// The columns of an animation's segments.
-class Segments {
- public:
-  Segments(const archive::Source& source, std::size_t animation)
-      : rows_(segments_of(source, animation, k_segments_max)),
-        die(column(source, "moving_die", 1)),
-        start_s(column(source, "start_s", 1)),
-        position_m(column(source, "position_m", 3)),
-        velocity_mps(column(source, "velocity_mps", 3)),
-        acceleration_mps2(column(source, "acceleration_mps2", 3)),
-        orientation(column(source, "orientation", 4)),
-        spin_radps(column(source, "angular_velocity_radps", 3)) {}
+struct Segments {
+  std::size_t count = 0;
+  std::vector<double> die;
+  std::vector<double> start_s;
+  std::vector<double> position_m;
+  std::vector<double> velocity_mps;
+  std::vector<double> acceleration_mps2;
+  std::vector<double> orientation;
+  std::vector<double> spin_radps;
 
-  std::size_t count() const { return rows_.count; }
-
+  /// But for the dice's numbers, which are judged one by one.
   bool is_sane() const {
-    return std::ranges::all_of({&start_s, &position_m, &velocity_mps, &acceleration_mps2,
-                                &orientation, &spin_radps},
-                               [](const std::vector<double>* values) {
-                                 return std::ranges::all_of(*values, [](double value) {
-                                   return std::abs(value) <= k_number_max;  // not of NaN
-                                 });
-                               });
+    const auto sane = [](const std::vector<double>& values) {
+      return std::ranges::all_of(
+          values, [](double value) { return std::abs(value) <= k_number_max; });  // false of NaN
+    };
+    return sane(start_s) && sane(position_m) && sane(velocity_mps) && sane(acceleration_mps2) &&
+           sane(orientation) && sane(spin_radps);
   }
-
-  static Vec3 row(const std::vector<double>& values, std::size_t row) {
-    return {values[3 * row], values[3 * row + 1], values[3 * row + 2]};
-  }
-
   Quat orientation_at(std::size_t row) const {
     const double* q = &orientation[4 * row];
     return {q[0], q[1], q[2], q[3]};
   }
-
- private:
-  std::vector<double> column(const archive::Source& source, std::string_view name,
-                             std::uint64_t width) const {
-    return read_rows(source, archive::k_animations, name, width, rows_);
-  }
-
-  Rows rows_;
-
- public:
-  const std::vector<double> die;
-  const std::vector<double> start_s;
-  const std::vector<double> position_m;
-  const std::vector<double> velocity_mps;
-  const std::vector<double> acceleration_mps2;
-  const std::vector<double> orientation;
-  const std::vector<double> spin_radps;
 };
+
+Segments read_segments(const archive::Source& source, std::size_t animation) {
+  const Rows rows = segments_of(source, animation, k_segments_max);
+  const auto column = [&](std::string_view name, std::uint64_t width) {
+    return read_rows(source, archive::k_animations, name, width, rows);
+  };
+  return {.count = rows.count,
+          .die = column("moving_die", 1),
+          .start_s = column("start_s", 1),
+          .position_m = column("position_m", 3),
+          .velocity_mps = column("velocity_mps", 3),
+          .acceleration_mps2 = column("acceleration_mps2", 3),
+          .orientation = column("orientation", 4),
+          .spin_radps = column("angular_velocity_radps", 3)};
+}
+
+Vec3 vector_at(const std::vector<double>& values, std::size_t row) {
+  return {values[3 * row], values[3 * row + 1], values[3 * row + 2]};
+}
 
 bool is_rotation(const Quat& q) {
   const double square = q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z();
@@ -100,14 +93,14 @@ std::optional<DiePose> DieMotion::pose_at(double time_s) const {
 
 std::vector<DieMotion> read_dice_motions(const archive::Source& source, std::size_t animation,
                                          std::uint64_t dice) {
-  const Segments segments(source, animation);
+  const Segments segments = read_segments(source, animation);
   const auto refuse = [&](const char* reason) {
     throw base::Error(base::ExitCode::bad_archive,
                       fmt::format("{}: its animation {} {}", source.name(), animation, reason));
   };
   if (!segments.is_sane()) refuse("has numbers that no motion of dice has");
   std::map<std::uint64_t, DieMotion> motions;
-  for (std::size_t row = 0; row < segments.count(); ++row) {
+  for (std::size_t row = 0; row < segments.count; ++row) {
     // The comparisons are false for NaN: what is not trusted is cast afterwards.
     const double die = segments.die[row];
     if (!(die >= 0 && die < static_cast<double>(dice)))
@@ -120,11 +113,11 @@ std::vector<DieMotion> read_dice_motions(const archive::Source& source, std::siz
     const Quat orientation = segments.orientation_at(row);
     if (!is_rotation(orientation)) refuse("has orientations that are no rotations");
     motion.append({.start_s = start_s,
-                   .position_mm = k_mm_per_m * Segments::row(segments.position_m, row),
-                   .velocity_mmps = k_mm_per_m * Segments::row(segments.velocity_mps, row),
-                   .acceleration_mmps2 = k_mm_per_m * Segments::row(segments.acceleration_mps2, row),
+                   .position_mm = k_mm_per_m * vector_at(segments.position_m, row),
+                   .velocity_mmps = k_mm_per_m * vector_at(segments.velocity_mps, row),
+                   .acceleration_mmps2 = k_mm_per_m * vector_at(segments.acceleration_mps2, row),
                    .orientation = math::normalized(orientation),
-                   .spin_radps = Segments::row(segments.spin_radps, row)});
+                   .spin_radps = vector_at(segments.spin_radps, row)});
   }
   if (motions.empty()) refuse("moves no die");
   std::vector<DieMotion> out;

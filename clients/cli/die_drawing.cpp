@@ -73,7 +73,8 @@ std::vector<SeenFace> seen_faces(const DiePose& pose, double side_mm, Seen seen)
       const Vec3 place_mm = pose.centre_mm + half_mm * (normal + off.u * u + off.v * v);
       return projected(place_mm, seen);
     };
-    SeenFace seen_face{.face = face, .corners_mm = {at({1, 1}), at({-1, 1}), at({-1, -1}), at({1, -1})}};
+    SeenFace seen_face{.face = face,
+                       .corners_mm = {at({1, 1}), at({-1, 1}), at({-1, -1}), at({1, -1})}};
     for (const Off& pip : pips_of(face)) {
       auto& corners = seen_face.pips_mm.emplace_back();
       for (std::size_t i = 0; i < k_pip_corners; ++i) {

@@ -31,8 +31,8 @@ enum class Seen {
 plot::Point projected(const math::Vec3& place_mm, Seen seen);
 
 struct SeenFace {
-  std::uint32_t face = 0;                     ///< 1 to 6
-  std::array<plot::Point, 4> corners_mm{};    ///< in order
+  std::uint32_t face = 0;                                         ///< 1 to 6
+  std::array<plot::Point, 4> corners_mm{};                        ///< in order
   std::vector<std::array<plot::Point, k_pip_corners>> pips_mm{};  ///< as many as its number
 };
 

@@ -33,9 +33,8 @@ base::Result<cli::DiceScene, std::string> read_dice_scene(std::string_view reque
                               .centre_mm = mm_of(place->centre_m),
                               .tolerance_mm = k_mm_per_m * goal.tolerance});
     } else if (const auto* region = std::get_if<dice::Region>(&goal.wanted)) {
-      scene.regions.push_back({.die = goal.die,
-                               .low_mm = mm_of(region->low_m),
-                               .high_mm = mm_of(region->high_m)});
+      scene.regions.push_back(
+          {.die = goal.die, .low_mm = mm_of(region->low_m), .high_mm = mm_of(region->high_m)});
     }
   }
   return scene;

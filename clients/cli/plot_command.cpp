@@ -50,9 +50,8 @@ template <class Read>
 auto read_of(const archive::Source& source, const Read& read, const char* things) {
   auto scene = read(archive::summary_of(source).request_text);
   if (scene) return std::move(scene).value();
-  throw base::Error(
-      base::ExitCode::bad_archive,
-      fmt::format("{}: its request is none of {}: {}", source.name(), things, scene.error()));
+  throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: its request is none of {}: {}",
+                                                             source.name(), things, scene.error()));
 }
 
 SpellingBox spelling_box_of(const archive::Source& source, const WorldReaders& readers) {
@@ -68,7 +67,8 @@ plot::Figure figure_of(const archive::Source& source, const PlotOptions& options
         base::ExitCode::usage,
         fmt::format("paths can be drawn of ball_2d archives only, and {} is of the "
                     "world {}{}",
-                    source.name(), world, world == "spelling" || world == "dice" ? "; try --what animations" : ""));
+                    source.name(), world,
+                    world == "spelling" || world == "dice" ? "; try --what animations" : ""));
   }
   if (options.what == "animations") {
     if (world == "spelling") {

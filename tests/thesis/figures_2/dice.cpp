@@ -11,7 +11,6 @@
 #include "clients/cli/dice_figures.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
-#include "common/base/error.h"
 #include "common/request/direction_request.h"
 #include "worker/run/catalogue.h"
 #include "worker/worlds/dice/dice.h"
@@ -24,10 +23,11 @@ namespace dice = worlds::dice;
 
 constexpr double k_mm_per_m = 1000;
 
-request::DirectionRequest read(std::string_view text, std::span<const request::WorldBinding> worlds) {
+request::DirectionRequest read(std::string_view text,
+                               std::span<const request::WorldBinding> worlds) {
   auto request = request::read_request(text, "figure 2.13", worlds);
-  if (request) return std::move(request).value();
-  throw base::Error(base::ExitCode::bug, request::to_string(request.error().front()));
+  CHECK(request.ok());
+  return std::move(request).value();
 }
 
 dice::Parameters parameters_of(std::string_view text) {
@@ -82,8 +82,8 @@ std::optional<base::Bytes> first_satisfying(plan::Plan& plan, const plan::UnitWo
 }  // namespace
 
 std::vector<DieWish> dice_wishes() {
-  return {{{-20, 40}, 1}, {{30, 40}, 2}, {{80, 40}, 3}, {{-20, -40}, 4}, {{30, -40}, 5},
-          {{80, -40}, 6}};
+  return {{{-20, 40}, 1},  {{30, 40}, 2},  {{80, 40}, 3},
+          {{-20, -40}, 4}, {{30, -40}, 5}, {{80, -40}, 6}};
 }
 
 std::string die_request(const DieWish& wish, std::uint64_t seed, const DiceOptions& options) {
@@ -136,9 +136,8 @@ plot::Figure dice_composite(const std::vector<ThrownDie>& dice, const DiceOption
                        .spacing_mm = k_mm_per_m * world.table.spacing_m};
   cli::DiceAnimation animation{.title = "a composite of single animations", .dice = {}};
   for (std::size_t i = 0; i < dice.size(); ++i) {
-    scene.places.push_back({.die = i,
-                            .centre_mm = dice[i].wish.place_mm,
-                            .tolerance_mm = options.tolerance_mm});
+    scene.places.push_back(
+        {.die = i, .centre_mm = dice[i].wish.place_mm, .tolerance_mm = options.tolerance_mm});
     if (dice[i].motion) animation.dice.push_back(*dice[i].motion);
   }
   return cli::dice_figure("Six dice, each thrown by itself onto a table of its own", scene,

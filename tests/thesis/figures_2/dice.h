@@ -29,10 +29,11 @@ struct DiceOptions {
 struct ThrownDie {
   DieWish wish;
   std::uint64_t seed = 0;
-  std::optional<cli::DieMotion> motion;  ///< of the first satisfying animation; none within rounds
-  std::uint64_t simulations = 0;         ///< of all temperatures, until then
-  std::uint64_t scans = 0;               ///< of the ladder, likewise
-  double elapsed_s = 0;                  ///< by one thread
+  std::optional<cli::DieMotion>
+      motion{};                   ///< of the first satisfying animation; none within rounds
+  std::uint64_t simulations = 0;  ///< of all temperatures, until then
+  std::uint64_t scans = 0;        ///< of the ladder, likewise
+  double elapsed_s = 0;           ///< by one thread
 };
 
 /// Six places in two rows; the dice show 1 to 6.
@@ -42,7 +43,7 @@ std::vector<DieWish> dice_wishes();
 std::string die_request(const DieWish& wish, std::uint64_t seed, const DiceOptions& options);
 
 /// Runs the request of the n-th die (from 0) until the first draw at inverse temperature 1 that
-/// satisfies it. Throws base::Error if the request can't be read.
+/// satisfies it.
 ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& options);
 
 /// All that were found. REQUIRES: one at least.

@@ -285,8 +285,9 @@ void throw_dice(const Arguments& arguments) {
       });
     }
   }
-  fmt::print("\n| die | seed | face up | at x, y (mm) | simulations | scans of the ladder | seconds |\n"
-             "|--:|--:|--:|--:|--:|--:|--:|\n");
+  fmt::print(
+      "\n| die | seed | face up | at x, y (mm) | simulations | scans of the ladder | seconds |\n"
+      "|--:|--:|--:|--:|--:|--:|--:|\n");
   for (std::size_t i = 0; i < dice.size(); ++i) {
     const ThrownDie& die = dice[i];
     fmt::print("| {} | {} | {} | {}, {} | {}{} | {} | {:.1f} |\n", i + 1, die.seed, die.wish.face,
@@ -314,13 +315,16 @@ void reproduce(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Figures 2.8 to 2.13 of the thesis as SVG; 2.8 to 2.12 each with the kernel that A.2.2 prints,\n"
-      "which is biased, and with the correct one. What 2.4.3 says of the chains, and what each die\n"
+      "Figures 2.8 to 2.13 of the thesis as SVG; 2.8 to 2.12 each with the kernel that A.2.2 "
+      "prints,\n"
+      "which is biased, and with the correct one. What 2.4.3 says of the chains, and what each "
+      "die\n"
       "of 2.13 took, on stdout."};
   app.name("sleight-figures-2");
   Arguments arguments;
   app.add_option("--out", arguments.out, "Folder of the figures")->capture_default_str();
-  app.add_option("--only", arguments.only, "Figures: 2.8, 2.9, 2.10, 2.11, 2.12, 2.13; all if not given")
+  app.add_option("--only", arguments.only,
+                 "Figures: 2.8, 2.9, 2.10, 2.11, 2.12, 2.13; all if not given")
       ->check(CLI::IsMember({"2.8", "2.9", "2.10", "2.11", "2.12", "2.13"}));
   app.add_option("--iterations", arguments.iterations,
                  "Of each chain; 0: as the thesis, 20000 (2.12: 100000)")
