@@ -38,7 +38,7 @@ constexpr Color k_table{0xF6, 0xF4, 0xEF};
 constexpr Color k_grid{0xE2, 0xDE, 0xD5};
 constexpr Color k_ivory{0xFF, 0xFD, 0xF5};
 constexpr Color k_shaded{0xE6, 0xE2, 0xD6};  ///< faces that look neither up nor to the front
-constexpr Color k_ring = plot::palette::k_vermillion;
+constexpr Color k_ring{0xC4, 0x12, 0x30};    ///< no die has this colour
 
 /// What is to be seen of all animations.
 struct Extent {

@@ -90,6 +90,9 @@ std::string die_request(const DieWish& wish, std::uint64_t seed, const DiceOptio
   return fmt::format(R"([world]
 name = "dice"
 
+[constraint]
+numbering = "{}"
+
 [[constraint.place]]
 x_mm = {}
 y_mm = {}
@@ -109,8 +112,9 @@ round_scans = 50
 [stop]
 rounds = {}
 )",
-                     wish.place_mm.x, wish.place_mm.y, 0.5 * options.tolerance_mm,
-                     options.tolerance_mm, wish.face, seed, options.rounds);
+                     options.numbering_free ? "free" : "fixed", wish.place_mm.x, wish.place_mm.y,
+                     0.5 * options.tolerance_mm, options.tolerance_mm, wish.face, seed,
+                     options.rounds);
 }
 
 ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& options) {

@@ -23,6 +23,9 @@ struct DiceOptions {
   std::uint64_t seed = 2000;  ///< of the first die; each next one has the next
   double tolerance_mm = 5;    ///< of a place; its sigma is half of that
   std::uint32_t rounds = 8;   ///< most; round r has 50 2^(r-1) scans
+  /// Each face has its turn after the throw (worker/worlds/dice/numbering.h); else dice are
+  /// numbered before, as the thesis's are.
+  bool numbering_free = true;
 };
 
 /// What directing one die came to.
