@@ -328,7 +328,7 @@ class Look {
     corners_ = corners_of(points_);
     for (const Above& corner : corners_)
       note(corner);
-    return is_above_lowest_until(corners_, lattice_.steps_most, pace_.surface.bump_per_m,
+    return is_above_lowest_until(corners_, lattice_.steps_most, pace_.surface.hollow_per_m,
                                  horizon_s());
   }
   double failing_of_all_s() {
@@ -426,22 +426,22 @@ class Look {
   }
   /// Whether points on the way along `d` from one with such slopes are higher than it for so long,
   /// or so much; `d` turns, and the slopes change as that point moves on.
-  bool rises_until(const Vec3& d, double slope_x, double slope_y, double bump_per_m, double by_m,
+  bool rises_until(const Vec3& d, double slope_x, double slope_y, double hollow_per_m, double by_m,
                    double until_s) const {
     const double across2 = d.x() * d.x() + d.y() * d.y();
     const double higher_m =
-        ((d.z() - slope_x * d.x()) - slope_y * d.y()) - 0.5 * bump_per_m * across2 - by_m;
+        ((d.z() - slope_x * d.x()) - slope_y * d.y()) - 0.5 * hollow_per_m * across2 - by_m;
     if (higher_m <= 0) return false;
     const double length_m = std::sqrt(across2 + d.z() * d.z());
     const double loss_mps =
-        length_m * (pace_.turning_radps * (pace_.stretch + bump_per_m * length_m) +
+        length_m * (pace_.turning_radps * (pace_.stretch + hollow_per_m * length_m) +
                     pace_.bend_per_m * pace_.past_mps);
     return higher_m > loss_mps * until_s;
   }
 
   /// Whether all that is spanned by some points is out of touch for so long, unless the lowest of
   /// them collides. What counts is at least a share 1 / steps of the way from there to the others.
-  bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double bump_per_m,
+  bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double hollow_per_m,
                              double until_s) const {
     std::size_t lowest = 0;
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -451,13 +451,13 @@ class Look {
     const double by_m = needed_m(steps);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (i != lowest && !rises_until(points[i].place_m - least.place_m, least.slope_x,
-                                      least.slope_y, bump_per_m, by_m, until_s))
+                                      least.slope_y, hollow_per_m, by_m, until_s))
         return false;
     }
     return true;
   }
   /// The same unless a point of the box's edges collides, where a side of the cell is one of these.
-  bool is_above_edge_until(const Cell& cell, double bump_per_m, double until_s) const {
+  bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;
       const Above& one = cell.corners[side];
@@ -467,8 +467,8 @@ class Look {
       const Vec3 half_m = 0.5 * (other.place_m - one.place_m);
       const double by_m =
           needed_m(cell.steps()) + pace_.bend_per_m * math::norm(half_m) * math::norm(across_m);
-      if (rises_until(across_m, one.slope_x, one.slope_y, bump_per_m, by_m, until_s) &&
-          rises_until(across_m, other.slope_x, other.slope_y, bump_per_m, by_m, until_s))
+      if (rises_until(across_m, one.slope_x, one.slope_y, hollow_per_m, by_m, until_s) &&
+          rises_until(across_m, other.slope_x, other.slope_y, hollow_per_m, by_m, until_s))
         return true;
     }
     return false;
@@ -477,10 +477,10 @@ class Look {
 
   /// Whether what is between the ends or corners of a part doesn't collide for so long.
   template <class Part>
-  bool is_clear_until(const Part& part, double bump_per_m, double until_s) const {
+  bool is_clear_until(const Part& part, const SurfaceBounds& under, double until_s) const {
     const double radius2_m2 = part.radius2_m2();
     // Bounds of heights are concave in time, so that their ends count.
-    const double out_m = 0.5 * bump_per_m * radius2_m2 + k_touch_m;
+    const double out_m = 0.5 * under.bump_per_m * radius2_m2 + k_touch_m;
     const double fallen = 0.5 * until_s * until_s;
     const auto stays_out = [&](const Above& point) {
       const double above_m = point.gap_m - out_m;
@@ -495,13 +495,13 @@ class Look {
       return point.rate_mps - hurry_mps - pace_.fall_of(point, until_s) * until_s > -k_approach_mps;
     };
     return std::ranges::all_of(part.outermost(), parts) ||
-           is_above_lowest_until(part.outermost(), part.steps(), bump_per_m, until_s) ||
-           is_above_edge_until(part, bump_per_m, until_s);
+           is_above_lowest_until(part.outermost(), part.steps(), under.hollow_per_m, until_s) ||
+           is_above_edge_until(part, under.hollow_per_m, until_s);
   }
 
-  /// How much the surface may bulge where a part is, and comes until then.
+  /// What the surface does where a part is, and comes until then.
   template <class Part>
-  double bump_under(const Part& part, double until_s) {
+  SurfaceBounds bounds_under(const Part& part, double until_s) {
     const std::span<const Above> points = part.outermost();
     Vec3 low_m = points[0].place_m;
     Vec3 high_m = low_m;
@@ -510,18 +510,17 @@ class Look {
       high_m = high_m.cwiseMax(point.place_m);
     }
     const double way_m = pace_.past_mps * std::min(until_s, pace_.valid_s);
-    return surface_
-        .bounds_in(low_m.x() - way_m, high_m.x() + way_m, low_m.y() - way_m, high_m.y() + way_m)
-        .bump_per_m;
+    return surface_.bounds_in(low_m.x() - way_m, high_m.x() + way_m, low_m.y() - way_m,
+                              high_m.y() + way_m);
   }
 
   template <class Part>
   void visit(const Part& part) {
     if (part.steps() <= 1) return;
     const double until_s = horizon_s();
-    const double bump_per_m = bump_under(part, until_s);
-    if (is_clear_until(part, bump_per_m, until_s)) return;
-    if (until_s > k_long_s && is_clear_until(part, bump_per_m, k_long_enough * until_s)) {
+    const SurfaceBounds under = bounds_under(part, until_s);
+    if (is_clear_until(part, under, until_s)) return;
+    if (until_s > k_long_s && is_clear_until(part, under, k_long_enough * until_s)) {
       shortened_ = true;
       return;
     }

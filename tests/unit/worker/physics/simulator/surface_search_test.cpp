@@ -324,5 +324,58 @@ TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   }
 }
 
+/// Heights along x whose second derivative at the control points is given, and which don't change
+/// along y.
+std::shared_ptr<const testing::TableControls> profile(std::function<double(int)> bend_per_m,
+                                                      double spacing_m) {
+  return testing::table_of([bend_per_m = std::move(bend_per_m), spacing_m](GridIndex index) {
+    // Second differences of control points are what the spline's second derivative is made of.
+    double height_m = 0;
+    double slope_m = 0;
+    for (int i = 1; i <= index.i; ++i) {
+      slope_m += bend_per_m(i - 1) * spacing_m * spacing_m;
+      height_m += slope_m;
+    }
+    return SurfaceControl{.height_m = height_m, .restitution = 0.5, .friction = 0.5};
+  });
+}
+
+TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
+  // Goal: a box whose lowest corner is in a hollow may touch a gentle hill beside it first, though
+  // it rises from that corner by more than the hill bulges. Method: hollows some times sharper than
+  // the hill, boxes that fall with one corner over the hollow, tilted by about as much as the bound
+  // asks for.
+  Tally tally;
+  for (std::uint64_t n = 0; n < 1500 && !HasFailure(); ++n) {
+    SCOPED_TRACE(fmt::format("case {}", n));
+    Dice dice(k_seed + 1, n);
+    const double spacing_m = 5e-3;
+    const double hill_per_m = between(dice, 0.5, 4);
+    const double hollow_per_m = hill_per_m * between(dice, 2, 10);
+    const auto bend_per_m = [=](int i) {
+      if (i < 0 || i > 9) return 0.0;
+      return i <= 1 ? (1 - i) * hollow_per_m : -hill_per_m;
+    };
+    const double side_m = 0.025 + dice.within(0.005);
+    Flyer flyer{testing::die_of(side_m), {}};
+    flyer.flight.begin = Tick{1'000'000};
+    Meeting meeting(testing::table_surface(profile(bend_per_m, spacing_m), spacing_m), flyer);
+    const double half = 0.5 * hill_per_m * side_m;
+    const double rise = half * (1 + dice.within(0.5));
+    flyer.flight.orientation = math::normalized(
+        math::composed(math::quaternion_of_rotation_vector({0, -rise, 0}),
+                       math::quaternion_of_rotation_vector({half * (1.5 + dice.within(1)), 0, 0})));
+    flyer.flight.position_m = {0.5 * side_m + dice.within(3e-3), dice.within(0.01), 0.1};
+    meeting.lower_to(between(dice, 1e-7, 1e-4));
+    flyer.flight.velocity_mps = {0, 0, -between(dice, 1e-3, 1)};
+    flyer.flight.acceleration_mps2 = {0, 0, -9.81};
+    flyer.flight.angular_velocity_radps = dice.vector_within(between(dice, 1e-6, 1e-3));
+    NearPoints near;
+    const Tick end = flyer.flight.begin + ticks_after(0.02);
+    const auto met = walk(meeting, end, &near, dice, tally);
+    EXPECT_TRUE(met);
+  }
+}
+
 }  // namespace
 }  // namespace sleight::physics
