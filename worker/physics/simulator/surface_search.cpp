@@ -61,12 +61,16 @@ struct Pace {
   }
 };
 
+/// As long as any simulation: finite, as products of nothing and for ever aren't numbers.
+constexpr double k_always_s = seconds(k_tick_max.value);
+
 /// How long the centre stays within a horizontal distance.
 double stays_within_s(const MovingPiece& box, double room_m) {
   const auto across = [](const Vec3& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); };
   const double speed_mps = across(box.velocity_mps);
   const double root = std::sqrt(speed_mps * speed_mps + 2 * across(box.acceleration_mps2) * room_m);
-  return speed_mps + root > 0 ? 2 * room_m / (speed_mps + root) : k_forever_s;
+  return 2 * room_m < k_always_s * (speed_mps + root) ? 2 * room_m / (speed_mps + root)
+                                                      : k_always_s;
 }
 
 SurfaceBounds bounds_around(SplineSurface& surface, const MovingPiece& box, double room_m) {
@@ -421,8 +425,8 @@ class Look {
 
   /// What a point must be higher than another one, a share 1 / steps of the way to which it is away
   /// from that, to be out of touch as long as that doesn't collide.
-  double needed_m(std::int32_t steps) const {
-    return steps * (2 * k_touch_m + std::max(0.0, -lowest_m_));
+  double needed_m(std::int32_t steps, double gap_m) const {
+    return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }
   /// Whether points on the way along `d` from one with such slopes are higher than it for so long,
   /// or so much; `d` turns, and the slopes change as that point moves on.
@@ -448,7 +452,7 @@ class Look {
       if (points[i].gap_m < points[lowest].gap_m) lowest = i;
     }
     const Above& least = points[lowest];
-    const double by_m = needed_m(steps);
+    const double by_m = needed_m(steps, least.gap_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (i != lowest && !rises_until(points[i].place_m - least.place_m, least.slope_x,
                                       least.slope_y, hollow_per_m, by_m, until_s))
@@ -465,8 +469,8 @@ class Look {
       const Vec3 across_m = cell.corners[(side + 3) % 4].place_m - one.place_m;
       // Slopes anywhere on the side, against those at the nearer end.
       const Vec3 half_m = 0.5 * (other.place_m - one.place_m);
-      const double by_m =
-          needed_m(cell.steps()) + pace_.bend_per_m * math::norm(half_m) * math::norm(across_m);
+      const double by_m = needed_m(cell.steps(), std::min(one.gap_m, other.gap_m)) +
+                          pace_.bend_per_m * math::norm(half_m) * math::norm(across_m);
       if (rises_until(across_m, one.slope_x, one.slope_y, hollow_per_m, by_m, until_s) &&
           rises_until(across_m, other.slope_x, other.slope_y, hollow_per_m, by_m, until_s))
         return true;
@@ -555,30 +559,44 @@ PieceContact contact_from(const Above& point) {
 std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing_m) {
   if (piece.vertex_count != 8 || piece.face_count != 6) return std::nullopt;
   BoxLattice lattice;
-  for (std::size_t f = 0; f < 6; ++f) {
-    const Face& face = piece.faces[f];
-    if (face.side_count != 4) return std::nullopt;
-    FaceLattice& points = lattice.faces[f];
-    for (std::size_t k = 0; k < 4; ++k)
-      points.corner[k] = piece.sides[face.first_side + k].vertex;
-    const auto vertex = [&](std::size_t k) { return piece.vertices_m[points.corner[k]]; };
-    const Vec3 along_m = vertex(1) - vertex(0);
-    const Vec3 across_m = vertex(3) - vertex(0);
-    const Vec3 missing_m = (vertex(2) - vertex(3)) - along_m;
-    const double steps_along = std::ceil(math::norm(along_m) / spacing_m);
-    const double steps_across = std::ceil(math::norm(across_m) / spacing_m);
-    if (math::norm(missing_m) > k_parallel * piece.r_outer_m ||
-        !(std::max(steps_along, steps_across) <= k_steps_max))
-      return std::nullopt;
-    points.along = std::max(1, static_cast<std::int32_t>(steps_along));
-    points.across = std::max(1, static_cast<std::int32_t>(steps_across));
-    lattice.steps_most = std::max({lattice.steps_most, points.along, points.across});
-  }
   for (std::size_t e = 0; e < lattice.edges.size(); ++e) {
     const auto [one, other] = piece.edges[e].vertex;
-    const Vec3 along_m = piece.vertices_m[other] - piece.vertices_m[one];
-    const double steps = std::ceil(math::norm(along_m) / spacing_m);
+    const double length_m = math::norm(piece.vertices_m[other] - piece.vertices_m[one]);
+    // A whole number of steps remains one, whatever its length is rounded to.
+    const double steps = std::ceil(length_m / spacing_m * (1 - k_parallel));
+    if (!(steps <= k_steps_max)) return std::nullopt;
     lattice.edges[e] = {{one, other}, std::max(1, static_cast<std::int32_t>(steps))};
+    lattice.steps_most = std::max(lattice.steps_most, lattice.edges[e].steps);
+  }
+  const auto side = [&](std::size_t f, std::size_t k) -> const Side& {
+    return piece.sides[piece.faces[f].first_side + k];
+  };
+  const auto edge = [&](std::size_t f, std::size_t k) -> EdgeLattice& {
+    return lattice.edges[side(f, k).edge];
+  };
+  for (std::size_t f = 0; f < 6; ++f) {
+    if (piece.faces[f].side_count != 4) return std::nullopt;
+    const auto vertex = [&](std::size_t k) { return piece.vertices_m[side(f, k).vertex]; };
+    const Vec3 missing_m = (vertex(2) - vertex(3)) - (vertex(1) - vertex(0));
+    if (math::norm(missing_m) > k_parallel * piece.r_outer_m) return std::nullopt;
+  }
+  // Opposite edges have as many steps, and so have all four that are parallel: the points of a
+  // face then are those of its edges.
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t f = 0; f < 6; ++f) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        EdgeLattice& one = edge(f, k);
+        EdgeLattice& other = edge(f, k + 2);
+        one.steps = other.steps = std::max(one.steps, other.steps);
+      }
+    }
+  }
+  for (std::size_t f = 0; f < 6; ++f) {
+    FaceLattice& points = lattice.faces[f];
+    for (std::size_t k = 0; k < 4; ++k)
+      points.corner[k] = side(f, k).vertex;
+    points.along = edge(f, 0).steps;
+    points.across = edge(f, 1).steps;
   }
   return lattice;
 }
