@@ -17,6 +17,7 @@
 #include "tests/unit/worker/physics/simulator/dice.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/shapes.h"
+#include "worker/physics/simulator/scene.h"
 #include "worker/physics/surface/surface_controls.h"
 
 namespace sleight::physics::testing {
@@ -118,6 +119,30 @@ inline BodyShape die_of(double side_m) {
 
 inline Quat random_turn(Dice& dice) {
   return math::quaternion_of_rotation_vector(dice.vector_within(3));
+}
+
+/// Dice thrown onto a table, close enough together to meet.
+inline Scene thrown_dice(std::uint64_t seed, std::uint32_t count, StaticSurface surface,
+                         double side_m = 0.016) {
+  Dice dice(seed, 1);
+  Scene scene;
+  scene.gravity_mps2 = {0, 0, -9.81};
+  scene.slow = slow_contacts_of(side_m, 9.81);
+  scene.contacts = ContactTable(1, {.restitution = 0.5, .friction = 0.3});
+  scene.surfaces.push_back(std::move(surface));
+  const BodyShape die = die_of(side_m);
+  const auto shape = std::make_shared<const Compound>(Compound{.parts = die.parts});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double apart_m = 2 * side_m;
+    const Vec3 place_m(apart_m * (i % 2) + dice.within(1e-3),
+                       apart_m * ((i / 2) % 2) + dice.within(1e-3), 0.03 + apart_m * (i / 4));
+    scene.bodies.push_back({.name = {},
+                            .shape = shape,
+                            .inertia = die.inertia,
+                            .start = {.pose = {place_m, math::normalized(random_turn(dice))},
+                                      .twist = {dice.vector_within(0.4), dice.vector_within(20)}}});
+  }
+  return scene;
 }
 
 }  // namespace sleight::physics::testing
