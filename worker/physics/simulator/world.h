@@ -329,8 +329,8 @@ class World {
   ImpactOutput impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
                          const ContactLaw& law, Tick tick, bool a_fixed, bool b_fixed);
   PieceContact contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event);
-  /// A body's contact with a surface, from its centre at the tick.
-  void note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& arm_m);
+  /// A body's contact with a surface.
+  void note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& point_m);
   PieceContact contact_with_static(std::uint32_t index, std::uint32_t body, std::uint32_t part,
                                    Tick tick);
   bool is_surface(std::uint32_t body, std::uint32_t index) const {

@@ -230,14 +230,15 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   const auto log_touch = [&](const Twist& after) {
     if (!resting_.enabled() && !is_surface(body, index)) return;
     const Vec3 place_m = position_at(segments_[body].flight, tick);
-    if (is_surface(body, index)) note_surface(body, index, tick, contact.point_m - place_m);
+    const Vec3 arm_m = contact.point_m - place_m;
+    if (is_surface(body, index)) note_surface(body, index, tick, place_m + arm_m);
     note_touch(body,
                {.tick = tick,
                 .partner = k_static_partner,
                 .feature = index,
                 .friction = law.friction,
                 .normal = contact.normal,
-                .arm_m = contact.point_m - place_m},
+                .arm_m = arm_m},
                resting_.is_slow(fastest_point_mps(body, before), fastest_point_mps(body, after),
                                 parting_mps(contact, {}, Vec3::Zero(), after, place_m)));
   };
@@ -269,11 +270,9 @@ void World::collide_static(std::uint32_t body, std::uint32_t index, const EventK
   wake_on_those_that_left(event);
 }
 
-void World::note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& arm_m) {
-  surface_touches_.push_back({.tick = tick,
-                              .body = body,
-                              .surface = index - statics_.piece_count(),
-                              .point_m = position_at(segments_[body].flight, tick) + arm_m});
+void World::note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& point_m) {
+  surface_touches_.push_back(
+      {.tick = tick, .body = body, .surface = index - statics_.piece_count(), .point_m = point_m});
 }
 
 void World::apply(const Control& control, const EventKey& event) {

@@ -131,7 +131,15 @@ void World::recall(const ToldEvent& event) {
                record.feature == index;
       });
       CHECK(touch != event.touches.end());
-      note_surface(key.lower, index, key.tick, touch->arm_m);
+      // The body may not have been put there: of what is quiet only the last segments are.
+      std::size_t begun = 0;
+      for (const Participant& participant : event.participants) {
+        if (participant.body() == key.lower) break;
+        begun += participant.begins() ? 1U : 0U;
+      }
+      CHECK(begun < event.segments.size());
+      note_surface(key.lower, index, key.tick,
+                   event.segments[begun].flight.position_m + touch->arm_m);
     }
   }
   std::size_t touch = 0;
