@@ -375,6 +375,48 @@ TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
   }
 }
 
+TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
+  // Goal: what a box meets may be steeper and more bent than what is under it now. Method: boxes
+  // that slide and roll fast over a flat table, at hardly any height, towards steps and ridges of
+  // a narrow grid.
+  Tally tally;
+  for (std::uint64_t n = 0; n < 160 && !HasFailure(); ++n) {
+    SCOPED_TRACE(fmt::format("case {}", n));
+    Dice dice(k_seed + 4, n);
+    const double spacing_m = between(dice, 2e-3, 8e-3);
+    const double high_m = between(dice, 1e-4, 6e-3) * (dice.one_in(4) ? -1 : 1);
+    const auto first = static_cast<std::int32_t>(5 + dice.below(12));
+    const std::int32_t last = dice.one_in(2) ? 1000 : first;
+    auto table = testing::table_of([=](GridIndex index) {
+      return SurfaceControl{.height_m = index.i >= first && index.i <= last ? high_m : 0};
+    });
+    Flyer flyer{testing::die_of(between(dice, 5e-3, 2e-2)), {}};
+    flyer.flight.begin = Tick{1'000'000};
+    Meeting meeting(testing::table_surface(table, spacing_m, dice.one_in(2) ? 2e-3 : 4e-3), flyer);
+    place(meeting, dice);
+    flyer.flight.position_m.x() = -between(dice, 1e-3, 3e-2);
+    meeting.lower_to(between(dice, 1e-7, 1e-3));
+    const double way_m = first * spacing_m;
+    flyer.flight.velocity_mps = {between(dice, 0.2, 5), dice.within(0.1), dice.within(0.01)};
+    flyer.flight.angular_velocity_radps =
+        dice.vector_within(dice.one_in(2) ? 1e-3 : between(dice, 1, 100));
+    flyer.flight.acceleration_mps2 = {0, 0, dice.one_in(2) ? 0 : -9.81};
+    if (dice.one_in(4)) flyer.flight.acceleration_mps2.x() = 30;
+    NearPoints near;
+    for (int bounces = 0; bounces < 4 && !HasFailure(); ++bounces) {
+      const double time_s = 2 * way_m / flyer.flight.velocity_mps.x();
+      const Tick end = flyer.flight.begin + ticks_after(std::clamp(time_s, 0.001, 0.05));
+      const auto met = walk(meeting, end, dice.one_in(4) ? nullptr : &near, dice, tally);
+      if (!met) break;
+      ++tally.collisions;
+      const Vec3 velocity_mps = flyer.flight.velocity_mps;
+      bounce(meeting, *met, dice);
+      flyer.flight.velocity_mps.x() = velocity_mps.x();
+    }
+  }
+  EXPECT_GT(tally.collisions, 60U);
+}
+
 TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
   // Goal: where nothing turns and nothing goes sideways, bounds hold for ever, and products of
   // nothing and for ever aren't numbers. Method: boxes over a flat table and a rough one that
