@@ -101,7 +101,7 @@ TEST(SurfaceSimulation, DiceStayOnTheTable) {
       double deepest_m = 1;
       Vec3 where_m = Vec3::Zero();
       const auto look = [&](Tick tick) {
-        Vec3 place_m;
+        Vec3 place_m = Vec3::Zero();
         const double gap_m = least_gap_m(run, body, surface, tick, points_m, &place_m);
         if (gap_m < deepest_m) where_m = place_m;
         deepest_m = std::min(deepest_m, gap_m);
