@@ -7,12 +7,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "tests/thesis/sampling/methods.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
+#include "worker/worlds/dice/dice.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace {
@@ -21,6 +23,7 @@ using namespace sleight;
 using thesis::Method;
 using thesis::Score;
 using worlds::ball_2d::Ball2d;
+using worlds::dice::Dice;
 using worlds::spelling::Spelling;
 
 struct Arguments {
@@ -131,6 +134,42 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
   }
 }
 
+/// One die at a place, to within a tolerance, with a six on top; and with its two along the table.
+worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool turned) {
+  constexpr double k_degree = std::numbers::pi / 180;
+  worlds::dice::Parameters parameters;
+  parameters.goals = {{.wanted = worlds::dice::Place{.centre_m = {0.03, 0}},
+                       .sigma = sigma_m,
+                       .tolerance = tolerance_m},
+                      {.wanted = worlds::dice::FaceDirection{.face = 6},
+                       .sigma = 10 * k_degree,
+                       .tolerance = 30 * k_degree}};
+  if (turned) {
+    parameters.goals.push_back(
+        {.wanted = worlds::dice::FaceDirection{.face = 2, .direction = {1, 0, 0}},
+         .sigma = 5 * k_degree,
+         .tolerance = 10 * k_degree});
+  }
+  return parameters;
+}
+
+/// Throws without direction are those of dice that are numbered before.
+void add_dice(const Arguments& arguments, const std::string& scene,
+              const worlds::dice::Parameters& parameters, std::vector<Row>& rows) {
+  rows.push_back({scene, "blind throws", [=] {
+                    auto numbered = parameters;
+                    numbered.numbering = worlds::dice::Numbering::fixed;
+                    return thesis::throws<Dice>(
+                        numbered, arguments.seed, arguments.throws,
+                        [](const auto& world, auto& stream) { return world.draw_prior(stream); });
+                  }});
+  rows.push_back({scene, "Algorithm 2.1, restarted", [=] {
+                    return thesis::restarted_chains<Dice>(parameters, arguments.seed,
+                                                          arguments.simulations);
+                  }});
+  add_plans<Dice>(arguments, scene, "", parameters, 2, rows);
+}
+
 std::vector<Row> all_rows(const Arguments& arguments) {
   std::vector<Row> rows;
   worlds::ball_2d::Parameters ball;
@@ -149,6 +188,8 @@ std::vector<Row> all_rows(const Arguments& arguments) {
   add_spelling(arguments, "ACM",
                worlds::spelling::pattern_of_word("ACM", worlds::spelling::Font::rows_5).value(),
                7.25, rows);
+  add_dice(arguments, "die", die(0.005, 0.005, false), rows);
+  add_dice(arguments, "die_exact", die(0.002, 0.001, true), rows);
   if (!arguments.only.empty())
     std::erase_if(rows, [&](const Row& row) { return row.scene != arguments.only; });
   return rows;
@@ -194,7 +235,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", arguments.seed)->capture_default_str();
   app.add_option("--threads", arguments.threads)->capture_default_str();
   app.add_option("--only", arguments.only, "One scene")
-      ->check(CLI::IsMember({"ball", "HI", "ACM"}));
+      ->check(CLI::IsMember({"ball", "HI", "ACM", "die", "die_exact"}));
   app.footer(
       "Examples:\n  sleight-sampling-table\n"
       "  sleight-sampling-table --only HI --simulations 50000");

@@ -41,6 +41,11 @@
 
 namespace sleight::physics {
 
+/// A corner this close to what its body has just touched carries as well, as a part of the body's
+/// reach. A body that stands on three corners, two of which carry nearly all of it, lifts the third
+/// by some fifty times the height of a bounce, and would not be in balance for most of the time.
+inline constexpr double k_near_corner = 0.003;
+
 /// Balance may miss by this part of the weight.
 inline constexpr double k_balance_tolerance = 0.002;
 

@@ -101,8 +101,8 @@ inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
           .rest_time_s = 0.1 * std::sqrt(size_m / gravity_mps2)};
 }
 
-/// What suits dice on a bumpy table: they tumble over edges and rock on bumps in many small bounces,
-/// which may be three times as fast: 7 micrometres high for a die of 16 mm.
+/// What suits dice on a bumpy table: they tumble over edges and rock on bumps in many small
+/// bounces, which may be three times as fast: 7 micrometres high for a die of 16 mm.
 inline SlowContacts slow_contacts_of_dice(double side_m, double gravity_mps2) {
   SlowContacts slow = slow_contacts_of(side_m, gravity_mps2);
   slow.separation_speed_mps *= 3;

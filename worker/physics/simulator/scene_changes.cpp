@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "worker/physics/simulator/resting.h"
 #include "worker/physics/simulator/static_regions.h"
 
 namespace sleight::physics {
@@ -104,9 +105,19 @@ std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene&
   return changed;
 }
 
+/// How close to a surface what doesn't touch it may still carry a body that does elsewhere.
+double near_m(const Scene& scene) {
+  double reach_m = 0;
+  for (const BodyDescription& body : scene.bodies) {
+    if (const auto* compound = std::get_if<std::shared_ptr<const Compound>>(&body.shape))
+      reach_m = std::max(reach_m, (*compound)->r_outer_m());
+  }
+  return k_near_corner * reach_m;
+}
+
 /// Where a body hangs on a control point: over the patches that do, and below all heights there, as
-/// they were and as they are.
-Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point) {
+/// they were and as they are, or not further above them than this.
+Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point, double above_m) {
   double top_m = -std::numeric_limits<double>::infinity();
   for (std::int32_t i = -3; i <= 3; ++i) {
     for (std::int32_t j = -3; j <= 3; ++j) {
@@ -115,7 +126,7 @@ Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point)
     }
   }
   const double half_m = 2 * is.spacing_m;
-  const Vec3 middle_m(point.i * is.spacing_m, point.j * is.spacing_m, top_m);
+  const Vec3 middle_m(point.i * is.spacing_m, point.j * is.spacing_m, top_m + above_m);
   Box box = joined(box_around(middle_m - Vec3(half_m, half_m, 0)),
                    box_around(middle_m + Vec3(half_m, half_m, 0)));
   box.low_m[2] = -1e6F;  // no coordinate is below
@@ -288,9 +299,10 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
   changes.laws = !controls.has_value();
   if (changes.laws) return changes;
   std::vector<Box> over_surfaces;
+  const double above_m = std::max(near_m(before), near_m(after));
   for (std::size_t i = 0; i < controls->size(); ++i) {
     for (const GridIndex point : (*controls)[i])
-      over_surfaces.push_back(place_of(before.surfaces[i], after.surfaces[i], point));
+      over_surfaces.push_back(place_of(before.surfaces[i], after.surfaces[i], point, above_m));
   }
   // Regions depend on how large spheres are.
   if (!same_shapes || !same_statics(before, after) || !over_surfaces.empty()) {

@@ -5,9 +5,12 @@
 #include <span>
 
 #include "worker/physics/simulator/first_collision.h"
+#include "worker/physics/simulator/surface_points.h"
 
 namespace sleight::physics {
 namespace {
+
+using namespace surface_points;
 
 /// Parallelograms may miss closing by this part of their size.
 constexpr double k_parallel = 1e-9;
@@ -29,20 +32,6 @@ constexpr double k_near_share = 0.1;
 /// anything near, within a whole one and a patch.
 constexpr double k_room = 0.25;
 
-/// A point of the box, over the surface.
-struct Above {
-  Vec3 own_m = Vec3::Zero();  ///< in the box's frame
-  Vec3 place_m = Vec3::Zero();
-  double gap_m = 0;      ///< vertical
-  double allowed_m = 0;  ///< how far it may move, of NearPoints
-  double rate_mps = 0;   ///< of that
-  double pull_mps2 = 0;  ///< its second derivative, where the box turns evenly
-  double slope_x = 0;
-  double slope_y = 0;
-
-  Vec3 normal() const { return math::normalized(Vec3(-slope_x, -slope_y, 1)); }
-};
-
 /// How fast anything changes at most, while the box stays in the region that the bounds are of.
 struct Pace {
   SurfaceBounds surface;
@@ -61,12 +50,16 @@ struct Pace {
   }
 };
 
+/// As long as any simulation: finite, as products of nothing and for ever aren't numbers.
+constexpr double k_always_s = seconds(k_tick_max.value);
+
 /// How long the centre stays within a horizontal distance.
 double stays_within_s(const MovingPiece& box, double room_m) {
   const auto across = [](const Vec3& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); };
   const double speed_mps = across(box.velocity_mps);
   const double root = std::sqrt(speed_mps * speed_mps + 2 * across(box.acceleration_mps2) * room_m);
-  return speed_mps + root > 0 ? 2 * room_m / (speed_mps + root) : k_forever_s;
+  return 2 * room_m < k_always_s * (speed_mps + root) ? 2 * room_m / (speed_mps + root)
+                                                      : k_always_s;
 }
 
 SurfaceBounds bounds_around(SplineSurface& surface, const MovingPiece& box, double room_m) {
@@ -106,193 +99,6 @@ Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
   return pace;
 }
 
-/// Points of a box over a surface.
-class Points {
- public:
-  using Allowed = std::array<double, 8>;  ///< by corner
-  Points(SplineSurface& surface, const MovingPiece& box, const Allowed& allowed_m = {})
-      : surface_(surface), box_(box), allowed_m_(allowed_m) {}
-
-  Above corner(std::size_t i) {
-    Above point = above(box_.view->vertices_m[i]);
-    point.allowed_m = allowed_m_[i];
-    return point;
-  }
-  Vec3 place_m(const Vec3& own_m) const { return to_world(box_.pose, own_m); }
-  Above of(const EdgeLattice& edge, std::int32_t i) {
-    const Vec3& origin_m = box_.view->vertices_m[edge.end[0]];
-    const double u = static_cast<double>(i) / edge.steps;
-    Above point = above(origin_m + u * (box_.view->vertices_m[edge.end[1]] - origin_m));
-    point.allowed_m = (1 - u) * allowed_m_[edge.end[0]] + u * allowed_m_[edge.end[1]];
-    return point;
-  }
-  Above of(const FaceLattice& face, std::int32_t i, std::int32_t j) {
-    const Vec3& origin_m = box_.view->vertices_m[face.corner[0]];
-    const double u = static_cast<double>(i) / face.along;
-    const double v = static_cast<double>(j) / face.across;
-    Above point = above(origin_m + u * (box_.view->vertices_m[face.corner[1]] - origin_m) +
-                        v * (box_.view->vertices_m[face.corner[3]] - origin_m));
-    const auto allowed_m = [&](std::size_t k) { return allowed_m_[face.corner[k]]; };
-    point.allowed_m = (1 - v) * ((1 - u) * allowed_m(0) + u * allowed_m(1)) +
-                      v * ((1 - u) * allowed_m(3) + u * allowed_m(2));
-    return point;
-  }
-  Above above(const Vec3& own_m) {
-    Above point;
-    point.own_m = own_m;
-    const Vec3 arm_m = math::product(box_.pose.rotation, own_m);
-    point.place_m = arm_m + box_.pose.position_m;
-    const SurfacePlace below = surface_.at(point.place_m.x(), point.place_m.y());
-    const Vec3 turning_mps = math::cross(box_.angular_velocity_radps, arm_m);
-    const Vec3 v = box_.velocity_mps + turning_mps;
-    const Vec3 a = box_.acceleration_mps2 + math::cross(box_.angular_velocity_radps, turning_mps);
-    const double bend_mps2 =
-        (below.bend_xx_per_m * (v.x() * v.x()) + 2 * below.bend_xy_per_m * (v.x() * v.y())) +
-        below.bend_yy_per_m * (v.y() * v.y());
-    point.gap_m = point.place_m.z() - below.height_m;
-    point.rate_mps = (v.z() - below.slope_x * v.x()) - below.slope_y * v.y();
-    point.pull_mps2 = ((a.z() - below.slope_x * a.x()) - below.slope_y * a.y()) - bend_mps2;
-    point.slope_x = below.slope_x;
-    point.slope_y = below.slope_y;
-    return point;
-  }
-
- private:
-  SplineSurface& surface_;
-  const MovingPiece& box_;
-  Allowed allowed_m_;
-};
-
-/// Neighbouring points of an edge, and the outermost two of these.
-struct Stretch {
-  const EdgeLattice* edge = nullptr;
-  std::array<std::int32_t, 2> along{};
-  std::array<Above, 2> ends{};
-
-  std::int32_t steps() const { return along[1] - along[0]; }
-  std::span<const Above> outermost() const { return ends; }
-  double radius2_m2() const {
-    const Vec3 half_m = 0.5 * (ends[1].place_m - ends[0].place_m);
-    return math::dot(half_m, half_m);
-  }
-};
-
-/// Neighbouring points of a face, and the outermost four of these.
-struct Cell {
-  const FaceLattice* face = nullptr;
-  std::array<std::int32_t, 2> along{};
-  std::array<std::int32_t, 2> across{};
-  std::array<Above, 4> corners{};  ///< (0, 0), (1, 0), (1, 1), (0, 1)
-
-  std::int32_t steps() const { return std::max(along[1] - along[0], across[1] - across[0]); }
-  std::span<const Above> outermost() const { return corners; }
-  double radius2_m2() const {
-    const Vec3 one_m = 0.5 * (corners[2].place_m - corners[0].place_m);
-    const Vec3 other_m = 0.5 * (corners[3].place_m - corners[1].place_m);
-    return std::max(math::dot(one_m, one_m), math::dot(other_m, other_m));
-  }
-  /// Whether the side from a corner to the next one is on an edge of the box.
-  bool is_outer(std::size_t side) const {
-    const std::array<bool, 4> outer{across[0] == 0, along[1] == face->along,
-                                    across[1] == face->across, along[0] == 0};
-    return outer[side];
-  }
-};
-
-using Corners = std::array<Above, 8>;
-
-Cell cell_of(const FaceLattice& face, const Corners& corners) {
-  Cell cell{.face = &face, .along = {0, face.along}, .across = {0, face.across}};
-  for (std::size_t k = 0; k < 4; ++k)
-    cell.corners[k] = corners[face.corner[k]];
-  return cell;
-}
-
-/// Splits where there are points between the ends or corners: note(point) for the new ones, then
-/// visit(part) for each part.
-template <class Note, class Visit>
-void split(Points& points, const Stretch& stretch, const Note& note, const Visit& visit) {
-  const auto [i0, i2] = stretch.along;
-  if (i2 - i0 <= 1) return;
-  const std::int32_t i1 = i0 + (i2 - i0) / 2;
-  const Above middle = points.of(*stretch.edge, i1);
-  note(middle);
-  visit(Stretch{stretch.edge, {i0, i1}, {stretch.ends[0], middle}});
-  visit(Stretch{stretch.edge, {i1, i2}, {middle, stretch.ends[1]}});
-}
-
-template <class Note, class Visit>
-void split(Points& points, const Cell& cell, const Note& note, const Visit& visit) {
-  const FaceLattice& face = *cell.face;
-  const std::array<Above, 4>& c = cell.corners;
-  const auto [i0, i2] = cell.along;
-  const auto [j0, j2] = cell.across;
-  const std::int32_t i1 = i0 + (i2 - i0) / 2;
-  const std::int32_t j1 = j0 + (j2 - j0) / 2;
-  const auto point = [&](std::int32_t i, std::int32_t j) {
-    const Above one = points.of(face, i, j);
-    // Others are points of edges.
-    if (i > 0 && i < face.along && j > 0 && j < face.across) note(one);
-    return one;
-  };
-  if (j1 == j0) {
-    if (i1 == i0) return;
-    const Above low = point(i1, j0);
-    const Above high = point(i1, j2);
-    visit(Cell{&face, {i0, i1}, {j0, j2}, {c[0], low, high, c[3]}});
-    visit(Cell{&face, {i1, i2}, {j0, j2}, {low, c[1], c[2], high}});
-    return;
-  }
-  const Above left = point(i0, j1);
-  const Above right = point(i2, j1);
-  if (i1 == i0) {
-    visit(Cell{&face, {i0, i2}, {j0, j1}, {c[0], c[1], right, left}});
-    visit(Cell{&face, {i0, i2}, {j1, j2}, {left, right, c[2], c[3]}});
-    return;
-  }
-  const Above low = point(i1, j0);
-  const Above high = point(i1, j2);
-  const Above middle = point(i1, j1);
-  visit(Cell{&face, {i0, i1}, {j0, j1}, {c[0], low, middle, left}});
-  visit(Cell{&face, {i1, i2}, {j0, j1}, {low, c[1], right, middle}});
-  visit(Cell{&face, {i1, i2}, {j1, j2}, {middle, right, c[2], high}});
-  visit(Cell{&face, {i0, i1}, {j1, j2}, {left, middle, high, c[3]}});
-}
-
-/// Calls note(point) for all points whose gap is at most limit() above what they are allowed, and
-/// for others.
-template <class Part, class Limit, class Note>
-void visit_low(Points& points, const Part& part, double bump_per_m, const Limit& limit,
-               const Note& note) {
-  double least_m = k_forever_s;
-  for (const Above& point : part.outermost())
-    least_m = std::min(least_m, point.gap_m - point.allowed_m);
-  if (least_m - 0.5 * bump_per_m * part.radius2_m2() > limit()) return;
-  split(points, part, note,
-        [&](const Part& smaller) { visit_low(points, smaller, bump_per_m, limit, note); });
-}
-
-/// The same of all points of a box.
-template <class Limit, class Note>
-void visit_all_low(Points& points, const BoxLattice& lattice, const Corners& corners,
-                   double bump_per_m, const Limit& limit, const Note& note) {
-  for (const Above& corner : corners)
-    note(corner);
-  for (const EdgeLattice& edge : lattice.edges) {
-    const Stretch all{&edge, {0, edge.steps}, {corners[edge.end[0]], corners[edge.end[1]]}};
-    visit_low(points, all, bump_per_m, limit, note);
-  }
-  for (const FaceLattice& face : lattice.faces)
-    visit_low(points, cell_of(face, corners), bump_per_m, limit, note);
-}
-
-Corners corners_of(Points& points) {
-  Corners corners;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    corners[i] = points.corner(i);
-  return corners;
-}
-
 class Look {
  public:
   Look(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box, const Pace& pace)
@@ -328,7 +134,7 @@ class Look {
     corners_ = corners_of(points_);
     for (const Above& corner : corners_)
       note(corner);
-    return is_above_lowest_until(corners_, lattice_.steps_most, pace_.surface.bump_per_m,
+    return is_above_lowest_until(corners_, lattice_.steps_most, pace_.surface.hollow_per_m,
                                  horizon_s());
   }
   double failing_of_all_s() {
@@ -443,43 +249,43 @@ class Look {
 
   /// What a point must be higher than another one, a share 1 / steps of the way to which it is away
   /// from that, to be out of touch as long as that doesn't collide.
-  double needed_m(std::int32_t steps) const {
-    return steps * (2 * k_touch_m + std::max(0.0, -lowest_m_));
+  double needed_m(std::int32_t steps, double gap_m) const {
+    return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }
   /// Whether points on the way along `d` from one with such slopes are higher than it for so long,
   /// or so much; `d` turns, and the slopes change as that point moves on.
-  bool rises_until(const Vec3& d, double slope_x, double slope_y, double bump_per_m, double by_m,
+  bool rises_until(const Vec3& d, double slope_x, double slope_y, double hollow_per_m, double by_m,
                    double until_s) const {
     const double across2 = d.x() * d.x() + d.y() * d.y();
     const double higher_m =
-        ((d.z() - slope_x * d.x()) - slope_y * d.y()) - 0.5 * bump_per_m * across2 - by_m;
+        ((d.z() - slope_x * d.x()) - slope_y * d.y()) - 0.5 * hollow_per_m * across2 - by_m;
     if (higher_m <= 0) return false;
     const double length_m = std::sqrt(across2 + d.z() * d.z());
     const double loss_mps =
-        length_m * (pace_.turning_radps * (pace_.stretch + bump_per_m * length_m) +
+        length_m * (pace_.turning_radps * (pace_.stretch + hollow_per_m * length_m) +
                     pace_.bend_per_m * pace_.past_mps);
     return higher_m > loss_mps * until_s;
   }
 
   /// Whether all that is spanned by some points is out of touch for so long, unless the lowest of
   /// them collides. What counts is at least a share 1 / steps of the way from there to the others.
-  bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double bump_per_m,
+  bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double hollow_per_m,
                              double until_s) const {
     std::size_t lowest = 0;
     for (std::size_t i = 1; i < points.size(); ++i) {
       if (points[i].gap_m < points[lowest].gap_m) lowest = i;
     }
     const Above& least = points[lowest];
-    const double by_m = needed_m(steps);
+    const double by_m = needed_m(steps, least.gap_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (i != lowest && !rises_until(points[i].place_m - least.place_m, least.slope_x,
-                                      least.slope_y, bump_per_m, by_m, until_s))
+                                      least.slope_y, hollow_per_m, by_m, until_s))
         return false;
     }
     return true;
   }
   /// The same unless a point of the box's edges collides, where a side of the cell is one of these.
-  bool is_above_edge_until(const Cell& cell, double bump_per_m, double until_s) const {
+  bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;
       const Above& one = cell.corners[side];
@@ -487,10 +293,10 @@ class Look {
       const Vec3 across_m = cell.corners[(side + 3) % 4].place_m - one.place_m;
       // Slopes anywhere on the side, against those at the nearer end.
       const Vec3 half_m = 0.5 * (other.place_m - one.place_m);
-      const double by_m =
-          needed_m(cell.steps()) + pace_.bend_per_m * math::norm(half_m) * math::norm(across_m);
-      if (rises_until(across_m, one.slope_x, one.slope_y, bump_per_m, by_m, until_s) &&
-          rises_until(across_m, other.slope_x, other.slope_y, bump_per_m, by_m, until_s))
+      const double by_m = needed_m(cell.steps(), std::min(one.gap_m, other.gap_m)) +
+                          pace_.bend_per_m * math::norm(half_m) * math::norm(across_m);
+      if (rises_until(across_m, one.slope_x, one.slope_y, hollow_per_m, by_m, until_s) &&
+          rises_until(across_m, other.slope_x, other.slope_y, hollow_per_m, by_m, until_s))
         return true;
     }
     return false;
@@ -499,10 +305,10 @@ class Look {
 
   /// Whether what is between the ends or corners of a part doesn't collide for so long.
   template <class Part>
-  bool is_clear_until(const Part& part, double bump_per_m, double until_s) const {
+  bool is_clear_until(const Part& part, const SurfaceBounds& under, double until_s) const {
     const double radius2_m2 = part.radius2_m2();
     // Bounds of heights are concave in time, so that their ends count.
-    const double out_m = 0.5 * bump_per_m * radius2_m2 + k_touch_m;
+    const double out_m = 0.5 * under.bump_per_m * radius2_m2 + k_touch_m;
     const double fallen = 0.5 * until_s * until_s;
     const auto stays_out = [&](const Above& point) {
       const double above_m = point.gap_m - out_m;
@@ -517,13 +323,13 @@ class Look {
       return point.rate_mps - hurry_mps - pace_.fall_of(point, until_s) * until_s > -k_approach_mps;
     };
     return std::ranges::all_of(part.outermost(), parts) ||
-           is_above_lowest_until(part.outermost(), part.steps(), bump_per_m, until_s) ||
-           is_above_edge_until(part, bump_per_m, until_s);
+           is_above_lowest_until(part.outermost(), part.steps(), under.hollow_per_m, until_s) ||
+           is_above_edge_until(part, under.hollow_per_m, until_s);
   }
 
-  /// How much the surface may bulge where a part is, and comes until then.
+  /// What the surface does where a part is, and comes until then.
   template <class Part>
-  double bump_under(const Part& part, double until_s) {
+  SurfaceBounds bounds_under(const Part& part, double until_s) {
     const std::span<const Above> points = part.outermost();
     Vec3 low_m = points[0].place_m;
     Vec3 high_m = low_m;
@@ -532,18 +338,17 @@ class Look {
       high_m = high_m.cwiseMax(point.place_m);
     }
     const double way_m = pace_.past_mps * std::min(until_s, pace_.valid_s);
-    return surface_
-        .bounds_in(low_m.x() - way_m, high_m.x() + way_m, low_m.y() - way_m, high_m.y() + way_m)
-        .bump_per_m;
+    return surface_.bounds_in(low_m.x() - way_m, high_m.x() + way_m, low_m.y() - way_m,
+                              high_m.y() + way_m);
   }
 
   template <class Part>
   void visit(const Part& part) {
     if (part.steps() <= 1) return;
     const double until_s = horizon_s();
-    const double bump_per_m = bump_under(part, until_s);
-    if (is_clear_until(part, bump_per_m, until_s)) return;
-    if (until_s > k_long_s && is_clear_until(part, bump_per_m, k_long_enough * until_s)) {
+    const SurfaceBounds under = bounds_under(part, until_s);
+    if (is_clear_until(part, under, until_s)) return;
+    if (until_s > k_long_s && is_clear_until(part, under, k_long_enough * until_s)) {
       shortened_ = true;
       return;
     }
@@ -586,30 +391,44 @@ PieceContact contact_from(const Above& point) {
 std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing_m) {
   if (piece.vertex_count != 8 || piece.face_count != 6) return std::nullopt;
   BoxLattice lattice;
-  for (std::size_t f = 0; f < 6; ++f) {
-    const Face& face = piece.faces[f];
-    if (face.side_count != 4) return std::nullopt;
-    FaceLattice& points = lattice.faces[f];
-    for (std::size_t k = 0; k < 4; ++k)
-      points.corner[k] = piece.sides[face.first_side + k].vertex;
-    const auto vertex = [&](std::size_t k) { return piece.vertices_m[points.corner[k]]; };
-    const Vec3 along_m = vertex(1) - vertex(0);
-    const Vec3 across_m = vertex(3) - vertex(0);
-    const Vec3 missing_m = (vertex(2) - vertex(3)) - along_m;
-    const double steps_along = std::ceil(math::norm(along_m) / spacing_m);
-    const double steps_across = std::ceil(math::norm(across_m) / spacing_m);
-    if (math::norm(missing_m) > k_parallel * piece.r_outer_m ||
-        !(std::max(steps_along, steps_across) <= k_steps_max))
-      return std::nullopt;
-    points.along = std::max(1, static_cast<std::int32_t>(steps_along));
-    points.across = std::max(1, static_cast<std::int32_t>(steps_across));
-    lattice.steps_most = std::max({lattice.steps_most, points.along, points.across});
-  }
   for (std::size_t e = 0; e < lattice.edges.size(); ++e) {
     const auto [one, other] = piece.edges[e].vertex;
-    const Vec3 along_m = piece.vertices_m[other] - piece.vertices_m[one];
-    const double steps = std::ceil(math::norm(along_m) / spacing_m);
+    const double length_m = math::norm(piece.vertices_m[other] - piece.vertices_m[one]);
+    // A whole number of steps remains one, whatever its length is rounded to.
+    const double steps = std::ceil(length_m / spacing_m * (1 - k_parallel));
+    if (!(steps <= k_steps_max)) return std::nullopt;
     lattice.edges[e] = {{one, other}, std::max(1, static_cast<std::int32_t>(steps))};
+    lattice.steps_most = std::max(lattice.steps_most, lattice.edges[e].steps);
+  }
+  const auto side = [&](std::size_t f, std::size_t k) -> const Side& {
+    return piece.sides[piece.faces[f].first_side + k];
+  };
+  const auto edge = [&](std::size_t f, std::size_t k) -> EdgeLattice& {
+    return lattice.edges[side(f, k).edge];
+  };
+  for (std::size_t f = 0; f < 6; ++f) {
+    if (piece.faces[f].side_count != 4) return std::nullopt;
+    const auto vertex = [&](std::size_t k) { return piece.vertices_m[side(f, k).vertex]; };
+    const Vec3 missing_m = (vertex(2) - vertex(3)) - (vertex(1) - vertex(0));
+    if (math::norm(missing_m) > k_parallel * piece.r_outer_m) return std::nullopt;
+  }
+  // Opposite edges have as many steps, and so have all four that are parallel: the points of a
+  // face then are those of its edges.
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t f = 0; f < 6; ++f) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        EdgeLattice& one = edge(f, k);
+        EdgeLattice& other = edge(f, k + 2);
+        one.steps = other.steps = std::max(one.steps, other.steps);
+      }
+    }
+  }
+  for (std::size_t f = 0; f < 6; ++f) {
+    FaceLattice& points = lattice.faces[f];
+    for (std::size_t k = 0; k < 4; ++k)
+      points.corner[k] = side(f, k).vertex;
+    points.along = edge(f, 0).steps;
+    points.across = edge(f, 1).steps;
   }
   return lattice;
 }

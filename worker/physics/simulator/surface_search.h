@@ -5,11 +5,11 @@
 // the surface is known now, so are its rate and its second derivative, and the third one has a
 // bound by the surface's derivatives near the box; so the height lies above a line less a parabola,
 // as in convex_search.h. Three bounds spare the lattice most of its points, from how much the
-// surface may bulge, b per metre:
+// surface may bend down, b per metre, and up, c per metre:
 //   - between the corners of a cell, heights are no less than the least of theirs less b r^2 / 2,
 //     with r the radius of the cell;
 //   - with the lowest corner p and m = (-S_x, -S_y, 1) there, a point p + d is higher than p by at
-//     least d.m - b |d|^2 / 2. What is a sum of some d, with weights that sum to at most 1, is
+//     least d.m - c |d|^2 / 2. What is a sum of some d, with weights that sum to at most 1, is
 //     higher by at least the same sum of these;
 //   - the same with each point of an edge of the box for p, and d across the face.
 // Cells that these don't settle are split. And what is not near the surface stays so for a while: a

@@ -7,11 +7,8 @@
 namespace sleight::physics {
 namespace {
 
-/// A corner this close to what its body has just touched carries as well, as a part of the body's
-/// reach. A body that stands on three corners, two of which carry nearly all of it, lifts the third
-/// by some fifty times the height of a bounce, and would not be in balance for most of the time.
-constexpr double k_near_corner = 0.003;
-/// But only where both touch the same face: normals this much alike.
+/// Corners near a touch (k_near_corner) carry only where both touch the same face: normals this
+/// much alike.
 constexpr double k_same_face_cosine = 0.98;
 
 /// Calls found(corner, normal of the face) for the corners of a piece that are near a face of

@@ -16,7 +16,7 @@ namespace sleight::worlds::dice {
 
 inline constexpr std::uint32_t k_dice_max = 20;
 inline constexpr std::uint32_t k_grid_max = 10'000;  ///< control points of a side of the table
-inline constexpr double k_dice_apart_m = 0.03;       ///< starts of several dice, in y
+inline constexpr double k_dice_apart_m = 0.045;       ///< starts of several dice, in y
 
 /// A number that is uniform between two, or constant where these are one.
 struct Range {
@@ -67,9 +67,9 @@ struct WorldParameters {
 struct ProposalParameters {
   double change_all = 0.02;
   double change_die = 0.03;
-  double change_start = 0.35;
-  double change_control = 0.05;
-  double change_contact = 0.55;
+  double change_start = 0.8;
+  double change_control = 0.03;
+  double change_contact = 0.12;
   // Standard deviations of the largest steps.
   double position_m = 0.005;
   double velocity_mps = 0.1;
@@ -78,7 +78,7 @@ struct ProposalParameters {
   double height_m = 0.001;
   double restitution = 0.2;
   double friction = 0.2;
-  std::uint32_t halvings = 10;  ///< a step is halved 0 to so many times
+  std::uint32_t halvings = 4;  ///< a step is halved 0 to so many times
 };
 
 struct Parameters {

@@ -120,7 +120,7 @@ void bind_die(Binder& die, DieKeys& keys) {
                       {.minimum = -k_far_mm,
                        .maximum = k_far_mm,
                        .unit = "mm",
-                       .help = "likewise; dice stand 30 mm apart without it"});
+                       .help = "likewise; dice stand 45 mm apart without it"});
   length_mm(die, "height_mm", start.position_m.z(),
             {.minimum = 0, .maximum = k_far_mm, .help = "of its centre above the table"});
   sd("x_sd_mm", start.position_sd_m.x());

@@ -37,6 +37,31 @@ inline SimulationOptions random_way(Dice& dice) {
   return options;
 }
 
+inline ::testing::AssertionResult same_state(const Simulation& a, const Simulation& b,
+                                             std::size_t bodies) {
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    const BodyId body{i};
+    if (a.started(body) != b.started(body))
+      return ::testing::AssertionFailure() << "body " << i << " has started in one only";
+    if (!a.started(body)) continue;
+    const Tick now = a.now();
+    const Pose p = a.pose(body, now);
+    const Pose q = b.pose(body, now);
+    const Twist v = a.twist(body, now);
+    const Twist w = b.twist(body, now);
+    if (p.position_m != q.position_m || p.orientation.coeffs() != q.orientation.coeffs() ||
+        v.velocity_mps != w.velocity_mps || v.angular_velocity_radps != w.angular_velocity_radps ||
+        a.mode(body) != b.mode(body))
+      return ::testing::AssertionFailure() << "body " << i << " differs";
+  }
+  return ::testing::AssertionSuccess();
+}
+
+inline std::uint64_t changes_of(const Counts& counts) {
+  return counts.collisions + counts.static_collisions + counts.controls + counts.starts +
+         counts.modes + counts.rest_decisions;
+}
+
 /// Where two recordings part.
 inline std::string first_difference(const Recording& a, const Recording& b) {
   std::string found = "nowhere but at their ends";

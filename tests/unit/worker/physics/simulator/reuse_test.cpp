@@ -14,10 +14,12 @@ namespace sleight::physics {
 namespace {
 
 using testing::balls_apart;
+using testing::changes_of;
 using testing::Dice;
 using testing::first_difference;
 using testing::random_way;
 using testing::run;
+using testing::same_state;
 using testing::Subject;
 using testing::Told;
 
@@ -29,26 +31,6 @@ std::uint64_t chain_count() {
   return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 / k_steps : 64;
 }
 
-::testing::AssertionResult same_state(const Simulation& a, const Simulation& b,
-                                      std::size_t bodies) {
-  for (std::uint32_t i = 0; i < bodies; ++i) {
-    const BodyId body{i};
-    if (a.started(body) != b.started(body))
-      return ::testing::AssertionFailure() << "body " << i << " has started in one only";
-    if (!a.started(body)) continue;
-    const Tick now = a.now();
-    const Pose p = a.pose(body, now);
-    const Pose q = b.pose(body, now);
-    const Twist v = a.twist(body, now);
-    const Twist w = b.twist(body, now);
-    if (p.position_m != q.position_m || p.orientation.coeffs() != q.orientation.coeffs() ||
-        v.velocity_mps != w.velocity_mps || v.angular_velocity_radps != w.angular_velocity_radps ||
-        a.mode(body) != b.mode(body))
-      return ::testing::AssertionFailure() << "body " << i << " differs";
-  }
-  return ::testing::AssertionSuccess();
-}
-
 struct Tally {
   std::uint64_t runs = 0;
   std::uint64_t failed = 0;
@@ -56,11 +38,6 @@ struct Tally {
   std::uint64_t simulated = 0;  ///< the same of those with a past
   std::uint64_t all = 0;        ///< of simulations of everything
 };
-
-std::uint64_t changes_of(const Counts& counts) {
-  return counts.collisions + counts.static_collisions + counts.controls + counts.starts +
-         counts.modes + counts.rest_decisions;
-}
 
 /// Proposals one after the other, each from the last one that was accepted.
 void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
