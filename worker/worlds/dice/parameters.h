@@ -16,7 +16,7 @@ namespace sleight::worlds::dice {
 
 inline constexpr std::uint32_t k_dice_max = 20;
 inline constexpr std::uint32_t k_grid_max = 10'000;  ///< control points of a side of the table
-inline constexpr double k_dice_apart_m = 0.045;       ///< starts of several dice, in y
+inline constexpr double k_dice_apart_m = 0.045;      ///< starts of several dice, in y
 
 /// A number that is uniform between two, or constant where these are one.
 struct Range {
