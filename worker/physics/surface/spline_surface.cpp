@@ -21,7 +21,8 @@ using Points = std::array<std::array<double, 4>, 4>;  ///< by i, then by j
 /// The index of the cell that a place is in, in cells: std::floor without a call. A conversion of
 /// what doesn't fit would be undefined.
 std::int32_t index_of(double place) {
-  CHECK(std::fabs(place) <= k_patch_index_max);
+  constexpr double k_most = k_patch_index_max;
+  CHECK(place >= -k_most && place < k_most + 1);
   const auto index = static_cast<std::int32_t>(place);
   return index - (static_cast<double>(index) > place ? 1 : 0);
 }

@@ -3,6 +3,7 @@
 // against heights and slopes as they are computed and against the definition's, its eigenvalues of
 // second derivatives included; planes and paraboloids, for which the bounds are known.
 #include <gtest/gtest.h>
+#include <array>
 
 #include <algorithm>
 #include <cmath>
@@ -148,9 +149,9 @@ TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
 }
 
 TEST(SurfaceBounds, OfPlanesAreTheirSlopes) {
-  // Goal: planes have their slope as bound, no curvature, and no height above the control points
-  // that their patches hang on. Method: random planes, far rectangles too; the room is the
-  // documented margin and, for curvature, the rounding of heights.
+  // Goal: planes have their slope as bound, no curvature, and no height above the corners of the
+  // patches touched. Method: random planes, far rectangles too; the room is the documented margin
+  // and, for curvature, the rounding of heights.
   Dice dice(23, 0);
   for (int n = 0; n < 200; ++n) {
     const double spacing_m = dice.one_in(2) ? 0.01 : 0.3;
@@ -164,13 +165,14 @@ TEST(SurfaceBounds, OfPlanesAreTheirSlopes) {
     const double slope = std::sqrt(rise_i_m * rise_i_m + rise_j_m * rise_j_m) / spacing_m;
     EXPECT_GE(bounds.slope, slope * (1 - 1e-12));
     EXPECT_LE(bounds.slope, slope * (1 + 1e-8) + 1e-10);
-    const double rounding_per_m = 512 * k_unit * 100 * spacing_m / spacing_m / spacing_m;
+    // 6 second differences and 9 mixed ones of Bezier points, 64 units for each and their own.
+    const double rounding_per_m = 15 * 72 * k_unit * 100 * spacing_m / spacing_m / spacing_m;
     EXPECT_LE(bounds.hollow_per_m, rounding_per_m);
     EXPECT_LE(bounds.bump_per_m, rounding_per_m);
     const GridIndex low = spline.patch_at(r.x_low_m, r.y_low_m);
     const GridIndex high = spline.patch_at(r.x_high_m, r.y_high_m);
-    const double top_m = 0.2 + rise_i_m * (rise_i_m > 0 ? high.i + 2 : low.i - 1) +
-                         rise_j_m * (rise_j_m > 0 ? high.j + 2 : low.j - 1);
+    const double top_m = 0.2 + rise_i_m * (rise_i_m > 0 ? high.i + 1 : low.i) +
+                         rise_j_m * (rise_j_m > 0 ? high.j + 1 : low.j);
     EXPECT_NEAR(bounds.top_m, top_m, 128 * k_unit * (0.2 + 120 * spacing_m));
   }
 }
@@ -204,21 +206,41 @@ TEST(SurfaceBounds, OfParaboloidsAreTheirCurvatures) {
   }
 }
 
+/// The Bezier points of the cubic over four points of a B-spline, from where it begins and ends,
+/// and how it leaves and comes there.
+std::array<double, 4> bezier_of(const std::array<double, 4>& p) {
+  const auto value = [&](std::size_t k) { return (p[k] + 4 * p[k + 1] + p[k + 2]) / 6; };
+  const auto rise = [&](std::size_t k) { return (p[k + 2] - p[k]) / 2; };
+  return {value(0), value(0) + rise(0) / 3, value(1) - rise(1) / 3, value(1)};
+}
+
 TEST(SurfaceBounds, OfOnePatchComeFromAllItsDifferences) {
-  // Goal: each difference of the sixteen points counts, also those that hardly weigh where others
-  // would hide them. Method: one patch over random points, over one line of points and over one
-  // point, against the formulas of the bounds taken over all pairs, triples and squares of
-  // neighbours.
+  // Goal: each difference of the patch's sixteen Bezier points counts, also those that hardly weigh
+  // where others would hide them. Method: one patch over random control points, over one line of
+  // points and over one point, against the formulas of the bounds taken over all pairs, triples and
+  // squares of neighbours.
   Dice dice(27, 0);
   for (int n = 0; n < 600; ++n) {
     const auto line = static_cast<double>(dice.below(4)) - 1;
     const auto other = static_cast<double>(dice.below(4)) - 1;
     const auto noises = random_controls(27 + dice.below(1000), 1);
-    const auto p = [&](int i, int j) {
+    const auto given = [&](int i, int j) {
       if (n % 4 == 0) return i == line ? 1.0 : 0.0;
       if (n % 4 == 1) return j == line ? -1.0 : 0.0;
       if (n % 4 == 2) return i == line && j == other ? 1.0 : 0.0;
       return noises->at({i, j}).height_m;
+    };
+    std::array<std::array<double, 4>, 4> points{};
+    for (int i = 0; i < 4; ++i)
+      points[static_cast<std::size_t>(i)] =
+          bezier_of({given(i - 1, -1), given(i - 1, 0), given(i - 1, 1), given(i - 1, 2)});
+    for (std::size_t j = 0; j < 4; ++j) {
+      const auto in_i = bezier_of({points[0][j], points[1][j], points[2][j], points[3][j]});
+      for (std::size_t i = 0; i < 4; ++i)
+        points[i][j] = in_i[i];
+    }
+    const auto p = [&](int i, int j) {
+      return points[static_cast<std::size_t>(i + 1)][static_cast<std::size_t>(j + 1)];
     };
     double top = -1e300;
     double x = 0;
@@ -244,12 +266,13 @@ TEST(SurfaceBounds, OfOnePatchComeFromAllItsDifferences) {
       }
     }
     SplineSurface spline(surface_of(
-        controls_of([&](GridIndex at) { return SurfaceControl{.height_m = p(at.i, at.j)}; }), 0.5));
+        controls_of([&](GridIndex at) { return SurfaceControl{.height_m = given(at.i, at.j)}; }),
+        0.5));
     const SurfaceBounds bounds = spline.bounds_in(0.1, 0.3, 0.2, 0.2);
     EXPECT_NEAR(bounds.top_m, top, 1e-13);
-    EXPECT_NEAR(bounds.slope, 2 * std::sqrt(x * x + y * y), 1e-7);
-    EXPECT_NEAR(bounds.hollow_per_m, 4 * std::max(0.0, second_most + xy), 1e-6);
-    EXPECT_NEAR(bounds.bump_per_m, 4 * std::max(0.0, xy - second_least), 1e-6);
+    EXPECT_NEAR(bounds.slope, 3 * 2 * std::sqrt(x * x + y * y), 1e-7);
+    EXPECT_NEAR(bounds.hollow_per_m, 4 * std::max(0.0, 6 * second_most + 9 * xy), 1e-6);
+    EXPECT_NEAR(bounds.bump_per_m, 4 * std::max(0.0, 9 * xy - 6 * second_least), 1e-6);
   }
 }
 

@@ -57,8 +57,8 @@ TEST(DiceRequest, DiceStandSideBySide) {
   // Goal: a number of dice, or a table for each, whose places have defaults. Method: both.
   const Parameters three = parameters_of("dice = 3");
   ASSERT_EQ(three.world.dice.size(), 3U);
-  EXPECT_DOUBLE_EQ(three.world.dice[0].position_m.y(), -0.03);
-  EXPECT_DOUBLE_EQ(three.world.dice[2].position_m.y(), 0.03);
+  EXPECT_DOUBLE_EQ(three.world.dice[0].position_m.y(), -k_dice_apart_m);
+  EXPECT_DOUBLE_EQ(three.world.dice[2].position_m.y(), k_dice_apart_m);
   const Parameters two = parameters_of(
       "[[world.die]]\ny_mm = 5\nstart_s = 0.5\nspin_x_sd_radps = 0\nspin_x_radps = 3\n"
       "[[world.die]]\norientation = \"fixed\"\nup = 1\nyaw_deg = 90\nheight_sd_mm = 2");
@@ -67,7 +67,7 @@ TEST(DiceRequest, DiceStandSideBySide) {
   EXPECT_EQ(two.world.dice[0].start_s, 0.5);
   EXPECT_EQ(two.world.dice[0].spin_radps, Vec3(3, 0, 0));
   EXPECT_EQ(two.world.dice[0].spin_sd_radps, Vec3(0, 20, 20));
-  EXPECT_DOUBLE_EQ(two.world.dice[1].position_m.y(), 0.015);
+  EXPECT_DOUBLE_EQ(two.world.dice[1].position_m.y(), 0.5 * k_dice_apart_m);
   EXPECT_EQ(two.world.dice[1].position_sd_m.z(), 0.002);
   EXPECT_EQ(two.world.dice[1].orientation, StartOrientation::fixed);
   const Vec3 up = math::rotated(two.world.dice[1].fixed_orientation, Vec3(1, 0, 0));
