@@ -1,7 +1,5 @@
 #include "clients/cli/dice_motions.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,7 +8,6 @@
 
 #include "clients/cli/kept_animations.h"
 #include "common/archive/format.h"
-#include "common/base/error.h"
 
 namespace sleight::cli {
 namespace {
@@ -79,11 +76,9 @@ bool is_rotation(const Quat& q) {
 }  // namespace
 
 std::optional<DiePose> DieMotion::pose_at(double time_s) const {
-  const auto after =
-      std::upper_bound(pieces_.begin(), pieces_.end(), time_s,
-                       [](double time, const Piece& piece) { return time < piece.start_s; });
-  if (after == pieces_.begin()) return std::nullopt;
-  const Piece& piece = *std::prev(after);
+  const Piece* found = piece_in_force(pieces_, time_s);
+  if (found == nullptr) return std::nullopt;
+  const Piece& piece = *found;
   const double t = time_s - piece.start_s;
   const Quat turn = math::quaternion_of_rotation_vector(piece.spin_radps * t);
   return DiePose{.centre_mm = piece.position_mm + t * piece.velocity_mmps +
@@ -94,10 +89,7 @@ std::optional<DiePose> DieMotion::pose_at(double time_s) const {
 std::vector<DieMotion> read_dice_motions(const archive::Source& source, std::size_t animation,
                                          std::uint64_t dice) {
   const Segments segments = read_segments(source, animation);
-  const auto refuse = [&](const char* reason) {
-    throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: its animation {} {}", source.name(), animation, reason));
-  };
+  const auto refuse = [&](const char* reason) { refuse_animation(source, animation, reason); };
   if (!segments.is_sane()) refuse("has numbers that no motion of dice has");
   std::map<std::uint64_t, DieMotion> motions;
   for (std::size_t row = 0; row < segments.count; ++row) {

@@ -52,6 +52,12 @@ Rows segments_of(const archive::Source& source, std::size_t animation, std::uint
   return {.first = static_cast<std::uint64_t>(start), .count = static_cast<std::uint64_t>(count)};
 }
 
+void refuse_animation(const archive::Source& source, std::size_t animation,
+                      std::string_view reason) {
+  throw base::Error(base::ExitCode::bad_archive,
+                    fmt::format("{}: its animation {} {}", source.name(), animation, reason));
+}
+
 std::vector<std::size_t> choose_animations(const archive::Source& source,
                                            std::optional<std::uint64_t> only, std::size_t count) {
   if (only) check_chain(source, *only);

@@ -1,7 +1,9 @@
 // Which of an archive's kept animations to draw, and where their motions lie.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -18,6 +20,20 @@ std::vector<double> of_animations(const archive::Source& source, std::string_vie
 /// base::Error(bad_archive) when they are not within the table or more than `most`: a damaged
 /// archive must not make a picture of gigabytes.
 Rows segments_of(const archive::Source& source, std::size_t animation, std::uint64_t most);
+
+/// Throws base::Error(bad_archive): "<archive>: its animation <n> <reason>".
+[[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
+                                   std::string_view reason);
+
+/// The last of a motion's pieces that has begun by then, or null. REQUIRES: pieces in the order of
+/// their start_s.
+template <class Piece>
+const Piece* piece_in_force(const std::vector<Piece>& pieces, double time_s) {
+  const auto after =
+      std::upper_bound(pieces.begin(), pieces.end(), time_s,
+                       [](double time, const Piece& piece) { return time < piece.start_s; });
+  return after == pieces.begin() ? nullptr : &*std::prev(after);
+}
 
 /// Up to `count` animations, of one chain or of all: the first of each lineage, then the others, in
 /// the archive's order. Throws base::Error that says why when there is none, usage when there is no

@@ -1,9 +1,8 @@
 #include "clients/cli/main_dice_scene.h"
 
-#include <span>
 #include <variant>
 
-#include "common/request/direction_request.h"
+#include "common/request/world_parameters.h"
 #include "worker/worlds/dice/parameters.h"
 #include "worker/worlds/dice/request.h"
 
@@ -20,14 +19,12 @@ plot::Point mm_of(const math::Vec2& place_m) {
 }  // namespace
 
 base::Result<cli::DiceScene, std::string> read_dice_scene(std::string_view request_text) {
-  dice::Parameters parameters;
-  const request::WorldBinding binding = dice::request_binding(parameters);
-  const auto request = request::read_request(request_text, "", std::span(&binding, 1));
-  if (!request) return request.error().front().message;
-  cli::DiceScene scene{.dice = parameters.world.dice.size(),
-                       .side_mm = k_mm_per_m * parameters.world.side_m,
-                       .spacing_mm = k_mm_per_m * parameters.world.table.spacing_m};
-  for (const dice::Goal& goal : parameters.goals) {
+  const auto parameters = request::world_parameters(request_text, &dice::request_binding);
+  if (!parameters) return parameters.error();
+  cli::DiceScene scene{.dice = parameters.value().world.dice.size(),
+                       .side_mm = k_mm_per_m * parameters.value().world.side_m,
+                       .spacing_mm = k_mm_per_m * parameters.value().world.table.spacing_m};
+  for (const dice::Goal& goal : parameters.value().goals) {
     if (const auto* place = std::get_if<dice::Place>(&goal.wanted)) {
       scene.places.push_back({.die = goal.die,
                               .centre_mm = mm_of(place->centre_m),

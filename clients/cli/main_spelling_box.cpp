@@ -1,21 +1,18 @@
 #include "clients/cli/main_spelling_box.h"
 
-#include <span>
-
-#include "common/request/direction_request.h"
+#include "common/request/world_parameters.h"
 #include "worker/worlds/spelling/parameters.h"
 #include "worker/worlds/spelling/request.h"
 
 namespace sleight::programs {
 
 base::Result<cli::SpellingBox, std::string> read_spelling_box(std::string_view request_text) {
-  worlds::spelling::Parameters parameters;
-  const request::WorldBinding binding = worlds::spelling::request_binding(parameters);
-  const auto request = request::read_request(request_text, "", std::span(&binding, 1));
-  if (!request) return request.error().front().message;
+  const auto parameters =
+      request::world_parameters(request_text, &worlds::spelling::request_binding);
+  if (!parameters) return parameters.error();
   constexpr double k_mm_per_m = 1000;
-  const worlds::spelling::WorldParameters& world = parameters.world;
-  const worlds::spelling::Pattern& pattern = parameters.pattern;
+  const worlds::spelling::WorldParameters& world = parameters.value().world;
+  const worlds::spelling::Pattern& pattern = parameters.value().pattern;
   return cli::SpellingBox{
       .columns = pattern.columns,
       .rows = pattern.rows,

@@ -1,7 +1,5 @@
 #include "clients/cli/spelling_motions.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,7 +8,6 @@
 
 #include "clients/cli/kept_animations.h"
 #include "common/archive/format.h"
-#include "common/base/error.h"
 
 namespace sleight::cli {
 namespace {
@@ -28,11 +25,9 @@ PlaceMm row_mm(const std::vector<double>& values_m, std::size_t row) {
 }  // namespace
 
 std::optional<PlaceMm> BallMotion::place_at(double time_s) const {
-  const auto after =
-      std::upper_bound(pieces_.begin(), pieces_.end(), time_s,
-                       [](double time, const Piece& piece) { return time < piece.start_s; });
-  if (after == pieces_.begin()) return std::nullopt;
-  const Piece& piece = *std::prev(after);
+  const Piece* found = piece_in_force(pieces_, time_s);
+  if (found == nullptr) return std::nullopt;
+  const Piece& piece = *found;
   const double t = time_s - piece.start_s;
   PlaceMm place = piece.position_mm;
   for (std::size_t axis = 0; axis < place.size(); ++axis)
@@ -51,10 +46,7 @@ std::vector<BallMotion> read_motions(const archive::Source& source, std::size_t 
   const std::vector<double> position_m = column("position_m", 3);
   const std::vector<double> velocity_mps = column("velocity_mps", 3);
   const std::vector<double> acceleration_mps2 = column("acceleration_mps2", 3);
-  const auto refuse = [&](const char* reason) {
-    throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: its animation {} {}", source.name(), animation, reason));
-  };
+  const auto refuse = [&](const char* reason) { refuse_animation(source, animation, reason); };
   std::map<std::uint64_t, BallMotion> motions;
   for (std::size_t row = 0; row < rows.count; ++row) {
     // The comparisons are false for NaN: what is not trusted is cast afterwards.

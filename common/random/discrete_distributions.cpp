@@ -1,6 +1,7 @@
 #include "common/random/discrete_distributions.h"
 
 #include <limits>
+#include <numeric>
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
@@ -47,6 +48,19 @@ double UniformInteger::log_density(std::uint64_t x) const {
   CHECK_GT(count, 0U);
   if (x >= count) return -std::numeric_limits<double>::infinity();
   return -math::log(static_cast<double>(count));
+}
+
+std::size_t draw_by_share(std::span<const double> shares, Stream& stream) {
+  double u = stream.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
+  // By rounding it may be beyond them all: the last one that has a share takes that.
+  std::size_t drawn = 0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (shares[i] == 0) continue;
+    drawn = i;
+    if (u < shares[i]) break;
+    u -= shares[i];
+  }
+  return drawn;
 }
 
 }  // namespace sleight::random

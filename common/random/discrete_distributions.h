@@ -2,7 +2,9 @@
 // distributions.h. Densities are probabilities.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "common/random/stream.h"
 
@@ -27,5 +29,9 @@ struct UniformInteger {
   std::uint64_t draw(Stream& stream) const;
   double log_density(std::uint64_t x) const;
 };
+
+/// The place of one of some shares, each with its share of their sum as probability; never one of
+/// share 0. One word per draw. REQUIRES: shares are at least 0, not all of them 0.
+std::size_t draw_by_share(std::span<const double> shares, Stream& stream);
 
 }  // namespace sleight::random

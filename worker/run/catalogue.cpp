@@ -52,64 +52,37 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
           .cache_bytes_max = resources.cache_bytes_max};
 }
 
-class Ball2dEntry final : public WorldEntry {
+/// A world and its parameters; what its folder calls request_binding and make_state_reader.
+template <class World, class Parameters, request::WorldBinding (*k_binding)(Parameters&),
+          std::unique_ptr<archive::StateReader> (*k_reader)(const Parameters&)>
+class EntryOf final : public WorldEntry {
  public:
-  request::WorldBinding binding() override { return worlds::ball_2d::request_binding(parameters_); }
+  request::WorldBinding binding() override { return k_binding(parameters_); }
   std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
                                                 const WorkerResources& resources) const override {
-    return std::make_unique<ChainWorker<worlds::ball_2d::Ball2d>>(
-        worlds::ball_2d::Ball2d(parameters_), worker_options(request, resources));
+    return std::make_unique<ChainWorker<World>>(World(parameters_),
+                                                worker_options(request, resources));
   }
   std::unique_ptr<archive::StateReader> make_reader() const override {
-    return worlds::ball_2d::make_state_reader(parameters_);
+    return k_reader(parameters_);
   }
   std::vector<bool> kinds_with_scale() const override {
-    return kinds_with_scale_of(worlds::ball_2d::Ball2d(parameters_));
+    return kinds_with_scale_of(World(parameters_));
   }
 
  private:
-  worlds::ball_2d::Parameters parameters_;
+  Parameters parameters_;
 };
 
-class DiceEntry final : public WorldEntry {
- public:
-  request::WorldBinding binding() override { return worlds::dice::request_binding(parameters_); }
-  std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
-                                                const WorkerResources& resources) const override {
-    return std::make_unique<ChainWorker<worlds::dice::Dice>>(worlds::dice::Dice(parameters_),
-                                                             worker_options(request, resources));
-  }
-  std::unique_ptr<archive::StateReader> make_reader() const override {
-    return worlds::dice::make_state_reader(parameters_);
-  }
-  std::vector<bool> kinds_with_scale() const override {
-    return kinds_with_scale_of(worlds::dice::Dice(parameters_));
-  }
-
- private:
-  worlds::dice::Parameters parameters_;
-};
-
-class SpellingEntry final : public WorldEntry {
- public:
-  request::WorldBinding binding() override {
-    return worlds::spelling::request_binding(parameters_);
-  }
-  std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
-                                                const WorkerResources& resources) const override {
-    return std::make_unique<ChainWorker<worlds::spelling::Spelling>>(
-        worlds::spelling::Spelling(parameters_), worker_options(request, resources));
-  }
-  std::unique_ptr<archive::StateReader> make_reader() const override {
-    return worlds::spelling::make_state_reader(parameters_);
-  }
-  std::vector<bool> kinds_with_scale() const override {
-    return kinds_with_scale_of(worlds::spelling::Spelling(parameters_));
-  }
-
- private:
-  worlds::spelling::Parameters parameters_;
-};
+namespace ball_2d = worlds::ball_2d;
+namespace dice = worlds::dice;
+namespace spelling = worlds::spelling;
+using Ball2dEntry = EntryOf<ball_2d::Ball2d, ball_2d::Parameters, &ball_2d::request_binding,
+                            &ball_2d::make_state_reader>;
+using DiceEntry =
+    EntryOf<dice::Dice, dice::Parameters, &dice::request_binding, &dice::make_state_reader>;
+using SpellingEntry = EntryOf<spelling::Spelling, spelling::Parameters, &spelling::request_binding,
+                              &spelling::make_state_reader>;
 
 }  // namespace
 

@@ -4,14 +4,13 @@
 
 #include <map>
 #include <memory>
-#include <span>
-#include <string_view>
 #include <utility>
 
 #include "clients/cli/dice_figures.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/request/direction_request.h"
+#include "common/request/world_parameters.h"
 #include "worker/run/catalogue.h"
 #include "worker/worlds/dice/dice.h"
 #include "worker/worlds/dice/request.h"
@@ -22,20 +21,6 @@ namespace {
 namespace dice = worlds::dice;
 
 constexpr double k_mm_per_m = 1000;
-
-request::DirectionRequest read(std::string_view text,
-                               std::span<const request::WorldBinding> worlds) {
-  auto request = request::read_request(text, "figure 2.13", worlds);
-  CHECK(request.ok());
-  return std::move(request).value();
-}
-
-dice::Parameters parameters_of(std::string_view text) {
-  dice::Parameters parameters;
-  const request::WorldBinding binding = dice::request_binding(parameters);
-  read(text, std::span(&binding, 1));
-  return parameters;
-}
 
 /// The motion of a state's only die.
 cli::DieMotion motion_of(const dice::Dice& world, base::BytesView state, std::uint32_t nth) {
@@ -121,7 +106,8 @@ ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& 
   ThrownDie die{.wish = wish, .seed = options.seed + nth};
   const std::string text = die_request(wish, die.seed, options);
   run::Catalogue catalogue;
-  const request::DirectionRequest request = read(text, catalogue.bindings());
+  const request::DirectionRequest request =
+      request::read_request(text, "figure 2.13", catalogue.bindings()).value();
   const run::WorldEntry& entry = catalogue.world("dice");
   const std::unique_ptr<plan::Plan> plan = run::make_plan(request, entry);
   const std::unique_ptr<plan::UnitWorker> worker = entry.make_worker(request);
@@ -129,7 +115,10 @@ ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& 
   const double begin_s = clock.now_s();
   const std::optional<base::Bytes> state = first_satisfying(*plan, *worker, die);
   die.elapsed_s = clock.now_s() - begin_s;
-  if (state) die.motion = motion_of(dice::Dice(parameters_of(text)), *state, nth);
+  if (state) {
+    const dice::Dice world(request::world_parameters(text, &dice::request_binding).value());
+    die.motion = motion_of(world, *state, nth);
+  }
   return die;
 }
 

@@ -45,6 +45,7 @@ struct Pace {
 
   /// The same of one point's gap, for so long: at least 0.
   double fall_of(const Above& point, double until_s) const {
+    if (jerk_mps3 == k_forever_s) return fall_mps2;
     const double fall = -point.pull_mps2 + 0.5 * jerk_mps3 * until_s;
     return std::clamp(fall, 0.0, fall_mps2);
   }
@@ -89,8 +90,7 @@ Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
                                      pace.stretch * box.turning_acceleration_mps2 +
                                      bounds.hollow_per_m * (pace.past_mps * pace.past_mps));
   if (box.turns_evenly) {
-    // The third derivative of z - S: -3 v^T H a - T v^3 as well as the points' own, (-grad S, 1) .
-    // j.
+    // d3/dt3 (z - S): the point's own, (-grad S, 1) . j, and -3 v^T H a - T v^3 of the surface.
     pace.jerk_mps3 =
         pace.stretch * pace.turning_radps * box.turning_acceleration_mps2 +
         pace.past_mps * (3 * pace.bend_per_m * (aside_mps2 + box.turning_acceleration_mps2) +

@@ -5,8 +5,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "worker/physics/broad_phase/flat_table.h"
 #include "worker/physics/surface/surface_controls.h"
 
 namespace sleight::physics {
@@ -15,63 +17,45 @@ namespace sleight::physics {
 template <class Value>
 class GridTable {
  public:
-  /// Room for so many before anything is allocated: a power of two.
-  explicit GridTable(std::size_t room) : slots_(2 * room) { values_.reserve(room); }
+  /// Room for so many before anything is allocated.
+  explicit GridTable(std::size_t room) : numbers_(room) { values_.reserve(room); }
 
   std::size_t size() const { return values_.size(); }
 
-  /// The value there; make(index) if there is none yet.
+  /// The value there; make(index) if there is none yet. REQUIRES: not (INT32_MIN, INT32_MIN).
   template <class Make>
   const Value& at(GridIndex index, const Make& make) {
-    if (last_ != k_none && index == last_index_) return values_[last_];
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t place = hash_of(index) & mask;
-    while (slots_[place].number != k_none && slots_[place].index != index)
-      place = (place + 1) & mask;
-    std::uint32_t number = slots_[place].number;
-    if (number == k_none) {
+    const std::uint64_t key = key_of(index);
+    if (key == last_key_) return values_[last_];
+    if (const Slot* slot = numbers_.find(key)) {
+      last_ = slot->number;
+    } else {
       // Making may fail: no slot names a value before it is there.
       Value made = make(index);
-      number = static_cast<std::uint32_t>(values_.size());
       values_.push_back(std::move(made));
-      slots_[place] = {index, number};
+      last_ = static_cast<std::uint32_t>(values_.size() - 1);
+      numbers_.insert(key).first->number = last_;
     }
-    last_ = number;
-    last_index_ = index;
-    if (2 * values_.size() > slots_.size()) grow();
+    last_key_ = key;
     return values_[last_];
   }
 
  private:
-  /// Open addressing; a slot of no value has number k_none.
   struct Slot {
-    GridIndex index;
-    std::uint32_t number = k_none;
+    std::uint64_t key = k_no_key;
+    std::uint32_t number = 0;
   };
-  static constexpr std::uint32_t k_none = UINT32_MAX;
-
-  static std::size_t hash_of(GridIndex index) {
-    const auto i = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.i));
-    const auto j = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.j));
-    return static_cast<std::size_t>(((i << 32U | j) * 0x9e3779b97f4a7c15U) >> 32U);
-  }
-  void grow() {
-    std::vector<Slot> old(2 * slots_.size());
-    old.swap(slots_);
-    const std::size_t mask = slots_.size() - 1;
-    for (const Slot& slot : old) {
-      if (slot.number == k_none) continue;
-      std::size_t place = hash_of(slot.index) & mask;
-      while (slots_[place].number != k_none)
-        place = (place + 1) & mask;
-      slots_[place] = slot;
-    }
+  static std::uint64_t key_of(GridIndex index) {
+    const auto half = [](std::int32_t i) {
+      return std::uint64_t{static_cast<std::uint32_t>(i) ^ 0x7fffffffU};
+    };
+    return half(index.i) << 32U | half(index.j);
   }
 
-  std::vector<Slot> slots_;
+  FlatTable<Slot> numbers_;
   std::vector<Value> values_;
-  GridIndex last_index_;  ///< what was asked for last
-  std::uint32_t last_ = k_none;
+  std::uint64_t last_key_ = k_no_key;  ///< of what was asked for last
+  std::uint32_t last_ = 0;
 };
 
 }  // namespace sleight::physics

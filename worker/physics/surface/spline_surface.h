@@ -6,7 +6,7 @@
 //
 // Formulas: the uniform cubic B-spline's basis, e.g. L. Piegl and W. Tiller, "The NURBS Book"
 // (2nd edition, 1997), chapter 2; bounds are those of the same patch's Bezier form, since a Bezier
-// spline stays between the least and greatest of its points (ibid., P3.3 and P4.22): hence bounds.
+// spline stays between the least and greatest of its points (ibid., P3.3 and P4.22).
 //
 // Invariants
 //   1. What is returned is a function of the arguments and the control points: never of what was
@@ -18,7 +18,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "worker/physics/surface/grid_table.h"
 #include "worker/physics/surface/surface_controls.h"

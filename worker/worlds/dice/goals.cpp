@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
+#include "worker/sampling/log_sum.h"
 
 namespace sleight::worlds::dice {
 namespace {
@@ -47,16 +47,6 @@ double outside(double x, double low, double high) {
 double log_density(double distance, double sigma) {
   const double z = distance / sigma;
   return -0.5 * z * z;
-}
-
-/// log of the mean of 24 numbers' exponentials, added in order.
-double log_mean_exp(const std::array<double, k_numberings>& logs) {
-  const double most = *std::ranges::max_element(logs);
-  if (most == -std::numeric_limits<double>::infinity()) return most;
-  double sum = 0;
-  for (const double one : logs)
-    sum += math::exp(one - most);
-  return most + math::log(sum / k_numberings);
 }
 
 }  // namespace
@@ -127,7 +117,10 @@ Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& v
     if (!has_faces) continue;
     const auto most = std::ranges::max_element(logs);  // the first of equals
     judgement.numberings[die] = static_cast<std::uint32_t>(most - logs.begin());
-    judgement.log_constraint += log_mean_exp(logs);
+    sampling::LogSum sum;
+    for (const double log : logs)
+      sum.add(log);
+    judgement.log_constraint += sum.log_mean();
   }
 
   // Everything else, and all distances.

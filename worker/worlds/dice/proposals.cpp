@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
@@ -22,16 +21,7 @@ double normal(double sd, random::Stream& stream) {
 Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
   const std::array shares{p.change_all, p.change_die, p.change_start, p.change_control,
                           p.change_contact};
-  // Of their sum, which is 1 to rounding; the last one that has a share at all takes that.
-  double u = stream.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
-  std::size_t drawn = 0;
-  for (std::size_t kind = 0; kind < shares.size(); ++kind) {
-    if (shares[kind] == 0) continue;
-    drawn = kind;
-    if (u < shares[kind]) break;
-    u -= shares[kind];
-  }
-  return static_cast<Kind>(drawn);
+  return static_cast<Kind>(random::draw_by_share(shares, stream));
 }
 
 /// What steps are multiplied with: 2 to a power between -halvings and 0, times the scale.

@@ -10,6 +10,7 @@
 #include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
 #include "worker/worlds/dice/dice.h"
+#include "worker/worlds/segments/segment_values.h"
 
 namespace sleight::worlds::dice {
 namespace {
@@ -126,17 +127,14 @@ class DiceReader final : public archive::StateReader {
     std::vector<double> values{static_cast<double>(state.table_key >> 32U),
                                static_cast<double>(state.table_key & 0xffffffffU),
                                static_cast<double>(state.overrides.size())};
-    const auto put = [&](const Vec3& v) { values.insert(values.end(), {v.x(), v.y(), v.z()}); };
     for (const DieThrow& die : state.dice)
-      put(die.position_m);
-    for (const DieThrow& die : state.dice) {
-      const Quat& q = die.orientation;
-      values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
-    }
+      append_vector(die.position_m, values);
     for (const DieThrow& die : state.dice)
-      put(die.velocity_mps);
+      append_quaternion(die.orientation, values);
     for (const DieThrow& die : state.dice)
-      put(die.spin_radps);
+      append_vector(die.velocity_mps, values);
+    for (const DieThrow& die : state.dice)
+      append_vector(die.spin_radps, values);
     return values;
   }
 
@@ -164,21 +162,12 @@ class DiceReader final : public archive::StateReader {
   archive::Recording record(base::BytesView state) const override {
     const Animation animation = world_.animate(decoded(state));
     archive::Recording recording{.columns = 19, .values = {}};
-    auto& values = recording.values;
-    const auto put = [&](const Vec3& v) { values.insert(values.end(), {v.x(), v.y(), v.z()}); };
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
       const Quat numbered = rotation_of_numbering(animation.numberings[die]);
       for (const auto& [segment, cause] : animation.recording.segments({die})) {
-        const physics::FreeFlight& flight = segment.flight;
-        values.insert(values.end(),
-                      {static_cast<double>(die), physics::seconds(flight.begin - physics::Tick{}),
-                       static_cast<double>(segment.mode)});
-        put(flight.position_m);
-        put(flight.velocity_mps);
-        put(flight.acceleration_mps2);
-        const Quat q = math::composed(flight.orientation, numbered);
-        values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
-        put(flight.angular_velocity_radps);
+        recording.values.push_back(die);
+        append_segment(segment, math::composed(segment.flight.orientation, numbered),
+                       recording.values);
       }
     }
     return recording;

@@ -116,16 +116,7 @@ State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream) {
 Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
   const std::array shares{p.change_all,   p.change_vertices, p.change_ball, p.disable_balls,
                           p.enable_balls, p.aim_ball,        p.scatter_ball};
-  // Of their sum, which is 1 to rounding; the last one that has a share at all takes that.
-  double u = stream.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
-  std::size_t drawn = 0;
-  for (std::size_t kind = 0; kind < shares.size(); ++kind) {
-    if (shares[kind] == 0) continue;
-    drawn = kind;
-    if (u < shares[kind]) break;
-    u -= shares[kind];
-  }
-  return static_cast<Kind>(drawn);
+  return static_cast<Kind>(random::draw_by_share(shares, stream));
 }
 
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& p,

@@ -5,6 +5,7 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
+#include "worker/worlds/segments/segment_values.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
@@ -116,19 +117,9 @@ class SpellingReader final : public archive::StateReader {
     for (std::size_t body = 0; body < animation.balls.size(); ++body) {
       const auto id = physics::BodyId{static_cast<std::uint32_t>(body)};
       for (const auto& [segment, cause] : animation.recording.segments(id)) {
-        const physics::FreeFlight& flight = segment.flight;
-        auto& values = recording.values;
-        const auto put = [&](const Vec3& v) { values.insert(values.end(), {v.x(), v.y(), v.z()}); };
-        values.insert(values.end(), {static_cast<double>(animation.balls[body]),
-                                     physics::seconds(flight.begin - physics::Tick{}),
-                                     static_cast<double>(segment.mode)});
-        put(flight.position_m);
-        put(flight.velocity_mps);
-        put(flight.acceleration_mps2);
-        const auto& q = flight.orientation;
-        values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
-        put(flight.angular_velocity_radps);
-        put(segment.angular_acceleration_radps2);
+        recording.values.push_back(static_cast<double>(animation.balls[body]));
+        append_segment(segment, segment.flight.orientation, recording.values);
+        append_vector(segment.angular_acceleration_radps2, recording.values);
       }
     }
     return recording;

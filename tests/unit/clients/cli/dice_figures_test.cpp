@@ -9,15 +9,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 
 #include "clients/plot/layout.h"
 #include "clients/plot/svg.h"
-#include "common/archive/format.h"
 #include "common/base/error.h"
 #include "tests/unit/clients/cli/failures.h"
+#include "tests/unit/clients/cli/panel_series.h"
+#include "tests/unit/clients/cli/small_archive.h"
 
 namespace sleight::cli {
 namespace {
@@ -47,89 +47,21 @@ struct Contents {
   std::vector<double> spin_radps{0, M_PI, 0, 0, 0, 0, 0, 0, 0};
 };
 
-/// An archive of equal animations, in chains 0, 1, ...
-class SmallArchive final : public archive::Source {
+class SmallArchive final : public StoredArchive {
  public:
-  explicit SmallArchive(const Contents& contents = {}) {
-    const auto count = static_cast<std::size_t>(contents.animations);
-    const std::size_t rows = contents.die.size();
-    const archive::Dimension animation{"animation", count};
-    const archive::Dimension segment{"segment", count * rows};
+  explicit SmallArchive(const Contents& contents = {})
+      : StoredArchive("dice", "[sampler]\nchains = 2\n", contents.animations) {
     const archive::Dimension xyz{"axis_xyz", 3};
-    groups_ = {
-        {.name = "/",
-         .attributes = {{"format_version", std::int64_t{1}},
-                        {"world", "dice"},
-                        {"inference_library_version", "0"},
-                        {"content_digest", ""}},
-         .datasets = {{.name = "request", .type = archive::ElementType::text}}},
-        {.name = "/posterior", .attributes = {{"thin", std::int64_t{1}}}},
-        {.name = "/sample_stats"},
-        {.name = "/animations",
-         .attributes = {{"keep_max", std::int64_t{9}}, {"keep_per_lineage", std::int64_t{9}}}}};
-    add("/posterior", "draw", {{"draw", 4}}, {0, 1, 2, 3});
-    add("/sample_stats", "chain", {{"chain", 2}}, {0, 1});
-    add("/sample_stats", "draw", {{"draw", 4}}, {0, 1, 2, 3});
-    add("/sample_stats", "lp", {{"chain", 2}, {"draw", 4}}, {-9, -5, -5, -3, -9, -9, -9, -5});
-    const auto each = [&](double first, double step) {
-      std::vector<double> values(count);
-      for (std::size_t i = 0; i < count; ++i)
-        values[i] = first + step * static_cast<double>(i);
-      return values;
-    };
-    const auto height = static_cast<double>(rows);
-    for (const auto& [name, values] :
-         {std::pair{"animation", each(0, 1)}, std::pair{"chain", each(0, 1)},
-          std::pair{"draw", each(3, 0)}, std::pair{"lineage", each(0, 0)},
-          std::pair{"segment_start", each(0, height)}, std::pair{"segment_count", each(height, 0)}})
-      add("/animations", name, {animation}, values);
-    const auto column = [&](const char* name, std::vector<archive::Dimension> dims,
-                            const std::vector<double>& values) {
-      std::vector<double> all;
-      for (std::size_t i = 0; i < count; ++i)
-        all.insert(all.end(), values.begin(), values.end());
-      add("/animations", name, std::move(dims), std::move(all));
-    };
-    add("/animations", "segment", {segment}, std::vector<double>(segment.size));
-    column("moving_die", {segment}, contents.die);
-    column("start_s", {segment}, contents.start_s);
-    column("position_m", {segment, xyz}, contents.position_m);
-    column("velocity_mps", {segment, xyz}, contents.velocity_mps);
-    column("acceleration_mps2", {segment, xyz}, contents.acceleration_mps2);
-    column("orientation", {segment, {"quaternion_wxyz", 4}}, contents.orientation);
-    column("angular_velocity_radps", {segment, xyz}, contents.spin_radps);
+    add_animations(contents.die.size());
+    add_column("moving_die", {}, contents.die);
+    add_column("start_s", {}, contents.start_s);
+    add_column("position_m", {xyz}, contents.position_m);
+    add_column("velocity_mps", {xyz}, contents.velocity_mps);
+    add_column("acceleration_mps2", {xyz}, contents.acceleration_mps2);
+    add_column("orientation", {{"quaternion_wxyz", 4}}, contents.orientation);
+    add_column("angular_velocity_radps", {xyz}, contents.spin_radps);
   }
-
-  std::string name() const override { return "small.h5"; }
-  const std::vector<archive::Group>& groups() const override { return groups_; }
-  archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
-                       std::uint64_t count) const override {
-    if (dataset == "request") return std::vector<std::string>{"[sampler]\nchains = 2\n"};
-    const std::vector<double>& values = values_.at(archive::path_of(group, dataset));
-    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
-    return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
-  }
-
- private:
-  void add(std::string_view group, const char* dataset, std::vector<archive::Dimension> dims,
-           std::vector<double> values) {
-    const auto found = std::ranges::find(groups_, group, &archive::Group::name);
-    found->datasets.push_back({.name = dataset, .dims = std::move(dims)});
-    values_[archive::path_of(group, dataset)] = std::move(values);
-  }
-
-  std::vector<archive::Group> groups_;
-  std::map<std::string, std::vector<double>> values_;
 };
-
-template <class Kind>
-std::vector<Kind> all_of(const plot::Panel& panel) {
-  std::vector<Kind> found;
-  for (const plot::Series& series : panel.series) {
-    if (const auto* one = std::get_if<Kind>(&series)) found.push_back(*one);
-  }
-  return found;
-}
 
 TEST(DiceMotions, FollowTheSegments) {
   // Goal: a die is where its segment in force puts it, turned about its axis since, and nowhere

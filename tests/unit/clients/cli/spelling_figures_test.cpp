@@ -17,9 +17,10 @@
 #include "clients/cli/spelling_motions.h"
 #include "clients/plot/layout.h"
 #include "clients/plot/svg.h"
-#include "common/archive/format.h"
 #include "common/base/error.h"
 #include "tests/unit/clients/cli/failures.h"
+#include "tests/unit/clients/cli/panel_series.h"
+#include "tests/unit/clients/cli/small_archive.h"
 
 namespace sleight::cli {
 namespace {
@@ -57,88 +58,21 @@ struct Contents {
   std::vector<double> acceleration_mps2{0, 0, -0.2, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 };
 
-/// An archive of equal animations of two balls, in chains 0, 1, ...; and two chains of four scans,
-/// ten iterations each.
-class SmallArchive final : public archive::Source {
+/// Of two balls; ten iterations to a scan.
+class SmallArchive final : public StoredArchive {
  public:
-  explicit SmallArchive(const Contents& contents = {}) : contents_(contents) {
-    const auto count = static_cast<std::size_t>(contents.animations);
-    const archive::Dimension segment{"segment", count * contents.ball.size()};
+  explicit SmallArchive(const Contents& contents = {})
+      : StoredArchive("spelling", "[sampler]\niterations_per_scan = 10\n", contents.animations) {
     const archive::Dimension xyz{"axis_xyz", 3};
-    groups_ = {
-        {.name = "/",
-         .attributes = {{"format_version", std::int64_t{1}},
-                        {"world", "spelling"},
-                        {"inference_library_version", "0"},
-                        {"content_digest", ""}},
-         .datasets = {{.name = "request", .type = archive::ElementType::text}}},
-        {.name = "/posterior", .attributes = {{"thin", std::int64_t{1}}}},
-        {.name = "/sample_stats"},
-        {.name = "/animations",
-         .attributes = {{"keep_max", std::int64_t{9}}, {"keep_per_lineage", std::int64_t{9}}}}};
-    add("/posterior", "draw", {{"draw", 4}}, {0, 1, 2, 3});
-    add("/sample_stats", "chain", {{"chain", 2}}, {0, 1});
-    add("/sample_stats", "draw", {{"draw", 4}}, {0, 1, 2, 3});
-    add("/sample_stats", "filled", {{"chain", 2}, {"draw", 4}}, {0, 1, 1, 2, 0, 0, 0, 1});
-    add("/sample_stats", "lp", {{"chain", 2}, {"draw", 4}}, {-9, -5, -5, -3, -9, -9, -9, -5});
-    const auto each = [&](double first, double step) {
-      std::vector<double> values(count);
-      for (std::size_t i = 0; i < count; ++i)
-        values[i] = first + step * static_cast<double>(i);
-      return values;
-    };
-    const auto rows = static_cast<double>(contents.ball.size());
-    for (const auto& [name, values] :
-         {std::pair{"animation", each(0, 1)}, std::pair{"chain", each(0, 1)},
-          std::pair{"draw", each(3, 0)}, std::pair{"lineage", each(0, 0)},
-          std::pair{"segment_start", each(0, rows)}, std::pair{"segment_count", each(rows, 0)}})
-      add("/animations", name, {{"animation", count}}, values);
-    const auto repeated = [&](const std::vector<double>& values) {
-      std::vector<double> all;
-      for (std::size_t i = 0; i < count; ++i)
-        all.insert(all.end(), values.begin(), values.end());
-      return all;
-    };
-    add("/animations", "segment", {segment}, std::vector<double>(segment.size));
-    add("/animations", "moving_ball", {segment}, repeated(contents.ball));
-    add("/animations", "start_s", {segment}, repeated(contents.start_s));
-    add("/animations", "position_m", {segment, xyz}, repeated(contents.position_m));
-    add("/animations", "velocity_mps", {segment, xyz}, repeated(contents.velocity_mps));
-    add("/animations", "acceleration_mps2", {segment, xyz}, repeated(contents.acceleration_mps2));
+    add_statistic("filled", {0, 1, 1, 2, 0, 0, 0, 1});
+    add_animations(contents.ball.size());
+    add_column("moving_ball", {}, contents.ball);
+    add_column("start_s", {}, contents.start_s);
+    add_column("position_m", {xyz}, contents.position_m);
+    add_column("velocity_mps", {xyz}, contents.velocity_mps);
+    add_column("acceleration_mps2", {xyz}, contents.acceleration_mps2);
   }
-
-  std::string name() const override { return "small.h5"; }
-  const std::vector<archive::Group>& groups() const override { return groups_; }
-  archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
-                       std::uint64_t count) const override {
-    if (dataset == "request")
-      return std::vector<std::string>{"[sampler]\niterations_per_scan = 10\n"};
-    const std::vector<double>& values = values_.at(archive::path_of(group, dataset));
-    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
-    return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
-  }
-
- private:
-  void add(std::string_view group, const char* dataset, std::vector<archive::Dimension> dims,
-           std::vector<double> values) {
-    const auto found = std::ranges::find(groups_, group, &archive::Group::name);
-    found->datasets.push_back({.name = dataset, .dims = std::move(dims)});
-    values_[archive::path_of(group, dataset)] = std::move(values);
-  }
-
-  Contents contents_;
-  std::vector<archive::Group> groups_;
-  std::map<std::string, std::vector<double>> values_;
 };
-
-template <class Kind>
-std::vector<Kind> all_of(const plot::Panel& panel) {
-  std::vector<Kind> found;
-  for (const plot::Series& series : panel.series) {
-    if (const auto* one = std::get_if<Kind>(&series)) found.push_back(*one);
-  }
-  return found;
-}
 
 /// Where filled discs stand, as (x, y).
 std::vector<plot::Point> balls_of(const plot::Panel& panel) {

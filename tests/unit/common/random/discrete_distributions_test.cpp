@@ -1,6 +1,6 @@
-// Goal: Bernoulli and UniformInteger have the probabilities that they state, without bias.
-// Method: chi-square against exact probabilities, with counts for which plain scaling of a word is
-// badly biased; supports, extreme and invalid parameters.
+// Goal: Bernoulli, UniformInteger and draw_by_share have the probabilities that they state, without
+// bias. Method: chi-square against exact probabilities, with counts for which plain scaling of a
+// word is badly biased; supports, extreme and invalid parameters.
 #include "common/random/discrete_distributions.h"
 
 #include <gtest/gtest.h>
@@ -93,6 +93,21 @@ TEST(UniformInteger, handles_the_largest_and_smallest_counts) {
   for (int i = 0; i < 100; ++i)
     ASSERT_EQ(UniformInteger{1}.draw(stream), 0U);
   EXPECT_EQ(UniformInteger{1}.log_density(0), 0);
+}
+
+TEST(DrawByShare, draws_each_by_its_share) {
+  // Goal: probabilities are shares of the sum, whatever that is; what has none is never drawn, not
+  // even as the last. Method: chi-square over those that have one; counts of those that don't.
+  for (const double total : {1.0, 1e-300, 7e100}) {
+    const std::vector<double> shares{0, 0.5 * total, 0, 0.125 * total, 0.375 * total, 0};
+    Stream stream = test_stream();
+    std::vector<int> counts(shares.size());
+    for (int i = 0; i < k_draws; ++i)
+      ++counts.at(draw_by_share(shares, stream));
+    EXPECT_EQ(counts[0] + counts[2] + counts[5], 0);
+    expect_plausible(chi_square_p_value({counts[1], counts[3], counts[4]}, {0.5, 0.125, 0.375}),
+                     "total " + std::to_string(total));
+  }
 }
 
 TEST(DiscreteDistributionsDeathTest, refuse_what_is_no_distribution) {
