@@ -24,7 +24,9 @@ struct Above {
   double pull_mps2 = 0;  ///< its second derivative, where the box turns evenly
   double slope_x = 0;
   double slope_y = 0;
+  std::uint32_t order = 0;  ///< of the lattice; equal where they come in it
 
+  double spare_m() const { return gap_m - allowed_m; }
   Vec3 normal() const { return math::normalized(Vec3(-slope_x, -slope_y, 1)); }
 };
 
@@ -93,9 +95,17 @@ struct Stretch {
 
   std::int32_t steps() const { return along[1] - along[0]; }
   std::span<const Above> outermost() const { return ends; }
+  /// Gaps above what is allowed.
+  std::array<double, 2> spare_m() const { return {ends[0].spare_m(), ends[1].spare_m()}; }
   double radius2_m2() const {
     const Vec3 half_m = 0.5 * (ends[1].place_m - ends[0].place_m);
     return math::dot(half_m, half_m);
+  }
+  /// The least that values[k] at the ends come to at a point between them, linearly.
+  double least_inside(const std::array<double, 2>& values) const {
+    const double step = 1.0 / steps();
+    const double change = values[1] - values[0];
+    return std::min(values[0] + step * change, values[1] - step * change);
   }
 };
 
@@ -108,6 +118,9 @@ struct Cell {
 
   std::int32_t steps() const { return std::max(along[1] - along[0], across[1] - across[0]); }
   std::span<const Above> outermost() const { return corners; }
+  std::array<double, 4> spare_m() const {
+    return {corners[0].spare_m(), corners[1].spare_m(), corners[2].spare_m(), corners[3].spare_m()};
+  }
   double radius2_m2() const {
     const Vec3 one_m = 0.5 * (corners[2].place_m - corners[0].place_m);
     const Vec3 other_m = 0.5 * (corners[3].place_m - corners[1].place_m);
@@ -118,6 +131,24 @@ struct Cell {
     const std::array<bool, 4> outer{across[0] == 0, along[1] == face->along,
                                     across[1] == face->across, along[0] == 0};
     return outer[side];
+  }
+  /// The least that values[k] at the corners come to at a point of the face's inside, bilinearly:
+  /// those on the box's edges are no points of it.
+  double least_inside(const std::array<double, 4>& values) const {
+    const double step_u = 1.0 / (along[1] - along[0]);
+    const double step_v = 1.0 / (across[1] - across[0]);
+    const std::array<double, 2> u{is_outer(3) ? step_u : 0, is_outer(1) ? 1 - step_u : 1};
+    const std::array<double, 2> v{is_outer(0) ? step_v : 0, is_outer(2) ? 1 - step_v : 1};
+    if (u[0] > u[1] || v[0] > v[1]) return k_forever_s;
+    double least = k_forever_s;
+    for (const double a : u) {
+      for (const double b : v) {
+        const double low = values[0] + a * (values[1] - values[0]);
+        const double high = values[3] + a * (values[2] - values[3]);
+        least = std::min(least, low + b * (high - low));
+      }
+    }
+    return least;
   }
 };
 
@@ -182,14 +213,13 @@ void split(Points& points, const Cell& cell, const Note& note, const Visit& visi
 }
 
 /// Calls note(point) for all points whose gap is at most limit() above what they are allowed, and
-/// for others.
+/// for others. With the surface's height S, S + bump |x|^2 / 2 is convex: a point between others,
+/// by weights, is under no more than their mean of S, and bump / 2 times their variance.
 template <class Part, class Limit, class Note>
 void visit_low(Points& points, const Part& part, double bump_per_m, const Limit& limit,
                const Note& note) {
-  double least_m = k_forever_s;
-  for (const Above& point : part.outermost())
-    least_m = std::min(least_m, point.gap_m - point.allowed_m);
-  if (least_m - 0.5 * bump_per_m * part.radius2_m2() > limit()) return;
+  if (part.steps() <= 1) return;
+  if (part.least_inside(part.spare_m()) - 0.5 * bump_per_m * part.radius2_m2() > limit()) return;
   split(points, part, note,
         [&](const Part& smaller) { visit_low(points, smaller, bump_per_m, limit, note); });
 }

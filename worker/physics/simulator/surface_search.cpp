@@ -5,11 +5,13 @@
 #include <span>
 
 #include "worker/physics/simulator/first_collision.h"
+#include "worker/physics/simulator/surface_pace.h"
 #include "worker/physics/simulator/surface_points.h"
 
 namespace sleight::physics {
 namespace {
 
+using namespace surface_pace;
 using namespace surface_points;
 
 /// Parallelograms may miss closing by this part of their size.
@@ -20,6 +22,8 @@ constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
 /// How much further a second bound of when a point collides reaches than the first one says.
 constexpr double k_a_bit_more = 1.1;
+/// How much longer than the look's span it is asked for how long a point that is near is clear.
+constexpr double k_clear_ahead = 4;
 /// After a shorter span than this the points that are near are found again.
 constexpr double k_worth_s = 1e-4;
 /// Points are near that may touch within so many times the span of a look, as that is now.
@@ -28,95 +32,31 @@ constexpr double k_ahead_s_max = 2e-3;
 /// They are at least those that are as close, and none if that would be a large part of a box.
 constexpr double k_near_m_min = 5e-6;
 constexpr double k_near_share = 0.1;
-/// Bounds hold while the box's centre stays within this part of its reach; when it is higher than
-/// anything near, within a whole one and a patch.
-constexpr double k_room = 0.25;
-
-/// How fast anything changes at most, while the box stays in the region that the bounds are of.
-struct Pace {
-  SurfaceBounds surface;
-  double stretch = 1;              ///< sqrt(1 + slope^2): length of (-S_x, -S_y, 1)
-  double bend_per_m = 0;           ///< of the surface, up or down
-  double past_mps = 0;             ///< of any point of the box, horizontally
-  double turning_radps = 0;        ///< of the box
-  double fall_mps2 = 0;            ///< the second derivative of a gap is no less than minus this
-  double jerk_mps3 = k_forever_s;  ///< nor does it change faster, where the box turns evenly
-  double valid_s = 0;
-
-  /// The same of one point's gap, for so long: at least 0.
-  double fall_of(const Above& point, double until_s) const {
-    if (jerk_mps3 == k_forever_s) return fall_mps2;
-    const double fall = -point.pull_mps2 + 0.5 * jerk_mps3 * until_s;
-    return std::clamp(fall, 0.0, fall_mps2);
-  }
-};
-
-/// As long as any simulation: finite, as products of nothing and for ever aren't numbers.
-constexpr double k_always_s = seconds(k_tick_max.value);
-
-/// How long the centre stays within a horizontal distance.
-double stays_within_s(const MovingPiece& box, double room_m) {
-  const auto across = [](const Vec3& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); };
-  const double speed_mps = across(box.velocity_mps);
-  const double root = std::sqrt(speed_mps * speed_mps + 2 * across(box.acceleration_mps2) * room_m);
-  return 2 * room_m < k_always_s * (speed_mps + root) ? 2 * room_m / (speed_mps + root)
-                                                      : k_always_s;
-}
-
-SurfaceBounds bounds_around(SplineSurface& surface, const MovingPiece& box, double room_m) {
-  const Vec3& centre_m = box.pose.position_m;
-  const double away_m = box.reach_m + room_m;
-  return surface.bounds_in(centre_m.x() - away_m, centre_m.x() + away_m, centre_m.y() - away_m,
-                           centre_m.y() + away_m);
-}
-
-Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
-  const double room_m = k_room * box.reach_m;
-  Pace pace{.surface = bounds_around(surface, box, room_m)};
-  const SurfaceBounds& bounds = pace.surface;
-  const Vec3& pull_mps2 = box.acceleration_mps2;
-  const double aside_mps2 =
-      std::sqrt(pull_mps2.x() * pull_mps2.x() + pull_mps2.y() * pull_mps2.y());
-  const double turning_mps = std::sqrt(box.turning_acceleration_mps2 * box.reach_m);
-  pace.valid_s = stays_within_s(box, room_m);
-  pace.stretch = std::sqrt(1 + bounds.slope * bounds.slope);
-  pace.bend_per_m = std::max(bounds.hollow_per_m, bounds.bump_per_m);
-  const double gained_mps = aside_mps2 > 0 ? aside_mps2 * pace.valid_s : 0;
-  const Vec3& v = box.velocity_mps;
-  pace.past_mps = std::sqrt(v.x() * v.x() + v.y() * v.y()) + turning_mps + gained_mps;
-  pace.turning_radps = std::max(math::norm(box.angular_velocity_radps), turning_mps / box.reach_m);
-  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x', with x'' of the centre and of turning.
-  pace.fall_mps2 = std::max(0.0, (bounds.slope * aside_mps2 - pull_mps2.z()) +
-                                     pace.stretch * box.turning_acceleration_mps2 +
-                                     bounds.hollow_per_m * (pace.past_mps * pace.past_mps));
-  if (box.turns_evenly) {
-    // d3/dt3 (z - S): the point's own, (-grad S, 1) . j, and -3 v^T H a - T v^3 of the surface.
-    pace.jerk_mps3 =
-        pace.stretch * pace.turning_radps * box.turning_acceleration_mps2 +
-        pace.past_mps * (3 * pace.bend_per_m * (aside_mps2 + box.turning_acceleration_mps2) +
-                         bounds.twist_per_m2 * (pace.past_mps * pace.past_mps));
-  }
-  return pace;
-}
 
 class Look {
  public:
-  Look(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box, const Pace& pace)
-      : points_(surface, box), surface_(surface), lattice_(lattice), box_(box), pace_(pace) {}
+  Look(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box, const Pace& pace,
+       Tick tick = {})
+      : points_(surface, box),
+        surface_(surface),
+        lattice_(lattice),
+        box_(box),
+        pace_(pace),
+        tick_(tick) {}
 
   /// A time before which no point collides, not beyond the one for which the pace holds; 0 if one
   /// does, which is then contact().
   double failing_s() { return lowest_corner_counts() ? best_s_ : failing_of_all_s(); }
   /// The same with the help of what earlier looks have kept, and for later ones.
   double failing_s(NearPoints& near) {
-    if (near.known && see_others(near)) {
+    if (near.known && see_descent(near)) {
       note_all(near);
       if (others_clear_until(best_s_)) return best_s_;
       const double others_s = others_failing_s();
       if (others_s >= k_worth_s) return std::min(best_s_, others_s);
     }
     if (lowest_corner_counts()) return best_s_;
-    if (gather(near) && see_others(near)) {
+    if (gather(near) && see_descent(near)) {
       note_all(near);
       if (others_clear_until(best_s_)) return best_s_;
       const double others_s = others_failing_s();
@@ -128,14 +68,34 @@ class Look {
   const Above& contact() const { return contact_; }
 
  private:
-  /// Whether the lowest corner alone counts, before the time that corners allow. Looks at these.
+  /// Whether the lowest corner alone counts, before the time that corners allow. Looks at these,
+  /// unless it's clear from the one with the least height.
   bool lowest_corner_counts() {
     best_s_ = pace_.valid_s;
+    if (is_above_least_height()) return true;
     corners_ = corners_of(points_);
     for (const Above& corner : corners_)
       note(corner);
     return is_above_lowest_until(corners_, lattice_.steps_most, pace_.surface.hollow_per_m,
                                  horizon_s());
+  }
+  bool is_above_least_height() {
+    std::array<Vec3, 8> places_m;
+    std::size_t lowest = 0;
+    for (std::size_t i = 0; i < places_m.size(); ++i) {
+      places_m[i] = points_.place_m(box_.view->vertices_m[i]);
+      if (places_m[i].z() < places_m[lowest].z()) lowest = i;
+    }
+    const Above least = points_.corner(lowest);
+    note(least);
+    const double until_s = horizon_s();
+    const double by_m = needed_m(lattice_.steps_most, least.gap_m);
+    for (std::size_t i = 0; i < places_m.size(); ++i) {
+      if (i != lowest && !rises_until(places_m[i] - least.place_m, least.slope_x, least.slope_y,
+                                      pace_.surface.hollow_per_m, by_m, until_s))
+        return false;
+    }
+    return true;
   }
   double failing_of_all_s() {
     for (const EdgeLattice& edge : lattice_.edges)
@@ -145,43 +105,73 @@ class Look {
     return shortened_ ? k_long_enough * best_s_ : best_s_;
   }
 
-  void note_all(const NearPoints& near) {
+  /// Those of them that may touch before the earliest that collides.
+  void note_all(NearPoints& near) {
     best_s_ = pace_.valid_s;
-    for (std::size_t i = 0; i < near.count; ++i)
-      note(points_.above(near.own_m[i]));
+    note_those(near, [&](Tick clear_until) { return clear_until <= tick_; });
+    note_those(near, [&](Tick clear_until) {
+      return clear_until > tick_ && seconds(clear_until - tick_) < best_s_;
+    });
   }
-  /// What corners may still move before others than those near count. False if that is nothing.
-  bool see_others(const NearPoints& near) {
-    others_ = {.pull_mps2 = std::fabs(box_.acceleration_mps2.z()) + box_.turning_acceleration_mps2,
-               .room_m = near.room_m};
+  template <class IsDue>
+  void note_those(NearPoints& near, const IsDue& is_due) {
+    double until_s = best_s_;
+    double share = share_at(until_s);
+    for (std::size_t i = 0; i < near.count; ++i) {
+      if (best_s_ < until_s) {
+        until_s = best_s_;
+        share = share_at(until_s);
+      }
+      if (near.share[i] > share) return;
+      if (!is_due(near.clear_until[i])) continue;
+      Above point = points_.above(near.own_m[i]);
+      point.order = near.order[i];
+      const double clear_s = clear_for_s(point, std::min(pace_.valid_s, k_clear_ahead * best_s_));
+      near.clear_until[i] = tick_ + ticks_after(clear_s * (1 - k_skip_margin));
+      best_s_ = std::min(best_s_, clear_s);
+      note_contact(point);
+    }
+  }
+  /// How corners come down since those near were found. False if others may touch already.
+  bool see_descent(const NearPoints& near) {
+    const double pull_mps2 =
+        std::max(0.0, -box_.acceleration_mps2.z()) + box_.turning_acceleration_mps2;
     const double aside_mps = near.slope * pace_.past_mps;
+    descent_.room_m = near.room_m;
     for (std::size_t i = 0; i < near.corners_m.size(); ++i) {
       const Vec3 place_m = points_.place_m(box_.view->vertices_m[i]);
       const Vec3 moved_m = place_m - near.corners_m[i];
       const double gone_m = std::fabs(moved_m.x()) + std::fabs(moved_m.y());  // or less
-      others_.left_m[i] = near.allowed_m[i] - (std::fabs(moved_m.z()) + near.slope * gone_m);
-      others_.rate_mps[i] = std::fabs(upwards_mps(place_m)) + aside_mps;
-      others_.room_m = std::min(others_.room_m, near.room_m - gone_m);
-      if (others_.left_m[i] <= 0) return false;
+      descent_.by[i] = (near.slope * gone_m - moved_m.z()) * near.per_allowed[i];
+      descent_.rate_per_s[i] = (aside_mps - upwards_mps(place_m)) * near.per_allowed[i];
+      descent_.pull_per_s2[i] = pull_mps2 * near.per_allowed[i];
+      descent_.room_m = std::min(descent_.room_m, near.room_m - gone_m);
+      if (descent_.by[i] >= 1) return false;
     }
-    return others_.room_m > 0;
+    return descent_.room_m > 0;
+  }
+  /// The greatest share of what it may that a corner comes down by from now until then. That is
+  /// convex in time, so that the ends count.
+  double share_at(double until_s) const {
+    const double half_s = 0.5 * until_s;
+    double most = -k_forever_s;
+    for (std::size_t i = 0; i < descent_.by.size(); ++i) {
+      const double more = (descent_.rate_per_s[i] + descent_.pull_per_s2[i] * half_s) * until_s;
+      most = std::max(most, descent_.by[i] + std::max(0.0, more));
+    }
+    return most;
   }
   bool others_clear_until(double until_s) const {
-    const double pull_mps = 0.5 * others_.pull_mps2 * until_s;
-    for (std::size_t i = 0; i < others_.left_m.size(); ++i) {
-      if (others_.left_m[i] <= (others_.rate_mps[i] + pull_mps) * until_s) return false;
-    }
-    return others_.room_m > pace_.past_mps * until_s;
+    return share_at(until_s) < 1 && descent_.room_m > pace_.past_mps * until_s;
   }
   /// How long that is so.
   double others_failing_s() const {
-    double until_s = pace_.past_mps > 0 ? others_.room_m / pace_.past_mps : k_forever_s;
-    for (std::size_t i = 0; i < others_.left_m.size(); ++i) {
-      const double rate_mps = others_.rate_mps[i];
-      const double root =
-          std::sqrt(rate_mps * rate_mps + 2 * others_.pull_mps2 * others_.left_m[i]);
-      if (rate_mps + root > 0)
-        until_s = std::min(until_s, 2 * others_.left_m[i] / (rate_mps + root));
+    double until_s = pace_.past_mps > 0 ? descent_.room_m / pace_.past_mps : k_forever_s;
+    for (std::size_t i = 0; i < descent_.by.size(); ++i) {
+      const double left = 1 - descent_.by[i];
+      const double rate_per_s = descent_.rate_per_s[i];
+      const double root = std::sqrt(rate_per_s * rate_per_s + 2 * descent_.pull_per_s2[i] * left);
+      if (rate_per_s + root > 0) until_s = std::min(until_s, 2 * left / (rate_per_s + root));
     }
     return until_s;
   }
@@ -196,10 +186,13 @@ class Look {
     const double span_s = k_looks_ahead * std::min(best_s_, k_ahead_s_max);
     const double aside_mps = pace_.surface.slope * pace_.past_mps + pace_.fall_mps2 * span_s;
     double most_m = 0;
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      near.corners_m[i] = corners_[i].place_m;
-      near.allowed_m[i] = std::max(
-          k_near_m_min, (std::fabs(upwards_mps(corners_[i].place_m)) + aside_mps) * span_s);
+    Corners corners = corners_;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      near.corners_m[i] = corners[i].place_m;
+      near.allowed_m[i] =
+          std::max(k_near_m_min, (std::fabs(upwards_mps(corners[i].place_m)) + aside_mps) * span_s);
+      corners[i].allowed_m = near.allowed_m[i];
+      near.per_allowed[i] = 1 / near.allowed_m[i];
       most_m = std::max(most_m, near.allowed_m[i]);
     }
     if (most_m > k_near_share * box_.reach_m) return false;
@@ -209,14 +202,14 @@ class Look {
     bool fits = true;
     Points points(surface_, box_, near.allowed_m);
     visit_all_low(
-        points, lattice_, corners_of(points), pace_.surface.bump_per_m,
-        [&] { return fits ? k_touch_m : -k_forever_s; },
+        points, lattice_, corners, pace_.surface.bump_per_m,
+        [&] { return fits ? 2 * k_touch_m : -k_forever_s; },
         [&](const Above& point) {
-          if (point.gap_m - point.allowed_m > 2 * k_touch_m || !fits) return;
+          if (point.spare_m() > 2 * k_touch_m || !fits) return;
           const auto kept = std::span(near.own_m).first(near.count);
           if (std::ranges::find(kept, point.own_m) != kept.end()) return;
           fits = near.count < NearPoints::k_most;
-          if (fits) near.own_m[near.count++] = point.own_m;
+          if (fits) near.keep(point.own_m, (point.gap_m - 2 * k_touch_m) / point.allowed_m);
         });
     near.known = fits;
     return fits;
@@ -227,22 +220,32 @@ class Look {
 
   /// When a point may collide, if that is sooner than `until_s`, which it is else.
   double collides_after_s(const Above& point, double until_s) const {
-    return std::min(
-        until_s, first_collision_s(point.gap_m, point.rate_mps, pace_.fall_of(point, until_s), 0));
+    return std::min(until_s, first_collision_s(point.gap_m - pace_.rounding_m,
+                                               point.rate_mps - pace_.rounding_mps,
+                                               pace_.fall_of(point.pull_mps2, until_s), 0));
+  }
+  /// The same more closely.
+  double clear_for_s(const Above& point, double until_s) const {
+    // The bound is concave in time: what is out of touch now and then is so in between.
+    const double fall_mps = 0.5 * pace_.fall_of(point.pull_mps2, until_s) * until_s;
+    const double clear_m = point.gap_m - pace_.rounding_m - k_touch_m;
+    if (clear_m > 0 && clear_m + (point.rate_mps - fall_mps) * until_s > 0) return until_s;
+    const double soon_s = collides_after_s(point, until_s);
+    // A bound for a shorter time is a better one.
+    return soon_s < until_s ? collides_after_s(point, std::min(until_s, k_a_bit_more * soon_s))
+                            : until_s;
   }
 
   void note(const Above& point) {
+    best_s_ = clear_for_s(point, best_s_);
+    note_contact(point);
+  }
+  void note_contact(const Above& point) {
     lowest_m_ = std::min(lowest_m_, point.gap_m);
-    // The bound is concave in time: what is out of touch now and then is so in between.
-    const double fall_mps = 0.5 * pace_.fall_of(point, best_s_) * best_s_;
-    if (point.gap_m > k_touch_m && point.gap_m + (point.rate_mps - fall_mps) * best_s_ > k_touch_m)
-      return;
-    const double soon_s = collides_after_s(point, best_s_);
-    // A bound for a shorter time is a better one.
-    if (soon_s < best_s_)
-      best_s_ = collides_after_s(point, std::min(best_s_, k_a_bit_more * soon_s));
     if (point.gap_m > k_touch_m || point.rate_mps * point.normal().z() >= -k_approach_mps) return;
-    if (colliding_ && point.gap_m >= contact_.gap_m) return;
+    if (colliding_ && (point.gap_m > contact_.gap_m ||
+                       (point.gap_m == contact_.gap_m && point.order >= contact_.order)))
+      return;
     colliding_ = true;
     contact_ = point;
   }
@@ -308,19 +311,21 @@ class Look {
   bool is_clear_until(const Part& part, const SurfaceBounds& under, double until_s) const {
     const double radius2_m2 = part.radius2_m2();
     // Bounds of heights are concave in time, so that their ends count.
-    const double out_m = 0.5 * under.bump_per_m * radius2_m2 + k_touch_m;
+    const double out_m = 0.5 * under.bump_per_m * radius2_m2 + k_touch_m + pace_.rounding_m;
     const double fallen = 0.5 * until_s * until_s;
     const auto stays_out = [&](const Above& point) {
       const double above_m = point.gap_m - out_m;
       return above_m > 0 &&
-             above_m + point.rate_mps * until_s - fallen * pace_.fall_of(point, until_s) > 0;
+             above_m + point.rate_mps * until_s - fallen * pace_.fall_of(point.pull_mps2, until_s) >
+                 0;
     };
     if (std::ranges::all_of(part.outermost(), stays_out)) return true;
     const double radius_m = std::sqrt(radius2_m2);
     const double hurry_mps =
         pace_.bend_per_m * radius_m * (pace_.past_mps + pace_.turning_radps * radius_m);
     const auto parts = [&](const Above& point) {
-      return point.rate_mps - hurry_mps - pace_.fall_of(point, until_s) * until_s > -k_approach_mps;
+      return point.rate_mps - hurry_mps - pace_.fall_of(point.pull_mps2, until_s) * until_s >
+             -k_approach_mps;
     };
     return std::ranges::all_of(part.outermost(), parts) ||
            is_above_lowest_until(part.outermost(), part.steps(), under.hollow_per_m, until_s) ||
@@ -346,6 +351,7 @@ class Look {
   void visit(const Part& part) {
     if (part.steps() <= 1) return;
     const double until_s = horizon_s();
+    if (is_clear_until(part, pace_.surface, until_s)) return;
     const SurfaceBounds under = bounds_under(part, until_s);
     if (is_clear_until(part, under, until_s)) return;
     if (until_s > k_long_s && is_clear_until(part, under, k_long_enough * until_s)) {
@@ -362,15 +368,17 @@ class Look {
   const BoxLattice& lattice_;
   const MovingPiece& box_;
   const Pace& pace_;
+  Tick tick_;
   Corners corners_;
-  /// What others than the points that are near may do.
-  struct Others {
-    std::array<double, 8> left_m{};  ///< by corner
-    std::array<double, 8> rate_mps{};
-    double pull_mps2 = 0;
+  /// How corners come down against the surface, at most, since points near were found: as shares of
+  /// what they may.
+  struct Descent {
+    std::array<double, 8> by{};  ///< until now; below 0 where one has risen
+    std::array<double, 8> rate_per_s{};
+    std::array<double, 8> pull_per_s2{};
     double room_m = 0;
   };
-  Others others_;
+  Descent descent_;
   double best_s_ = k_forever_s;    ///< no point that was looked at collides before
   double lowest_m_ = k_forever_s;  ///< gap of those
   bool shortened_ = false;         ///< what wasn't split is clear for a part of that time
@@ -433,6 +441,20 @@ std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing
   return lattice;
 }
 
+void NearPoints::keep(const Vec3& point_m, double of_share) {
+  std::size_t place = count;
+  for (; place > 0 && share[place - 1] > of_share; --place) {
+    own_m[place] = own_m[place - 1];
+    order[place] = order[place - 1];
+    share[place] = share[place - 1];
+  }
+  clear_until[count] = Tick{};
+  own_m[place] = point_m;
+  order[place] = static_cast<std::uint32_t>(count);
+  share[place] = of_share;
+  ++count;
+}
+
 Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
                          Tick tick, NearPoints& near, PieceContact& contact) {
   const Pace pace = pace_of(surface, box);
@@ -450,7 +472,7 @@ Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, cons
       return apart;
     }
   }
-  Look look(surface, lattice, box, pace);
+  Look look(surface, lattice, box, pace, tick);
   const double span_s = look.failing_s(near);
   if (look.collides()) {
     contact = contact_from(look.contact());

@@ -14,7 +14,10 @@
 //   - the same with each point of an edge of the box for p, and d across the face.
 // Cells that these don't settle are split. And what is not near the surface stays so for a while: a
 // box that settles, or rolls over a bump, is looked at again and again where it hardly moves. So a
-// search keeps the few points that are near, with how far away all others are at least.
+// search keeps the few points that are near, with how far away all others are at least. Of those it
+// looks only at some again: a box is rigid and its faces plane, so a point comes down by no greater
+// share of what it may than one of the corners does; and while the motion stays as it was, each
+// point is clear for as long as its own bound has said.
 //
 // Gaps are vertical, contacts' normals and rates those of the surface.
 //
@@ -64,15 +67,25 @@ struct BoxLattice {
 /// Those points of a box that are near a surface.
 struct NearPoints {
   static constexpr std::size_t k_most = 32;
-  std::array<Vec3, k_most> own_m{};  ///< in the box's frame
+  std::array<Vec3, k_most> own_m{};           ///< in the box's frame
+  std::array<std::uint32_t, k_most> order{};  ///< of the lattice
+  /// None touches until some corner has come down by this share of what it may, ascending.
+  std::array<double, k_most> share{};
+  std::array<Tick, k_most> clear_until{};  ///< none collides before, in the motion as it was
   std::size_t count = 0;
-  /// Where the corners were, and how far each of them may have moved, so that no other point has
-  /// come near. Others may move by what lies between, as they do.
+  /// Where the corners were, and how far each of them may come down against the surface before any
+  /// other point touches. Others come down by what lies between, as they do.
   std::array<Vec3, 8> corners_m{};
   std::array<double, 8> allowed_m{};
+  std::array<double, 8> per_allowed{};  ///< 1 / allowed_m
   double slope = 0;  ///< of the surface wherever no corner has gone further than room_m
   double room_m = 0;
   bool known = false;
+
+  /// The next one in the order of the lattice. REQUIRES: count < k_most.
+  void keep(const Vec3& point_m, double of_share);
+  /// Before a look at the box in another motion than at the last look.
+  void forget_motion() { clear_until.fill(Tick{}); }
 };
 
 /// From scratch: where the box touches and approaches, or, if it doesn't, its corner or lattice
@@ -80,7 +93,7 @@ struct NearPoints {
 PieceContact contact_of(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box);
 
 /// One look. If they collide, `contact` is contact_of's result. `near` is of an earlier look, or a
-/// fresh one.
+/// fresh one; when the motion has changed since that, it forgets that first.
 Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
                          Tick tick, NearPoints& near, PieceContact& contact);
 

@@ -237,9 +237,10 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
           const auto examine_part = [&] {
             if (is_surface(body, index)) {
               MetSurface& met = surface(index);
+              NearPoints& near = met.near[constants_[body].first_part + part];
+              if (search_of_part.looks == 1) near.forget_motion();
               return examine_surface(met.surface, lattice_on(index, body, part),
-                                     part_at(body, part, tick), tick,
-                                     met.near[constants_[body].first_part + part], contact);
+                                     part_at(body, part, tick), tick, near, contact);
             }
             if (index >= statics_.plane_count()) {
               return examine_pieces(statics_.piece(index), part_at(body, part, tick), tick,

@@ -7,133 +7,25 @@
 #include <string>
 #include <vector>
 
+#include "tests/unit/worker/physics/simulator/surface_meeting.h"
 #include "tests/unit/worker/physics/simulator/surface_tables.h"
-#include "worker/physics/motion/rotation_bounds.h"
-#include "worker/physics/motion/rotation_track.h"
 #include "worker/physics/simulator/surface_search.h"
 
 namespace sleight::physics {
 namespace {
 
+using testing::AllPoints;
 using testing::Dice;
+using testing::Flyer;
+using testing::Meeting;
 using testing::Relief;
+using testing::same_contact;
 
 constexpr std::uint64_t k_seed = 20261122;
 
 bool long_run() {
   return std::getenv("SLEIGHT_SOAK") != nullptr;
 }
-
-/// A body in free flight.
-struct Flyer {
-  BodyShape body;
-  FreeFlight flight;
-
-  const ConvexPolyhedron& part() const { return body.parts[0]; }
-  double reach_m() const { return part().r_outer_m(); }
-  MovingPiece at(Tick tick, const ConvexView& view) const {
-    const RotationBounds bounds = rotation_bounds(flight, body.inertia);
-    return {.view = &view,
-            .pose = placed({position_at(flight, tick), orientation_at(flight, body.inertia, tick)}),
-            .velocity_mps = velocity_at(flight, tick),
-            .acceleration_mps2 = flight.acceleration_mps2,
-            .angular_velocity_radps = angular_velocity_at(flight, body.inertia, tick),
-            .turning_acceleration_mps2 = turning_acceleration_mps2_max(bounds, reach_m()),
-            .turns_evenly = body.inertia.symmetry == InertiaSymmetry::spherical,
-            .reach_m = reach_m()};
-  }
-};
-
-/// Every point of a box, in its frame: corners, edges, then the insides of faces.
-std::vector<Vec3> points_of(const BoxLattice& lattice, const ConvexView& view) {
-  std::vector<Vec3> points_m(view.vertices_m, view.vertices_m + view.vertex_count);
-  for (const EdgeLattice& edge : lattice.edges) {
-    const Vec3& from_m = view.vertices_m[edge.end[0]];
-    for (std::int32_t i = 1; i < edge.steps; ++i)
-      points_m.push_back(from_m + (static_cast<double>(i) / edge.steps) *
-                                      (view.vertices_m[edge.end[1]] - from_m));
-  }
-  for (const FaceLattice& face : lattice.faces) {
-    const Vec3& from_m = view.vertices_m[face.corner[0]];
-    for (std::int32_t i = 1; i < face.along; ++i) {
-      for (std::int32_t j = 1; j < face.across; ++j)
-        points_m.push_back(
-            from_m +
-            (static_cast<double>(i) / face.along) * (view.vertices_m[face.corner[1]] - from_m) +
-            (static_cast<double>(j) / face.across) * (view.vertices_m[face.corner[3]] - from_m));
-    }
-  }
-  return points_m;
-}
-
-/// What all points say.
-struct AllPoints {
-  bool collides = false;
-  PieceContact contact;  ///< of those that collide the one with the least gap
-  double least_m = 1;    ///< gap of all
-};
-
-AllPoints look_at_all(SplineSurface& surface, std::span<const Vec3> own_m, const MovingPiece& box) {
-  AllPoints all;
-  for (const Vec3& point_m : own_m) {
-    const Vec3 arm_m = math::product(box.pose.rotation, point_m);
-    const Vec3 place_m = arm_m + box.pose.position_m;
-    const SurfacePlace below = surface.at(place_m.x(), place_m.y());
-    const double gap_m = place_m.z() - below.height_m;
-    all.least_m = std::min(all.least_m, gap_m);
-    if (gap_m > k_touch_m || (all.collides && gap_m >= all.contact.gap_m)) continue;
-    const Vec3 v = box.velocity_mps + math::cross(box.angular_velocity_radps, arm_m);
-    const Vec3 normal = math::normalized(Vec3(-below.slope_x, -below.slope_y, 1));
-    const double rate_mps = ((v.z() - below.slope_x * v.x()) - below.slope_y * v.y()) * normal.z();
-    if (rate_mps >= -k_approach_mps) continue;
-    all.collides = true;
-    all.contact = {.gap_m = gap_m,
-                   .rate_mps = rate_mps,
-                   .normal = normal,
-                   .point_m = place_m - Vec3(0, 0, 0.5 * gap_m)};
-  }
-  return all;
-}
-
-bool same_contact(const PieceContact& a, const PieceContact& b) {
-  return a.gap_m == b.gap_m && a.rate_mps == b.rate_mps && a.normal == b.normal &&
-         a.point_m == b.point_m;
-}
-
-/// A box over a surface, and its searches.
-class Meeting {
- public:
-  Meeting(const StaticSurface& surface, Flyer& flyer)
-      : surface_(surface),
-        flyer_(flyer),
-        view_(flyer.part().view()),
-        lattice_(BoxLattice::of(view_, surface.point_spacing_m).value()),
-        own_m_(points_of(lattice_, view_)) {}
-
-  MovingPiece at(Tick tick) const { return flyer_.at(tick, view_); }
-  AllPoints all_at(Tick tick) { return look_at_all(surface_, own_m_, at(tick)); }
-  PieceContact contact_at(Tick tick) { return contact_of(surface_, lattice_, at(tick)); }
-  Examined examine(Tick tick, NearPoints& near, PieceContact& contact) {
-    return examine_surface(surface_, lattice_, at(tick), tick, near, contact);
-  }
-  SplineSurface& surface() { return surface_; }
-  const BoxLattice& lattice() const { return lattice_; }
-  Flyer& flyer() { return flyer_; }
-  std::span<const Vec3> own_m() const { return own_m_; }
-
-  /// Puts the box so that its lowest point is so far above the surface.
-  void lower_to(double gap_m) {
-    for (int i = 0; i < 3; ++i)
-      flyer_.flight.position_m.z() += gap_m - all_at(flyer_.flight.begin).least_m;
-  }
-
- private:
-  SplineSurface surface_;
-  Flyer& flyer_;
-  ConvexView view_;
-  BoxLattice lattice_;
-  std::vector<Vec3> own_m_;
-};
 
 /// A size from low to high, each order of magnitude as likely.
 double between(Dice& dice, double low, double high) {
@@ -234,6 +126,7 @@ void expect_none_between(Meeting& meeting, Tick from, Tick next, Dice& dice, Tal
 /// `near` null: always a fresh one.
 std::optional<Tick> walk(Meeting& meeting, Tick end, NearPoints* near, Dice& dice, Tally& tally) {
   Tick tick = meeting.flyer().flight.begin;
+  if (near != nullptr) near->forget_motion();
   for (int looks = 0; tick < end; ++looks) {
     if (looks >= 3000) return tick;  // it turns about a point in touch: enough seen
     ++tally.looks;
@@ -469,6 +362,31 @@ TEST(SurfaceSearch, AFlatTableIsAPlane) {
       examined = examine_plane(plane, meeting.at(tick), tick, k_touch_m, contact);
     EXPECT_NEAR(static_cast<double>(tick.value), static_cast<double>(met->value), 2);
     EXPECT_LT(math::norm(contact.point_m - meeting.contact_at(tick).point_m), 1e-7);
+  }
+}
+
+TEST(SurfaceSearch, OfEqualGapsTheFirstOneCounts) {
+  // Goal: surface_search.h, invariant 1, where points touch alike: what is near is kept in another
+  // order than that of the lattice. Method: a die flat above a flat table turns, so that its sides
+  // come down unlike; then it is in touch, and comes down evenly.
+  for (const Vec3& turning : {Vec3(5, 0, 0), Vec3(-5, 0, 0), Vec3(0, 5, 0), Vec3(0, -5, 0)}) {
+    Flyer flyer{testing::die_of(0.016), {}};
+    flyer.flight.begin = Tick{1'000'000};
+    Meeting meeting(testing::table_surface(testing::random_table(1, Relief::flat, 0), 0.01), flyer);
+    flyer.flight.position_m.z() = 0.1;
+    meeting.lower_to(2e-6);
+    flyer.flight.velocity_mps = {0, 0, -0.02};
+    flyer.flight.angular_velocity_radps = turning;
+    NearPoints near;
+    PieceContact contact;
+    EXPECT_FALSE(meeting.examine(flyer.flight.begin, near, contact).collides);
+    EXPECT_TRUE(near.known);
+    EXPECT_FALSE(std::ranges::is_sorted(std::span(near.order).first(near.count)));
+    meeting.lower_to(0.5 * k_touch_m);
+    flyer.flight.angular_velocity_radps = Vec3::Zero();
+    near.forget_motion();
+    EXPECT_TRUE(meeting.examine(flyer.flight.begin, near, contact).collides);
+    EXPECT_TRUE(same_contact(contact, meeting.all_at(flyer.flight.begin).contact));
   }
 }
 
