@@ -141,8 +141,8 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
   command
       ->add_option("--what", options.what,
                    "trace: outcome and log p; paths: the motion (ball_2d); animations: the motion "
-                   "(dice, spelling)")
-      ->check(CLI::IsMember({"trace", "paths", "animations"}))
+                   "(dice, spelling); plausibility: starts and tables beside blind throws' (dice)")
+      ->check(CLI::IsMember({"trace", "paths", "animations", "plausibility"}))
       ->capture_default_str();
   command->add_option("--chain", options.chain, "Only this chain")
       ->check(CLI::Range(std::uint64_t{0}, k_number_max).description(""))
@@ -161,11 +161,13 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
       "  sleight plot ball.h5 --what paths -o figure_2_3.png\n"
       "  sleight plot hi.h5 --chain 0 -o hi_filled.svg\n"
       "  sleight plot hi.h5 --what animations --count 4 -o hi_animations.png\n"
-      "  sleight plot die.h5 --what animations -o die_animations.svg");
+      "  sleight plot die.h5 --what animations -o die_animations.svg\n"
+      "  sleight plot die.h5 --what plausibility -o die_plausibility.svg");
   command->callback([&] {
     action = [&] {
-      return cli::plot_archive(options,
-                               {.spelling_box = read_spelling_box, .dice_scene = read_dice_scene});
+      return cli::plot_archive(options, {.spelling_box = read_spelling_box,
+                                         .dice_scene = read_dice_scene,
+                                         .dice_prior = read_dice_prior});
     };
   });
 }

@@ -5,10 +5,14 @@
 #include <string_view>
 
 #include "clients/cli/dice_figures.h"
+#include "clients/cli/dice_plausibility.h"
 
 namespace sleight::programs {
 
 /// A cli::DiceSceneReader.
 base::Result<cli::DiceScene, std::string> read_dice_scene(std::string_view request_text);
+
+/// A cli::DicePriorReader.
+base::Result<cli::DicePrior, std::string> read_dice_prior(std::string_view request_text);
 
 }  // namespace sleight::programs

@@ -58,6 +58,32 @@ SpellingBox spelling_box_of(const archive::Source& source, const WorldReaders& r
   return read_of(source, readers.spelling_box, "balls that spell");
 }
 
+/// A picture, and words to go with it.
+struct Picture {
+  plot::Figure figure;
+  std::string words{};
+};
+
+Picture plausibility_of(const archive::Source& source, const PlotOptions& options,
+                        const WorldReaders& readers) {
+  const std::string world = archive::summary_of(source).world;
+  if (world != "dice") {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("plausibility can be drawn of dice archives only, and {} is of "
+                                  "the world {}",
+                                  source.name(), world));
+  }
+  const DicePrior prior = read_of(source, readers.dice_prior, "dice");
+  if (prior.start.empty() && !prior.is_table_random) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: its throws have nothing random but which way dice are "
+                                  "turned, which is uniform",
+                                  source.name()));
+  }
+  const DicePlausibility found = dice_plausibility(source, prior, options.chain);
+  return {.figure = plausibility_figure(found, prior), .words = plausibility_words(found)};
+}
+
 plot::Figure figure_of(const archive::Source& source, const PlotOptions& options,
                        const WorldReaders& readers) {
   const std::string world = archive::summary_of(source).world;
@@ -109,13 +135,16 @@ int plot_archive(const PlotOptions& options, const WorldReaders& readers) {
   if (!options.output.empty()) refuse_same_file(options.path, options.output);
   const auto draw = [&] {
     const auto source = archive::hdf5::open_file(options.path);
-    const plot::Figure figure = figure_of(*source, options, readers);
+    const Picture picture = options.what == "plausibility"
+                                ? plausibility_of(*source, options, readers)
+                                : Picture{.figure = figure_of(*source, options, readers)};
     if (options.output.empty()) {
-      draw_on_terminal(figure);
+      draw_on_terminal(picture.figure);
     } else {
-      plot::save(figure, options.output);
+      plot::save(picture.figure, options.output);
       fmt::print("{}\n", options.output);
     }
+    fmt::print("{}", picture.words);
     return static_cast<int>(base::ExitCode::ok);
   };
   return archive::hdf5::guarded(options.path, {}, [&] { return with_results(draw); });

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "clients/cli/dice_figures.h"
+#include "clients/cli/dice_plausibility.h"
 #include "clients/cli/spelling_figures.h"
 
 namespace sleight::cli {
@@ -13,7 +14,7 @@ namespace sleight::cli {
 struct PlotOptions {
   std::string path;
   std::string output;                  ///< .svg or .png; empty: draw on the terminal
-  std::string what = "trace";          ///< "trace", "paths" or "animations"
+  std::string what = "trace";          ///< "trace", "paths", "animations" or "plausibility"
   std::optional<std::uint64_t> chain;  ///< none: all, up to six
   std::uint64_t draws = 0;             ///< the first so many; 0: all
   std::uint64_t count = 3;             ///< paths or animations to draw
@@ -23,6 +24,7 @@ struct PlotOptions {
 struct WorldReaders {
   SpellingBoxReader spelling_box;
   DiceSceneReader dice_scene;
+  DicePriorReader dice_prior;
 };
 
 /// Returns the exit code; throws base::Error.

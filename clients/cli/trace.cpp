@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -167,8 +168,11 @@ std::vector<std::string> outcome_names(const archive::Source& source) {
 std::vector<double> read_rows(const archive::Source& source, std::string_view group,
                               std::string_view dataset, std::uint64_t columns, const Rows& rows) {
   const archive::DatasetSpec& spec = dataset_of(source, group, dataset);
-  const bool fits =
-      columns == 1 ? spec.dims.size() == 1 : spec.dims.size() == 2 && spec.dims[1].size == columns;
+  const auto inner = std::span(spec.dims).subspan(std::min<std::size_t>(1, spec.dims.size()));
+  std::uint64_t held_columns = spec.dims.empty() ? 0 : 1;
+  for (const archive::Dimension& dim : inner)  // more than enough stays so, without overflow
+    held_columns = std::min(held_columns * std::min(dim.size, columns + 1), columns + 1);
+  const bool fits = held_columns == columns && (columns != 1 || inner.empty());
   if (!fits || spec.type == archive::ElementType::text) {
     refuse(source, group, dataset, fmt::format("expected rows of {} numbers", columns));
   }

@@ -47,8 +47,8 @@ struct Rows {
 };
 
 /// Rows of a dataset of doubles or integers, as doubles. Throws base::Error(bad_archive) when the
-/// dataset is missing, of another shape than (rows, columns), or (rows) for one column, or has no
-/// such rows.
+/// dataset is missing, of another shape than (rows, ...) with so many numbers to a row, (rows)
+/// alone for one number, or has no such rows.
 std::vector<double> read_rows(const archive::Source& source, std::string_view group,
                               std::string_view dataset, std::uint64_t columns, const Rows& rows);
 

@@ -192,6 +192,8 @@ class SampleStatsWriter {
     const Dims dims{{"chain", view.chains()}, {"draw", view.draws()}};
     write_coordinate(sink, k_sample_stats, dims[0], "independent chain");
     write_coordinate(sink, k_sample_stats, dims[1], "scan");
+    Dims written = dims;
+    write_own_coordinates(sink, k_sample_stats, layout.outcomes, written);
     lp_.emplace(sink, k_sample_stats,
                 spec_of("lp", ElementType::f64, dims, "log_prior + log_constraint"));
     densities_.emplace(sink, k_sample_stats, dims);
@@ -352,6 +354,7 @@ class AnimationsWriter {
     const WorldLayout& layout = reader.layout();
     Dims written;
     write_own_coordinates(sink, k_animations, layout.variables, written);
+    write_own_coordinates(sink, k_animations, layout.outcomes, written);
     write_own_coordinates(sink, k_animations, layout.segment_columns, written);
     outcomes_.emplace(sink, k_animations, animation, layout.outcomes);
     states_.emplace(sink, k_animations, animation, layout.variables);

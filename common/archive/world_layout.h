@@ -36,7 +36,7 @@ struct Variable {
 struct WorldLayout {
   std::string world;                        ///< "ball_2d"
   std::vector<Variable> variables;          ///< of the state
-  std::vector<Variable> outcomes;           ///< scalars of each scan
+  std::vector<Variable> outcomes;           ///< of each scan
   std::vector<std::string> proposal_kinds;  ///< at least one
   std::vector<Variable> segment_columns;    ///< of a recording; each row is one segment
   /// What whoever uses the samples must know, one line; empty: nothing. Programs say it when a run

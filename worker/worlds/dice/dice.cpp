@@ -1,6 +1,7 @@
 #include "worker/worlds/dice/dice.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
@@ -43,6 +44,12 @@ DieView view_of(const physics::Simulation& simulation, physics::BodyId body,
   return {.position_m = pose.position_m,
           .orientation = pose.orientation,
           .velocity_mps = simulation.twist(body, tick).velocity_mps};
+}
+
+std::size_t offset_bin_of(double height_sds) {
+  constexpr double k_last = k_offset_bins - 1;
+  const double bin = std::floor((height_sds - k_offset_first_sd) / k_offset_step_sd) + 1;
+  return static_cast<std::size_t>(std::clamp(bin, 0.0, k_last));
 }
 
 bool rests(const physics::Simulation& simulation, physics::BodyId body) {
@@ -184,8 +191,12 @@ void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
   outcome.contacts.reserve(sums.size());
   for (const auto& [index, sum] : sums) {
     outcome.contacts.push_back({index, sum / flown_s});
-    outcome.log_plausibility +=
-        log_density_of(parameters_.world.table, control_at(parameters_.world, state, index));
+    const SurfaceControl control = control_at(parameters_.world, state, index);
+    outcome.log_plausibility += log_density_of(parameters_.world.table, control);
+    if (parameters_.world.table.height_sd_m <= 0) continue;
+    const double height_sds = control.height_m / parameters_.world.table.height_sd_m;
+    ++outcome.offsets[offset_bin_of(height_sds)];
+    outcome.offset_squares += height_sds * height_sds;
   }
 }
 
@@ -206,7 +217,9 @@ std::size_t Dice::owned_bytes(const State& state, const Outcome& outcome) const 
 
 std::vector<double> Dice::outcome_values(const Outcome& outcome) const {
   std::vector<double> values{static_cast<double>(outcome.end), outcome.end_s,
-                             static_cast<double>(outcome.collisions), outcome.log_plausibility};
+                             static_cast<double>(outcome.collisions), outcome.log_plausibility,
+                             outcome.offset_squares};
+  values.insert(values.end(), outcome.offsets.begin(), outcome.offsets.end());
   for (std::size_t goal = 0; goal < parameters_.goals.size(); ++goal) {
     values.push_back(outcome.end == End::failed ? std::numeric_limits<double>::quiet_NaN()
                                                 : outcome.judgement.distances[goal]);

@@ -18,6 +18,8 @@
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -38,6 +40,12 @@
 
 namespace sleight::worlds::dice {
 
+/// Heights of control points are counted by how many standard deviations they are high: below
+/// k_offset_first_sd, in steps of k_offset_step_sd from there, and above the last of these.
+inline constexpr std::size_t k_offset_bins = 14;
+inline constexpr double k_offset_first_sd = -3;
+inline constexpr double k_offset_step_sd = 0.5;
+
 /// How a simulation ended.
 enum class End : std::uint8_t {
   settled,     ///< all dice at rest
@@ -54,6 +62,10 @@ struct Outcome {
   /// log p_w of the control points that collisions hung on, normalised: how plausible what one sees
   /// of the table is.
   double log_plausibility = 0;
+  /// How many of these have which height, and the sum of their heights' squares, in standard
+  /// deviations; nothing where heights are not random.
+  std::array<std::uint32_t, k_offset_bins> offsets{};
+  double offset_squares = 0;
   std::vector<DieView> at_end{};  ///< unnumbered; the judgement has numberings
   /// For simulate_from, which makes it; none if that is not wanted, or the candidate had nothing in
   /// common with the state.

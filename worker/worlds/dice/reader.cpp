@@ -60,7 +60,17 @@ std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
       {.name = "log_plausibility",
        .dims = {},
        .unit = "1",
-       .meaning = "log p_w of the control points that these hung on"}};
+       .meaning = "log p_w of the control points that these hung on"},
+      {.name = "offset_squares",
+       .dims = {},
+       .unit = "1",
+       .meaning = "sum of the squares of those points' heights, in standard deviations"},
+      {.name = "offsets",
+       .dims = {{.name = "offset_bin", .size = k_offset_bins}},
+       .unit = "1",
+       .meaning = fmt::format("how many of those points have such a height: below {} standard "
+                              "deviations, in steps of {} from there, above the last",
+                              k_offset_first_sd, k_offset_step_sd)}};
   for (std::size_t i = 0; i < parameters.goals.size(); ++i) {
     const Goal& goal = parameters.goals[i];
     const std::string unit = unit_of(goal);

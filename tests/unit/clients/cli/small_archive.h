@@ -71,6 +71,13 @@ class StoredArchive : public archive::Source {
     add_column("segment", {}, std::vector<double>(segments));
   }
 
+  /// Values of all animations, so many to each.
+  void add_of_animations(const char* name, std::vector<archive::Dimension> dims,
+                         std::vector<double> values) {
+    dims.insert(dims.begin(), {"animation", animations_});
+    add("/animations", name, std::move(dims), std::move(values));
+  }
+
   /// One of every animation's segments: values of one animation, so many to a segment.
   void add_column(const char* name, std::vector<archive::Dimension> dims,
                   const std::vector<double>& values) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -66,6 +67,46 @@ TEST(Dice, ContactsShareTheirWeights) {
     EXPECT_NEAR(sum, 1, 1e-9);
     EXPECT_EQ(outcome.log_plausibility, log_density);
   }
+}
+
+TEST(Dice, HeightsThatTheyMetAreCounted) {
+  // Goal: each control point that collisions hung on is counted once by its height, and enters the
+  // sum of squares; nothing where heights aren't random. Method: prior draws, one point of which
+  // is far up or down, against counting by edges; a flat table.
+  Parameters parameters;
+  const Dice world(parameters);
+  const double sd_m = parameters.world.table.height_sd_m;
+  std::uint64_t outermost = 0;
+  for (std::uint64_t number = 0; number < 20; ++number) {
+    State state = state_of(world, number);
+    const GridIndex met = world.simulate(state).contacts.back().index;
+    SurfaceControl control = control_at(parameters.world, state, met);
+    control.height_m = (number % 2 == 0 ? 3.2 : -3.2) * sd_m;
+    set_override(state.overrides, {met, control});
+    const Outcome outcome = world.simulate(state);
+    std::array<std::uint32_t, k_offset_bins> counts{};
+    double squares = 0;
+    for (const ContactShare& one : outcome.contacts) {
+      const double sds = control_at(parameters.world, state, one.index).height_m / sd_m;
+      std::size_t bin = 0;
+      while (bin + 1 < k_offset_bins &&
+             sds >= k_offset_first_sd + static_cast<double>(bin) * k_offset_step_sd)
+        ++bin;
+      ++counts.at(bin);
+      squares += sds * sds;
+    }
+    EXPECT_EQ(outcome.offsets, counts);
+    EXPECT_DOUBLE_EQ(outcome.offset_squares, squares);
+    outermost += counts.front() + counts.back();
+  }
+  EXPECT_GT(outermost, 5U);
+
+  parameters.world.table.height_sd_m = 0;
+  const Dice flat(parameters);
+  const Outcome outcome = flat.simulate(state_of(flat, 1));
+  EXPECT_FALSE(outcome.contacts.empty());
+  EXPECT_EQ(outcome.offsets, (std::array<std::uint32_t, k_offset_bins>{}));
+  EXPECT_EQ(outcome.offset_squares, 0);
 }
 
 TEST(Dice, WithoutRoomHaveNoAnimation) {
@@ -138,6 +179,8 @@ void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.contacts, b.contacts);
   EXPECT_EQ(a.collisions, b.collisions);
   EXPECT_EQ(a.log_plausibility, b.log_plausibility);
+  EXPECT_EQ(a.offsets, b.offsets);
+  EXPECT_EQ(a.offset_squares, b.offset_squares);
 }
 
 TEST(Dice, ReplaysMakeNoDifference) {

@@ -1,0 +1,191 @@
+// Goal: what is said of how plausible satisfying animations are follows from their numbers and the
+// prior. Method: a small archive of known starts and heights; draws of the prior itself, which cost
+// nothing.
+#include "clients/cli/dice_plausibility.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "clients/plot/svg.h"
+#include "common/base/error.h"
+#include "common/random/distributions.h"
+#include "tests/unit/clients/cli/failures.h"
+#include "tests/unit/clients/cli/panel_series.h"
+#include "tests/unit/clients/cli/small_archive.h"
+
+namespace sleight::cli {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Two dice, of which a component each is random and another of the second one; four bins.
+DicePrior small_prior() {
+  const auto x = [](std::uint64_t die) {
+    return StartComponent{.variable = "start_position_m",
+                          .name = "position x",
+                          .die = die,
+                          .axis = 0,
+                          .mean = 1,
+                          .sd = 2};
+  };
+  return {.dice = 2,
+          .start = {x(0),
+                    x(1),
+                    {.variable = "start_velocity_mps",
+                     .name = "velocity z",
+                     .die = 1,
+                     .axis = 2,
+                     .mean = 0,
+                     .sd = 0.5}},
+          .is_table_random = true,
+          .offset_bins = 4,
+          .offset_first_sd = -1,
+          .offset_step_sd = 1};
+}
+
+/// By animation: (x, y, z) of die 0, then of die 1; heights by bin.
+struct Contents {
+  double animations = 2;
+  std::vector<double> position_m{1, 7, 7, 3, 7, 7, -1, 7, 7, 5, 7, 7};
+  std::vector<double> velocity_mps{7, 7, 7, 7, 7, 0.5, 7, 7, 7, 7, 7, -1};
+  std::vector<double> offsets{0, 3, 1, 0, 1, 2, 0, 1};
+  std::vector<double> offset_squares{2, 8};
+};
+
+class SmallArchive final : public StoredArchive {
+ public:
+  explicit SmallArchive(const Contents& contents = {})
+      : StoredArchive("dice", "[sampler]\nchains = 2\n", contents.animations) {
+    add_animations(0);
+    const archive::Dimension die{"die", 2};
+    const archive::Dimension xyz{"axis_xyz", 3};
+    add_of_animations("start_position_m", {die, xyz}, contents.position_m);
+    add_of_animations("start_velocity_mps", {die, xyz}, contents.velocity_mps);
+    add_of_animations("offsets", {{"offset_bin", 4}}, contents.offsets);
+    add_of_animations("offset_squares", {}, contents.offset_squares);
+  }
+};
+
+TEST(DicePlausibility, AreScoresAndCosts) {
+  // Scores of x are 0 and 1, then -1 and 2; of velocity 1, then -2. Their squares sum to 2 and 9,
+  // so half of 5.5 less 3 is the cost; of the table, half of (2 + 8 less 4 + 4 points) / 2.
+  const DicePlausibility all = dice_plausibility(SmallArchive(), small_prior(), {});
+  EXPECT_EQ(all.animations, 2U);
+  ASSERT_EQ(all.start.size(), 2U);
+  EXPECT_EQ(all.start[0].name, "position x");
+  EXPECT_THAT(all.start[0].scores, ElementsAre(0, -1, 1, 2));
+  EXPECT_THAT(all.start[1].scores, ElementsAre(1, -2));
+  EXPECT_THAT(all.offsets, ElementsAre(1, 5, 1, 1));
+  EXPECT_DOUBLE_EQ(all.start_cost, 0.5 * (5.5 - 3));
+  EXPECT_DOUBLE_EQ(all.start_spread, std::sqrt(1.5));
+  EXPECT_DOUBLE_EQ(all.table_cost, 0.5 * (5 - 4));
+  EXPECT_DOUBLE_EQ(all.table_spread, std::sqrt(2));
+  // Of the second chain alone.
+  const DicePlausibility second = dice_plausibility(SmallArchive(), small_prior(), 1);
+  EXPECT_EQ(second.animations, 1U);
+  EXPECT_THAT(second.start[0].scores, ElementsAre(-1, 2));
+  EXPECT_DOUBLE_EQ(second.start_cost, 0.5 * (9 - 3));
+  EXPECT_DOUBLE_EQ(second.table_cost, 0.5 * (8 - 4));
+  EXPECT_THAT(plausibility_words(second),
+              HasSubstr("starts: log probability 3.00 below blind throws' on average"));
+  EXPECT_THAT(plausibility_words(second), HasSubstr("148 times less probable"));
+}
+
+TEST(DicePlausibility, OfThePriorItselfIsNothing) {
+  // 4000 animations that are draws of the prior: costs within 5 standard errors of 0.
+  constexpr std::size_t k_animations = 4000;
+  random::Stream stream({.seed = 20261122, .purpose = random::Purpose::prior}, 0);
+  const auto normal = [&](double mean, double sd) {
+    return random::Normal{.mean = mean, .sd = sd}.draw(stream);
+  };
+  Contents contents{.animations = k_animations,
+                    .position_m = {},
+                    .velocity_mps = {},
+                    .offsets = {},
+                    .offset_squares = {}};
+  for (std::size_t i = 0; i < k_animations; ++i) {
+    for (int k = 0; k < 6; ++k) {
+      contents.position_m.push_back(normal(1, 2));
+      contents.velocity_mps.push_back(normal(0, 0.5));
+    }
+    std::vector<double> bins(4);
+    double squares = 0;
+    for (int point = 0; point < 30; ++point) {
+      const double height = normal(0, 1);
+      ++bins[height < -1 ? 0 : height < 0 ? 1 : height < 1 ? 2 : 3];
+      squares += height * height;
+    }
+    contents.offsets.insert(contents.offsets.end(), bins.begin(), bins.end());
+    contents.offset_squares.push_back(squares);
+  }
+  const DicePrior prior = small_prior();
+  const DicePlausibility found = dice_plausibility(SmallArchive(contents), prior, {});
+  const double root = std::sqrt(static_cast<double>(k_animations));
+  EXPECT_NEAR(found.start_cost, 0, 5 * found.start_spread / root);
+  EXPECT_NEAR(found.table_cost, 0, 5 * found.table_spread / root);
+  EXPECT_DOUBLE_EQ(found.table_spread, std::sqrt(15));
+  // Each panel's bars have the area 1, and are nearly the mean of the curve over them.
+  const plot::Figure figure = plausibility_figure(found, prior);
+  ASSERT_EQ(figure.panels.size(), 3U);
+  for (const plot::Panel& panel : figure.panels) {
+    double area = 0;
+    for (const plot::Rectangle& bar : all_of<plot::Rectangle>(panel))
+      area += (bar.high.x - bar.low.x) * bar.high.y;
+    EXPECT_NEAR(area, 1, 1e-9) << panel.title;
+    const auto bars = all_of<plot::Rectangle>(panel);
+    ASSERT_EQ(bars.size(), 4U);
+    EXPECT_DOUBLE_EQ(bars[1].low.x, -1);
+    EXPECT_NEAR(bars[1].high.y, 0.3413, 0.03);
+    EXPECT_NEAR(bars[3].high.y, 0.1587, 0.03);
+  }
+  EXPECT_EQ(plot::to_svg(figure).find("nan"), std::string::npos);
+}
+
+TEST(DicePlausibility, WhatIsNotRandomCostsNothing) {
+  DicePrior prior = small_prior();
+  prior.is_table_random = false;
+  const DicePlausibility found = dice_plausibility(SmallArchive(), prior, {});
+  EXPECT_EQ(found.table_cost, 0);
+  EXPECT_EQ(found.table_spread, 0);
+  EXPECT_EQ(plausibility_figure(found, prior).panels.size(), 2U);
+}
+
+TEST(DicePlausibility, DamagedArchivesAreRefused) {
+  const auto refused = [](const Contents& contents, const char* words) {
+    EXPECT_EQ(
+        failure_of([&] { dice_plausibility(SmallArchive(contents), small_prior(), {}); }, words),
+        base::ExitCode::bad_archive);
+  };
+  refused({.position_m = {1, 7, 7, k_nan, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m: it has");
+  refused({.offsets = {0, 3, 1, -1, 1, 2, 0, 1}}, "offsets: it has");
+  refused({.offsets = {0, 3, 1, k_nan, 1, 2, 0, 1}}, "offsets: it has");
+  refused({.offset_squares = {2, -8}}, "offset_squares: it has");
+  refused({.offset_squares = {2, std::numeric_limits<double>::infinity()}}, "offset_squares: it");
+  DicePrior prior = small_prior();
+  prior.offset_bins = 5;
+  EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(), prior, {}); },
+                       "offsets: expected rows of 5 numbers"),
+            base::ExitCode::bad_archive);
+  prior = small_prior();
+  prior.dice = 3;
+  EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(), prior, {}); },
+                       "start_position_m: expected rows of 9 numbers"),
+            base::ExitCode::bad_archive);
+  Contents none{
+      .animations = 0, .position_m = {}, .velocity_mps = {}, .offsets = {}, .offset_squares = {}};
+  EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(none), small_prior(), {}); },
+                       "no satisfying animation"),
+            base::ExitCode::environment);
+  EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(), small_prior(), 2); }, "no chain 2"),
+            base::ExitCode::usage);
+}
+
+}  // namespace
+}  // namespace sleight::cli
