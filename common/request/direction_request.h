@@ -37,6 +37,14 @@
 
 namespace sleight::request {
 
+enum class Method {
+  metropolis_hastings,
+  parallel_tempering,
+  simulated_tempering,
+  tempered_transitions,
+  annealed_importance
+};
+
 /// A world as a request sees it.
 struct WorldBinding {
   std::string name;     ///< of `name` in [world]
@@ -44,14 +52,7 @@ struct WorldBinding {
   /// Sets the world's parameters, which the function refers to, to their defaults, then binds its
   /// keys to them. Afterwards they hold the request's values.
   std::function<void(Binder& world, Binder& constraint, Binder& sampler)> bind;
-};
-
-enum class Method {
-  metropolis_hastings,
-  parallel_tempering,
-  simulated_tempering,
-  tempered_transitions,
-  annealed_importance
+  Method method = Method::metropolis_hastings;  ///< of requests that name none
 };
 
 struct SamplerParameters {

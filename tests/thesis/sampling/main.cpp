@@ -153,9 +153,35 @@ worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool turned) {
   return parameters;
 }
 
+/// requests/six_dice.toml: a row of six dice that are thrown together and show 1 to 6.
+worlds::dice::Parameters six_dice() {
+  constexpr double k_degree = std::numbers::pi / 180;
+  worlds::dice::Parameters parameters;
+  parameters.world.dice.clear();
+  for (std::uint32_t die = 0; die < 6; ++die) {
+    worlds::dice::DieStart start;
+    start.position_m.y() = -0.1 + 0.04 * die;
+    start.position_sd_m.y() = 0.002;
+    parameters.world.dice.push_back(start);
+    parameters.goals.push_back(
+        {.die = die,
+         .wanted = worlds::dice::Place{.centre_m = {0.03, -0.15 + 0.06 * die}},
+         .sigma = 0.005,
+         .tolerance = 0.01});
+  }
+  for (std::uint32_t die = 0; die < 6; ++die) {
+    parameters.goals.push_back({.die = die,
+                                .wanted = worlds::dice::FaceDirection{.face = die + 1},
+                                .sigma = 10 * k_degree,
+                                .tolerance = 30 * k_degree});
+  }
+  return parameters;
+}
+
 /// Throws without direction are those of dice that are numbered before.
 void add_dice(const Arguments& arguments, const std::string& scene,
-              const worlds::dice::Parameters& parameters, std::vector<Row>& rows) {
+              const worlds::dice::Parameters& parameters, std::uint32_t iterations_per_scan,
+              std::vector<Row>& rows) {
   rows.push_back({scene, "blind throws", [=] {
                     auto numbered = parameters;
                     numbered.numbering = worlds::dice::Numbering::fixed;
@@ -167,7 +193,7 @@ void add_dice(const Arguments& arguments, const std::string& scene,
                     return thesis::restarted_chains<Dice>(parameters, arguments.seed,
                                                           arguments.simulations);
                   }});
-  add_plans<Dice>(arguments, scene, "", parameters, 2, rows);
+  add_plans<Dice>(arguments, scene, "", parameters, iterations_per_scan, rows);
 }
 
 std::vector<Row> all_rows(const Arguments& arguments) {
@@ -188,8 +214,9 @@ std::vector<Row> all_rows(const Arguments& arguments) {
   add_spelling(arguments, "ACM",
                worlds::spelling::pattern_of_word("ACM", worlds::spelling::Font::rows_5).value(),
                7.25, rows);
-  add_dice(arguments, "die", die(0.005, 0.005, false), rows);
-  add_dice(arguments, "die_exact", die(0.002, 0.001, true), rows);
+  add_dice(arguments, "die", die(0.005, 0.005, false), 2, rows);
+  add_dice(arguments, "die_exact", die(0.002, 0.001, true), 2, rows);
+  add_dice(arguments, "six_dice", six_dice(), 20, rows);
   if (!arguments.only.empty())
     std::erase_if(rows, [&](const Row& row) { return row.scene != arguments.only; });
   return rows;
@@ -235,7 +262,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", arguments.seed)->capture_default_str();
   app.add_option("--threads", arguments.threads)->capture_default_str();
   app.add_option("--only", arguments.only, "One scene")
-      ->check(CLI::IsMember({"ball", "HI", "ACM", "die", "die_exact"}));
+      ->check(CLI::IsMember({"ball", "HI", "ACM", "die", "die_exact", "six_dice"}));
   app.footer(
       "Examples:\n  sleight-sampling-table\n"
       "  sleight-sampling-table --only HI --simulations 50000");
