@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "clients/cli/kept_animations.h"
 #include "clients/cli/trace.h"
@@ -20,7 +22,7 @@ namespace {
 
 using plot::Point;
 
-constexpr double k_edge_sd = 4;  ///< panels end there
+constexpr double k_edge_sd = 3.75;  ///< panels end there
 constexpr std::size_t k_curve_points = 81;
 constexpr double k_row_px = 240;
 constexpr std::size_t k_columns = 4;
@@ -80,31 +82,106 @@ std::vector<double> read_all(const archive::Source& source, std::string_view var
                    {.first = 0, .count = archive::summary_of(source).animations});
 }
 
-/// Reads scores of the starts; the sum of their squares.
-double read_start(const archive::Source& source, const DicePrior& prior,
-                  std::span<const std::size_t> animations, DicePlausibility& found) {
-  double squares = 0;
+/// Below this no score of a start or sum of squares is worth a word.
+constexpr double k_score_max = 1e6;
+constexpr double k_points_max = 1e9;  ///< more control points no throw meets
+
+/// Reads scores of the starts. By animation, half the sum of their squares less their number.
+std::vector<double> read_start(const archive::Source& source, const DicePrior& prior,
+                               std::span<const std::size_t> animations, DicePlausibility& found) {
+  const std::uint64_t width = 3 * prior.dice;
+  std::map<std::string, std::vector<double>> variables;
+  std::vector<double> costs(animations.size());
   for (const StartComponent& component : prior.start) {
-    const std::uint64_t width = 3 * prior.dice;
-    const std::vector<double> values = read_all(source, component.variable, width);
+    std::vector<double>& values = variables[component.variable];
+    if (values.empty()) values = read_all(source, component.variable, width);
     auto same = std::ranges::find(found.start, component.name, &DicePlausibility::Scores::name);
     if (same == found.start.end())
       same = found.start.insert(found.start.end(), {.name = component.name});
-    for (const std::size_t row : animations) {
-      const double value = values[row * width + 3 * component.die + component.axis];
+    for (std::size_t i = 0; i < animations.size(); ++i) {
+      const double value = values[animations[i] * width + 3 * component.die + component.axis];
       const double score = (value - component.mean) / component.sd;
-      if (!std::isfinite(score)) refuse_number(source, component.variable);
+      if (!(std::fabs(score) <= k_score_max)) refuse_number(source, component.variable);
       same->scores.push_back(score);
-      squares += score * score;
+      costs[i] += 0.5 * (score * score - 1);
     }
   }
-  return squares;
+  return costs;
 }
 
-std::string cost_words(double cost, double spread) {
-  const char* way = cost < 0 ? "above" : "below";
-  return fmt::format("log probability {:.2f} {} blind throws' on average (theirs differ by {:.2f})",
-                     std::fabs(cost), way, spread);
+/// The same of the table.
+std::vector<double> read_table(const archive::Source& source, const DicePrior& prior,
+                               std::span<const std::size_t> animations, DicePlausibility& found) {
+  found.offsets.resize(prior.offset_bins);
+  const std::vector<double> offsets = read_all(source, "offsets", prior.offset_bins);
+  const std::vector<double> squares = of_animations(source, "offset_squares");
+  std::vector<double> costs;
+  for (const std::size_t row : animations) {
+    double points = 0;
+    for (std::size_t bin = 0; bin < prior.offset_bins; ++bin) {
+      const double count = offsets[row * prior.offset_bins + bin];
+      if (!(count >= 0 && count <= k_points_max) || std::trunc(count) != count)
+        refuse_number(source, "offsets");
+      found.offsets[bin] += count;
+      points += count;
+    }
+    if (!(squares[row] >= 0 && squares[row] <= k_score_max * k_score_max))
+      refuse_number(source, "offset_squares");
+    costs.push_back(0.5 * (squares[row] - points));
+  }
+  return costs;
+}
+
+/// Animations' lineages, as numbers from 0; how many there are.
+std::size_t number_lineages(const archive::Source& source, std::span<const std::size_t> animations,
+                            std::vector<std::size_t>& numbers) {
+  const std::vector<double> chain = of_animations(source, "chain");
+  const std::vector<double> lineage = of_animations(source, "lineage");
+  std::map<std::pair<double, double>, std::size_t> seen;
+  for (const std::size_t row : animations)
+    numbers.push_back(seen.try_emplace({chain[row], lineage[row]}, seen.size()).first->second);
+  return seen.size();
+}
+
+/// The error of the mean is that of sums over lineages.
+PlausibilityCost cost_of(std::span<const double> costs, std::span<const std::size_t> lineage_of,
+                         std::size_t lineages, double spread) {
+  const auto count = static_cast<double>(costs.size());
+  PlausibilityCost cost{.is_random = true, .spread = spread};
+  cost.mean = std::accumulate(costs.begin(), costs.end(), 0.0) / count;
+  std::vector<double> sums(lineages);
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    sums[lineage_of[i]] += costs[i] - cost.mean;
+  const double squares = std::inner_product(sums.begin(), sums.end(), sums.begin(), 0.0);
+  const auto groups = static_cast<double>(lineages);
+  cost.error = lineages < 2 ? std::numeric_limits<double>::quiet_NaN()
+                            : std::sqrt(squares * groups / (groups - 1)) / count;
+  return cost;
+}
+
+std::string shown(double mean, double error) {
+  const std::string size = fmt::format("{:.2f}", std::fabs(mean));
+  const std::string within = std::isnan(error) ? "" : fmt::format(" +- {:.2f}", error);
+  return fmt::format("{}{} {}", size, within, mean < 0 ? "above" : "below");
+}
+
+std::string words_of(const PlausibilityCost& cost) {
+  if (!cost.is_random) return "nothing of them is normally distributed";
+  return fmt::format("log probability {} blind throws' mean (single ones vary by {:.2f})",
+                     shown(cost.mean, cost.error), cost.spread);
+}
+
+std::string verdict(const PlausibilityCost& cost) {
+  constexpr double k_errors = 2;
+  constexpr double k_exponent_max = 20;
+  if (std::isnan(cost.error)) return "One lineage alone does not tell how much of that is chance.";
+  if (std::fabs(cost.mean) <= k_errors * cost.error)
+    return "Together that is within what chance makes of so few.";
+  const double size = std::fabs(cost.mean);
+  const std::string times =
+      size > k_exponent_max ? fmt::format("e^{:.0f}", size) : fmt::format("{:.2g}", std::exp(size));
+  return fmt::format("So typically they are {} times {} probable (in density) than blind throws.",
+                     times, cost.mean < 0 ? "more" : "less");
 }
 
 }  // namespace
@@ -113,39 +190,42 @@ DicePlausibility dice_plausibility(const archive::Source& source, const DicePrio
                                    std::optional<std::uint64_t> chain) {
   const std::vector<std::size_t> animations =
       choose_animations(source, chain, std::numeric_limits<std::size_t>::max());
-  const auto count = static_cast<double>(animations.size());
   DicePlausibility found{.animations = animations.size()};
-  const double start_squares = read_start(source, prior, animations, found);
-  const auto components = static_cast<double>(prior.start.size());
-  found.start_cost = 0.5 * (start_squares / count - components);
-  found.start_spread = std::sqrt(0.5 * components);
-  if (!prior.is_table_random) return found;
-  found.offsets.resize(prior.offset_bins);
-  const std::vector<double> offsets = read_all(source, "offsets", prior.offset_bins);
-  const std::vector<double> all_squares = of_animations(source, "offset_squares");
-  double squares = 0;
-  for (const std::size_t row : animations) {
-    if (!(all_squares[row] >= 0) || !std::isfinite(all_squares[row]))
-      refuse_number(source, "offset_squares");
-    squares += all_squares[row];
-    for (std::size_t bin = 0; bin < prior.offset_bins; ++bin) {
-      const double points = offsets[row * prior.offset_bins + bin];
-      if (!(points >= 0) || !std::isfinite(points)) refuse_number(source, "offsets");
-      found.offsets[bin] += points;
-    }
+  std::vector<std::size_t> lineage_of;
+  found.lineages = number_lineages(source, animations, lineage_of);
+  const archive::Group* tempering = archive::find_group(source, archive::k_tempering);
+  found.has_weights =
+      tempering != nullptr && archive::find_dataset(*tempering, "log_weight") != nullptr;
+  std::vector<double> costs(animations.size());
+  const auto add = [&](const std::vector<double>& of_part, double numbers) {
+    for (std::size_t i = 0; i < costs.size(); ++i)
+      costs[i] += of_part[i];
+    return cost_of(of_part, lineage_of, found.lineages, std::sqrt(0.5 * numbers));
+  };
+  double numbers = 0;
+  if (!prior.start.empty()) {
+    const auto components = static_cast<double>(prior.start.size());
+    found.start_cost = add(read_start(source, prior, animations, found), components);
+    numbers += components;
   }
-  const double points = std::accumulate(found.offsets.begin(), found.offsets.end(), 0.0);
-  found.table_cost = 0.5 * (squares - points) / count;
-  found.table_spread = std::sqrt(0.5 * points / count);
+  if (prior.is_table_random) {
+    const std::vector<double> of_table = read_table(source, prior, animations, found);
+    const double points = std::accumulate(found.offsets.begin(), found.offsets.end(), 0.0) /
+                          static_cast<double>(animations.size());
+    found.table_cost = add(of_table, points);
+    numbers += points;
+  }
+  found.cost = cost_of(costs, lineage_of, found.lineages, std::sqrt(0.5 * numbers));
   return found;
 }
 
 plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior& prior) {
-  plot::Figure figure{.title = fmt::format("{} satisfying animations (bars) beside blind throws "
-                                           "(curve)",
-                                           found.animations),
-                      .height_px = 0,
-                      .panels = {}};
+  plot::Figure figure{
+      .title = fmt::format("{} satisfying animations (bars; outermost: all beyond) and blind "
+                           "throws (curve)",
+                           found.animations),
+      .height_px = 0,
+      .panels = {}};
   if (prior.is_table_random)
     figure.panels.push_back(panel_of("table heights", found.offsets, prior));
   for (const DicePlausibility::Scores& component : found.start)
@@ -157,13 +237,12 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
 }
 
 std::string plausibility_words(const DicePlausibility& found) {
-  const double cost = found.start_cost + found.table_cost;
   return fmt::format(
-      "starts: {}\ntable:  {}\n"
-      "So a satisfying animation is on average {:.3g} times {} probable than a blind throw.\n",
-      cost_words(found.start_cost, found.start_spread),
-      cost_words(found.table_cost, found.table_spread), std::exp(std::fabs(cost)),
-      cost < 0 ? "more" : "less");
+      "{} kept animations of {} lineages{}; bars: theirs, the outermost of all beyond; curve: "
+      "blind "
+      "throws\nstarts: {}\ntable:  {}\n{}\n",
+      found.animations, found.lineages, found.has_weights ? ", whose weights are left out" : "",
+      words_of(found.start_cost), words_of(found.table_cost), verdict(found.cost));
 }
 
 }  // namespace sleight::cli

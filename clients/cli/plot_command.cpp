@@ -75,10 +75,11 @@ Picture plausibility_of(const archive::Source& source, const PlotOptions& option
   }
   const DicePrior prior = read_of(source, readers.dice_prior, "dice");
   if (prior.start.empty() && !prior.is_table_random) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: its throws have nothing random but which way dice are "
-                                  "turned, which is uniform",
-                                  source.name()));
+    throw base::Error(
+        base::ExitCode::environment,
+        fmt::format("{}: of its throws nothing is normally distributed: no component of a start, "
+                    "no heights of the table",
+                    source.name()));
   }
   const DicePlausibility found = dice_plausibility(source, prior, options.chain);
   return {.figure = plausibility_figure(found, prior), .words = plausibility_words(found)};

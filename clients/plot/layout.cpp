@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <utility>
 
 #include "clients/plot/text.h"
 #include "common/base/check.h"
@@ -67,17 +69,27 @@ double widest(const std::vector<std::string>& labels) {
   return width;
 }
 
-// Thins the ticks until neighbouring labels have a gap between them.
+/// So many ticks may stand closer than usual if fewer numbers of them show one alone.
+constexpr std::size_t k_crowded = 6;
+
+// Thins the ticks until neighbouring labels have a gap between them; but two have room, if any
+// number of them shows two.
 Ticks x_ticks_of(Range range, double width) {
-  auto count = static_cast<std::size_t>(std::clamp(width / k_pixels_per_x_tick, 2.0, 14.0));
-  while (true) {
-    Ticks ticks = nice_ticks(range, count);
+  const auto fit = [&](const Ticks& ticks) {
     const double spacing = ticks.values.size() < 2 ? width
                                                    : (ticks.values[1] - ticks.values[0]) /
                                                          (range.high - range.low) * width;
-    if (count == 2 || widest(ticks.labels) + k_x_label_gap <= spacing) return ticks;
-    --count;
+    return widest(ticks.labels) + k_x_label_gap <= spacing;
+  };
+  auto count = static_cast<std::size_t>(std::clamp(width / k_pixels_per_x_tick, 2.0, 14.0));
+  Ticks ticks = nice_ticks(range, count);
+  while (count > 2 && !fit(ticks))
+    ticks = nice_ticks(range, --count);
+  while (ticks.values.size() < 2 && count < k_crowded) {
+    Ticks more = nice_ticks(range, ++count);
+    if (fit(more)) ticks = std::move(more);
   }
+  return ticks;
 }
 
 // Places legend entries in rows between left and right; returns the number of rows.
@@ -102,7 +114,6 @@ std::size_t place_legend(std::vector<LegendEntry>& entries, double left, double 
 
 // As many as have room, but two if any number of them shows two.
 Ticks y_ticks_of(Range range, double height) {
-  constexpr std::size_t k_crowded = 6;
   auto count = static_cast<std::size_t>(std::clamp(height / k_pixels_per_y_tick, 2.0, 8.0));
   Ticks ticks = nice_ticks(range, count);
   while (ticks.values.size() < 2 && count < k_crowded)

@@ -83,7 +83,8 @@ class Dice(ProgramTest):
         table = (squares.sum() - points) / count / 2
         picture = self.path("plausibility.svg")
         result = self.succeed(sleight("plot", archive, "--what", "plausibility", "-o", picture))
-        said = re.findall(r"(starts|table): +log probability ([0-9.]+) (below|above)", result.stdout)
+        said = re.findall(r"(starts|table): +log probability ([0-9.]+)(?: \+- [0-9.]+)? (below|above)",
+                          result.stdout)
         self.assertEqual([name for name, _, _ in said], ["starts", "table"])
         for (_, cost, way), expected in zip(said, [start, table]):
             self.assertAlmostEqual(float(cost) * (1 if way == "below" else -1), expected, delta=0.006)

@@ -83,19 +83,46 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_THAT(all.start[0].scores, ElementsAre(0, -1, 1, 2));
   EXPECT_THAT(all.start[1].scores, ElementsAre(1, -2));
   EXPECT_THAT(all.offsets, ElementsAre(1, 5, 1, 1));
-  EXPECT_DOUBLE_EQ(all.start_cost, 0.5 * (5.5 - 3));
-  EXPECT_DOUBLE_EQ(all.start_spread, std::sqrt(1.5));
-  EXPECT_DOUBLE_EQ(all.table_cost, 0.5 * (5 - 4));
-  EXPECT_DOUBLE_EQ(all.table_spread, std::sqrt(2));
+  EXPECT_EQ(all.lineages, 2U);
+  EXPECT_DOUBLE_EQ(all.start_cost.mean, 0.5 * (5.5 - 3));
+  EXPECT_DOUBLE_EQ(all.start_cost.spread, std::sqrt(1.5));
+  EXPECT_DOUBLE_EQ(all.table_cost.mean, 0.5 * (5 - 4));
+  EXPECT_DOUBLE_EQ(all.table_cost.spread, std::sqrt(2));
+  // By animation -1/2 and 3, -1 and 2, -3/2 and 5: the error of a mean of two is half of how far
+  // they are apart.
+  EXPECT_DOUBLE_EQ(all.start_cost.error, 1.75);
+  EXPECT_DOUBLE_EQ(all.table_cost.error, 1.5);
+  EXPECT_DOUBLE_EQ(all.cost.mean, 1.75);
+  EXPECT_DOUBLE_EQ(all.cost.error, 3.25);
+  EXPECT_DOUBLE_EQ(all.cost.spread, std::sqrt(3.5));
   // Of the second chain alone.
   const DicePlausibility second = dice_plausibility(SmallArchive(), small_prior(), 1);
   EXPECT_EQ(second.animations, 1U);
   EXPECT_THAT(second.start[0].scores, ElementsAre(-1, 2));
-  EXPECT_DOUBLE_EQ(second.start_cost, 0.5 * (9 - 3));
-  EXPECT_DOUBLE_EQ(second.table_cost, 0.5 * (8 - 4));
-  EXPECT_THAT(plausibility_words(second),
-              HasSubstr("starts: log probability 3.00 below blind throws' on average"));
-  EXPECT_THAT(plausibility_words(second), HasSubstr("148 times less probable"));
+  EXPECT_DOUBLE_EQ(second.start_cost.mean, 0.5 * (9 - 3));
+  EXPECT_DOUBLE_EQ(second.table_cost.mean, 0.5 * (8 - 4));
+  EXPECT_TRUE(std::isnan(second.cost.error));
+}
+
+TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
+  // Goal: a verdict only where it is more than chance, without overflow. Method: costs of our own.
+  const auto words_of = [](double mean, double error) {
+    const PlausibilityCost cost{.is_random = true, .mean = mean, .error = error, .spread = 2};
+    return plausibility_words(
+        {.animations = 7, .lineages = 5, .start_cost = cost, .table_cost = {}, .cost = cost});
+  };
+  EXPECT_THAT(words_of(1, 0.4), HasSubstr("7 kept animations of 5 lineages; bars"));
+  EXPECT_THAT(words_of(1, 0.4),
+              HasSubstr("starts: log probability 1.00 +- 0.40 below blind throws' "
+                        "mean (single ones vary by 2.00)\n"));
+  EXPECT_THAT(words_of(1, 0.4), HasSubstr("table:  nothing of them is normally distributed\n"));
+  EXPECT_THAT(words_of(1, 0.4), HasSubstr("2.7 times less probable"));
+  EXPECT_THAT(words_of(-1, 0.4), HasSubstr("1.00 +- 0.40 above"));
+  EXPECT_THAT(words_of(-1, 0.4), HasSubstr("2.7 times more probable"));
+  EXPECT_THAT(words_of(1, 0.6), HasSubstr("within what chance makes"));
+  EXPECT_THAT(words_of(1, k_nan), HasSubstr("probability 1.00 below"));
+  EXPECT_THAT(words_of(1, k_nan), HasSubstr("One lineage alone"));
+  EXPECT_THAT(words_of(3000, 1), HasSubstr("e^3000 times less probable"));
 }
 
 TEST(DicePlausibility, OfThePriorItselfIsNothing) {
@@ -128,9 +155,12 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
   const DicePrior prior = small_prior();
   const DicePlausibility found = dice_plausibility(SmallArchive(contents), prior, {});
   const double root = std::sqrt(static_cast<double>(k_animations));
-  EXPECT_NEAR(found.start_cost, 0, 5 * found.start_spread / root);
-  EXPECT_NEAR(found.table_cost, 0, 5 * found.table_spread / root);
-  EXPECT_DOUBLE_EQ(found.table_spread, std::sqrt(15));
+  for (const PlausibilityCost& cost : {found.start_cost, found.table_cost, found.cost}) {
+    EXPECT_NEAR(cost.mean, 0, 5 * cost.spread / root);
+    // Each is a lineage of its own; the spread of a chi-square's standard deviation.
+    EXPECT_NEAR(cost.error, cost.spread / root, 0.1 * cost.spread / root);
+  }
+  EXPECT_DOUBLE_EQ(found.table_cost.spread, std::sqrt(15));
   // Each panel's bars have the area 1, and are nearly the mean of the curve over them.
   const plot::Figure figure = plausibility_figure(found, prior);
   ASSERT_EQ(figure.panels.size(), 3U);
@@ -152,8 +182,9 @@ TEST(DicePlausibility, WhatIsNotRandomCostsNothing) {
   DicePrior prior = small_prior();
   prior.is_table_random = false;
   const DicePlausibility found = dice_plausibility(SmallArchive(), prior, {});
-  EXPECT_EQ(found.table_cost, 0);
-  EXPECT_EQ(found.table_spread, 0);
+  EXPECT_FALSE(found.table_cost.is_random);
+  EXPECT_EQ(found.cost.mean, found.start_cost.mean);
+  EXPECT_EQ(found.cost.error, found.start_cost.error);
   EXPECT_EQ(plausibility_figure(found, prior).panels.size(), 2U);
 }
 
@@ -168,6 +199,10 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
   refused({.offsets = {0, 3, 1, k_nan, 1, 2, 0, 1}}, "offsets: it has");
   refused({.offset_squares = {2, -8}}, "offset_squares: it has");
   refused({.offset_squares = {2, std::numeric_limits<double>::infinity()}}, "offset_squares: it");
+  refused({.position_m = {1, 7, 7, 1e200, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m: it has");
+  refused({.offsets = {0, 3, 1, 1e200, 1, 2, 0, 1}}, "offsets: it has");
+  refused({.offsets = {0, 3, 1, 0.5, 1, 2, 0, 1}}, "offsets: it has");
+  refused({.offset_squares = {2, 1e200}}, "offset_squares: it has");
   DicePrior prior = small_prior();
   prior.offset_bins = 5;
   EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(), prior, {}); },

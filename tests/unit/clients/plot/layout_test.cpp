@@ -55,6 +55,24 @@ TEST(Layout, SeparatesTickLabels) {
   }
 }
 
+TEST(Layout, NarrowPanelsStillHaveAScale) {
+  // Goal: one tick alone tells no scale: there are two wherever two have room, and labels still
+  // keep apart. Method: ranges that the nice steps of few ticks hit once, in narrow panels.
+  for (const double width_px : {250.0, 360.0}) {
+    for (const Range range : {Range{-4, 4}, Range{-3.75, 3.75}, Range{-0.9, 0.9}, Range{1, 9}}) {
+      const Figure figure{.width_px = width_px, .panels = {Panel{.x_range = range}}};
+      const PanelLayout panel = layout_of(figure).panels.front();
+      ASSERT_GE(panel.x_ticks.values.size(), 2U) << range.low << ", " << width_px;
+      for (std::size_t i = 0; i + 1 < panel.x_ticks.values.size(); ++i) {
+        const double between = panel.to_pixels({panel.x_ticks.values[i + 1], 0}).x -
+                               panel.to_pixels({panel.x_ticks.values[i], 0}).x;
+        EXPECT_GT(between, 0.5 * (text_width_px(panel.x_ticks.labels[i], style::k_tick_label) +
+                                  text_width_px(panel.x_ticks.labels[i + 1], style::k_tick_label)));
+      }
+    }
+  }
+}
+
 TEST(Layout, LinesUpPanelsOfAColumn) {
   // Goal: stacked panels share their x axis by eye. Method: labels of very different widths.
   const Figure figure{
