@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <utility>
 
 #include "clients/plot/text.h"
 #include "common/base/check.h"
