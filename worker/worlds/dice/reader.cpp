@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include <fmt/format.h>
@@ -125,6 +127,39 @@ archive::WorldLayout make_layout(const Dice& world) {
   return layout;
 }
 
+/// The animations that were asked for last: whoever chooses which to keep compares each one with
+/// the same few others. Thread-safe.
+class LastAnimations {
+ public:
+  std::shared_ptr<const Animation> of(const Dice& world, base::BytesView bytes) {
+    {
+      const std::lock_guard lock(mutex_);
+      for (const Held& held : held_) {
+        if (std::ranges::equal(held.bytes, bytes)) return held.animation;
+      }
+    }
+    const auto state = world.decode(bytes);
+    CHECK(state.has_value());
+    auto animation = std::make_shared<const Animation>(world.animate(*state));
+    const std::lock_guard lock(mutex_);
+    if (held_.size() < k_held) held_.emplace_back();
+    held_[next_] = {base::Bytes(bytes.begin(), bytes.end()), animation};
+    next_ = (next_ + 1) % k_held;
+    return animation;
+  }
+
+ private:
+  /// Some times as many as are kept of a lineage; of twenty dice they take some megabytes.
+  static constexpr std::size_t k_held = 16;
+  struct Held {
+    base::Bytes bytes;
+    std::shared_ptr<const Animation> animation;
+  };
+  std::mutex mutex_;
+  std::vector<Held> held_;
+  std::size_t next_ = 0;
+};
+
 class DiceReader final : public archive::StateReader {
  public:
   explicit DiceReader(const Parameters& parameters)
@@ -149,10 +184,10 @@ class DiceReader final : public archive::StateReader {
   }
 
   double likeness_distance(base::BytesView a, base::BytesView b) const override {
-    const Animation one_throw = world_.animate(decoded(a));
-    const Animation other_throw = world_.animate(decoded(b));
-    const physics::Recording& left = one_throw.recording;
-    const physics::Recording& right = other_throw.recording;
+    const auto one_throw = animations_.of(world_, a);
+    const auto other_throw = animations_.of(world_, b);
+    const physics::Recording& left = one_throw->recording;
+    const physics::Recording& right = other_throw->recording;
     const physics::TickCount step = physics::ticks_after(k_likeness_every_s);
     double most_m = 0;
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
@@ -162,19 +197,19 @@ class DiceReader final : public archive::StateReader {
         if (one && other) most_m = std::max(most_m, math::norm(Vec3(*one - *other)));
       }
     }
-    const double left_touches = one_throw.collisions;
-    const double right_touches = other_throw.collisions;
+    const double left_touches = one_throw->collisions;
+    const double right_touches = other_throw->collisions;
     const double more = std::max({left_touches, right_touches, 1.0});
     return most_m / world_.parameters().world.side_m +
            std::fabs(left_touches - right_touches) / more;
   }
 
   archive::Recording record(base::BytesView state) const override {
-    const Animation animation = world_.animate(decoded(state));
+    const auto animation = animations_.of(world_, state);
     archive::Recording recording{.columns = 19, .values = {}};
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
-      const Quat numbered = rotation_of_numbering(animation.numberings[die]);
-      for (const auto& [segment, cause] : animation.recording.segments({die})) {
+      const Quat numbered = rotation_of_numbering(animation->numberings[die]);
+      for (const auto& [segment, cause] : animation->recording.segments({die})) {
         recording.values.push_back(die);
         append_segment(segment, math::composed(segment.flight.orientation, numbered),
                        recording.values);
@@ -205,6 +240,7 @@ class DiceReader final : public archive::StateReader {
 
   Dice world_;
   archive::WorldLayout layout_;
+  mutable LastAnimations animations_;
 };
 
 }  // namespace

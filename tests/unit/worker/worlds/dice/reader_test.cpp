@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <thread>
+#include <vector>
 
 #include "tests/unit/worker/worlds/dice/support.h"
 
@@ -148,6 +151,38 @@ TEST(DiceReader, LikenessIsADistance) {
     EXPECT_EQ(reader->likeness_distance(a, b), reader->likeness_distance(b, a));
     EXPECT_GT(reader->likeness_distance(a, b), 0.1);
   }
+}
+
+TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
+  // Goal: the animations that a reader holds are those of their states, whoever asks for them and
+  // in which order. Method: more states than it holds, asked for at random by two threads, against
+  // readers that hold nothing yet.
+  constexpr std::uint64_t k_states = 40;
+  const Parameters parameters = testing::all_random();
+  const Dice world(parameters);
+  const auto reader = make_state_reader(parameters);
+  std::vector<base::Bytes> states;
+  std::vector<std::size_t> rows;
+  std::vector<double> distances;  // from state 0
+  for (std::uint64_t number = 0; number < k_states; ++number) {
+    states.push_back(world.encode(state_of(world, number)));
+    rows.push_back(make_state_reader(parameters)->record(states.back()).rows());
+    distances.push_back(make_state_reader(parameters)->likeness_distance(states[0], states.back()));
+  }
+  std::atomic<int> wrong = 0;
+  const auto ask = [&](std::uint64_t seed) {
+    random::Stream stream = testing::stream_of(seed, 0);
+    for (int i = 0; i < 300; ++i) {
+      const auto n = static_cast<std::size_t>(stream.uniform() * k_states);
+      wrong += reader->record(states[n]).rows() != rows[n] ? 1 : 0;
+      wrong += reader->likeness_distance(states[0], states[n]) != distances[n] ? 1 : 0;
+    }
+  };
+  {
+    const std::jthread other(ask, 1);
+    ask(2);
+  }
+  EXPECT_EQ(wrong, 0);
 }
 
 }  // namespace
