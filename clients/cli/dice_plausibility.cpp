@@ -20,8 +20,6 @@
 namespace sleight::cli {
 namespace {
 
-using plot::Point;
-
 constexpr double k_edge_sd = 3.75;  ///< panels end there
 constexpr std::size_t k_curve_points = 81;
 constexpr double k_row_px = 240;
@@ -34,11 +32,8 @@ double normal_density(double x) {
 /// Scores by the bins of control points.
 std::vector<double> counted(std::span<const double> scores, const DicePrior& prior) {
   std::vector<double> counts(prior.offset_bins);
-  const double last = static_cast<double>(prior.offset_bins) - 1;
-  for (const double score : scores) {
-    const double bin = std::floor((score - prior.offset_first_sd) / prior.offset_step_sd) + 1;
-    ++counts[static_cast<std::size_t>(std::clamp(bin, 0.0, last))];
-  }
+  for (const double score : scores)
+    ++counts.at(prior.bin_of(score));
   return counts;
 }
 
@@ -82,7 +77,7 @@ std::vector<double> read_all(const archive::Source& source, std::string_view var
                    {.first = 0, .count = archive::summary_of(source).animations});
 }
 
-/// Below this no score of a start or sum of squares is worth a word.
+/// No throw's scores are beyond.
 constexpr double k_score_max = 1e6;
 constexpr double k_points_max = 1e9;  ///< more control points no throw meets
 

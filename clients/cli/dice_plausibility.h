@@ -45,6 +45,7 @@ struct DicePrior {
   std::size_t offset_bins = 0;  ///< of the outcome "offsets"
   double offset_first_sd = 0;   ///< where its second bin begins
   double offset_step_sd = 1;
+  std::function<std::size_t(double score)> bin_of{};  ///< the world's, below offset_bins
 };
 
 /// The prior of a request's text, or what is wrong with a text that is no request for the world

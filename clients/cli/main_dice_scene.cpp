@@ -44,7 +44,8 @@ base::Result<cli::DicePrior, std::string> read_dice_prior(std::string_view reque
                        .is_table_random = world.table.height_sd_m > 0,
                        .offset_bins = dice::k_offset_bins,
                        .offset_first_sd = dice::k_offset_first_sd,
-                       .offset_step_sd = dice::k_offset_step_sd};
+                       .offset_step_sd = dice::k_offset_step_sd,
+                       .bin_of = dice::offset_bin_of};
   for (std::size_t die = 0; die < world.dice.size(); ++die) {
     const dice::DieStart& start = world.dice[die];
     add_components("start_position_m", "position", die, start.position_m, start.position_sd_m,

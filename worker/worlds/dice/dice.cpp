@@ -46,17 +46,17 @@ DieView view_of(const physics::Simulation& simulation, physics::BodyId body,
           .velocity_mps = simulation.twist(body, tick).velocity_mps};
 }
 
-std::size_t offset_bin_of(double height_sds) {
-  constexpr double k_last = k_offset_bins - 1;
-  const double bin = std::floor((height_sds - k_offset_first_sd) / k_offset_step_sd) + 1;
-  return static_cast<std::size_t>(std::clamp(bin, 0.0, k_last));
-}
-
 bool rests(const physics::Simulation& simulation, physics::BodyId body) {
   return simulation.started(body) && simulation.mode(body) == physics::MotionMode::resting;
 }
 
 }  // namespace
+
+std::size_t offset_bin_of(double score) {
+  constexpr double k_last = k_offset_bins - 1;
+  const double bin = std::floor((score - k_offset_first_sd) / k_offset_step_sd) + 1;
+  return static_cast<std::size_t>(std::clamp(bin, 0.0, k_last));
+}
 
 Dice::Dice(const Parameters& parameters, Replays replays)
     : parameters_(parameters), replays_(replays), times_s_(goal_times(parameters.goals)) {

@@ -45,6 +45,8 @@ namespace sleight::worlds::dice {
 inline constexpr std::size_t k_offset_bins = 14;
 inline constexpr double k_offset_first_sd = -3;
 inline constexpr double k_offset_step_sd = 0.5;
+/// The bin of a standard score.
+std::size_t offset_bin_of(double score);
 
 /// How a simulation ended.
 enum class End : std::uint8_t {

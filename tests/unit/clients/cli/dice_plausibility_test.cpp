@@ -25,6 +25,11 @@ using ::testing::HasSubstr;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
+/// Of four bins: below -1, to 0, to 1, above.
+std::size_t bin_of(double score) {
+  return score < -1 ? 0 : score < 0 ? 1 : score < 1 ? 2 : 3;
+}
+
 /// Two dice, of which a component each is random and another of the second one; four bins.
 DicePrior small_prior() {
   const auto x = [](std::uint64_t die) {
@@ -47,7 +52,8 @@ DicePrior small_prior() {
           .is_table_random = true,
           .offset_bins = 4,
           .offset_first_sd = -1,
-          .offset_step_sd = 1};
+          .offset_step_sd = 1,
+          .bin_of = bin_of};
 }
 
 /// By animation: (x, y, z) of die 0, then of die 1; heights by bin.
@@ -146,7 +152,7 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
     double squares = 0;
     for (int point = 0; point < 30; ++point) {
       const double height = normal(0, 1);
-      ++bins[height < -1 ? 0 : height < 0 ? 1 : height < 1 ? 2 : 3];
+      ++bins[bin_of(height)];
       squares += height * height;
     }
     contents.offsets.insert(contents.offsets.end(), bins.begin(), bins.end());
