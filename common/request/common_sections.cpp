@@ -23,6 +23,7 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
     sampler.error(key, fmt::format("goes with method {}", methods));
   };
   refuse("replicas", !is_plain, "\"parallel_tempering\" and those that burn in with it");
+  refuse("ladder_power", !is_plain, "\"parallel_tempering\" and those that burn in with it");
   refuse("burn_in_rounds", burns_in,
          "\"simulated_tempering\", \"tempered_transitions\" or \"annealed_importance\"");
   refuse("lanes", ascends, "\"annealed_importance\"");
@@ -62,6 +63,11 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
                            {.minimum = 2,
                             .maximum = k_replicas_max,
                             .help = "temperatures of a ladder; chosen from its barrier if absent"});
+  sampler.optional_integer("ladder_power", p.ladder_power,
+                           {.minimum = 1,
+                            .maximum = k_ladder_power_max,
+                            .help = "of a first ladder: its i-th inverse temperature is (i / "
+                                    "(replicas - 1))^ladder_power; 6 if absent"});
   sampler.integer("seed", p.seed,
                   {.minimum = 0,
                    .maximum = static_cast<std::int64_t>(k_seed_max),

@@ -59,9 +59,11 @@ struct SamplerParameters {
   Method method = Method::metropolis_hastings;
   std::uint32_t chains = 4;                 ///< independent of each other; ladders, where tempered
   std::optional<std::uint32_t> replicas{};  ///< of a ladder; none: as many as its barrier asks for
-  std::uint64_t seed = 1;                   ///< of all random draws; at most k_seed_max
-  std::uint32_t iterations_per_scan = 1;    ///< proposals between two recorded states
-  std::uint32_t round_scans = 64;           ///< round r, from 1, has round_scans * 2^(r-1) scans
+  /// Of a first ladder, whose inverse temperatures are (i / (replicas - 1)) to it; none: 6.
+  std::optional<std::uint32_t> ladder_power{};
+  std::uint64_t seed = 1;                 ///< of all random draws; at most k_seed_max
+  std::uint32_t iterations_per_scan = 1;  ///< proposals between two recorded states
+  std::uint32_t round_scans = 64;         ///< round r, from 1, has round_scans * 2^(r-1) scans
   /// Of simulated annealing, before all else; none: 0.
   std::optional<std::uint32_t> anneal_scans{};
   /// Of parallel tempering, by which simulated_tempering, tempered_transitions and
@@ -114,6 +116,7 @@ struct DirectionRequest {
 
 inline constexpr std::uint32_t k_chains_max = 65536;
 inline constexpr std::uint32_t k_replicas_max = 256;
+inline constexpr std::uint32_t k_ladder_power_max = 12;
 /// Temperatures that are chosen from the barrier, at most.
 inline constexpr std::uint32_t k_chosen_replicas_max = 64;
 /// Of one tempered transition, fewer.

@@ -8,6 +8,8 @@ import random
 import subprocess
 import time
 
+import h5py
+
 import harness
 from harness import ProgramTest
 
@@ -160,6 +162,18 @@ rounds = 3
         self.assertGreater(sittings, 1)
         for way, output in others.items():
             self.assertEqual(output.read_bytes(), one.read_bytes(), way)
+
+    def test_the_first_ladder_is_as_asked(self):
+        # Of the round after it only the ends are known.
+        for power, even in [("", False), ("ladder_power = 1", True)]:
+            request = self.request("parallel_tempering", 40 * 3 + 25, name="ladder.toml",
+                                   extra=f"replicas = 5\n{power}")
+            archive = self.path("ladder.h5")
+            self.direct(request, archive, "--fresh")
+            with h5py.File(archive) as file:
+                first = file["tempering/inverse_temperature"][0, 0].tolist()
+            asked = [i / 4 if even else (i / 4) ** 6 for i in range(5)]
+            self.assertEqual(first, asked)
 
     def test_stopping_in_the_burn_in_leaves_no_archive(self):
         # One scan of the first chain's burn-in takes longer than the run may.

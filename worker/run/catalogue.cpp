@@ -120,7 +120,9 @@ sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,
                                   const WorldEntry& world) {
   return {.seed = sampler.seed,
           .chain = {},
-          .first_ladder = sampling::first_ladder(sampler.replicas.value_or(k_first_replicas)),
+          .first_ladder =
+              sampling::first_ladder(sampler.replicas.value_or(k_first_replicas),
+                                     sampler.ladder_power.value_or(sampling::k_first_power)),
           .levels_chosen = !sampler.replicas,
           .levels_max = request::k_chosen_replicas_max,
           .ladder_adapts = true,

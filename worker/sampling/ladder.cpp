@@ -67,12 +67,17 @@ std::vector<double> floored(std::span<const double> rejections) {
 
 }  // namespace
 
-std::vector<double> first_ladder(std::uint32_t levels) {
+std::vector<double> first_ladder(std::uint32_t levels, std::uint32_t power) {
   CHECK_GE(levels, k_levels_min);
+  CHECK_GT(power, 0U);
+  CHECK_LT(power, 64U);
   std::vector<double> ladder;
   for (std::uint32_t i = 0; i < levels; ++i) {
     const double x = i / (levels - 1.0);
-    ladder.push_back(x * x * x * x * x * x);
+    double beta = x;
+    for (std::uint32_t factor = 1; factor < power; ++factor)
+      beta *= x;
+    ladder.push_back(beta);
   }
   return ladder;
 }

@@ -20,10 +20,15 @@
 
 namespace sleight::sampling {
 
-/// What a run begins with, before anything is known: (i / (levels - 1))^6, so that the hottest are
-/// hot enough for narrow constraints. Too hot costs a level; too cold costs rounds, since the first
-/// gap can only be halved or so in each. REQUIRES: 2 levels at least.
-std::vector<double> first_ladder(std::uint32_t levels);
+/// The power of first_ladder with which the hottest of a dozen levels are hot enough for narrow
+/// constraints. Too hot costs a level; too cold costs rounds, since the first gap can only be
+/// halved or so in each.
+inline constexpr std::uint32_t k_first_power = 6;
+
+/// What a run begins with, before anything is known: (i / (levels - 1))^power. With 1, steps are
+/// equal, and the first states come down from the prior most quickly. REQUIRES: 2 levels at least;
+/// a power above 0 and below 64, as the least level must stay above 0.
+std::vector<double> first_ladder(std::uint32_t levels, std::uint32_t power = k_first_power);
 
 /// log of the ratio with which the states of two neighbouring levels swap; `cooler` has the greater
 /// inverse temperature. Two states without any density swap always.

@@ -131,6 +131,15 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
                                                                 arguments.simulations);
                     }});
     add_plans<Spelling>(arguments, scene, kernel, parameters, iterations_per_scan, rows);
+    rows.push_back({scene, "parallel tempering, short ladders" + kernel, [=] {
+                      const auto ladder = thesis::ladder_for(Spelling(parameters), arguments.seed);
+                      return thesis::carried_out<Spelling>(
+                          *thesis::short_ladders(ladder, arguments.simulations), parameters,
+                          {.seed = arguments.seed,
+                           .iterations_per_scan = iterations_per_scan,
+                           .thin = 1U << 30U},
+                          arguments.simulations);
+                    }});
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <ctime>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -131,13 +132,28 @@ enum class Method {
   annealed_importance
 };
 
+/// Ends when enough is simulated.
+inline constexpr sampling::StopRule k_no_stop{
+    .scans = std::uint64_t{1} << 40U, .rounds = {}, .independent_solutions = {}};
+
+/// Parallel tempering by many ladders, of which each ends soon after its first states have come
+/// down from the prior: evenly spaced temperatures, the first round's throughout.
+inline std::unique_ptr<plan::Plan> short_ladders(sampling::LadderOptions ladder,
+                                                 std::uint64_t simulations) {
+  constexpr std::uint32_t k_levels = 8;
+  constexpr std::uint64_t k_simulations_each = 3000;
+  ladder.first_ladder = sampling::first_ladder(k_levels, 1);
+  ladder.levels_chosen = false;
+  ladder.round_scans = k_simulations_each;  // longer than any lasts
+  const auto ladders = static_cast<std::uint32_t>(simulations / k_simulations_each);
+  return std::make_unique<sampling::ParallelTempering>(sampling::ParallelTemperingOptions{
+      .ladders = std::max(1U, ladders), .ladder = ladder, .stop = k_no_stop});
+}
+
 inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::LadderOptions& ladder) {
-  // Ends when enough is simulated.
-  const sampling::StopRule stop{
-      .scans = std::uint64_t{1} << 40U, .rounds = {}, .independent_solutions = {}};
   if (method == Method::parallel_tempering)
     return std::make_unique<sampling::ParallelTempering>(
-        sampling::ParallelTemperingOptions{.ladders = 1, .ladder = ladder, .stop = stop});
+        sampling::ParallelTemperingOptions{.ladders = 1, .ladder = ladder, .stop = k_no_stop});
   const auto go_on =
       [method](const sampling::BurnIn& burn_in) -> std::unique_ptr<sampling::ChainPart> {
     if (method == Method::simulated_tempering)
@@ -147,7 +163,7 @@ inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::Ladder
     return std::make_unique<sampling::AnnealedImportance>(burn_in, 1, 10);
   };
   return std::make_unique<sampling::BurntInChains>(sampling::BurntInOptions{
-      .chains = 1, .ladder = ladder, .burn_in_rounds = 3, .stop = stop, .go_on = go_on});
+      .chains = 1, .ladder = ladder, .burn_in_rounds = 3, .stop = k_no_stop, .go_on = go_on});
 }
 
 }  // namespace sleight::thesis

@@ -260,8 +260,8 @@ TEST(RequestKeys, ListEveryKeyOnce) {
             "world: name height_m tilt_deg balls spinning surface peg\n"
             "[world.peg]: x_m y_m\n"
             "constraint: word lambda\n"
-            "sampler: method chains replicas seed iterations_per_scan round_scans anneal_scans "
-            "burn_in_rounds "
+            "sampler: method chains replicas ladder_power seed iterations_per_scan round_scans "
+            "anneal_scans burn_in_rounds "
             "lanes steps_per_level step\n"
             "stop: scans rounds independent_solutions\n"
             "output: thin keep_max keep_per_lineage min_distance\n");

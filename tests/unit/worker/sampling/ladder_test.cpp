@@ -55,6 +55,21 @@ TEST(FirstLadder, LiesCloserWhereItIsHot) {
   }
 }
 
+TEST(FirstLadder, IsAPowerOfEvenSteps) {
+  // Goal: each level is (i / (levels - 1))^power, the hottest one above 0. Method: std::pow; equal
+  // steps by hand.
+  EXPECT_EQ(first_ladder(5, 1), (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
+  EXPECT_EQ(first_ladder(7), first_ladder(7, 6));
+  for (const std::uint32_t power : {1U, 2U, 3U, 6U, 12U}) {
+    const std::vector<double> ladder = first_ladder(k_levels_max, power);
+    EXPECT_GT(ladder[1], 0);
+    for (std::uint32_t i = 0; i < k_levels_max; ++i) {
+      const double exact = std::pow(i / (k_levels_max - 1.0), power);
+      EXPECT_NEAR(ladder[i], exact, 1e-15 * exact);
+    }
+  }
+}
+
 TEST(LogSwapRatio, IsTheRatioOfTheSwappedDensities) {
   // Goal: log of p_b(x_c) p_c(x_b) / (p_b(x_b) p_c(x_c)). Method: the four densities by hand, for
   // states that the swap brings nearer and farther.
