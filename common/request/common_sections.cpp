@@ -168,7 +168,6 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
   const WorldBinding* chosen = nullptr;
   sections.world.required_choice("name", chosen, std::span<const Named<const WorldBinding*>>(names),
                                  "the world to simulate");
-  if (chosen != nullptr) request.sampler.method = chosen->method;
   bind_sampler(sections.sampler, request.sampler);
   bind_stop(sections.stop, request.stop);
   bind_output(sections.output, request.output);

@@ -52,11 +52,10 @@ struct WorldBinding {
   /// Sets the world's parameters, which the function refers to, to their defaults, then binds its
   /// keys to them. Afterwards they hold the request's values.
   std::function<void(Binder& world, Binder& constraint, Binder& sampler)> bind;
-  Method method = Method::metropolis_hastings;  ///< of requests that name none
 };
 
 struct SamplerParameters {
-  Method method = Method::metropolis_hastings;
+  Method method = Method::parallel_tempering;
   std::uint32_t chains = 4;                 ///< independent of each other; ladders, where tempered
   std::optional<std::uint32_t> replicas{};  ///< of a ladder; none: as many as its barrier asks for
   /// Of a first ladder, whose inverse temperatures are (i / (replicas - 1)) to it; none: 6.

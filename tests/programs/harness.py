@@ -56,6 +56,7 @@ def request_text(**changes):
 [world]
 name = "ball_2d"
 [sampler]
+method = "metropolis_hastings"
 chains = {values["chains"]}
 seed = {values["seed"]}
 iterations_per_scan = {values["iterations_per_scan"]}

@@ -15,6 +15,7 @@ name = "ball_2d"
 [constraint]
 sigma_diameters = 3
 [sampler]
+method = "metropolis_hastings"
 iterations_per_scan = 50
 [stop]
 scans = 4000
@@ -26,6 +27,8 @@ HARD = """
 name = "ball_2d"
 [constraint]
 sigma_diameters = 0.02
+[sampler]
+method = "metropolis_hastings"
 [stop]
 scans = 60
 """

@@ -19,6 +19,7 @@ bitmap = """
 [constraint]
 log_lambda = 3
 [sampler]
+method = "metropolis_hastings"
 chains = 2
 seed = 4
 iterations_per_scan = 2

@@ -136,7 +136,8 @@ TEST(ShippedRequests, HiSpellsOutTheDefaults) {
   EXPECT_EQ(parameters.pattern, worlds::spelling::hi());
   const std::string full = normalised_text(request.value());
   const auto bare = request::read_request(
-      "[world]\nname = \"spelling\"\n[sampler]\nchains = 1\niterations_per_scan = 10\n"
+      "[world]\nname = \"spelling\"\n[sampler]\nmethod = \"metropolis_hastings\"\nchains = "
+      "1\niterations_per_scan = 10\n"
       "[stop]\nscans = 2001\n[output]\nthin = 10\nkeep_per_lineage = 20\n",
       "bare.toml", known);
   ASSERT_TRUE(bare);
@@ -166,10 +167,12 @@ TEST(ShippedRequests, Ball2dSpellsOutTheDefaults) {
   EXPECT_EQ(spelled_out.proposal.change_probability, defaults.proposal.change_probability);
   EXPECT_EQ(spelled_out.proposal.change_half_width_rad, defaults.proposal.change_half_width_rad);
 
-  const auto bare = request::read_request("[world]\nname = \"ball_2d\"\n[stop]\nscans = 1000\n",
-                                          "bare.toml", known);
+  const auto bare = request::read_request(
+      "[world]\nname = \"ball_2d\"\n[sampler]\nmethod = \"metropolis_hastings\"\n"
+      "[stop]\nscans = 1000\n",
+      "bare.toml", known);
   ASSERT_TRUE(bare);
-  // All but the seed, which is the request's own.
+  // All but the method, the thesis's, and the seed, which is the request's own.
   const std::uint64_t seed = request.value().sampler.seed;
   EXPECT_EQ(normalised_text(with_seed(bare.value(), seed)), normalised_text(request.value()));
 }

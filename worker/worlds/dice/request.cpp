@@ -492,8 +492,7 @@ request::WorldBinding request_binding(Parameters& parameters) {
             GoalBinder{constraint, parameters.world, parameters.goals}.bind_all();
             check_faces(constraint, parameters);
             bind_proposal(sampler, parameters.proposal);
-          },
-          request::Method::parallel_tempering};
+          }};
 }
 
 }  // namespace sleight::worlds::dice

@@ -47,7 +47,7 @@ word = "HI"
 lambda = 0.25
 
 [sampler]
-method = "metropolis_hastings"
+method = "parallel_tempering"
 chains = 4
 seed = 1
 iterations_per_scan = 1
@@ -79,7 +79,8 @@ TEST(ReadRequest, SetsWhatIsGiven) {
   toy::Parameters parameters;
   const DirectionRequest request = read(
       "[world]\nname='toy'\nballs=9\nspinning=false\nsurface='wood'\ntilt_deg=-90\n"
-      "[constraint]\nword='OK'\n[sampler]\nchains=65536\nseed=9223372036854775807\nstep=0\n"
+      "[constraint]\nword='OK'\n[sampler]\nmethod='metropolis_hastings'\nchains=65536\nseed="
+      "9223372036854775807\nstep=0\n"
       "iterations_per_scan=7\nround_scans=8\n[stop]\nscans=1_000_000_000_000\nrounds=3\n"
       "independent_solutions=65536\n[output]\nthin=2\nkeep_max=0\nkeep_per_lineage=0\n"
       "min_distance=1\n",
@@ -89,7 +90,7 @@ TEST(ReadRequest, SetsWhatIsGiven) {
   EXPECT_EQ(parameters.surface, toy::Surface::wood);
   EXPECT_EQ(parameters.word, "OK");
   EXPECT_EQ(request.sampler,
-            (SamplerParameters{Method::metropolis_hastings, 65536, {}, k_seed_max, 7, 8}));
+            (SamplerParameters{Method::metropolis_hastings, 65536, {}, {}, k_seed_max, 7, 8}));
   EXPECT_EQ(request.stop, (StopRule{k_scans_max, 3, 65536}));
   EXPECT_EQ(request.output, (OutputParameters{2, 0, 0, 1.0}));
 }
@@ -143,7 +144,9 @@ TEST(ReadRequest, StopNeedsARule) {
 }
 
 TEST(ReadRequest, PlainChainsGiveOneSolutionEach) {
-  const std::string text = "[world]\nname = 'toy'\n[stop]\nindependent_solutions = 5\n[sampler]\n";
+  const std::string text =
+      "[world]\nname = 'toy'\n[stop]\nindependent_solutions = 5\n[sampler]\n"
+      "method = 'metropolis_hastings'\n";
   EXPECT_THAT(toy::errors_of(text + "chains = 5"), IsEmpty());
   EXPECT_THAT(toy::errors_of(text + "chains = 4"),
               ElementsAre(HasSubstr("4:1: 'independent_solutions' in [stop]: expected at most 4, "

@@ -16,6 +16,7 @@ constexpr const char* k_request = R"(
   name = "ball_2d"
   restitution = 0.5
   [sampler]
+  method = "metropolis_hastings"
   chains = 3
   seed = 9
   iterations_per_scan = 2

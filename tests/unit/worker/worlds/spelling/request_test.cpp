@@ -12,6 +12,9 @@
 namespace sleight::worlds::spelling {
 namespace {
 
+/// The only method that the thesis's kernel goes with.
+const std::string k_plain_chains = "method = \"metropolis_hastings\"\n";
+
 base::Result<request::DirectionRequest, std::vector<request::Diagnostic>> read(
     Parameters& parameters, const std::string& keys) {
   const std::array worlds{request_binding(parameters)};
@@ -126,7 +129,7 @@ TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
   ASSERT_TRUE(plain.ok());
   EXPECT_EQ(parameters.proposal.kernel, Kernel::correct);
   EXPECT_NE(normalised_text(plain.value()).find("kernel = \"correct\""), std::string::npos);
-  const auto biased = read(parameters, "[sampler]\nkernel = \"thesis\"");
+  const auto biased = read(parameters, "[sampler]\n" + k_plain_chains + "kernel = \"thesis\"");
   ASSERT_TRUE(biased.ok());
   EXPECT_EQ(parameters.proposal.kernel, Kernel::thesis);
   EXPECT_NE(normalised_text(biased.value()).find("kernel = \"thesis\""), std::string::npos);
@@ -145,9 +148,11 @@ TEST(SpellingRequest, KindsThatAreNotOfTheThesisAreAskedForByName) {
   ASSERT_TRUE(read(parameters, "[sampler]\nsolo_steps = 12\n" + aims).ok());
   EXPECT_EQ(parameters.proposal.aim_ball, 0.03);
   EXPECT_EQ(parameters.proposal.solo_steps, 12U);
-  EXPECT_NE(complaint("[sampler]\nkernel = \"thesis\"\nsolo_steps = 3").find("not of A.2.2"),
+  EXPECT_NE(complaint("[sampler]\n" + k_plain_chains + "kernel = \"thesis\"\nsolo_steps = 3")
+                .find("not of A.2.2"),
             std::string::npos);
-  EXPECT_NE(complaint("[sampler]\nkernel = \"thesis\"\n" + aims).find("not of A.2.2"),
+  EXPECT_NE(complaint("[sampler]\n" + k_plain_chains + "kernel = \"thesis\"\n" + aims)
+                .find("not of A.2.2"),
             std::string::npos);
   EXPECT_NE(complaint("[sampler]\nchange_all = 0\naim_ball = 0.04").find("goes with aim_ball"),
             std::string::npos);
