@@ -61,6 +61,7 @@ struct Tempered {
   CombinedEstimate log_z;
   std::size_t satisfied_round = 0;   ///< the round that log_p_satisfied is of
   CombinedEstimate log_p_satisfied;  ///< of no ladder: nothing ever satisfied
+  std::size_t without_trips = 0;     ///< ladders of that round that made no round trip
   double log_natural_throw = 0;
 };
 
@@ -119,6 +120,10 @@ std::optional<Tempered> tempered_of(const archive::Source& source,
     tempered.satisfied_round = r;
     tempered.log_p_satisfied = estimate("log_p_satisfied", r);
   }
+  const std::vector<double> trips =
+      of_ladders(source, "round_trips", summary.chains, tempered.satisfied_round);
+  tempered.without_trips =
+      static_cast<std::size_t>(std::ranges::count_if(trips, [](double made) { return made < 1; }));
   return tempered;
 }
 
@@ -192,6 +197,12 @@ void print_tempered(const Tempered& tempered, std::uint64_t chains) {
         "               nothing satisfied in {} of {} {}, which are left out: it may be rarer\n",
         chains - odds.ladders, chains, tempered.weighted ? "chains" : "ladders");
   }
+  // Their states are still on their way, all of them on the same side: no spread shows that.
+  if (tempered.without_trips > 0) {
+    fmt::print(
+        "               {} of {} ladders made no round trip in that round: it may be far off\n",
+        tempered.without_trips, chains);
+  }
 }
 
 void print_for_people(const std::string& path, const Facts& facts) {
@@ -229,11 +240,15 @@ nlohmann::ordered_json as_json(const Tempered& tempered) {
       {"rounds", tempered.rounds},
       {"log_z", json_of(tempered.log_z, tempered.judged)},
       {"log_p_satisfied", json_of(tempered.log_p_satisfied, tempered.satisfied_round)},
+      {"ladders_without_round_trip", tempered.without_trips},
       {"log_natural_throw", tempered.log_natural_throw},
       {"log10_throws", odds.log10_throws},
       {"log10_throws_low", odds.log10_low},
       {"log10_throws_high", odds.log10_high}};
-  if (tempered.weighted) json.erase("rounds");
+  if (tempered.weighted) {
+    json.erase("rounds");
+    json.erase("ladders_without_round_trip");
+  }
   return json;
 }
 

@@ -66,8 +66,9 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
   sampler.optional_integer("ladder_power", p.ladder_power,
                            {.minimum = 1,
                             .maximum = k_ladder_power_max,
-                            .help = "of a first ladder: its i-th inverse temperature is (i / "
-                                    "(replicas - 1))^ladder_power; 6 if absent"});
+                            .help = "of a ladder's first round, also in a burn-in: of n inverse "
+                                    "temperatures (12 unless replicas says so) the i-th is (i / (n "
+                                    "- 1))^ladder_power; 6 if absent. Later ones are learnt"});
   sampler.integer("seed", p.seed,
                   {.minimum = 0,
                    .maximum = static_cast<std::int64_t>(k_seed_max),

@@ -186,6 +186,14 @@ class Tempered(DiagnoseTest):
         text = self.succeed(sleight("archive", "info", archive)).stdout
         self.assertRegex(text, r"by chance    one throw in [\d.,]+ \([\d.,]+ to [\d.,]+\)\n")
         self.assertRegex(text, r"log Z        -\d+\.\d+ \+- \d+\.\d+ \(2 ladders, ")
+        self.assertEqual(info["ladders_without_round_trip"], 0)
+        self.assertNotIn("round trip", text)
+        # One ladder's states are on their way yet.
+        with h5py.File(archive, "r+") as file:
+            file["tempering/round_trips"][1, 2] = 0
+        self.assertEqual(self.info(archive)["tempering"]["ladders_without_round_trip"], 1)
+        self.assertIn("1 of 2 ladders made no round trip in that round: it may be far off",
+                      sleight("archive", "info", archive).stdout)
         # Nothing satisfied in the last round, then never.
         with h5py.File(archive, "r+") as file:
             file["tempering/log_p_satisfied"][:, 2] = -float("inf")

@@ -26,6 +26,8 @@ namespace {
 
 /// Temperatures to begin with where the request leaves them open.
 constexpr std::uint32_t k_first_replicas = 12;
+static_assert(k_first_replicas == 12 && sampling::k_first_power == 6,
+              "said in help of ladder_power");
 /// No request has excursions that the method can't number.
 static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps_max);
 

@@ -88,7 +88,7 @@ Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t sim
   return score;
 }
 
-/// A plan of one chain, carried out until so much is simulated.
+/// A plan, carried out until so much is simulated.
 template <class World, class Parameters>
 Score carried_out(plan::Plan& plan, const Parameters& parameters,
                   const run::ChainWorkerOptions& options, std::uint64_t simulations) {

@@ -217,10 +217,11 @@ void check_kernel(request::Binder& sampler, Kernel kernel) {
   const auto method = std::ranges::find(
       sampler.keys(), "method", [](const auto& bound) { return std::string_view(bound.spec.key); });
   if (method->value != "\"metropolis_hastings\"") {
-    sampler.error("kernel",
-                  fmt::format("\"thesis\" is biased and goes with method \"metropolis_hastings\" "
-                              "alone, found {}",
-                              method->value));
+    sampler.error(
+        "kernel",
+        fmt::format("\"thesis\" is biased and goes with method \"metropolis_hastings\" "
+                    "alone, found {}{}",
+                    method->value, sampler.given("method") ? "" : ", the default: set method"));
   }
 }
 

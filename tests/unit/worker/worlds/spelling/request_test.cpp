@@ -135,6 +135,8 @@ TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
   EXPECT_NE(normalised_text(biased.value()).find("kernel = \"thesis\""), std::string::npos);
   EXPECT_NE(identity_text(biased.value()), identity_text(plain.value()));
   EXPECT_NE(complaint("[sampler]\nkernel = \"printed\"").find("\"correct\""), std::string::npos);
+  EXPECT_NE(complaint("[sampler]\nkernel = \"thesis\"").find("the default: set method"),
+            std::string::npos);
 }
 
 TEST(SpellingRequest, KindsThatAreNotOfTheThesisAreAskedForByName) {
