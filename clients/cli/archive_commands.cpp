@@ -120,10 +120,8 @@ std::optional<Tempered> tempered_of(const archive::Source& source,
     tempered.satisfied_round = r;
     tempered.log_p_satisfied = estimate("log_p_satisfied", r);
   }
-  const std::vector<double> trips =
-      of_ladders(source, "round_trips", summary.chains, tempered.satisfied_round);
   tempered.without_trips =
-      static_cast<std::size_t>(std::ranges::count_if(trips, [](double made) { return made < 1; }));
+      without_round_trip(source, summary.chains, tempered.satisfied_round).size();
   return tempered;
 }
 

@@ -196,10 +196,8 @@ void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> 
   const std::vector<double> trips = numbers("round_trips");
   const std::vector<double> restarts = numbers("restarts");
   const std::vector<double> rates = numbers("predicted_round_trip_rate");
-  std::vector<std::uint64_t> none;
-  for (std::uint64_t c = 0; c < chains; ++c) {
-    if (trips[c] < 1) none.push_back(c);
-    if (c >= k_ladders_max) continue;
+  const std::vector<std::uint64_t> none = without_round_trip(judged.source, chains, round);
+  for (std::uint64_t c = 0; c < std::min<std::uint64_t>(chains, k_ladders_max); ++c) {
     report.ladders.push_back(
         {.barrier = barriers[c],
          .round_trips = trips[c],

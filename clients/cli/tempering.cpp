@@ -138,6 +138,16 @@ std::vector<double> of_ladders(const archive::Source& source, std::string_view n
   return values;
 }
 
+std::vector<std::uint64_t> without_round_trip(const archive::Source& source, std::uint64_t chains,
+                                              std::size_t round) {
+  const std::vector<double> trips = of_ladders(source, "round_trips", chains, round);
+  std::vector<std::uint64_t> ladders;
+  for (std::uint64_t c = 0; c < chains; ++c) {
+    if (trips[c] < 1) ladders.push_back(c);
+  }
+  return ladders;
+}
+
 Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round) {
   Ladder ladder{
       .inverse_temperature = read_entries(source, "inverse_temperature", chain, round, k_by_level),

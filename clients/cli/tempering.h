@@ -61,6 +61,9 @@ std::size_t judged_round(std::span<const Round> rounds);
 /// A number of each of the first `chains` ladders in a round; NaN where the archive has none.
 std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
                                std::uint64_t chains, std::size_t round);
+/// The ladders that made no round trip in a round: their states are on their way yet.
+std::vector<std::uint64_t> without_round_trip(const archive::Source& source, std::uint64_t chains,
+                                              std::size_t round);
 
 /// REQUIRES: the round is one of rounds_of.
 Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round);

@@ -164,7 +164,7 @@ rounds = 3
             self.assertEqual(output.read_bytes(), one.read_bytes(), way)
 
     def test_the_first_ladder_is_as_asked(self):
-        # Of the round after it only the ends are known.
+        # Later rounds have learnt theirs.
         for power, even in [("", False), ("ladder_power = 1", True)]:
             request = self.request("parallel_tempering", 40 * 3 + 25, name="ladder.toml",
                                    extra=f"replicas = 5\n{power}")

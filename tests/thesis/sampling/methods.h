@@ -136,8 +136,8 @@ enum class Method {
 inline constexpr sampling::StopRule k_no_stop{
     .scans = std::uint64_t{1} << 40U, .rounds = {}, .independent_solutions = {}};
 
-/// Parallel tempering by many ladders, of which each ends soon after its first states have come
-/// down from the prior: evenly spaced temperatures, the first round's throughout.
+/// Parallel tempering by many ladders side by side, of which each ends soon after its first states
+/// have come down from the prior: evenly spaced temperatures, the first round's throughout.
 inline std::unique_ptr<plan::Plan> short_ladders(sampling::LadderOptions ladder,
                                                  std::uint64_t simulations) {
   constexpr std::uint32_t k_levels = 8;

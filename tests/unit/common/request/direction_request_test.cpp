@@ -95,6 +95,24 @@ TEST(ReadRequest, SetsWhatIsGiven) {
   EXPECT_EQ(request.output, (OutputParameters{2, 0, 0, 1.0}));
 }
 
+TEST(ReadRequest, ParallelTemperingIsTheMethodOfThoseThatNameNone) {
+  // Goal: the default, in what is read, normalised and listed. Method: a request without a method,
+  // and one with another.
+  toy::Parameters parameters;
+  const DirectionRequest plain = read(k_least, parameters);
+  EXPECT_EQ(plain.sampler.method, Method::parallel_tempering);
+  EXPECT_THAT(normalised_text(plain), HasSubstr("method = \"parallel_tempering\""));
+  std::string listed;
+  for (const SectionKeys& section : request_keys(toy::binding(parameters))) {
+    for (const KeySpec& key : section.keys)
+      listed += section.name == "sampler" && key.key == "method" ? key.fallback : "";
+  }
+  EXPECT_EQ(listed, "\"parallel_tempering\"");
+  const DirectionRequest other =
+      read(std::string(k_least) + "[sampler]\nmethod = 'metropolis_hastings'", parameters);
+  EXPECT_EQ(other.sampler.method, Method::metropolis_hastings);
+}
+
 TEST(ReadRequest, DoesNotCarryValuesFromOneFileToTheNext) {
   toy::Parameters parameters;
   read("[world]\nname='toy'\nballs=9\n[stop]\nscans=1", parameters);

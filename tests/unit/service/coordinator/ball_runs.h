@@ -20,13 +20,12 @@ class BallRuns : public archive::testing::Scratch {
   /// For request_text: scans that take long enough for a session to be stopped between two units.
   static constexpr const char* k_slow = "iterations_per_scan = 200\n";
 
-  /// A request of three chains, plain ones unless `more` says otherwise, which is put before
-  /// [stop]; `stop` is the content of that.
-  static std::string request_text(const std::string& stop, const std::string& more = {}) {
-    const bool plain = more.find("method = ") == std::string::npos;
-    return std::string("[world]\nname = \"ball_2d\"\n[sampler]\n") +
-           (plain ? "method = \"metropolis_hastings\"\n" : "") +
-           "chains = 3\nseed = 17\nround_scans = 20\n" + more + "[stop]\n" + stop +
+  /// A request of three chains, or ladders. `stop` is the content of [stop]; `more` is put before
+  /// it.
+  static std::string request_text(const std::string& stop, const std::string& more = {},
+                                  const std::string& method = "metropolis_hastings") {
+    return "[world]\nname = \"ball_2d\"\n[sampler]\nmethod = \"" + method +
+           "\"\nchains = 3\nseed = 17\nround_scans = 20\n" + more + "[stop]\n" + stop +
            "\n[output]\nthin = 3\nkeep_max = 50\n";
   }
 

@@ -24,14 +24,18 @@ TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
   // random questions, against a straight run; by scans, by rounds and by independent solutions;
   // ladders, whose blocks hold several replicas; from a printed seed.
   std::uint64_t sessions = 0;
-  const std::string plain = k_slow;
-  const std::string ladders =
-      "iterations_per_scan = 20\nmethod = \"parallel_tempering\"\nanneal_scans = 10\n";
-  for (const auto& [stop, sampler] :
-       {std::pair{"scans = 400", plain}, std::pair{"rounds = 5", plain},
-        std::pair{"independent_solutions = 3\nscans = 1000", plain},
-        std::pair{"scans = 60", ladders}}) {
-    const std::string request = request_text(stop, sampler);
+  struct Case {
+    std::string stop;
+    std::string sampler = k_slow;
+    std::string method = "metropolis_hastings";
+  };
+  const std::vector<Case> cases{
+      {"scans = 400"},
+      {"rounds = 5"},
+      {"independent_solutions = 3\nscans = 1000"},
+      {"scans = 60", "iterations_per_scan = 20\nanneal_scans = 10\n", "parallel_tempering"}};
+  for (const auto& [stop, sampler, method] : cases) {
+    const std::string request = request_text(stop, sampler, method);
     const std::string straight = path("straight.h5");
     const RunSummary expected = session(request, {.output = straight, .fresh = true});
     for (std::uint64_t run = 0; run < k_runs / 3 + 1; ++run) {

@@ -77,9 +77,9 @@ TEST_F(RunRequest, SaysWhatItTook) {
   const RunSummary straight = session(request_text("scans = 300"), {.output = path("s.h5")});
   EXPECT_EQ(summary.progress.session_simulations + more.progress.session_simulations,
             straight.progress.session_simulations + 3);
-  const std::string ladders = "method = \"parallel_tempering\"\n";
-  EXPECT_TRUE(session(request_text("scans = 50", ladders), {.output = path("ladders.h5")})
-                  .progress.round_trips.has_value());
+  EXPECT_TRUE(
+      session(request_text("scans = 50", {}, "parallel_tempering"), {.output = path("ladders.h5")})
+          .progress.round_trips.has_value());
 }
 
 TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {

@@ -53,23 +53,6 @@ TEST(DiceRequest, DefaultsAreOneDieWithoutGoals) {
   EXPECT_TRUE(parameters.goals.empty());
 }
 
-TEST(DiceRequest, AreTemperedUnlessTheySayOtherwise) {
-  // Goal: parallel tempering is the method of requests that name none. Method: none, and another;
-  // what a request says as well when it is listed or normalised.
-  Parameters parameters;
-  const auto plain = read(parameters, "").value();
-  EXPECT_EQ(plain.sampler.method, request::Method::parallel_tempering);
-  EXPECT_THAT(normalised_text(plain), HasSubstr("method = \"parallel_tempering\""));
-  std::string listed;
-  for (const request::SectionKeys& section : request::request_keys(request_binding(parameters))) {
-    for (const request::KeySpec& key : section.keys)
-      listed += section.name == "sampler" && key.key == "method" ? key.fallback : "";
-  }
-  EXPECT_EQ(listed, "\"parallel_tempering\"");
-  const auto other = read(parameters, "[sampler]\nmethod = \"metropolis_hastings\"\n").value();
-  EXPECT_EQ(other.sampler.method, request::Method::metropolis_hastings);
-}
-
 TEST(DiceRequest, DiceStandSideBySide) {
   // Goal: a number of dice, or a table for each, whose places have defaults. Method: both.
   const Parameters three = parameters_of("dice = 3");
