@@ -1,8 +1,8 @@
 """Goal: kill -9 of any process at any moment loses nothing that was reported, and the resumed run has
 the same digest (DESIGN C1, C2); no process and no shared memory is left behind. Method: a run of at
 least 20 seconds of work (--seconds), killed at random moments of it and started again by the same
-command until it is done; the moments come from a printed seed. Of an MPI job mpirun, rank 0 and
-another rank are killed by turns."""
+command until it is done; then short runs, each killed once while it starts. The moments come from a
+printed seed. Of an MPI job mpirun, rank 0 and another rank are killed by turns."""
 
 import os
 import pathlib
@@ -18,6 +18,7 @@ from harness import ProgramTest
 
 CHAINS = 3
 ITERATIONS_PER_SCAN = 200
+START_S = {"direct": (0.0, 0.08), "batch": (0.1, 0.9)}  # from the start of a run to its first rows
 
 
 def mapped(path):
@@ -60,8 +61,12 @@ class Kill(ProgramTest):
         return int(found[-1].replace(",", "")) if found else 0
 
     def stored(self, output):
+        """The number of scans in a dead run's store, which has no tables yet if the run was killed
+        before its first commit."""
         store = sqlite3.connect(f"{output}.run/store.sqlite")
-        count, = store.execute("SELECT count(*) FROM scan").fetchone()
+        count = 0
+        if store.execute("SELECT 1 FROM sqlite_master WHERE name='scan'").fetchone():
+            count, = store.execute("SELECT count(*) FROM scan").fetchone()
         store.close()
         return count
 
@@ -91,19 +96,28 @@ class Kill(ProgramTest):
                 spent += time.monotonic() - begin
                 break
             except subprocess.TimeoutExpired:
-                try:
-                    os.kill(self.victim(process, victims[kills % len(victims)]), signal.SIGKILL)
-                except (ProcessLookupError, FileNotFoundError):
-                    pass  # it ended just now
-                # mpirun ends a job whose rank is gone by itself, within some seconds.
-                _, errors = process.communicate(timeout=60)
-                self.assertNotEqual(process.returncode, 0)
-                harness.kill_group(process)
+                self.kill(process, victims[kills % len(victims)], output)
                 spent += time.monotonic() - begin
                 kills += 1
-                if (self.folder / f"{output.name}.run/store.sqlite").exists():
-                    self.assertGreaterEqual(self.stored(output), self.reported(errors))
         return kills, spent
+
+    def kill(self, process, which, output):
+        """Kills the run and looks at what it leaves."""
+        try:
+            os.kill(self.victim(process, which), signal.SIGKILL)
+        except (ProcessLookupError, FileNotFoundError):
+            pass  # it ended just now
+        # mpirun ends a job whose rank is gone by itself, within some seconds.
+        _, errors = process.communicate(timeout=60)
+        self.assertNotEqual(process.returncode, 0)
+        harness.kill_group(process)
+        if (self.folder / f"{output.name}.run/store.sqlite").exists():
+            self.assertGreaterEqual(self.stored(output), self.reported(errors))
+
+    def check_nothing_left(self, output):
+        leftover = subprocess.run(["pgrep", "-f", str(output)], capture_output=True, text=True)
+        self.assertEqual(leftover.stdout, "", "processes left behind")
+        self.assertEqual(abandoned_memory(), [], "shared memory left behind")
 
     def check(self, commands_of):
         seed = harness.arguments.seed
@@ -134,20 +148,50 @@ class Kill(ProgramTest):
                 self.assertGreater(kills, 0)
                 kills_left -= kills
                 self.assertEqual(self.digest(output), digest, name)
-                leftover = subprocess.run(["pgrep", "-f", str(output)], capture_output=True,
-                                          text=True)
-                self.assertEqual(leftover.stdout, "", "processes left behind")
-                self.assertEqual(abandoned_memory(), [], "shared memory left behind")
+                self.check_nothing_left(output)
 
-    def test_killed_and_resumed(self):
+    def ways(self):
+        """Name, command of a request and an output, share of the kills, whom to kill by turns."""
         direct = harness.program("sleight")
-        self.check([
+        return [
             ("direct", lambda request, output: [direct, "direct", request, "-o", output], 1.0,
              [None]),
             ("batch", lambda request, output: harness.batch(3, request, output,
                                                             files=self.folder), 0.45,
              [None, 0, 2]),
-        ])
+        ]
+
+    def test_killed_and_resumed(self):
+        self.check(self.ways())
+
+    def test_killed_while_it_starts(self):
+        """Each kill hits a new run before its first results or soon after: its folder, its store
+        and its tables come one after the other."""
+        request = self.write_request(chains=CHAINS, scans=1000,
+                                     iterations_per_scan=ITERATIONS_PER_SCAN, thin=50)
+        self.direct(request, self.path("whole.h5"))
+        digest = self.digest(self.path("whole.h5"))
+        seed = harness.arguments.seed
+        print(f"\nmoments from --seed {seed}")
+        for name, command_of, share, victims in self.ways():
+            if harness.arguments.only not in (None, name):
+                continue
+            generator = random.Random(f"{seed} start {name}")
+            first, last = START_S[name]
+            store_without_rows = 0
+            for turn in range(max(1, int(harness.arguments.kills * share))):
+                output = self.path(f"{name}{turn}.h5")
+                process = harness.start(command_of(request, output))
+                try:
+                    process.communicate(timeout=first + (last - first) * generator.random())
+                except subprocess.TimeoutExpired:
+                    self.kill(process, victims[turn % len(victims)], output)
+                store = self.folder / f"{output.name}.run/store.sqlite"
+                store_without_rows += store.exists() and self.stored(output) == 0
+                self.succeed(harness.run(command_of(request, output)))
+                self.assertEqual(self.digest(output), digest, f"{name} {turn}")
+                self.check_nothing_left(output)
+            print(f"{name}: {store_without_rows} kills left a store without a scan")
 
 
 if __name__ == "__main__":
