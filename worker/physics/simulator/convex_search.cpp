@@ -25,20 +25,27 @@ constexpr double k_well_apart = 0.02;
 /// A skip this long is not made longer by a second axis: in heaps, where speed matters most, bodies
 /// mostly change their motion before.
 constexpr double k_long_enough_s = 5e-4;
-double first_collision_s(const Line& line, double fall, double from_s) {
-  return physics::first_collision_s(line.place_m, line.rate_mps, fall, from_s);
+
+/// Whether two pieces touch at a look. If they do, they don't collide before they approach; else
+/// not before they touch, however fast their separation along an axis falls until then: the gap may
+/// fall faster, and by rounding that separation may be within the touch already.
+enum class Gap : std::uint8_t { touches, open };
+
+double first_collision_s(Gap gap, const Line& line, double fall, double from_s) {
+  return gap == Gap::touches ? physics::first_collision_s(line.place_m, line.rate_mps, fall, from_s)
+                             : first_touch_s(line.place_m, line.rate_mps, fall, from_s);
 }
 
 /// Walks along the envelope of two sets of lines, the first of which may be a fixed line at 0.
-double failing_along(const Line& base, double fall, Envelope* first, Envelope& second) {
+double failing_along(Gap gap, const Line& base, double fall, Envelope* first, Envelope& second) {
   const auto sum = [&](const Line& a, const Line& b) -> Line {
     return {(base.place_m + a.place_m) + b.place_m, (base.rate_mps + a.rate_mps) + b.rate_mps};
   };
   const Line none{0, 0};
   // The lines that are lowest now bound the answer from above; only those that come to lie below
   // them by then can lower it. Mostly there are none.
-  const double until_s =
-      first_collision_s(sum(first != nullptr ? first->first() : none, second.first()), fall, 0);
+  const double until_s = first_collision_s(
+      gap, sum(first != nullptr ? first->first() : none, second.first()), fall, 0);
   const bool first_changes = first != nullptr && first->keep_until(until_s);
   const bool second_changes = second.keep_until(until_s);
   if (!first_changes && !second_changes) return until_s;
@@ -46,7 +53,7 @@ double failing_along(const Line& base, double fall, Envelope* first, Envelope& s
   Line b = second.first();
   double from_s = 0;
   for (int corner = 0; corner < k_corners_max; ++corner) {
-    const double collision_s = first_collision_s(sum(a, b), fall, from_s);
+    const double collision_s = first_collision_s(gap, sum(a, b), fall, from_s);
     Line next_a = a;
     Line next_b = b;
     const double corner_a_s = first_changes ? first->next_after(a, next_a) : k_forever_s;
@@ -66,6 +73,18 @@ double failing_along(const Line& base, double fall, Envelope* first, Envelope& s
 Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
   return piece.velocity_mps +
          math::cross(piece.angular_velocity_radps, point_m - piece.pose.position_m);
+}
+
+/// What rounding does to a gap at the ticks that are skipped, against what is said of it here.
+double rounding_m(const MovingPiece& a, const MovingPiece& b) {
+  const auto size_m = [](const MovingPiece& piece) {
+    return size_of(piece.pose.position_m) + piece.view->r_outer_m + piece.radius_m;
+  };
+  return k_rounding_ulps * std::max(size_m(a), size_m(b));
+}
+double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
+  return k_rounding_ulps * (std::fabs(solid_below.offset_m) + size_of(b.pose.position_m) +
+                            b.view->r_outer_m + b.radius_m);
 }
 
 bool collides(const PieceContact& contact, double touch_m) {
@@ -189,13 +208,14 @@ struct Shadows {
 };
 
 /// How long two pieces can't collide, as their separation along an axis shows.
-double failing_along_axis(const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
+double failing_along_axis(Gap gap, const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
                           double touch_m, const AxisTurn& turn) {
   const Vec3& axis = shadows.axis;
   const Vec3 between_m = b.pose.position_m - a.pose.position_m;
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
   const Line base{
-      math::dot(axis, between_m) - (a.radius_m + b.radius_m) + (k_touch_m - touch_m),
+      math::dot(axis, between_m) - (a.radius_m + b.radius_m) + (k_touch_m - touch_m) -
+          rounding_m(a, b),
       math::dot(axis, relative_mps - math::cross(turn.angular_velocity_radps, between_m))};
   const double pull = math::dot(axis, b.acceleration_mps2 - a.acceleration_mps2);
   const bool still = is_zero(turn.angular_velocity_radps);
@@ -206,7 +226,7 @@ double failing_along_axis(const MovingPiece& a, const MovingPiece& b, Shadows& s
   shadows.of_a.turn(turn.angular_velocity_radps);
   shadows.of_b.turn(turn.angular_velocity_radps);
   const double span_s =
-      std::min(failing_along(base, fall, &shadows.of_a, shadows.of_b), turn.valid_s);
+      std::min(failing_along(gap, base, fall, &shadows.of_a, shadows.of_b), turn.valid_s);
   if (!still) return span_s;
   // However they turn, they stay inside of their spheres; what doesn't turn stays behind its plane.
   const double apart_m =
@@ -298,7 +318,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     const double smaller_m = std::min(a.reach_m + a.radius_m, b.reach_m + b.radius_m);
     const double gap_m = guess.gap_m(a, b);
     if (gap_m > k_well_apart * smaller_m) {
-      Examined apart = look_after(tick, failing_along_axis(a, b, guess, touch_m, {}));
+      Examined apart = look_after(tick, failing_along_axis(Gap::open, a, b, guess, touch_m, {}));
       apart.gap_m = gap_m;
       return apart;
     }
@@ -317,17 +337,19 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
 
   // How long they can't collide, by axes that stay and that turn with the features.
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
+  const double gap_m = closest.gap_m - (a.radius_m + b.radius_m);
+  const Gap gap = gap_m <= touch_m ? Gap::touches : Gap::open;
   Shadows shadows(a, b, closest.normal);
-  double span_s = failing_along_axis(a, b, shadows, touch_m, {});
+  double span_s = failing_along_axis(gap, a, b, shadows, touch_m, {});
   if (span_s < k_long_enough_s) {
     const Vec3 turning = turn_of_axis(a, b, closest);
     if (!is_zero(turning)) {
       const AxisTurn turn = turning_axis(a, b, contact_m, turning);
-      span_s = std::max(span_s, failing_along_axis(a, b, shadows, touch_m, turn));
+      span_s = std::max(span_s, failing_along_axis(gap, a, b, shadows, touch_m, turn));
     }
   }
   Examined apart = look_after(tick, span_s);
-  apart.gap_m = closest.gap_m - (a.radius_m + b.radius_m);
+  apart.gap_m = gap_m;
   return apart;
 }
 
@@ -335,17 +357,19 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
                        double touch_m, PieceContact& contact) {
   const Vec3& axis = solid_below.normal;
   const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m +
-                      (k_touch_m - touch_m),
+                      (k_touch_m - touch_m) - rounding_m(solid_below, b),
                   math::dot(axis, b.velocity_mps)};
   const double pull = math::dot(axis, b.acceleration_mps2);
   Envelope of_b(b, axis);
+  Gap gap = Gap::open;
   if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m) {
     contact = contact_of(solid_below, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
+    if (contact.gap_m <= touch_m) gap = Gap::touches;
   }
   const double fall = std::max(0.0, b.turning_acceleration_mps2 - pull);
   of_b.turn(Vec3::Zero());
-  double span_s = failing_along(base, fall, nullptr, of_b);
+  double span_s = failing_along(gap, base, fall, nullptr, of_b);
   const double sphere_m = base.place_m - b.reach_m - k_touch_m;
   if (sphere_m > 0) span_s = std::max(span_s, first_zero_s(sphere_m, base.rate_mps, pull));
   return look_after(tick, span_s);

@@ -5,7 +5,8 @@
 // is its rate, and its acceleration has a bound; so the separation lies above the lower envelope of
 // one line for each vertex, less D h^2 / 2. The first time at which that bound touches and falls is
 // a time before which the pieces don't collide. With n the line of closest points the bound is
-// tight to second order, so a handful of looks finds the collision to the tick.
+// tight to second order, so a handful of looks finds the collision to the tick. Pieces that don't
+// touch at a look have to touch first, so whether the bound falls is asked of those alone that do.
 //
 // This is the second of two stages (thesis 3.2.2); the first is when the bounding spheres meet.
 // What the thesis takes for the second, the distance over the greatest speed of any point, is first
@@ -14,17 +15,17 @@
 // A sphere is a piece of one vertex with a radius.
 //
 // Invariants
-//   1. At a look within the touch everything is a function of the two pieces' poses and motion
-//   alone:
-//      the verdict, gap <= k_touch_m and rate < -k_approach_mps; the contact; and, if they don't
+//   1. At a look within the touch all is a function of the two pieces' poses and motion alone: the
+//      verdict, gap <= k_touch_m and rate < -k_approach_mps; the contact; and, if they don't
 //      collide, how long they can't. It is what a search from scratch finds, by whatever means.
 //   2. Elsewhere a look may start from what was found before, by this search or by earlier ones of
 //      the pair. That decides which of several certified answers it finds, equal but for rounding,
 //      and so, by the bound above, only which ticks are skipped: never what collides, or when.
 //      Hence whoever searches, and in whatever portions, finds the same collision.
-//   3. A look is skipped only under the bound above. It does not cover what turns the normal of two
-//      vertices, or of a vertex and an edge, about the edge, while they are within k_touch_m of
-//      each other; spheres' normals it covers.
+//   3. A look is skipped only under the bound above, lowered by what rounding does to gaps so far
+//      from the origin. It does not cover what turns the normal of two vertices, or of a vertex and
+//      an edge, about the edge, while they are within k_touch_m of each other; spheres' normals it
+//      covers.
 // Thread safety: pure functions, but for the cache that they are given.
 #pragma once
 

@@ -18,22 +18,25 @@ inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 /// A skip is shortened by this share for the rounding of its own computation.
 inline constexpr double k_skip_margin = 0x1p-20;
 
-/// First h >= from at which place + rate h - fall h^2 / 2 <= k_touch and rate - fall h <
-/// -k_approach. REQUIRES: fall >= 0.
+/// First h >= from at which place + rate h - fall h^2 / 2 <= k_touch. REQUIRES: fall >= 0.
+inline double first_touch_s(double place_m, double rate_mps, double fall, double from_s) {
+  const double excess_m = place_m - k_touch_m;
+  if (excess_m + from_s * (rate_mps - 0.5 * fall * from_s) <= 0) return from_s;
+  // When it comes down to the touch: the later root.
+  if (fall <= 0) return rate_mps < 0 ? excess_m / -rate_mps : k_forever_s;
+  const double root = std::sqrt(std::max(0.0, rate_mps * rate_mps + 2 * fall * excess_m));
+  const double down_s = rate_mps < 0 ? 2 * excess_m / (root - rate_mps) : (root + rate_mps) / fall;
+  return std::max(from_s, down_s);
+}
+
+/// The same at which it falls, too: rate - fall h < -k_approach.
 inline double first_collision_s(double place_m, double rate_mps, double fall, double from_s) {
-  // When it falls fast enough.
   double h = from_s;
   if (rate_mps - fall * h >= -k_approach_mps) {
     if (fall <= 0) return k_forever_s;
     h = std::max(from_s, (rate_mps + k_approach_mps) / fall);
   }
-  const double excess_m = place_m - k_touch_m;
-  if (excess_m + h * (rate_mps - 0.5 * fall * h) <= 0) return h;
-  // When it comes down to the touch: the later root.
-  if (fall <= 0) return excess_m / -rate_mps;
-  const double root = std::sqrt(std::max(0.0, rate_mps * rate_mps + 2 * fall * excess_m));
-  const double down_s = rate_mps < 0 ? 2 * excess_m / (root - rate_mps) : (root + rate_mps) / fall;
-  return std::max(h, down_s);
+  return first_touch_s(place_m, rate_mps, fall, h);
 }
 
 /// Least h >= 0 at which place + rate h + curvature h^2 / 2 <= 0.
