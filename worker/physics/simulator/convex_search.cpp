@@ -26,9 +26,8 @@ constexpr double k_well_apart = 0.02;
 /// mostly change their motion before.
 constexpr double k_long_enough_s = 5e-4;
 
-/// Whether two pieces touch at a look. If they do, they don't collide before they approach; else
-/// not before they touch, however fast their separation along an axis falls until then: the gap may
-/// fall faster, and by rounding that separation may be within the touch already.
+/// Whether two pieces touch at a look. A pair apart collides no earlier than its bound touches; the
+/// rate of that says nothing of it, as the gap may fall along another normal.
 enum class Gap : std::uint8_t { touches, open };
 
 double first_collision_s(Gap gap, const Line& line, double fall, double from_s) {
@@ -78,13 +77,32 @@ Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
 /// What rounding does to a gap at the ticks that are skipped, against what is said of it here.
 double rounding_m(const MovingPiece& a, const MovingPiece& b) {
   const auto size_m = [](const MovingPiece& piece) {
-    return size_of(piece.pose.position_m) + piece.view->r_outer_m + piece.radius_m;
+    return std::max(size_of(piece.pose.position_m), piece.coordinates_m) + piece.view->r_outer_m +
+           piece.radius_m;
   };
   return k_rounding_ulps * std::max(size_m(a), size_m(b));
 }
 double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
-  return k_rounding_ulps * (std::fabs(solid_below.offset_m) + size_of(b.pose.position_m) +
-                            b.view->r_outer_m + b.radius_m);
+  return k_rounding_ulps *
+         (std::fabs(solid_below.offset_m) + std::max(size_of(b.pose.position_m), b.coordinates_m) +
+          b.view->r_outer_m + b.radius_m);
+}
+
+/// How long no gap falls fast enough, since no points of the two move past each other so fast. That
+/// is long for those that hover, even where a gap can't be told from a touch.
+double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
+  const auto turning_mps = [](const MovingPiece& piece) {
+    return math::norm(piece.angular_velocity_radps) * (piece.view->r_outer_m + piece.radius_m);
+  };
+  const double rounding_mps =
+      k_rounding_ulps * (math::norm(a.velocity_mps) + math::norm(b.velocity_mps));
+  const double left_mps =
+      k_approach_mps - rounding_mps -
+      (math::norm(b.velocity_mps - a.velocity_mps) + turning_mps(a) + turning_mps(b));
+  if (left_mps <= 0) return 0;
+  const double gains_mps2 = math::norm(b.acceleration_mps2 - a.acceleration_mps2) +
+                            a.turning_acceleration_mps2 + b.turning_acceleration_mps2;
+  return gains_mps2 > 0 ? left_mps / gains_mps2 : k_forever_s;
 }
 
 bool collides(const PieceContact& contact, double touch_m) {
@@ -348,6 +366,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
       span_s = std::max(span_s, failing_along_axis(gap, a, b, shadows, touch_m, turn));
     }
   }
+  if (span_s < k_long_enough_s) span_s = std::max(span_s, too_slow_for_s(a, b));
   Examined apart = look_after(tick, span_s);
   apart.gap_m = gap_m;
   return apart;
@@ -372,6 +391,11 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
   double span_s = failing_along(gap, base, fall, nullptr, of_b);
   const double sphere_m = base.place_m - b.reach_m - k_touch_m;
   if (sphere_m > 0) span_s = std::max(span_s, first_zero_s(sphere_m, base.rate_mps, pull));
+  if (span_s < k_long_enough_s) {
+    MovingPiece still;
+    still.view = b.view;
+    span_s = std::max(span_s, too_slow_for_s(still, b));
+  }
   return look_after(tick, span_s);
 }
 

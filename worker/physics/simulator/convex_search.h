@@ -4,9 +4,10 @@
 // highest of A, and the gap is never less than that. Each vertex's place along n is known now, so
 // is its rate, and its acceleration has a bound; so the separation lies above the lower envelope of
 // one line for each vertex, less D h^2 / 2. The first time at which that bound touches and falls is
-// a time before which the pieces don't collide. With n the line of closest points the bound is
-// tight to second order, so a handful of looks finds the collision to the tick. Pieces that don't
-// touch at a look have to touch first, so whether the bound falls is asked of those alone that do.
+// a time before which pieces that touch don't collide. Pieces apart have to touch first, so of them
+// it is only asked when the bound does: the gap may fall along another normal. With n the line of
+// closest points the bound is tight to second order, so a handful of looks finds the collision to
+// the tick.
 //
 // This is the second of two stages (thesis 3.2.2); the first is when the bounding spheres meet.
 // What the thesis takes for the second, the distance over the greatest speed of any point, is first
@@ -23,9 +24,9 @@
 //      and so, by the bound above, only which ticks are skipped: never what collides, or when.
 //      Hence whoever searches, and in whatever portions, finds the same collision.
 //   3. A look is skipped only under the bound above, lowered by what rounding does to gaps so far
-//      from the origin. It does not cover what turns the normal of two vertices, or of a vertex and
-//      an edge, about the edge, while they are within k_touch_m of each other; spheres' normals it
-//      covers.
+//      from the origin. Of pieces that touch it is one as long as the same features touch; nor does
+//      it cover what turns the normal of two vertices, or of a vertex and an edge, about the edge,
+//      while they are within k_touch_m of each other; spheres' normals it covers.
 // Thread safety: pure functions, but for the cache that they are given.
 #pragma once
 
@@ -39,6 +40,9 @@ struct MovingPiece {
   const ConvexView* view = nullptr;
   double radius_m = 0;  ///< added all around
   PlacedPose pose{};
+  /// Sum of the sizes of what a coordinate of the place was computed from, where that is more than
+  /// the coordinate itself: the place is rounded by that (coordinates_m_max).
+  double coordinates_m = 0;
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 acceleration_mps2 = Vec3::Zero();
   Vec3 angular_velocity_radps = Vec3::Zero();

@@ -29,7 +29,7 @@ inline double first_touch_s(double place_m, double rate_mps, double fall, double
   return std::max(from_s, down_s);
 }
 
-/// The same at which it falls, too: rate - fall h < -k_approach.
+/// First h >= from at which, besides, rate - fall h < -k_approach. REQUIRES: fall >= 0.
 inline double first_collision_s(double place_m, double rate_mps, double fall, double from_s) {
   double h = from_s;
   if (rate_mps - fall * h >= -k_approach_mps) {

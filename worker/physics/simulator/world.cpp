@@ -228,6 +228,7 @@ const MovingPiece& World::moving_at(std::uint32_t body, Tick tick) {
       .radius_m = sphere ? constants_[body].reach_m : 0,
       .pose = sphere ? PlacedPose{.position_m = place_m}
                      : placed({.position_m = place_m, .orientation = turning.orientation}),
+      .coordinates_m = coordinates_m_max(segments_[body].flight, tick),
       .velocity_mps = twist.velocity_mps,
       .acceleration_mps2 = segments_[body].flight.acceleration_mps2,
       .angular_velocity_radps = twist.angular_velocity_radps,

@@ -6,32 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "tests/unit/worker/physics/simulator/flyer.h"
 #include "tests/unit/worker/physics/simulator/surface_tables.h"
-#include "worker/physics/motion/rotation_bounds.h"
-#include "worker/physics/motion/rotation_track.h"
 #include "worker/physics/simulator/surface_search.h"
 
 namespace sleight::physics::testing {
-
-/// A body in free flight.
-struct Flyer {
-  BodyShape body;
-  FreeFlight flight;
-
-  const ConvexPolyhedron& part() const { return body.parts[0]; }
-  double reach_m() const { return part().r_outer_m(); }
-  MovingPiece at(Tick tick, const ConvexView& view) const {
-    const RotationBounds bounds = rotation_bounds(flight, body.inertia);
-    return {.view = &view,
-            .pose = placed({position_at(flight, tick), orientation_at(flight, body.inertia, tick)}),
-            .velocity_mps = velocity_at(flight, tick),
-            .acceleration_mps2 = flight.acceleration_mps2,
-            .angular_velocity_radps = angular_velocity_at(flight, body.inertia, tick),
-            .turning_acceleration_mps2 = turning_acceleration_mps2_max(bounds, reach_m()),
-            .turns_evenly = body.inertia.symmetry == InertiaSymmetry::spherical,
-            .reach_m = reach_m()};
-  }
-};
 
 /// Every point of a box, in its frame: corners, edges, then the insides of faces.
 inline std::vector<Vec3> points_of(const BoxLattice& lattice, const ConvexView& view) {
