@@ -116,6 +116,8 @@ class Kill(ProgramTest):
         # mpirun ends a job whose rank is gone by itself, within some seconds.
         _, errors = process.communicate(timeout=60)
         harness.kill_group(process)
+        if process.returncode == 0:
+            self.assertTrue(output.exists(), "it ended well, without its archive")
         if (self.folder / f"{output.name}.run/store.sqlite").exists():
             self.assertGreaterEqual(self.stored(output), self.reported(errors))
         return process.returncode != 0

@@ -13,9 +13,6 @@
 // Thread safety: values and pure functions.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "worker/physics/event/tick.h"
 #include "worker/physics/motion/rigid_body.h"
 
@@ -57,17 +54,6 @@ inline Vec3 position_at(const FreeFlight& flight, Tick t) {
 inline Vec3 velocity_at(const FreeFlight& flight, Tick t) {
   const double s = seconds_since_begin(flight, t);
   return flight.velocity_mps + s * flight.acceleration_mps2;
-}
-
-/// The greatest sum of the terms of a coordinate, without their signs: by this position_at rounds.
-inline double coordinates_m_max(const FreeFlight& flight, Tick t) {
-  const double s = seconds_since_begin(flight, t);
-  double most_m = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    most_m = std::max(
-        most_m, parabola(std::fabs(flight.position_m[axis]), std::fabs(flight.velocity_mps[axis]),
-                         std::fabs(flight.acceleration_mps2[axis]), s));
-  return most_m;
 }
 
 }  // namespace sleight::physics

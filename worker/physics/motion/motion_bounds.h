@@ -156,4 +156,14 @@ double rounding_m_max(const Motion& motion, const RotationBounds& rotation, doub
   return 0x1p-49 * (terms + (4 + rotation.phase_rate_radps * s) * radius_m);
 }
 
+/// The greatest sum of the terms of a coordinate of the centre: by this position_at rounds.
+inline double coordinates_m_max(const FreeFlight& flight, Tick t) {
+  const double s = seconds_since_begin(flight, t);
+  double most_m = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    most_m = std::max(most_m, detail::magnitude(flight.position_m[axis], flight.velocity_mps[axis],
+                                                flight.acceleration_mps2[axis], s));
+  return most_m;
+}
+
 }  // namespace sleight::physics

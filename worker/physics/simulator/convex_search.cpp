@@ -74,18 +74,17 @@ Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
          math::cross(piece.angular_velocity_radps, point_m - piece.pose.position_m);
 }
 
+/// What the places of a piece's points are rounded by.
+double size_m(const MovingPiece& piece) {
+  return std::max(size_of(piece.pose.position_m), piece.coordinates_m) + piece.view->r_outer_m +
+         piece.radius_m;
+}
 /// What rounding does to a gap at the ticks that are skipped, against what is said of it here.
 double rounding_m(const MovingPiece& a, const MovingPiece& b) {
-  const auto size_m = [](const MovingPiece& piece) {
-    return std::max(size_of(piece.pose.position_m), piece.coordinates_m) + piece.view->r_outer_m +
-           piece.radius_m;
-  };
   return k_rounding_ulps * std::max(size_m(a), size_m(b));
 }
 double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
-  return k_rounding_ulps *
-         (std::fabs(solid_below.offset_m) + std::max(size_of(b.pose.position_m), b.coordinates_m) +
-          b.view->r_outer_m + b.radius_m);
+  return k_rounding_ulps * (std::fabs(solid_below.offset_m) + size_m(b));
 }
 
 /// How long no gap falls fast enough, since no points of the two move past each other so fast. That

@@ -22,7 +22,8 @@
 //   2. Elsewhere a look may start from what was found before, by this search or by earlier ones of
 //      the pair. That decides which of several certified answers it finds, equal but for rounding,
 //      and so, by the bound above, only which ticks are skipped: never what collides, or when.
-//      Hence whoever searches, and in whatever portions, finds the same collision.
+//      Hence whoever searches, and in whatever portions, finds the same collision, but for what 3
+//      leaves open.
 //   3. A look is skipped only under the bound above, lowered by what rounding does to gaps so far
 //      from the origin. Of pieces that touch it is one as long as the same features touch; nor does
 //      it cover what turns the normal of two vertices, or of a vertex and an edge, about the edge,

@@ -1,9 +1,9 @@
 // Energy and momentum, from recordings.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <map>
 
+#include "tests/unit/worker/physics/simulator/long_run.h"
 #include "tests/unit/worker/physics/simulator/mixed_scene.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
@@ -13,9 +13,7 @@ namespace {
 
 using testing::RecordedRun;
 
-bool long_run() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr;
-}
+using testing::long_run;
 
 Simulation begun(const Scene& scene) {
   SimulationOptions options;

@@ -9,6 +9,7 @@
 #include <cstdlib>
 
 #include "tests/unit/worker/physics/simulator/flyer.h"
+#include "tests/unit/worker/physics/simulator/long_run.h"
 #include "tests/unit/worker/physics/simulator/surface_tables.h"
 #include "worker/physics/shape/shapes.h"
 #include "worker/physics/shape/small_pieces.h"
@@ -22,20 +23,14 @@ using testing::Flyer;
 
 constexpr std::uint64_t k_seed = 1;
 
-bool long_run() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr;
-}
+using testing::long_run;
 
-/// Anywhere between two powers of ten, whose exponents these are.
-double power_between(Dice& dice, double low, double high) {
-  return std::pow(10, random::Uniform{.low = low, .high = high}.draw(dice.stream));
-}
 Vec3 direction(Dice& dice) {
   return math::normalized(dice.vector_within(1));
 }
 
 BodyShape random_body(Dice& dice) {
-  const double size_m = power_between(dice, -2.3, -1);
+  const double size_m = dice.between(5e-3, 0.1);
   switch (dice.below(4)) {
     case 0:
       return testing::die_of(size_m);
@@ -63,19 +58,19 @@ class Approach {
         first_view_(first_.part().view()),
         second_view_(second_.part().view()) {
     // They meet far from the origin, or after a long way, since both round their places.
-    const Vec3 about_m = power_between(dice, -2, 2) * direction(dice);
+    const Vec3 about_m = dice.between(1e-2, 100) * direction(dice);
     const bool both_fly = other_ == Other::flies || other_ == Other::sphere;
-    const Vec3 common_mps = both_fly ? Vec3(power_between(dice, -3, 1) * direction(dice)) : zero();
+    const Vec3 common_mps = both_fly ? Vec3(dice.between(1e-3, 10) * direction(dice)) : zero();
     const Vec3 pull_mps2 = dice.one_in(3) ? zero() : Vec3(0, 0, -9.81);
     const bool evenly = first_.body.inertia.symmetry != InertiaSymmetry::general &&
                         second_.body.inertia.symmetry != InertiaSymmetry::general;
     const Tick began{static_cast<TickCount>(dice.below(std::uint64_t{1} << 30U))};
-    begin = began + ticks_after(power_between(dice, -3, evenly ? 1 : -2));
+    begin = began + ticks_after(dice.between(1e-3, evenly ? 10 : 1e-2));
     // Some hover: not even as fast as what counts as an approach.
     const bool hovers = dice.one_in(10);
     const bool parts = dice.one_in(4);
-    const double speed_mps = (parts ? -1 : 1) * (hovers ? 1e-10 : power_between(dice, -6, 0.5));
-    const double after_s = hovers ? 1e-6 : power_between(dice, -7, -2);
+    const double speed_mps = (parts ? -1 : 1) * (hovers ? 1e-10 : dice.between(1e-6, 3));
+    const double after_s = hovers ? 1e-6 : dice.between(1e-7, 1e-2);
     const double gap_m = parts && !hovers ? 1e-8 : std::fabs(speed_mps) * after_s + touch_m;
     span = std::max<TickCount>(4, ticks_after(hovers ? 1e-4 : 2 * after_s));
     for (Flyer* flyer : {&first_, &second_}) {
@@ -83,7 +78,7 @@ class Approach {
       flight.begin = began;
       flight.orientation = math::normalized(testing::random_turn(dice));
       if (!hovers && dice.below(3) != 0)
-        flight.angular_velocity_radps = power_between(dice, -6, 1.5) * direction(dice);
+        flight.angular_velocity_radps = dice.between(1e-6, 30) * direction(dice);
       if (both_fly || (flyer == &first_ && !hovers && dice.one_in(2)))
         flight.acceleration_mps2 = pull_mps2;
     }

@@ -1,6 +1,7 @@
 // Random choices of a test, from a stream of its own.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "common/math/vector.h"
@@ -19,6 +20,8 @@ struct Dice {
   }
   bool one_in(std::uint64_t count) { return below(count) == 0; }
   double within(double half) { return random::Uniform{.low = -half, .high = half}.draw(stream); }
+  /// A size from low to high, each order of magnitude as likely.
+  double between(double low, double high) { return low * std::pow(high / low, 0.5 + within(0.5)); }
   Vec3 vector_within(double half) {
     const double x = within(half);
     const double y = within(half);

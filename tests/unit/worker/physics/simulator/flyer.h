@@ -1,6 +1,7 @@
 // A body in free flight, as searches for collisions are given it.
 #pragma once
 
+#include "worker/physics/motion/motion_bounds.h"
 #include "worker/physics/motion/rotation_bounds.h"
 #include "worker/physics/motion/rotation_track.h"
 #include "worker/physics/shape/mass_properties.h"

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "tests/unit/worker/physics/simulator/long_run.h"
 #include "tests/unit/worker/physics/simulator/mixed_scene.h"
 #include "tests/unit/worker/physics/simulator/plain_geometry.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
@@ -22,9 +23,7 @@ using testing::RecordedRun;
 /// How deep bodies may overlap.
 constexpr double k_depth_m = 1e-9;
 
-bool long_run() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr;
-}
+using testing::long_run;
 
 /// Reads clearances from a recording.
 class Overlaps {

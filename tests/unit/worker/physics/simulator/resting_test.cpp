@@ -1,10 +1,10 @@
 // Coming to rest, staying there, and being woken.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <numbers>
 
 #include "common/random/stream.h"
+#include "tests/unit/worker/physics/simulator/long_run.h"
 #include "tests/unit/worker/physics/simulator/plain_geometry.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/scenes/scenes.h"
@@ -17,9 +17,7 @@ namespace {
 
 using testing::RecordedRun;
 
-bool long_run() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr;
-}
+using testing::long_run;
 
 MotionMode mode_at(const RecordedRun& run, std::uint32_t body, Tick tick) {
   return run.recording.segment_at({body}, tick)->mode;

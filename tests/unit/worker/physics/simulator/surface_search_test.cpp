@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/unit/worker/physics/simulator/long_run.h"
 #include "tests/unit/worker/physics/simulator/surface_meeting.h"
 #include "tests/unit/worker/physics/simulator/surface_tables.h"
 #include "worker/physics/simulator/surface_search.h"
@@ -23,28 +24,21 @@ using testing::same_contact;
 
 constexpr std::uint64_t k_seed = 20261122;
 
-bool long_run() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr;
-}
-
-/// A size from low to high, each order of magnitude as likely.
-double between(Dice& dice, double low, double high) {
-  return low * std::pow(high / low, 0.5 + dice.within(0.5));
-}
+using testing::long_run;
 
 StaticSurface random_surface(Dice& dice) {
   const auto relief = static_cast<Relief>(dice.below(testing::k_reliefs));
-  const double height_m = between(dice, 1e-4, 5e-3);
-  const double spacing_m = between(dice, 5e-3, 40e-3);
+  const double height_m = dice.between(1e-4, 5e-3);
+  const double spacing_m = dice.between(5e-3, 40e-3);
   return testing::table_surface(testing::random_table(dice.below(1'000'000), relief, height_m),
                                 spacing_m, dice.one_in(3) ? 1.5e-3 : 4e-3);
 }
 
 BodyShape random_body(Dice& dice) {
-  const double side_m = between(dice, 5e-3, 30e-3);
+  const double side_m = dice.between(5e-3, 30e-3);
   if (dice.below(4) != 0) return testing::die_of(side_m);
   return testing::solid_of(
-      box(Vec3(side_m, side_m * between(dice, 0.5, 2), side_m * between(dice, 0.5, 2))).value(),
+      box(Vec3(side_m, side_m * dice.between(0.5, 2), side_m * dice.between(0.5, 2))).value(),
       InertiaSymmetry::general);
 }
 
@@ -65,15 +59,15 @@ void place(Meeting& meeting, Dice& dice) {
   const Quat along_table =
       math::quaternion_of_rotation_vector({std::atan(below.slope_y), -std::atan(below.slope_x), 0});
   const Quat a_bit =
-      math::quaternion_of_rotation_vector(dice.vector_within(between(dice, 1e-9, 0.3)));
+      math::quaternion_of_rotation_vector(dice.vector_within(dice.between(1e-9, 0.3)));
   flight.orientation = math::normalized(
       math::composed(a_bit, math::composed(along_table, math::composed(about_z, turn))));
   const std::array<double, 6> gaps_m{-1e-9,
                                      0.5 * k_touch_m,
                                      k_touch_m,
                                      k_touch_m * (1 + 1e-9),
-                                     1e-6 * between(dice, 0.1, 100),
-                                     between(dice, 1e-5, 1e-2)};
+                                     1e-6 * dice.between(0.1, 100),
+                                     dice.between(1e-5, 1e-2)};
   meeting.lower_to(gaps_m[dice.below(gaps_m.size())]);
 }
 
@@ -82,15 +76,15 @@ void move(Meeting& meeting, Dice& dice) {
   FreeFlight& flight = meeting.flyer().flight;
   flight.acceleration_mps2 = {0, 0, dice.one_in(8) ? 0 : -9.81};
   if (dice.one_in(8)) flight.acceleration_mps2 += dice.vector_within(5);
-  flight.angular_velocity_radps = dice.vector_within(between(dice, 1e-3, 100));
-  flight.velocity_mps = dice.vector_within(between(dice, 1e-6, 3));
+  flight.angular_velocity_radps = dice.vector_within(dice.between(1e-3, 100));
+  flight.velocity_mps = dice.vector_within(dice.between(1e-6, 3));
   if (dice.one_in(8)) flight.angular_velocity_radps = Vec3::Zero();
   if (dice.one_in(8)) flight.velocity_mps = Vec3(0, 0, flight.velocity_mps.z());
   if (dice.one_in(2)) {
     const MovingPiece box = meeting.at(flight.begin);
     const Vec3 arm_m = meeting.contact_at(flight.begin).point_m - flight.position_m;
     flight.velocity_mps = -math::cross(box.angular_velocity_radps, arm_m) +
-                          dice.vector_within(between(dice, 1e-9, 0.1));
+                          dice.vector_within(dice.between(1e-9, 0.1));
   }
 }
 
@@ -167,9 +161,9 @@ void bounce(Meeting& meeting, Tick tick, Dice& dice) {
   flight.begin = tick;
   flight.position_m = box.pose.position_m;
   flight.angular_velocity_radps =
-      box.angular_velocity_radps + dice.vector_within(between(dice, 1e-3, 10));
+      box.angular_velocity_radps + dice.vector_within(dice.between(1e-3, 10));
   const Vec3 point_mps = box.velocity_mps + math::cross(flight.angular_velocity_radps, arm_m);
-  const double away_mps = dice.one_in(3) ? 1e-9 : between(dice, 1e-6, 0.3);
+  const double away_mps = dice.one_in(3) ? 1e-9 : dice.between(1e-6, 0.3);
   flight.velocity_mps =
       box.velocity_mps + (away_mps - math::dot(point_mps, contact.normal)) * contact.normal;
 }
@@ -241,8 +235,8 @@ TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
     SCOPED_TRACE(fmt::format("case {}", n));
     Dice dice(k_seed + 1, n);
     const double spacing_m = 5e-3;
-    const double hill_per_m = between(dice, 0.5, 4);
-    const double hollow_per_m = hill_per_m * between(dice, 2, 10);
+    const double hill_per_m = dice.between(0.5, 4);
+    const double hollow_per_m = hill_per_m * dice.between(2, 10);
     const auto bend_per_m = [=](int i) {
       if (i < 0 || i > 9) return 0.0;
       return i <= 1 ? (1 - i) * hollow_per_m : -hill_per_m;
@@ -257,10 +251,10 @@ TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
         math::composed(math::quaternion_of_rotation_vector({0, -rise, 0}),
                        math::quaternion_of_rotation_vector({half * (1.5 + dice.within(1)), 0, 0})));
     flyer.flight.position_m = {0.5 * side_m + dice.within(3e-3), dice.within(0.01), 0.1};
-    meeting.lower_to(between(dice, 1e-7, 1e-4));
-    flyer.flight.velocity_mps = {0, 0, -between(dice, 1e-3, 1)};
+    meeting.lower_to(dice.between(1e-7, 1e-4));
+    flyer.flight.velocity_mps = {0, 0, -dice.between(1e-3, 1)};
     flyer.flight.acceleration_mps2 = {0, 0, -9.81};
-    flyer.flight.angular_velocity_radps = dice.vector_within(between(dice, 1e-6, 1e-3));
+    flyer.flight.angular_velocity_radps = dice.vector_within(dice.between(1e-6, 1e-3));
     NearPoints near;
     const Tick end = flyer.flight.begin + ticks_after(0.02);
     const auto met = walk(meeting, end, &near, dice, tally);
@@ -276,23 +270,23 @@ TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
   for (std::uint64_t n = 0; n < 160 && !HasFailure(); ++n) {
     SCOPED_TRACE(fmt::format("case {}", n));
     Dice dice(k_seed + 4, n);
-    const double spacing_m = between(dice, 2e-3, 8e-3);
-    const double high_m = between(dice, 1e-4, 6e-3) * (dice.one_in(4) ? -1 : 1);
+    const double spacing_m = dice.between(2e-3, 8e-3);
+    const double high_m = dice.between(1e-4, 6e-3) * (dice.one_in(4) ? -1 : 1);
     const auto first = static_cast<std::int32_t>(5 + dice.below(12));
     const std::int32_t last = dice.one_in(2) ? 1000 : first;
     auto table = testing::table_of([=](GridIndex index) {
       return SurfaceControl{.height_m = index.i >= first && index.i <= last ? high_m : 0};
     });
-    Flyer flyer{testing::die_of(between(dice, 5e-3, 2e-2)), {}};
+    Flyer flyer{testing::die_of(dice.between(5e-3, 2e-2)), {}};
     flyer.flight.begin = Tick{1'000'000};
     Meeting meeting(testing::table_surface(table, spacing_m, dice.one_in(2) ? 2e-3 : 4e-3), flyer);
     place(meeting, dice);
-    flyer.flight.position_m.x() = -between(dice, 1e-3, 3e-2);
-    meeting.lower_to(between(dice, 1e-7, 1e-3));
+    flyer.flight.position_m.x() = -dice.between(1e-3, 3e-2);
+    meeting.lower_to(dice.between(1e-7, 1e-3));
     const double way_m = first * spacing_m;
-    flyer.flight.velocity_mps = {between(dice, 0.2, 5), dice.within(0.1), dice.within(0.01)};
+    flyer.flight.velocity_mps = {dice.between(0.2, 5), dice.within(0.1), dice.within(0.01)};
     flyer.flight.angular_velocity_radps =
-        dice.vector_within(dice.one_in(2) ? 1e-3 : between(dice, 1, 100));
+        dice.vector_within(dice.one_in(2) ? 1e-3 : dice.between(1, 100));
     flyer.flight.acceleration_mps2 = {0, 0, dice.one_in(2) ? 0 : -9.81};
     if (dice.one_in(4)) flyer.flight.acceleration_mps2.x() = 30;
     NearPoints near;
@@ -349,7 +343,7 @@ TEST(SurfaceSearch, AFlatTableIsAPlane) {
     Meeting meeting(testing::table_surface(testing::random_table(1, Relief::flat, 0), 0.01), flyer);
     flyer.flight.orientation = testing::random_turn(dice);
     flyer.flight.position_m.z() = 0.1;
-    meeting.lower_to(between(dice, 1e-6, 0.1));
+    meeting.lower_to(dice.between(1e-6, 0.1));
     flyer.flight.velocity_mps = dice.vector_within(1);
     flyer.flight.angular_velocity_radps = dice.vector_within(30);
     flyer.flight.acceleration_mps2 = {0, 0, -9.81};
@@ -396,10 +390,10 @@ TEST(SurfaceSearch, BoxesHaveLattices) {
   // many sides, points of faces looked up among those of edges; other solids.
   Dice dice(k_seed, 9);
   for (int n = 0; n < 400; ++n) {
-    const double spacing_m = between(dice, 5e-4, 5e-3);
+    const double spacing_m = dice.between(5e-4, 5e-3);
     Vec3 sides_m;
     for (int axis = 0; axis < 3; ++axis)
-      sides_m[axis] = n % 2 == 0 ? between(dice, 2e-3, 5e-2)
+      sides_m[axis] = n % 2 == 0 ? dice.between(2e-3, 5e-2)
                                  : spacing_m * static_cast<double>(1 + dice.below(20));
     const BodyShape solid = testing::solid_of(box(sides_m).value(), InertiaSymmetry::general);
     const ConvexView view = solid.parts[0].view();
@@ -466,7 +460,7 @@ TEST(SurfaceSearch, PointsNearAreTheOutermostOnes) {
     Meeting meeting(surface, flyer);
     place(meeting, dice);
     const MovingPiece box = meeting.at(Tick{});
-    const double near_m = between(dice, 1e-7, 1e-3);
+    const double near_m = dice.between(1e-7, 1e-3);
     std::vector<Vec3> found_m;
     points_near(meeting.surface(), meeting.lattice(), box, near_m,
                 [&](const Vec3& at_m, const Vec3& normal) {

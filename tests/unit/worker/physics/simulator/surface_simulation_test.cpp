@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "tests/unit/worker/physics/simulator/long_run.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
 #include "tests/unit/worker/physics/simulator/surface_tables.h"
@@ -21,9 +22,7 @@ using testing::Relief;
 constexpr std::uint64_t k_seed = 20261122;
 constexpr double k_side_m = 0.016;
 
-bool long_run() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr;
-}
+using testing::long_run;
 
 /// The n-th of an endless list of throws, of 1 to 5 dice.
 Scene throw_of(std::uint64_t n) {
