@@ -194,7 +194,11 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
                            .velocity_mps = balls_[ball].segment.flight.velocity_mps,
                            .acceleration_mps2 = scene_->gravity_mps2};
   std::uint32_t lowest = k_none;
+  // Boxes are wider than the rounding of a place.
+  const TouchBox here{.low_m = floats_of(Four::of(place_m)),
+                      .high_m = floats_of(Four::of(place_m))};
   const auto ask = [&](std::uint32_t index) {
+    if (!overlaps(here, near_->touch_boxes()[index])) return;
     const SphereFeature& feature = statics_->feature(index);
     if (index < lowest && gap_to(feature, centre, radius_m_).gap_m <= k_touch_m &&
         outside_for_s(statics_->sides(feature), centre) == 0)

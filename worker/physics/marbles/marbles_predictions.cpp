@@ -231,11 +231,23 @@ void Marbles::predict_static(std::uint32_t index) {
       met(index_of_corner, meets_corner(flight, corner, window, after_s));
   };
   const TouchBox* const touch_boxes = near_->touch_boxes().data();
+  // Which are near nobody can foretell: so no branch hangs on it, and they are asked afterwards.
+  std::array<std::uint32_t, 64> near;
   const auto ask_each = [&](std::span<const std::uint32_t> features, const auto& ask) {
     const TouchBox box = window.box;
-    for (const std::uint32_t feature : features) {
-      if (overlaps(box, touch_boxes[feature]) && feature != done[0] && feature != done[1] &&
-          feature != done[2] && feature != done[3])
+    while (!features.empty()) {
+      const auto some = features.first(std::min(features.size(), near.size()));
+      features = features.subspan(some.size());
+      std::size_t count = 0;
+      for (const std::uint32_t feature : some) {
+        near[count] = feature;
+        const bool is_new = static_cast<bool>(
+            static_cast<int>(feature != done[0]) & static_cast<int>(feature != done[1]) &
+            static_cast<int>(feature != done[2]) & static_cast<int>(feature != done[3]));
+        count += static_cast<std::size_t>(overlaps(box, touch_boxes[feature])) &
+                 static_cast<std::size_t>(is_new);
+      }
+      for (const std::uint32_t feature : std::span(near).first(count))
         ask(feature);
     }
   };

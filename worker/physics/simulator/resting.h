@@ -376,7 +376,7 @@ std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
     const bool slides = log.state.stance == Stance::slides;
     log.due = now + std::max<TickCount>(1, slides ? 4 * rest_span() : rest_span() / 2);
     if (is_jammed(log)) log.slow_collisions = 0;
-    if (present(body).speed_mps >= rule_.rest_speed_mps) disturbed(body);
+    if (log.state.speed_mps >= rule_.rest_speed_mps) disturbed(body);
     return {};
   }
 
