@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "worker/physics/simulator/envelope.h"
 #include "worker/physics/simulator/first_collision.h"
@@ -26,39 +27,40 @@ constexpr double k_well_apart = 0.02;
 /// mostly change their motion before.
 constexpr double k_long_enough_s = 5e-4;
 
-/// Whether two pieces touch at a look. A pair apart collides no earlier than its bound touches; the
-/// rate of that says nothing of it, as the gap may fall along another normal.
-enum class Gap : std::uint8_t { touches, open };
+/// Of a pair that touches: beyond this nothing is said.
+constexpr double k_touching_s = 1;
 
-double first_collision_s(Gap gap, const Line& line, double fall, double from_s) {
-  return gap == Gap::touches ? physics::first_collision_s(line.place_m, line.rate_mps, fall, from_s)
-                             : first_touch_s(line.place_m, line.rate_mps, fall, from_s);
+/// Both pieces' lines. What doesn't move is a plane, and has none.
+Line sum_of(const Line& base, const Line& a, const Line& b) {
+  return {(base.place_m + a.place_m) + b.place_m, (base.rate_mps + a.rate_mps) + b.rate_mps};
 }
+constexpr Line k_no_line{0, 0};
 
-/// Walks along the envelope of two sets of lines, the first of which may be a fixed line at 0.
-double failing_along(Gap gap, const Line& base, double fall, Envelope* first, Envelope& second) {
-  const auto sum = [&](const Line& a, const Line& b) -> Line {
-    return {(base.place_m + a.place_m) + b.place_m, (base.rate_mps + a.rate_mps) + b.rate_mps};
+/// From a time on, when the sum of two envelopes, of which the first may be a plane's, may come
+/// down to the touch.
+double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& second,
+                    double from_s) {
+  const auto touch_s = [&](const Line& a, const Line& b, double since_s) {
+    const Line line = sum_of(base, a, b);
+    return first_touch_s(line.place_m, line.rate_mps, fall, since_s);
   };
-  const Line none{0, 0};
   // The lines that are lowest now bound the answer from above; only those that come to lie below
   // them by then can lower it. Mostly there are none.
-  const double until_s = first_collision_s(
-      gap, sum(first != nullptr ? first->first() : none, second.first()), fall, 0);
+  const double until_s =
+      touch_s(first != nullptr ? first->first() : k_no_line, second.first(), from_s);
   const bool first_changes = first != nullptr && first->keep_until(until_s);
   const bool second_changes = second.keep_until(until_s);
   if (!first_changes && !second_changes) return until_s;
-  Line a = first != nullptr ? first->first() : none;
+  Line a = first != nullptr ? first->first() : k_no_line;
   Line b = second.first();
-  double from_s = 0;
   for (int corner = 0; corner < k_corners_max; ++corner) {
-    const double collision_s = first_collision_s(gap, sum(a, b), fall, from_s);
+    const double down_s = touch_s(a, b, from_s);
     Line next_a = a;
     Line next_b = b;
     const double corner_a_s = first_changes ? first->next_after(a, next_a) : k_forever_s;
     const double corner_b_s = second_changes ? second.next_after(b, next_b) : k_forever_s;
     const double corner_s = std::max(from_s, std::min(corner_a_s, corner_b_s));
-    if (collision_s <= corner_s) return collision_s;
+    if (down_s <= corner_s) return down_s;
     from_s = corner_s;
     if (corner_a_s <= corner_b_s) {
       a = next_a;
@@ -67,6 +69,63 @@ double failing_along(Gap gap, const Line& base, double fall, Envelope* first, En
     }
   }
   return from_s;
+}
+
+/// When a line less fall h^2 / 2 is clear of the touch, as deep as it is in it now; infinite if it
+/// doesn't come out.
+double comes_out_s(const Line& line, double fall) {
+  const double deep_m = k_touch_m - line.place_m;
+  const double discriminant = line.rate_mps * line.rate_mps - 2 * fall * deep_m;
+  if (!(line.rate_mps > 0 && discriminant > 0)) return k_forever_s;
+  const double out_s = 2 * std::max(0.0, deep_m) / (line.rate_mps + std::sqrt(discriminant));
+  return 2 * out_s + k_seconds_per_tick;
+}
+
+/// When a vertex may first be the lowest of its piece. Its line, and the lowest one's, are right to
+/// bend h^2 / 2 but for what both share, and places to rounding.
+double takes_over_s(const Line& line, const Line& lowest, double bend, double rounding_m) {
+  const double above_m = line.place_m - lowest.place_m - rounding_m;
+  const double faster_mps = lowest.rate_mps - line.rate_mps;
+  if (above_m <= 0) return 0;
+  if (bend <= 0) return faster_mps > 0 ? above_m / faster_mps : k_forever_s;
+  const double root = std::sqrt(faster_mps * faster_mps + 4 * bend * above_m);
+  return faster_mps > 0 ? 2 * above_m / (root + faster_mps) : (root - faster_mps) / (2 * bend);
+}
+
+/// Up to a time, how long two pieces that touch can't collide, along an axis that turns with the
+/// features that do. As long as the same vertices are lowest, how fast these fall is how fast the
+/// gap does. Once others take over, other features may touch, between these vertices, and along
+/// another normal: so that is looked at, unless all of them part.
+double touching_along(const Line& base, double fall, double bend, double rounding_m,
+                      Envelope* first, Envelope& second, double until_s) {
+  const Line lowest_a = first != nullptr ? first->first() : k_no_line;
+  const Line lowest_b = second.first();
+  const Line lowest = sum_of(base, lowest_a, lowest_b);
+  until_s = std::min(until_s, first_collision_s(lowest.place_m, lowest.rate_mps, fall, 0));
+  const double margin_m = bend * until_s * until_s + rounding_m;
+  const std::span<const Line> of_a =
+      first != nullptr ? first->keep_near_until(until_s, margin_m) : std::span(&k_no_line, 1);
+  const std::span<const Line> of_b = second.keep_near_until(until_s, margin_m);
+  // Those that move as one are one: they may be equally low for long.
+  constexpr double k_alike_mps = 0.25 * k_approach_mps;
+  double falls_mps = base.rate_mps;
+  double takes_over = k_forever_s;
+  const auto add = [&](std::span<const Line> lines, const Line& own) {
+    double least_mps = own.rate_mps;
+    for (const Line& line : lines) {
+      least_mps = std::min(least_mps, line.rate_mps);
+      if (std::fabs(line.rate_mps - own.rate_mps) > k_alike_mps)
+        takes_over = std::min(takes_over, takes_over_s(line, own, bend, rounding_m));
+    }
+    falls_mps += least_mps;
+  };
+  add(of_a, lowest_a);
+  add(of_b, lowest_b);
+  if (!(takes_over < until_s)) return until_s;
+  // From when on any may fall.
+  const double left_mps = falls_mps + 0.5 * k_approach_mps;
+  const double falls_s = left_mps <= 0 ? 0 : fall > 0 ? left_mps / fall : k_forever_s;
+  return std::min(until_s, std::max(takes_over, falls_s));
 }
 
 Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
@@ -224,31 +283,74 @@ struct Shadows {
   }
 };
 
-/// How long two pieces can't collide, as their separation along an axis shows.
-double failing_along_axis(Gap gap, const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
-                          double touch_m, const AxisTurn& turn) {
+/// The separation along an axis, but for the vertices, and by how much it may fall faster than
+/// that.
+struct Separation {
+  Line base;
+  double fall_mps2;
+  double bend_mps2;  ///< the part of that in which vertices differ
+  double pull_mps2;  ///< of the centres, apart
+};
+/// From here on the shadows' axis turns.
+Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
+                            double touch_m, const AxisTurn& turn) {
   const Vec3& axis = shadows.axis;
   const Vec3 between_m = b.pose.position_m - a.pose.position_m;
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
-  const Line base{
-      math::dot(axis, between_m) - (a.radius_m + b.radius_m) + (k_touch_m - touch_m) -
-          rounding_m(a, b),
-      math::dot(axis, relative_mps - math::cross(turn.angular_velocity_radps, between_m))};
-  const double pull = math::dot(axis, b.acceleration_mps2 - a.acceleration_mps2);
-  const bool still = is_zero(turn.angular_velocity_radps);
-  // An axis that turns may come to lie along all of the acceleration.
-  const double towards = still ? pull : -math::norm(b.acceleration_mps2 - a.acceleration_mps2);
-  const double fall = std::max(
-      0.0, (a.turning_acceleration_mps2 + b.turning_acceleration_mps2) + turn.fall_mps2 - towards);
+  const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
+  const double pull = math::dot(axis, pull_mps2);
+  // An axis that turns comes to lie otherwise to the acceleration, in the end along all of it.
+  double towards = pull;
+  if (!is_zero(turn.angular_velocity_radps)) {
+    const double turns = math::norm(turn.angular_velocity_radps) * turn.valid_s;
+    const double all = math::norm(pull_mps2);
+    towards = std::max(-all, pull - turns * all);
+  }
+  const double bend = (a.turning_acceleration_mps2 + b.turning_acceleration_mps2) + turn.fall_mps2;
   shadows.of_a.turn(turn.angular_velocity_radps);
   shadows.of_b.turn(turn.angular_velocity_radps);
-  const double span_s =
-      std::min(failing_along(gap, base, fall, &shadows.of_a, shadows.of_b), turn.valid_s);
-  if (!still) return span_s;
+  return {
+      .base = {math::dot(axis, between_m) - (a.radius_m + b.radius_m) + (k_touch_m - touch_m) -
+                   rounding_m(a, b),
+               math::dot(axis, relative_mps - math::cross(turn.angular_velocity_radps, between_m))},
+      .fall_mps2 = std::max(0.0, bend - towards),
+      .bend_mps2 = bend,
+      .pull_mps2 = pull};
+}
+
+/// How long two pieces apart can't touch, as their separation along an axis shows.
+double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
+                  const AxisTurn& turn) {
+  const Separation separation = separation_along(a, b, shadows, touch_m, turn);
+  const Line& base = separation.base;
+  const double span_s = std::min(
+      turn.valid_s, comes_down_s(base, separation.fall_mps2, &shadows.of_a, shadows.of_b, 0));
+  if (!is_zero(turn.angular_velocity_radps)) return span_s;
   // However they turn, they stay inside of their spheres; what doesn't turn stays behind its plane.
   const double apart_m =
       base.place_m + (nearest_m(a, shadows.of_a) + nearest_m(b, shadows.of_b)) - k_touch_m;
-  return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, pull)) : span_s;
+  return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, separation.pull_mps2))
+                     : span_s;
+}
+
+/// How long two pieces that touch can't collide. While they do, by an axis that turns with their
+/// features: along one that stays, how fast it falls is not how fast the gap does. Once they have
+/// come apart along one that stays, they must come down again along that.
+double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
+                      const AxisTurn& turn) {
+  const double size_m = a.view->r_outer_m + b.view->r_outer_m;
+  const Separation fixed = separation_along(a, b, shadows, touch_m, {});
+  const double out_s =
+      comes_out_s(sum_of(fixed.base, shadows.of_a.first(), shadows.of_b.first()), fixed.fall_mps2);
+  const Separation turning = separation_along(a, b, shadows, touch_m, turn);
+  const double until_s = std::min({k_touching_s, turn.valid_s, out_s});
+  const double span_s =
+      touching_along(turning.base, turning.fall_mps2, turning.bend_mps2, k_rounding_ulps * size_m,
+                     &shadows.of_a, shadows.of_b, until_s);
+  if (span_s < out_s) return span_s;
+  shadows.of_a.turn(Vec3::Zero());
+  shadows.of_b.turn(Vec3::Zero());
+  return comes_down_s(fixed.base, fixed.fall_mps2, &shadows.of_a, shadows.of_b, out_s);
 }
 
 /// Along the line of the centres, or along the normal of the face of what doesn't move that the
@@ -335,7 +437,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     const double smaller_m = std::min(a.reach_m + a.radius_m, b.reach_m + b.radius_m);
     const double gap_m = guess.gap_m(a, b);
     if (gap_m > k_well_apart * smaller_m) {
-      Examined apart = look_after(tick, failing_along_axis(Gap::open, a, b, guess, touch_m, {}));
+      Examined apart = look_after(tick, open_for_s(a, b, guess, touch_m, {}));
       apart.gap_m = gap_m;
       return apart;
     }
@@ -355,14 +457,20 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   // How long they can't collide, by axes that stay and that turn with the features.
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
   const double gap_m = closest.gap_m - (a.radius_m + b.radius_m);
-  const Gap gap = gap_m <= touch_m ? Gap::touches : Gap::open;
-  Shadows shadows(a, b, closest.normal);
-  double span_s = failing_along_axis(gap, a, b, shadows, touch_m, {});
-  if (span_s < k_long_enough_s) {
+  const auto turn_with_features = [&]() -> AxisTurn {
     const Vec3 turning = turn_of_axis(a, b, closest);
-    if (!is_zero(turning)) {
-      const AxisTurn turn = turning_axis(a, b, contact_m, turning);
-      span_s = std::max(span_s, failing_along_axis(gap, a, b, shadows, touch_m, turn));
+    return is_zero(turning) ? AxisTurn{} : turning_axis(a, b, contact_m, turning);
+  };
+  Shadows shadows(a, b, closest.normal);
+  double span_s = 0;
+  if (gap_m <= touch_m) {
+    span_s = touching_for_s(a, b, shadows, touch_m, turn_with_features());
+  } else {
+    span_s = open_for_s(a, b, shadows, touch_m, {});
+    if (span_s < k_long_enough_s) {
+      const AxisTurn turn = turn_with_features();
+      if (!is_zero(turn.angular_velocity_radps))
+        span_s = std::max(span_s, open_for_s(a, b, shadows, touch_m, turn));
     }
   }
   if (span_s < k_long_enough_s) span_s = std::max(span_s, too_slow_for_s(a, b));
@@ -379,15 +487,24 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
                   math::dot(axis, b.velocity_mps)};
   const double pull = math::dot(axis, b.acceleration_mps2);
   Envelope of_b(b, axis);
-  Gap gap = Gap::open;
+  bool touches = false;
   if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m) {
     contact = contact_of(solid_below, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
-    if (contact.gap_m <= touch_m) gap = Gap::touches;
+    touches = contact.gap_m <= touch_m;
   }
   const double fall = std::max(0.0, b.turning_acceleration_mps2 - pull);
   of_b.turn(Vec3::Zero());
-  double span_s = failing_along(gap, base, fall, nullptr, of_b);
+  double from_s = 0;
+  double span_s = k_forever_s;
+  if (touches) {
+    from_s = comes_out_s(sum_of(base, k_no_line, of_b.first()), fall);
+    span_s =
+        touching_along(base, fall, b.turning_acceleration_mps2, k_rounding_ulps * b.view->r_outer_m,
+                       nullptr, of_b, std::min(k_touching_s, from_s));
+    of_b.turn(Vec3::Zero());
+  }
+  if (span_s >= from_s) span_s = comes_down_s(base, fall, nullptr, of_b, from_s);
   const double sphere_m = base.place_m - b.reach_m - k_touch_m;
   if (sphere_m > 0) span_s = std::max(span_s, first_zero_s(sphere_m, base.rate_mps, pull));
   if (span_s < k_long_enough_s) {

@@ -3,11 +3,13 @@
 // Idea. Along a fixed axis n the separation of two pieces is the lowest vertex of B less the
 // highest of A, and the gap is never less than that. Each vertex's place along n is known now, so
 // is its rate, and its acceleration has a bound; so the separation lies above the lower envelope of
-// one line for each vertex, less D h^2 / 2. The first time at which that bound touches and falls is
-// a time before which pieces that touch don't collide. Pieces apart have to touch first, so of them
-// it is only asked when the bound does: the gap may fall along another normal. With n the line of
-// closest points the bound is tight to second order, so a handful of looks finds the collision to
-// the tick.
+// one line for each vertex, less D h^2 / 2. Pieces apart have to touch first, so of them it is only
+// asked when the bound does. With n the line of closest points the bound is tight to second order,
+// so a handful of looks finds the collision to the tick.
+//
+// Pieces that touch collide when the gap falls, as fast as the lowest vertex does along the normal:
+// so the axis must turn with the features that touch, and of each vertex it is asked from when on
+// it may be the lowest one and fall.
 //
 // This is the second of two stages (thesis 3.2.2); the first is when the bounding spheres meet.
 // What the thesis takes for the second, the distance over the greatest speed of any point, is first
@@ -24,10 +26,11 @@
 //      and so, by the bound above, only which ticks are skipped: never what collides, or when.
 //      Hence whoever searches, and in whatever portions, finds the same collision, but for what 3
 //      leaves open.
-//   3. A look is skipped only under the bound above, lowered by what rounding does to gaps so far
-//      from the origin. Of pieces that touch it is one as long as the same features touch; nor does
-//      it cover what turns the normal of two vertices, or of a vertex and an edge, about the edge,
-//      while they are within k_touch_m of each other; spheres' normals it covers.
+//   3. A look is skipped only under the bounds above, lowered by what rounding does to gaps so far
+//      from the origin. Of pieces that touch that holds as long as the normal turns with the same
+//      face, or the same two edges, whichever vertices touch. It doesn't cover what turns the
+//      normal of two vertices, or of a vertex and an edge, about the edge, while they are within
+//      k_touch_m of each other; spheres' normals it covers.
 // Thread safety: pure functions, but for the cache that they are given.
 #pragma once
 

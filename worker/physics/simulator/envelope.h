@@ -12,6 +12,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include "worker/physics/simulator/convex_search.h"
 #include "worker/physics/simulator/first_collision.h"
@@ -108,37 +109,17 @@ class Envelope {
   /// Forgets the lines that don't come to lie below the first one within a time. Whether any is
   /// left.
   bool keep_until(double until_s) {
-    if (!(fastest_mps_ > 0)) return false;
-    const ConvexView& view = *piece_.view;
-    const Line start = lines_[0];
-    // Lower than this now, or it can't be lower than the first one then.
-    const double limit_m = start.place_m + (start.rate_mps + fastest_mps_) * until_s;
-    const Pair limit = {limit_m, limit_m};
-    const Pair start_m = {start.place_m, start.place_m};
-    const Pair start_mps = {start.rate_mps, start.rate_mps};
-    const Pair until = {until_s, until_s};
-    const Pair x = {rate_.x(), rate_.x()};
-    const Pair y = {rate_.y(), rate_.y()};
-    const Pair z = {rate_.z(), rate_.z()};
-    for (std::size_t i = 0; i < view.padded_count; i += 4) {
-      if (!any(load(&places_m_[i]) < limit, load(&places_m_[i + 2]) < limit)) continue;
-      for (std::size_t k = i; k < i + 4; k += 2) {
-        const Pair place = load(&places_m_[k]);
-        const Pair rate =
-            (x * load(view.xs_m + k) + y * load(view.ys_m + k)) + z * load(view.zs_m + k);
-        const auto below = place - start_m < (start_mps - rate) * until;
-        if (!any(below)) continue;
-        for (std::size_t lane = 0; lane < 2; ++lane) {
-          // The padding repeats vertex 0.
-          if (below[lane] == 0 || k + lane >= view.vertex_count) continue;
-          const Line other{place[lane], rate[lane]};
-          lines_[line_count_++] = other;
-          if (other.place_m == start.place_m && other.rate_mps < lines_[0].rate_mps)
-            lines_[0] = other;
-        }
-      }
-    }
+    for_each_below(until_s, 0, [&](const Line& other) {
+      lines_[line_count_++] = other;
+      if (other.place_m == lowest_m_ && other.rate_mps < lines_[0].rate_mps) lines_[0] = other;
+    });
     return line_count_ > 1;
+  }
+  /// Forgets the lines that don't come to lie below the first one, or less than a margin above it,
+  /// within a time. Those left, first the lowest one.
+  std::span<const Line> keep_near_until(double until_s, double margin_m) {
+    for_each_below(until_s, margin_m, [&](const Line& other) { lines_[line_count_++] = other; });
+    return {lines_.data(), line_count_};
   }
 
   /// The line that next passes below `current`, of those kept, and when.
@@ -160,6 +141,39 @@ class Envelope {
 
  private:
   static constexpr std::size_t k_none = k_hull_points_max;
+
+  /// Calls visit(line) for those that lie below the first one, raised by a margin, at some time up
+  /// to one. With a margin, for the first one as well.
+  template <class Visit>
+  void for_each_below(double until_s, double margin_m, const Visit& visit) {
+    if (!(fastest_mps_ > 0)) return;
+    const ConvexView& view = *piece_.view;
+    const Line start = lines_[0];
+    // Lower than this now, or it can't be lower than the first one then.
+    const double limit_m = start.place_m + (start.rate_mps + fastest_mps_) * until_s + margin_m;
+    const Pair limit = {limit_m, limit_m};
+    const Pair start_m = {start.place_m + margin_m, start.place_m + margin_m};
+    const Pair start_mps = {start.rate_mps, start.rate_mps};
+    const Pair until = {until_s, until_s};
+    const Pair x = {rate_.x(), rate_.x()};
+    const Pair y = {rate_.y(), rate_.y()};
+    const Pair z = {rate_.z(), rate_.z()};
+    for (std::size_t i = 0; i < view.padded_count; i += 4) {
+      if (!any(load(&places_m_[i]) < limit, load(&places_m_[i + 2]) < limit)) continue;
+      for (std::size_t k = i; k < i + 4; k += 2) {
+        const Pair place = load(&places_m_[k]);
+        const Pair rate =
+            (x * load(view.xs_m + k) + y * load(view.ys_m + k)) + z * load(view.zs_m + k);
+        const auto below = place - start_m < (start_mps - rate) * until;
+        if (!any(below)) continue;
+        for (std::size_t lane = 0; lane < 2; ++lane) {
+          // The padding repeats vertex 0.
+          if (below[lane] == 0 || k + lane >= view.vertex_count) continue;
+          visit(Line{place[lane], rate[lane]});
+        }
+      }
+    }
+  }
 
   const MovingPiece& piece_;
   Vec3 up_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 #include "tests/unit/worker/physics/simulator/flyer.h"
 #include "tests/unit/worker/physics/simulator/long_run.h"
@@ -144,11 +145,7 @@ class Approach {
   MovingPiece second_at(Tick tick) const {
     MovingPiece second = second_.at(tick, second_view_);
     if (other_ == Other::stays) {
-      const MovingPiece there = second_.at(begin, second_view_);
-      second = {};
-      second.view = &second_view_;
-      second.pose = there.pose;
-      second.reach_m = k_forever_s;
+      second = testing::standing(second_.at(begin, second_view_));
     } else if (other_ == Other::sphere) {
       second.view = &centre_;
       second.radius_m = second_.reach_m();
@@ -167,6 +164,106 @@ class Approach {
   PointPiece point_{Vec3::Zero()};
   ConvexView centre_ = point_.view();
   HalfSpace plane_;
+};
+
+/// Two bodies, one of which lies nearly flat on the other one, or on one that stays, within the
+/// touch; it rocks slowly, and may slide.
+class Rocking {
+ public:
+  static constexpr TickCount k_span = TickCount{1} << 22U;  // 4 ms
+
+  explicit Rocking(Dice& dice)
+      : below_{rocking_body(dice), {}},
+        above_{below_.body, {}},
+        below_view_(below_.part().view()),
+        above_view_(above_.part().view()),
+        stays_(dice.one_in(2)) {
+    begin = Tick{TickCount{1} << 20U};
+    const Quat about = math::normalized(testing::random_turn(dice));
+    double half_m = 0;
+    for (const Vec3& vertex : below_.part().vertices_m())
+      half_m = std::max(half_m, vertex.z());
+    const Quat yaw = turn_by(dice.one_in(3) ? 0 : dice.within(3), Vec3(0, 0, 1));
+    const Quat tilt = turn_by(dice.between(1e-9, 3e-6) / half_m, direction(dice));
+    const Vec3 aside_m = half_m * Vec3(dice.within(0.9), dice.within(0.9), 2);
+    below_.flight.begin = above_.flight.begin = begin;
+    below_.flight.orientation = about;
+    above_.flight.orientation = math::normalized(about * tilt * yaw);
+    below_.flight.position_m = 0.1 * direction(dice);
+    above_.flight.position_m = below_.flight.position_m + about * aside_m;
+    // Those that turn fast and hardly part are looked at tick for tick: any may be a collision.
+    const bool fast = dice.one_in(2);
+    const double turns_radps = fast ? 10 : 1e-2;
+    above_.flight.angular_velocity_radps = dice.between(1e-7, turns_radps) * direction(dice);
+    if (!stays_ && dice.one_in(2))
+      below_.flight.angular_velocity_radps = dice.between(1e-7, turns_radps) * direction(dice);
+    if (dice.one_in(2)) above_.flight.velocity_mps = dice.between(1e-6, 0.3) * direction(dice);
+    if (dice.one_in(2)) {
+      above_.flight.acceleration_mps2 = Vec3(0, 0, -9.81);
+      if (!stays_) below_.flight.acceleration_mps2 = above_.flight.acceleration_mps2;
+    }
+    // They don't approach, or not fast enough to collide.
+    const double gap_m = dice.between(1e-10, 9e-8);
+    double rate_mps = fast ? dice.between(1e-5, 1e-2) : dice.between(1e-10, 1e-4);
+    if (!fast && dice.one_in(2)) rate_mps = -dice.between(1e-12, 0.9 * k_approach_mps);
+    for (int i = 0; i < 4; ++i) {
+      const PieceContact contact = contact_of(below_at(begin), above_at(begin));
+      above_.flight.position_m += (gap_m - contact.gap_m) * contact.normal;
+      above_.flight.velocity_mps += (rate_mps - contact.rate_mps) * contact.normal;
+    }
+  }
+
+  MovingPiece below_at(Tick tick) const {
+    return stays_ ? testing::standing(below_.at(begin, below_view_)) : below_.at(tick, below_view_);
+  }
+  MovingPiece above_at(Tick tick) const { return above_.at(tick, above_view_); }
+  /// With what the normal turns: a face of one of them, or an edge of each. Nothing else is covered
+  /// (convex_search.h, invariant 3).
+  struct Normal {
+    std::optional<Feature> below;
+    std::optional<Feature> above;
+    bool is_covered() const { return below.has_value() || above.has_value(); }
+    friend bool operator==(const Normal&, const Normal&) = default;
+  };
+  Normal normal_at(Tick tick) const {
+    const MovingPiece a = below_at(tick);
+    const MovingPiece b = above_at(tick);
+    const Closest closest = closest_cold(*a.view, a.pose, *b.view, b.pose);
+    if (closest.feature_a.kind == FeatureKind::face)
+      return {.below = closest.feature_a, .above = {}};
+    if (closest.feature_b.kind == FeatureKind::face)
+      return {.below = {}, .above = closest.feature_b};
+    if (closest.feature_a.kind == FeatureKind::edge && closest.feature_b.kind == FeatureKind::edge)
+      return {.below = closest.feature_a, .above = closest.feature_b};
+    return {};
+  }
+
+  Tick begin{};
+
+ private:
+  static BodyShape rocking_body(Dice& dice) {
+    const double size_m = dice.between(5e-3, 0.05);
+    switch (dice.below(3)) {
+      case 0:
+        return testing::die_of(size_m);
+      case 1:
+        return testing::solid_of(regular_prism(5, size_m, 2 * size_m).value(),
+                                 InertiaSymmetry::axial);
+      default:
+        return testing::solid_of(box(Vec3(size_m, 1.5 * size_m, 0.4 * size_m)).value(),
+                                 InertiaSymmetry::general);
+    }
+  }
+  static Quat turn_by(double angle, const Vec3& axis) {
+    const Vec3 part = std::sin(0.5 * angle) * axis;
+    return {std::cos(0.5 * angle), part.x(), part.y(), part.z()};
+  }
+
+  Flyer below_;
+  Flyer above_;
+  ConvexView below_view_;
+  ConvexView above_view_;
+  bool stays_;
 };
 
 bool collides(const PieceContact& contact, double touch_m) {
@@ -224,6 +321,64 @@ TEST(ConvexSearch, SkipsNoCollision) {
   if (one == nullptr) {
     EXPECT_GT(collisions, last / 2);
     EXPECT_GT(compared, last);
+  }
+}
+
+TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
+  // Goal: invariant 3 of pieces that touch, where a vertex takes over from another one by so little
+  // as their acceleration and rounding are. Method: random bodies that lie nearly flat on each
+  // other and rock and slide; at the last of the skipped ticks, and at some others, the contact
+  // from scratch says whether they collide. Where the normal has come to turn with another face
+  // nothing is promised, and hardly any is missed.
+  const std::uint64_t cases = long_run() ? 500'000 : 20'000;
+  std::uint64_t looks = 0;
+  std::uint64_t collisions = 0;
+  std::uint64_t missed = 0;
+  const char* const one = std::getenv("SLEIGHT_CONVEX_CASE");
+  const std::uint64_t first = one != nullptr ? std::strtoull(one, nullptr, 10) : 0;
+  const std::uint64_t last = one != nullptr ? first + 1 : cases;
+  for (std::uint64_t n = first; n < last && !HasFailure(); ++n) {
+    SCOPED_TRACE(fmt::format("seed {}; to see it again: SLEIGHT_CONVEX_CASE={}", k_seed, n));
+    Dice dice(k_seed, n);
+    const Rocking pair(dice);
+    const Tick end = pair.begin + Rocking::k_span;
+    SeparationCache cache;
+    const std::uint64_t looks_before = looks;
+    bool is_over = false;
+    for (Tick tick = pair.begin; tick < end && !is_over && !HasFailure();) {
+      ++looks;
+      ASSERT_LT(looks - looks_before, 20'000U) << "it walks from tick to tick";
+      PieceContact contact;
+      const Examined examined =
+          examine_pieces(pair.below_at(tick), pair.above_at(tick), tick, k_touch_m, cache, contact);
+      if (examined.collides) {
+        ++collisions;
+        break;
+      }
+      const Tick next = std::min(examined.next, end);
+      const Rocking::Normal normal = pair.normal_at(tick);
+      const auto look = [&](Tick skipped) {
+        if (is_over || skipped <= tick || skipped >= next || !normal.is_covered()) return;
+        const PieceContact there = contact_of(pair.below_at(skipped), pair.above_at(skipped));
+        if (!collides(there, k_touch_m)) return;
+        is_over = true;
+        ++missed;
+        EXPECT_FALSE(pair.normal_at(skipped) == normal)
+            << fmt::format("from {}, next {}, but at {}: gap {} m, rate {} m/s", tick.value,
+                           next.value, skipped.value, there.gap_m, there.rate_mps);
+      };
+      for (const TickCount before : {1, 2, 3, 5, 10, 20, 40})
+        look(next - before);
+      for (int i = 0; i < 8; ++i)
+        look(tick + static_cast<TickCount>(dice.below(static_cast<std::uint64_t>(next - tick))));
+      tick = next;
+    }
+  }
+  fmt::print("{} looks, {} collisions, {} missed where the normal is another face's\n", looks,
+             collisions, missed);
+  if (one == nullptr) {
+    EXPECT_GT(collisions, cases / 5);
+    EXPECT_LE(missed, cases / 10'000);
   }
 }
 

@@ -1,6 +1,8 @@
 // A body in free flight, as searches for collisions are given it.
 #pragma once
 
+#include <limits>
+
 #include "worker/physics/motion/motion_bounds.h"
 #include "worker/physics/motion/rotation_bounds.h"
 #include "worker/physics/motion/rotation_track.h"
@@ -29,5 +31,14 @@ struct Flyer {
             .reach_m = reach_m()};
   }
 };
+
+/// The same, as what doesn't move.
+inline MovingPiece standing(const MovingPiece& piece) {
+  MovingPiece still;
+  still.view = piece.view;
+  still.pose = piece.pose;
+  still.reach_m = std::numeric_limits<double>::infinity();
+  return still;
+}
 
 }  // namespace sleight::physics::testing
