@@ -106,21 +106,32 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   const std::span<const Line> of_a =
       first != nullptr ? first->keep_near_until(until_s, margin_m) : std::span(&k_no_line, 1);
   const std::span<const Line> of_b = second.keep_near_until(until_s, margin_m);
-  // Those that move as one are one: they may be equally low for long.
+  // Those that move alike may be equally low for long: of these it is asked when the fastest falls.
   constexpr double k_alike_mps = 0.25 * k_approach_mps;
   double falls_mps = base.rate_mps;
   double takes_over = k_forever_s;
+  double alike_from_s = k_forever_s;
+  double alike_mps = lowest.rate_mps;
   const auto add = [&](std::span<const Line> lines, const Line& own) {
     double least_mps = own.rate_mps;
+    double least_alike_mps = own.rate_mps;
     for (const Line& line : lines) {
       least_mps = std::min(least_mps, line.rate_mps);
-      if (std::fabs(line.rate_mps - own.rate_mps) > k_alike_mps)
-        takes_over = std::min(takes_over, takes_over_s(line, own, bend, rounding_m));
+      const double from_s = takes_over_s(line, own, bend, rounding_m);
+      if (std::fabs(line.rate_mps - own.rate_mps) > k_alike_mps) {
+        takes_over = std::min(takes_over, from_s);
+      } else if (line.rate_mps < own.rate_mps && from_s < until_s) {
+        least_alike_mps = std::min(least_alike_mps, line.rate_mps);
+        alike_from_s = std::min(alike_from_s, from_s);
+      }
     }
     falls_mps += least_mps;
+    alike_mps -= own.rate_mps - least_alike_mps;
   };
   add(of_a, lowest_a);
   add(of_b, lowest_b);
+  if (alike_from_s < until_s)
+    until_s = std::min(until_s, first_collision_s(lowest.place_m, alike_mps, fall, alike_from_s));
   if (!(takes_over < until_s)) return until_s;
   // From when on any may fall.
   const double left_mps = falls_mps + 0.5 * k_approach_mps;
@@ -208,8 +219,15 @@ Vec3 turn_of_line(const MovingPiece& a, const MovingPiece& b, const Closest& clo
 /// Which way the normal of the closest features turns: with the face that is one of them, so that
 /// it stays at right angles to both edges, or with the line between others.
 Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& closest) {
-  if (closest.feature_b.kind == FeatureKind::face) return b.angular_velocity_radps;
-  if (closest.feature_a.kind == FeatureKind::face) return a.angular_velocity_radps;
+  const bool with_a = closest.feature_a.kind == FeatureKind::face;
+  const bool with_b = closest.feature_b.kind == FeatureKind::face;
+  const Vec3& spin_a = a.angular_velocity_radps;
+  const Vec3& spin_b = b.angular_velocity_radps;
+  // Of two faces the one that turns more slowly, since vertices far away would move most.
+  if (with_a && with_b)
+    return math::dot(spin_a, spin_a) <= math::dot(spin_b, spin_b) ? spin_a : spin_b;
+  if (with_b) return spin_b;
+  if (with_a) return spin_a;
   if (closest.feature_a.kind != FeatureKind::edge || closest.feature_b.kind != FeatureKind::edge)
     return turn_of_line(a, b, closest);
   // n' with n'.n = 0, n'.e = -n.(w x e) for both edges e: from the basis dual to e_a, e_b in their

@@ -28,9 +28,10 @@
 //      leaves open.
 //   3. A look is skipped only under the bounds above, lowered by what rounding does to gaps so far
 //      from the origin. Of pieces that touch that holds as long as the normal turns with the same
-//      face, or the same two edges, whichever vertices touch. It doesn't cover what turns the
-//      normal of two vertices, or of a vertex and an edge, about the edge, while they are within
-//      k_touch_m of each other; spheres' normals it covers.
+//      face, whichever vertices touch, or the same two edges, if these cross at a sine of 0.01 or
+//      more. It doesn't cover what turns the normal of edges that are more nearly parallel, of two
+//      vertices, or of a vertex and an edge, about the edge, while they are within k_touch_m of
+//      each other; spheres' normals it covers.
 // Thread safety: pure functions, but for the cache that they are given.
 #pragma once
 

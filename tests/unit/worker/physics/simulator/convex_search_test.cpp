@@ -382,5 +382,35 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
   }
 }
 
+TEST(ConvexSearch, VerticesThatFallAlmostAlikeAreLookedAt) {
+  // Goal: of vertices that are equally low and fall alike, the fastest one counts, though the first
+  // of them, by which bounds go, is too slow for a collision. Method: a cube flat on another one
+  // that stays, and on a plane, within the touch; it falls by a little less than what collides, and
+  // turns by so little as to make up for that, one way and the other.
+  Flyer below{testing::die_of(0.02), {}};
+  Flyer above = below;
+  const ConvexView below_view = below.part().view();
+  const ConvexView above_view = above.part().view();
+  const Tick begin{1};
+  below.flight.begin = above.flight.begin = begin;
+  above.flight.position_m = Vec3(0.003, 0.002, 0.02 + 0.5 * k_touch_m);
+  above.flight.velocity_mps = Vec3(0, 0, -0.98 * k_approach_mps);
+  const HalfSpace plane{.normal = Vec3(0, 0, 1), .offset_m = 0.01};
+  const MovingPiece stays = testing::standing(below.at(begin, below_view));
+  for (const double turns : {9.0, -9.0}) {
+    above.flight.angular_velocity_radps = Vec3(turns * k_approach_mps, 0, 0);
+    const MovingPiece now = above.at(begin, above_view);
+    const MovingPiece then = above.at(begin + 1000, above_view);
+    SeparationCache cache;
+    PieceContact contact;
+    const Examined of_pieces = examine_pieces(stays, now, begin, k_touch_m, cache, contact);
+    ASSERT_TRUE(collides(contact_of(stays, then), k_touch_m));
+    EXPECT_TRUE(of_pieces.collides || of_pieces.next <= begin + 1000) << of_pieces.next.value;
+    const Examined of_plane = examine_plane(plane, now, begin, k_touch_m, contact);
+    ASSERT_TRUE(collides(contact_of(plane, then), k_touch_m));
+    EXPECT_TRUE(of_plane.collides || of_plane.next <= begin + 1000) << of_plane.next.value;
+  }
+}
+
 }  // namespace
 }  // namespace sleight::physics
