@@ -194,9 +194,9 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
                            .velocity_mps = balls_[ball].segment.flight.velocity_mps,
                            .acceleration_mps2 = scene_->gravity_mps2};
   std::uint32_t lowest = k_none;
-  // Boxes are wider than the rounding of a place.
-  const TouchBox here{.low_m = floats_of(Four::of(place_m)),
-                      .high_m = floats_of(Four::of(place_m))};
+  // Touch boxes are wider than the rounding of a place.
+  const std::array<float, 4> rounded_m = floats_of(Four::of(place_m));
+  const TouchBox here{.low_m = rounded_m, .high_m = rounded_m};
   const auto ask = [&](std::uint32_t index) {
     if (!overlaps(here, near_->touch_boxes()[index])) return;
     const SphereFeature& feature = statics_->feature(index);

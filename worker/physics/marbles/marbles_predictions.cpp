@@ -241,14 +241,12 @@ void Marbles::predict_static(std::uint32_t index) {
       std::size_t count = 0;
       for (const std::uint32_t feature : some) {
         near[count] = feature;
-        const bool is_new = static_cast<bool>(
-            static_cast<int>(feature != done[0]) & static_cast<int>(feature != done[1]) &
-            static_cast<int>(feature != done[2]) & static_cast<int>(feature != done[3]));
-        count += static_cast<std::size_t>(overlaps(box, touch_boxes[feature])) &
-                 static_cast<std::size_t>(is_new);
+        count += overlaps(box, touch_boxes[feature]) ? 1 : 0;
       }
-      for (const std::uint32_t feature : std::span(near).first(count))
-        ask(feature);
+      for (const std::uint32_t feature : std::span(near).first(count)) {
+        if (feature != done[0] && feature != done[1] && feature != done[2] && feature != done[3])
+          ask(feature);
+      }
     }
   };
   for (window.start = now_; window.start <= until; window.start = window.stop + 1) {

@@ -356,15 +356,14 @@ double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, 
 /// come apart along one that stays, they must come down again along that.
 double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
                       const AxisTurn& turn) {
-  const double size_m = a.view->r_outer_m + b.view->r_outer_m;
+  const double vertices_m = k_rounding_ulps * (a.view->r_outer_m + b.view->r_outer_m);
   const Separation fixed = separation_along(a, b, shadows, touch_m, {});
   const double out_s =
       comes_out_s(sum_of(fixed.base, shadows.of_a.first(), shadows.of_b.first()), fixed.fall_mps2);
   const Separation turning = separation_along(a, b, shadows, touch_m, turn);
   const double until_s = std::min({k_touching_s, turn.valid_s, out_s});
-  const double span_s =
-      touching_along(turning.base, turning.fall_mps2, turning.bend_mps2, k_rounding_ulps * size_m,
-                     &shadows.of_a, shadows.of_b, until_s);
+  const double span_s = touching_along(turning.base, turning.fall_mps2, turning.bend_mps2,
+                                       vertices_m, &shadows.of_a, shadows.of_b, until_s);
   if (span_s < out_s) return span_s;
   shadows.of_a.turn(Vec3::Zero());
   shadows.of_b.turn(Vec3::Zero());

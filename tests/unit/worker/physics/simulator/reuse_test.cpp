@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <map>
 
+#include "tests/unit/worker/physics/simulator/long_run.h"
 #include "tests/unit/worker/physics/simulator/proposals.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
 #include "worker/physics/simulator/simulation.h"
@@ -28,7 +28,7 @@ constexpr int k_steps = 20;
 
 /// Chains of proposals, each of k_steps.
 std::uint64_t chain_count() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 / k_steps : 64;
+  return testing::long_run() ? 100'000 / k_steps : 64;
 }
 
 struct Tally {
@@ -106,10 +106,8 @@ TEST(Reuse, ReplayingMakesNoDifference) {
   // faster, later, not at all or again, static geometry that moves, kicks, other laws), some
   // accepted; each is simulated with the history of the last accepted one, in all ways, and whole.
   std::map<std::string, Tally> by_kind;
-  const char* const one = std::getenv("SLEIGHT_REUSE_CHAIN");
-  const std::uint64_t first = one != nullptr ? std::strtoull(one, nullptr, 10) : 0;
-  const std::uint64_t last = one != nullptr ? first + 1 : chain_count();
-  for (std::uint64_t n = first; n < last && !HasFatalFailure(); ++n) {
+  const testing::Cases cases = testing::cases_of("SLEIGHT_REUSE_CHAIN", chain_count());
+  for (std::uint64_t n = cases.first; n < cases.last && !HasFatalFailure(); ++n) {
     const Subject subject = testing::subject_of(n);
     SCOPED_TRACE(fmt::format("seed {}, {}; to see it again: SLEIGHT_REUSE_CHAIN={}", k_seed,
                              subject.name, n));
@@ -119,7 +117,7 @@ TEST(Reuse, ReplayingMakesNoDifference) {
   for (const auto& [kind, tally] : by_kind) {
     fmt::print("seed {}: {}: {} runs, {} failed; events: {} replayed, {} simulated, {} without\n",
                k_seed, kind, tally.runs, tally.failed, tally.replayed, tally.simulated, tally.all);
-    if (one != nullptr) continue;
+    if (!cases.all) continue;
     EXPECT_GT(tally.replayed, tally.simulated / 50) << kind;
     EXPECT_LT(tally.failed, tally.runs / 2) << kind;
   }
@@ -248,7 +246,7 @@ TEST(Reuse, ItGoesOnBeyondThePast) {
   // Goal: at every event a history has all that goes on from there. Method: scenes of every kind,
   // with kicks, most of them slow; pasts that end right at an event, or somewhere; all bodies go
   // live there.
-  const std::uint64_t scenes = std::getenv("SLEIGHT_SOAK") != nullptr ? 2000 : 32;
+  const std::uint64_t scenes = testing::long_run() ? 2000 : 32;
   for (std::uint64_t n = 0; n < scenes; ++n) {
     Subject subject = testing::subject_of(n);
     SCOPED_TRACE(fmt::format("seed {}, scene {}: {}", k_seed, n, subject.name));

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -174,10 +173,8 @@ TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   // whether it collides, and with which contact; so do looks with fresh memories, contact_of, and
   // at some of the skipped ticks, the last ones and others, every point again.
   Tally tally;
-  const char* const one = std::getenv("SLEIGHT_SURFACE_CASE");
-  const std::uint64_t first = one != nullptr ? std::strtoull(one, nullptr, 10) : 0;
-  const std::uint64_t last = one != nullptr ? first + 1 : (long_run() ? 10'000 : 700);
-  for (std::uint64_t n = first; n < last && !HasFailure(); ++n) {
+  const testing::Cases cases = testing::cases_of("SLEIGHT_SURFACE_CASE", long_run() ? 10'000 : 700);
+  for (std::uint64_t n = cases.first; n < cases.last && !HasFailure(); ++n) {
     SCOPED_TRACE(fmt::format("seed {}; to see it again: SLEIGHT_SURFACE_CASE={}", k_seed, n));
     Dice dice(k_seed, n);
     const StaticSurface surface = random_surface(dice);
@@ -204,8 +201,8 @@ TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   }
   fmt::print("{} looks, {} collisions, all points at {} skipped ticks\n", tally.looks,
              tally.collisions, tally.compared);
-  if (one == nullptr) {
-    EXPECT_GT(tally.collisions, last / 2);
+  if (cases.all) {
+    EXPECT_GT(tally.collisions, cases.last / 2);
   }
 }
 

@@ -282,15 +282,12 @@ TEST(SurfaceSimulation, APastMakesNoDifference) {
   // Goal: after any change of control points and starts, a simulation with the history of the one
   // before gives what one without gives, bit for bit, and simulates less. Method: chains of
   // proposals, of which some are accepted, run in all ways and in portions.
-  const std::uint64_t chains = long_run() ? 5'000 : 110;
   constexpr int k_steps = 20;
   std::uint64_t replayed = 0;
   std::uint64_t simulated = 0;
   std::uint64_t failed = 0;
-  const char* const one = std::getenv("SLEIGHT_SURFACE_CHAIN");
-  const std::uint64_t first = one != nullptr ? std::strtoull(one, nullptr, 10) : 0;
-  const std::uint64_t last = one != nullptr ? first + 1 : chains;
-  for (std::uint64_t n = first; n < last && !HasFailure(); ++n) {
+  const testing::Cases cases = testing::cases_of("SLEIGHT_SURFACE_CHAIN", long_run() ? 5'000 : 110);
+  for (std::uint64_t n = cases.first; n < cases.last && !HasFailure(); ++n) {
     Dice dice(k_seed + 2, n);
     Scene accepted = throw_of(n);
     std::shared_ptr<const History> past;
@@ -331,8 +328,8 @@ TEST(SurfaceSimulation, APastMakesNoDifference) {
     }
   }
   fmt::print("{} proposals, {} of which failed; events: {} replayed, {} simulated\n",
-             (last - first) * k_steps, failed, replayed, simulated);
-  if (one == nullptr) {
+             (cases.last - cases.first) * k_steps, failed, replayed, simulated);
+  if (cases.all) {
     EXPECT_GT(replayed, simulated / 10);
   }
 }
