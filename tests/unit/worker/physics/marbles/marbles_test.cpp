@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "common/random/distributions.h"
 #include "common/random/stream.h"
 #include "tests/unit/worker/physics/marbles/equal_marbles.h"
 #include "tests/unit/worker/physics/marbles/same_balls.h"
@@ -85,6 +86,44 @@ TEST(Marbles, OverlapsAreErrors) {
     EXPECT_EQ(error->kind, started.error().kind);
     EXPECT_EQ(error->message, started.error().message);
   }
+}
+
+TEST(Marbles, StartsInTouchAreErrors) {
+  // Goal: a ball that starts in touch with a face, an edge or a vertex is refused as the simulator
+  // refuses it, and one hardly further away is not. Method: a ball about random features of random
+  // scenes, off them by less and by more than the touch.
+  std::uint64_t refused = 0;
+  std::uint64_t started_well = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Scene scene = equal_marbles(1, seed).scene;
+    random::Stream stream({.seed = 20'261'122, .purpose = random::Purpose::prior}, seed);
+    const double radius_m = std::get<Sphere>(scene.bodies[0].shape).radius_m;
+    const StaticGeometry statics(scene);
+    const NearFeatures near(statics, radius_m);
+    scene.bodies[0].start_tick = Tick{};
+    for (int n = 0; n < 200; ++n) {
+      const SphereFeature& feature = statics.feature(static_cast<std::uint32_t>(
+          random::UniformInteger{.count = statics.feature_count()}.draw(stream)));
+      const random::Uniform sides{.low = -1, .high = 1};
+      Vec3 away;
+      for (int axis = 0; axis < 3; ++axis)
+        away[axis] = sides.draw(stream);
+      away = feature.kind == FeatureKind::face ? feature.direction : math::normalized(away);
+      const double gap_m = (n % 2 == 0 ? 0.5 : 2) * k_touch_m;
+      scene.bodies[0].start.pose.position_m = feature.point_m + (radius_m + gap_m) * away;
+      const auto started = Simulation::start(scene, places_only());
+      Marbles marbles;
+      marbles.start(scene, near, Tick{});
+      const auto error = marbles.run_until(Tick{});
+      ASSERT_EQ(started.ok(), !error) << "seed " << seed << ", place " << n;
+      if (error) {
+        EXPECT_EQ(error->message, started.error().message);
+      }
+      ++(error ? refused : started_well);
+    }
+  }
+  EXPECT_GT(refused, 200U);
+  EXPECT_GT(started_well, 100U);
 }
 
 TEST(Marbles, AreRecognised) {
