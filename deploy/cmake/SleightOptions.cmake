@@ -19,7 +19,9 @@ add_library(sleight_options INTERFACE)
 target_compile_options(sleight_options INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Werror
   # A fused multiply-add rounds once where two instructions round twice: other bits on other CPUs.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # For all, as some libraries ask for it: a precompiled header is for one set of macros.
+  -pthread)
 target_include_directories(sleight_options INTERFACE ${CMAKE_SOURCE_DIR})
 if(SLEIGHT_SANITIZE)
   target_compile_options(sleight_options INTERFACE
