@@ -91,7 +91,7 @@ std::optional<SceneError> Marbles::run_until(Tick tick) {
 void Marbles::process(const EventKey& event) {
   const std::uint32_t ball = event.lower;
   if (counts_.work() > work_max_) {
-    fail(SceneError::Kind::search_failed,
+    fail(SceneError::Kind::work_limit,
          fmt::format("{}: more work than {} events up to {:.9g} s", name(ball), work_max_,
                      seconds(event.tick - Tick{})));
     return;

@@ -70,8 +70,9 @@ std::uint32_t Marbles::count_at(std::uint32_t index, Tick tick) {
   ball.at_tick_count = ball.at_tick == tick ? ball.at_tick_count + 1 : 1;
   ball.at_tick = tick;
   const auto note = [&](std::string what) {
-    fail(SceneError::Kind::search_failed, fmt::format("{}: {} at tick {} ({:.9g} s)", name(index),
-                                                      what, tick.value, seconds(tick - Tick{})));
+    fail(SceneError::Kind::too_many_collisions,
+         fmt::format("{}: {} at tick {} ({:.9g} s)", name(index), what, tick.value,
+                     seconds(tick - Tick{})));
   };
   if (ball.at_tick_count > k_events_at_a_tick_max)
     note(fmt::format("it collides more than {} times at one tick", k_events_at_a_tick_max));

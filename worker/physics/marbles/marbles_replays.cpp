@@ -171,7 +171,7 @@ void Marbles::goes_live(std::uint32_t ball) {
   const MarbleStory::Mark* mark = story->mark_before(now, is_gap);
   if (is_gap) {
     lacks_mark_ = true;
-    fail(SceneError::Kind::search_failed, name(ball) + ": its story lacks a mark");
+    fail(SceneError::Kind::incomplete_story, name(ball) + ": its story lacks a mark");
   } else if (mark == nullptr) {
     if (records_) begin_story(ball);
     keys_[ball] = {

@@ -141,7 +141,7 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
     now_ = event.key.tick;
     if (reads_ahead_) fetch_next();
     process(event);
-    if (!world_.failure().empty()) fail(SceneError::Kind::search_failed, world_.failure());
+    if (world_.failure()) failure_ = world_.failure();
     if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
     if (world_.has_gone_live()) take_over_live();
   }
@@ -196,7 +196,7 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
         bodies_changed();
         return;
       }
-      fail(SceneError::Kind::search_failed,
+      fail(SceneError::Kind::spins_too_long,
            fmt::format("{} turns too fast for too long without touching anything, at {:.9g} s",
                        world_.name(event.lower), seconds(now_ - Tick{})));
       return;

@@ -134,16 +134,28 @@ struct Scene {
 /// Why a scene can't be simulated, or why a simulation stopped. The message names the body.
 struct SceneError {
   enum class Kind : std::uint8_t {
+    // What is wrong with the scene.
     bad_number,     ///< NaN, infinite, or out of its range
     bad_mass,       ///< zero, negative, or moments that no mass distribution has
     bad_shape,      ///< size, degenerate geometry
     bad_reference,  ///< a material or a body that doesn't exist
     overlap,        ///< at a start, also after all attempts
-    search_failed,  ///< a search or a pair exceeded its limit: a bug, with a reproducer
+    // What the simulator could not do with a good scene: a bug, which the scene repeats.
+    search_gave_up,       ///< a search for a collision examined too many ticks
+    too_many_collisions,  ///< of one body, at one tick or in a millisecond
+    impact_unresolved,    ///< no impulse was found
+    spins_too_long,       ///< a body that touches nothing turns too fast for its fixed steps
+    work_limit,           ///< more events than the caller allowed
+    incomplete_story,     ///< a replay lacks what it must go on from: simulate everything
   };
   Kind kind{};
   std::string message;
 };
+
+/// The simulator's fault, and not the scene's.
+inline bool is_failure(SceneError::Kind kind) {
+  return kind > SceneError::Kind::overlap;
+}
 
 /// Why a body of this name can't start so; nothing if it can.
 std::optional<SceneError> error_of_start(const StartState& start, const std::string& name);

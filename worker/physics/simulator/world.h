@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -193,7 +194,7 @@ class World {
                : k_never;
   }
   /// What went wrong in a prediction or a collision; empty if nothing did.
-  const std::string& failure() const { return failure_; }
+  const std::optional<SceneError>& failure() const { return failure_; }
   std::span<const std::uint32_t> changed() const { return changed_; }
   /// When the body's rest event is due; k_never if it has none.
   Tick rest_due(std::uint32_t body) const {
@@ -362,7 +363,8 @@ class World {
   /// collide for two spheres in flight that don't turn, in a world of plain spheres: the same
   /// bits from less memory.
   void collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& event);
-  void note_failure(std::string what, std::uint32_t body, Tick tick);
+  void note_failure(SceneError::Kind kind, const std::string& what, std::uint32_t body, Tick tick);
+  void note_search_gave_up(std::uint32_t body, Tick tick);
   void wake_dependents(std::uint32_t body, const EventKey& event);
   /// What rested on those whose motion has changed, and that have left their places, wakes.
   void wake_on_those_that_left(const EventKey& event);
@@ -448,7 +450,7 @@ class World {
   std::vector<std::uint8_t> replayed_;  ///< by body
   std::uint32_t replayed_count_ = 0;
   std::vector<std::uint32_t> gone_live_;
-  std::string failure_;
+  std::optional<SceneError> failure_;
   /// What predict_flight needs of the axes: beyond `half_m` the nearest image is another; it is at
   /// one period if the distance is within `sure_m` of `middle_m`.
   struct Images {

@@ -49,7 +49,8 @@ std::uint32_t World::count_at(std::uint32_t body, Tick tick) {
   at.events = at.tick == tick ? at.events + 1 : 1;
   at.tick = tick;
   if (at.events > k_events_at_a_tick_max) {
-    note_failure(fmt::format("it collides more than {} times at one tick", k_events_at_a_tick_max),
+    note_failure(SceneError::Kind::too_many_collisions,
+                 fmt::format("it collides more than {} times at one tick", k_events_at_a_tick_max),
                  body, tick);
   }
   if (tick - at.window > k_window) {
@@ -57,7 +58,8 @@ std::uint32_t World::count_at(std::uint32_t body, Tick tick) {
     at.in_window = 0;
   }
   if (++at.in_window > k_collisions_in_window_max) {
-    note_failure(fmt::format("it collides more than {} times in a millisecond; {}",
+    note_failure(SceneError::Kind::too_many_collisions,
+                 fmt::format("it collides more than {} times in a millisecond; {}",
                              k_collisions_in_window_max,
                              scene_.slow.separation_speed_mps > 0
                                  ? "a much heavier body squeezes it, or it is wedged"
@@ -189,7 +191,7 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
     }
   }
   if (after.regime == ImpactRegime::unresolved)
-    note_failure("its impact can't be resolved", a, tick);
+    note_failure(SceneError::Kind::impact_unresolved, "its impact can't be resolved", a, tick);
   if (resting_.enabled()) {
     const Vec3 place_a_m = position_at(segments_[a].flight, tick);
     const Vec3 place_b_m = position_at(segments_[b].flight, tick);

@@ -53,10 +53,15 @@ Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& ex
 
 }  // namespace
 
-void World::note_failure(std::string what, std::uint32_t body, Tick tick) {
-  if (!failure_.empty()) return;
-  failure_ = fmt::format("{}: {} at tick {} ({:.9g} s)", name(body), what, tick.value,
-                         seconds(tick - Tick{}));
+void World::note_failure(SceneError::Kind kind, const std::string& what, std::uint32_t body,
+                         Tick tick) {
+  if (failure_) return;
+  failure_ = SceneError{kind, fmt::format("{}: {} at tick {} ({:.9g} s)", name(body), what,
+                                          tick.value, seconds(tick - Tick{}))};
+}
+
+void World::note_search_gave_up(std::uint32_t body, Tick tick) {
+  note_failure(SceneError::Kind::search_gave_up, "the search for a collision gives up", body, tick);
 }
 
 // ---- two bodies ---------------------------------------------------------------------------------
@@ -130,7 +135,7 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
         }
         return examined;
       });
-  if (prediction.feature == k_gave_up) note_failure("the search for a collision gives up", a, now);
+  if (prediction.feature == k_gave_up) note_search_gave_up(a, now);
   return prediction;
 }
 
@@ -257,8 +262,7 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
           if (examined.collides) found_ = {tick, body, k_static | index, part, contact};
           return examined;
         });
-    if (prediction.feature == k_gave_up)
-      note_failure("the search for a collision gives up", body, now);
+    if (prediction.feature == k_gave_up) note_search_gave_up(body, now);
     return prediction;
   }
   // What it stays on it doesn't meet before its mode event.

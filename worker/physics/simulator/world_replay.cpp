@@ -48,7 +48,7 @@ Recording& World::recording() {
 
 std::shared_ptr<const History> World::history(Tick now) {
   if (telling_ && telling_->is_full()) stop_telling();
-  if (!telling_ || !failure_.empty()) return nullptr;
+  if (!telling_ || failure_) return nullptr;
   return std::make_shared<const History>(History{.scene = scene_,
                                                  .chunks = telling_->writer().chunks(),
                                                  .end = std::min(now, k_tick_max - 1)});
