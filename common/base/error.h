@@ -12,14 +12,15 @@ namespace sleight::base {
 /// Exit codes of every Sleight program; docs and `sleight --help` list them.
 enum class ExitCode : int {
   ok = 0,
-  bug = 1,            ///< an unexpected failure of ours
-  usage = 2,          ///< the command line can't be understood
-  bad_request = 3,    ///< the request file has errors, each printed with its place
-  conflict = 4,       ///< the output belongs to another request, or another process writes it
-  environment = 5,    ///< disk full, no permission, a missing file
-  bad_archive = 6,    ///< not a Sleight archive, damaged, or hostile
-  not_mixed = 7,      ///< `sleight diagnose`: the chains have not mixed, for reasons printed
-  interrupted = 130,  ///< Ctrl-C or SIGTERM: everything done so far is stored
+  bug = 1,                ///< an unexpected failure of ours
+  usage = 2,              ///< the command line can't be understood
+  bad_request = 3,        ///< the request file has errors, each printed with its place
+  conflict = 4,           ///< the output belongs to another request, or another process writes it
+  environment = 5,        ///< disk full, no permission, a missing file
+  bad_archive = 6,        ///< not a Sleight archive, damaged, or hostile
+  not_mixed = 7,          ///< `sleight diagnose`: the chains have not mixed, for reasons printed
+  simulation_failed = 8,  ///< with --strict, or nothing but failures: a bug of the simulator
+  interrupted = 130,      ///< Ctrl-C or SIGTERM: everything done so far is stored
 };
 
 class Error : public std::runtime_error {

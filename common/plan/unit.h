@@ -15,6 +15,7 @@
 
 #include "common/base/bytes.h"
 #include "common/base/ids.h"
+#include "common/plan/failure.h"
 
 namespace sleight::plan {
 
@@ -65,17 +66,31 @@ struct ScanRecord {
   std::vector<std::uint32_t> proposed;  ///< proposals made in this scan, by kind
   std::vector<std::uint32_t> accepted;  ///< of these, accepted
   std::vector<double> outcome;          ///< the world's outcome scalars, in its layout's order
+  FailureCounts failures{};             ///< of simulations that this scan made
+  /// Simulations of this scan that could not begin, since bodies overlap at the start: p_c = 0.
+  std::uint64_t overlapping_starts = 0;
   /// The state, at scans that are archived (every `thin`-th) or satisfied; empty at others.
   base::Bytes state;
   friend bool operator==(const ScanRecord&, const ScanRecord&) = default;
 };
 
+/// A simulation that failed in a scan.
+struct FailedSimulation {
+  base::ScanIndex scan;
+  SimulationFailure failure;
+  friend bool operator==(const FailedSimulation&, const FailedSimulation&) = default;
+};
+
+/// Of a unit's failed simulations so many come back whole; all are counted.
+inline constexpr std::size_t k_failed_told_max = 10;
+
 struct UnitResult {
   Unit unit;
-  std::vector<ScanRecord> scans;  ///< unit.scans of them
-  base::Bytes state_after;        ///< where the replica's next unit begins
-  double cost_s = 0;              ///< measured time: for cutting units, never stored
-  std::uint64_t simulations = 0;  ///< that it took: for people, never stored
+  std::vector<ScanRecord> scans;           ///< unit.scans of them
+  std::vector<FailedSimulation> failed{};  ///< the first k_failed_told_max, in order; never stored
+  base::Bytes state_after;                 ///< where the replica's next unit begins
+  double cost_s = 0;                       ///< measured time: for cutting units, never stored
+  std::uint64_t simulations = 0;           ///< that it took: for people, never stored
 };
 
 /// What a worker's memory of samples has done so far.

@@ -2,9 +2,10 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "common/base/check.h"
-#include "worker/run/chain_worker.h"
+#include "worker/run/world_entry.h"
 #include "worker/sampling/annealed_importance.h"
 #include "worker/sampling/burnt_in_chains.h"
 #include "worker/sampling/excursions.h"
@@ -31,13 +32,17 @@ static_assert(k_first_replicas == 12 && sampling::k_first_power == 6,
 /// No request has excursions that the method can't number.
 static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps_max);
 
-template <sampling::ScalesProposals T>
-std::vector<bool> kinds_with_scale_of(const T& world) {
-  std::vector<bool> kinds;
-  for (std::uint32_t kind = 0; kind < world.proposal_kinds(); ++kind)
-    kinds.push_back(world.has_scale(kind));
-  return kinds;
-}
+namespace ball_2d = worlds::ball_2d;
+namespace dice = worlds::dice;
+namespace spelling = worlds::spelling;
+using Ball2dEntry = EntryOf<ball_2d::Ball2d, ball_2d::Parameters, &ball_2d::request_binding,
+                            &ball_2d::make_state_reader>;
+using DiceEntry =
+    EntryOf<dice::Dice, dice::Parameters, &dice::request_binding, &dice::make_state_reader>;
+using SpellingEntry = EntryOf<spelling::Spelling, spelling::Parameters, &spelling::request_binding,
+                              &spelling::make_state_reader>;
+
+}  // namespace
 
 ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                                   const WorkerResources& resources) {
@@ -54,45 +59,13 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
           .cache_bytes_max = resources.cache_bytes_max};
 }
 
-/// A world and its parameters; what its folder calls request_binding and make_state_reader.
-template <class World, class Parameters, request::WorldBinding (*k_binding)(Parameters&),
-          std::unique_ptr<archive::StateReader> (*k_reader)(const Parameters&)>
-class EntryOf final : public WorldEntry {
- public:
-  request::WorldBinding binding() override { return k_binding(parameters_); }
-  std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
-                                                const WorkerResources& resources) const override {
-    return std::make_unique<ChainWorker<World>>(World(parameters_),
-                                                worker_options(request, resources));
-  }
-  std::unique_ptr<archive::StateReader> make_reader() const override {
-    return k_reader(parameters_);
-  }
-  std::vector<bool> kinds_with_scale() const override {
-    return kinds_with_scale_of(World(parameters_));
-  }
-
- private:
-  Parameters parameters_;
-};
-
-namespace ball_2d = worlds::ball_2d;
-namespace dice = worlds::dice;
-namespace spelling = worlds::spelling;
-using Ball2dEntry = EntryOf<ball_2d::Ball2d, ball_2d::Parameters, &ball_2d::request_binding,
-                            &ball_2d::make_state_reader>;
-using DiceEntry =
-    EntryOf<dice::Dice, dice::Parameters, &dice::request_binding, &dice::make_state_reader>;
-using SpellingEntry = EntryOf<spelling::Spelling, spelling::Parameters, &spelling::request_binding,
-                              &spelling::make_state_reader>;
-
-}  // namespace
-
 Catalogue::Catalogue() {
   worlds_.push_back({"ball_2d", std::make_unique<Ball2dEntry>()});
   worlds_.push_back({"dice", std::make_unique<DiceEntry>()});
   worlds_.push_back({"spelling", std::make_unique<SpellingEntry>()});
 }
+
+Catalogue::Catalogue(std::vector<Named> worlds) : worlds_(std::move(worlds)) {}
 
 std::vector<request::WorldBinding> Catalogue::bindings() {
   std::vector<request::WorldBinding> all;

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "common/archive/world_layout.h"
+#include "common/base/bytes.h"
+#include "common/plan/failure.h"
 #include "common/plan/plan.h"
 #include "common/plan/unit.h"
 #include "common/request/direction_request.h"
@@ -23,6 +25,13 @@ struct WorkerResources {
   std::size_t cache_bytes_max = k_cache_bytes_max;  ///< of samples held for their next units
 };
 
+/// How a simulation ended.
+struct SimulationEnd {
+  plan::FailurePointer failure{};  ///< null: it was carried out
+  double log_prior = 0;
+  double log_constraint = 0;  ///< of one that was carried out
+};
+
 /// One world; its parameters are those of the request read last through binding().
 /// Not thread-safe; what make_worker and make_reader return is.
 class WorldEntry {
@@ -32,24 +41,30 @@ class WorldEntry {
   virtual std::unique_ptr<plan::UnitWorker> make_worker(
       const request::DirectionRequest& request, const WorkerResources& resources = {}) const = 0;
   virtual std::unique_ptr<archive::StateReader> make_reader() const = 0;
+  /// What the simulation of a state comes to, as a run's worker makes it; nothing if these bytes
+  /// are no state of this world.
+  virtual std::optional<SimulationEnd> simulate(base::BytesView state) const = 0;
   /// By kind of proposal: whether it has a size that can be tuned.
   virtual std::vector<bool> kinds_with_scale() const = 0;
 };
 
-/// All worlds, in alphabetical order.
 class Catalogue {
  public:
+  struct Named {
+    std::string name;
+    std::unique_ptr<WorldEntry> entry;
+  };
+
+  /// All worlds, in alphabetical order.
   Catalogue();
+  /// These worlds, for tests.
+  explicit Catalogue(std::vector<Named> worlds);
   /// Bindings of all worlds, for read_request and help; they write into this catalogue.
   std::vector<request::WorldBinding> bindings();
   /// REQUIRES: a world of that name.
   const WorldEntry& world(std::string_view name) const;
 
  private:
-  struct Named {
-    std::string name;
-    std::unique_ptr<WorldEntry> entry;
-  };
   std::vector<Named> worlds_;
 };
 

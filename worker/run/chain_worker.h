@@ -88,20 +88,33 @@ class ChainWorker final : public plan::UnitWorker {
     std::uint64_t lineage = 0;
     std::uint64_t simulations = 0;
   };
+  /// What happened in a scan.
   struct Counts {
-    Counts() = default;
     explicit Counts(std::uint32_t kinds) : proposed(kinds, 0), accepted(kinds, 0) {}
     void add(const sampling::StepReport& step) {
       ++proposed[step.kind];
       if (step.accepted) ++accepted[step.kind];
+      add(step.simulation);
+    }
+    void add(const sampling::SimulationReport& report) {
+      if (report.starts_overlap) ++overlapping_starts;
+      if (report.failure == nullptr) return;
+      failures.add(report.failure->kind);
+      if (failed.size() < plan::k_failed_told_max) failed.push_back(report.failure);
     }
     std::vector<std::uint32_t> proposed;
     std::vector<std::uint32_t> accepted;
+    std::uint64_t overlapping_starts = 0;
+    plan::FailureCounts failures;
+    std::vector<plan::FailurePointer> failed;
   };
 
-  void draw_afresh(Walk& walk, std::uint64_t scan, base::ReplicaId replica) const {
-    walk.current = sampling::draw_afresh(world_, walk.streams, scan);
-    ++walk.simulations;
+  void draw_afresh(Walk& walk, std::uint64_t scan, base::ReplicaId replica, Counts& counts) const {
+    walk.current = sampling::draw_afresh(world_, walk.streams, scan,
+                                         [&](const sampling::SimulationReport& report) {
+                                           ++walk.simulations;
+                                           counts.add(report);
+                                         });
     walk.lineage = plan::lineage_from(replica, scan);
   }
 
@@ -112,7 +125,14 @@ class ChainWorker final : public plan::UnitWorker {
           "a chain's stored state can't be read: the run store is damaged; start over with "
           "--fresh");
     }
-    return sampling::evaluate(world_, std::move(*decoded));
+    Sample sample = sampling::evaluate(world_, std::move(*decoded));
+    // A failure is never a sample, so this one once succeeded.
+    if (const auto report = sampling::report_of(world_, sample.outcome); report.failure)
+      throw base::Error(base::ExitCode::bug,
+                        "a chain's stored state fails when it is simulated "
+                        "again: " +
+                            report.failure->message);
+    return sample;
   }
 
   /// The unit from the sample before it; none if the unit starts with a prior draw.
@@ -125,16 +145,19 @@ class ChainWorker final : public plan::UnitWorker {
               .current = std::move(before),
               .lineage = unit.lineage,
               .simulations = 0};
-    std::uint32_t nth = 0;
     const std::uint64_t first_scan = unit.first_scan.value;
-    if (unit.starts) {
-      draw_afresh(walk, first_scan, unit.replica.replica);
-      result.scans.push_back(record(first_scan, unit.inverse_temperature(nth++), walk, {}));
-    }
-    for (; nth < unit.scans; ++nth) {
+    for (std::uint32_t nth = 0; nth < unit.scans; ++nth) {
       const double beta = unit.inverse_temperature(nth);
-      Counts counts = scan(walk, unit, first_scan + nth, beta);
-      result.scans.push_back(record(first_scan + nth, beta, walk, std::move(counts)));
+      const std::uint64_t number = first_scan + nth;
+      Counts counts(world_.proposal_kinds());
+      // One scan: a draw from the prior where it is the replica's first, or nothing constrains.
+      if ((unit.starts && nth == 0) || beta == 0) {
+        draw_afresh(walk, number, unit.replica.replica, counts);
+      } else {
+        scan(walk, unit, number, beta, counts);
+      }
+      tell_failed(number, counts, result.failed);
+      result.scans.push_back(record(number, beta, walk, std::move(counts)));
     }
     result.state_after = world_.encode(walk.current->state);
     result.simulations = walk.simulations;
@@ -144,15 +167,17 @@ class ChainWorker final : public plan::UnitWorker {
     return result;
   }
 
-  /// One scan: a draw from the prior where nothing constrains; else proposals, and an excursion if
-  /// the unit has one.
-  Counts scan(Walk& walk, const plan::Unit& unit, std::uint64_t scan, double beta) const {
-    Counts counts(world_.proposal_kinds());
-    const base::ReplicaId replica = unit.replica.replica;
-    if (beta == 0) {
-      draw_afresh(walk, scan, replica);
-      return counts;
+  static void tell_failed(std::uint64_t scan, const Counts& counts,
+                          std::vector<plan::FailedSimulation>& failed) {
+    for (const plan::FailurePointer& failure : counts.failed) {
+      if (failed.size() == plan::k_failed_told_max) return;
+      failed.push_back({.scan = base::ScanIndex{scan}, .failure = *failure});
     }
+  }
+
+  /// Proposals, and an excursion if the unit has one. REQUIRES: an inverse temperature above 0.
+  void scan(Walk& walk, const plan::Unit& unit, std::uint64_t scan, double beta,
+            Counts& counts) const {
     const std::uint64_t first_iteration = (scan - 1) * options_.iterations_per_scan + 1;
     for (std::uint32_t i = 0; i < options_.iterations_per_scan; ++i) {
       sampling::iterate(world_, beta, walk.streams, first_iteration + i, *walk.current,
@@ -161,21 +186,20 @@ class ChainWorker final : public plan::UnitWorker {
                           walk.simulations += step.simulated ? 1 : 0;
                         });
     }
-    if (unit.excursion.empty()) return counts;
-    const sampling::ExcursionReport report =
-        sampling::tempered_transition(world_,
-                                      {.inverse_temperature = beta,
-                                       .below = unit.excursion,
-                                       .steps = options_.iterations_per_scan,
-                                       .proposal_scales = unit.proposal_scales},
-                                      walk.streams, scan, *walk.current);
+    if (unit.excursion.empty()) return;
+    const sampling::ExcursionReport report = sampling::tempered_transition(
+        world_,
+        {.inverse_temperature = beta,
+         .below = unit.excursion,
+         .steps = options_.iterations_per_scan,
+         .proposal_scales = unit.proposal_scales},
+        walk.streams, scan, *walk.current,
+        [&](const sampling::SimulationReport& simulation) { counts.add(simulation); });
     walk.simulations += report.simulations;
-    if (report.from_prior) walk.lineage = plan::lineage_from(replica, scan);
-    return counts;
+    if (report.from_prior) walk.lineage = plan::lineage_from(unit.replica.replica, scan);
   }
 
   plan::ScanRecord record(std::uint64_t scan, double beta, const Walk& walk, Counts counts) const {
-    if (counts.proposed.empty()) counts = Counts(world_.proposal_kinds());
     const Sample& sample = *walk.current;
     const bool satisfied = world_.satisfied(sample.outcome);
     const bool is_thin =
@@ -190,6 +214,8 @@ class ChainWorker final : public plan::UnitWorker {
             .proposed = std::move(counts.proposed),
             .accepted = std::move(counts.accepted),
             .outcome = world_.outcome_values(sample.outcome),
+            .failures = counts.failures,
+            .overlapping_starts = counts.overlapping_starts,
             .state = keep_state ? world_.encode(sample.state) : base::Bytes{}};
   }
 

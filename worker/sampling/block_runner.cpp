@@ -99,6 +99,10 @@ class PartRun {
     so_far.scans.push_back(std::move(result.scans.front()));
     so_far.state_after = std::move(result.state_after);
     so_far.simulations += result.simulations;
+    for (plan::FailedSimulation& failed : result.failed) {
+      if (so_far.failed.size() == plan::k_failed_told_max) break;
+      so_far.failed.push_back(std::move(failed));
+    }
     ++so_far.unit.scans;
     so_far.unit.inverse_temperatures.push_back(part_.inverse_temperatures[level]);
     seat.done = true;

@@ -8,14 +8,19 @@
 // that is the current state, and not of one that would be rejected even at the greatest constraint
 // density that it may have (BoundsConstraint; the number that decides is drawn before). Exactly:
 // the ratio never falls, in its rounded arithmetic either, as that density grows.
+//
+// A candidate whose simulation fails is refused, whatever its ratio: what is sampled is the target
+// given that the simulation succeeds.
 #pragma once
 
 #include <concepts>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <utility>
 
+#include "common/base/error.h"
 #include "common/math/elementary.h"
 #include "common/random/stream.h"
 #include "worker/sampling/target.h"
@@ -39,14 +44,35 @@ struct StepReport {
   std::uint32_t kind = 0;  ///< of the proposal
   bool accepted = false;
   bool simulated = false;  ///< whether it took a simulation to know
+  SimulationReport simulation{};
 };
 
-/// An exact draw from the prior, simulated: what a replica starts from, and what it does at inverse
-/// temperature 0. REQUIRES: a scan once per replica.
+/// So many draws from the prior in a row may fail.
+inline constexpr std::uint32_t k_draws_max = 1000;
+
+/// A draw from the prior whose simulation succeeds: what a replica starts from, and what it does at
+/// inverse temperature 0. A failed one is drawn again with the next numbers of the same stream, so
+/// the draw is exact for the prior given that the simulation succeeds. `told` hears of each
+/// simulation. Throws base::Error if k_draws_max fail in a row. REQUIRES: a scan once per replica.
+template <Target T, class Told>
+Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan,
+                      const Told& told) {
+  random::Stream prior = streams.at(random::Purpose::prior, scan);
+  SimulationReport report;
+  for (std::uint32_t draw = 0; draw < k_draws_max; ++draw) {
+    Sample<T> sample = evaluate(target, target.draw_prior(prior));
+    report = report_of(target, sample.outcome);
+    told(report);
+    if (!is_refused<T>(report)) return sample;
+  }
+  throw base::Error(
+      base::ExitCode::simulation_failed,
+      "all of " + std::to_string(k_draws_max) +
+          " draws from the prior fail in the simulator; the last one: " + report.failure->message);
+}
 template <Target T>
 Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan) {
-  random::Stream prior = streams.at(random::Purpose::prior, scan);
-  return evaluate(target, target.draw_prior(prior));
+  return draw_afresh(target, streams, scan, [](const SimulationReport&) {});
 }
 
 /// Lines 1 and 2 of Algorithm 2.1: the start of a chain.
@@ -111,15 +137,18 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
 
   // Simulate it, and accept it with probability min(1, ratio).
   typename T::Outcome outcome = simulate_from(target, proposal.candidate, current);
+  StepReport report{
+      .kind = proposal.kind, .simulated = true, .simulation = report_of(target, outcome)};
+  if (is_refused<T>(report.simulation)) return report;
   const double log_constraint = target.log_constraint(outcome);
   if constexpr (ProposesByOutcome<T>) {
     if (proposal.ratio_waits)
       proposal.log_q_ratio = target.log_q_ratio(current.state, current.outcome, proposal, outcome);
   }
-  const bool accepted = accepts(log_prior, log_constraint);
-  if (accepted)
+  report.accepted = accepts(log_prior, log_constraint);
+  if (report.accepted)
     current = {std::move(proposal.candidate), std::move(outcome), log_prior, log_constraint};
-  return {.kind = proposal.kind, .accepted = accepted, .simulated = true};
+  return report;
 }
 
 /// The same with the random numbers of an iteration. REQUIRES: an iteration once per replica.

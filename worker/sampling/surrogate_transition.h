@@ -95,7 +95,7 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
   for (std::uint32_t step = 0; step < transition.steps; ++step) {
     StepReport guessed_step = metropolis_hastings_step(surrogate, transition.inverse_temperature,
                                                        streams, walk, transition.scales);
-    guessed_step.simulated = false;  // by the surrogate alone
+    guessed_step.simulated = false;  // by the surrogate alone; its failures count
     count(guessed_step);
   }
 
@@ -120,6 +120,11 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
   }
   typename T::Outcome outcome = simulate_from(target, walk.state, current);
   report.simulated = true;
+  report.simulation = report_of(target, outcome);
+  if (is_refused<T>(report.simulation)) {
+    count(report);
+    return;
+  }
   move.candidate = target.log_constraint(outcome);
   move.log_anchor_candidate =
       target.log_anchor_probability(anchor, outcome, walk.outcome, transition.keep);

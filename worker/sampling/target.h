@@ -20,6 +20,7 @@
 #include <span>
 #include <utility>
 
+#include "common/plan/failure.h"
 #include "common/random/stream.h"
 
 namespace sleight::sampling {
@@ -53,6 +54,41 @@ template <class T>
 concept BoundsConstraint = Target<T> && requires(const T& target, const typename T::State& state) {
   { target.log_constraint_at_most(state) } -> std::same_as<double>;
 };
+
+/// A target whose simulation may fail (common/plan/failure.h). What failed is never a sample: p_c
+/// and `satisfied` of such an outcome mean nothing. Outcomes of starts that overlap are known, with
+/// p_c = 0.
+template <class T>
+concept MayFail = Target<T> && requires(const T& target, const typename T::Outcome& outcome) {
+  { target.failure(outcome) } -> std::same_as<plan::FailurePointer>;
+  { target.starts_overlap(outcome) } -> std::same_as<bool>;
+};
+
+/// A surrogate that may fail guesses then, which is as right as any guess: its failures are told,
+/// and refuse nothing.
+template <class T>
+concept GuessesOnFailure = MayFail<T> && T::k_guesses_on_failure;
+
+/// What there is to tell of one simulation besides its outcome.
+struct SimulationReport {
+  bool starts_overlap = false;
+  plan::FailurePointer failure{};
+};
+
+template <Target T>
+SimulationReport report_of(const T& target, const typename T::Outcome& outcome) {
+  if constexpr (MayFail<T>) {
+    return {.starts_overlap = target.starts_overlap(outcome), .failure = target.failure(outcome)};
+  } else {
+    return {};
+  }
+}
+
+/// Whether a simulation failed, so that its state can be no sample.
+template <Target T>
+bool is_refused(const SimulationReport& report) {
+  return report.failure != nullptr && !GuessesOnFailure<T>;
+}
 
 /// A target some of whose proposals have a size, which can be made larger or smaller: `scales` has
 /// a factor for each kind, or is empty for 1. A kind that has none ignores its factor. Proposals

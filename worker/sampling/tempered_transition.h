@@ -44,12 +44,12 @@ struct ExcursionReport {
   std::uint64_t simulations = 0;
 };
 
-/// Replaces `current` or keeps it. REQUIRES: a scan once per replica; fewer than
-/// k_excursion_steps_max steps in all.
-template <Target T>
+/// Replaces `current` or keeps it. `told` hears of each simulation. REQUIRES: a scan once per
+/// replica; fewer than k_excursion_steps_max steps in all.
+template <Target T, class Told>
 ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                                     const ChainStreams& streams, std::uint64_t scan,
-                                    Sample<T>& current) {
+                                    Sample<T>& current, const Told& told) {
   // Each excursion has iteration numbers of its own, or scans would share random numbers.
   CHECK_LT(2 * excursion.below.size() * excursion.steps, k_excursion_steps_max);
   // Numbers above those of plain iterations.
@@ -60,14 +60,19 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
   std::uint64_t simulations = 0;
   const auto move = [&](double beta) {
     if (beta == 0) {
-      candidate = draw_afresh(target, streams, scan);
+      candidate = draw_afresh(target, streams, scan, [&](const SimulationReport& report) {
+        ++simulations;
+        told(report);
+      });
       from_prior = true;
-      ++simulations;
       return;
     }
     for (std::uint32_t i = 0; i < excursion.steps; ++i)
       iterate(target, beta, streams, iteration++, candidate, excursion.proposal_scales,
-              [&](const StepReport& step) { simulations += step.simulated ? 1 : 0; });
+              [&](const StepReport& step) {
+                simulations += step.simulated ? 1 : 0;
+                told(step.simulation);
+              });
   };
   // A step between two temperatures, seen from above or from below. Nothing but a start that breaks
   // a hard constraint has no density above 0: then all is accepted that has some.
@@ -93,6 +98,13 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
   if (!(log_u < log_ratio)) return {.simulations = simulations};
   current = std::move(candidate);
   return {.accepted = true, .from_prior = from_prior, .simulations = simulations};
+}
+template <Target T>
+ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
+                                    const ChainStreams& streams, std::uint64_t scan,
+                                    Sample<T>& current) {
+  return tempered_transition(target, excursion, streams, scan, current,
+                             [](const SimulationReport&) {});
 }
 
 }  // namespace sleight::sampling

@@ -12,6 +12,7 @@
 #include "worker/physics/shape/shapes.h"
 #include "worker/physics/simulator/simulation.h"
 #include "worker/physics/surface/spline_surface.h"
+#include "worker/worlds/failures/failure_of.h"
 
 namespace sleight::worlds::dice {
 namespace {
@@ -112,9 +113,14 @@ Outcome Dice::simulated(const State& state, bool tells,
                         const std::shared_ptr<const physics::History>& past,
                         physics::Recording* recording) const {
   const physics::Scene scene = this->scene(state);
-  Outcome failed{.end = End::failed, .judgement = {.all_met = false}};
+  const auto stopped = [&](const physics::SceneError& error) {
+    plan::FailurePointer failure = failure_of(error, encode(state));
+    return Outcome{.end = failure ? End::failed : End::impossible,
+                   .judgement = {.all_met = false},
+                   .failure = std::move(failure)};
+  };
   auto started = physics::Simulation::start(scene, {.record = true, .tell = tells}, past);
-  if (!started) return failed;
+  if (!started) return stopped(started.error());
   physics::Simulation simulation = std::move(started).value();
 
   // Run to the times that goals look at, and until all dice rest.
@@ -133,7 +139,7 @@ Outcome Dice::simulated(const State& state, bool tells,
     }
     if (outcome.end == End::settled) break;
     now = std::min({limit, goal, now + physics::ticks_after(k_look_every_s)});
-    if (simulation.run_until(now)) return failed;
+    if (const auto error = simulation.run_until(now)) return stopped(*error);
     bool all_rest = true;
     for (std::uint32_t die = 0; die < dice(); ++die)
       all_rest = all_rest && rests(simulation, {die});
@@ -201,7 +207,7 @@ void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
 }
 
 double Dice::log_constraint(const Outcome& outcome) const {
-  if (outcome.end == End::failed) return -std::numeric_limits<double>::infinity();
+  if (!outcome.is_animation()) return -std::numeric_limits<double>::infinity();
   return outcome.judgement.log_constraint;
 }
 
@@ -221,8 +227,8 @@ std::vector<double> Dice::outcome_values(const Outcome& outcome) const {
                              outcome.offset_squares};
   values.insert(values.end(), outcome.offsets.begin(), outcome.offsets.end());
   for (std::size_t goal = 0; goal < parameters_.goals.size(); ++goal) {
-    values.push_back(outcome.end == End::failed ? std::numeric_limits<double>::quiet_NaN()
-                                                : outcome.judgement.distances[goal]);
+    values.push_back(outcome.is_animation() ? outcome.judgement.distances[goal]
+                                            : std::numeric_limits<double>::quiet_NaN());
   }
   return values;
 }
@@ -230,7 +236,7 @@ std::vector<double> Dice::outcome_values(const Outcome& outcome) const {
 Animation Dice::animate(const State& state) const {
   Animation animation;
   const Outcome outcome = simulated(state, false, nullptr, &animation.recording);
-  CHECK(outcome.end != End::failed);
+  CHECK(outcome.is_animation());
   animation.numberings = outcome.judgement.numberings;
   animation.collisions = outcome.collisions;
   return animation;

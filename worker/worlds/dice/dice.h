@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "common/base/bytes.h"
+#include "common/plan/failure.h"
 #include "common/random/stream.h"
 #include "worker/physics/simulator/history.h"
 #include "worker/physics/simulator/recording.h"
@@ -52,13 +53,14 @@ std::size_t offset_bin_of(double score);
 enum class End : std::uint8_t {
   settled,     ///< all dice at rest
   time_limit,  ///< some die moved for too long
-  failed       ///< dice start in one place or in the table, or the simulator could not go on
+  impossible,  ///< dice start in one place or in the table
+  failed       ///< the simulator could not go on: no sample
 };
 
 struct Outcome {
   End end = End::settled;
   double end_s = 0;              ///< when the last die came to rest, or the limit
-  Judgement judgement{};         ///< empty if it failed
+  Judgement judgement{};         ///< empty if there is no animation
   ContactShares contacts{};      ///< of the table's control points
   std::uint32_t collisions = 0;  ///< of dice with the table
   /// log p_w of the control points that collisions hung on, normalised: how plausible what one sees
@@ -68,10 +70,13 @@ struct Outcome {
   /// deviations; nothing where heights are not random.
   std::array<std::uint32_t, k_offset_bins> offsets{};
   double offset_squares = 0;
-  std::vector<DieView> at_end{};  ///< unnumbered; the judgement has numberings
+  std::vector<DieView> at_end{};   ///< unnumbered; the judgement has numberings
+  plan::FailurePointer failure{};  ///< why it failed
   /// For simulate_from, which makes it; none if that is not wanted, or the candidate had nothing in
   /// common with the state.
   std::shared_ptr<const physics::History> past{};
+
+  bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
 
 /// A whole animation, to rest or to the time limit.
@@ -100,6 +105,8 @@ class Dice {
   /// The same of a candidate, for less, if it resembles a state whose outcome is known.
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
   double log_constraint(const Outcome& outcome) const;
+  plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
+  bool starts_overlap(const Outcome& outcome) const { return outcome.end == End::impossible; }
   /// Goals can only be missed.
   double log_constraint_at_most(const State& /*state*/) const { return 0; }
   bool satisfied(const Outcome& outcome) const {
@@ -137,7 +144,7 @@ class Dice {
 
   /// The simulation's scene; its bodies are the dice.
   physics::Scene scene(const State& state) const;
-  /// REQUIRES: simulate(state) didn't fail.
+  /// REQUIRES: simulate(state) is an animation.
   Animation animate(const State& state) const;
 
  private:
@@ -154,6 +161,7 @@ class Dice {
 };
 
 static_assert(sampling::BoundsConstraint<Dice>);
+static_assert(sampling::MayFail<Dice>);
 static_assert(sampling::ProposesByOutcome<Dice>);
 static_assert(sampling::SimulatesChanges<Dice>);
 

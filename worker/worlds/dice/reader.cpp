@@ -12,6 +12,7 @@
 #include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
 #include "worker/worlds/dice/dice.h"
+#include "worker/worlds/failures/played_out.h"
 #include "worker/worlds/segments/segment_values.h"
 
 namespace sleight::worlds::dice {
@@ -218,8 +219,8 @@ class DiceReader final : public archive::StateReader {
     return recording;
   }
 
-  bool plays_out(base::BytesView state) const override {
-    return world_.satisfied(world_.simulate(decoded(state)));
+  archive::PlaysOut plays_out(base::BytesView state) const override {
+    return played_out(world_, world_.simulate(decoded(state)));
   }
 
  private:

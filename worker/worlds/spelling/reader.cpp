@@ -5,6 +5,7 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
+#include "worker/worlds/failures/played_out.h"
 #include "worker/worlds/segments/segment_values.h"
 #include "worker/worlds/spelling/spelling.h"
 
@@ -107,8 +108,8 @@ class SpellingReader final : public archive::StateReader {
     return unlike / static_cast<double>(world_.balls());
   }
 
-  bool plays_out(base::BytesView state) const override {
-    return world_.satisfied(world_.simulate_to_rest(decoded(state)));
+  archive::PlaysOut plays_out(base::BytesView state) const override {
+    return played_out(world_, world_.simulate_to_rest(decoded(state)));
   }
 
   archive::Recording record(base::BytesView state) const override {

@@ -64,9 +64,10 @@ SoloBalls::Outcome SoloBalls::simulate_from(const State& state, const State& fro
       outcome.alone[ball] = of_from.alone[ball];
       continue;
     }
-    const auto bin = world_->bin_alone(state.offsets_m, state.drops_m[ball]);
-    if (!bin) return impossible();
-    outcome.alone[ball] = *bin;
+    Spelling::Alone alone = world_->fall_alone(state.offsets_m, state.drops_m[ball]);
+    if (!alone.possible) return impossible();
+    outcome.alone[ball] = alone.bin;
+    if (!outcome.failure) outcome.failure = std::move(alone.failure);
   }
   settle(outcome);
   return outcome;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/plan/failure.h"
 #include "common/random/stream.h"
 #include "worker/sampling/target.h"
 #include "worker/worlds/spelling/aimed_drops.h"
@@ -34,7 +35,12 @@ class SoloBalls {
     Filling alone{};    ///< by ball: the bin that it fills alone
     Filling filling{};  ///< the same without second balls in a bin
     std::uint32_t filled = 0;
+    /// Of the first ball whose simulation failed, of those that were simulated for this outcome;
+    /// it is guessed to fill none.
+    plan::FailurePointer failure{};
   };
+  /// A failure leaves a guess, which is as good as any.
+  static constexpr bool k_guesses_on_failure = true;
 
   /// A state in which an anchored ball is dropped elsewhere, or not at all, is not possible.
   SoloBalls(const Spelling& world, Anchor anchor) : world_(&world), anchor_(std::move(anchor)) {}
@@ -45,6 +51,9 @@ class SoloBalls {
   /// Simulates the balls that differ, or all if a partition vertex does.
   Outcome simulate_from(const State& state, const State& from, const Outcome& of_from) const;
   double log_constraint(const Outcome& outcome) const;
+  plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
+  /// A guess of the world's own starts: only a simulation counts them.
+  bool starts_overlap(const Outcome& /*outcome*/) const { return false; }
   double log_constraint_at_most(const State& state) const;
   bool satisfied(const Outcome& outcome) const;
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const;
@@ -71,5 +80,6 @@ class SoloBalls {
 static_assert(sampling::BoundsConstraint<SoloBalls>);
 static_assert(sampling::ProposesByOutcome<SoloBalls>);
 static_assert(sampling::SimulatesChanges<SoloBalls>);
+static_assert(sampling::MayFail<SoloBalls>);
 
 }  // namespace sleight::worlds::spelling

@@ -8,6 +8,7 @@
 #include "common/base/check.h"
 #include "worker/physics/marbles/marbles.h"
 #include "worker/physics/simulator/simulation.h"
+#include "worker/worlds/failures/failure_of.h"
 #include "worker/worlds/spelling/traps.h"
 
 namespace sleight::worlds::spelling {
@@ -175,13 +176,20 @@ sampling::SurrogateSteps Spelling::surrogate_steps(std::span<const double> scale
           .single_kind = static_cast<std::uint32_t>(Kind::solo_step)};
 }
 
-std::optional<std::int16_t> Spelling::bin_alone(std::span<const Vec3> offsets_m,
-                                                const Vec2& drop_m) const {
+Spelling::Alone Spelling::fall_alone(std::span<const Vec3> offsets_m, const Vec2& drop_m) const {
   const State state{
       .offsets_m = {offsets_m.begin(), offsets_m.end()}, .active = {1}, .drops_m = {drop_m}};
-  const Result result = simulated(state, Until::decided);
-  if (result.outcome.end == End::impossible) return std::nullopt;
-  return result.outcome.is_animation() ? result.outcome.filling.front() : k_fills_none;
+  Outcome outcome = simulated(state, Until::decided).outcome;
+  if (outcome.end == End::impossible) return {.possible = false};
+  if (outcome.is_animation()) return {.bin = outcome.filling.front()};
+  // It is told as of a whole state, which can be repeated: the first ball alone.
+  State whole = state;
+  whole.active.resize(balls(), 0);
+  whole.drops_m.resize(balls(), Vec2(0, 0));
+  return {.failure = std::make_shared<const plan::SimulationFailure>(
+              plan::SimulationFailure{.kind = outcome.failure->kind,
+                                      .message = outcome.failure->message,
+                                      .state = encode(whole)})};
 }
 
 std::optional<physics::Scene> Spelling::scene(const State& state) const {
@@ -234,17 +242,15 @@ physics::Tick Spelling::limit_after(physics::Tick last_start) const {
 }
 
 template <class Engine, class AllStay>
-End Spelling::run(physics::Tick last_start, Engine& engine, const AllStay& all_stay) const {
+std::optional<physics::SceneError> Spelling::run(physics::Tick last_start, Engine& engine,
+                                                 const AllStay& all_stay) const {
   const physics::Tick limit = limit_after(last_start);
   for (physics::Tick end = last_start; end < limit;) {
     end = std::min(limit, end + physics::ticks_after(k_look_every_s));
-    if (const auto error = engine.run_until(end)) {
-      return error->kind == physics::SceneError::Kind::overlap ? End::impossible
-                                                               : End::search_failed;
-    }
-    if (all_stay()) return End::settled;
+    if (auto error = engine.run_until(end)) return error;
+    if (all_stay()) return std::nullopt;
   }
-  return End::time_limit;
+  return std::nullopt;
 }
 
 std::unique_ptr<BoxGeometry> Spelling::new_geometry() const {
@@ -320,9 +326,9 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   const std::uint64_t work_max =
       (until == Until::rest ? k_work_to_rest : 1) * k_work_per_ball_max * state.active_count();
   marbles.start(scene, geometry.near(), limit_after(last_start), confinement, work_max, replay);
-  if (marbles.run_until(physics::Tick{})) {
+  if (const auto error = marbles.run_until(physics::Tick{})) {
     if (marbles.is_replay_void()) return std::nullopt;
-    return Result{.outcome = {.end = End::impossible}};
+    return stopped(*error, state);
   }
   auto past = records ? std::make_shared<Past>() : nullptr;
   std::vector<Traps::Ball> balls;
@@ -346,13 +352,13 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
     }
     if (past) past->looks.push_back(marbles.now());
   };
-  const End end = run(last_start, marbles, [&] {
+  const auto error = run(last_start, marbles, [&] {
     look();
     return until == Until::rest ? std::ranges::all_of(balls, &Traps::Ball::rests)
                                 : traps.all_stay(balls);
   });
   if (marbles.is_replay_void()) return std::nullopt;
-  if (end != End::settled && end != End::time_limit) return Result{.outcome = {.end = end}};
+  if (error) return stopped(*error, state);
 
   Result result;
   std::size_t nth = 0;
@@ -378,6 +384,12 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   return result;
 }
 
+Spelling::Result Spelling::stopped(const physics::SceneError& error, const State& state) {
+  plan::FailurePointer failure = failure_of(error, spelling::encode(state));
+  return {
+      .outcome = {.end = failure ? End::failed : End::impossible, .failure = std::move(failure)}};
+}
+
 Filling Spelling::filling_of(const Result& result) const {
   Filling filling(prior_.balls, k_fills_none);
   std::vector<std::uint8_t> full(windows_.bins(), 0);
@@ -399,13 +411,13 @@ Animation Spelling::animate(const State& state) const {
   const auto scene = this->scene(state);
   CHECK(scene.has_value());
   physics::Simulation simulation = physics::Simulation::start(*scene, {}).value();
-  const End end = run(scene->bodies.back().start_tick, simulation, [&] {
+  const auto error = run(scene->bodies.back().start_tick, simulation, [&] {
     bool all_rest = true;
     for (std::uint32_t body = 0; body < scene->bodies.size(); ++body)
       all_rest = all_rest && simulation.mode({body}) == physics::MotionMode::resting;
     return all_rest;
   });
-  CHECK(end == End::settled || end == End::time_limit);
+  CHECK(!error);
   animation.recording = simulation.recording();
   return animation;
 }

@@ -22,8 +22,8 @@
 // Invariants
 //   1. An animation is a function of the state and the parameters.
 //   2. What is decided early is what a run to rest would find, if that ends: a simulation of far
-//      more events than others have, as of a ball that is wedged, ends as search_failed, and a run
-//      to rest has more of them.
+//      more events than others have, as of a ball that is wedged, fails, and a run to rest has more
+//      of them.
 //   3. With Kernel::thesis draws and ratios are those that A.2.2 prints: invariants 1 and 2 of a
 //      target (target.h) do not hold, and Algorithm 2.1 has another distribution.
 // Thread safety: const functions may be called from several threads at once.
@@ -34,6 +34,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/plan/failure.h"
 #include "common/random/stream.h"
 #include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/scene.h"
@@ -52,10 +53,10 @@ namespace sleight::worlds::spelling {
 
 /// How a simulation ended.
 enum class End : std::uint8_t {
-  settled,       ///< every ball is at rest, or in its bin for good
-  time_limit,    ///< some ball moved for too long
-  impossible,    ///< two balls start in one place, or offsets turn the box inside out
-  search_failed  ///< the simulator could not go on, or it took too many events
+  settled,     ///< every ball is at rest, or in its bin for good
+  time_limit,  ///< some ball moved for too long
+  impossible,  ///< two balls start in one place, or offsets turn the box inside out
+  failed       ///< the simulator could not go on, or it took too many events: no sample
 };
 
 struct Outcome {
@@ -64,7 +65,8 @@ struct Outcome {
   /// When that was clear: the simulation is looked at each tenth of a second after the last drop.
   double end_s = 0;
   End end = End::settled;
-  Filling filling{};  ///< empty if there is no animation
+  Filling filling{};               ///< empty if there is no animation
+  plan::FailurePointer failure{};  ///< why it failed
   /// For simulate_from, which makes it; none if that is not wanted, or the candidate had nothing in
   /// common with the state.
   std::shared_ptr<const Past> past{};
@@ -104,6 +106,8 @@ class Spelling {
   /// Until all balls are at rest: the same but for `end_s`.
   Outcome simulate_to_rest(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
+  plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
+  bool starts_overlap(const Outcome& outcome) const { return outcome.end == End::impossible; }
   /// Each active ball fills a bin at most.
   double log_constraint_at_most(const State& state) const {
     return std::max(0.0, state.active_count() * parameters_.constraint.log_lambda);
@@ -144,9 +148,13 @@ class Spelling {
   double log_anchor_probability(const Anchor& anchor, const Outcome& outcome,
                                 const SoloBalls::Outcome& solo, double keep) const;
   sampling::SurrogateSteps surrogate_steps(std::span<const double> scales) const;
-  /// The number of the designated bin, k_fills_none if none, that a ball fills which falls there
-  /// alone; nothing if offsets turn the box inside out or leave it no place to start.
-  std::optional<std::int16_t> bin_alone(std::span<const Vec3> offsets_m, const Vec2& drop_m) const;
+  /// What a ball that falls alone comes to.
+  struct Alone {
+    bool possible = true;             ///< the offsets leave it a box, and a place to start
+    std::int16_t bin = k_fills_none;  ///< the number of the designated bin that it fills
+    plan::FailurePointer failure{};   ///< nothing is known, and `bin` is none
+  };
+  Alone fall_alone(std::span<const Vec3> offsets_m, const Vec2& drop_m) const;
 
   bool has_scale(std::uint32_t kind) const { return spelling::has_scale(static_cast<Kind>(kind)); }
   std::uint32_t proposal_kinds() const { return k_kinds; }
@@ -179,10 +187,10 @@ class Spelling {
   Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
 
  private:
-  /// Runs until all balls stay, or to the limit. How it ended, as far as it didn't fail: at the
-  /// limit, time_limit.
+  /// Runs until all balls stay, or to the limit; or why it could not.
   template <class Engine, class AllStay>
-  End run(physics::Tick last_start, Engine& engine, const AllStay& all_stay) const;
+  std::optional<physics::SceneError> run(physics::Tick last_start, Engine& engine,
+                                         const AllStay& all_stay) const;
   physics::Tick limit_after(physics::Tick last_start) const;
   physics::Tick start_of(std::size_t ball) const;
   /// What a simulation came to, and where those active balls are that stay there.
@@ -203,6 +211,7 @@ class Spelling {
   std::optional<Result> simulated_in(BoxGeometry& geometry, const State& state, Until until,
                                      bool records, const Known* known) const;
   Filling filling_of(const Result& result) const;
+  static Result stopped(const physics::SceneError& error, const State& state);
   /// The scene of a state in a box with such a surface; with all balls, those that aren't active
   /// never start, else with the active ones only.
   enum class Bodies : std::uint8_t { active, all };
@@ -225,6 +234,7 @@ class Spelling {
 static_assert(sampling::BoundsConstraint<Spelling>);
 static_assert(sampling::ProposesByOutcome<Spelling>);
 static_assert(sampling::HasSurrogate<Spelling>);
+static_assert(sampling::MayFail<Spelling>);
 static_assert(sampling::SimulatesChanges<Spelling>);
 
 }  // namespace sleight::worlds::spelling

@@ -119,7 +119,9 @@ TEST(Dice, WithoutRoomHaveNoAnimation) {
   parameters.goals = {goal_of(Place{}, 10, 10)};
   const Dice world(parameters);
   const Outcome outcome = world.simulate(state_of(world, 0));
-  EXPECT_EQ(outcome.end, End::failed);
+  EXPECT_EQ(outcome.end, End::impossible);
+  EXPECT_TRUE(world.starts_overlap(outcome));
+  EXPECT_EQ(world.failure(outcome), nullptr);
   EXPECT_FALSE(world.satisfied(outcome));
   EXPECT_EQ(world.log_constraint(outcome), -std::numeric_limits<double>::infinity());
   EXPECT_TRUE(std::isnan(world.outcome_values(outcome).back()));

@@ -120,7 +120,7 @@ TEST(DiceReader, NamesFitValues) {
     EXPECT_GT(math::rotated(q, vector_of(direction_of_face(2, 0))).z(), 0.9);
   }
   EXPECT_EQ(die, 1);
-  EXPECT_TRUE(reader->plays_out(bytes));
+  EXPECT_EQ(reader->plays_out(bytes), archive::PlaysOut::yes);
 }
 
 TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {

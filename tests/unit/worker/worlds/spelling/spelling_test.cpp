@@ -53,7 +53,7 @@ TEST(Spelling, OutcomesCountDesignatedBins) {
   EXPECT_TRUE(world.satisfied(all));
   EXPECT_EQ(world.log_constraint(all), 50);
   EXPECT_FALSE(world.satisfied({.filled = 10, .elsewhere = 1}));
-  for (const End end : {End::impossible, End::search_failed}) {
+  for (const End end : {End::impossible, End::failed}) {
     EXPECT_FALSE(world.satisfied({.filled = 10, .end = end}));
     EXPECT_EQ(world.log_constraint({.filled = 10, .end = end}),
               -std::numeric_limits<double>::infinity());

@@ -1,0 +1,131 @@
+// Contract C3 where simulations fail: what is sampled is p_w p_c^beta given that the simulation
+// succeeds, at each inverse temperature (docs/SAMPLING.md).
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/statistical/support/chi_square.h"
+#include "tests/statistical/support/toy_worlds.h"
+#include "worker/sampling/tempered_transition.h"
+
+namespace sleight::statistical {
+namespace {
+
+constexpr std::uint64_t k_seed = 271828;
+constexpr std::size_t k_draws = 50'000;
+constexpr std::size_t k_places = RuggedRing::k_places;
+/// With this threshold a right kernel fails once in 10^6 tests.
+constexpr double k_p_min = 1e-6;
+
+/// The ring with two places that no simulation gets through, and one whose start overlaps.
+struct FailingRing : RuggedRing {
+  static bool fails(State place) { return place == 0 || place == 6; }
+
+  struct Outcome {
+    RuggedRing::Outcome place = 0;
+    plan::FailurePointer failure{};
+  };
+  Outcome simulate(const State& place) const {
+    if (!fails(place)) return {.place = place};
+    return {.place = place,
+            .failure = std::make_shared<const plan::SimulationFailure>(
+                plan::SimulationFailure{.kind = plan::FailureKind::search_gave_up,
+                                        .message = "planted",
+                                        .state = encode(place)})};
+  }
+  plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
+  bool starts_overlap(const Outcome& outcome) const { return outcome.place == 3; }
+  double log_constraint(const Outcome& outcome) const {
+    return RuggedRing::log_constraint(outcome.place);
+  }
+  bool satisfied(const Outcome& outcome) const { return RuggedRing::satisfied(outcome.place); }
+
+  /// p_beta given that the simulation succeeds.
+  static std::vector<double> exact(double beta) {
+    std::vector<double> p = RuggedRing::exact(beta);
+    double sum = 0;
+    for (State place = 0; place < k_places; ++place) {
+      if (fails(place)) p[place] = 0;
+      sum += p[place];
+    }
+    for (double& x : p)
+      x /= sum;
+    return p;
+  }
+};
+static_assert(sampling::MayFail<FailingRing>);
+
+sampling::ChainStreams streams_of(std::uint64_t chain) {
+  return {.seed = k_seed, .chain = base::ChainId{static_cast<std::uint32_t>(chain)}};
+}
+
+/// The chance of counts like these if `move` leaves p_beta invariant: exact draws, each moved once.
+template <class Move>
+double p_value(double beta, std::uint64_t first_chain, const Move& move) {
+  const FailingRing ring;
+  std::vector<double> counts(k_places, 0);
+  for (std::size_t i = 0; i < k_draws; ++i) {
+    const sampling::ChainStreams streams = streams_of(first_chain + i);
+    random::Stream start = streams.at(random::Purpose::start, 0);
+    auto sample =
+        sampling::evaluate(ring, RuggedRing::pick(FailingRing::exact(beta), start.uniform()));
+    move(ring, streams, sample);
+    ++counts[sample.state];
+  }
+  return chi_square_p(counts, FailingRing::exact(beta));
+}
+
+TEST(FailuresInvariance, StepsKeepTheRestrictedTarget) {
+  // Goal: refusing candidates that fail leaves p_beta given success invariant. Method: exact draws,
+  // ten steps each, at several inverse temperatures; counts against enumeration.
+  for (const double beta : {0.2, 0.7, 1.0}) {
+    const double p = p_value(beta, 0, [&](const auto& ring, const auto& streams, auto& sample) {
+      for (std::uint64_t iteration = 1; iteration <= 10; ++iteration)
+        sampling::metropolis_hastings_step(ring, beta, streams, iteration, sample);
+    });
+    EXPECT_GT(p, k_p_min) << "beta " << beta << ", seed " << k_seed;
+  }
+}
+
+TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
+  // Goal: a draw that is repeated until it succeeds has the prior given success; the same without
+  // repeating has not. Method: counts against enumeration; the wrong draw as a control.
+  const auto draw = [](const auto& ring, const auto& streams, auto& sample) {
+    sample = sampling::draw_afresh(ring, streams, 1);
+  };
+  EXPECT_GT(p_value(0, k_draws, draw), k_p_min) << "seed " << k_seed;
+  const auto once = [](const auto& ring, const auto& streams, auto& sample) {
+    random::Stream prior = streams.at(random::Purpose::prior, 1);
+    sample = sampling::evaluate(ring, ring.draw_prior(prior));
+  };
+  EXPECT_LT(p_value(0, k_draws, once), k_p_min);
+}
+
+TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
+  // Goal: tempered transitions, whose way leads through draws and steps that may fail, keep it too.
+  // Method: as above, with an excursion to the prior.
+  const std::vector<double> below{0.4, 0.1, 0};
+  const double p =
+      p_value(1, 2 * k_draws, [&](const auto& ring, const auto& streams, auto& sample) {
+        sampling::tempered_transition(
+            ring, {.inverse_temperature = 1, .below = below, .steps = 2, .proposal_scales = {}},
+            streams, 1, sample);
+      });
+  EXPECT_GT(p, k_p_min) << "seed " << k_seed;
+}
+
+TEST(FailuresInvariance, ACandidateThatFailsIsRefusedFromAnywhere) {
+  // Goal: out of a start without density everything is accepted by the prior alone, but not what
+  // failed. Method: long walks from a place with p_c = 0 beside the ones that fail.
+  const FailingRing ring;
+  for (std::uint64_t chain = 0; chain < 2000; ++chain) {
+    auto sample = sampling::evaluate(ring, RuggedRing::State{12});
+    for (std::uint64_t iteration = 1; iteration <= 20; ++iteration) {
+      sampling::metropolis_hastings_step(ring, 1.0, streams_of(chain), iteration, sample);
+      ASSERT_FALSE(FailingRing::fails(sample.state)) << "seed " << k_seed << ", chain " << chain;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sleight::statistical

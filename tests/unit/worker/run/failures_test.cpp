@@ -1,0 +1,177 @@
+#include <gtest/gtest.h>
+
+#include "common/base/error.h"
+#include "tests/failing/failing_ball.h"
+#include "worker/run/chain_worker.h"
+
+namespace sleight::run {
+namespace {
+
+using failing::FailingBall;
+
+/// Counts what the simulator was asked and how it failed, beside what chains say of it.
+struct Counted : FailingBall {
+  explicit Counted(plan::FailureCounts& failures) : FailingBall({}), failures_(&failures) {}
+  Outcome simulate(const State& state) const {
+    Outcome outcome = FailingBall::simulate(state);
+    if (outcome.failure) failures_->add(outcome.failure->kind);
+    return outcome;
+  }
+  plan::FailureCounts* failures_;
+};
+
+plan::Unit unit_of(std::uint32_t scans, double beta, bool starts = true) {
+  return {.replica = {base::ChainId{1}, base::ReplicaId{2}},
+          .first_scan = base::ScanIndex{starts ? 0U : 1U},
+          .scans = scans,
+          .starts = starts,
+          .inverse_temperatures = {beta}};
+}
+
+plan::FailureCounts counts_of(const plan::UnitResult& result) {
+  plan::FailureCounts counts;
+  for (const plan::ScanRecord& scan : result.scans)
+    counts.add(scan.failures);
+  return counts;
+}
+
+TEST(Failures, AreNeverSamplesAndAllCounted) {
+  // Goal: no state of a chain is one whose simulation fails, and records count each failure by
+  // kind. Method: chains at inverse temperatures 0 to 1, and one with excursions; states simulated
+  // again; counts against those of the simulator itself.
+  for (const double beta : {0.0, 0.3, 1.0}) {
+    for (const bool excursions : {false, true}) {
+      plan::FailureCounts asked;
+      const ChainWorker<Counted> worker(Counted(asked), {.seed = 3, .iterations_per_scan = 4});
+      plan::Unit unit = unit_of(2000, beta);
+      if (excursions && beta > 0) unit.excursion = {0.5 * beta, 0};
+      const plan::UnitResult result = worker.run(unit, {});
+      EXPECT_EQ(counts_of(result), asked);
+      EXPECT_GT(asked.total(), 50U);
+      const FailingBall ball({});
+      for (const plan::ScanRecord& scan : result.scans) {
+        if (scan.state.empty()) continue;
+        ASSERT_EQ(ball.simulate(ball.decode(scan.state).value()).failure, nullptr);
+      }
+    }
+  }
+}
+
+TEST(Failures, ComeBackWhole) {
+  // Goal: the first failed simulations of a unit come back with their scan, and each one's state
+  // fails as it says. Method: a long unit; states simulated again.
+  const ChainWorker<FailingBall> worker(FailingBall({}), {.seed = 4});
+  const plan::UnitResult result = worker.run(unit_of(3000, 1), {});
+  ASSERT_EQ(result.failed.size(), plan::k_failed_told_max);
+  const FailingBall ball({});
+  std::uint64_t last = 0;
+  for (const plan::FailedSimulation& failed : result.failed) {
+    EXPECT_GE(failed.scan.value, last);
+    last = failed.scan.value;
+    EXPECT_GT(result.scans[last].failures.total(), 0U);
+    const auto again = ball.simulate(ball.decode(failed.failure.state).value()).failure;
+    ASSERT_NE(again, nullptr);
+    EXPECT_EQ(*again, failed.failure);
+  }
+}
+
+TEST(Failures, DoNotKnowHowUnitsAreCut) {
+  // Goal: records, failures included, are the same for any cut, with samples held or not. Method:
+  // one unit against units of 7 scans, each from bytes.
+  const ChainWorkerOptions options{.seed = 5, .iterations_per_scan = 3};
+  const ChainWorker<FailingBall> whole(FailingBall({}), options);
+  const plan::UnitResult expected = whole.run(unit_of(700, 1), {});
+  const ChainWorker<FailingBall> held(FailingBall({}), options);
+  ChainWorkerOptions without = options;
+  without.cache_bytes_max = 0;
+  const ChainWorker<FailingBall> forgetful(FailingBall({}), without);
+  for (const auto* worker : {&held, &forgetful}) {
+    base::Bytes state;
+    std::vector<plan::ScanRecord> scans;
+    for (std::uint64_t first = 0; first < 700; first += 7) {
+      plan::Unit unit = unit_of(7, 1);
+      unit.first_scan = base::ScanIndex{first};
+      unit.starts = first == 0;
+      plan::UnitResult part = worker->run(unit, state);
+      scans.insert(scans.end(), part.scans.begin(), part.scans.end());
+      state = std::move(part.state_after);
+    }
+    EXPECT_EQ(scans, expected.scans);
+  }
+}
+
+TEST(Failures, DrawsFromThePriorAreDrawnAgain) {
+  // Goal: a draw at inverse temperature 0 is the first of its stream that doesn't fail. Method: the
+  // stream by hand.
+  const ChainWorker<FailingBall> worker(FailingBall({}), {.seed = 6});
+  const plan::UnitResult result = worker.run(unit_of(1000, 0), {});
+  const FailingBall ball({});
+  std::uint64_t again = 0;
+  for (std::uint64_t scan = 0; scan < 1000; ++scan) {
+    random::Stream stream({.seed = 6,
+                           .chain = base::ChainId{1},
+                           .replica = base::ReplicaId{2},
+                           .purpose = random::Purpose::prior},
+                          scan);
+    auto state = ball.draw_prior(stream);
+    std::uint64_t failures = 0;
+    while (ball.simulate(state).failure) {
+      state = ball.draw_prior(stream);
+      ++failures;
+    }
+    again += failures;
+    ASSERT_EQ(result.scans[scan].failures.total(), failures);
+    ASSERT_EQ(result.scans[scan].log_prior, ball.log_prior(state)) << "scan " << scan;
+  }
+  EXPECT_GT(again, 10U);
+}
+
+/// Every simulation fails.
+struct Hopeless : FailingBall {
+  using FailingBall::FailingBall;
+  Outcome simulate(const State& state) const {
+    return {.failure = std::make_shared<const plan::SimulationFailure>(
+                plan::SimulationFailure{.kind = plan::FailureKind::impact_unresolved,
+                                        .message = "it never works",
+                                        .state = encode(state)})};
+  }
+};
+
+TEST(Failures, ThatNeverEndAreAnError) {
+  // Goal: a world of which no draw succeeds ends with a reason instead of drawing for ever.
+  const ChainWorker<Hopeless> worker(Hopeless({}), {.seed = 6});
+  try {
+    worker.run(unit_of(1, 1), {});
+    FAIL();
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::simulation_failed);
+    EXPECT_NE(std::string(error.what()).find("it never works"), std::string::npos);
+  }
+}
+
+TEST(Failures, OfAStoredStateAreABug) {
+  // Goal: a state that once was a sample and fails now is refused, not gone on with. Method: the
+  // bytes of a state that fails.
+  const FailingBall ball({});
+  const ChainWorker<FailingBall> worker(ball, {.seed = 6});
+  const plan::UnitResult result = worker.run(unit_of(3000, 1), {});
+  ASSERT_FALSE(result.failed.empty());
+  EXPECT_THROW(worker.run(unit_of(5, 1, false), result.failed.front().failure.state), base::Error);
+}
+
+TEST(Failures, StartsThatOverlapAreSamplesAtInverseTemperatureZero) {
+  // Goal: such a start is drawn from the prior like any other, and counted. Method: prior draws.
+  const ChainWorker<FailingBall> worker(FailingBall({}), {.seed = 7});
+  const plan::UnitResult result = worker.run(unit_of(5000, 0), {});
+  std::uint64_t counted = 0;
+  std::uint64_t without_density = 0;
+  for (const plan::ScanRecord& scan : result.scans) {
+    counted += scan.overlapping_starts;
+    without_density += scan.log_constraint == -std::numeric_limits<double>::infinity() ? 1 : 0;
+  }
+  EXPECT_GT(counted, 50U);
+  EXPECT_EQ(counted, without_density);
+}
+
+}  // namespace
+}  // namespace sleight::run

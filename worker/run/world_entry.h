@@ -1,0 +1,59 @@
+// A world as the catalogue has it, made of the world's class and what its folder calls
+// request_binding and make_state_reader.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "worker/run/catalogue.h"
+#include "worker/run/chain_worker.h"
+#include "worker/sampling/target.h"
+
+namespace sleight::run {
+
+/// What a request asks of the worker that computes its units.
+ChainWorkerOptions worker_options(const request::DirectionRequest& request,
+                                  const WorkerResources& resources);
+
+template <sampling::ScalesProposals T>
+std::vector<bool> kinds_with_scale_of(const T& world) {
+  std::vector<bool> kinds;
+  for (std::uint32_t kind = 0; kind < world.proposal_kinds(); ++kind)
+    kinds.push_back(world.has_scale(kind));
+  return kinds;
+}
+
+/// A world and its parameters; what its folder calls request_binding and make_state_reader.
+template <class World, class Parameters, request::WorldBinding (*k_binding)(Parameters&),
+          std::unique_ptr<archive::StateReader> (*k_reader)(const Parameters&)>
+class EntryOf final : public WorldEntry {
+ public:
+  request::WorldBinding binding() override { return k_binding(parameters_); }
+  std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
+                                                const WorkerResources& resources) const override {
+    return std::make_unique<ChainWorker<World>>(World(parameters_),
+                                                worker_options(request, resources));
+  }
+  std::unique_ptr<archive::StateReader> make_reader() const override {
+    return k_reader(parameters_);
+  }
+  std::optional<SimulationEnd> simulate(base::BytesView state) const override {
+    const World world(parameters_);
+    auto decoded = world.decode(state);
+    if (!decoded) return std::nullopt;
+    const auto sample = sampling::evaluate(world, std::move(*decoded));
+    return SimulationEnd{.failure = sampling::report_of(world, sample.outcome).failure,
+                         .log_prior = sample.log_prior,
+                         .log_constraint = sample.log_constraint};
+  }
+  std::vector<bool> kinds_with_scale() const override {
+    return kinds_with_scale_of(World(parameters_));
+  }
+
+ private:
+  Parameters parameters_;
+};
+
+}  // namespace sleight::run
