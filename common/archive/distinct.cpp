@@ -27,13 +27,19 @@ void DistinctSelector::offer(base::ChainId chain, base::ScanIndex scan,
   CHECK(!record.state.empty());
   const auto lineage = by_lineage_.find(record.lineage);
   if (lineage == by_lineage_.end()) {
-    if (options_.keep_per_lineage == 0 || !reader_.plays_out(record.state)) return;
+    if (options_.keep_per_lineage == 0 || !plays_out(record)) return;
     by_lineage_[record.lineage] = {of_chain_.size()};
   } else {
-    if (!is_distinct(lineage->second, record) || !reader_.plays_out(record.state)) return;
+    if (!is_distinct(lineage->second, record) || !plays_out(record)) return;
     lineage->second.push_back(of_chain_.size());
   }
   of_chain_.push_back({scan, chain, record});
+}
+
+bool DistinctSelector::plays_out(const plan::ScanRecord& record) {
+  const PlaysOut ends = reader_.plays_out(record.state);
+  if (ends == PlaysOut::failed) ++failed_;
+  return ends == PlaysOut::yes;
 }
 
 bool DistinctSelector::is_distinct(const std::vector<std::size_t>& kept_of_lineage,

@@ -50,8 +50,11 @@ class DistinctSelector {
 
   /// The kept animations in logical order. REQUIRES: not called before.
   std::vector<KeptAnimation> finish();
+  /// Animations that would have been kept, if the simulator could carry out their whole motion.
+  std::uint64_t failed() const { return failed_; }
 
  private:
+  bool plays_out(const plan::ScanRecord& record);
   bool is_distinct(const std::vector<std::size_t>& kept_of_lineage,
                    const plan::ScanRecord& record) const;
   void close_chain();
@@ -63,6 +66,7 @@ class DistinctSelector {
   std::vector<KeptAnimation> of_chain_;  ///< of the chain at hand
   /// Indices into of_chain_ by lineage: used for look-up alone.
   std::map<std::uint64_t, std::vector<std::size_t>> by_lineage_;
+  std::uint64_t failed_ = 0;
 };
 
 }  // namespace sleight::archive

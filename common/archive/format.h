@@ -6,7 +6,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
+
+#include "common/plan/failure.h"
 
 namespace sleight::archive {
 
@@ -30,6 +33,16 @@ inline constexpr std::string_view k_inference_library_version = "inference_libra
 
 /// Root attribute, only there where something must be known of the samples: that they are biased.
 inline constexpr std::string_view k_warning = "warning";
+
+/// Root attributes `failed_search_gave_up` and so on, one for each kind of failure that simulations
+/// of the run had; none where all went well.
+inline constexpr std::string_view k_failed_prefix = "failed_";
+/// Attribute of /animations, only there where some that satisfied could not be simulated to their
+/// end, and so are not kept.
+inline constexpr std::string_view k_failed_animations = "failed_animations";
+inline std::string failed_attribute(plan::FailureKind kind) {
+  return std::string(k_failed_prefix) + std::string(plan::name_of(kind));
+}
 
 /// Elements that one pass over a dataset holds at a time, in every writer and reader: 128 KiB of
 /// doubles. More buys no speed; much less makes the calls into HDF5 show.

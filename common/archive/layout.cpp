@@ -417,7 +417,7 @@ class AnimationsWriter {
 };
 
 void write_root(const WorldLayout& layout, const plan::Report& report,
-                const ArchiveOptions& options, Sink& sink) {
+                const plan::FailureCounts& failures, const ArchiveOptions& options, Sink& sink) {
   sink.set_attribute(k_root, {"format", std::string(k_format_name)});
   sink.set_attribute(k_root, {"format_version", k_format_version});
   sink.set_attribute(k_root, {"world", layout.world});
@@ -426,6 +426,11 @@ void write_root(const WorldLayout& layout, const plan::Report& report,
                      {std::string(k_inference_library_version), options.inference_library_version});
   const std::string& warning = layout.warning.empty() ? report.warning : layout.warning;
   if (!warning.empty()) sink.set_attribute(k_root, {std::string(k_warning), warning});
+  for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
+    if (failures.by_kind[kind] == 0) continue;
+    sink.set_attribute(k_root, {failed_attribute(static_cast<plan::FailureKind>(kind)),
+                                signed_of(failures.by_kind[kind])});
+  }
   DatasetSpec request{.name = std::string(k_request), .type = ElementType::text};
   request.attributes = {{"long_name", std::string("request that reproduces this archive, TOML")}};
   request.text_bytes = options.request_text.size();
@@ -442,7 +447,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   CHECK_GE(options.thin, 1U);
   CHECK(!options.request_text.empty());
   const plan::Report report = view.report();
-  write_root(reader.layout(), report, options, sink);
+  write_root(reader.layout(), report, view.failures(), options, sink);
 
   // One walk over the run, chain by chain: scalars, states and candidates for the animations.
   PosteriorWriter posterior(view, reader, options, sink);
@@ -473,6 +478,10 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   AnimationsWriter animations(reader, options, sink);
   for (const KeptAnimation& kept : selector.finish())
     animations.push(kept);
+  if (selector.failed() > 0) {
+    sink.set_attribute(k_animations,
+                       {std::string(k_failed_animations), signed_of(selector.failed())});
+  }
   animations.flush();
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "common/plan/failure.h"
 #include "common/plan/report.h"
 #include "common/plan/unit.h"
 
@@ -32,6 +33,8 @@ class RunView {
                                const plan::ScanRecord&)>& /*visit*/) const {}
   /// What the method learnt from these scans.
   virtual plan::Report report() const { return {}; }
+  /// Simulations that failed in these scans, those of all replicas and before the first draw too.
+  virtual plan::FailureCounts failures() const { return {}; }
 };
 
 }  // namespace sleight::archive

@@ -117,7 +117,7 @@ void check_version(const Source& source, Findings& findings) {
     findings.push_back(
         fmt::format("/: the attribute format_version is not 1 to {}", k_format_version));
   } else if (*value == 1 && find_group(source, k_tempering) != nullptr) {
-    findings.push_back("/: the attribute format_version is 1, which has no group /tempering");
+    findings.emplace_back("/: the attribute format_version is 1, which has no group /tempering");
   }
 }
 

@@ -33,6 +33,24 @@ std::string warning_of(const Source& source) {
   return attribute_of<std::string>(source, k_root, k_warning);
 }
 
+/// 0 where there is no such attribute: it is there only where something failed.
+std::uint64_t count_of_failures(const Source& source, std::string_view group,
+                                std::string_view name) {
+  if (find_attribute(group_of(source, group).attributes, name) == nullptr) return 0;
+  const auto count = attribute_of<std::int64_t>(source, group, name);
+  if (count < 1) refuse(source, fmt::format("{}: expected at least 1, found {}", name, count));
+  return static_cast<std::uint64_t>(count);
+}
+
+plan::FailureCounts failures_of(const Source& source) {
+  plan::FailureCounts counts;
+  for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
+    counts.by_kind[kind] =
+        count_of_failures(source, k_root, failed_attribute(static_cast<plan::FailureKind>(kind)));
+  }
+  return counts;
+}
+
 std::uint64_t size_of(const Source& source, std::string_view group, std::string_view dim) {
   const DatasetSpec* coordinate = find_dataset(group_of(source, group), dim);
   if (coordinate == nullptr || coordinate->dims.size() != 1) {
@@ -68,6 +86,8 @@ Summary summary_of(const Source& source) {
       .keep_per_lineage = attribute_of<std::int64_t>(source, k_animations, "keep_per_lineage"),
       .animations = size_of(source, k_animations, "animation"),
       .segments = size_of(source, k_animations, "segment"),
+      .failures = failures_of(source),
+      .failed_animations = count_of_failures(source, k_animations, k_failed_animations),
   };
 }
 

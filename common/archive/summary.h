@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/archive/model.h"
+#include "common/plan/failure.h"
 
 namespace sleight::archive {
 
@@ -23,6 +24,8 @@ struct Summary {
   std::int64_t keep_per_lineage = 0;  ///< most of one lineage
   std::uint64_t animations = 0;
   std::uint64_t segments = 0;
+  plan::FailureCounts failures{};       ///< simulations that failed, by kind
+  std::uint64_t failed_animations = 0;  ///< satisfied, but not simulated to their end
 };
 
 /// Throws base::Error with ExitCode::bad_archive that names what is missing or of another type.

@@ -300,6 +300,19 @@ class AnimationCheck {
   Rule segments_{"segments follow one another without gap"};
 };
 
+/// Failures are counted under known kinds, and only where there are some.
+void check_failures(const Reader& reader, Findings& findings) {
+  for (const Attribute& attribute : reader.group(k_root).attributes) {
+    if (!attribute.name.starts_with(k_failed_prefix)) continue;
+    const std::string_view kind = std::string_view(attribute.name).substr(k_failed_prefix.size());
+    const auto* count = std::get_if<std::int64_t>(&attribute.value);
+    if (!plan::failure_kind_of(kind))
+      findings.push_back(fmt::format("/ {}: no such kind of failure", attribute.name));
+    else if (count == nullptr || *count < 1)
+      findings.push_back(fmt::format("/ {}: expected an integer above 0", attribute.name));
+  }
+}
+
 void check_digest(const Source& source, Findings& findings) {
   const auto stored = std::get<std::string>(
       find_attribute(find_group(source, k_root)->attributes, k_content_digest)->value);
@@ -317,6 +330,7 @@ std::vector<std::string> verify(const Source& source) {
   if (!findings.empty()) return findings;
   const Reader reader(source);
   check_digest(source, findings);
+  check_failures(reader, findings);
   check_coordinates(reader, findings);
   check_scalars(reader, findings);
   check_proposals(reader, findings);

@@ -57,6 +57,13 @@ struct Recording {
   std::size_t rows() const { return columns == 0 ? 0 : values.size() / columns; }
 };
 
+/// Whether a motion ends as the outcome said.
+enum class PlaysOut : std::uint8_t {
+  yes,
+  otherwise,  ///< it takes too long to come to rest
+  failed      ///< the simulator can't carry it out
+};
+
 /// Reads the opaque state bytes of one world with one request. Thread-safe.
 /// REQUIRES of every function: `state` came from this world's worker (a run store is ours).
 class StateReader {
@@ -67,11 +74,10 @@ class StateReader {
   virtual std::vector<double> variables(base::BytesView state) const = 0;
   /// How unlike two animations look, in the world's own stated unit: 0 for equal ones.
   virtual double likeness_distance(base::BytesView a, base::BytesView b) const = 0;
-  /// Whether a satisfying state's whole motion can be had and ends as the outcome says: one that
-  /// was decided early may be more than the simulator can do, or takes too long to come to rest.
-  /// Only such states are kept as animations.
-  virtual bool plays_out(base::BytesView /*state*/) const { return true; }
-  /// The whole motion, simulated to its end. REQUIRES: plays_out(state).
+  /// How the whole motion of a satisfying state ends, which was perhaps decided early. Only states
+  /// that play out are kept as animations.
+  virtual PlaysOut plays_out(base::BytesView /*state*/) const { return PlaysOut::yes; }
+  /// The whole motion, simulated to its end. REQUIRES: plays_out(state) is yes.
   virtual Recording record(base::BytesView state) const = 0;
 };
 

@@ -83,6 +83,24 @@ void put_scan(const plan::ScanRecord& record, wire::Scan::Builder out) {
   put_list(out.initAccepted(static_cast<unsigned>(record.accepted.size())), record.accepted);
   put_list(out.initOutcome(static_cast<unsigned>(record.outcome.size())), record.outcome);
   out.setState(as_data(record.state));
+  if (record.failures.total() > 0) {
+    auto failures = out.initFailures(plan::k_failure_kinds);
+    for (unsigned kind = 0; kind < plan::k_failure_kinds; ++kind)
+      failures.set(kind, record.failures.by_kind[kind]);
+  }
+  out.setOverlappingStarts(record.overlapping_starts);
+}
+
+/// None, or one of each kind.
+bool fits(wire::Scan::Reader in) {
+  return in.getFailures().size() == 0 || in.getFailures().size() == plan::k_failure_kinds;
+}
+
+plan::FailureCounts get_failures(wire::Scan::Reader in) {
+  plan::FailureCounts counts;
+  for (unsigned kind = 0; kind < in.getFailures().size(); ++kind)
+    counts.by_kind[kind] = in.getFailures()[kind];
+  return counts;
 }
 
 plan::ScanRecord get_scan(wire::Scan::Reader in) {
@@ -94,6 +112,8 @@ plan::ScanRecord get_scan(wire::Scan::Reader in) {
           .proposed = get_list<std::uint32_t>(in.getProposed()),
           .accepted = get_list<std::uint32_t>(in.getAccepted()),
           .outcome = get_list<double>(in.getOutcome()),
+          .failures = get_failures(in),
+          .overlapping_starts = in.getOverlappingStarts(),
           .state = as_bytes(in.getState())};
 }
 
@@ -198,6 +218,14 @@ void put_delivery(const Delivery& delivery, wire::Delivery::Builder out) {
     results[i].setStateAfter(as_data(result.state_after));
     results[i].setCostSeconds(result.cost_s);
     results[i].setSimulations(result.simulations);
+    auto failed = results[i].initFailed(static_cast<unsigned>(result.failed.size()));
+    for (unsigned k = 0; k < result.failed.size(); ++k) {
+      const plan::SimulationFailure& failure = result.failed[k].failure;
+      failed[k].setScan(result.failed[k].scan.value);
+      failed[k].setKind(static_cast<std::uint32_t>(failure.kind));
+      failed[k].setMessage(as_text(failure.message));
+      failed[k].setState(as_data(failure.state));
+    }
   }
   put_cache(delivery.cache, out.initCache());
 }
@@ -214,8 +242,18 @@ base::Result<Message, std::string> get_delivery(wire::Delivery::Reader in) {
                    .first_scan = base::ScanIndex{from.getFirstScan()},
                    .scans = from.getScans().size()};
     result.scans.reserve(from.getScans().size());
-    for (const auto scan : from.getScans())
+    for (const auto scan : from.getScans()) {
+      if (!fits(scan)) return std::string("a scan with failures of unknown kinds");
       result.scans.push_back(get_scan(scan));
+    }
+    for (const auto failed : from.getFailed()) {
+      if (failed.getKind() >= plan::k_failure_kinds)
+        return std::string("a failed simulation of an unknown kind");
+      result.failed.push_back({.scan = base::ScanIndex{failed.getScan()},
+                               .failure = {.kind = static_cast<plan::FailureKind>(failed.getKind()),
+                                           .message = as_string(failed.getMessage()),
+                                           .state = as_bytes(failed.getState())}});
+    }
     result.state_after = as_bytes(from.getStateAfter());
     result.cost_s = from.getCostSeconds();
     result.simulations = from.getSimulations();

@@ -105,6 +105,15 @@ struct Result {
   stateAfter @4 :Data;
   costSeconds @5 :Float64;  # measured: for cutting blocks, never stored
   simulations @6 :UInt64;   # that it took: for people, never stored
+  failed @7 :List(FailedSimulation);  # the first few, in order; never stored
+}
+
+# A simulation that the simulator could not carry out; simulating the state again fails alike.
+struct FailedSimulation {
+  scan @0 :UInt64;
+  kind @1 :UInt32;  # common/plan/failure.h numbers them
+  message @2 :Text;
+  state @3 :Data;   # in the world's own encoding
 }
 
 struct Scan {
@@ -117,6 +126,8 @@ struct Scan {
   outcome @6 :List(Float64);  # the world's outcome scalars
   state @7 :Data;             # empty where this scan's state is not archived
   inverseTemperature @8 :Float64;  # at which it was sampled
+  failures @9 :List(UInt64);       # simulations of the scan that failed, by kind; empty: none
+  overlappingStarts @10 :UInt64;   # simulations of it that could not begin
 }
 
 # What a worker's memory of samples has done, for people.

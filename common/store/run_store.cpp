@@ -21,9 +21,10 @@
 namespace sleight::store {
 namespace {
 
-constexpr std::int64_t k_format_version = 2;
+constexpr std::int64_t k_format_version = 3;
 
-// The densities have no type: a REAL column would give a stored -0 back as 0.
+// The densities have no type: a REAL column would give a stored -0 back as 0. Failures are NULL
+// where there are none, so that the index of those that have some is empty in most runs.
 constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS run(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
   CREATE TABLE IF NOT EXISTS scan(
@@ -31,8 +32,10 @@ constexpr const char* k_schema = R"(
     log_prior NOT NULL, log_constraint NOT NULL, inverse_temperature NOT NULL,
     satisfied INTEGER NOT NULL, lineage INTEGER NOT NULL,
     proposed BLOB NOT NULL, accepted BLOB NOT NULL, outcome BLOB NOT NULL,
+    failures BLOB, overlapping_starts INTEGER NOT NULL,
     state BLOB, checksum INTEGER NOT NULL,
     PRIMARY KEY(chain, replica, scan)) WITHOUT ROWID;
+  CREATE INDEX IF NOT EXISTS scan_failures ON scan(scan) WHERE failures IS NOT NULL;
   CREATE TABLE IF NOT EXISTS replica(
     chain INTEGER, replica INTEGER, next_scan INTEGER NOT NULL, state BLOB NOT NULL,
     checksum INTEGER NOT NULL,
@@ -76,8 +79,8 @@ RunLock::~RunLock() {
 
 struct RunStore::Writer {
   Writer(Database& database, GroupCommit::Commit commit)
-      : insert_scan(database.prepare(
-            "INSERT OR IGNORE INTO scan VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13)")),
+      : insert_scan(database.prepare("INSERT OR IGNORE INTO scan "
+                                     "VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15)")),
         advance_replica(database.prepare(
             "INSERT INTO replica VALUES(?1,?2,?3,?4,?5) ON CONFLICT DO UPDATE "
             "SET next_scan=excluded.next_scan, state=excluded.state, checksum=excluded.checksum "
@@ -273,12 +276,18 @@ void RunStore::insert(const plan::UnitResult& result) {
     row.bind(9, base::bytes_of(std::span(record.proposed)));
     row.bind(10, base::bytes_of(std::span(record.accepted)));
     row.bind(11, base::bytes_of(std::span(record.outcome)));
-    if (record.state.empty()) {
+    if (record.failures.total() == 0) {
       row.bind_null(12);
     } else {
-      row.bind(12, base::BytesView(record.state));
+      row.bind(12, base::bytes_of(std::span<const std::uint64_t>(record.failures.by_kind)));
     }
-    row.bind(13,
+    row.bind(13, static_cast<std::int64_t>(record.overlapping_starts));
+    if (record.state.empty()) {
+      row.bind_null(14);
+    } else {
+      row.bind(14, base::BytesView(record.state));
+    }
+    row.bind(15,
              checksum_of(salt_, result.unit.replica, static_cast<std::uint64_t>(scan - 1), record));
     row.run();
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -19,6 +20,13 @@ void assign_bytes(std::vector<T>& values, base::BytesView bytes) {
   if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
 }
 
+plan::FailureCounts failures_in(base::BytesView bytes) {
+  plan::FailureCounts counts;
+  const std::size_t size = std::min(bytes.size(), sizeof(counts.by_kind));
+  if (size > 0) std::memcpy(counts.by_kind.data(), bytes.data(), size);
+  return counts;
+}
+
 }  // namespace
 
 void read_record(const Database& database, const RowKey& key, Statement& select, int first,
@@ -31,8 +39,10 @@ void read_record(const Database& database, const RowKey& key, Statement& select,
   assign_bytes(record.proposed, select.blob(first + 5));
   assign_bytes(record.accepted, select.blob(first + 6));
   assign_bytes(record.outcome, select.blob(first + 7));
-  assign_bytes(record.state, select.blob(first + 8));
-  if (checksum_of(key.salt, key.replica, key.scan, record) != select.integer(first + 9)) {
+  record.failures = failures_in(select.blob(first + 8));
+  record.overlapping_starts = static_cast<std::uint64_t>(select.integer(first + 9));
+  assign_bytes(record.state, select.blob(first + 10));
+  if (checksum_of(key.salt, key.replica, key.scan, record) != select.integer(first + 11)) {
     refuse_damaged(database.path(),
                    fmt::format("scan {} of chain {}", key.scan, key.replica.chain.value));
   }

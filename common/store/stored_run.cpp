@@ -92,6 +92,22 @@ void StoredRun::for_each_replica(base::ChainId chain, std::uint64_t thin,
   }
 }
 
+plan::FailureCounts StoredRun::failures() const {
+  Statement select = database_.prepare(
+      fmt::format("SELECT chain, replica, scan, {} FROM scan INDEXED BY scan_failures "
+                  "WHERE failures IS NOT NULL AND scan<?1",
+                  k_record_columns));
+  select.bind(1, static_cast<std::int64_t>(scans_));
+  plan::FailureCounts counts;
+  plan::ScanRecord record;
+  while (select.step()) {
+    const base::ChainId chain{static_cast<std::uint32_t>(select.integer(0))};
+    read_record(database_, key_of(chain, select.integer(1), select.integer(2)), select, 3, record);
+    counts.add(record.failures);
+  }
+  return counts;
+}
+
 void StoredRun::replay(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                                 std::span<const plan::ScanRecord>)>& visit) const {
   for (std::uint32_t chain = 0; chain < chains_; ++chain) {

@@ -33,6 +33,7 @@ class StoredRun final : public archive::RunView {
                         const std::function<void(base::ReplicaId, base::ScanIndex,
                                                  const plan::ScanRecord&)>& visit) const override;
   plan::Report report() const override { return report_; }
+  plan::FailureCounts failures() const override;
 
   /// Visits the scans of every replica up to the cut, in batches, as RunStore::replay does: for a
   /// plan to learn from them what it learns.

@@ -34,7 +34,7 @@ inline double unit_of(std::uint64_t x) {
   return static_cast<double>(mixed(x) >> 11) * 0x1p-53;
 }
 
-class FakeReader final : public StateReader {
+class FakeReader : public StateReader {
  public:
   explicit FakeReader(std::string warning = {}) {
     const Dimension collision{"collision", 3};

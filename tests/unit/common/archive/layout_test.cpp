@@ -175,6 +175,71 @@ TEST(Layout, AWarningIsKept) {
   EXPECT_THAT(verify(biased), ::testing::IsEmpty());
 }
 
+/// A run in which simulations failed.
+class FailedRun : public FakeRun {
+ public:
+  FailedRun(const FakeRunOptions& options, const plan::FailureCounts& failures)
+      : FakeRun(options), failures_(failures) {}
+  plan::FailureCounts failures() const override { return failures_; }
+
+ private:
+  plan::FailureCounts failures_;
+};
+
+TEST(Layout, FailuresAreCountedByKindAndOnlyWhereThereAreSome) {
+  // Goal: counts are in the archive and in its digest; a run without failures has no such
+  // attribute, so its digest is what it was. Method: runs with and without.
+  const FakeRunOptions options;
+  const auto archived = [&](MemoryArchive& archive, const plan::FailureCounts& failures) {
+    return write_digested(archive, [&](Sink& sink) {
+      write_archive(FailedRun(options, failures), FakeReader(), options_for(options), sink);
+    });
+  };
+  MemoryArchive without;
+  MemoryArchive plain;
+  EXPECT_EQ(archived(without, {}), write_digested(plain, filler(options)));
+  for (const Attribute& attribute : without.group(k_root).attributes)
+    EXPECT_FALSE(attribute.name.starts_with(k_failed_prefix)) << attribute.name;
+  EXPECT_EQ(summary_of(without).failures.total(), 0U);
+
+  const plan::FailureCounts failures{.by_kind = {2, 0, 0, 0, 1, 0}};
+  const plan::FailureCounts more{.by_kind = {3, 0, 0, 0, 1, 0}};
+  MemoryArchive failed;
+  MemoryArchive failed_more;
+  EXPECT_NE(archived(failed, failures), archived(failed_more, more));
+  EXPECT_EQ(summary_of(failed).failures, failures);
+  EXPECT_EQ(plan::to_string(failures), "search_gave_up 2, work_limit 1");
+  EXPECT_THAT(verify(failed), ::testing::IsEmpty());
+  const Attribute* count = find_attribute(failed.group(k_root).attributes, "failed_work_limit");
+  ASSERT_NE(count, nullptr);
+  EXPECT_EQ(std::get<std::int64_t>(count->value), 1);
+}
+
+/// Half the motions can't be simulated to their end.
+class StuckReader : public FakeReader {
+ public:
+  PlaysOut plays_out(base::BytesView state) const override {
+    return key_of(state) % 2 == 0 ? PlaysOut::yes : PlaysOut::failed;
+  }
+};
+
+TEST(Layout, AnimationsThatFailAreCounted) {
+  // Goal: one that satisfies and can't be simulated to its end is not kept, and is counted. Method:
+  // one run with a reader of which half fail, and with one of which none does.
+  const FakeRunOptions options;
+  MemoryArchive stuck;
+  write_digested(stuck, [&](Sink& sink) {
+    write_archive(FakeRun(options), StuckReader(), options_for(options), sink);
+  });
+  MemoryArchive plain;
+  write_digested(plain, filler(options));
+  EXPECT_GT(summary_of(stuck).failed_animations, 0U);
+  EXPECT_GT(summary_of(stuck).animations, 0U);
+  EXPECT_THAT(verify(stuck), ::testing::IsEmpty());
+  EXPECT_EQ(summary_of(plain).failed_animations, 0U);
+  EXPECT_EQ(find_attribute(plain.group(k_animations).attributes, k_failed_animations), nullptr);
+}
+
 TEST(Digest, CoversContentAndLeavesOutTheVersion) {
   const FakeRunOptions options;
   MemoryArchive archive;

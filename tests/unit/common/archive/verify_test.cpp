@@ -88,6 +88,12 @@ TEST_F(Verify, NamesEachBrokenRule) {
       "a kept animation is satisfied");
   broken([&] { archive_.group(k_animations).attributes[0].value = std::int64_t{19}; },
          "keep_max is 19");
+  const auto with_attribute = [&](const char* name, auto value) {
+    return [&, name, value] { archive_.group(k_root).attributes.push_back({name, value}); };
+  };
+  broken(with_attribute("failed_work_limit", std::int64_t{0}), "integer above 0");
+  broken(with_attribute("failed_work_limit", 1.0), "integer above 0");
+  broken(with_attribute("failed_often", std::int64_t{1}), "no such kind of failure");
   broken([&] { archive_.group(k_animations).attributes[1].value = std::int64_t{1}; },
          "at most keep_per_lineage");
 }

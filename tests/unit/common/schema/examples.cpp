@@ -32,7 +32,8 @@ bool same(const plan::ScanRecord& a, const plan::ScanRecord& b) {
   return same(a.log_prior, b.log_prior) && same(a.log_constraint, b.log_constraint) &&
          a.satisfied == b.satisfied && a.lineage == b.lineage &&
          same(a.inverse_temperature, b.inverse_temperature) && a.proposed == b.proposed &&
-         a.accepted == b.accepted && a.state == b.state && same(a.outcome, b.outcome);
+         a.accepted == b.accepted && a.state == b.state && same(a.outcome, b.outcome) &&
+         a.failures == b.failures && a.overlapping_starts == b.overlapping_starts;
 }
 
 template <class T>
@@ -47,7 +48,7 @@ bool same_results(const std::vector<plan::UnitResult>& all,
                     [](const plan::UnitResult& a, const plan::UnitResult& b) {
                       return same(a.unit, b.unit) && same_all(a.scans, b.scans) &&
                              a.state_after == b.state_after && same(a.cost_s, b.cost_s) &&
-                             a.simulations == b.simulations;
+                             a.simulations == b.simulations && a.failed == b.failed;
                     });
 }
 
@@ -211,6 +212,7 @@ plan::UnitResult example_result(std::uint32_t scans) {
                .first_scan = base::ScanIndex{k_largest_long},
                .scans = scans},
       .scans = {},
+      .failed = {},
       .state_after = base::Bytes(41, std::byte{0xa5}),
       .cost_s = 0.125,
       .simulations = k_largest_long - scans};
@@ -224,7 +226,15 @@ plan::UnitResult example_result(std::uint32_t scans) {
                             .proposed = {i, 0, k_largest},
                             .accepted = {0, i},
                             .outcome = awkward,
+                            .failures = {.by_kind = {i % 3 == 1 ? i : 0U, 0, 0, 0, 0, i % 3}},
+                            .overlapping_starts = i % 4 == 0 ? k_largest_long : 0,
                             .state = base::Bytes(i % 9, std::byte{7})});
+    if (i % 3 != 1 || result.failed.size() == plan::k_failed_told_max) continue;
+    result.failed.push_back(
+        {.scan = base::ScanIndex{k_largest_long - i},
+         .failure = {.kind = static_cast<plan::FailureKind>(i % plan::k_failure_kinds),
+                     .message = "ball 7 \u00e9",
+                     .state = base::Bytes(i % 7, std::byte{9})}});
   }
   return result;
 }

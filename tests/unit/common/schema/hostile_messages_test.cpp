@@ -90,6 +90,8 @@ void expect_well_formed(const Message& message) {
     for (const plan::UnitResult& result : delivery->results) {
       EXPECT_GE(result.scans.size(), 1U);
       EXPECT_EQ(result.scans.size(), result.unit.scans);
+      for (const plan::FailedSimulation& failed : result.failed)
+        EXPECT_LT(static_cast<std::size_t>(failed.failure.kind), plan::k_failure_kinds);
     }
   }
   if (const auto* assignment = std::get_if<Assignment>(&message)) {

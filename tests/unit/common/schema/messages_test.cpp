@@ -54,6 +54,9 @@ TEST(Messages, ComparerSeesOneBit) {
       [](Delivery& d) { d.results[1].scans[0].satisfied ^= true; },
       [](Delivery& d) { ++d.results[1].scans[0].lineage; },
       [](Delivery& d) { ++d.results[1].scans[0].accepted[1]; },
+      [](Delivery& d) { ++d.results[1].scans[0].failures.by_kind[2]; },
+      [](Delivery& d) { ++d.results[1].scans[0].overlapping_starts; },
+      [](Delivery& d) { d.results[1].failed.push_back({}); },
   };
   for (const DeliveryChange change : delivery_changes)
     EXPECT_TRUE(is_seen(testing::example_delivery({1, 1}), change));

@@ -44,6 +44,8 @@ plan::ScanRecord record_of(std::uint32_t chain, std::uint64_t scan) {
   record.accepted = {static_cast<std::uint32_t>(scan), 0};
   const double payload = std::bit_cast<double>(0x7ff8'0000'0000'0000 | (stream.bits() >> 16));
   record.outcome = {stream.uniform(), payload, k_infinity, -k_infinity, 0.0, -0.0};
+  if (scan % 5 == 2) record.failures.by_kind = {scan, 0, 1, 0, chain, 0};
+  record.overlapping_starts = scan % 7;
   if (scan % 3 != 0) record.state = noise(1 + scan % 17, stream);
   return record;
 }
@@ -74,6 +76,8 @@ plan::UnitResult forged(plan::UnitResult result) {
     scan.proposed = {9};
     scan.accepted = {9};
     scan.outcome = {9};
+    scan.failures.by_kind = {9};
+    scan.overlapping_starts = 9;
     scan.state = base::Bytes(3, std::byte{9});
   }
   result.state_after = base::Bytes(5, std::byte{9});
@@ -84,7 +88,8 @@ bool same_bits(const plan::ScanRecord& a, const plan::ScanRecord& b) {
   return same(a.log_prior, b.log_prior) && same(a.log_constraint, b.log_constraint) &&
          a.satisfied == b.satisfied && a.lineage == b.lineage &&
          same(a.inverse_temperature, b.inverse_temperature) && a.proposed == b.proposed &&
-         a.accepted == b.accepted && a.state == b.state &&
+         a.accepted == b.accepted && a.state == b.state && a.failures == b.failures &&
+         a.overlapping_starts == b.overlapping_starts &&
          std::equal(a.outcome.begin(), a.outcome.end(), b.outcome.begin(), b.outcome.end(),
                     [](double x, double y) { return same(x, y); });
 }

@@ -95,6 +95,30 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
   EXPECT_TRUE(testing::stored(folder(), 1, 0).empty());
 }
 
+TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
+  // Goal: failures of all replicas' scans below the cut, and of no others. Method: against the sum
+  // of the examples' for each cut; a store without any; a changed count is damage.
+  RunStore store(folder(), example_identity(2));
+  store.put(result_of(0, 0, 40));
+  store.put(result_of(1, 0, 40));
+  plan::UnitResult other = result_of(1, 0, 40);
+  other.unit.replica.replica = base::ReplicaId{3};
+  store.put(other);
+  store.flush();
+  for (std::uint64_t cut = 0; cut <= 40; ++cut) {
+    plan::FailureCounts expected;
+    for (std::uint64_t scan = 0; scan < cut; ++scan) {
+      for (const std::uint32_t chain : {0U, 1U, 1U})
+        expected.add(testing::record_of(chain, scan).failures);
+    }
+    EXPECT_EQ(StoredRun(folder(), 2, cut).failures(), expected) << cut;
+  }
+  EXPECT_GT(StoredRun(folder(), 2, 40).failures().total(), 0U);
+  Database database(RunStore::database_path(folder()), Access::read_write);
+  database.execute("UPDATE scan SET failures=zeroblob(48) WHERE chain=1 AND replica=3 AND scan=7");
+  EXPECT_THROW((void)StoredRun(folder(), 2, 40).failures(), base::Error);
+}
+
 TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
   // Goal: of several replicas an archive holds at each scan the one at inverse temperature 1, in
   // the order of scans, and knows each one's newest state. Method: two replicas that trade places
@@ -147,9 +171,10 @@ TEST_F(StoredRunOf, ChangedRowsAreDamage) {
   // Goal: what a disk or a person changed never becomes another animation, nor decides how a run
   // goes on. Method: change each column of one stored scan in turn; reading it and replaying it
   // must fail, and name chain and scan.
-  for (const char* change : {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied",
-                             "lineage=-1", "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)",
-                             "state=zeroblob(5)", "checksum=0"}) {
+  for (const char* change :
+       {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied", "lineage=-1",
+        "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)", "failures=x'01'",
+        "overlapping_starts=1", "state=zeroblob(5)", "checksum=0"}) {
     const std::string place = folder() + "/" + std::to_string(std::hash<std::string>()(change));
     const RunLock lock(place);
     {

@@ -157,6 +157,10 @@ class FailingFileSystem final : public base::FileSystem {
     real_.rename(from, to);
   }
   void remove(const std::string& path) override { real_.remove(path); }
+  void make_folder(const std::string& path) override { real_.make_folder(path); }
+  void write_file(const std::string& path, std::string_view content) override {
+    real_.write_file(path, content);
+  }
 
  private:
   void fail_if(const std::string& call) const {
