@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "clients/cli/after_burn_in.h"
+#include "clients/cli/failure_counts.h"
 #include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/cli/sampling_method.h"
@@ -214,6 +215,12 @@ void print_for_people(const std::string& path, const Facts& facts) {
   fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
   fmt::print("  animations   {}, {} segments of motion\n", kept_animations(summary),
              summary.segments);
+  if (summary.failures.total() > 0)
+    fmt::print("  failed       {} simulations, refused: {}\n", summary.failures.total(),
+               plan::to_string(summary.failures));
+  if (summary.failed_animations > 0)
+    fmt::print("               {} satisfied, but could not be simulated to rest: not kept\n",
+               summary.failed_animations);
   if (facts.tempered) print_tempered(*facts.tempered, summary.chains);
   fmt::print("  written by   sleight {}\n", summary.inference_library_version);
   fmt::print("  digest       {}\n\n", summary.content_digest);
@@ -264,6 +271,8 @@ nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
                               {"acceptance_rate", facts.acceptance},
                               {"animations", summary.animations},
                               {"segments", summary.segments},
+                              {"failed_simulations", failures_json(summary.failures)},
+                              {"failed_animations", summary.failed_animations},
                               {"version", summary.inference_library_version},
                               {"digest", summary.content_digest},
                               {"request", summary.request_text}};

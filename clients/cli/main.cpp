@@ -12,6 +12,7 @@
 #include "clients/cli/main_diagnose.h"
 #include "clients/cli/main_dice_scene.h"
 #include "clients/cli/main_direct.h"
+#include "clients/cli/main_replay.h"
 #include "clients/cli/main_spelling_box.h"
 #include "clients/cli/output.h"
 #include "clients/cli/plot_command.h"
@@ -58,6 +59,24 @@ void add_request_help(CLI::App& app, std::string& path, std::string& world, Acti
   keys->add_option("world", world, "The world's name")->type_name("WORLD");
   keys->footer("Examples:\n  sleight keys\n  sleight keys ball_2d\n  sleight keys spelling");
   keys->callback([&] { action = [&] { return print_keys(world); }; });
+}
+
+struct ReplayArguments {
+  std::string path;
+  bool json = false;
+};
+
+void add_replay(CLI::App& app, ReplayArguments& arguments, Action& action) {
+  CLI::App* command = app.add_subcommand("replay", "Repeat a simulation that failed in a run");
+  command->add_option("file", arguments.path, "Of OUTPUT.h5.run/failures")
+      ->required()
+      ->type_name("FAILURE.toml");
+  command->add_flag("--json", arguments.json, "As JSON");
+  command->footer(
+      "Exits with 8 if the simulation fails as it did, or otherwise, and with 0 if this version\n"
+      "carries it out.\n\n"
+      "Example:\n  sleight replay hi.h5.run/failures/failure-0-3-1760.toml");
+  command->callback([&] { action = [&] { return replay(arguments.path, arguments.json); }; });
 }
 
 struct ArchiveArguments {
@@ -188,11 +207,13 @@ int main_of(int argc, char** argv) {
   DirectArguments direct_arguments;
   std::string check_path;
   std::string world;
+  ReplayArguments replay_arguments;
   ArchiveArguments archive_arguments;
   DiagnoseArguments diagnose_arguments;
   cli::PlotOptions plot_options;
   add_direct(app, direct_arguments, action);
   add_request_help(app, check_path, world, action);
+  add_replay(app, replay_arguments, action);
   add_archive(app, archive_arguments, action);
   add_diagnose(app, diagnose_arguments, action);
   add_plot(app, plot_options, action);

@@ -14,6 +14,7 @@
 
 #include "clients/cli/end_with_mpirun.h"
 #include "clients/cli/main_run.h"
+#include "clients/cli/main_worlds.h"
 #include "clients/cli/output.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
@@ -54,7 +55,7 @@ struct Rank0End {
 
 Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi) {
   coordinator::catch_stop_signals();
-  run::Catalogue catalogue;
+  run::Catalogue catalogue = worlds_of_program();
   const auto request = read_request_file(catalogue, arguments);
   if (!request) return {.code = static_cast<int>(base::ExitCode::bad_request)};
   const base::SteadyClock clock;
@@ -73,7 +74,7 @@ void run_other_rank(DirectArguments arguments) {
   // Signals reach every rank; only rank 0 decides what to make of them.
   coordinator::ignore_stop_signals();
   arguments.errors_elsewhere = true;
-  run::Catalogue catalogue;
+  run::Catalogue catalogue = worlds_of_program();
   const base::SteadyClock clock;
   const auto request = read_request_file(catalogue, arguments);
   if (!request) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "clients/cli/main_worlds.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "service/coordinator/local_crew.h"
@@ -20,7 +21,7 @@ constexpr int k_bad_request = static_cast<int>(base::ExitCode::bad_request);
 
 int direct(const DirectArguments& arguments) {
   coordinator::catch_stop_signals();
-  run::Catalogue catalogue;
+  run::Catalogue catalogue = worlds_of_program();
   const auto request = read_request_file(catalogue, arguments);
   if (!request) return k_bad_request;
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
@@ -33,7 +34,7 @@ int direct(const DirectArguments& arguments) {
 }
 
 int check_request(const std::string& path) {
-  run::Catalogue catalogue;
+  run::Catalogue catalogue = worlds_of_program();
   DirectArguments arguments;
   arguments.request_path = path;
   const auto request = read_request_file(catalogue, arguments);
@@ -43,7 +44,7 @@ int check_request(const std::string& path) {
 }
 
 int print_keys(const std::string& world) {
-  run::Catalogue catalogue;
+  run::Catalogue catalogue = worlds_of_program();
   for (const request::WorldBinding& binding : catalogue.bindings()) {
     if (world.empty()) {
       fmt::print("{}  {}\n", binding.name, binding.summary);

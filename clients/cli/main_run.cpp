@@ -8,6 +8,7 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
+#include "clients/cli/failure_counts.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
@@ -33,8 +34,23 @@ const char* name_of(coordinator::DriveEnd end) {
       return "time_limit";
     case coordinator::DriveEnd::stop_requested:
       return "interrupted";
+    case coordinator::DriveEnd::simulation_failed:
+      return "simulation_failed";
   }
   return "?";
+}
+
+base::ExitCode exit_code_of(coordinator::DriveEnd end) {
+  switch (end) {
+    case coordinator::DriveEnd::finished:
+    case coordinator::DriveEnd::time_limit:
+      return base::ExitCode::ok;
+    case coordinator::DriveEnd::stop_requested:
+      return base::ExitCode::interrupted;
+    case coordinator::DriveEnd::simulation_failed:
+      break;
+  }
+  return base::ExitCode::simulation_failed;
 }
 
 nlohmann::ordered_json handling_json(const coordinator::Handling& handling) {
@@ -64,25 +80,39 @@ void print_effort(const coordinator::RunSummary& summary) {
   fmt::print("\n");
 }
 
+/// What was refused since the simulator failed, in this session and earlier ones.
+void print_failures(const DirectArguments& arguments, const coordinator::RunSummary& summary) {
+  const plan::FailureCounts& failures = summary.progress.failures;
+  if (failures.total() == 0) return;
+  fmt::print("{} simulations failed and were refused: {}. That is a bug of the simulator; {}\n",
+             coordinator::grouped(failures.total()), plan::to_string(failures),
+             summary.first_failure.empty()
+                 ? fmt::format("see {}/failures.", coordinator::run_folder(arguments.output))
+                 : fmt::format("`sleight replay {}` repeats the first of this session.",
+                               summary.first_failure));
+}
+
 void print_summary(const DirectArguments& arguments, const request::DirectionRequest& request,
                    const coordinator::RunSummary& summary) {
   if (arguments.json) {
-    const nlohmann::ordered_json json{{"archive", summary.scans > 0 ? arguments.output : ""},
-                                      {"end", name_of(summary.end)},
-                                      {"world", request.world},
-                                      {"chains", request.sampler.chains},
-                                      {"seed", request.sampler.seed},
-                                      {"scans", summary.scans},
-                                      {"session", summary.epoch},
-                                      {"session_scans", summary.progress.session_scans},
-                                      {"session_satisfied", summary.progress.session_satisfied},
-                                      {"independent_solutions", summary.progress.solutions},
-                                      {"session_seconds", summary.progress.elapsed_s},
-                                      {"session_simulations", summary.progress.session_simulations},
-                                      {"workers", summary.progress.workers},
-                                      {"handling", handling_json(summary.handling)},
-                                      {"version", base::version()},
-                                      {"digest", summary.digest}};
+    const nlohmann::ordered_json json{
+        {"archive", summary.scans > 0 ? arguments.output : ""},
+        {"end", name_of(summary.end)},
+        {"world", request.world},
+        {"chains", request.sampler.chains},
+        {"seed", request.sampler.seed},
+        {"scans", summary.scans},
+        {"session", summary.epoch},
+        {"session_scans", summary.progress.session_scans},
+        {"session_satisfied", summary.progress.session_satisfied},
+        {"independent_solutions", summary.progress.solutions},
+        {"session_seconds", summary.progress.elapsed_s},
+        {"session_simulations", summary.progress.session_simulations},
+        {"workers", summary.progress.workers},
+        {"failed_simulations", cli::failures_json(summary.progress.failures)},
+        {"handling", handling_json(summary.handling)},
+        {"version", base::version()},
+        {"digest", summary.digest}};
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return;
   }
@@ -94,7 +124,10 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
                summary.digest);
   }
   print_effort(summary);
-  if (summary.end != coordinator::DriveEnd::finished) {
+  print_failures(arguments, summary);
+  if (summary.end == coordinator::DriveEnd::simulation_failed) {
+    fmt::print("Stopped by --strict; without it the same command goes on from here.\n");
+  } else if (summary.end != coordinator::DriveEnd::finished) {
     fmt::print("Stopped early; the same command goes on from here.\n");
   }
 }
@@ -104,7 +137,8 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
 const char* const k_exit_codes =
     "Exit codes: 0 done (also at a time limit); 1 a bug; 2 wrong usage; 3 errors in the request;\n"
     "4 the output belongs to another run; 5 the environment (disk, files); 6 a bad archive;\n"
-    "7 chains that have not mixed (diagnose); 130 interrupted, with everything stored.";
+    "7 chains that have not mixed (diagnose); 8 a simulation failed (with --strict, or replayed);\n"
+    "130 interrupted, with everything stored.";
 
 void add_run_options(CLI::App& app, DirectArguments& arguments) {
   app.add_option("request", arguments.request_path, "The direction request, a TOML file")
@@ -128,6 +162,8 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
       ->type_name("MB")
       ->capture_default_str();
   app.add_flag("--json", arguments.json, "The summary on stdout as JSON");
+  app.add_flag("--strict", arguments.strict,
+               "End the run when a simulation fails, instead of refusing that state");
   app.add_flag("-q,--quiet", arguments.quiet, "No progress on stderr");
 }
 
@@ -176,7 +212,8 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   coordinator::RunOptions options{.output = arguments.output,
                                   .fresh = arguments.fresh,
                                   .stop_requested = &coordinator::stop_requested,
-                                  .report = {}};
+                                  .report = {},
+                                  .strict = arguments.strict};
   if (!arguments.time_limit.empty()) options.time_limit_s = parse_duration_s(arguments.time_limit);
   if (!arguments.quiet) {
     options.report = [&](const coordinator::Progress& progress) { printer.show(progress); };
@@ -192,8 +229,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
       options);
   printer.finish();
   print_summary(arguments, request, summary);
-  const bool interrupted = summary.end == coordinator::DriveEnd::stop_requested;
-  return static_cast<int>(interrupted ? base::ExitCode::interrupted : base::ExitCode::ok);
+  return static_cast<int>(exit_code_of(summary.end));
 }
 
 int report_failure(const std::string& program) {

@@ -19,6 +19,7 @@ struct DirectArguments {
   bool fresh = false;
   bool json = false;
   bool quiet = false;
+  bool strict = false;            ///< a simulation that fails ends the run
   bool errors_elsewhere = false;  ///< another rank prints the request's errors
   std::string time_limit;         ///< "20s", "5m", "1h"; empty for none
   std::optional<std::uint64_t> seed;

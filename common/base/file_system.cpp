@@ -55,6 +55,19 @@ void PosixFileSystem::remove(const std::string& path) {
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail("remove it", path);
 }
 
+void PosixFileSystem::make_folder(const std::string& path) {
+  if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail("make the folder", path);
+}
+
+void PosixFileSystem::write_file(const std::string& path, std::string_view content) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbe"),
+                                                             &std::fclose);
+  if (!file) fail("write it", path);
+  const bool written = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
+  // What is buffered is written here: closing alone would hide that the disk is full.
+  if (!written || std::fflush(file.get()) != 0) fail("write it", path);
+}
+
 std::string directory_of(const std::string& path) {
   const auto slash = path.find_last_of('/');
   if (slash == std::string::npos) return ".";

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace sleight::base {
 
@@ -22,6 +23,10 @@ class FileSystem {
   virtual void rename(const std::string& from, const std::string& to) = 0;
   /// No error when there is no such file.
   virtual void remove(const std::string& path) = 0;
+  /// No error when it is there already.
+  virtual void make_folder(const std::string& path) = 0;
+  /// Makes a file of this content, or replaces its content; not in one step, and not durable.
+  virtual void write_file(const std::string& path, std::string_view content) = 0;
 };
 
 class PosixFileSystem final : public FileSystem {
@@ -31,6 +36,8 @@ class PosixFileSystem final : public FileSystem {
   void sync_directory_of(const std::string& path) override;
   void rename(const std::string& from, const std::string& to) override;
   void remove(const std::string& path) override;
+  void make_folder(const std::string& path) override;
+  void write_file(const std::string& path, std::string_view content) override;
 };
 
 /// The folder part of a path, "." where there is none.

@@ -2,6 +2,7 @@
 #
 #   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen...)   one per folder
 #   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
+#   sleight_program_parts(mains SOURCES main_run.cpp LINKS ...)       that several programs share
 #   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds])
 #
 # A library's name is its folder with '/' as '_': common/math is common_math.
@@ -33,6 +34,14 @@ function(sleight_program name)
   if(NOT ARG_NO_INSTALL)
     install(TARGETS ${name} RUNTIME)
   endif()
+endfunction()
+
+# What programs have in common of their mains, compiled once: like these it may join the sides.
+function(sleight_program_parts name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC sleight_options ${ARG_LINKS})
+  target_precompile_headers(${name} REUSE_FROM sleight_precompiled_products)
 endfunction()
 
 function(sleight_test)

@@ -44,7 +44,7 @@ class Driver {
       stop_if_asked(end);
     }
     store_.flush();
-    if (plan_.finished()) end = DriveEnd::finished;
+    if (plan_.finished() && end != DriveEnd::simulation_failed) end = DriveEnd::finished;
     if (options_.report) options_.report(progress());
     return {.end = end,
             .scans_common = plan_.scans_common(),
@@ -60,6 +60,8 @@ class Driver {
       store_.replay(replica.replica,
                     [&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
                       plan_.consume(replica.replica, first, records);
+                      for (const plan::ScanRecord& record : records)
+                        counted_.failures.add(record.failures);
                       next_scan = first.value + records.size();
                     });
       CHECK_EQ(next_scan, replica.next_scan);  // replay refuses a damaged store
@@ -106,6 +108,7 @@ class Driver {
   }
 
   std::optional<DriveEnd> asked_to_stop() const {
+    if (options_.strict && counted_.failures.total() > 0) return DriveEnd::simulation_failed;
     if (options_.stop_requested && options_.stop_requested()) return DriveEnd::stop_requested;
     if (options_.time_limit_s > 0 && clock_.now_s() - begin_s_ >= options_.time_limit_s) {
       return DriveEnd::time_limit;
@@ -117,12 +120,17 @@ class Driver {
     counted_.session_simulations += result.simulations;
     for (const plan::ScanRecord& scan : result.scans)
       count(scan);
+    if (options_.failed) {
+      for (const plan::FailedSimulation& failed : result.failed)
+        options_.failed(result.unit.replica, failed);
+    }
     store_.put(std::move(result));
   }
 
   void count(const plan::ScanRecord& scan) {
     ++counted_.session_scans;
     if (scan.satisfied) ++counted_.session_satisfied;
+    counted_.failures.add(scan.failures);
     counted_.session_proposed +=
         std::accumulate(scan.proposed.begin(), scan.proposed.end(), std::uint64_t{0});
     counted_.session_accepted +=

@@ -29,6 +29,7 @@ struct Progress {
   std::uint64_t solutions = 0;                 ///< independent solutions, earlier sessions included
   std::uint64_t solutions_wanted = 0;          ///< 0 where the stop rule doesn't ask for them
   std::optional<std::uint64_t> round_trips{};  ///< of a ladder's replicas, if there is one
+  plan::FailureCounts failures{};              ///< of simulations, earlier sessions included
   std::size_t workers = 0;                     ///< threads that compute and are heard of
   double elapsed_s = 0;                        ///< of this session
 };
@@ -49,9 +50,13 @@ struct DriveOptions {
   /// people who watch have a recent archive; may be empty.
   std::function<void(std::uint64_t scans_common)> checkpoint{};
   double checkpoint_every_s = 60;
+  /// Hears of simulations that failed in this session, once each, of a unit the first few; may be
+  /// empty.
+  std::function<void(const plan::ReplicaKey&, const plan::FailedSimulation&)> failed{};
+  bool strict = false;  ///< a failed simulation ends the run, one of an earlier session too
 };
 
-enum class DriveEnd { finished, time_limit, stop_requested };
+enum class DriveEnd { finished, time_limit, stop_requested, simulation_failed };
 
 struct DriveOutcome {
   DriveEnd end = DriveEnd::finished;

@@ -56,6 +56,8 @@ std::string progress_line(const std::string& name, const Progress& progress) {
     const auto left = static_cast<double>(progress.scans_total - progress.scans_done);
     line += fmt::format("  {} left", clock_time(left / rate));
   }
+  if (progress.failures.total() > 0)
+    line += fmt::format("  {} FAILED", grouped(progress.failures.total()));
   line += fmt::format("  {} sims/s",
                       grouped(static_cast<std::uint64_t>(per_s(progress.session_simulations))));
   line += fmt::format("  solutions {}", grouped(progress.solutions));

@@ -21,6 +21,7 @@
 #include "common/base/version.h"
 #include "common/store/run_store.h"
 #include "common/store/stored_run.h"
+#include "service/coordinator/failure_files.h"
 
 namespace sleight::coordinator {
 namespace {
@@ -90,6 +91,7 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   // torn.
   for (const char* suffix : {"", "-wal", "-shm"})
     files.remove(database + suffix);
+  FailureFiles::remove_all(folder);
 }
 
 /// Archives half written by processes that were killed; nobody else writes while the lock is held.
@@ -134,6 +136,16 @@ std::string write_archive_of_run(const RunInputs& inputs, const std::string& out
   });
 }
 
+void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& failed,
+                 const std::optional<std::string>& path) {
+  spdlog::warn(
+      "a simulation failed (a bug of the simulator; its state is refused): {}: {}; chain {}, "
+      "replica {}, scan {}; {}",
+      plan::name_of(failed.failure.kind), failed.failure.message, replica.chain.value,
+      replica.replica.value, failed.scan.value,
+      path ? "to repeat it: sleight replay " + *path : "no more of them are kept as files");
+}
+
 }  // namespace
 
 std::string run_identity(const request::DirectionRequest& request) {
@@ -174,11 +186,22 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   const auto archive_of = [&](std::uint64_t scans) {
     return write_archive_of_run(inputs, options.output, folder, scans, files);
   };
+  FailureFiles failure_files(folder, request::normalised_text(inputs.request), files);
+  std::string first_failure;
+  const auto failed = [&](const plan::ReplicaKey& replica, const plan::FailedSimulation& one) {
+    const std::optional<std::string> path = failure_files.keep(replica, one);
+    if (!first_failure.empty()) return;
+    // The first is said at once; progress and summary count the others.
+    first_failure = path.value_or(folder + "/failures");
+    say_failure(replica, one, path);
+  };
   const DriveOptions drive_options{.time_limit_s = options.time_limit_s,
                                    .stop_requested = options.stop_requested,
                                    .report = options.report,
                                    .checkpoint = [&](std::uint64_t scans) { archive_of(scans); },
-                                   .checkpoint_every_s = options.checkpoint_every_s};
+                                   .checkpoint_every_s = options.checkpoint_every_s,
+                                   .failed = failed,
+                                   .strict = options.strict};
   const DriveOutcome outcome =
       drive(inputs.plan, run_store, inputs.crew, inputs.clock, drive_options);
 
@@ -187,6 +210,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                      .scans = outcome.scans_common,
                      .digest = {},
                      .epoch = run_store.epoch(),
+                     .first_failure = first_failure,
                      .progress = outcome.progress,
                      .handling = outcome.handling};
   if (summary.scans > 0) {

@@ -2,8 +2,9 @@
 // stopped, drive the plan, derive the archive.
 //
 // Files of a run with output `ball.h5`: the archive `ball.h5` (derived, replaced whole) and the
-// folder `ball.h5.run` with the run store (the truth). The archive can be deleted and made again;
-// deleting the folder gives up what isn't in the archive and the means to go on.
+// folder `ball.h5.run` with the run store (the truth) and what simulations failed
+// (failure_files.h). The archive can be deleted and made again; deleting the folder gives up what
+// isn't in the archive and the means to go on.
 #pragma once
 
 #include <cstdint>
@@ -40,13 +41,15 @@ struct RunOptions {
   std::function<void(const Progress&)> report{};
   std::function<void(const std::string& phase)> say{};  ///< what goes on when nothing is counted
   double checkpoint_every_s = 60;  ///< an archive of the run so far, for people who watch
+  bool strict = false;             ///< a simulation that fails ends the run
 };
 
 struct RunSummary {
   DriveEnd end = DriveEnd::finished;
-  std::uint64_t scans = 0;  ///< of every chain in the archive; 0: no archive could be written
-  std::string digest{};     ///< of the archive's content
-  std::uint64_t epoch = 0;  ///< 1 for a run's first session
+  std::uint64_t scans = 0;      ///< of every chain in the archive; 0: no archive could be written
+  std::string digest{};         ///< of the archive's content
+  std::uint64_t epoch = 0;      ///< 1 for a run's first session
+  std::string first_failure{};  ///< of this session: a file to replay; empty if there is none
   Progress progress{};
   Handling handling{};
 };

@@ -120,6 +120,18 @@ class Dependencies(TidyTest):
         self.assert_finds(files, "dependencies",
                           ("worker/run/options.cpp:1", "worker must not include service"))
 
+    def test_parts_of_programs_are_mains(self):
+        # What programs share of their mains joins sides as they do; a library that links it doesn't.
+        files = self.with_files({
+            "worker/run/CMakeLists.txt":
+                "sleight_library(LINKS worker_physics)\n"
+                "sleight_program_parts(mains SOURCES main_run.cpp LINKS worker_run service_core)\n"
+                "sleight_program(batch SOURCES main.cpp LINKS mains)\n",
+            "worker/run/main_run.cpp": '#include "service/core/step.h"\n'})
+        self.assert_clean(files, "dependencies")
+        files["worker/run/options.cpp"] = '#include "service/core/step.h"\n'
+        self.assert_finds(files, "dependencies", ("worker/run/options.cpp:1", "must not include service"))
+
     def test_physics_and_sampling_are_strangers(self):
         self.assert_finds(
             self.with_files({"worker/sampling/CMakeLists.txt":

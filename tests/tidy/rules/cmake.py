@@ -6,12 +6,12 @@ import re
 
 SIDES = ("common", "worker", "service", "clients")
 _KEYWORDS = {"SOURCES", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL"}
-_DECLARATION = re.compile(r"\bsleight_(library|program)\s*\(")
+_DECLARATION = re.compile(r"\bsleight_(library|program_parts|program)\s*\(")
 
 
 @dataclasses.dataclass
 class Target:
-    """A library (its name is its folder, '/' as '_') or a program."""
+    """A library (its name is its folder, '/' as '_'), a program, or parts that programs share."""
     kind: str
     name: str
     folder: str
@@ -36,7 +36,8 @@ class Project:
 
     def __init__(self, tree):
         self.libraries = {}  # by name
-        self.programs = []
+        self.programs = []   # and their parts
+        self.parts = {}      # by name
         for path in tree.files:
             if posixpath.basename(path) == "CMakeLists.txt" and path.split("/")[0] in SIDES:
                 for target in _targets(tree.text(path), path):
@@ -44,6 +45,8 @@ class Project:
                         self.libraries[target.name] = target
                     else:
                         self.programs.append(target)
+                    if target.kind == "program_parts":
+                        self.parts[target.name] = target
         self.by_folder = {library.folder: library for library in self.libraries.values()}
         self.programs_by_source = {}
         for program in self.programs:
@@ -77,8 +80,9 @@ class Project:
             if name in seen:
                 continue
             seen.add(name)
-            if name in self.libraries:
-                waiting.extend(link for link, _ in self.libraries[name].links)
+            linked = self.libraries.get(name) or self.parts.get(name)
+            if linked:
+                waiting.extend(link for link, _ in linked.links)
         return seen
 
 
@@ -95,7 +99,7 @@ def _targets(text, path):
             word_line = text.count("\n", 0, match.end() + token.start()) + 1
             if word in _KEYWORDS:
                 section = word
-            elif section is None and target.kind == "program":
+            elif section is None and target.kind != "library":
                 target.name = word
             elif section == "SOURCES":
                 target.sources.append(posixpath.join(folder, word))

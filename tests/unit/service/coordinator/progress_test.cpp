@@ -1,5 +1,6 @@
 #include "service/coordinator/progress.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -51,6 +52,12 @@ TEST(ProgressLine, IsAsItsHeaderShows) {
   EXPECT_EQ(progress_line("ball_2d", progress),
             "ball_2d  12,400 of 40,000 scans (31%)  0:01 left  73,100 sims/s  solutions 4  "
             "round trips 12  satisfied 4,431 (52%)  accepted 41%  4 workers");
+}
+
+TEST(ProgressLine, TellsFailures) {
+  // Goal: what failed is seen, before what a narrow terminal cuts off. Method: some, in two kinds.
+  const Progress progress{.scans_done = 10, .failures = {.by_kind = {1200, 0, 0, 0, 34, 0}}};
+  EXPECT_THAT(progress_line("x", progress), ::testing::StartsWith("x  10 scans  1,234 FAILED  0"));
 }
 
 TEST(ProgressLine, LeavesOutWhatIsNotKnown) {

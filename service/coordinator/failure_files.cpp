@@ -1,0 +1,56 @@
+#include "service/coordinator/failure_files.h"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "common/base/version.h"
+#include "common/failure_file/failure_file.h"
+
+namespace sleight::coordinator {
+namespace {
+
+std::string folder_in(const std::string& run_folder) {
+  return run_folder + "/failures";
+}
+
+}  // namespace
+
+FailureFiles::FailureFiles(const std::string& run_folder, std::string request_text,
+                           base::FileSystem& files)
+    : folder_(folder_in(run_folder)), request_text_(std::move(request_text)), files_(files) {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, none))
+    kept_ += entry.path().extension() == ".toml" ? 1 : 0;
+}
+
+std::optional<std::string> FailureFiles::keep(const plan::ReplicaKey& replica,
+                                              const plan::FailedSimulation& failed) {
+  const bool same_scan = has_last_ && replica == last_replica_ && failed.scan == last_scan_;
+  nth_ = same_scan ? nth_ + 1 : 0;
+  has_last_ = true;
+  last_replica_ = replica;
+  last_scan_ = failed.scan;
+
+  std::string path = folder_ + "/" + failure_file::name_of(replica, failed.scan, nth_);
+  if (files_.exists(path)) return path;
+  if (kept_ == k_failure_files_max) return std::nullopt;
+  files_.make_folder(folder_);
+  // Whole or not at all: a process that is killed here leaves no torn file under that name.
+  const std::string unfinished = path + ".tmp";
+  files_.write_file(unfinished,
+                    failure_file::to_text({.program_version = std::string(base::version()),
+                                           .request_text = request_text_,
+                                           .replica = replica,
+                                           .failed = failed}));
+  files_.rename(unfinished, path);
+  ++kept_;
+  return path;
+}
+
+void FailureFiles::remove_all(const std::string& run_folder) {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_in(run_folder), ignored);
+}
+
+}  // namespace sleight::coordinator

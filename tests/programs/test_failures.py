@@ -1,0 +1,233 @@
+"""Goal: a simulation that fails is never a sample, and never passes without a word. Method: the
+programs with a world of which 3% of simulations give up, 1% exceed a limit and 2% can't start
+(tests/failing); the same run by threads, ranks, kills and sittings must count the same."""
+
+import json
+import math
+import pathlib
+import re
+import sqlite3
+import time
+
+import harness
+from harness import ProgramTest
+
+FAILING_SHARE = 0.04
+
+
+def tempered_text(scans, seed=1, method="parallel_tempering"):
+    return f"""
+[world]
+name = "ball_2d"
+[sampler]
+method = "{method}"
+chains = 3
+replicas = 4
+seed = {seed}
+round_scans = 32
+iterations_per_scan = 3
+[stop]
+scans = {scans}
+"""
+
+
+class Failures(ProgramTest):
+    def request(self, text, name="request.toml"):
+        path = self.path(name)
+        path.write_text(text)
+        return path
+
+    def summary(self, request, output, *args):
+        return json.loads(self.direct(request, output, "--json", *args).stdout)
+
+    def counted(self, archive):
+        return self.info(archive)["failed_simulations"]
+
+    def same(self, output, reference):
+        self.assertEqual(output.read_bytes(), reference.read_bytes())
+        self.assertEqual(self.counted(output), self.counted(reference))
+
+    def test_they_are_counted_by_kind(self):
+        request = self.write_request(scans=3000, iterations_per_scan=2)
+        output = self.path("a.h5")
+        summary = self.summary(request, output)
+        failed = summary["failed_simulations"]
+        self.assertEqual(failed["total"], failed["search_gave_up"] + failed["work_limit"])
+        # Of independent simulations the share would be binomial; candidates of one chain are others
+        # each time, so their hashes are independent.
+        simulations = summary["session_simulations"]
+        for kind, share in [("search_gave_up", 0.03), ("work_limit", 0.01)]:
+            sd = math.sqrt(simulations * share * (1 - share))
+            self.assertLess(abs(failed[kind] - share * simulations), 5 * sd, (kind, failed))
+        self.assertEqual(self.counted(output), failed)
+        told = self.succeed(harness.sleight("archive", "info", output)).stdout
+        self.assertIn(f"{failed['total']} simulations, refused: search_gave_up "
+                      f"{failed['search_gave_up']}, work_limit {failed['work_limit']}", told)
+        self.succeed(harness.sleight("archive", "verify", output))
+
+    def test_threads_ranks_and_sittings_count_the_same(self):
+        for name, text in [("plain", harness.request_text(scans=1500)),
+                           ("tempered", tempered_text(600)),
+                           ("excursions", tempered_text(700, method="tempered_transitions"))]:
+            with self.subTest(name):
+                request = self.request(text, f"{name}.toml")
+                one = self.path(f"{name}.h5")
+                self.direct(request, one, "--threads", "1")
+                self.assertGreater(self.counted(one)["total"], 0)
+                threads = self.path(f"{name}-threads.h5")
+                self.direct(request, threads, "--threads", "3", "--cache", "0")
+                self.same(threads, one)
+                ranks = self.path(f"{name}-ranks.h5")
+                self.succeed(harness.run(harness.batch(3, request, ranks, "-q",
+                                                       folder=self.folder)))
+                self.same(ranks, one)
+
+    def test_kills_lose_and_double_none(self):
+        # Killed at moments of its work, by threads and as an MPI job, and gone on with.
+        text = harness.request_text(scans=3000, chains=3, iterations_per_scan=100)
+        request = self.request(text)
+        whole = self.path("whole.h5")
+        self.direct(request, whole)
+        for name, command in [
+                ("direct", lambda output: [harness.program("sleight"), "direct", request, "-o",
+                                           output, "-q"]),
+                ("batch", lambda output: harness.batch(2, request, output, "-q",
+                                                       folder=self.folder))]:
+            with self.subTest(name):
+                output = self.path(f"{name}.h5")
+                kills = 0
+                for _ in range(3):
+                    stored = self.stored_scans(output)
+                    process = harness.start(command(output))
+                    deadline = time.monotonic() + 60
+                    while (self.stored_scans(output) < stored + 500 and process.poll() is None
+                           and time.monotonic() < deadline):
+                        time.sleep(0.02)
+                    kills += process.poll() is None
+                    harness.kill_group(process)
+                self.assertGreater(kills, 0)
+                self.succeed(harness.run(command(output)))
+                self.same(output, whole)
+                files = list(pathlib.Path(f"{output}.run/failures").glob("*.toml"))
+                self.assertEqual(len(files), 10)
+
+    def stored_scans(self, output):
+        try:
+            store = sqlite3.connect(f"file:{output}.run/store.sqlite?mode=ro", uri=True)
+            count, = store.execute("SELECT count(*) FROM scan").fetchone()
+            store.close()
+            return count
+        except sqlite3.OperationalError:
+            return 0
+
+    def test_what_is_cut_off_is_not_counted(self):
+        # A time limit leaves chains of different lengths; the archive counts up to the common scan,
+        # as the run asked for so many does.
+        cut = self.path("cut.h5")
+        self.direct(self.write_request(scans=100000000, chains=3, iterations_per_scan=20), cut,
+                    "--time-limit", "1.5s", "--threads", "2")
+        scans = self.info(cut)["scans"]
+        whole = self.path("whole.h5")
+        self.direct(self.write_request("whole.toml", scans=scans, chains=3,
+                                       iterations_per_scan=20), whole)
+        self.same(cut, whole)
+        store = sqlite3.connect(f"file:{cut}.run/store.sqlite?mode=ro", uri=True)
+        beyond, = store.execute("SELECT count(*) FROM scan WHERE scan>=? AND failures IS NOT NULL",
+                                (scans,)).fetchone()
+        store.close()
+        print(f"\n{beyond} scans with failures were cut off")
+
+    def test_starts_that_overlap_are_counted_apart(self):
+        request = self.write_request(scans=3000)
+        self.direct(request, self.path("a.h5"))
+        store = sqlite3.connect(f"file:{self.path('a.h5')}.run/store.sqlite?mode=ro", uri=True)
+        overlaps, = store.execute("SELECT sum(overlapping_starts) FROM scan").fetchone()
+        store.close()
+        self.assertLess(abs(overlaps - 240), 5 * math.sqrt(240))
+        self.assertNotIn("overlap", json.dumps(self.counted(self.path("a.h5"))))
+
+    def test_the_first_is_said_at_once_and_can_be_repeated(self):
+        request = self.write_request(scans=2000)
+        result = harness.sleight("direct", request, "-o", self.path("a.h5"))
+        self.succeed(result)
+        self.assertEqual(result.stderr.count("a simulation failed"), 1, result.stderr)
+        path = re.search(r"sleight replay (\S+)", result.stderr).group(1)
+        self.assertIn("simulations failed and were refused", result.stdout)
+        replayed = harness.sleight("replay", path)
+        self.assertEqual(replayed.returncode, 8, replayed.stderr)
+        self.assertIn("It fails again, in the same way.", replayed.stdout)
+        told = json.loads(harness.sleight("replay", path, "--json").stdout)
+        self.assertTrue(told["same"])
+        # Ten files, however many failed; each of them repeats one.
+        files = sorted(pathlib.Path(path).parent.glob("*.toml"))
+        self.assertEqual(len(files), 10)
+        for file in files:
+            self.assertEqual(harness.sleight("replay", file).returncode, 8, file)
+        # One whose state is another's is carried out, and says so.
+        text = files[0].read_text()
+        state = re.search(r'state = "([0-9a-f]+)"', text).group(1)
+        moved = self.request(text.replace(state, "0" * len(state)), "moved.toml")
+        carried_out = harness.sleight("replay", moved)
+        self.assertEqual(carried_out.returncode, 0, carried_out.stderr)
+        self.assertIn("It is carried out", carried_out.stdout)
+
+    def test_bad_files_are_refused(self):
+        request = self.write_request(scans=300)
+        self.direct(request, self.path("a.h5"))
+        good = sorted(pathlib.Path(f"{self.path('a.h5')}.run/failures").glob("*.toml"))[0]
+        text = good.read_text()
+        for name, bad, expected in [
+                ("empty", "", "it has no [failure]"),
+                ("binary", "\0\1\2", "1:1"),
+                ("no request", text.split("[world]")[0], "it has no [world]"),
+                ("kind", re.sub(r'kind = "\w+"', 'kind = "bored"', text), "'kind' must be one of"),
+                ("state", re.sub(r'state = "', 'state = "xyz', text), "'state' must be hexadecimal"),
+                ("short state", re.sub(r'state = "\w+"', 'state = "00"', text),
+                 "'state' is no state of the world"),
+                ("scan", re.sub(r"\nscan = \d+", "\nscan = -1", text), "'scan' must be an integer"),
+                ("missing", re.sub(r"\nchain = \d+", "", text), "[failure] has no key 'chain'"),
+                ("world", text.replace('name = "ball_2d"', 'name = "marbles"'), "marbles")]:
+            with self.subTest(name):
+                result = harness.sleight("replay", self.request(bad, "bad.toml"))
+                self.assertEqual(result.returncode, 3, result.stderr)
+                self.assertIn(expected, result.stderr)
+        self.assertEqual(harness.sleight("replay", self.path("none.toml")).returncode, 5)
+
+    def test_strict_ends_the_run(self):
+        request = self.write_request(scans=100000)
+        output = self.path("a.h5")
+        result = harness.sleight("direct", request, "-o", output, "--strict", "--json")
+        self.assertEqual(result.returncode, 8, result.stderr)
+        summary = json.loads(result.stdout)
+        self.assertEqual(summary["end"], "simulation_failed")
+        self.assertLess(summary["scans"], 100000)
+        # It remembers; without the flag it goes on to what it would have been.
+        self.assertEqual(harness.sleight("direct", request, "-o", output, "--strict").returncode, 8)
+        short = self.write_request(scans=1000)
+        self.direct(short, output)
+        whole = self.path("whole.h5")
+        self.direct(short, whole)
+        self.same(output, whole)
+        batch = harness.run(harness.batch(2, request, self.path("b.h5"), "--strict",
+                                          folder=self.folder))
+        self.assertEqual(batch.returncode, 8, batch.stderr)
+
+    def test_fresh_gives_the_files_up(self):
+        request = self.write_request(scans=1000)
+        output = self.path("a.h5")
+        self.direct(request, output)
+        folder = pathlib.Path(f"{output}.run/failures")
+        before = {file.name for file in folder.glob("*.toml")}
+        self.direct(self.write_request("other.toml", scans=1000, seed=2), output, "--fresh")
+        self.assertNotEqual({file.name for file in folder.glob("*.toml")}, before)
+
+    def test_progress_tells(self):
+        process = harness.start([harness.program("sleight"), "direct",
+                                 self.write_request(scans=100000000, iterations_per_scan=50), "-o",
+                                 self.path("a.h5"), "--time-limit", "6s"])
+        _, errors = process.communicate(timeout=120)
+        self.assertRegex(errors, r"[0-9,]+ FAILED")
+
+
+if __name__ == "__main__":
+    harness.main()
