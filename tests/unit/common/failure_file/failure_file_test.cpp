@@ -93,7 +93,7 @@ TEST(FailureFile, AnyBytesAreReadOrRefused) {
     }
     const auto back = read(text, "x.toml");
     read_well += back.ok() ? 1U : 0U;
-    if (!back.ok()) ASSERT_FALSE(back.error().message.empty()) << "seed 11, input " << input;
+    ASSERT_TRUE(back.ok() || !back.error().message.empty()) << "seed 11, input " << input;
   }
   EXPECT_GT(read_well, 100U);
   EXPECT_LT(read_well, 19'000U);
