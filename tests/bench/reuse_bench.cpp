@@ -1,5 +1,5 @@
-// What it costs to keep a simulation's history, and what it saves (docs/SIMULATOR.md, "What stays
-// the same").
+// What it costs to keep a simulation's history, and what it saves (docs/SIMULATOR.md, "Replay of
+// an earlier simulation").
 //
 // A row runs the same scene in two ways in turn, and says how long the one took (`whole_ms`, a
 // recorded simulation of everything, CPU time) and the other (`ms`), the start and the making of

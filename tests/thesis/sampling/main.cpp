@@ -1,4 +1,4 @@
-// `sleight-sampling-table`: independent satisfying solutions by each method, for docs/SAMPLING.
+// `sleight-sampling-table`: independent satisfying solutions by each method, for docs/MEASUREMENTS.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -263,7 +263,7 @@ void print(const std::vector<Row>& rows) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Independent satisfying solutions by each method: the table of docs/SAMPLING"};
+  CLI::App app{"Independent satisfying solutions by each method: the table of docs/MEASUREMENTS"};
   Arguments arguments;
   app.add_option("--simulations", arguments.simulations, "Of each method and scene")
       ->capture_default_str();

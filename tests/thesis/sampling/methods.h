@@ -1,5 +1,5 @@
 // How many independent satisfying solutions a method finds for what it simulates, for
-// docs/SAMPLING.
+// docs/MEASUREMENTS.
 #pragma once
 
 #include <ctime>

@@ -1,5 +1,5 @@
 // `sleight-reuse-table`: what simulations made from those of similar states save, by the kind of
-// proposal, for docs/SAMPLING.
+// proposal, for docs/MEASUREMENTS.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -145,7 +145,7 @@ void print(const std::string& scene, const Tallies& tallies) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"What reuse saves, by kind of proposal: the table of docs/SAMPLING"};
+  CLI::App app{"What reuse saves, by kind of proposal: the table of docs/MEASUREMENTS"};
   std::uint64_t iterations = 20'000;
   std::uint64_t seed = 1;
   app.add_option("--iterations", iterations, "Of each chain")->capture_default_str();

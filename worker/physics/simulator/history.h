@@ -1,5 +1,5 @@
 // All that happened in a simulation, so that one of nearly the same scene need not compute it again
-// (docs/SIMULATOR.md, "What stays the same").
+// (docs/SIMULATOR.md, "Replay of an earlier simulation").
 //
 // Idea. A list of events in the order in which they were processed. Each names the bodies that had
 // a part in it, the segments that they began, and what else they know now that they didn't before.

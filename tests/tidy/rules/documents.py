@@ -1,0 +1,130 @@
+"""Documents: links lead somewhere, and the glossary and the code know the same names.
+
+A name in backticks of docs/GLOSSARY.md is a file or a folder where it has a slash, else a word of
+the code. The other way round, each folder of a library has a file or itself in the glossary.
+"""
+
+import posixpath
+import re
+
+from .tree import Finding, is_cpp, is_in
+
+GLOSSARY = "docs/GLOSSARY.md"
+CODE_FOLDERS = ("common", "worker", "service", "clients")
+_CODE_SPAN = re.compile(r"`([^`\n]+)`")
+_HEADING = re.compile(r"#{1,6}\s+(.*?)\s*#*$")
+_LINK = re.compile(r"\[[^\]\n]*\]\(([^()\s]+)\)")
+_ELSEWHERE = re.compile(r"[a-z]+:")
+# How comments and scripts cite a document: its name, perhaps with the title of a section, which may
+# go on in the comment's next line.
+_CITED = re.compile(r'(?<![(\w/])docs/([A-Z][A-Z_]+|notebook/\w+)\b(?:\.md(?:,[\s/#]*"([^"]{1,100})")?)?')
+_WORD = re.compile(r"[A-Za-z_]\w*")
+_LIBRARY = re.compile(r"^\s*sleight_library\b", re.MULTILINE)
+
+
+def check(tree):
+    files = set(tree.files)
+    places = files | {folder for path in tree.files for folder in _folders(path)}
+    anchors = {path: _anchors(tree, path) for path in tree.files if path.endswith(".md")}
+    for path in tree.files:
+        if path.endswith(".md"):
+            yield from _links(tree, path, places, anchors)
+        yield from _cited(tree, path, anchors)
+    if GLOSSARY in files:
+        yield from _glossary(tree, places)
+
+
+def _folders(path):
+    """Those that a file lies in, all the way up, and the root."""
+    while path:
+        path = posixpath.dirname(path)
+        yield path or "."
+
+
+def _lines_outside_fences(tree, path):
+    fenced = False
+    for number, line in enumerate(tree.lines(path), 1):
+        if line.lstrip().startswith("```"):
+            fenced = not fenced
+        elif not fenced:
+            yield number, line
+
+
+def _titles(tree, path):
+    for _, line in _lines_outside_fences(tree, path):
+        match = _HEADING.match(line)
+        if match:
+            yield _LINK.sub(lambda link: link.group(0)[1:].split("]")[0], match.group(1))
+
+
+def _anchors(tree, path):
+    """As code hosts make them of headings: letters, digits, hyphens; repeated ones are numbered."""
+    found = set()
+    for title in _titles(tree, path):
+        anchor = re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+        name, count = anchor, 0
+        while name in found:
+            count += 1
+            name = f"{anchor}-{count}"
+        found.add(name)
+    return found
+
+
+def _links(tree, path, places, anchors):
+    for number, line in _lines_outside_fences(tree, path):
+        for match in _LINK.finditer(_CODE_SPAN.sub("", line)):
+            if _ELSEWHERE.match(match.group(1)):
+                continue
+            name, _, anchor = match.group(1).partition("#")
+            target = path
+            if name:
+                target = posixpath.normpath(posixpath.join(posixpath.dirname(path), name))
+            if target not in places:
+                yield Finding(path, number, f"a dead link: {match.group(1)}; there is no {target}")
+            elif anchor and anchor not in anchors.get(target, ()):
+                yield Finding(path, number,
+                              f"a dead link: {match.group(1)}; {target} has no such heading")
+
+
+def _cited(tree, path, anchors):
+    text = tree.text(path)
+    for match in _CITED.finditer(text):
+        line = text.count("\n", 0, match.start()) + 1
+        target = f"docs/{match.group(1)}.md"
+        if target not in anchors:
+            yield Finding(path, line, f"cites {target}, which there is not")
+        elif match.group(2):
+            title = re.sub(r"\s*\n[\s/#]*", " ", match.group(2))
+            if title not in set(_titles(tree, target)):
+                yield Finding(path, line, f'cites "{title}", which {target} has no heading for')
+
+
+def _glossary(tree, places):
+    words = {word for path in tree.files if is_in(path, CODE_FOLDERS)
+             for word in _code_words(tree, path)}
+    named = set()
+    for number, line in _lines_outside_fences(tree, GLOSSARY):
+        for match in _CODE_SPAN.finditer(line):
+            name = match.group(1)
+            if "/" in name.strip("/"):
+                named.add(name.rstrip("/"))
+                if name.rstrip("/") not in places:
+                    yield Finding(GLOSSARY, number, f"there is no {name}")
+                continue
+            for word in _WORD.findall(name):
+                if word not in words:
+                    yield Finding(GLOSSARY, number, f"no code has the name {word}")
+    covered = {folder for name in named for folder in (name, posixpath.dirname(name))}
+    for path in tree.files:
+        folder = posixpath.dirname(path)
+        if (is_in(path, CODE_FOLDERS) and path.endswith("/CMakeLists.txt") and
+                folder not in covered and _LIBRARY.search(tree.text(path))):
+            yield Finding(path, 1, f"{GLOSSARY} names nothing of this folder: explain its main word")
+
+
+def _code_words(tree, path):
+    if is_cpp(path):
+        for code in tree.source(path).code:
+            yield from _WORD.findall(code)
+    elif path.endswith(".capnp"):
+        yield from _WORD.findall(tree.text(path))
