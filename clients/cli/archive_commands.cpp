@@ -98,7 +98,7 @@ void print_for_people(const std::string& path, const Facts& facts) {
   fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
   fmt::print("  animations   {}, {} segments of motion\n", kept_animations(summary),
              summary.segments);
-  if (facts.odds) fmt::print("{}", in_words(*facts.odds, summary.chains));
+  if (facts.odds) fmt::print("{}", in_words(*facts.odds));
   fmt::print("  written by   sleight {}\n", summary.inference_library_version);
   fmt::print("  digest       {}\n\n", summary.content_digest);
   fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
