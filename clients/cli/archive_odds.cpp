@@ -149,9 +149,10 @@ std::string shown(const JudgedEstimate& estimate, double log_of_unit, const Arch
   const CombinedEstimate& all = estimate.all;
   if (all.ladders == 0) return "unknown";
   const double value = all.log.value - log_of_unit;
-  std::string from = fmt::format("{} {}{}", all.ladders, odds.weighted ? "chain" : "ladder",
-                                 all.ladders == 1 ? "" : "s");
-  const std::string round = odds.weighted ? "" : ", " + round_name(estimate.round, odds);
+  const std::string from = fmt::format("{} {}{}", all.ladders, odds.weighted ? "chain" : "ladder",
+                                       all.ladders == 1 ? "" : "s");
+  const std::string round =
+      odds.weighted ? "" : fmt::format(", {}", round_name(estimate.round, odds));
   if (!estimate.known()) return fmt::format("{:.2f}, error unknown ({}){}", value, from, round);
   return fmt::format("{:.2f} +- {:.2f} ({}, {}){}", value, all.log.error, from,
                      name_of(all.error_from, odds.weighted), round);
@@ -189,7 +190,8 @@ std::string unknown_in_words(const ArchiveOdds& odds) {
   std::string text = "  by chance    unknown";
   if (log_p.all.ladders == 0)
     text += fmt::format(": nothing satisfied in any {}", odds.weighted ? "draw" : "round");
-  text += "\n" + lines_of(log_p.doubts);
+  text += "\n";
+  text += lines_of(log_p.doubts);
   if (odds.how_to_know) text += in_words(*odds.how_to_know, odds);
   if (log_p.all.ladders == 0) return text;
   text +=
