@@ -98,9 +98,11 @@ void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
 void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const Whose& whose) {
   const double spread = spread_of(all);
   if (!std::isfinite(all.own_error)) {
-    doubts.push_back({.kind = DoubtOf::wide,
-                      .reason = fmt::format("it is too short for an error of each {}", whose.one),
-                      .at_least = true});
+    doubts.push_back(
+        {.kind = DoubtOf::wide,
+         .reason = fmt::format("not every {} has an error of its own: too few draws satisfied",
+                               whose.one),
+         .at_least = true});
   } else if (!(spread <= k_spread_max)) {
     // A variance falls as scans grow.
     doubts.push_back({.kind = DoubtOf::wide,
