@@ -11,13 +11,11 @@
 #include <optional>
 #include <vector>
 
-#include "clients/cli/after_burn_in.h"
+#include "clients/cli/archive_odds.h"
 #include "clients/cli/failure_counts.h"
 #include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/cli/sampling_method.h"
-#include "clients/cli/tempering.h"
-#include "clients/cli/throw_odds.h"
 #include "clients/cli/trace.h"
 #include "common/archive/csv.h"
 #include "common/archive/digest.h"
@@ -53,84 +51,18 @@ double sum_of(const archive::Source& source, std::string_view dataset) {
   return sum;
 }
 
-/// What the ladders of a tempered run estimate, or its weighted ascents.
-struct Tempered {
-  bool weighted = false;  ///< of the ascents: then no round is told
-  bool burn_in = false;   ///< the rounds are a burn-in's
-  std::size_t rounds = 0;
-  std::size_t judged = 0;  ///< the round that log_z is of
-  CombinedEstimate log_z;
-  std::size_t satisfied_round = 0;   ///< the round that log_p_satisfied is of
-  CombinedEstimate log_p_satisfied;  ///< of no ladder: nothing ever satisfied
-  std::size_t without_trips = 0;     ///< ladders of that round that made no round trip
-  double log_natural_throw = 0;
-};
-
 struct Facts {
   archive::Summary summary;
   double satisfied = 0;   ///< share of all scans
   double acceptance = 0;  ///< mean over scans with proposals
-  std::optional<Tempered> tempered{};
+  std::optional<ArchiveOdds> odds{};
 };
-
-CombinedEstimate estimate_of(const archive::Source& source, const std::string& name,
-                             std::uint64_t chains, std::size_t round) {
-  const std::vector<double> values = of_ladders(source, name, chains, round);
-  const std::vector<double> errors = of_ladders(source, name + "_error", chains, round);
-  std::vector<LogEstimate> ladders;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    ladders.push_back({.value = values[i], .error = errors[i]});
-  return combined(ladders);
-}
-
-/// What annealed importance sampling's ascents say.
-Tempered weighted_of(const archive::Source& source, std::uint64_t chains) {
-  std::vector<LogEstimate> log_z;
-  std::vector<LogEstimate> log_p;
-  for (const AscentReport& chain : ascents_of(source, chains)) {
-    log_z.push_back(chain.log_z);
-    log_p.push_back(chain.log_p_satisfied);
-  }
-  return {.weighted = true,
-          .log_z = combined(log_z),
-          .log_p_satisfied = combined(log_p),
-          .log_natural_throw = log_natural_throw(source)};
-}
-
-std::optional<Tempered> tempered_of(const archive::Source& source,
-                                    const archive::Summary& summary) {
-  const auto method = method_of(summary.request_text);
-  if (method == request::Method::annealed_importance) return weighted_of(source, summary.chains);
-  const std::vector<Round> rounds =
-      rounds_of(source, summary.chains,
-                burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
-  if (rounds.empty()) return std::nullopt;
-  const auto estimate = [&](const std::string& name, std::size_t round) {
-    return estimate_of(source, name, summary.chains, round);
-  };
-  const std::size_t judged = judged_round(rounds);
-  Tempered tempered{.burn_in = burns_in(method),
-                    .rounds = rounds.size(),
-                    .judged = judged,
-                    .log_z = estimate("log_z", judged),
-                    .satisfied_round = judged,
-                    .log_p_satisfied = estimate("log_p_satisfied", judged),
-                    .log_natural_throw = log_natural_throw(source)};
-  // Where nothing satisfied there, the latest of the other rounds must do.
-  for (std::size_t r = rounds.size(); r-- > 0 && tempered.log_p_satisfied.ladders == 0;) {
-    tempered.satisfied_round = r;
-    tempered.log_p_satisfied = estimate("log_p_satisfied", r);
-  }
-  tempered.without_trips =
-      without_round_trip(source, summary.chains, tempered.satisfied_round).size();
-  return tempered;
-}
 
 Facts facts_of(const archive::Source& source) {
   Facts facts{.summary = archive::summary_of(source)};
   const std::uint64_t scans = facts.summary.chains * facts.summary.scans;
   if (scans == 0) return facts;
-  facts.tempered = tempered_of(source, facts.summary);
+  facts.odds = odds_of(source, facts.summary);
   facts.satisfied = sum_of(source, "satisfied") / static_cast<double>(scans);
   const std::uint64_t moving = facts.summary.chains * (facts.summary.scans - 1);
   if (moving > 0) {
@@ -156,54 +88,6 @@ std::string kept_animations(const archive::Summary& summary) {
                      most);
 }
 
-/// "-4.54 +- 0.02 (2 ladders, jackknife within ladders)"; weights are chains'.
-std::string shown(const CombinedEstimate& estimate, bool weighted) {
-  if (estimate.ladders == 0) return "unknown";
-  const std::string from = fmt::format("{} {}{}", estimate.ladders, weighted ? "chain" : "ladder",
-                                       estimate.ladders == 1 ? "" : "s");
-  if (estimate.error_from == ErrorFrom::unknown) {
-    return fmt::format("{:.2f} ({}, error unknown)", estimate.log.value, from);
-  }
-  return fmt::format("{:.2f} +- {:.2f} ({}, {})", estimate.log.value, estimate.log.error, from,
-                     name_of(estimate.error_from, weighted));
-}
-
-void print_tempered(const Tempered& tempered, std::uint64_t chains) {
-  const auto round_of = [&](std::size_t round) {
-    return fmt::format("round {} of {}{}", round + 1, tempered.rounds,
-                       tempered.burn_in ? " of the burn-in" : "");
-  };
-  const auto from_round = [&](std::size_t round) {
-    return tempered.weighted ? std::string() : ", " + round_of(round);
-  };
-  const CombinedEstimate& odds = tempered.log_p_satisfied;
-  fmt::print("  log Z        {}{}\n", shown(tempered.log_z, tempered.weighted),
-             from_round(tempered.judged));
-  if (odds.ladders == 0) {
-    fmt::print("  by chance    unknown: nothing satisfied in any {}\n",
-               tempered.weighted ? "draw" : "round");
-    return;
-  }
-  fmt::print("  by chance    {}\n", in_words(odds_of(odds.log, tempered.log_natural_throw)));
-  fmt::print("               log P {}{}\n", shown(odds, tempered.weighted),
-             from_round(tempered.satisfied_round));
-  if (tempered.satisfied_round != tempered.judged) {
-    fmt::print("               of another round, since nothing satisfied in {}\n",
-               round_of(tempered.judged));
-  }
-  if (odds.ladders < chains) {
-    fmt::print(
-        "               nothing satisfied in {} of {} {}, which are left out: it may be rarer\n",
-        chains - odds.ladders, chains, tempered.weighted ? "chains" : "ladders");
-  }
-  // Their states are still on their way, all of them on the same side: no spread shows that.
-  if (tempered.without_trips > 0) {
-    fmt::print(
-        "               {} of {} ladders made no round trip in that round: it may be far off\n",
-        tempered.without_trips, chains);
-  }
-}
-
 void print_for_people(const std::string& path, const Facts& facts) {
   const archive::Summary& summary = facts.summary;
   fmt::print("{}: {} samples\n\n", path, summary.world);
@@ -221,40 +105,10 @@ void print_for_people(const std::string& path, const Facts& facts) {
   if (summary.failed_animations > 0)
     fmt::print("               {} satisfied, but could not be simulated to rest: not kept\n",
                summary.failed_animations);
-  if (facts.tempered) print_tempered(*facts.tempered, summary.chains);
+  if (facts.odds) fmt::print("{}", in_words(*facts.odds));
   fmt::print("  written by   sleight {}\n", summary.inference_library_version);
   fmt::print("  digest       {}\n\n", summary.content_digest);
   fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
-}
-
-/// One throw in so many as a power of ten; numbers that are not known are null.
-nlohmann::ordered_json as_json(const Tempered& tempered) {
-  const ThrowOdds odds = odds_of(tempered.log_p_satisfied.log, tempered.log_natural_throw);
-  const auto json_of = [&](const CombinedEstimate& estimate, std::size_t round) {
-    nlohmann::ordered_json json{{"value", estimate.log.value},
-                                {"error", estimate.log.error},
-                                {"error_from", name_of(estimate.error_from, tempered.weighted)},
-                                {"ladders", estimate.ladders}};
-    if (!tempered.weighted) json["round"] = round + 1;
-    return json;
-  };
-  nlohmann::ordered_json json{
-      {"from", tempered.weighted  ? "weights"
-               : tempered.burn_in ? "burn_in"
-                                  : "ladders"},
-      {"rounds", tempered.rounds},
-      {"log_z", json_of(tempered.log_z, tempered.judged)},
-      {"log_p_satisfied", json_of(tempered.log_p_satisfied, tempered.satisfied_round)},
-      {"ladders_without_round_trip", tempered.without_trips},
-      {"log_natural_throw", tempered.log_natural_throw},
-      {"log10_throws", odds.log10_throws},
-      {"log10_throws_low", odds.log10_low},
-      {"log10_throws_high", odds.log10_high}};
-  if (tempered.weighted) {
-    json.erase("rounds");
-    json.erase("ladders_without_round_trip");
-  }
-  return json;
 }
 
 nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
@@ -276,7 +130,7 @@ nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
                               {"version", summary.inference_library_version},
                               {"digest", summary.content_digest},
                               {"request", summary.request_text}};
-  if (facts.tempered) json["tempering"] = as_json(*facts.tempered);
+  if (facts.odds) json["tempering"] = as_json(*facts.odds);
   return json;
 }
 

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "clients/cli/odds_doubts.h"
 #include "clients/cli/run_counts.h"
 #include "clients/cli/run_effort.h"
 #include "clients/cli/sampling_method.h"
@@ -243,8 +244,15 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
     log_z.push_back(chain.log_z);
     log_p.push_back(chain.log_p_satisfied);
   }
-  report.log_z = combined(log_z);
-  report.log_p_satisfied = combined(log_p);
+  const auto together = [&](std::span<const LogEstimate> chains_say) {
+    CombinedEstimate all = combined(chains_say);
+    const bool trusted =
+        doubts_of_weights(chains_say, report.effective_size, k_effective_size_min).empty();
+    if (!trusted) all.log.error = std::numeric_limits<double>::quiet_NaN();
+    return all;
+  };
+  report.log_z = together(log_z);
+  report.log_p_satisfied = together(log_p);
   if (!(report.effective_size >= k_effective_size_min)) {
     judged.diagnosis.reasons.push_back(fmt::format(
         "the weighted draws of all chains are worth {} draws of equal weight, and it takes {:.0f}: "

@@ -105,9 +105,9 @@ struct TemperingReport {
 inline constexpr double k_effective_size_min = 100;
 
 struct WeightsReport {
-  double effective_size = 0;  ///< of all chains together
-  CombinedEstimate log_z;
-  CombinedEstimate log_p_satisfied;
+  double effective_size = 0;         ///< of all chains together
+  CombinedEstimate log_z;            ///< without an error where odds_doubts.h doubts it
+  CombinedEstimate log_p_satisfied;  ///< likewise
   std::vector<AscentReport> chains;
 };
 

@@ -58,6 +58,8 @@ const char* name_of(ErrorFrom from, bool weighted) {
       return weighted ? "spread of weights within chains" : "jackknife within ladders";
     case ErrorFrom::between:
       return weighted ? "standard error between chains" : "standard error between ladders";
+    case ErrorFrom::mean_of_logs:
+      return weighted ? "half the variance between chains" : "half the variance between ladders";
   }
   return "unknown";
 }
@@ -66,7 +68,8 @@ CombinedEstimate combined(std::span<const LogEstimate> ladders) {
   std::vector<LogEstimate> known;
   std::ranges::copy_if(ladders, std::back_inserter(known),
                        [](const LogEstimate& ladder) { return std::isfinite(ladder.value); });
-  CombinedEstimate all{.log = {k_nan, k_nan}, .ladders = known.size()};
+  CombinedEstimate all{
+      .log = {k_nan, k_nan}, .ladders = known.size(), .own_error = k_nan, .between_error = k_nan};
   if (known.empty()) return all;
   const auto count = static_cast<double>(known.size());
 
@@ -78,21 +81,24 @@ CombinedEstimate combined(std::span<const LogEstimate> ladders) {
     squared_errors += ladder.error * ladder.error;
   }
   all.log.value = sum / count;
-  const double jackknife = std::sqrt(squared_errors) / count;
+  all.own_error = std::sqrt(squared_errors) / count;
 
   // How far ladders lie apart.
   double squares = 0;
   for (const LogEstimate& ladder : known)
     squares += (ladder.value - all.log.value) * (ladder.value - all.log.value);
-  const double between = known.size() < 2 ? k_nan : std::sqrt(squares / (count - 1) / count);
+  if (known.size() >= 2) all.between_error = std::sqrt(squares / (count - 1) / count);
+  const double half_variance = all.between_error * all.between_error * count / 2;
 
-  if (std::isfinite(between) && !(jackknife >= between)) {
-    all.log.error = between;
-    all.error_from = ErrorFrom::between;
-  } else if (std::isfinite(jackknife)) {
-    all.log.error = jackknife;
-    all.error_from = ErrorFrom::jackknife;
-  }
+  // The largest; NaN is never larger.
+  const auto consider = [&](double error, ErrorFrom from) {
+    if (std::isnan(error) || error <= all.log.error) return;
+    all.log.error = error;
+    all.error_from = from;
+  };
+  consider(all.own_error, ErrorFrom::jackknife);
+  consider(all.between_error, ErrorFrom::between);
+  consider(half_variance, ErrorFrom::mean_of_logs);
   return all;
 }
 

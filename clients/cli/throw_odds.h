@@ -3,9 +3,12 @@
 //
 // Idea. Each ladder gives log P(satisfied) with a jackknife's error. On the probability scale the
 // mean of the ladders is all but the largest of them, whose own error is the worst known; so the
-// mean is taken of the logs. Its error is the larger of two: what the jackknife errors combine to,
-// which does not see what a whole ladder missed, and the standard error between ladders, which
-// does, but is itself rough with few ladders.
+// mean is taken of the logs. Its error is the largest of three: what the jackknife errors combine
+// to, which does not see what a whole ladder missed; the standard error between ladders, which
+// does, but is itself rough with few ladders; and half the variance between ladders, by which a
+// mean of logs lies below the log of a mean, and which more ladders don't make smaller.
+//
+// Whether such an error can be trusted, odds_doubts.h says.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -24,9 +27,10 @@ struct LogEstimate {
 };
 
 enum class ErrorFrom : std::uint8_t {
-  unknown,    ///< neither can be had: one ladder, whose round was too short
-  jackknife,  ///< within the ladders
-  between,    ///< from ladder to ladder
+  unknown,       ///< neither can be had: one ladder, whose round was too short
+  jackknife,     ///< within the ladders
+  between,       ///< from ladder to ladder
+  mean_of_logs,  ///< half the variance between ladders
 };
 
 /// "jackknife within ladders": for people and JSON. Of weighted draws chains take the ladders'
@@ -37,6 +41,8 @@ struct CombinedEstimate {
   LogEstimate log;
   ErrorFrom error_from = ErrorFrom::unknown;
   std::size_t ladders = 0;  ///< that had a finite value: the others are left out
+  double own_error = 0;     ///< of the mean, from the ladders' own errors; NaN where one is unknown
+  double between_error = 0;  ///< of the mean, from ladder to ladder; NaN with fewer than two
 };
 
 /// `ladders` is 0, and the value NaN, where no ladder has a finite value. A ladder whose own error

@@ -188,24 +188,32 @@ class Tempered(DiagnoseTest):
         self.assertRegex(text, r"log Z        -\d+\.\d+ \+- \d+\.\d+ \(2 ladders, ")
         self.assertEqual(info["ladders_without_round_trip"], 0)
         self.assertNotIn("round trip", text)
+        self.assertTrue(info["known"])
         # One ladder's states are on their way yet.
         with h5py.File(archive, "r+") as file:
             file["tempering/round_trips"][1, 2] = 0
-        self.assertEqual(self.info(archive)["tempering"]["ladders_without_round_trip"], 1)
-        self.assertIn("1 of 2 ladders made no round trip in that round: it may be far off",
-                      sleight("archive", "info", archive).stdout)
+        info = self.info(archive)["tempering"]
+        self.assertEqual(info["ladders_without_round_trip"], 1)
+        self.assertFalse(info["known"])
+        self.assertIsNone(info["log10_throws"])
+        self.assertIsNone(info["log_p_satisfied"]["error"])
+        self.assertGreater(info["to_know"]["rounds"], 3)
+        text = self.succeed(sleight("archive", "info", archive)).stdout
+        self.assertNotIn("one throw in", text.split("The request")[0])
+        self.assertIn("  by chance    unknown\n               1 of 2 ladders made no round trip in "
+                      "round 3 of 3: each has to make 5\n", text)
+        self.assertRegex(text, r"to know it: at least rounds = \d under \[stop\]")
         # Nothing satisfied in the last round, then never.
         with h5py.File(archive, "r+") as file:
             file["tempering/log_p_satisfied"][:, 2] = -float("inf")
         self.assertEqual(self.info(archive)["tempering"]["log_p_satisfied"]["round"], 2)
-        self.assertIn("nothing satisfied in round 3 of 3",
+        self.assertIn("nothing satisfied in 2 of 2 ladders in round 3 of 3",
                       sleight("archive", "info", archive).stdout)
         with h5py.File(archive, "r+") as file:
             file["tempering/log_p_satisfied"][:] = -float("inf")
         self.assertIn("unknown: nothing satisfied in any round",
                       sleight("archive", "info", archive).stdout)
         self.assertEqual(self.info(archive)["tempering"]["log10_throws"], None)
-
 
     def test_annealing_comes_before_the_rounds(self):
         request = TEMPERED.replace("round_scans = 400", "round_scans = 400\nanneal_scans = 30")

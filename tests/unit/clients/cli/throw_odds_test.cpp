@@ -1,5 +1,5 @@
-// Goal: ladders' estimates are put together on the log scale with the larger of two errors, and are
-// said in words that people read. Method: cases worked out by hand, at every change of unit.
+// Goal: ladders' estimates are put together on the log scale with the largest of three errors, and
+// are said in words that people read. Method: cases worked out by hand, at every change of unit.
 #include "clients/cli/throw_odds.h"
 
 #include <gtest/gtest.h>
@@ -28,6 +28,20 @@ TEST(Combined, TheErrorIsTheLargerOfTheTwo) {
   const CombinedEstimate alike = combined_of({{7, 3}, {7, 4}});
   EXPECT_DOUBLE_EQ(alike.log.error, 2.5);
   EXPECT_EQ(alike.error_from, ErrorFrom::jackknife);
+}
+
+TEST(Combined, ManyLaddersDoNotAverageAwayWhatAMeanOfLogsLacks) {
+  // Sixteen ladders, half of them 1 and half 3: variance 16/15, standard error between ladders
+  // 0.26; half the variance, which is what a mean of logs may lack, 0.53.
+  std::vector<LogEstimate> ladders(16, {1, 0.1});
+  for (std::size_t i = 8; i < 16; ++i)
+    ladders[i].value = 3;
+  const CombinedEstimate many = combined_of(ladders);
+  EXPECT_DOUBLE_EQ(many.log.value, 2);
+  EXPECT_NEAR(many.between_error, std::sqrt(1.0 / 15), 1e-12);
+  EXPECT_NEAR(many.own_error, 0.025, 1e-12);
+  EXPECT_NEAR(many.log.error, 8.0 / 15, 1e-12);
+  EXPECT_EQ(many.error_from, ErrorFrom::mean_of_logs);
 }
 
 TEST(Combined, OneLadderHasItsOwnError) {

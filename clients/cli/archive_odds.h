@@ -1,0 +1,68 @@
+// What `sleight archive info` says of log Z and of the odds of a blind throw: an archive's own
+// estimates, of its ladders or of its weighted ascents, with an error only where nothing speaks
+// against it (odds_doubts.h).
+//
+// The odds are those of a natural throw, which need not be a draw from the prior: for words the
+// prior drops each ball by chance, and a throw drops all of them (WorldLayout::log_natural_throw).
+// People are shown log P of the throw alone; machines get both.
+//
+// Archives are untrusted, as in tempering.h. Not thread-safe, as the source isn't.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clients/cli/odds_doubts.h"
+#include "clients/cli/throw_odds.h"
+#include "common/archive/model.h"
+#include "common/archive/summary.h"
+
+namespace sleight::cli {
+
+struct JudgedEstimate {
+  CombinedEstimate all;       ///< of no ladder: nothing satisfied
+  std::size_t round = 0;      ///< that it is of, counted from 0
+  std::vector<Doubt> doubts;  ///< none: its error can be trusted
+
+  bool known() const { return doubts.empty() && all.error_from != ErrorFrom::unknown; }
+};
+
+/// How to come to know what is doubted.
+struct HowToKnow {
+  double longer = 1;      ///< so many times as long a round, or as many weighted draws
+  bool at_least = false;  ///< of it
+  /// So many rounds of each ladder in all, and their scans; none for weighted draws.
+  std::optional<std::uint32_t> rounds{};
+  std::optional<std::uint64_t> scans{};
+  std::string besides{};  ///< other keys that help, for people; may be empty
+};
+
+struct ArchiveOdds {
+  bool weighted = false;  ///< of ascents: then no round is told
+  bool burn_in = false;   ///< the rounds are a burn-in's
+  std::size_t rounds = 0;
+  std::size_t judged = 0;  ///< the round whose ladders are doubted, counted from 0
+  JudgedEstimate log_z{};
+  /// That a draw from the prior satisfies. Of another round where nothing satisfied in the judged
+  /// one; then it is doubted.
+  JudgedEstimate log_p_satisfied{};
+  std::size_t without_trips = 0;  ///< ladders of the judged round that made no round trip
+  double log_natural_throw = 0;
+  std::string natural_throw{};  ///< what a throw is, if no draw: "a throw drops all balls"
+  std::optional<HowToKnow> how_to_know{};  ///< none where log P is known
+};
+
+/// None where the archive has neither ladders nor weights.
+std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive::Summary& summary);
+
+/// Lines for people.
+std::string in_words(const ArchiveOdds& odds);
+
+/// Numbers that are not known are null.
+nlohmann::ordered_json as_json(const ArchiveOdds& odds);
+
+}  // namespace sleight::cli

@@ -1,0 +1,202 @@
+// Goal: an archive's odds have an interval where its ladders can be trusted; else people and
+// machines are told that they are unknown, why, and which key makes them known. Method: made-up
+// tables of /tempering in the memory twin.
+#include "clients/cli/archive_odds.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "common/archive/format.h"
+#include "common/archive/memory_archive.h"
+
+namespace sleight::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+/// Ladders that all say the same, round by round.
+struct Tables {
+  std::uint64_t chains = 4;
+  std::vector<double> scans{64, 128, 256};
+  std::vector<double> log_p{-4.9, -4.8, -4.8};
+  double error = 0.1;
+  double round_trips = 20;
+  double allowed_round_trips = 30;  ///< in the last round, by swaps alone
+  double log_natural_throw = 0;
+  std::string world = "ball_2d";
+  std::string method = "parallel_tempering";
+  std::string sampler_keys = "round_scans = 64\n";
+};
+
+struct Made {
+  archive::MemoryArchive source;
+  archive::Summary summary;
+};
+
+Made archive_of(const Tables& tables) {
+  Made made;
+  const std::size_t rounds = tables.scans.size();
+  made.source.create_group(archive::k_tempering);
+  made.source.set_attribute(archive::k_tempering, {"log_natural_throw", tables.log_natural_throw});
+  const auto table = [&](const char* name, const auto& value) {
+    std::vector<double> values;
+    for (std::uint64_t c = 0; c < tables.chains; ++c) {
+      for (std::size_t r = 0; r < rounds; ++r)
+        values.push_back(value(r));
+    }
+    const auto handle = made.source.create_dataset(
+        archive::k_tempering,
+        {.name = name, .dims = {{"chain", tables.chains}, {"round", rounds}}});
+    made.source.append(handle, std::span<const double>(values));
+  };
+  double first = 0;
+  std::vector<double> first_scans;
+  for (const double scans : tables.scans) {
+    first_scans.push_back(first);
+    first += scans;
+  }
+  table("first_scan", [&](std::size_t r) { return first_scans[r]; });
+  table("scans", [&](std::size_t r) { return tables.scans[r]; });
+  table("round_trips", [&](std::size_t) { return tables.round_trips; });
+  table("predicted_round_trip_rate",
+        [&](std::size_t) { return tables.allowed_round_trips / tables.scans.back(); });
+  for (const std::string name : {"log_z", "log_p_satisfied"}) {
+    table(name.c_str(), [&](std::size_t r) { return tables.log_p[r]; });
+    table((name + "_error").c_str(), [&](std::size_t) { return tables.error; });
+  }
+  made.summary.world = tables.world;
+  made.summary.request_text =
+      "[sampler]\nmethod = \"" + tables.method + "\"\n" + tables.sampler_keys;
+  made.summary.chains = tables.chains;
+  made.summary.scans = static_cast<std::uint64_t>(first);
+  return made;
+}
+
+std::string words(const Tables& tables) {
+  const Made made = archive_of(tables);
+  return in_words(odds_of(made.source, made.summary).value());
+}
+
+nlohmann::ordered_json json(const Tables& tables) {
+  const Made made = archive_of(tables);
+  return as_json(odds_of(made.source, made.summary).value());
+}
+
+TEST(ArchiveOdds, GoodLaddersHaveAnInterval) {
+  EXPECT_EQ(words({}),
+            "  log Z        -4.80 +- 0.05 (4 ladders, jackknife within ladders), round 3 of 3\n"
+            "  by chance    one throw in 122 (116 to 128)\n"
+            "               log P -4.80 +- 0.05 (4 ladders, jackknife within ladders), "
+            "round 3 of 3\n");
+  const nlohmann::ordered_json said = json({});
+  EXPECT_EQ(said["known"], true);
+  EXPECT_NEAR(said["log10_throws_low"].get<double>(), 4.75 / std::log(10), 1e-9);
+  EXPECT_NEAR(said["log_p_satisfied"]["error"].get<double>(), 0.05, 1e-12);
+  EXPECT_TRUE(said["log_p_satisfied"]["doubts"].empty());
+  EXPECT_TRUE(said["to_know"].is_null());
+}
+
+TEST(ArchiveOdds, WithoutRoundTripsTheyAreUnknown) {
+  Tables tables;
+  tables.round_trips = 0;
+  EXPECT_EQ(words(tables),
+            "  log Z        -4.80, error unknown (4 ladders), round 3 of 3\n"
+            "  by chance    unknown\n"
+            "               4 of 4 ladders made no round trip in round 3 of 3: each has to make 5\n"
+            "               to know it: at least rounds = 9 under [stop] (32704 scans of each "
+            "ladder)\n"
+            "               more iterations_per_scan helps too: swaps alone would allow 30 round "
+            "trips\n"
+            "               so far log P -4.80, error unknown (4 ladders), round 3 of 3\n"
+            "               which mostly is too low while ladders have not mixed\n");
+  const nlohmann::ordered_json said = json(tables);
+  EXPECT_EQ(said["known"], false);
+  EXPECT_EQ(said["ladders_without_round_trip"], 4);
+  EXPECT_EQ(said["log_p_satisfied"]["value"], -4.8);
+  for (const char* name : {"log10_throws", "log10_throws_low", "log10_throws_high"})
+    EXPECT_TRUE(std::isnan(said[name].get<double>()));
+  EXPECT_TRUE(said["log_p_satisfied"]["error"].is_null());
+  EXPECT_TRUE(said["log_z"]["error"].is_null());
+  EXPECT_EQ(said["to_know"]["rounds"], 9);
+  EXPECT_EQ(said["to_know"]["scans"], 32704);
+  EXPECT_EQ(said["to_know"]["at_least"], true);
+}
+
+TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
+  Tables tables;
+  tables.round_trips = 2;
+  // Eight round trips of 40: five times 256 scans, which the sixth round has (2,048).
+  EXPECT_THAT(words(tables), HasSubstr("to know it: rounds = 6 under [stop] (4032 scans"));
+  tables.allowed_round_trips = 3;
+  EXPECT_THAT(words(tables), Not(HasSubstr("iterations_per_scan")));
+  // Their number is chosen from the barrier unless the request says it.
+  EXPECT_THAT(words(tables), Not(HasSubstr("replicas")));
+  tables.sampler_keys += "replicas = 4\n";
+  EXPECT_THAT(words(tables),
+              HasSubstr("more replicas under [sampler] help too: swaps alone allow only 3.0"));
+  tables.method = "simulated_tempering";
+  EXPECT_THAT(words(tables), HasSubstr("to know it: burn_in_rounds = 6 under [sampler]"));
+  EXPECT_THAT(words(tables), HasSubstr("round 3 of 3 of the burn-in"));
+}
+
+TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
+  Tables tables;
+  tables.scans = {64};
+  tables.log_p = {-4.8};
+  EXPECT_THAT(words(tables), HasSubstr("to know it: rounds = 2 under [stop] (192 scans"));
+  // Also where it was cut off.
+  tables.scans = {20};
+  EXPECT_THAT(words(tables), HasSubstr("to know it: rounds = 2 under [stop] (192 scans"));
+}
+
+TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
+  // Of a word of three balls: draws satisfy once in e^6.88, throws of all balls 8 times as often.
+  Tables tables;
+  tables.world = "spelling";
+  tables.log_natural_throw = 3 * std::log(0.5);
+  tables.log_p = {-6.88, -6.88, -6.88};
+  EXPECT_THAT(words(tables),
+              HasSubstr("  by chance    one throw in 122 (116 to 128), where a throw drops all "
+                        "balls\n               log P -4.80 +- 0.05 ("));
+  const nlohmann::ordered_json said = json(tables);
+  EXPECT_NEAR(said["log_p_satisfied"]["value"].get<double>(), -6.88, 1e-12);
+  EXPECT_NEAR(said["log_p_throw"]["value"].get<double>(), -4.80, 1e-3);
+  EXPECT_EQ(said["natural_throw"], "a throw drops all balls");
+  tables.round_trips = 0;
+  EXPECT_THAT(words(tables), HasSubstr("so far log P -4.80, error unknown (4 ladders), "
+                                       "round 3 of 3, where a throw drops all balls\n"));
+  tables.world = "dice";
+  EXPECT_THAT(words(tables), HasSubstr("a throw's dice are numbered before it"));
+}
+
+TEST(ArchiveOdds, WhatNeverSatisfiedIsUnknown) {
+  Tables tables;
+  tables.log_p = {-4.8, -4.8, -k_infinity};
+  std::string text = words(tables);
+  EXPECT_THAT(text, HasSubstr("nothing satisfied in 4 of 4 ladders in round 3 of 3\n"));
+  EXPECT_THAT(text, HasSubstr("so far log P -4.80, error unknown (4 ladders), round 2 of 3\n"));
+  tables.log_p.assign(3, -k_infinity);
+  text = words(tables);
+  EXPECT_THAT(text, HasSubstr("by chance    unknown: nothing satisfied in any round\n"));
+  EXPECT_THAT(text, HasSubstr("to know it: at least rounds = 4 under [stop]"));
+  EXPECT_THAT(text, Not(HasSubstr("so far log P")));
+}
+
+TEST(ArchiveOdds, ARequestThatCannotBeReadIsNoMatter) {
+  Tables tables;
+  tables.round_trips = 0;
+  Made made = archive_of(tables);
+  made.summary.request_text = "= no request";
+  EXPECT_THAT(in_words(odds_of(made.source, made.summary).value()),
+              HasSubstr("to know it: at least 40.0 times as many scans"));
+}
+
+}  // namespace
+}  // namespace sleight::cli
