@@ -111,7 +111,7 @@ class PartRun {
     if (!seat.member || !seat.done) return;
     const std::uint32_t of_ladder = part_.first_level + static_cast<std::uint32_t>(level);
     const std::optional<std::uint32_t> partner =
-        options_.rules.partner(of_ladder, seat.scan, part_.levels);
+        even_odd_partner(of_ladder, seat.scan, part_.levels);
     if (!partner) {
       seat = {.member = seat.member, .scan = seat.scan + 1};
       return;
@@ -135,15 +135,15 @@ class PartRun {
     const auto log_constraint = [&](const Seat& seat) {
       return results_[*seat.member].scans.back().log_constraint;
     };
-    const bool swapped = swaps(
-        options_.rules, {.seed = options_.seed,
-                         .chain = results_[*hotter.member].unit.replica.chain,
-                         .scan = hotter.scan,
-                         .level = part_.first_level + static_cast<std::uint32_t>(hotter_level),
-                         .hotter = part_.inverse_temperatures[hotter_level],
-                         .cooler = part_.inverse_temperatures[hotter_level + 1],
-                         .log_constraint_hotter = log_constraint(hotter),
-                         .log_constraint_cooler = log_constraint(cooler)});
+    const bool swapped =
+        swaps({.seed = options_.seed,
+               .chain = results_[*hotter.member].unit.replica.chain,
+               .level = part_.first_level + static_cast<std::uint32_t>(hotter_level),
+               .scan = hotter.scan},
+              {.hotter = part_.inverse_temperatures[hotter_level],
+               .cooler = part_.inverse_temperatures[hotter_level + 1],
+               .log_constraint_hotter = log_constraint(hotter),
+               .log_constraint_cooler = log_constraint(cooler)});
     if (swapped) std::swap(hotter.member, cooler.member);
     for (Seat* seat : {&hotter, &cooler})
       *seat = {.member = seat->member, .scan = seat->scan + 1};

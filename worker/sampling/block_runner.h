@@ -1,5 +1,5 @@
 // Runs blocks (common/plan/block.h): units alone as they are, parts of ladders scan by scan with
-// the swaps between their members, by the same rules as the plan (ladder_run.h).
+// the swaps between their members, which it decides as the plan does (ladder_run.h).
 //
 // Invariant: each member's records are those of its scans run one at a time at the levels at which
 // the plan would have put it; a member stops where only the plan knows its next level.
@@ -12,13 +12,11 @@
 
 #include "common/base/clock.h"
 #include "common/plan/block.h"
-#include "worker/sampling/rules.h"
 
 namespace sleight::sampling {
 
 struct BlockRunnerOptions {
   std::uint64_t seed = 1;
-  Rules rules{};
 };
 
 class BlockRunner final : public plan::BlockWorker {

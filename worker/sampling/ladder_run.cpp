@@ -19,13 +19,12 @@ LadderRun::LadderRun(const LadderOptions& options) : options_(options) {
   CHECK_GE(options.round_scans, 1U);
   const auto levels = static_cast<std::uint32_t>(options.first_ladder.size());
   retired_ = options.anneal_scans;
-  rounds_.push_back(
-      {.first_scan = options.anneal_scans,
-       .statistics = RoundStatistics(options.first_ladder, options.round_scans, options.rules),
-       .round_trips = 0,
-       .restarts = 0,
-       .counts = std::vector<KindCounts>(levels),
-       .scales = std::vector<std::vector<double>>(levels)});
+  rounds_.push_back({.first_scan = options.anneal_scans,
+                     .statistics = RoundStatistics(options.first_ladder, options.round_scans),
+                     .round_trips = 0,
+                     .restarts = 0,
+                     .counts = std::vector<KindCounts>(levels),
+                     .scales = std::vector<std::vector<double>>(levels)});
   replicas_.resize(levels);
   for (Replica& replica : replicas_)
     replica.lives = true;
@@ -299,7 +298,7 @@ void LadderRun::go_on_from(std::uint64_t scan, std::uint32_t level,
     place(replica, to, scan + 1);
     ready.push_back(replica);
   };
-  const std::optional<std::uint32_t> partner = options_.rules.partner(level, scan, levels());
+  const std::optional<std::uint32_t> partner = even_odd_partner(level, scan, levels());
   if (!partner) {
     goes(here.replica[level], level);
     return;
@@ -317,14 +316,12 @@ void LadderRun::go_on_from(std::uint64_t scan, std::uint32_t level,
 
 bool LadderRun::swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter,
                       const Result& cooler) const {
-  return sampling::swaps(options_.rules, {.seed = options_.seed,
-                                          .chain = options_.chain,
-                                          .scan = scan,
-                                          .level = level,
-                                          .hotter = ladder()[level],
-                                          .cooler = ladder()[level + 1],
-                                          .log_constraint_hotter = hotter.log_constraint,
-                                          .log_constraint_cooler = cooler.log_constraint});
+  return sampling::swaps(
+      {.seed = options_.seed, .chain = options_.chain, .level = level, .scan = scan},
+      {.hotter = ladder()[level],
+       .cooler = ladder()[level + 1],
+       .log_constraint_hotter = hotter.log_constraint,
+       .log_constraint_cooler = cooler.log_constraint});
 }
 
 /// Scans that all levels have are counted, in order.
@@ -410,13 +407,13 @@ void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
     replicas_[id].lives = true;
     cast[level] = id;
   }
-  rounds_.push_back({.first_scan = scan,
-                     .statistics = RoundStatistics(
-                         std::move(ladder), options_.round_scans << rounds_.size(), options_.rules),
-                     .round_trips = 0,
-                     .restarts = 0,
-                     .counts = std::vector<KindCounts>(wanted),
-                     .scales = std::move(scales)});
+  rounds_.push_back(
+      {.first_scan = scan,
+       .statistics = RoundStatistics(std::move(ladder), options_.round_scans << rounds_.size()),
+       .round_trips = 0,
+       .restarts = 0,
+       .counts = std::vector<KindCounts>(wanted),
+       .scales = std::move(scales)});
   carried_.assign(wanted, k_nobody);
   rows_.clear();
   for (std::uint32_t level = 0; level < wanted; ++level) {

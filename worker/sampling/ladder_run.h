@@ -32,7 +32,6 @@
 #include "common/plan/block.h"
 #include "worker/sampling/chain_part.h"
 #include "worker/sampling/round_statistics.h"
-#include "worker/sampling/rules.h"
 #include "worker/sampling/solutions.h"
 #include "worker/sampling/tuning.h"
 
@@ -51,7 +50,6 @@ struct LadderOptions {
   /// Simulated annealing first: so many scans in which each replica goes from the prior to its own
   /// temperature in equal steps. They belong to no round.
   std::uint64_t anneal_scans = 0;
-  Rules rules{};
 };
 
 /// What one round came to; of the present one, so far.

@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "worker/sampling/log_sum.h"
-#include "worker/sampling/rules.h"
 
 namespace sleight::sampling {
 
@@ -40,7 +39,7 @@ struct LevelScan {
 class RoundStatistics {
  public:
   /// Of so many scans to come.
-  RoundStatistics(std::vector<double> ladder, std::uint64_t scans, const Rules& rules = {});
+  RoundStatistics(std::vector<double> ladder, std::uint64_t scans);
 
   /// The next scan, all levels from the hottest on.
   void add(std::span<const LevelScan> levels);
@@ -68,7 +67,6 @@ class RoundStatistics {
 
   std::vector<double> ladder_;
   std::uint64_t scans_wanted_;
-  Rules rules_;
   std::uint64_t scans_ = 0;
   std::vector<double> rejected_;  ///< sums
   std::array<Batch, k_batches> batches_;

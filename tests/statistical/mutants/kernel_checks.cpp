@@ -214,8 +214,7 @@ std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
                                       {.inverse_temperature = way.beta,
                                        .below = way.below,
                                        .steps = 1,
-                                       .proposal_scales = {},
-                                       .rules = mutant.rules},
+                                       .proposal_scales = {}},
                                       streams_of(seed, chain), scan, sample);
       }
       ++counts[sample.state];

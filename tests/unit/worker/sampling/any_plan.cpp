@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/random/discrete_distributions.h"
+#include "worker/sampling/swap.h"
 
 namespace sleight::sampling {
 
@@ -188,11 +189,11 @@ bool AnySession::hand_out_block(Dice& dice, const BlockRunnerOptions& options,
     if (worker.holds(member)) ++shapes.held;
     lacks = lacks || !worker.holds(member);
   }
-  std::vector<plan::UnitResult> results = runner.run(*block, some);
+  std::vector<plan::UnitResult> results = run_block_(runner, *block, some);
   EXPECT_EQ(results.empty(), lacks);
   if (lacks) {
     ++shapes.lacking;
-    results = runner.run(*block, all);
+    results = run_block_(runner, *block, all);
   }
   EXPECT_EQ(results.size(), block->members.size());
   if (results.size() != block->members.size()) return false;

@@ -9,6 +9,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "common/base/clock.h"
@@ -101,6 +103,10 @@ class AnySession {
   /// by itself, are consumed in random order.
   void run_in_blocks(Dice& dice, const BlockRunnerOptions& options, BlockShapes& shapes,
                      std::uint64_t steps = UINT64_MAX);
+  /// How a runner runs a block, where that is to be wrong.
+  using RunBlock = std::function<std::vector<plan::UnitResult>(
+      const BlockRunner&, const plan::Block&, std::span<const plan::GivenState>)>;
+  void run_blocks_by(RunBlock run) { run_block_ = std::move(run); }
   void complete_all(Dice& dice);
   /// Whole replicas in random order (or theirs), in random batches.
   void replay(const ScanRuns& stored, Dice& dice);
@@ -127,6 +133,7 @@ class AnySession {
   ScanRuns runs_;
   std::map<plan::ReplicaKey, std::uint64_t> next_scan_;
   std::vector<Running> running_;
+  RunBlock run_block_ = &BlockRunner::run;
 };
 
 /// Where a run must stop, by the rules as they are written, from the results of a longer one:

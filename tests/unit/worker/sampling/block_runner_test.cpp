@@ -8,6 +8,7 @@
 #include <map>
 
 #include "tests/unit/worker/sampling/any_plan.h"
+#include "tests/unit/worker/sampling/replaced_formulas.h"
 #include "tests/unit/worker/sampling/slow_ladder.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
@@ -23,7 +24,7 @@ struct Case {
   ParallelTemperingOptions options;
   ScanByScan worker;
 
-  BlockRunnerOptions runner() const { return {.seed = options.ladder.seed, .rules = {}}; }
+  BlockRunnerOptions runner() const { return {.seed = options.ladder.seed}; }
 };
 
 Case random_case(Dice& dice) {
@@ -301,51 +302,49 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
 
 std::optional<std::uint32_t> odd_even_partner(std::uint32_t level, std::uint64_t scan,
                                               std::uint32_t levels) {
-  return even_odd_partner(level, scan + 1, levels);
+  return right_even_odd_partner(level, scan + 1, levels);
 }
-double always_swaps(const random::StreamKey& /*key*/, std::uint64_t /*scan*/) {
+double always_swaps(const SwapPlace& /*place*/) {
   return 0;
 }
-double other_number(const random::StreamKey& key, std::uint64_t scan) {
-  return 1 - swap_number(key, scan);
+double other_number(const SwapPlace& place) {
+  return 1 - right_swap_number(place);
 }
-double half_ratio(double beta, double cooler_beta, double l, double cooler_l) {
-  return 0.5 * log_swap_ratio(beta, cooler_beta, l, cooler_l);
+double other_seed(const SwapPlace& place) {
+  SwapPlace other = place;
+  ++other.seed;
+  return right_swap_number(other);
+}
+double half_ratio(const SwapPair& pair) {
+  return 0.5 * right_log_swap_ratio(pair);
 }
 
 TEST(BlockRunner, WrongSwapsAreNoticed) {
   // Goal: a runner that decides swaps otherwise than the plan can't feed it: the plan sees records
   // of other temperatures than it gave. Method: wrong partners, numbers, ratios and seeds, one at a
-  // time, with results that often leave swaps to chance; and the right rules, which pass.
+  // time, with results that often leave swaps to chance; and the right formulas, which pass.
   ParallelTemperingOptions options = small_ladder(6);
   options.ladder.seed = 11;
   const ScanByScan numbers({.seed = 11, .roughness = {3}});
-  const auto drive = [&](const BlockRunnerOptions& runner) {
+  const auto drive = [&](const Formulas& formulas) {
     Dice dice(k_seed, 5 * k_cases);
     BlockShapes shapes;
     ParallelTempering plan(options);
     AnySession session(plan, numbers);
-    session.run_in_blocks(dice, runner, shapes);
+    session.run_blocks_by([&](const BlockRunner& runner, const auto& block, auto states) {
+      const Replaced replaced(formulas);
+      return runner.run(block, states);
+    });
+    session.run_in_blocks(dice, {.seed = 11}, shapes);
     EXPECT_TRUE(plan.finished());
   };
   const char* const noticed = "check failed: .*inverse_temperature";
-  BlockRunnerOptions right{.seed = 11, .rules = {}};
-  drive(right);
-  BlockRunnerOptions wrong = right;
-  wrong.rules.partner = odd_even_partner;
-  EXPECT_DEATH(drive(wrong), noticed);
-  wrong = right;
-  wrong.rules.swap_number = always_swaps;
-  EXPECT_DEATH(drive(wrong), noticed);
-  wrong = right;
-  wrong.rules.swap_number = other_number;
-  EXPECT_DEATH(drive(wrong), noticed);
-  wrong = right;
-  wrong.rules.log_swap_ratio = half_ratio;
-  EXPECT_DEATH(drive(wrong), noticed);
-  wrong = right;
-  wrong.seed = 12;
-  EXPECT_DEATH(drive(wrong), noticed);
+  drive({});
+  EXPECT_DEATH(drive({.partner = odd_even_partner}), noticed);
+  EXPECT_DEATH(drive({.swap_number = always_swaps}), noticed);
+  EXPECT_DEATH(drive({.swap_number = other_number}), noticed);
+  EXPECT_DEATH(drive({.log_swap_ratio = half_ratio}), noticed);
+  EXPECT_DEATH(drive({.swap_number = other_seed}), noticed);
 }
 
 }  // namespace

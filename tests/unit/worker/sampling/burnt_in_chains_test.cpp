@@ -128,7 +128,7 @@ void expect_same_moment(const plan::Plan& a, const plan::Plan& b) {
 }
 
 BlockRunnerOptions runner_of(const Case& given) {
-  return {.seed = given.ladder.seed, .rules = {}};
+  return {.seed = given.ladder.seed};
 }
 
 TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
