@@ -66,6 +66,7 @@ std::optional<plan::Unit> AnnealedImportance::next_unit(std::uint64_t horizon,
   const auto first = betas_.begin() + static_cast<std::ptrdiff_t>(step);
   const auto lane = static_cast<std::uint32_t>(chosen - lanes_.data());
   return plan::Unit{.replica = {burn_in_.chain, lane_id(lane)},
+                    .seed = burn_in_.seed,
                     .first_scan = base::ScanIndex{burn_in_.scans + chosen->scan},
                     .scans = static_cast<std::uint32_t>(scans),
                     .starts = chosen->scan == 0,

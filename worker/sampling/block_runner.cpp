@@ -23,10 +23,8 @@ std::optional<UnitResult> run_unit(const plan::UnitWorker& worker, const plan::U
 /// A part of a ladder on its way. Levels are counted from the part's first.
 class PartRun {
  public:
-  PartRun(const plan::UnitWorker& worker, const BlockRunnerOptions& options,
-          const plan::Block& block)
+  PartRun(const plan::UnitWorker& worker, const plan::Block& block)
       : worker_(worker),
-        options_(options),
         part_(*block.ladder),
         seats_(block.members.size()),
         results_(block.members.size()) {
@@ -88,6 +86,7 @@ class PartRun {
     Seat& seat = seats_[level];
     UnitResult& so_far = results_[*seat.member];
     const plan::Unit unit{.replica = so_far.unit.replica,
+                          .seed = so_far.unit.seed,
                           .first_scan = base::ScanIndex{seat.scan},
                           .scans = 1,
                           .starts = false,
@@ -136,7 +135,7 @@ class PartRun {
       return results_[*seat.member].scans.back().log_constraint;
     };
     const bool swapped =
-        swaps({.seed = options_.seed,
+        swaps({.seed = results_[*hotter.member].unit.seed,
                .chain = results_[*hotter.member].unit.replica.chain,
                .level = part_.first_level + static_cast<std::uint32_t>(hotter_level),
                .scan = hotter.scan},
@@ -150,7 +149,6 @@ class PartRun {
   }
 
   const plan::UnitWorker& worker_;
-  const BlockRunnerOptions& options_;
   const plan::LadderPart& part_;
   std::vector<Seat> seats_;  ///< by level
   std::vector<UnitResult> results_;
@@ -165,7 +163,7 @@ std::vector<UnitResult> BlockRunner::run(const plan::Block& block,
   const double begin_s = clock_.now_s();
   std::vector<UnitResult> results;
   if (block.ladder) {
-    PartRun part(worker_, options_, block);
+    PartRun part(worker_, block);
     if (part.begin(block, states)) results = part.go_on();
   } else {
     CHECK_EQ(block.members.size(), 1U);

@@ -15,16 +15,11 @@
 
 namespace sleight::sampling {
 
-struct BlockRunnerOptions {
-  std::uint64_t seed = 1;
-};
-
 class BlockRunner final : public plan::BlockWorker {
  public:
   /// Borrows both; the clock measures what results say they cost.
-  BlockRunner(const plan::UnitWorker& worker, const base::Clock& clock,
-              const BlockRunnerOptions& options)
-      : worker_(worker), clock_(clock), options_(options) {}
+  BlockRunner(const plan::UnitWorker& worker, const base::Clock& clock)
+      : worker_(worker), clock_(clock) {}
 
   std::vector<plan::UnitResult> run(const plan::Block& block,
                                     std::span<const plan::GivenState> states) const override;
@@ -33,7 +28,6 @@ class BlockRunner final : public plan::BlockWorker {
  private:
   const plan::UnitWorker& worker_;
   const base::Clock& clock_;
-  BlockRunnerOptions options_;
 };
 
 }  // namespace sleight::sampling

@@ -77,6 +77,7 @@ plan::Unit LadderRun::anneal(std::uint32_t id, std::uint32_t scans_max) const {
   const std::uint64_t scans =
       std::min<std::uint64_t>(options_.anneal_scans - replica.next_scan, scans_max);
   return {.replica = {options_.chain, base::ReplicaId{id}},
+          .seed = options_.seed,
           .first_scan = base::ScanIndex{replica.next_scan},
           .scans = static_cast<std::uint32_t>(scans),
           .starts = replica.next_scan == 0,
@@ -127,6 +128,7 @@ std::uint32_t LadderRun::furthest_behind(std::uint64_t horizon) const {
 plan::Unit LadderRun::scan_of(std::uint32_t id) const {
   const Replica& replica = replicas_[id];
   return {.replica = {options_.chain, base::ReplicaId{id}},
+          .seed = options_.seed,
           .first_scan = base::ScanIndex{replica.next_scan},
           .scans = 1,
           .starts = replica.next_scan == replica.first_scan,

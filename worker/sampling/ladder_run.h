@@ -38,7 +38,7 @@
 namespace sleight::sampling {
 
 struct LadderOptions {
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 0;
   base::ChainId chain;
   std::vector<double> first_ladder;  ///< ascending, 0 first, 1 last
   bool levels_chosen = true;         ///< from the barrier; else as many as at first

@@ -32,6 +32,7 @@ std::optional<plan::Unit> SimulatedTempering::next_unit(std::uint64_t horizon,
   if (handed_out_ || scan_ >= horizon) return std::nullopt;
   handed_out_ = true;
   return plan::Unit{.replica = {burn_in_.chain, burn_in_.coolest},
+                    .seed = burn_in_.seed,
                     .first_scan = base::ScanIndex{scan_},
                     .scans = 1,
                     .starts = false,

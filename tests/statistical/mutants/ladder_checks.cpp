@@ -74,7 +74,7 @@ std::vector<double> ladder_keeps(const Mutant& mutant, std::uint64_t seed) {
   std::vector<std::vector<double>> rejections(levels - 1);
   for (std::uint64_t n = 0; n < 6000; ++n) {
     const std::uint64_t own = seed_of(seed, n);
-    const run::ChainWorker<Ring> chain_worker(ring, {.seed = own});
+    const run::ChainWorker<Ring> chain_worker(ring, {});
     const ExactStarts<Ring> from_exact(ring, own, chain_worker);
     const MutantWorker worker(mutant, from_exact);
     sampling::ParallelTempering right(fixed(own, 4, k_last + 1));
@@ -175,7 +175,7 @@ std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   std::vector<std::vector<double>> shares(3);
   for (std::uint64_t n = 0; n < 600; ++n) {
     const std::uint64_t own = seed_of(seed, n);
-    const run::ChainWorker<Ring> chain_worker(ring, {.seed = own});
+    const run::ChainWorker<Ring> chain_worker(ring, {});
     const MutantWorker worker(mutant, chain_worker);
     sampling::ParallelTempering right(learning(own, k_round_scans, k_rounds));
     MutantPlan plan(mutant, right);
@@ -206,7 +206,7 @@ std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
   std::vector<double> shares;
   for (std::uint64_t n = 0; n < 150; ++n) {
     const std::uint64_t own = seed_of(seed, n);
-    const run::ChainWorker<TwoModes> chain_worker(world, {.seed = own});
+    const run::ChainWorker<TwoModes> chain_worker(world, {});
     const MutantWorker worker(mutant, chain_worker);
     sampling::ParallelTempering right(learning(own, k_round_scans, k_rounds));
     MutantPlan plan(mutant, right);
@@ -225,7 +225,7 @@ std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
 /// from the prior and nowhere else, goes with its replica, and is one solution at most.
 std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
-  const run::ChainWorker<Ring> chain_worker(ring, {.seed = seed});
+  const run::ChainWorker<Ring> chain_worker(ring, {});
   const MutantWorker worker(mutant, chain_worker);
   sampling::ParallelTempering right(learning(seed, 16, 4));
   MutantPlan plan(mutant, right);
@@ -249,7 +249,7 @@ std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed)
 /// which the round began.
 std::vector<double> rounds_are_frozen(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
-  const run::ChainWorker<Ring> chain_worker(ring, {.seed = seed});
+  const run::ChainWorker<Ring> chain_worker(ring, {});
   const MutantWorker worker(mutant, chain_worker);
   sampling::ParallelTempering right(learning(seed, 64, 3));
   MutantPlan plan(mutant, right);

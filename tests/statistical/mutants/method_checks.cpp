@@ -113,7 +113,7 @@ std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
 std::vector<double> ascents_weigh(const Mutant& mutant, std::uint64_t seed) {
   Ring ring;
   ring.lies = mutant.lies;
-  const run::ChainWorker<Ring> right(ring, {.seed = seed});
+  const run::ChainWorker<Ring> right(ring, {});
   const MutantWorker worker(mutant, right);
   sampling::AnnealedImportance part(burn_in_of(seed, 0), 1, 1);
   base::Bytes state;

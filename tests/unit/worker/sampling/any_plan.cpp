@@ -160,8 +160,7 @@ void check_and_count(const plan::Block& block, const std::vector<plan::UnitResul
 
 }  // namespace
 
-bool AnySession::hand_out_block(Dice& dice, const BlockRunnerOptions& options,
-                                BlockShapes& shapes) {
+bool AnySession::hand_out_block(Dice& dice, BlockShapes& shapes) {
   const plan::BlockLimits limits = {
       .unit_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 8 : 400)),
       .block_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 16 : 400)),
@@ -177,7 +176,7 @@ bool AnySession::hand_out_block(Dice& dice, const BlockRunnerOptions& options,
 
   // Some states are given, some not; what the worker doesn't hold either keeps all from running.
   const RecordingWorker& worker = workers_[dice.below(workers_.size())];
-  const BlockRunner runner(worker, clock_, options);
+  const BlockRunner runner(worker, clock_);
   std::vector<plan::GivenState> all;
   std::vector<plan::GivenState> some;
   bool lacks = false;
@@ -225,9 +224,8 @@ void AnySession::run_randomly(Dice& dice, std::uint64_t steps) {
   run(dice, steps, [&] { return hand_out(static_cast<std::uint32_t>(1 + dice.below(longest))); });
 }
 
-void AnySession::run_in_blocks(Dice& dice, const BlockRunnerOptions& options, BlockShapes& shapes,
-                               std::uint64_t steps) {
-  run(dice, steps, [&] { return hand_out_block(dice, options, shapes); });
+void AnySession::run_in_blocks(Dice& dice, BlockShapes& shapes, std::uint64_t steps) {
+  run(dice, steps, [&] { return hand_out_block(dice, shapes); });
 }
 
 void AnySession::run(Dice& dice, std::uint64_t steps, const std::function<bool()>& hand_out) {

@@ -23,8 +23,6 @@ constexpr std::uint64_t k_scans_max = 260;
 struct Case {
   ParallelTemperingOptions options;
   ScanByScan worker;
-
-  BlockRunnerOptions runner() const { return {.seed = options.ladder.seed}; }
 };
 
 Case random_case(Dice& dice) {
@@ -106,7 +104,7 @@ TEST(BlockRunner, EqualsTheLockstepReference) {
     for (int repeat = 0; repeat < 3; ++repeat) {
       ParallelTempering plan(given.options);
       AnySession session(plan, given.worker);
-      session.run_in_blocks(dice, given.runner(), shapes);
+      session.run_in_blocks(dice, shapes);
       expect_end(plan, session, expected);
       EXPECT_EQ(plan.next_block({.unit_scans_max = 1, .block_scans_max = 1}), std::nullopt);
       if (HasFailure()) return;
@@ -137,7 +135,7 @@ TEST(BlockRunner, GoesOnFromAnyStoredResults) {
     const Expected expected = expected_of(given);
     ParallelTempering stopped_plan(given.options);
     AnySession stopped(stopped_plan, given.worker);
-    stopped.run_in_blocks(dice, given.runner(), shapes, dice.below(300));
+    stopped.run_in_blocks(dice, shapes, dice.below(300));
     if (dice.once_in(3)) stopped.complete_all(dice);
     if (!stopped_plan.finished() && !stopped.runs().empty()) ++in_the_middle;
 
@@ -148,7 +146,7 @@ TEST(BlockRunner, GoesOnFromAnyStoredResults) {
     EXPECT_EQ(plan.scans_common(), stopped_plan.scans_common());
     EXPECT_EQ(plan.scans_consumed(), stopped_plan.scans_consumed());
     expect_equal(plan.report(), stopped_plan.report());
-    resumed.run_in_blocks(dice, given.runner(), shapes);
+    resumed.run_in_blocks(dice, shapes);
     expect_end(plan, resumed, expected);
     if (HasFailure()) return;
   }
@@ -208,7 +206,7 @@ TEST(BlockRunner, SaysNothingWithoutAllStates) {
   const SecondScan second = second_scan(k_levels, 60, knowing);
   ASSERT_EQ(second.block.members.size(), k_levels);
   const base::ManualClock clock;
-  const BlockRunner on_knowing(knowing, clock, {});
+  const BlockRunner on_knowing(knowing, clock);
   const auto expected = on_knowing.run(second.block, second.states);
   ASSERT_EQ(expected.size(), k_levels);
   for (std::uint32_t given = 0; given < 1U << k_levels; ++given) {
@@ -218,14 +216,14 @@ TEST(BlockRunner, SaysNothingWithoutAllStates) {
     }
     expect_same(on_knowing.run(second.block, states), expected);
     const RecordingWorker fresh(numbers);
-    const BlockRunner on_fresh(fresh, clock, {});
+    const BlockRunner on_fresh(fresh, clock);
     const bool has_all = given + 1 == 1U << k_levels;
     EXPECT_EQ(on_fresh.run(second.block, states).empty(), !has_all);
     EXPECT_EQ(fresh.has_run(), has_all);
     expect_same(on_fresh.run(second.block, second.states), expected);
   }
   // A worker that holds nothing at all, and a unit alone.
-  const BlockRunner forgetful(numbers, clock, {});
+  const BlockRunner forgetful(numbers, clock);
   const plan::Block alone{.members = {second.block.members.front()}, .ladder = {}};
   EXPECT_TRUE(forgetful.run(alone, std::vector<plan::GivenState>(1)).empty());
   const auto by_itself = forgetful.run(alone, std::vector{second.states.front()});
@@ -258,7 +256,7 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
   const ScanByScan numbers({.seed = 5, .roughness = {5}});
   base::ManualClock clock;
   const SlowWorker slow(numbers, clock);
-  const BlockRunner runner(slow, clock, {});
+  const BlockRunner runner(slow, clock);
   SecondScan second = second_scan(k_levels, 70, numbers);
   ASSERT_EQ(second.block.members.size(), k_levels);
   second.block.ladder->end_scan = 1000;
@@ -335,7 +333,7 @@ TEST(BlockRunner, WrongSwapsAreNoticed) {
       const Replaced replaced(formulas);
       return runner.run(block, states);
     });
-    session.run_in_blocks(dice, {.seed = 11}, shapes);
+    session.run_in_blocks(dice, shapes);
     EXPECT_TRUE(plan.finished());
   };
   const char* const noticed = "check failed: .*inverse_temperature";

@@ -69,6 +69,7 @@ class Slow {
     for (std::uint32_t level = 0; level < at_.size(); ++level) {
       const std::uint32_t replica = at_[level];
       const plan::Unit unit{.replica = {options_.chain, base::ReplicaId{replica}},
+                            .seed = options_.seed,
                             .first_scan = base::ScanIndex{scan},
                             .scans = 1,
                             .starts = !states_.contains(replica),
@@ -128,6 +129,7 @@ class Slow {
     const double share = static_cast<double>(scan) / static_cast<double>(options_.anneal_scans);
     for (std::uint32_t replica = 0; replica < at_.size(); ++replica) {
       run({.replica = {options_.chain, base::ReplicaId{replica}},
+           .seed = options_.seed,
            .first_scan = base::ScanIndex{scan},
            .scans = 1,
            .starts = scan == 0,

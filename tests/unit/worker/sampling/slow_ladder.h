@@ -15,8 +15,8 @@
 
 namespace sleight::sampling {
 
-/// A worker whose results hang on all that a unit says and on the state before it: what is handed
-/// out wrongly once is different for ever.
+/// A worker whose results hang on all that a unit says but its seed, and on the state before it:
+/// what is handed out wrongly once is different for ever.
 class HashedWorker final : public plan::UnitWorker {
  public:
   struct Options {
