@@ -1,5 +1,5 @@
 // Runs blocks (common/plan/block.h): units alone as they are, parts of ladders scan by scan with
-// the swaps between their members, which it decides as the plan does (ladder_run.h).
+// the swaps between their members, which flow as in the plan (swap_flow.h).
 //
 // Invariant: each member's records are those of its scans run one at a time at the levels at which
 // the plan would have put it; a member stops where only the plan knows its next level.

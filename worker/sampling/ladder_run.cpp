@@ -7,11 +7,24 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/sampling/ladder.h"
-#include "worker/sampling/swap.h"
 
 namespace sleight::sampling {
 
-LadderRun::LadderRun(const LadderOptions& options) : options_(options) {
+namespace {
+
+/// All levels of a round.
+SwapFlow flow_of(const LadderOptions& options, const std::vector<double>& ladder) {
+  return SwapFlow({.seed = options.seed,
+                   .chain = options.chain,
+                   .levels = static_cast<std::uint32_t>(ladder.size()),
+                   .first_level = 0,
+                   .inverse_temperatures = ladder});
+}
+
+}  // namespace
+
+LadderRun::LadderRun(const LadderOptions& options)
+    : options_(options), flow_(flow_of(options, options.first_ladder)) {
   CHECK_GE(options.first_ladder.size(), std::size_t{k_levels_min});
   CHECK_EQ(options.first_ladder.front(), 0.0);
   CHECK_EQ(options.first_ladder.back(), 1.0);
@@ -28,7 +41,8 @@ LadderRun::LadderRun(const LadderOptions& options) : options_(options) {
   replicas_.resize(levels);
   for (Replica& replica : replicas_)
     replica.lives = true;
-  carried_.assign(levels, k_nobody);
+  for (std::uint32_t level = 0; level < levels; ++level)
+    flow_.sit(level, level, options.anneal_scans);
   if (options.anneal_scans > 0) return;
   for (std::uint32_t level = 0; level < levels; ++level)
     place(level, level, 0);
@@ -57,7 +71,8 @@ BurnIn LadderRun::burn_in() const {
   CHECK_GE(rounds_.size(), 2U);
   CHECK_EQ(rounds_.back().first_scan, retired_);
   const RoundReport& last = rounds_[rounds_.size() - 2];
-  const std::uint32_t coolest = rows_.front().replica.back();
+  CHECK_EQ(flow_.seat(flow_.size() - 1).scan, retired_);
+  const std::uint32_t coolest = *flow_.seat(flow_.size() - 1).replica;
   return {.seed = options_.seed,
           .chain = options_.chain,
           .scans = retired_,
@@ -278,52 +293,20 @@ void LadderRun::settle(std::vector<std::uint32_t>& ready) {
       replica.lineage = replica.waiting.front().lineage;
       // Whoever ran it, alone or with its neighbours, had it at the same level.
       CHECK_EQ(replica.waiting.front().inverse_temperature, ladder()[level]);
+      const double log_constraint = replica.waiting.front().log_constraint;
       row(scan).result[level] = std::move(replica.waiting.front());
       replica.waiting.pop_front();
-      go_on_from(scan, level, ready);
+      // At a round's end it isn't known yet which temperature a level will have.
+      for (const SwapFlow::GoesOn& goes : flow_.made(level, log_constraint)) {
+        if (goes.scan == round_end()) continue;
+        place(goes.replica, goes.level, goes.scan);
+        ready.push_back(goes.replica);
+      }
       retire();
       const bool round_is_over = retired_ == round_end();
       if (round_is_over) begin_round(ready);
     }
   }
-}
-
-/// A level has its result: its replica, and the partner's, go on when both have.
-void LadderRun::go_on_from(std::uint64_t scan, std::uint32_t level,
-                           std::vector<std::uint32_t>& ready) {
-  Row& here = row(scan);
-  const auto goes = [&](std::uint32_t replica, std::uint32_t to) {
-    if (scan + 1 == round_end()) {
-      carried_[to] = replica;
-      return;
-    }
-    place(replica, to, scan + 1);
-    ready.push_back(replica);
-  };
-  const std::optional<std::uint32_t> partner = even_odd_partner(level, scan, levels());
-  if (!partner) {
-    goes(here.replica[level], level);
-    return;
-  }
-  const std::uint32_t hotter = std::min(level, *partner);
-  const std::uint32_t cooler = std::max(level, *partner);
-  if (!here.result[hotter] || !here.result[cooler]) return;
-  // place() may move rows.
-  const std::uint32_t first = here.replica[hotter];
-  const std::uint32_t second = here.replica[cooler];
-  const bool swap = swaps(scan, hotter, *here.result[hotter], *here.result[cooler]);
-  goes(first, swap ? cooler : hotter);
-  goes(second, swap ? hotter : cooler);
-}
-
-bool LadderRun::swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter,
-                      const Result& cooler) const {
-  return sampling::swaps(
-      {.seed = options_.seed, .chain = options_.chain, .level = level, .scan = scan},
-      {.hotter = ladder()[level],
-       .cooler = ladder()[level + 1],
-       .log_constraint_hotter = hotter.log_constraint,
-       .log_constraint_cooler = cooler.log_constraint});
 }
 
 /// Scans that all levels have are counted, in order.
@@ -396,7 +379,7 @@ void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
   for (std::uint32_t level = 0; level < wanted; ++level) {
     const std::uint32_t from_top = wanted - 1 - level;
     if (from_top < old.size()) {
-      cast[level] = carried_[old.size() - 1 - from_top];
+      cast[level] = *flow_.seat(static_cast<std::uint32_t>(old.size()) - 1 - from_top).replica;
       continue;
     }
     // The lowest id that has not lived; from a run store its results may be here already.
@@ -416,9 +399,10 @@ void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
        .restarts = 0,
        .counts = std::vector<KindCounts>(wanted),
        .scales = std::move(scales)});
-  carried_.assign(wanted, k_nobody);
+  flow_ = flow_of(options_, this->ladder());
   rows_.clear();
   for (std::uint32_t level = 0; level < wanted; ++level) {
+    flow_.sit(level, cast[level], scan);
     place(cast[level], level, scan);
     ready.push_back(cast[level]);
   }

@@ -33,6 +33,7 @@
 #include "worker/sampling/chain_part.h"
 #include "worker/sampling/round_statistics.h"
 #include "worker/sampling/solutions.h"
+#include "worker/sampling/swap_flow.h"
 #include "worker/sampling/tuning.h"
 
 namespace sleight::sampling {
@@ -124,9 +125,6 @@ class LadderRun {
   Row& row(std::uint64_t scan);
   void place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan);
   void settle(std::vector<std::uint32_t>& ready);
-  void go_on_from(std::uint64_t scan, std::uint32_t level, std::vector<std::uint32_t>& ready);
-  bool swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter,
-             const Result& cooler) const;
   void retire();
   void count_trip(std::uint32_t replica, std::uint32_t level);
   plan::Unit anneal(std::uint32_t id, std::uint32_t scans_max) const;
@@ -140,7 +138,7 @@ class LadderRun {
   std::uint64_t records_ = 0;
   std::uint64_t records_counted_ = 0;  ///< of rounds
   std::vector<RoundReport> rounds_;
-  std::vector<std::uint32_t> carried_;  ///< by level: who goes on after the round's last scan
+  SwapFlow flow_;  ///< of the present round
   Solutions solutions_;
 };
 
