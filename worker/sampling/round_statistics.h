@@ -46,6 +46,8 @@ class RoundStatistics {
 
   const std::vector<double>& ladder() const { return ladder_; }
   std::uint64_t scans() const { return scans_; }
+  /// With those to come.
+  std::uint64_t scans_wanted() const { return scans_wanted_; }
   /// Between each level and the next: the mean of 1 - min(1, swap ratio). NaN before the first
   /// scan.
   std::vector<double> rejections() const;

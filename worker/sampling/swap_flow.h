@@ -10,14 +10,14 @@
 //     the scan yet
 //   partner has made it     the two swap or don't (swap.h), and both go on
 //
-//   scan s     . a b c d e .     levels of five replicas in a longer ladder; the outermost partners
-//        s+1     a b c d         are outside
-//        s+2       b c           e and then a and d have left
+//   scan s     . a b c d e .     a part of a longer ladder: a and b swap, c and d; e leaves
+//        s+1     a b c d         b and c swap; a leaves, d waits for the level that e has left
+//        s+2       b c
 //
-// So a replica waits for one other at a time, and those on either side of a slow one run ahead. Where
-// one has left, its later partners here wait for good.
-// The plan lets whole ladders flow (ladder_run.h), a worker the part that its block has
-// (block_runner.h): both decide by this.
+// So a replica waits for one other at a time, and those on either side of a slow one run ahead.
+// Where one has left, its later partners here wait for good.
+// The plan lets whole ladders flow
+// (ladder_run.h), a worker the part that its block has (block_runner.h): both decide by this.
 //
 // Invariant: what happens is a function of the densities told, not of the order across levels in
 // which they are told.
