@@ -7,6 +7,7 @@
 #include "tests/statistical/mutants/checks.h"
 #include "tests/statistical/support/chi_square.h"
 #include "tests/statistical/support/run_serially.h"
+#include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 
 namespace sleight::statistical {
