@@ -60,7 +60,7 @@ Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi) {
   if (!request) return {.code = static_cast<int>(base::ExitCode::bad_request)};
   const base::SteadyClock clock;
   const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
-  const sampling::BlockRunner runner(*worker, clock, {.seed = request->sampler.seed});
+  const sampling::BlockRunner runner(*worker, clock);
   if (!with_mpi) {
     coordinator::LocalCrew crew(runner, 1);
     return {.code = run_and_report(*request, catalogue, arguments, crew)};
@@ -82,7 +82,7 @@ void run_other_rank(DirectArguments arguments) {
     return;
   }
   const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
-  const sampling::BlockRunner runner(*worker, clock, {.seed = request->sampler.seed});
+  const sampling::BlockRunner runner(*worker, clock);
   run::serve(runner, hello_of(*request));
 }
 

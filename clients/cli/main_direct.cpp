@@ -27,7 +27,7 @@ int direct(const DirectArguments& arguments) {
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const base::SteadyClock clock;
   const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
-  const sampling::BlockRunner runner(*worker, clock, {.seed = request->sampler.seed});
+  const sampling::BlockRunner runner(*worker, clock);
   const std::size_t threads = arguments.threads > 0 ? arguments.threads : cores;
   coordinator::LocalCrew crew(runner, static_cast<std::uint32_t>(threads));
   return run_and_report(*request, catalogue, arguments, crew);

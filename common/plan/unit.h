@@ -37,6 +37,7 @@ inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
 
 struct Unit {
   ReplicaKey replica;
+  std::uint64_t seed = 0;  ///< of the run: all random numbers of the unit are addressed from here
   base::ScanIndex first_scan;
   std::uint32_t scans = 0;    ///< at least 1
   bool starts = false;        ///< with the replica's first scan: there is no state before

@@ -50,6 +50,7 @@ std::vector<T> get_list(Reader list) {
 void put_unit(const plan::Unit& unit, wire::Unit::Builder out) {
   out.setChain(unit.replica.chain.value);
   out.setReplica(unit.replica.replica.value);
+  out.setSeed(unit.seed);
   out.setFirstScan(unit.first_scan.value);
   out.setScans(unit.scans);
   out.setStarts(unit.starts);
@@ -64,6 +65,7 @@ void put_unit(const plan::Unit& unit, wire::Unit::Builder out) {
 
 plan::Unit get_unit(wire::Unit::Reader in) {
   return {.replica = {base::ChainId{in.getChain()}, base::ReplicaId{in.getReplica()}},
+          .seed = in.getSeed(),
           .first_scan = base::ScanIndex{in.getFirstScan()},
           .scans = in.getScans(),
           .starts = in.getStarts(),

@@ -58,10 +58,11 @@ struct Unit {
   proposalScales @6 :List(Float64);       # by proposal kind; empty: 1
   excursion @7 :List(Float64);    # of the tempered transition that ends each scan; empty: none
   starts @8 :Bool;                # with the replica's first scan: there is no state before
+  seed @9 :UInt64;                # of all random numbers, with chain, replica and scan
 }
 
-# Members are at neighbouring temperatures. They go on from scan to scan and swap among themselves; a
-# member whose swap partner is outside stops, as does one that comes to endScan, and all when they
+# Members are at neighbouring temperatures. They go on from scan to scan and swap among themselves, by
+# numbers of their chain and seed, which is one for all; a member whose swap partner is outside stops, as does one that comes to endScan, and all when they
 # have made scansMax scans together (each one's first is made in any case).
 struct LadderPart {
   levels @0 :UInt32;      # of the whole ladder

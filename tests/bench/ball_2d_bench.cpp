@@ -48,8 +48,9 @@ BENCHMARK(iteration)->Name("ball_2d/iteration");
 
 void unit(benchmark::State& state) {
   constexpr std::uint32_t k_scans = 1000;
-  const run::ChainWorker<Ball2d> worker(Ball2d{worlds::ball_2d::Parameters{}}, {.seed = 1});
-  const plan::Unit unit{.replica = {}, .first_scan = {}, .scans = k_scans, .starts = true};
+  const run::ChainWorker<Ball2d> worker(Ball2d{worlds::ball_2d::Parameters{}}, {});
+  const plan::Unit unit{
+      .replica = {}, .seed = 1, .first_scan = {}, .scans = k_scans, .starts = true};
   ResultHash hash;
   for (const plan::ScanRecord& scan : worker.run(unit, {}).scans)
     hash.add(scan.log_constraint);

@@ -39,12 +39,13 @@ class Folder {
 };
 
 std::vector<plan::UnitResult> results() {
-  const run::ChainWorker<Ball2d> worker(Ball2d{worlds::ball_2d::Parameters{}}, {.seed = 1});
+  const run::ChainWorker<Ball2d> worker(Ball2d{worlds::ball_2d::Parameters{}}, {});
   std::vector<plan::UnitResult> all;
   for (std::uint32_t chain = 0; chain < k_chains; ++chain) {
     base::Bytes state;
     for (std::uint32_t unit = 0; unit < k_units; ++unit) {
       all.push_back(worker.run({.replica = {base::ChainId{chain}, {}},
+                                .seed = 1,
                                 .first_scan = base::ScanIndex{unit * k_scans_per_unit},
                                 .scans = k_scans_per_unit,
                                 .starts = unit == 0},

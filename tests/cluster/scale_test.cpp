@@ -36,9 +36,7 @@ Case case_of_size(const Size& size) {
   Case of;
   Scenario& scenario = of.scenario;
   scenario.method = Method::tempering;
-  scenario.make_plan = [options](const sampling::Rules&) {
-    return std::make_unique<sampling::ParallelTempering>(options);
-  };
+  scenario.make_plan = [options] { return std::make_unique<sampling::ParallelTempering>(options); };
   scenario.workers = size.workers;
   scenario.work.costs.least_s = 1e-3 / Costs{.seed = 1, .least_s = 1}.mean_s();
   scenario.work.states_held_bytes = 1'000'000;

@@ -16,8 +16,6 @@
 namespace sleight::cluster {
 namespace {
 
-using sampling::Rules;
-
 std::uint64_t quotient_up(std::uint64_t a, std::uint64_t b) {
   return (a + b - 1) / b;
 }
@@ -40,9 +38,7 @@ void choose_independent(Scenario& scenario, Dice& dice, std::uint64_t units) {
       options.stop.rounds = 2;
       options.stop.independent_solutions = options.chains / 2 + 1;
   }
-  scenario.make_plan = [options](const Rules&) {
-    return std::make_unique<sampling::IndependentChains>(options);
-  };
+  scenario.make_plan = [options] { return std::make_unique<sampling::IndependentChains>(options); };
 }
 
 sampling::LadderOptions ladder_of(const Scenario& scenario, Dice& dice, std::uint32_t levels) {
@@ -54,8 +50,7 @@ sampling::LadderOptions ladder_of(const Scenario& scenario, Dice& dice, std::uin
           .ladder_adapts = dice.chance(0.8),
           .has_scale = {true, dice.chance(0.5)},
           .round_scans = 8,
-          .anneal_scans = dice.chance(0.3) ? dice.whole(1, 12) : 0,
-          .rules = {}};
+          .anneal_scans = dice.chance(0.3) ? dice.whole(1, 12) : 0};
 }
 
 void choose_tempering(Scenario& scenario, Dice& dice, std::uint64_t units) {
@@ -71,11 +66,7 @@ void choose_tempering(Scenario& scenario, Dice& dice, std::uint64_t units) {
   options.stop.rounds = rounds;
   if (dice.chance(0.3)) options.stop.scans = options.ladder.anneal_scans + scans;
   if (dice.chance(0.3)) options.stop.independent_solutions = options.ladders * 3;
-  scenario.make_plan = [options](const Rules& rules) {
-    sampling::ParallelTemperingOptions with = options;
-    with.ladder.rules = rules;
-    return std::make_unique<sampling::ParallelTempering>(with);
-  };
+  scenario.make_plan = [options] { return std::make_unique<sampling::ParallelTempering>(options); };
 }
 
 void choose_burnt_in(Scenario& scenario, Dice& dice, std::uint64_t units) {
@@ -101,11 +92,7 @@ void choose_burnt_in(Scenario& scenario, Dice& dice, std::uint64_t units) {
     };
   }
   options.stop.scans = burn_in + quotient_up(units, std::uint64_t{options.chains} * lanes);
-  scenario.make_plan = [options](const Rules& rules) {
-    sampling::BurntInOptions with = options;
-    with.ladder.rules = rules;
-    return std::make_unique<sampling::BurntInChains>(with);
-  };
+  scenario.make_plan = [options] { return std::make_unique<sampling::BurntInChains>(options); };
 }
 
 void choose_plan(Scenario& scenario, Dice dice, std::uint64_t units) {
@@ -151,7 +138,7 @@ void expect_serial(Case& of) {
   HashWorkerOptions right = of.scenario.work;
   right.mistake = Mistake::none;
   const HashWorker worker(right, clock);
-  const std::unique_ptr<plan::Plan> plan = of.scenario.make_plan({});
+  const std::unique_ptr<plan::Plan> plan = of.scenario.make_plan();
   of.expected = run_serially(*plan, worker);
   of.work_s = clock.now_s();
   of.longest_s = 0;

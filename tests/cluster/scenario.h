@@ -15,7 +15,6 @@
 #include "tests/cluster/hash_worker.h"
 #include "tests/cluster/ledger.h"
 #include "tests/cluster/network.h"
-#include "worker/sampling/rules.h"
 
 namespace sleight::cluster {
 
@@ -28,8 +27,7 @@ enum class Method { independent, tempering, simulated_tempering, annealed_import
 struct Scenario {
   std::uint64_t seed = 1;
   Method method = Method::independent;
-  /// Fresh, by these rules.
-  std::function<std::unique_ptr<plan::Plan>(const sampling::Rules&)> make_plan;
+  std::function<std::unique_ptr<plan::Plan>()> make_plan;  ///< a fresh one
   std::uint64_t swap_seed = 1;
   std::uint32_t workers = 1;
   std::uint32_t threads_max = 1;  ///< of a worker; some have fewer

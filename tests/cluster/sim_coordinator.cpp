@@ -25,7 +25,7 @@ SimCoordinator::SimCoordinator(const Scenario& scenario, std::uint64_t epoch, Si
       store_(store),
       events_(events),
       outside_(std::move(outside)),
-      plan_(scenario.make_plan(rules_with(scenario.mistake))),
+      plan_(scenario.make_plan()),
       scheduler_(*plan_, options_of(scenario, epoch)),
       wrong_(scenario.mistake, epoch),
       busy_until_s_(events.now_s()) {}
@@ -37,6 +37,7 @@ void SimCoordinator::begin() {
 }
 
 void SimCoordinator::catch_up() {
+  const sampling::Replaced wrong(formulas_with(scenario_.mistake));
   for (const auto& [key, replica] : store_.durable().replicas) {
     std::span<const plan::ScanRecord> left(replica.scans);
     base::Bytes state = replica.state;
@@ -74,9 +75,14 @@ void SimCoordinator::tick() {
   at(events_.now_s() + scenario_.tick_s, [](SimCoordinator& self) { self.tick(); });
 }
 
+std::vector<core::Effect> SimCoordinator::step(core::Input input) {
+  const sampling::Replaced wrong(formulas_with(scenario_.mistake));
+  return scheduler_.step(std::move(input));
+}
+
 void SimCoordinator::carry_out(core::Input input) {
   if (auto* delivered = std::get_if<core::Delivered>(&input)) wrong_.take(delivered->delivery);
-  for (core::Effect& effect : scheduler_.step(std::move(input))) {
+  for (core::Effect& effect : step(std::move(input))) {
     if (auto* keep = std::get_if<core::Keep>(&effect)) {
       for (plan::UnitResult& result : keep->results)
         store_.put(std::move(result));

@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "service/core/scheduler.h"
 #include "tests/cluster/event_queue.h"
@@ -43,6 +44,7 @@ class SimCoordinator : public std::enable_shared_from_this<SimCoordinator> {
  private:
   void catch_up();
   void carry_out(core::Input input);
+  std::vector<core::Effect> step(core::Input input);
   void tick();
   void commit_soon();
   void commit();

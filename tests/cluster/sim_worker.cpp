@@ -15,7 +15,7 @@ HashWorkerOptions work_of(const Scenario& scenario, std::uint32_t id) {
 
 SimWorker::Process::Process(const Scenario& scenario, std::uint32_t id, base::ManualClock& clock)
     : units(work_of(scenario, id), clock),
-      blocks(units, clock, {.seed = scenario.swap_seed, .rules = {}}),
+      blocks(units, clock),
       wrong_blocks(scenario.mistake, blocks, units) {}
 
 SimWorker::SimWorker(const Scenario& scenario, std::uint32_t id, EventQueue& events,

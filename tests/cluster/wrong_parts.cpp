@@ -7,9 +7,11 @@ namespace sleight::cluster {
 namespace {
 
 /// Numbers of swaps in the order in which they are decided.
-double number_of_next_swap(const random::StreamKey& key, std::uint64_t) {
+double number_of_next_swap(const sampling::SwapPlace& place) {
   static std::uint64_t swaps = 0;
-  return random::Stream(key, swaps++).uniform();
+  sampling::SwapPlace next = place;
+  next.scan = swaps++;
+  return sampling::right_swap_number(next);
 }
 
 }  // namespace
@@ -75,10 +77,10 @@ std::vector<plan::UnitResult> WrongBlocks::run(const plan::Block& block,
   return results;
 }
 
-sampling::Rules rules_with(Mistake mistake) {
-  sampling::Rules rules;
-  if (mistake == Mistake::swaps_in_any_order) rules.swap_number = number_of_next_swap;
-  return rules;
+sampling::Formulas formulas_with(Mistake mistake) {
+  sampling::Formulas formulas;
+  if (mistake == Mistake::swaps_in_any_order) formulas.swap_number = number_of_next_swap;
+  return formulas;
 }
 
 }  // namespace sleight::cluster

@@ -10,7 +10,7 @@
 #include "common/plan/block.h"
 #include "common/schema/messages.h"
 #include "tests/cluster/mistakes.h"
-#include "worker/sampling/rules.h"
+#include "tests/unit/worker/sampling/replaced_formulas.h"
 
 namespace sleight::cluster {
 
@@ -47,6 +47,6 @@ class WrongBlocks final : public plan::BlockWorker {
 };
 
 /// By which a plan decides.
-sampling::Rules rules_with(Mistake mistake);
+sampling::Formulas formulas_with(Mistake mistake);
 
 }  // namespace sleight::cluster

@@ -65,7 +65,7 @@ template <class Part>
 class StartedPart {
  public:
   StartedPart(Part part, std::uint64_t seed, const sampling::BurnIn& burn_in)
-      : part_(std::move(part)), worker_({}, {.seed = seed}) {
+      : part_(std::move(part)), worker_({}, {}) {
     random::Stream stream({.seed = seed, .chain = burn_in.chain, .purpose = random::Purpose::start},
                           0);
     state_ = RuggedRing{}.encode(RuggedRing{}.draw_exact(1, stream));
@@ -152,8 +152,8 @@ TEST(SimulatedTempering, HasItsJointDistribution) {
 }
 
 /// Of one seed's run: how often each place was a draw.
-std::vector<double> place_counts(plan::Plan& plan, std::uint64_t seed, std::uint64_t first_draw) {
-  const run::ChainWorker<RuggedRing> worker({}, {.seed = seed});
+std::vector<double> place_counts(plan::Plan& plan, std::uint64_t first_draw) {
+  const run::ChainWorker<RuggedRing> worker({}, {});
   std::vector<double> counts(k_places, 0);
   run_serially(plan, worker, [&](const plan::UnitResult& result) {
     for (std::uint64_t nth = 0; nth < result.scans.size(); ++nth) {
@@ -216,7 +216,7 @@ TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
     const auto plan = burnt_in(k_seed + repeat, k_burn_in + 1500, [](const auto& found) {
       return std::make_unique<sampling::SimulatedTempering>(found);
     });
-    runs.push_back(place_counts(*plan, k_seed + repeat, k_burn_in));
+    runs.push_back(place_counts(*plan, k_burn_in));
     for (const plan::Table& table : plan->report().tables) {
       if (table.name == "walk_visits")
         least = std::min(least, std::ranges::min(table.values) / 1500);
@@ -237,7 +237,7 @@ TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
     const auto plan = burnt_in(k_seed + repeat, k_burn_in + 300, [](const auto& found) {
       return std::make_unique<sampling::Excursions>(found, 2);
     });
-    runs.push_back(place_counts(*plan, k_seed + repeat, k_burn_in));
+    runs.push_back(place_counts(*plan, k_burn_in));
     for (const plan::Table& table : plan->report().tables) {
       if (table.name == "excursion_acceptance") acceptance += table.values[0] / 400;
     }
@@ -267,7 +267,7 @@ TEST(AnnealedImportance, WeightsAreUnbiased) {
       per_ascent = part->schedule().size();
       return part;
     });
-    const run::ChainWorker<RuggedRing> worker({}, {.seed = seed});
+    const run::ChainWorker<RuggedRing> worker({}, {});
     std::map<std::pair<std::uint64_t, std::uint32_t>, std::size_t> ends;
     run_serially(*plan, worker, [&](const plan::UnitResult& result) {
       const plan::ScanRecord& record = result.scans.front();
@@ -325,7 +325,7 @@ TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
     const auto plan = burnt_in(seed, k_burn_in + 200 * 7, [](const auto& found) {
       return std::make_unique<sampling::AnnealedImportance>(found, 4, 2);
     });
-    const run::ChainWorker<RuggedRing> worker({}, {.seed = seed});
+    const run::ChainWorker<RuggedRing> worker({}, {});
     run_serially(*plan, worker, {});
     double found[4] = {};
     const char* const names[4] = {"ais_log_z", "ais_log_z_error", "ais_log_p_satisfied",
@@ -358,7 +358,7 @@ TEST(AnnealedStarts, LeaveTheTargetRight) {
     sampling::ParallelTempering plan({.ladders = 1,
                                       .ladder = ladder_options(k_seed + repeat, 30),
                                       .stop = after(30 + 100 + 400)});
-    runs.push_back(place_counts(plan, k_seed + repeat, 30 + 100));
+    runs.push_back(place_counts(plan, 30 + 100));
   }
   expect_shares("annealed ladders", runs);
 
@@ -367,9 +367,12 @@ TEST(AnnealedStarts, LeaveTheTargetRight) {
   world.sigma = 0.3;
   world.step_sd = 0.5;
   constexpr std::uint32_t k_chains = 20'000;
-  const run::ChainWorker<Bullseye> worker(world, {.seed = k_seed});
-  sampling::IndependentChains plan(
-      {.chains = k_chains, .round_scans = 10, .anneal_scans = 25, .stop = after(86)});
+  const run::ChainWorker<Bullseye> worker(world, {});
+  sampling::IndependentChains plan({.seed = k_seed,
+                                    .chains = k_chains,
+                                    .round_scans = 10,
+                                    .anneal_scans = 25,
+                                    .stop = after(86)});
   std::vector<double> ends;
   run_serially(plan, worker, [&](const plan::UnitResult& result) {
     if (result.unit.first_scan.value == 85) ends.push_back(result.scans.front().outcome.front());

@@ -63,7 +63,7 @@ TEST(LadderInvariance, ExactDrawsStayExact) {
   std::vector<std::vector<double>> rejections(k_ladder.size() - 1);
   for (std::uint64_t repeat = 0; repeat < k_repeats; ++repeat) {
     const std::uint64_t seed = k_seed + repeat;
-    const run::ChainWorker<RuggedRing> worker(ring, {.seed = seed});
+    const run::ChainWorker<RuggedRing> worker(ring, {});
     const ExactStarts<RuggedRing> from_exact(ring, seed, worker);
     sampling::ParallelTempering plan(options_of(seed, 11));
     std::vector<std::vector<std::size_t>> places(looked_at.size(),
@@ -132,7 +132,7 @@ TEST(LadderInvariance, LearningLaddersFindTheDistribution) {
   std::size_t levels_max = 0;
   for (std::uint64_t repeat = 0; repeat < k_repeats; ++repeat) {
     const std::uint64_t seed = 2 * k_seed + repeat;
-    const run::ChainWorker<RuggedRing> worker(ring, {.seed = seed, .iterations_per_scan = 2});
+    const run::ChainWorker<RuggedRing> worker(ring, {.iterations_per_scan = 2});
     sampling::ParallelTemperingOptions options = options_of(seed, 31 * 32);
     options.ladder.levels_chosen = true;
     options.ladder.ladder_adapts = true;

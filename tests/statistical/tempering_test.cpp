@@ -52,7 +52,7 @@ TEST(TwoModesWorld, IsCrossedByTempering) {
   // share of the left one after six rounds of learning, within 5 standard errors that allow for
   // autocorrelation, and these are small.
   const TwoModes world = two_modes();
-  const run::ChainWorker<TwoModes> worker(world, {.seed = k_seed, .iterations_per_scan = 3});
+  const run::ChainWorker<TwoModes> worker(world, {.iterations_per_scan = 3});
   sampling::ParallelTempering plan(options_of(k_seed, 4, 8));
   const auto left = run_and_collect(plan, worker, first_scan_of_round(7), is_left);
   const MeanWithError share = mean_of_chains(left);
@@ -67,7 +67,7 @@ TEST(TwoModesWorld, IsNotCrossedByPlainChains) {
   // as many iterations: none crosses after its first tenth, each sits in the mode next to its
   // start, so that the share is that of starts, near a half.
   const TwoModes world = two_modes();
-  const run::ChainWorker<TwoModes> worker(world, {.seed = k_seed, .iterations_per_scan = 3});
+  const run::ChainWorker<TwoModes> worker(world, {.iterations_per_scan = 3});
   sampling::IndependentChains plan(
       {.chains = 32,
        .round_scans = k_round_scans,
@@ -102,7 +102,7 @@ TEST(Evidence, HasHonestErrorBars) {
   double errors[2] = {};
   for (std::uint64_t repeat = 0; repeat < k_repeats; ++repeat) {
     const std::uint64_t seed = k_seed + repeat;
-    const run::ChainWorker<Bullseye> worker(world, {.seed = seed, .iterations_per_scan = 2});
+    const run::ChainWorker<Bullseye> worker(world, {.iterations_per_scan = 2});
     sampling::ParallelTempering plan(options_of(seed, 1, 6));
     run_serially(plan, worker, {});
     const std::vector<sampling::RoundReport>& rounds = plan.ladders()[0].rounds();
@@ -166,7 +166,7 @@ TEST(BallByTempering, EqualsRejection) {
   // ladders, against 20,000 exact draws; log Z and log P(satisfied) of each ladder against 200,000
   // blind throws. 12 numbers, within 5 standard errors each (7e-6).
   const Ball ball{worlds::ball_2d::Parameters{}};
-  const run::ChainWorker<Ball> worker(ball, {.seed = k_seed, .iterations_per_scan = 4});
+  const run::ChainWorker<Ball> worker(ball, {.iterations_per_scan = 4});
   sampling::ParallelTempering plan(options_of(k_seed, 2, 8));
   std::array<std::map<std::pair<std::uint32_t, std::uint64_t>, double>, k_ball_functions> seen;
   run_serially(plan, worker, [&](const plan::UnitResult& result) {
@@ -225,7 +225,7 @@ TEST(SpellingByTempering, EqualsRejection) {
   // shares, within 5 standard errors of the mean over ladders each (7e-6).
   const Spelling world = world_with(worlds::spelling::Kernel::correct);
   const run::ChainWorker<Spelling> worker(world_with(worlds::spelling::Kernel::correct),
-                                          {.seed = k_seed, .iterations_per_scan = 2});
+                                          {.iterations_per_scan = 2});
   constexpr std::uint32_t k_ladders = 32;
   sampling::ParallelTemperingOptions options = options_of(k_seed, k_ladders, 5);
   options.ladder.has_scale.clear();

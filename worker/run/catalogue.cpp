@@ -51,8 +51,7 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
   const bool scans_are_draws = sampler.method != request::Method::simulated_tempering &&
                                sampler.method != request::Method::annealed_importance;
   const bool is_tempered = sampler.method == request::Method::parallel_tempering;
-  return {.seed = sampler.seed,
-          .iterations_per_scan = sampler.iterations_per_scan,
+  return {.iterations_per_scan = sampler.iterations_per_scan,
           .thin = scans_are_draws ? request.output.thin : 1,
           .first_draw = request::scans_before_draws(sampler),
           .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0,
@@ -139,7 +138,8 @@ std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
   switch (sampler.method) {
     case request::Method::metropolis_hastings:
       return std::make_unique<sampling::IndependentChains>(
-          sampling::IndependentChainsOptions{.chains = sampler.chains,
+          sampling::IndependentChainsOptions{.seed = sampler.seed,
+                                             .chains = sampler.chains,
                                              .round_scans = sampler.round_scans,
                                              .anneal_scans = sampler.anneal_scans.value_or(0),
                                              .stop = stop});

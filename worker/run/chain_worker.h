@@ -38,7 +38,6 @@ concept World = sampling::Target<W> &&
 inline constexpr std::uint64_t k_hot_thin = 16;
 
 struct ChainWorkerOptions {
-  std::uint64_t seed = 1;
   std::uint32_t iterations_per_scan = 1;
   /// Every thin-th scan's state is returned, counted from the first draw, besides the satisfied
   /// ones.
@@ -139,7 +138,7 @@ class ChainWorker final : public plan::UnitWorker {
   plan::UnitResult go_on(const plan::Unit& unit, std::optional<Sample> before) const {
     plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
     result.scans.reserve(unit.scans);
-    Walk walk{.streams = {.seed = options_.seed,
+    Walk walk{.streams = {.seed = unit.seed,
                           .chain = unit.replica.chain,
                           .replica = unit.replica.replica},
               .current = std::move(before),

@@ -7,6 +7,7 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/sampling/ladder.h"
+#include "worker/sampling/temperature_steps.h"
 
 namespace sleight::sampling {
 namespace {
@@ -34,8 +35,8 @@ WeightSummary summary_of(std::span<const double> log_weights) {
 }
 
 AnnealedImportance::AnnealedImportance(const BurnIn& burn_in, std::uint32_t lanes,
-                                       std::uint32_t steps_per_level, const Rules& rules)
-    : burn_in_(burn_in), rules_(rules), lanes_(lanes) {
+                                       std::uint32_t steps_per_level)
+    : burn_in_(burn_in), lanes_(lanes) {
   CHECK_GE(lanes, 1U);
   const std::vector<double>& ladder = burn_in.next_ladder;
   betas_ = finer(ladder, steps_per_level);
@@ -65,6 +66,7 @@ std::optional<plan::Unit> AnnealedImportance::next_unit(std::uint64_t horizon,
   const auto first = betas_.begin() + static_cast<std::ptrdiff_t>(step);
   const auto lane = static_cast<std::uint32_t>(chosen - lanes_.data());
   return plan::Unit{.replica = {burn_in_.chain, lane_id(lane)},
+                    .seed = burn_in_.seed,
                     .first_scan = base::ScanIndex{burn_in_.scans + chosen->scan},
                     .scans = static_cast<std::uint32_t>(scans),
                     .starts = chosen->scan == 0,
@@ -88,10 +90,10 @@ void AnnealedImportance::consume(base::ReplicaId replica, std::uint64_t first_sc
     if (step == 0) {
       lane.log_weight = 0;
     } else {
-      lane.log_weight += rules_.ascent_log_weight({.schedule = betas_,
-                                                   .to = step,
-                                                   .l_before = lane.last_log_constraint,
-                                                   .l_after = record.log_constraint});
+      lane.log_weight += ascent_log_weight({.schedule = betas_,
+                                            .to = step,
+                                            .l_before = lane.last_log_constraint,
+                                            .l_after = record.log_constraint});
     }
     lane.last_log_constraint = record.log_constraint;
     lane.lineage = record.lineage;

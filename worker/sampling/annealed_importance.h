@@ -20,7 +20,6 @@
 #include "worker/sampling/chain_part.h"
 #include "worker/sampling/log_sum.h"
 #include "worker/sampling/round_statistics.h"
-#include "worker/sampling/rules.h"
 
 namespace sleight::sampling {
 
@@ -36,8 +35,7 @@ WeightSummary summary_of(std::span<const double> log_weights);
 class AnnealedImportance final : public ChainPart {
  public:
   /// REQUIRES: a lane and a step at least.
-  AnnealedImportance(const BurnIn& burn_in, std::uint32_t lanes, std::uint32_t steps_per_level,
-                     const Rules& rules = {});
+  AnnealedImportance(const BurnIn& burn_in, std::uint32_t lanes, std::uint32_t steps_per_level);
 
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max) override;
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
@@ -68,7 +66,6 @@ class AnnealedImportance final : public ChainPart {
   }
 
   BurnIn burn_in_;
-  Rules rules_;
   std::vector<double> betas_;
   std::vector<std::vector<double>> scales_;  ///< by step
   std::vector<Lane> lanes_;

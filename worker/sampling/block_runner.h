@@ -1,5 +1,5 @@
 // Runs blocks (common/plan/block.h): units alone as they are, parts of ladders scan by scan with
-// the swaps between their members, by the same rules as the plan (ladder_run.h).
+// the swaps between their members, which flow as in the plan (swap_flow.h).
 //
 // Invariant: each member's records are those of its scans run one at a time at the levels at which
 // the plan would have put it; a member stops where only the plan knows its next level.
@@ -12,21 +12,14 @@
 
 #include "common/base/clock.h"
 #include "common/plan/block.h"
-#include "worker/sampling/rules.h"
 
 namespace sleight::sampling {
-
-struct BlockRunnerOptions {
-  std::uint64_t seed = 1;
-  Rules rules{};
-};
 
 class BlockRunner final : public plan::BlockWorker {
  public:
   /// Borrows both; the clock measures what results say they cost.
-  BlockRunner(const plan::UnitWorker& worker, const base::Clock& clock,
-              const BlockRunnerOptions& options)
-      : worker_(worker), clock_(clock), options_(options) {}
+  BlockRunner(const plan::UnitWorker& worker, const base::Clock& clock)
+      : worker_(worker), clock_(clock) {}
 
   std::vector<plan::UnitResult> run(const plan::Block& block,
                                     std::span<const plan::GivenState> states) const override;
@@ -35,7 +28,6 @@ class BlockRunner final : public plan::BlockWorker {
  private:
   const plan::UnitWorker& worker_;
   const base::Clock& clock_;
-  BlockRunnerOptions options_;
 };
 
 }  // namespace sleight::sampling

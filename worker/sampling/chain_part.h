@@ -17,7 +17,7 @@ namespace sleight::sampling {
 
 /// What a burn-in leaves.
 struct BurnIn {
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 0;
   base::ChainId chain;
   std::uint64_t scans = 0;     ///< the next one is the part's first
   base::ReplicaId coolest;     ///< whose state is at inverse temperature 1

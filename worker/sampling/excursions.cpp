@@ -22,6 +22,7 @@ std::optional<plan::Unit> Excursions::next_unit(std::uint64_t horizon, std::uint
   handed_out_ = true;
   return plan::Unit{
       .replica = {burn_in_.chain, burn_in_.coolest},
+      .seed = burn_in_.seed,
       .first_scan = base::ScanIndex{scan_},
       .scans = static_cast<std::uint32_t>(std::min<std::uint64_t>(horizon - scan_, scans_max)),
       .starts = false,

@@ -8,7 +8,8 @@
 namespace sleight::sampling {
 
 IndependentChains::IndependentChains(const IndependentChainsOptions& options)
-    : anneal_scans_(options.anneal_scans),
+    : seed_(options.seed),
+      anneal_scans_(options.anneal_scans),
       chains_(options.chains),
       stop_(options.stop, options.round_scans, options.anneal_scans) {
   CHECK_GE(options.chains, 1U);
@@ -40,6 +41,7 @@ std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) 
     betas = annealing(1, anneal_scans_, consumed, scans);
   }
   return plan::Unit{.replica = {base::ChainId{id}, base::ReplicaId{0}},
+                    .seed = seed_,
                     .first_scan = base::ScanIndex{consumed},
                     .scans = static_cast<std::uint32_t>(scans),
                     .starts = consumed == 0,

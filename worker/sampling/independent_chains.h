@@ -22,6 +22,7 @@
 namespace sleight::sampling {
 
 struct IndependentChainsOptions {
+  std::uint64_t seed = 0;
   std::uint32_t chains = 1;
   std::uint64_t round_scans = 64;  ///< length of the first round
   /// Simulated annealing first: so many scans from the prior to inverse temperature 1, in equal
@@ -58,6 +59,7 @@ class IndependentChains final : public plan::Plan {
   /// Moves on over every round end that all chains have reached, and judges there.
   void judge_rounds();
 
+  std::uint64_t seed_;
   std::uint64_t anneal_scans_;
   std::vector<Chain> chains_;
   using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed, chain)

@@ -90,12 +90,6 @@ std::vector<double> annealing(double target, std::uint64_t anneal_scans, std::ui
   return betas;
 }
 
-double log_swap_ratio(double beta, double cooler_beta, double log_constraint,
-                      double cooler_log_constraint) {
-  if (log_constraint == cooler_log_constraint) return 0;
-  return (cooler_beta - beta) * (log_constraint - cooler_log_constraint);
-}
-
 std::uint32_t levels_for(double barrier) {
   const double wanted = std::ceil(2 * barrier) + 1;
   return static_cast<std::uint32_t>(std::clamp(wanted, double{k_levels_min}, double{k_levels_max}));

@@ -30,11 +30,6 @@ inline constexpr std::uint32_t k_first_power = 6;
 /// a power above 0 and below 64, as the least level must stay above 0.
 std::vector<double> first_ladder(std::uint32_t levels, std::uint32_t power = k_first_power);
 
-/// log of the ratio with which the states of two neighbouring levels swap; `cooler` has the greater
-/// inverse temperature. Two states without any density swap always.
-double log_swap_ratio(double beta, double cooler_beta, double log_constraint,
-                      double cooler_log_constraint);
-
 /// The inverse temperatures of so many scans of simulated annealing, `anneal_scans` in all, from
 /// the prior to `target` in equal steps.
 std::vector<double> annealing(double target, std::uint64_t anneal_scans, std::uint64_t first_scan,

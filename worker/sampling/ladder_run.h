@@ -1,14 +1,12 @@
-// One ladder of parallel tempering as it runs: who is at which temperature, who may go on, who
-// swaps, and what is learnt at the end of a round.
+// One ladder of parallel tempering as it runs: what it computes is in tempering_loop.h, in a few
+// lines; here replicas run ahead of one another, on any number of workers.
 //
-// Idea. Replicas keep their states and trade temperatures. After scan s the levels (i, i+1) with
-// i + s even swap with probability min(1, ratio): deterministic even-odd swaps, which carry states
-// through the ladder like a conveyor. A swap needs its two replicas only, so replicas run ahead of
-// one another within a round; a round's end waits for all. There the ladder is spaced anew from the
-// round's rejection rates, with as many levels as the barrier asks for, and the sizes of proposals
-// are set from their acceptance; within a round nothing is learnt.
+// Idea. Replicas keep their states and trade temperatures. A swap (swap.h) needs its two replicas
+// only, so within a round there is no barrier (swap_flow.h); a round's end waits for all, and there
+// the next round's ladder and proposal sizes are learnt (ladder_round.h). Results are put in their
+// places (ladder_run.cpp); units and blocks are cut from what may run (ladder_blocks.cpp).
 //
-//   scan s of all levels          ... parts of pairs wait for each other ...
+//   scan s of all levels
 //     level 0 --+                 the hottest draws from the prior, and begins a lineage
 //     level 1 --+-- swap?         s even
 //     level 2 --+
@@ -31,38 +29,11 @@
 
 #include "common/plan/block.h"
 #include "worker/sampling/chain_part.h"
-#include "worker/sampling/round_statistics.h"
-#include "worker/sampling/rules.h"
+#include "worker/sampling/ladder_round.h"
 #include "worker/sampling/solutions.h"
-#include "worker/sampling/tuning.h"
+#include "worker/sampling/swap_flow.h"
 
 namespace sleight::sampling {
-
-struct LadderOptions {
-  std::uint64_t seed = 1;
-  base::ChainId chain;
-  std::vector<double> first_ladder;  ///< ascending, 0 first, 1 last
-  bool levels_chosen = true;         ///< from the barrier; else as many as at first
-  std::uint32_t levels_max = 64;
-  bool ladder_adapts = true;
-  /// By kind of proposal: whether it has a size that is tuned (target.h).
-  std::vector<bool> has_scale;
-  std::uint64_t round_scans = 64;  ///< of the first round; each later one is twice as long
-  /// Simulated annealing first: so many scans in which each replica goes from the prior to its own
-  /// temperature in equal steps. They belong to no round.
-  std::uint64_t anneal_scans = 0;
-  Rules rules{};
-};
-
-/// What one round came to; of the present one, so far.
-struct RoundReport {
-  std::uint64_t first_scan = 0;
-  RoundStatistics statistics;
-  std::uint64_t round_trips = 0;            ///< hottest to coolest and back, ended in this round
-  std::uint64_t restarts = 0;               ///< arrivals at the coolest level from the hottest
-  std::vector<KindCounts> counts;           ///< by level
-  std::vector<std::vector<double>> scales;  ///< by level, by kind
-};
 
 class LadderRun {
  public:
@@ -116,24 +87,42 @@ class LadderRun {
     std::vector<std::optional<Result>> result;
   };
 
-  std::uint32_t furthest_behind(std::uint64_t horizon) const;
-  plan::Unit scan_of(std::uint32_t replica) const;
-  std::uint64_t whole_rows_end(std::span<const std::uint32_t> ready, std::uint64_t end_scan,
-                               std::uint64_t scans_max) const;
-  bool may_run(std::uint32_t replica, std::uint64_t horizon) const;
-  const std::vector<double>& ladder() const { return rounds_.back().statistics.ladder(); }
+  /// Levels next to each other.
+  struct Stretch {
+    std::uint32_t first = 0;
+    std::uint32_t end = 0;  ///< the first beyond
+    std::uint32_t size() const { return end - first; }
+  };
+  struct BlockEnd {
+    std::uint64_t end_scan = 0;
+    std::uint32_t scans_max = 1;
+  };
+
+  const std::vector<double>& ladder() const { return rounds_.back().ladder(); }
   std::uint32_t levels() const { return static_cast<std::uint32_t>(ladder().size()); }
+  std::uint64_t round_end() const { return rounds_.back().end_scan(); }
+
+  // What comes back (ladder_run.cpp).
   Row& row(std::uint64_t scan);
   void place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan);
   void settle(std::vector<std::uint32_t>& ready);
-  void go_on_from(std::uint64_t scan, std::uint32_t level, std::vector<std::uint32_t>& ready);
-  bool swaps(std::uint64_t scan, std::uint32_t level, const Result& hotter,
-             const Result& cooler) const;
   void retire();
   void count_trip(std::uint32_t replica, std::uint32_t level);
-  plan::Unit anneal(std::uint32_t id, std::uint32_t scans_max) const;
   void begin_round(std::vector<std::uint32_t>& ready);
-  std::uint64_t round_end() const;
+  std::vector<std::uint32_t> replicas_of_new_round();
+
+  // What is handed out (ladder_blocks.cpp).
+  bool may_run(std::uint32_t replica, std::uint64_t horizon) const;
+  std::uint32_t furthest_behind(std::uint64_t horizon) const;
+  plan::Unit anneal(std::uint32_t id, std::uint32_t scans_max) const;
+  plan::Unit scan_of(std::uint32_t replica) const;
+  std::uint64_t whole_rows_end(std::span<const std::uint32_t> ready, std::uint64_t end_scan,
+                               std::uint64_t scans_max) const;
+  std::vector<std::uint32_t> ready_by_level(std::uint64_t horizon) const;
+  static Stretch joined(std::span<const std::uint32_t> ready, std::uint32_t level,
+                        std::uint64_t wanted);
+  plan::Block block_of(std::span<const std::uint32_t> ready, const Stretch& stretch,
+                       const BlockEnd& end);
 
   LadderOptions options_;
   std::vector<Replica> replicas_;
@@ -142,7 +131,7 @@ class LadderRun {
   std::uint64_t records_ = 0;
   std::uint64_t records_counted_ = 0;  ///< of rounds
   std::vector<RoundReport> rounds_;
-  std::vector<std::uint32_t> carried_;  ///< by level: who goes on after the round's last scan
+  SwapFlow flow_;  ///< of the present round
   Solutions solutions_;
 };
 

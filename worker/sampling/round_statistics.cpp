@@ -7,6 +7,8 @@
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
+#include "worker/sampling/swap.h"
+#include "worker/sampling/temperature_steps.h"
 
 namespace sleight::sampling {
 namespace {
@@ -15,12 +17,8 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-RoundStatistics::RoundStatistics(std::vector<double> ladder, std::uint64_t scans,
-                                 const Rules& rules)
-    : ladder_(std::move(ladder)),
-      scans_wanted_(scans),
-      rules_(rules),
-      rejected_(ladder_.size() - 1, 0.0) {
+RoundStatistics::RoundStatistics(std::vector<double> ladder, std::uint64_t scans)
+    : ladder_(std::move(ladder)), scans_wanted_(scans), rejected_(ladder_.size() - 1, 0.0) {
   for (Batch& batch : batches_)
     batch.steps.resize(ladder_.size() - 1);
 }
@@ -33,10 +31,12 @@ void RoundStatistics::add(std::span<const LevelScan> levels) {
   Batch& batch = batches_[part];
   for (std::size_t i = 0; i + 1 < ladder_.size(); ++i) {
     const double l = levels[i].log_constraint;
-    const double ratio =
-        rules_.log_swap_ratio(ladder_[i], ladder_[i + 1], l, levels[i + 1].log_constraint);
+    const double ratio = log_swap_ratio({.hotter = ladder_[i],
+                                         .cooler = ladder_[i + 1],
+                                         .log_constraint_hotter = l,
+                                         .log_constraint_cooler = levels[i + 1].log_constraint});
     rejected_[i] += ratio >= 0 ? 0 : -math::expm1(ratio);
-    batch.steps[i].add(rules_.stone_log_weight(ladder_, i, l));
+    batch.steps[i].add(stone_log_weight(ladder_, i, l));
   }
   const LevelScan& coolest = levels.back();
   // What starts outside of a hard constraint is no draw from the target, and says nothing.

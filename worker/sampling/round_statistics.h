@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "worker/sampling/log_sum.h"
-#include "worker/sampling/rules.h"
 
 namespace sleight::sampling {
 
@@ -40,13 +39,15 @@ struct LevelScan {
 class RoundStatistics {
  public:
   /// Of so many scans to come.
-  RoundStatistics(std::vector<double> ladder, std::uint64_t scans, const Rules& rules = {});
+  RoundStatistics(std::vector<double> ladder, std::uint64_t scans);
 
   /// The next scan, all levels from the hottest on.
   void add(std::span<const LevelScan> levels);
 
   const std::vector<double>& ladder() const { return ladder_; }
   std::uint64_t scans() const { return scans_; }
+  /// With those to come.
+  std::uint64_t scans_wanted() const { return scans_wanted_; }
   /// Between each level and the next: the mean of 1 - min(1, swap ratio). NaN before the first
   /// scan.
   std::vector<double> rejections() const;
@@ -68,7 +69,6 @@ class RoundStatistics {
 
   std::vector<double> ladder_;
   std::uint64_t scans_wanted_;
-  Rules rules_;
   std::uint64_t scans_ = 0;
   std::vector<double> rejected_;  ///< sums
   std::array<Batch, k_batches> batches_;

@@ -6,12 +6,12 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "common/random/stream.h"
+#include "worker/sampling/temperature_steps.h"
 
 namespace sleight::sampling {
 
-SimulatedTempering::SimulatedTempering(const BurnIn& burn_in, const Rules& rules)
+SimulatedTempering::SimulatedTempering(const BurnIn& burn_in)
     : burn_in_(burn_in),
-      rules_(rules),
       log_weights_(burn_in.ladder.size(), 0.0),
       scan_(burn_in.scans),
       level_(static_cast<std::uint32_t>(burn_in.ladder.size() - 1)),
@@ -32,6 +32,7 @@ std::optional<plan::Unit> SimulatedTempering::next_unit(std::uint64_t horizon,
   if (handed_out_ || scan_ >= horizon) return std::nullopt;
   handed_out_ = true;
   return plan::Unit{.replica = {burn_in_.chain, burn_in_.coolest},
+                    .seed = burn_in_.seed,
                     .first_scan = base::ScanIndex{scan_},
                     .scans = 1,
                     .starts = false,
@@ -68,16 +69,15 @@ void SimulatedTempering::move(double log_constraint) {
       {.seed = burn_in_.seed, .chain = burn_in_.chain, .purpose = random::Purpose::level}, scan_);
   const bool up = stream.uniform() < 0.5;
   const double log_u = math::log(stream.uniform());
-  const std::uint32_t to =
-      rules_.proposed_level(level_, up, static_cast<std::uint32_t>(visits_.size()));
+  const std::uint32_t to = proposed_level(level_, up, static_cast<std::uint32_t>(visits_.size()));
   if (to == level_) return;
   const std::uint32_t pair = std::min(level_, to);
   ++proposed_[pair];
-  if (log_u < rules_.log_level_ratio({.ladder = burn_in_.ladder,
-                                      .log_weights = log_weights_,
-                                      .from = level_,
-                                      .to = to,
-                                      .l = log_constraint})) {
+  if (log_u < log_level_ratio({.ladder = burn_in_.ladder,
+                               .log_weights = log_weights_,
+                               .from = level_,
+                               .to = to,
+                               .l = log_constraint})) {
     ++accepted_[pair];
     level_ = to;
   }

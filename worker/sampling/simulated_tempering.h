@@ -20,13 +20,12 @@
 #include <vector>
 
 #include "worker/sampling/chain_part.h"
-#include "worker/sampling/rules.h"
 
 namespace sleight::sampling {
 
 class SimulatedTempering final : public ChainPart {
  public:
-  explicit SimulatedTempering(const BurnIn& burn_in, const Rules& rules = {});
+  explicit SimulatedTempering(const BurnIn& burn_in);
 
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max) override;
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
@@ -40,7 +39,6 @@ class SimulatedTempering final : public ChainPart {
   void move(double log_constraint);
 
   BurnIn burn_in_;
-  Rules rules_;
   std::vector<double> log_weights_;
   std::uint64_t scan_ = 0;  ///< the next
   std::uint32_t level_ = 0;

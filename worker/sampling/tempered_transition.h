@@ -22,8 +22,8 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/sampling/metropolis_hastings.h"
-#include "worker/sampling/rules.h"
 #include "worker/sampling/surrogate_transition.h"
+#include "worker/sampling/temperature_steps.h"
 
 namespace sleight::sampling {
 
@@ -35,7 +35,6 @@ struct Excursion {
   std::span<const double> below;            ///< beta_1 .. beta_K, falling; the last may be 0
   std::uint32_t steps = 1;                  ///< at each, on the way down and on the way up
   std::span<const double> proposal_scales;  ///< by kind; empty for 1
-  Rules rules{};
 };
 
 struct ExcursionReport {
@@ -77,7 +76,7 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
   // A step between two temperatures, seen from above or from below. Nothing but a start that breaks
   // a hard constraint has no density above 0: then all is accepted that has some.
   const auto weighs = [&](double above, double below, bool down) {
-    log_ratio += excursion.rules.excursion_log_weight(
+    log_ratio += excursion_log_weight(
         {.above = above, .below = below, .l = candidate.log_constraint, .down = down});
   };
 

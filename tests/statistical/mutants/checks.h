@@ -14,10 +14,15 @@ namespace sleight::statistical {
 struct Check {
   CheckId id;
   const char* name;
-  std::vector<double> (*p_values)(const Mutant&, std::uint64_t seed);
+  std::vector<double> (*check)(const Mutant&, std::uint64_t seed);
   std::size_t count;  ///< of p-values
   bool certain;       ///< they are 0 or 1
   bool is_cheap;      ///< one of the cheaper half: their p-values are shown to be uniform
+
+  std::vector<double> p_values(const Mutant& mutant, std::uint64_t seed) const {
+    const sampling::Replaced replaced(mutant.formulas);
+    return check(mutant, seed);
+  }
 };
 
 /// A p-value below this rejects.

@@ -70,12 +70,19 @@ std::vector<double> joint_of(const std::vector<double>& places, std::vector<doub
   return moves;
 }
 
-plan::Unit unit_of(std::uint32_t chain, std::uint32_t replica, std::uint64_t scan, double beta) {
+struct UnitPlace {
+  std::uint32_t chain = 0;
+  std::uint32_t replica = 0;
+  std::uint64_t scan = 0;
+};
+
+plan::Unit unit_of(std::uint64_t seed, const UnitPlace& place, double beta) {
   plan::Unit unit;
-  unit.replica = {base::ChainId{chain}, base::ReplicaId{replica}};
-  unit.first_scan = base::ScanIndex{scan};
+  unit.seed = seed;
+  unit.replica = {base::ChainId{place.chain}, base::ReplicaId{place.replica}};
+  unit.first_scan = base::ScanIndex{place.scan};
   unit.scans = 1;
-  unit.starts = scan == 0;
+  unit.starts = place.scan == 0;
   unit.inverse_temperatures = {beta};
   return unit;
 }
@@ -126,7 +133,7 @@ std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed) {
 /// against enumeration.
 std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
-  const run::ChainWorker<Ring> right(ring, {.seed = seed});
+  const run::ChainWorker<Ring> right(ring, {});
   const MutantWorker worker(mutant, right);
   const std::vector<double> exact = RuggedRing::exact(1);
   const std::vector<double> expected = joint_of(exact, transitions(1));
@@ -136,7 +143,7 @@ std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
     std::size_t before = place;
     base::Bytes state = ring.encode(static_cast<std::uint32_t>(place));
     for (std::uint64_t scan = 1; scan <= 6; ++scan) {
-      plan::UnitResult result = worker.run(unit_of(chain, 0, scan, 1), state);
+      plan::UnitResult result = worker.run(unit_of(seed, {chain, 0, scan}, 1), state);
       state = std::move(result.state_after);
       before = std::exchange(place, place_of(result));
     }
@@ -149,7 +156,7 @@ std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
 /// against the product of priors.
 std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
-  const run::ChainWorker<Ring> right(ring, {.seed = seed});
+  const run::ChainWorker<Ring> right(ring, {});
   const MutantWorker worker(mutant, right);
   const std::vector<double> prior = RuggedRing::exact(0);
   std::vector<double> expected;
@@ -159,10 +166,11 @@ std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed) {
   }
   std::vector<std::vector<double>> counts(3, std::vector<double>(expected.size(), 0.0));
   for (std::uint32_t i = 0; i < 20'000; ++i) {
-    const plan::UnitResult first = worker.run(unit_of(2 * i, 0, 0, 0), {});
-    const plan::UnitResult others[3] = {worker.run(unit_of(2 * i, 0, 1, 0), first.state_after),
-                                        worker.run(unit_of(2 * i, 1, 0, 0), {}),
-                                        worker.run(unit_of(2 * i + 1, 0, 0, 0), {})};
+    const plan::UnitResult first = worker.run(unit_of(seed, {2 * i, 0, 0}, 0), {});
+    const plan::UnitResult others[3] = {
+        worker.run(unit_of(seed, {2 * i, 0, 1}, 0), first.state_after),
+        worker.run(unit_of(seed, {2 * i, 1, 0}, 0), {}),
+        worker.run(unit_of(seed, {2 * i + 1, 0, 0}, 0), {})};
     for (std::size_t k = 0; k < 3; ++k)
       ++counts[k][place_of(first) * k_places + place_of(others[k])];
   }
@@ -175,12 +183,12 @@ std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed) {
 /// A unit's result is the same whatever ran before, and its record belongs to its state.
 std::vector<double> results_are_pure(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
-  const run::ChainWorker<Ring> right(ring, {.seed = seed});
+  const run::ChainWorker<Ring> right(ring, {});
   const MutantWorker worker(mutant, right);
   for (std::uint32_t chain = 0; chain < 100; ++chain) {
     base::Bytes state;
     for (std::uint64_t scan = 0; scan < 5; ++scan) {
-      const plan::Unit unit = unit_of(chain, 0, scan, 0.5);
+      const plan::Unit unit = unit_of(seed, {chain, 0, scan}, 0.5);
       const plan::UnitResult once = worker.run(unit, state);
       const plan::UnitResult again = worker.run(unit, state);
       if (once.scans != again.scans || once.state_after != again.state_after) return {0};
@@ -214,8 +222,7 @@ std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
                                       {.inverse_temperature = way.beta,
                                        .below = way.below,
                                        .steps = 1,
-                                       .proposal_scales = {},
-                                       .rules = mutant.rules},
+                                       .proposal_scales = {}},
                                       streams_of(seed, chain), scan, sample);
       }
       ++counts[sample.state];
@@ -229,13 +236,13 @@ std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
 /// what plain steps alone come to, it comes from there.
 std::vector<double> excursions_descend(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
-  const run::ChainWorker<Ring> right(ring, {.seed = seed});
+  const run::ChainWorker<Ring> right(ring, {});
   const MutantWorker worker(mutant, right);
   const std::vector<double> exact = RuggedRing::exact(1);
   int came_back = 0;
   for (std::uint32_t chain = 0; chain < 1000; ++chain) {
     const base::Bytes state = ring.encode(exact_place(exact, seed, chain));
-    plan::Unit unit = unit_of(chain, 0, 1, 1);
+    plan::Unit unit = unit_of(seed, {chain, 0, 1}, 1);
     unit.lineage = 17;
     const plan::UnitResult plain = right.run(unit, state);
     unit.excursion = {0.5, 0.2, 0};

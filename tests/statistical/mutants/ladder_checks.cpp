@@ -7,6 +7,7 @@
 #include "tests/statistical/mutants/checks.h"
 #include "tests/statistical/support/chi_square.h"
 #include "tests/statistical/support/run_serially.h"
+#include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 
 namespace sleight::statistical {
@@ -15,8 +16,8 @@ namespace {
 constexpr std::size_t k_places = RuggedRing::k_places;
 
 /// One ladder that stays as it is.
-sampling::ParallelTemperingOptions fixed(const Mutant& mutant, std::uint64_t seed,
-                                         std::uint64_t round_scans, std::uint64_t scans) {
+sampling::ParallelTemperingOptions fixed(std::uint64_t seed, std::uint64_t round_scans,
+                                         std::uint64_t scans) {
   return {.ladders = 1,
           .ladder = {.seed = seed,
                      .chain = {},
@@ -26,16 +27,15 @@ sampling::ParallelTemperingOptions fixed(const Mutant& mutant, std::uint64_t see
                      .ladder_adapts = false,
                      .has_scale = {},
                      .round_scans = round_scans,
-                     .anneal_scans = 0,
-                     .rules = mutant.rules},
+                     .anneal_scans = 0},
           .stop = {.scans = scans, .rounds = {}, .independent_solutions = {}}};
 }
 
 /// Ladders that learn, for some rounds.
-sampling::ParallelTemperingOptions learning(const Mutant& mutant, std::uint64_t seed,
-                                            std::uint64_t round_scans, std::uint64_t rounds) {
+sampling::ParallelTemperingOptions learning(std::uint64_t seed, std::uint64_t round_scans,
+                                            std::uint64_t rounds) {
   sampling::ParallelTemperingOptions options =
-      fixed(mutant, seed, round_scans, round_scans * ((std::uint64_t{1} << rounds) - 1));
+      fixed(seed, round_scans, round_scans * ((std::uint64_t{1} << rounds) - 1));
   options.ladder.first_ladder = sampling::first_ladder(5);
   options.ladder.levels_chosen = true;
   options.ladder.ladder_adapts = true;
@@ -75,10 +75,10 @@ std::vector<double> ladder_keeps(const Mutant& mutant, std::uint64_t seed) {
   std::vector<std::vector<double>> rejections(levels - 1);
   for (std::uint64_t n = 0; n < 6000; ++n) {
     const std::uint64_t own = seed_of(seed, n);
-    const run::ChainWorker<Ring> chain_worker(ring, {.seed = own});
+    const run::ChainWorker<Ring> chain_worker(ring, {});
     const ExactStarts<Ring> from_exact(ring, own, chain_worker);
     const MutantWorker worker(mutant, from_exact);
-    sampling::ParallelTempering right(fixed(mutant, own, 4, k_last + 1));
+    sampling::ParallelTempering right(fixed(own, 4, k_last + 1));
     MutantPlan plan(mutant, right);
     std::vector<std::size_t> places(levels);
     run_serially(plan, worker, [&](const plan::UnitResult& result) {
@@ -146,7 +146,7 @@ std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
     const std::uint64_t own = seed_of(seed, n);
     const ExactScans<Ring> exact(ring, own);
     const MutantWorker worker(mutant, exact);
-    sampling::ParallelTempering right(fixed(mutant, own, 64, k_late + 1));
+    sampling::ParallelTempering right(fixed(own, 64, k_late + 1));
     MutantPlan plan(mutant, right);
     std::vector<std::size_t> early(levels, 0);
     run_serially(plan, worker, [&](const plan::UnitResult& result) {
@@ -176,9 +176,9 @@ std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   std::vector<std::vector<double>> shares(3);
   for (std::uint64_t n = 0; n < 600; ++n) {
     const std::uint64_t own = seed_of(seed, n);
-    const run::ChainWorker<Ring> chain_worker(ring, {.seed = own});
+    const run::ChainWorker<Ring> chain_worker(ring, {});
     const MutantWorker worker(mutant, chain_worker);
-    sampling::ParallelTempering right(learning(mutant, own, k_round_scans, k_rounds));
+    sampling::ParallelTempering right(learning(own, k_round_scans, k_rounds));
     MutantPlan plan(mutant, right);
     std::vector<double> counts(3, 0.0);
     run_serially(plan, worker, [&](const plan::UnitResult& result) {
@@ -207,9 +207,9 @@ std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
   std::vector<double> shares;
   for (std::uint64_t n = 0; n < 150; ++n) {
     const std::uint64_t own = seed_of(seed, n);
-    const run::ChainWorker<TwoModes> chain_worker(world, {.seed = own});
+    const run::ChainWorker<TwoModes> chain_worker(world, {});
     const MutantWorker worker(mutant, chain_worker);
-    sampling::ParallelTempering right(learning(mutant, own, k_round_scans, k_rounds));
+    sampling::ParallelTempering right(learning(own, k_round_scans, k_rounds));
     MutantPlan plan(mutant, right);
     double left = 0;
     run_serially(plan, worker, [&](const plan::UnitResult& result) {
@@ -226,9 +226,9 @@ std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
 /// from the prior and nowhere else, goes with its replica, and is one solution at most.
 std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
-  const run::ChainWorker<Ring> chain_worker(ring, {.seed = seed});
+  const run::ChainWorker<Ring> chain_worker(ring, {});
   const MutantWorker worker(mutant, chain_worker);
-  sampling::ParallelTempering right(learning(mutant, seed, 16, 4));
+  sampling::ParallelTempering right(learning(seed, 16, 4));
   MutantPlan plan(mutant, right);
   std::uint64_t begun = 0;
   bool all_right = true;
@@ -250,9 +250,9 @@ std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed)
 /// which the round began.
 std::vector<double> rounds_are_frozen(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
-  const run::ChainWorker<Ring> chain_worker(ring, {.seed = seed});
+  const run::ChainWorker<Ring> chain_worker(ring, {});
   const MutantWorker worker(mutant, chain_worker);
-  sampling::ParallelTempering right(learning(mutant, seed, 64, 3));
+  sampling::ParallelTempering right(learning(seed, 64, 3));
   MutantPlan plan(mutant, right);
   std::vector<plan::Unit> units;
   run_serially(plan, worker, [&](const plan::UnitResult& result) { units.push_back(result.unit); });

@@ -92,8 +92,7 @@ std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
                     .ladder_adapts = false,
                     .has_scale = {},
                     .round_scans = k_scans,
-                    .anneal_scans = 0,
-                    .rules = mutant.rules},
+                    .anneal_scans = 0},
          .stop = {.scans = k_scans, .rounds = {}, .independent_solutions = {}}});
     run_serially(plan, worker, {});
     const sampling::RoundStatistics& round = plan.ladders()[0].rounds()[0].statistics;
@@ -114,9 +113,9 @@ std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
 std::vector<double> ascents_weigh(const Mutant& mutant, std::uint64_t seed) {
   Ring ring;
   ring.lies = mutant.lies;
-  const run::ChainWorker<Ring> right(ring, {.seed = seed});
+  const run::ChainWorker<Ring> right(ring, {});
   const MutantWorker worker(mutant, right);
-  sampling::AnnealedImportance part(burn_in_of(seed, 0), 1, 1, mutant.rules);
+  sampling::AnnealedImportance part(burn_in_of(seed, 0), 1, 1);
   base::Bytes state;
   std::vector<double> satisfied;
   for (int ascent = 0; ascent < 40'000; ++ascent) {
@@ -177,7 +176,7 @@ std::vector<double> levels_walk(const Mutant& mutant, std::uint64_t seed) {
   const ExactScans<Ring> exact(ring, seed);
   const MutantWorker worker(mutant, exact);
   for (std::uint32_t chain = 0; chain < 12'000; ++chain) {
-    sampling::SimulatedTempering part(burn_in_of(seed, chain), mutant.rules);
+    sampling::SimulatedTempering part(burn_in_of(seed, chain));
     base::Bytes state = ring.encode(0);
     plan::UnitResult result;
     for (int scan = 0; scan <= k_moves; ++scan)

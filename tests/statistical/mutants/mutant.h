@@ -1,6 +1,6 @@
 // A sampler with one known mistake: the real code, with one part of what it is given replaced. The
-// part may be the world (which lies about its densities and proposals), the step of the kernel, the
-// rules of tempering (rules.h), the worker, or the plan.
+// part may be the world (which lies about its densities and proposals), the step of the kernel, a
+// formula of tempering (replaced_formulas.h), the worker, or the plan.
 #pragma once
 
 #include <cmath>
@@ -13,8 +13,8 @@
 
 #include "common/plan/plan.h"
 #include "tests/statistical/support/toy_worlds.h"
+#include "tests/unit/worker/sampling/replaced_formulas.h"
 #include "worker/sampling/metropolis_hastings.h"
-#include "worker/sampling/rules.h"
 
 namespace sleight::statistical {
 
@@ -104,7 +104,7 @@ struct Mutant {
   std::vector<CheckId> checks;  ///< one of which, at least, must reject it
   Lies lies{};
   Step step{};
-  sampling::Rules rules{};
+  sampling::Formulas formulas{};
   std::function<Run()> worker{};  ///< makes one for each run: it may remember
   std::function<OnTheWay()> way{};
 };

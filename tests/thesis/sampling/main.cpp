@@ -104,11 +104,10 @@ void add_plans(const Arguments& arguments, const std::string& scene, const std::
                       const World world(parameters);
                       const auto plan =
                           thesis::plan_of(each.method, thesis::ladder_for(world, arguments.seed));
-                      return thesis::carried_out<World>(*plan, parameters,
-                                                        {.seed = arguments.seed,
-                                                         .iterations_per_scan = iterations_per_scan,
-                                                         .thin = 1U << 30U},
-                                                        arguments.simulations);
+                      return thesis::carried_out<World>(
+                          *plan, parameters,
+                          {.iterations_per_scan = iterations_per_scan, .thin = 1U << 30U},
+                          arguments.simulations);
                     }});
   }
 }
@@ -135,9 +134,7 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
                       const auto ladder = thesis::ladder_for(Spelling(parameters), arguments.seed);
                       return thesis::carried_out<Spelling>(
                           *thesis::short_ladders(ladder, arguments.simulations), parameters,
-                          {.seed = arguments.seed,
-                           .iterations_per_scan = iterations_per_scan,
-                           .thin = 1U << 30U},
+                          {.iterations_per_scan = iterations_per_scan, .thin = 1U << 30U},
                           arguments.simulations);
                     }});
   }

@@ -61,6 +61,18 @@ class Engine {
  private:
   static constexpr std::uint32_t k_nobody = UINT32_MAX;
 
+  /// The queue has a slot for each body, numbered as bodies are, and after these one for each kind
+  /// of event that no body owns.
+  enum class OwnSlot : std::uint32_t {
+    control,    ///< the next control of the scene
+    sample,     ///< the next look from outside
+    new_boxes,  ///< of all bodies, in the synchronous algorithm
+    told,       ///< the next event of the simulation that is replayed
+    count,
+  };
+  static Slot slot_of(std::uint32_t body) { return {body}; }
+  Slot slot_of(OwnSlot own) const { return {world_.size() + static_cast<std::uint32_t>(own)}; }
+
   struct Bound {
     Tick expiry = k_never;
     Tick made{};

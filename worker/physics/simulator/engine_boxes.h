@@ -154,11 +154,10 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
     if (world_.started(body))
       step = std::min(step, world_.span_of_travel(body, now_, k_synchronous_step_radii));
   }
-  const auto clock = world_.size();
-  queue_.set({clock + 2}, {.tick = now_ + std::max<TickCount>(step, 1),
-                           .kind = EventKind::update,
-                           .lower = k_nobody,
-                           .higher = k_nobody});
+  queue_.set(slot_of(OwnSlot::new_boxes), {.tick = now_ + std::max<TickCount>(step, 1),
+                                           .kind = EventKind::update,
+                                           .lower = k_nobody,
+                                           .higher = k_nobody});
   const Tick next = std::min(queue_.least().key.tick, end);
   boxes_until_ = std::max(next, now_);
   for (std::uint32_t body = 0; body < world_.size(); ++body) {
@@ -172,7 +171,7 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   boxes_.move_all(all_boxes_, sink);
   // The event that came next may have been void; no box holds for longer than until it.
   if (queue_.least().key.tick > next && next < end) {
-    queue_.set({clock + 2},
+    queue_.set(slot_of(OwnSlot::new_boxes),
                {.tick = next, .kind = EventKind::update, .lower = k_nobody, .higher = k_nobody});
   }
 }

@@ -39,7 +39,7 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
     failure_ = from->failure;
   }
   const auto count = world.size();
-  queue_.reset(count + 4);
+  queue_.reset(slot_of(OwnSlot::count).value);
   graph_.reset(count, options_.algorithm == Algorithm::all_pairs
                           ? PairGraph::Room{.list = std::max(count, 1U), .average = 0}
                           : PairGraph::Room{.list = k_list_room, .average = k_list_average});
@@ -65,7 +65,7 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
       watch(body);
     } else {
       queue_.set(
-          {body},
+          slot_of(body),
           {.tick = world.scene().bodies[body].start_tick, .kind = EventKind::start, .lower = body});
     }
   }
@@ -83,8 +83,8 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
   schedule_control();
   if (options_.sample_every > 0) {
     const TickCount every = options_.sample_every;
-    queue_.set({count + 1}, {.tick = Tick{from ? (now_.value / every + 1) * every : 0},
-                             .kind = EventKind::sample});
+    queue_.set(slot_of(OwnSlot::sample), {.tick = Tick{from ? (now_.value / every + 1) * every : 0},
+                                          .kind = EventKind::sample});
   }
 }
 
@@ -154,7 +154,7 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
   const EventKey& event = queued.key;
-  if (queued.slot.value == world_.size() + 3) {
+  if (queued.slot == slot_of(OwnSlot::told)) {
     replay();
     return;
   }
@@ -350,23 +350,22 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::schedule_control() {
-  const auto slot = world_.size();
   if (next_control_ == controls_.size()) {
-    queue_.erase({slot});
+    queue_.erase(slot_of(OwnSlot::control));
     return;
   }
   const Control& control = world_.scene().controls[controls_[next_control_]];
-  queue_.set({slot}, {.tick = control.tick,
-                      .kind = EventKind::control,
-                      .lower = control.body.value,
-                      .feature = static_cast<std::uint32_t>(next_control_)});
+  queue_.set(slot_of(OwnSlot::control), {.tick = control.tick,
+                                         .kind = EventKind::control,
+                                         .lower = control.body.value,
+                                         .feature = static_cast<std::uint32_t>(next_control_)});
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::sample() {
   ++counts_.samples;
   if (options_.on_sample) options_.on_sample(now_);
-  queue_.set({world_.size() + 1},
+  queue_.set(slot_of(OwnSlot::sample),
              {.tick = now_ + options_.sample_every, .kind = EventKind::sample});
 }
 
@@ -503,7 +502,7 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
     offer(edge, std::min(body, edge.other), std::max(body, edge.other));
   }
   if (world_.is_replayed(body)) {
-    queue_.set({body}, best);  // what else it does is told
+    queue_.set(slot_of(body), best);  // what else it does is told
     return;
   }
   for (const StaticEdge& edge : statics_of(body)) {
@@ -514,7 +513,7 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
   const Tick mode_end = world_.mode_end(body);
   if (mode_end < best.tick || (mode_end == best.tick && best.kind > EventKind::mode))
     best = {.tick = mode_end, .kind = EventKind::mode, .lower = body};
-  queue_.set({body}, best);
+  queue_.set(slot_of(body), best);
 }
 
 // ---- failures -----------------------------------------------------------------------------------

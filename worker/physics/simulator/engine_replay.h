@@ -2,7 +2,7 @@
 //
 // A replayed body has a box and pairs as any other. Its pairs with others that are replayed are
 // not predicted, nor is static geometry, and it asks for no decisions: what comes of these is told.
-// One slot of the queue holds the next event that is told.
+// The queue's slot OwnSlot::told holds the next event that is told.
 #pragma once
 
 #include "worker/physics/simulator/engine.h"
@@ -48,9 +48,9 @@ void Engine<Boxes, Queue>::schedule_replay() {
   const bool comes_by_itself =
       told.kind == EventKind::control && told.feature < world_.same_controls();
   if (told == k_no_event || comes_by_itself) {
-    queue_.erase({world_.size() + 3});
+    queue_.erase(slot_of(OwnSlot::told));
   } else {
-    queue_.set({world_.size() + 3}, told);
+    queue_.set(slot_of(OwnSlot::told), told);
   }
 }
 
@@ -68,7 +68,7 @@ void Engine<Boxes, Queue>::take_over_live() {
   if (options_.algorithm == Algorithm::synchronous && boxes_until_ != k_never &&
       (queue_.empty() || queue_.least().key.tick > boxes_until_)) {
     queue_.set(
-        {world_.size() + 2},
+        slot_of(OwnSlot::new_boxes),
         {.tick = boxes_until_, .kind = EventKind::update, .lower = k_nobody, .higher = k_nobody});
   }
 }

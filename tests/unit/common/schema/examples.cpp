@@ -94,6 +94,7 @@ constexpr std::uint64_t k_largest_long = std::numeric_limits<std::uint64_t>::max
 
 plan::Unit example_unit(std::uint32_t scans) {
   return {.replica = {base::ChainId{k_largest}, base::ReplicaId{k_largest - 1}},
+          .seed = k_largest_long - 1,
           .first_scan = base::ScanIndex{k_largest_long},
           .scans = scans,
           .starts = scans % 2 == 1,

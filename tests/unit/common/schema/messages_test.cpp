@@ -109,6 +109,7 @@ TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
     plan::Unit& unit = delivery.results[0].unit;
     const plan::Unit known = unit;
     unit.scans = claimed;
+    unit.seed = 4;
     unit.starts = true;
     unit.lineage = 5;
     unit.inverse_temperatures = {0.1, 0.2, 0.3};
@@ -139,7 +140,7 @@ TEST(Messages, HelloOfNoThreadsIsRefused) {
 TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
   // Goal: a worker never gets a block that it must not run. Method: break one rule at a time, of a
   // unit alone and of a ladder's part, which are right before; numbers that overflow among them.
-  const plan::Unit unit{.replica = {}, .first_scan = {}, .scans = 1};
+  const plan::Unit unit{.replica = {}, .seed = 0, .first_scan = {}, .scans = 1};
   const Assignment alone{
       .epoch = 1, .assignment = 2, .block = {.members = {unit}, .ladder = {}}, .states = {{}}};
   const Assignment part = testing::example_assignment(3);

@@ -39,7 +39,7 @@ class BallRuns : public archive::testing::Scratch {
     const auto reader = world.make_reader();
     const auto plan = run::make_plan(request.value(), world);
     const base::SteadyClock clock;
-    const sampling::BlockRunner runner(*worker, clock, {.seed = request.value().sampler.seed});
+    const sampling::BlockRunner runner(*worker, clock);
     LocalCrew crew(runner, threads);
     return run_request(
         {.request = request.value(),

@@ -275,7 +275,7 @@ TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
   // clock that the worker moves.
   base::ManualClock clock;
   const TimedWorker worker(clock);
-  const sampling::BlockRunner runner(worker, clock, {.seed = 1});
+  const sampling::BlockRunner runner(worker, clock);
   LocalCrew crew(runner, 1);
   crew.send(k_local_worker, assignment(0, base::Bytes(1)));
   EXPECT_EQ(collect(crew, 1).at(0).results.at(0).cost_s, 2.5);

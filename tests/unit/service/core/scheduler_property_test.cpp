@@ -281,7 +281,7 @@ class Scene {
     worker.before_it.erase(worker.before_it.begin() + static_cast<std::ptrdiff_t>(which));
     // Now and then it has forgotten all it held.
     if (dice_.once_in(10)) worker.memory = std::make_unique<sampling::RecordingWorker>(numbers_);
-    const sampling::BlockRunner runner(*worker.memory, clock_, {.seed = given_.ladder.seed});
+    const sampling::BlockRunner runner(*worker.memory, clock_);
     Delivered made{.worker = WorkerId{static_cast<std::uint32_t>(id)},
                    .delivery = {.epoch = assignment.epoch,
                                 .assignment = assignment.assignment,

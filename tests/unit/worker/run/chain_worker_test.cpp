@@ -60,6 +60,7 @@ static_assert(World<Counter>);
 
 plan::Unit unit(std::uint32_t chain, std::uint64_t first, std::uint32_t scans, double beta = 1) {
   return {.replica = {base::ChainId{chain}, base::ReplicaId{0}},
+          .seed = 11,
           .first_scan = base::ScanIndex{first},
           .scans = scans,
           .starts = first == 0,
@@ -97,8 +98,7 @@ void expect_equal(const plan::UnitResult& a, const plan::UnitResult& b) {
 }
 
 BallWorker ball_worker(std::uint32_t iterations_per_scan = 1, std::uint64_t thin = 1) {
-  return BallWorker(Ball2d({}),
-                    {.seed = 11, .iterations_per_scan = iterations_per_scan, .thin = thin});
+  return BallWorker(Ball2d({}), {.iterations_per_scan = iterations_per_scan, .thin = thin});
 }
 
 TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
@@ -127,8 +127,8 @@ TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
   };
   check(ball_worker());
   check(ball_worker(3, 7));
-  check(ChainWorker<Counter>(Counter{}, {.seed = 2, .thin = 5}));
-  check(ChainWorker<Counter>(Counter{}, {.seed = 2, .iterations_per_scan = 4}));
+  check(ChainWorker<Counter>(Counter{}, {.thin = 5}));
+  check(ChainWorker<Counter>(Counter{}, {.iterations_per_scan = 4}));
 }
 
 TEST(ChainWorker, IsPure) {
@@ -237,7 +237,8 @@ TEST(ChainWorker, ChainsReplicasAndSeedsDiffer) {
   const auto start = [](std::uint64_t seed, std::uint32_t chain, std::uint32_t replica) {
     plan::Unit first = unit(chain, 0, 1);
     first.replica.replica = base::ReplicaId{replica};
-    return BallWorker(Ball2d({}), {.seed = seed}).run(first, {}).state_after;
+    first.seed = seed;
+    return BallWorker(Ball2d({}), {}).run(first, {}).state_after;
   };
   EXPECT_EQ(start(1, 0, 0), start(1, 0, 0));
   EXPECT_NE(start(1, 0, 0), start(2, 0, 0));
@@ -249,7 +250,7 @@ TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
   // Goal: a unit runs at its own beta; at 0 each scan is another draw from the prior, with a
   // lineage of its own; records hold log p_c at beta = 1 all the same. Method: a world in which
   // half of all states are forbidden.
-  const ChainWorker<Counter> worker(Counter{}, {.seed = 3});
+  const ChainWorker<Counter> worker(Counter{}, {});
   const base::Bytes start = Counter{}.encode(100);
   std::uint64_t forbidden = 0;
   std::uint64_t before = 0;
@@ -268,7 +269,7 @@ TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
 TEST(ChainWorker, CountsByKind) {
   // Goal: proposals and acceptances are counted under their kind. Method: in this world kind 1
   // always advances the state by two and is always accepted from allowed states.
-  const ChainWorker<Counter> worker(Counter{}, {.seed = 3, .iterations_per_scan = 50});
+  const ChainWorker<Counter> worker(Counter{}, {.iterations_per_scan = 50});
   const plan::UnitResult result = worker.run(unit(0, 1, 20), Counter{}.encode(0));
   double before = 0;
   for (const plan::ScanRecord& scan : result.scans) {

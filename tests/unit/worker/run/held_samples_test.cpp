@@ -32,6 +32,7 @@ plan::ReplicaKey key(std::uint32_t chain, std::uint32_t replica = 0) {
 plan::Unit unit(const plan::ReplicaKey& replica, std::uint64_t first, std::uint32_t scans,
                 double beta = 1) {
   return {.replica = replica,
+          .seed = k_seed,
           .first_scan = base::ScanIndex{first},
           .scans = scans,
           .starts = first == 0,
@@ -160,13 +161,13 @@ TEST(HeldSamples, GiveWhatBytesGive) {
   // cache; at all temperatures, with excursions, with a surrogate, with several iterations a scan.
   expect_held_equals_given(
       [](Count count) { return Counted<Ball2d>(worlds::ball_2d::Parameters{}, std::move(count)); },
-      {.seed = 3, .iterations_per_scan = 2});
+      {.iterations_per_scan = 2});
   worlds::spelling::Parameters spelling = two_bins();
   for (const std::uint32_t solo_steps : {0U, 3U}) {
     spelling.proposal.solo_steps = solo_steps;
     expect_held_equals_given(
         [&](Count count) { return Counted<Spelling>(spelling, std::move(count)); },
-        {.seed = 4, .iterations_per_scan = 2, .thin = 3, .first_draw = 4});
+        {.iterations_per_scan = 2, .thin = 3, .first_draw = 4});
   }
 }
 
@@ -174,7 +175,7 @@ TEST(HeldSamples, AreOfOneReplicaAndScanAndTakenOnce) {
   // Goal: nothing is run from a sample that isn't the one before the unit. Method: another scan,
   // chain, replica; twice; a worker that never ran the replica; and that nothing is said to be
   // wrong: the right one is still there after the others were asked for.
-  const ChainWorker<Ball2d> worker(Ball2d({}), {.seed = 1});
+  const ChainWorker<Ball2d> worker(Ball2d({}), {});
   EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 10, 2)));
   const plan::UnitResult before = worker.run(unit(key(0, 1), 0, 10), {});
   EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 9, 2)));
@@ -195,11 +196,11 @@ TEST(HeldSamples, AreOfOneReplicaAndScanAndTakenOnce) {
 TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
   // Goal: a worker whose memory is full gives up what it ran longest ago, and says so. Method: room
   // for three balls; five replicas; without room for any, nothing is held.
-  const ChainWorker<Ball2d> roomy(Ball2d({}), {.seed = 1});
+  const ChainWorker<Ball2d> roomy(Ball2d({}), {});
   (void)roomy.run(unit(key(0), 0, 3), {});
   const std::size_t one = roomy.cache_use().bytes;
   EXPECT_GE(one, sizeof(sampling::Sample<Ball2d>));
-  const ChainWorker<Ball2d> worker(Ball2d({}), {.seed = 1, .cache_bytes_max = 3 * one + one / 2});
+  const ChainWorker<Ball2d> worker(Ball2d({}), {.cache_bytes_max = 3 * one + one / 2});
   for (std::uint32_t chain = 0; chain < 5; ++chain)
     (void)worker.run(unit(key(chain), 0, 3), {});
   EXPECT_EQ(worker.cache_use().evictions, 2U);
@@ -207,7 +208,7 @@ TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
   for (std::uint32_t chain = 0; chain < 5; ++chain)
     EXPECT_EQ(worker.run_from_held(unit(key(chain), 3, 1)).has_value(), chain >= 2) << chain;
 
-  const ChainWorker<Ball2d> none(Ball2d({}), {.seed = 1, .cache_bytes_max = one - 1});
+  const ChainWorker<Ball2d> none(Ball2d({}), {.cache_bytes_max = one - 1});
   (void)none.run(unit(key(0), 0, 3), {});
   EXPECT_FALSE(none.run_from_held(unit(key(0), 3, 1)));
   EXPECT_EQ(none.cache_use().bytes, 0U);
@@ -216,7 +217,7 @@ TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
 TEST(HeldSamplesDeathTest, MisuseIsABug) {
   // Goal: what starts has no sample before it, and a unit has scans. Method: one of each.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  const ChainWorker<Ball2d> worker(Ball2d({}), {.seed = 1});
+  const ChainWorker<Ball2d> worker(Ball2d({}), {});
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 0, 1)), "check failed");
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 1, 0)), "check failed");
   EXPECT_DEATH((void)worker.holds(unit(key(0), 0, 1)), "check failed");

@@ -276,6 +276,7 @@ plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,
     return random::UniformInteger{.count = count}.draw(stream);
   };
   plan::Unit unit{.replica = replica,
+                  .seed = k_seed,
                   .first_scan = base::ScanIndex{first},
                   .scans = static_cast<std::uint32_t>(1 + below(5)),
                   .starts = first == 0,
@@ -325,19 +326,20 @@ void expect_cache_does_not_show(const Make& make_world, const ChainWorkerOptions
 TEST(ChainWorkerCache, DoesNotShowInResults) {
   // Goal: results are equal with and without what a worker holds. Method: both worlds.
   expect_cache_does_not_show([] { return worlds::ball_2d::Ball2d({}); },
-                             {.seed = 3, .iterations_per_scan = 2});
+                             {.iterations_per_scan = 2});
   worlds::spelling::Parameters spelling;
   spelling.pattern = worlds::spelling::pattern_of_rows("##").value();
   expect_cache_does_not_show([&] { return worlds::spelling::Spelling(spelling); },
-                             {.seed = 4, .iterations_per_scan = 1, .thin = 3, .first_draw = 4});
+                             {.iterations_per_scan = 1, .thin = 3, .first_draw = 4});
 }
 
 TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
   // Goal: `starts` alone says that there is no state before, at any scan: the draw and its lineage
   // are that scan's; and a first scan 0 that doesn't start goes on. Method: units at scan 20.
   const worlds::ball_2d::Ball2d ball({});
-  const ChainWorker<worlds::ball_2d::Ball2d> worker(ball, {.seed = 11});
+  const ChainWorker<worlds::ball_2d::Ball2d> worker(ball, {});
   const plan::Unit unit{.replica = key(2, 5),
+                        .seed = 11,
                         .first_scan = base::ScanIndex{20},
                         .scans = 3,
                         .starts = true,
@@ -365,10 +367,11 @@ TEST(ChainWorker, KeepsStatesFromTheFirstDrawOn) {
   // Goal: thin counts from the first draw; before it only satisfied states at inverse temperature 1
   // are kept, and hot ones as hot_thin says. Method: 60 scans, the first draw at 25.
   const worlds::ball_2d::Ball2d ball({});
-  const ChainWorker<worlds::ball_2d::Ball2d> worker(
-      ball, {.seed = 11, .thin = 4, .first_draw = 25, .hot_thin = 6});
+  const ChainWorker<worlds::ball_2d::Ball2d> worker(ball,
+                                                    {.thin = 4, .first_draw = 25, .hot_thin = 6});
   for (const double beta : {0.5, 1.0}) {
     const plan::Unit unit{.replica = key(0),
+                          .seed = 11,
                           .first_scan = base::ScanIndex{0},
                           .scans = 60,
                           .starts = true,

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/random/discrete_distributions.h"
+#include "worker/sampling/swap.h"
 
 namespace sleight::sampling {
 
@@ -159,8 +160,7 @@ void check_and_count(const plan::Block& block, const std::vector<plan::UnitResul
 
 }  // namespace
 
-bool AnySession::hand_out_block(Dice& dice, const BlockRunnerOptions& options,
-                                BlockShapes& shapes) {
+bool AnySession::hand_out_block(Dice& dice, BlockShapes& shapes) {
   const plan::BlockLimits limits = {
       .unit_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 8 : 400)),
       .block_scans_max = static_cast<std::uint32_t>(1 + dice.below(dice.once_in(2) ? 16 : 400)),
@@ -176,7 +176,7 @@ bool AnySession::hand_out_block(Dice& dice, const BlockRunnerOptions& options,
 
   // Some states are given, some not; what the worker doesn't hold either keeps all from running.
   const RecordingWorker& worker = workers_[dice.below(workers_.size())];
-  const BlockRunner runner(worker, clock_, options);
+  const BlockRunner runner(worker, clock_);
   std::vector<plan::GivenState> all;
   std::vector<plan::GivenState> some;
   bool lacks = false;
@@ -188,11 +188,11 @@ bool AnySession::hand_out_block(Dice& dice, const BlockRunnerOptions& options,
     if (worker.holds(member)) ++shapes.held;
     lacks = lacks || !worker.holds(member);
   }
-  std::vector<plan::UnitResult> results = runner.run(*block, some);
+  std::vector<plan::UnitResult> results = run_block_(runner, *block, some);
   EXPECT_EQ(results.empty(), lacks);
   if (lacks) {
     ++shapes.lacking;
-    results = runner.run(*block, all);
+    results = run_block_(runner, *block, all);
   }
   EXPECT_EQ(results.size(), block->members.size());
   if (results.size() != block->members.size()) return false;
@@ -224,9 +224,8 @@ void AnySession::run_randomly(Dice& dice, std::uint64_t steps) {
   run(dice, steps, [&] { return hand_out(static_cast<std::uint32_t>(1 + dice.below(longest))); });
 }
 
-void AnySession::run_in_blocks(Dice& dice, const BlockRunnerOptions& options, BlockShapes& shapes,
-                               std::uint64_t steps) {
-  run(dice, steps, [&] { return hand_out_block(dice, options, shapes); });
+void AnySession::run_in_blocks(Dice& dice, BlockShapes& shapes, std::uint64_t steps) {
+  run(dice, steps, [&] { return hand_out_block(dice, shapes); });
 }
 
 void AnySession::run(Dice& dice, std::uint64_t steps, const std::function<bool()>& hand_out) {

@@ -9,6 +9,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "common/base/clock.h"
@@ -99,8 +101,11 @@ class AnySession {
   void run_randomly(Dice& dice, std::uint64_t steps = UINT64_MAX);
   /// Blocks of random sizes on two workers, with states given or held; the results of members, each
   /// by itself, are consumed in random order.
-  void run_in_blocks(Dice& dice, const BlockRunnerOptions& options, BlockShapes& shapes,
-                     std::uint64_t steps = UINT64_MAX);
+  void run_in_blocks(Dice& dice, BlockShapes& shapes, std::uint64_t steps = UINT64_MAX);
+  /// How a runner runs a block, where that is to be wrong.
+  using RunBlock = std::function<std::vector<plan::UnitResult>(
+      const BlockRunner&, const plan::Block&, std::span<const plan::GivenState>)>;
+  void run_blocks_by(RunBlock run) { run_block_ = std::move(run); }
   void complete_all(Dice& dice);
   /// Whole replicas in random order (or theirs), in random batches.
   void replay(const ScanRuns& stored, Dice& dice);
@@ -114,7 +119,7 @@ class AnySession {
   };
   void run(Dice& dice, std::uint64_t steps, const std::function<bool()>& hand_out);
   bool hand_out(std::uint32_t scans_max);
-  bool hand_out_block(Dice& dice, const BlockRunnerOptions& options, BlockShapes& shapes);
+  bool hand_out_block(Dice& dice, BlockShapes& shapes);
   /// Expects that a unit is what comes next of its replica.
   void expect_next(const plan::Unit& unit) const;
   base::Bytes state_before(const plan::Unit& unit) const;
@@ -127,6 +132,7 @@ class AnySession {
   ScanRuns runs_;
   std::map<plan::ReplicaKey, std::uint64_t> next_scan_;
   std::vector<Running> running_;
+  RunBlock run_block_ = &BlockRunner::run;
 };
 
 /// Where a run must stop, by the rules as they are written, from the results of a longer one:

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "tests/unit/worker/sampling/any_plan.h"
+#include "tests/unit/worker/sampling/replaced_formulas.h"
 #include "tests/unit/worker/sampling/slow_ladder.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
@@ -22,8 +23,6 @@ constexpr std::uint64_t k_scans_max = 260;
 struct Case {
   ParallelTemperingOptions options;
   ScanByScan worker;
-
-  BlockRunnerOptions runner() const { return {.seed = options.ladder.seed, .rules = {}}; }
 };
 
 Case random_case(Dice& dice) {
@@ -105,7 +104,7 @@ TEST(BlockRunner, EqualsTheLockstepReference) {
     for (int repeat = 0; repeat < 3; ++repeat) {
       ParallelTempering plan(given.options);
       AnySession session(plan, given.worker);
-      session.run_in_blocks(dice, given.runner(), shapes);
+      session.run_in_blocks(dice, shapes);
       expect_end(plan, session, expected);
       EXPECT_EQ(plan.next_block({.unit_scans_max = 1, .block_scans_max = 1}), std::nullopt);
       if (HasFailure()) return;
@@ -136,7 +135,7 @@ TEST(BlockRunner, GoesOnFromAnyStoredResults) {
     const Expected expected = expected_of(given);
     ParallelTempering stopped_plan(given.options);
     AnySession stopped(stopped_plan, given.worker);
-    stopped.run_in_blocks(dice, given.runner(), shapes, dice.below(300));
+    stopped.run_in_blocks(dice, shapes, dice.below(300));
     if (dice.once_in(3)) stopped.complete_all(dice);
     if (!stopped_plan.finished() && !stopped.runs().empty()) ++in_the_middle;
 
@@ -147,7 +146,7 @@ TEST(BlockRunner, GoesOnFromAnyStoredResults) {
     EXPECT_EQ(plan.scans_common(), stopped_plan.scans_common());
     EXPECT_EQ(plan.scans_consumed(), stopped_plan.scans_consumed());
     expect_equal(plan.report(), stopped_plan.report());
-    resumed.run_in_blocks(dice, given.runner(), shapes);
+    resumed.run_in_blocks(dice, shapes);
     expect_end(plan, resumed, expected);
     if (HasFailure()) return;
   }
@@ -207,7 +206,7 @@ TEST(BlockRunner, SaysNothingWithoutAllStates) {
   const SecondScan second = second_scan(k_levels, 60, knowing);
   ASSERT_EQ(second.block.members.size(), k_levels);
   const base::ManualClock clock;
-  const BlockRunner on_knowing(knowing, clock, {});
+  const BlockRunner on_knowing(knowing, clock);
   const auto expected = on_knowing.run(second.block, second.states);
   ASSERT_EQ(expected.size(), k_levels);
   for (std::uint32_t given = 0; given < 1U << k_levels; ++given) {
@@ -217,14 +216,14 @@ TEST(BlockRunner, SaysNothingWithoutAllStates) {
     }
     expect_same(on_knowing.run(second.block, states), expected);
     const RecordingWorker fresh(numbers);
-    const BlockRunner on_fresh(fresh, clock, {});
+    const BlockRunner on_fresh(fresh, clock);
     const bool has_all = given + 1 == 1U << k_levels;
     EXPECT_EQ(on_fresh.run(second.block, states).empty(), !has_all);
     EXPECT_EQ(fresh.has_run(), has_all);
     expect_same(on_fresh.run(second.block, second.states), expected);
   }
   // A worker that holds nothing at all, and a unit alone.
-  const BlockRunner forgetful(numbers, clock, {});
+  const BlockRunner forgetful(numbers, clock);
   const plan::Block alone{.members = {second.block.members.front()}, .ladder = {}};
   EXPECT_TRUE(forgetful.run(alone, std::vector<plan::GivenState>(1)).empty());
   const auto by_itself = forgetful.run(alone, std::vector{second.states.front()});
@@ -257,7 +256,7 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
   const ScanByScan numbers({.seed = 5, .roughness = {5}});
   base::ManualClock clock;
   const SlowWorker slow(numbers, clock);
-  const BlockRunner runner(slow, clock, {});
+  const BlockRunner runner(slow, clock);
   SecondScan second = second_scan(k_levels, 70, numbers);
   ASSERT_EQ(second.block.members.size(), k_levels);
   second.block.ladder->end_scan = 1000;
@@ -301,51 +300,49 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
 
 std::optional<std::uint32_t> odd_even_partner(std::uint32_t level, std::uint64_t scan,
                                               std::uint32_t levels) {
-  return even_odd_partner(level, scan + 1, levels);
+  return right_even_odd_partner(level, scan + 1, levels);
 }
-double always_swaps(const random::StreamKey& /*key*/, std::uint64_t /*scan*/) {
+double always_swaps(const SwapPlace& /*place*/) {
   return 0;
 }
-double other_number(const random::StreamKey& key, std::uint64_t scan) {
-  return 1 - swap_number(key, scan);
+double other_number(const SwapPlace& place) {
+  return 1 - right_swap_number(place);
 }
-double half_ratio(double beta, double cooler_beta, double l, double cooler_l) {
-  return 0.5 * log_swap_ratio(beta, cooler_beta, l, cooler_l);
+double other_seed(const SwapPlace& place) {
+  SwapPlace other = place;
+  ++other.seed;
+  return right_swap_number(other);
+}
+double half_ratio(const SwapPair& pair) {
+  return 0.5 * right_log_swap_ratio(pair);
 }
 
 TEST(BlockRunner, WrongSwapsAreNoticed) {
   // Goal: a runner that decides swaps otherwise than the plan can't feed it: the plan sees records
   // of other temperatures than it gave. Method: wrong partners, numbers, ratios and seeds, one at a
-  // time, with results that often leave swaps to chance; and the right rules, which pass.
+  // time, with results that often leave swaps to chance; and the right formulas, which pass.
   ParallelTemperingOptions options = small_ladder(6);
   options.ladder.seed = 11;
   const ScanByScan numbers({.seed = 11, .roughness = {3}});
-  const auto drive = [&](const BlockRunnerOptions& runner) {
+  const auto drive = [&](const Formulas& formulas) {
     Dice dice(k_seed, 5 * k_cases);
     BlockShapes shapes;
     ParallelTempering plan(options);
     AnySession session(plan, numbers);
-    session.run_in_blocks(dice, runner, shapes);
+    session.run_blocks_by([&](const BlockRunner& runner, const auto& block, auto states) {
+      const Replaced replaced(formulas);
+      return runner.run(block, states);
+    });
+    session.run_in_blocks(dice, shapes);
     EXPECT_TRUE(plan.finished());
   };
   const char* const noticed = "check failed: .*inverse_temperature";
-  BlockRunnerOptions right{.seed = 11, .rules = {}};
-  drive(right);
-  BlockRunnerOptions wrong = right;
-  wrong.rules.partner = odd_even_partner;
-  EXPECT_DEATH(drive(wrong), noticed);
-  wrong = right;
-  wrong.rules.swap_number = always_swaps;
-  EXPECT_DEATH(drive(wrong), noticed);
-  wrong = right;
-  wrong.rules.swap_number = other_number;
-  EXPECT_DEATH(drive(wrong), noticed);
-  wrong = right;
-  wrong.rules.log_swap_ratio = half_ratio;
-  EXPECT_DEATH(drive(wrong), noticed);
-  wrong = right;
-  wrong.seed = 12;
-  EXPECT_DEATH(drive(wrong), noticed);
+  drive({});
+  EXPECT_DEATH(drive({.partner = odd_even_partner}), noticed);
+  EXPECT_DEATH(drive({.swap_number = always_swaps}), noticed);
+  EXPECT_DEATH(drive({.swap_number = other_number}), noticed);
+  EXPECT_DEATH(drive({.log_swap_ratio = half_ratio}), noticed);
+  EXPECT_DEATH(drive({.swap_number = other_seed}), noticed);
 }
 
 }  // namespace

@@ -85,7 +85,8 @@ std::unique_ptr<ChainPart> part_of(const Case& given, const BurnIn& burn_in) {
 std::unique_ptr<plan::Plan> plan_of(const Case& given, const StopRule& stop) {
   if (given.method == Method::plain) {
     return std::make_unique<IndependentChains>(
-        IndependentChainsOptions{.chains = given.chains,
+        IndependentChainsOptions{.seed = given.ladder.seed,
+                                 .chains = given.chains,
                                  .round_scans = given.ladder.round_scans,
                                  .anneal_scans = given.ladder.anneal_scans,
                                  .stop = stop});
@@ -127,10 +128,6 @@ void expect_same_moment(const plan::Plan& a, const plan::Plan& b) {
   expect_equal(a.report(), b.report());
 }
 
-BlockRunnerOptions runner_of(const Case& given) {
-  return {.seed = given.ladder.seed, .rules = {}};
-}
-
 TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
   // Goal: units, results, stop, draws and report are the same however units and blocks are cut and
   // in whatever order they complete; and the stop is where the rules say. Method: random cases of
@@ -167,7 +164,7 @@ TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
       if (repeat % 2 == 0) {
         session.run_randomly(dice);
       } else {
-        session.run_in_blocks(dice, runner_of(given), shapes[index % k_methods]);
+        session.run_in_blocks(dice, shapes[index % k_methods]);
       }
       expect_same_moment(*plan, *serial_plan);
       EXPECT_TRUE(session.runs() == serial.runs());
@@ -203,7 +200,7 @@ TEST(EveryMethod, GoesOnFromAnyStoredResults) {
       if (dice.once_in(2)) {
         session.run_randomly(dice, steps);
       } else {
-        session.run_in_blocks(dice, runner_of(given), shapes, steps);
+        session.run_in_blocks(dice, shapes, steps);
       }
     };
     run_some(stopped, dice.below(3 * whole.runs().size()));

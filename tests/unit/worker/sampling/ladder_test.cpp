@@ -70,25 +70,6 @@ TEST(FirstLadder, IsAPowerOfEvenSteps) {
   }
 }
 
-TEST(LogSwapRatio, IsTheRatioOfTheSwappedDensities) {
-  // Goal: log of p_b(x_c) p_c(x_b) / (p_b(x_b) p_c(x_c)). Method: the four densities by hand, for
-  // states that the swap brings nearer and farther.
-  for (const auto& [l, cooler_l] : {std::pair{-1.5, -4.0}, {-4.0, -1.5}, {0.0, 7.0}, {2.0, 2.0}}) {
-    const double by_hand = 0.2 * cooler_l + 0.7 * l - (0.2 * l + 0.7 * cooler_l);
-    EXPECT_NEAR(log_swap_ratio(0.2, 0.7, l, cooler_l), by_hand, 1e-15);
-  }
-}
-
-TEST(LogSwapRatio, KnowsStatesWithoutDensity) {
-  // Goal: what breaks a hard constraint is never made cooler, unless neither has density; no NaN,
-  // at the ladder's hot end either. Method: every combination.
-  for (const double beta : {0.0, 0.3}) {
-    EXPECT_EQ(log_swap_ratio(beta, 1, -k_infinity, -2), -k_infinity);
-    EXPECT_EQ(log_swap_ratio(beta, 1, -2, -k_infinity), k_infinity);
-    EXPECT_EQ(log_swap_ratio(beta, 1, -k_infinity, -k_infinity), 0);
-  }
-}
-
 TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
   // Goal: known numbers, and bounds for barriers that no ladder can serve.
   EXPECT_EQ(levels_for(0), 2U);

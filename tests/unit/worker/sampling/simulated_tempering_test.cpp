@@ -67,6 +67,7 @@ TEST(SimulatedTempering, MovesByTheFormula) {
     ASSERT_TRUE(unit.has_value());
     ASSERT_EQ(part.next_unit(20'070, 5), std::nullopt);
     const plan::Unit expected{.replica = {base::ChainId{3}, base::ReplicaId{2}},
+                              .seed = k_seed,
                               .first_scan = base::ScanIndex{scan},
                               .scans = 1,
                               .starts = false,

@@ -5,9 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "common/math/elementary.h"
-#include "common/random/stream.h"
-#include "worker/sampling/ladder.h"
+#include "worker/sampling/tempering_loop.h"
 
 namespace sleight::sampling {
 namespace {
@@ -50,151 +48,6 @@ void count_trips(const std::vector<EndVisit>& visits, std::vector<RoundReport>& 
   }
 }
 
-class Slow {
- public:
-  Slow(const LadderOptions& options, const plan::UnitWorker& worker)
-      : options_(options), worker_(worker) {
-    begin_round(options.anneal_scans, options.first_ladder, {});
-  }
-
-  void scan(std::uint64_t scan) {
-    if (scan < options_.anneal_scans) {
-      anneal(scan);
-      return;
-    }
-    // Everyone makes the scan.
-    std::vector<plan::ScanRecord> records;
-    std::vector<LevelScan> levels;
-    RoundReport& round = result_.rounds.back();
-    for (std::uint32_t level = 0; level < at_.size(); ++level) {
-      const std::uint32_t replica = at_[level];
-      const plan::Unit unit{.replica = {options_.chain, base::ReplicaId{replica}},
-                            .first_scan = base::ScanIndex{scan},
-                            .scans = 1,
-                            .starts = !states_.contains(replica),
-                            .lineage = lineages_[replica],
-                            .inverse_temperatures = {ladder()[level]},
-                            .proposal_scales = round.scales[level],
-                            .excursion = {}};
-      const plan::ScanRecord& record = records.emplace_back(run(unit));
-      levels.push_back({.log_constraint = record.log_constraint, .satisfied = record.satisfied});
-      round.counts[level].add(record.proposed, record.accepted);
-      if (level == 0) visits_[replica].push_back({scan, false});
-      if (level + 1 == at_.size()) visits_[replica].push_back({scan, true});
-    }
-    round.statistics.add(levels);
-    if (records.back().satisfied && solved_.insert(records.back().lineage).second)
-      result_.solutions.push_back(scan);
-
-    // The pairs of this parity swap.
-    for (std::uint32_t i = scan % 2; i + 1 < at_.size(); i += 2) {
-      const double l = records[i].log_constraint;
-      const double cooler = records[i + 1].log_constraint;
-      const double ratio = l == cooler ? 0 : (ladder()[i + 1] - ladder()[i]) * (l - cooler);
-      random::Stream stream({.seed = options_.seed,
-                             .chain = options_.chain,
-                             .replica = base::ReplicaId{i},
-                             .purpose = random::Purpose::swap},
-                            scan);
-      if (math::log(stream.uniform()) < ratio) std::swap(at_[i], at_[i + 1]);
-    }
-
-    // The round may be over.
-    const std::uint64_t length = options_.round_scans << (result_.rounds.size() - 1);
-    if (scan + 1 == round.first_scan + length) learn(scan + 1);
-  }
-
-  SlowLadder result() {
-    for (const auto& [replica, visits] : visits_)
-      count_trips(visits, result_.rounds);
-    return result_;
-  }
-
- private:
-  const std::vector<double>& ladder() const { return result_.rounds.back().statistics.ladder(); }
-
-  plan::ScanRecord run(const plan::Unit& unit) {
-    const std::uint32_t replica = unit.replica.replica.value;
-    const plan::UnitResult done = worker_.run(unit, states_[replica]);
-    result_.units.emplace(SlowLadder::Place{replica, unit.first_scan.value}, unit);
-    result_.results.emplace(SlowLadder::Place{replica, unit.first_scan.value}, done);
-    states_[replica] = done.state_after;
-    lineages_[replica] = done.scans.front().lineage;
-    return done.scans.front();
-  }
-
-  /// Everyone is on the way to the temperature that it begins with.
-  void anneal(std::uint64_t scan) {
-    const double share = static_cast<double>(scan) / static_cast<double>(options_.anneal_scans);
-    for (std::uint32_t replica = 0; replica < at_.size(); ++replica) {
-      run({.replica = {options_.chain, base::ReplicaId{replica}},
-           .first_scan = base::ScanIndex{scan},
-           .scans = 1,
-           .starts = scan == 0,
-           .lineage = lineages_[replica],
-           .inverse_temperatures = {options_.first_ladder[replica] * share},
-           .proposal_scales = {},
-           .excursion = {}});
-    }
-  }
-
-  void learn(std::uint64_t scan) {
-    const RoundReport& last = result_.rounds.back();
-    const std::vector<double> old = ladder();
-    const std::vector<double> rejections = last.statistics.rejections();
-    std::uint32_t levels = static_cast<std::uint32_t>(old.size());
-    double barrier = 0;
-    for (const double rejection : rejections)
-      barrier += rejection;
-    if (options_.levels_chosen) levels = std::min(levels_for(barrier), options_.levels_max);
-    const bool moves = options_.ladder_adapts || levels != old.size();
-    const std::vector<double> next = moves ? respaced(old, rejections, levels) : old;
-
-    std::vector<std::vector<double>> scales(levels);
-    const bool any = std::ranges::count(options_.has_scale, true) > 0;
-    const std::size_t kinds = any ? last.counts[0].proposed.size() : 0;
-    for (std::size_t kind = 0; kind < kinds; ++kind) {
-      std::vector<double> logs;
-      for (std::size_t level = 0; level < old.size(); ++level)
-        logs.push_back(
-            math::log(tuned(last.scales[level], last.counts[level], options_.has_scale)[kind]));
-      logs[0] = logs[1];
-      for (std::size_t level = 0; level < levels; ++level)
-        scales[level].push_back(math::exp(interpolated(old, logs, next[level])));
-    }
-    begin_round(scan, next, scales);
-  }
-
-  void begin_round(std::uint64_t scan, const std::vector<double>& ladder,
-                   std::vector<std::vector<double>> scales) {
-    scales.resize(ladder.size());
-    while (at_.size() > ladder.size())
-      at_.erase(at_.begin());
-    // New ones are the hottest, their numbers ascending from the hot end.
-    std::vector<std::uint32_t> born;
-    while (at_.size() + born.size() < ladder.size())
-      born.push_back(births_++);
-    at_.insert(at_.begin(), born.begin(), born.end());
-    result_.rounds.push_back(
-        {.first_scan = scan,
-         .statistics = RoundStatistics(ladder, options_.round_scans << result_.rounds.size()),
-         .round_trips = 0,
-         .restarts = 0,
-         .counts = std::vector<KindCounts>(ladder.size()),
-         .scales = std::move(scales)});
-  }
-
-  LadderOptions options_;
-  const plan::UnitWorker& worker_;
-  SlowLadder result_;
-  std::vector<std::uint32_t> at_;  ///< by level: the replica
-  std::uint32_t births_ = 0;
-  std::map<std::uint32_t, base::Bytes> states_;
-  std::map<std::uint32_t, std::uint64_t> lineages_;
-  std::map<std::uint32_t, std::vector<EndVisit>> visits_;
-  std::set<std::uint64_t> solved_;
-};
-
 }  // namespace
 
 plan::UnitResult HashedWorker::run(const plan::Unit& unit, base::BytesView state) const {
@@ -236,10 +89,41 @@ plan::UnitResult HashedWorker::run(const plan::Unit& unit, base::BytesView state
 
 SlowLadder slow_ladder(const LadderOptions& options, const plan::UnitWorker& worker,
                        std::uint64_t scans) {
-  Slow slow(options, worker);
-  for (std::uint64_t scan = 0; scan < scans; ++scan)
-    slow.scan(scan);
-  return slow.result();
+  SlowLadder slow;
+  std::map<std::uint32_t, base::Bytes> states;
+  std::map<std::uint32_t, std::uint64_t> lineages;
+  std::map<std::uint32_t, std::vector<EndVisit>> visits;
+  std::set<std::uint64_t> solved;
+  slow.rounds = tempering_loop(options, scans, [&](const LoopScan& scan) {
+    const plan::Unit unit{
+        .replica = {options.chain, base::ReplicaId{scan.replica}},
+        .seed = options.seed,
+        .first_scan = base::ScanIndex{scan.scan},
+        .scans = 1,
+        .starts = !states.contains(scan.replica),
+        .lineage = lineages[scan.replica],
+        .inverse_temperatures = {scan.inverse_temperature},
+        .proposal_scales = {scan.proposal_scales.begin(), scan.proposal_scales.end()},
+        .excursion = {}};
+    const plan::UnitResult done = worker.run(unit, states[scan.replica]);
+    slow.units.emplace(SlowLadder::Place{scan.replica, scan.scan}, unit);
+    slow.results.emplace(SlowLadder::Place{scan.replica, scan.scan}, done);
+    states[scan.replica] = done.state_after;
+    const plan::ScanRecord& record = done.scans.front();
+    lineages[scan.replica] = record.lineage;
+    // A ladder's ends are at 0 and 1; those that anneal are on their way.
+    if (scan.scan < options.anneal_scans) return record;
+    if (scan.inverse_temperature == 0) visits[scan.replica].push_back({scan.scan, false});
+    if (scan.inverse_temperature == 1) {
+      visits[scan.replica].push_back({scan.scan, true});
+      if (record.satisfied && solved.insert(record.lineage).second)
+        slow.solutions.push_back(scan.scan);
+    }
+    return record;
+  });
+  for (const auto& [replica, ends] : visits)
+    count_trips(ends, slow.rounds);
+  return slow;
 }
 
 std::vector<std::uint64_t> fingerprint(std::span<const RoundReport> rounds,

@@ -1,7 +1,8 @@
-// Parallel tempering as plainly as can be, for tests: all replicas anneal, if they do; then they
-// make a scan, then the pairs of that scan's parity swap, then, at a round's end, the ladder is
-// spaced anew. It shares with the real one the pure functions that have tests of their own
-// (ladder.h, round_statistics.h, tuning.h) and none of its bookkeeping.
+// Parallel tempering as its loop says it (worker/sampling/tempering_loop.h), run with a worker, so
+// that LadderRun and block runners can be held against it: what was asked for and what came of it
+// is kept by place. Round trips and solutions are counted here, from whole ways. What is learnt at
+// a round's end is the one thing that both share; it has a slow twin of its own
+// (ladder_round_test.cpp).
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,8 @@
 
 namespace sleight::sampling {
 
-/// A worker whose results hang on all that a unit says and on the state before it: what is handed
-/// out wrongly once is different for ever.
+/// A worker whose results hang on all that a unit says but its seed, and on the state before it:
+/// what is handed out wrongly once is different for ever.
 class HashedWorker final : public plan::UnitWorker {
  public:
   struct Options {

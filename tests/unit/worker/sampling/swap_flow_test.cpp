@@ -1,0 +1,202 @@
+#include "worker/sampling/swap_flow.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "common/random/discrete_distributions.h"
+#include "common/random/stream.h"
+#include "worker/sampling/swap.h"
+
+namespace sleight::sampling {
+namespace {
+
+constexpr std::uint64_t k_seed = 667430;
+constexpr std::uint64_t k_scans = 40;
+
+FlowLevels ladder_of(std::uint32_t levels) {
+  FlowLevels ladder{.seed = k_seed,
+                    .chain = base::ChainId{2},
+                    .levels = levels,
+                    .first_level = 0,
+                    .inverse_temperatures = {}};
+  for (std::uint32_t level = 0; level < levels; ++level)
+    ladder.inverse_temperatures.push_back(level / (levels - 1.0));
+  return ladder;
+}
+
+/// log p_c of a replica's state after a scan; without density now and then.
+double density(std::uint32_t replica, std::uint64_t scan) {
+  random::Stream stream({.seed = k_seed,
+                         .chain = {},
+                         .replica = base::ReplicaId{replica},
+                         .purpose = random::Purpose::prior},
+                        scan);
+  const double u = stream.uniform();
+  return u < 0.1 ? -std::numeric_limits<double>::infinity() : -6 * u;
+}
+
+/// By scan and level: the replica. All levels in step.
+using Seating = std::vector<std::vector<std::uint32_t>>;
+Seating lockstep(const FlowLevels& ladder) {
+  std::vector<std::uint32_t> at(ladder.levels);
+  std::iota(at.begin(), at.end(), 0U);
+  Seating seating;
+  for (std::uint64_t scan = 0; scan < k_scans; ++scan) {
+    seating.push_back(at);
+    for (std::uint32_t i = scan % 2; i + 1 < ladder.levels; i += 2) {
+      const bool swapped =
+          swaps({.seed = ladder.seed, .chain = ladder.chain, .level = i, .scan = scan},
+                {.hotter = ladder.inverse_temperatures[i],
+                 .cooler = ladder.inverse_temperatures[i + 1],
+                 .log_constraint_hotter = density(at[i], scan),
+                 .log_constraint_cooler = density(at[i + 1], scan)});
+      if (swapped) std::swap(at[i], at[i + 1]);
+    }
+  }
+  return seating;
+}
+
+std::uint64_t below(random::Stream& stream, std::uint64_t count) {
+  return random::UniformInteger{.count = count}.draw(stream);
+}
+
+/// Levels whose seat may run before the last scan.
+std::vector<std::uint32_t> ready(const SwapFlow& flow) {
+  std::vector<std::uint32_t> levels;
+  for (std::uint32_t level = 0; level < flow.size(); ++level) {
+    if (flow.seat(level).may_run() && flow.seat(level).scan + 1 < k_scans) levels.push_back(level);
+  }
+  return levels;
+}
+
+TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
+  // Goal: replicas go where they would if all levels made scan after scan together, whichever runs
+  // ahead. Method: 200 ladders of 2 to 9 levels, at each step a random seat that may run; everyone
+  // who goes on is where the lockstep has it. Some order lets a replica run four scans ahead.
+  std::uint64_t ahead_most = 0;
+  for (std::uint64_t index = 0; index < 200; ++index) {
+    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::start}, index);
+    const FlowLevels ladder = ladder_of(static_cast<std::uint32_t>(2 + below(stream, 8)));
+    const Seating expected = lockstep(ladder);
+    SwapFlow flow(ladder);
+    for (std::uint32_t level = 0; level < flow.size(); ++level)
+      flow.sit(level, level, 0);
+    std::uint64_t goings = 0;
+    for (std::vector<std::uint32_t> may = ready(flow); !may.empty(); may = ready(flow)) {
+      // Half of the time the one that is furthest ahead.
+      std::uint32_t level = may[below(stream, may.size())];
+      if (below(stream, 2) == 0)
+        level = *std::ranges::max_element(may, {}, [&](auto l) { return flow.seat(l).scan; });
+      const SwapFlow::Seat seat = flow.seat(level);
+      for (const SwapFlow::GoesOn& goes : flow.made(level, density(*seat.replica, seat.scan))) {
+        ++goings;
+        ASSERT_EQ(goes.scan, seat.scan + 1);
+        ASSERT_EQ(goes.replica, expected[goes.scan][goes.level]);
+        ASSERT_EQ(flow.seat(goes.level).replica, goes.replica);
+        ASSERT_TRUE(flow.seat(goes.level).may_run());
+      }
+      for (std::uint32_t other = 0; other < flow.size(); ++other)
+        ahead_most = std::max(ahead_most, flow.seat(level).scan - std::min(flow.seat(level).scan,
+                                                                           flow.seat(other).scan));
+    }
+    // All come to the last scan: nobody waits for ever.
+    EXPECT_EQ(goings, (k_scans - 1) * ladder.levels);
+  }
+  EXPECT_GE(ahead_most, 4U);
+}
+
+TEST(SwapFlow, WaitsForThePartnerAlone) {
+  // Goal: who waits for whom, step by step. Method: four levels; after scan 0 the pairs (0, 1) and
+  // (2, 3), after scan 1 the pair (1, 2), ends going on alone.
+  SwapFlow flow(ladder_of(4));
+  for (std::uint32_t level = 0; level < 4; ++level)
+    flow.sit(level, 10 + level, 0);
+  EXPECT_TRUE(flow.made(1, -1).empty());
+  EXPECT_FALSE(flow.seat(1).may_run());
+  EXPECT_TRUE(flow.made(2, -1).empty()) << "level 1 has made its scan but is no partner now";
+  EXPECT_EQ(flow.made(0, -1).size(), 2U);
+  EXPECT_EQ(flow.seat(0).scan, 1U);
+  EXPECT_EQ(flow.seat(1).scan, 1U);
+  EXPECT_EQ(flow.seat(2).scan, 0U);
+  const auto alone = flow.made(0, -1);
+  ASSERT_EQ(alone.size(), 1U);
+  EXPECT_EQ(alone[0].level, 0U);
+  EXPECT_EQ(alone[0].scan, 2U);
+  EXPECT_TRUE(flow.made(1, -1).empty()) << "level 2 is a scan behind";
+  EXPECT_EQ(flow.made(3, -1).size(), 2U);
+  EXPECT_EQ(flow.made(2, -1).size(), 2U);
+  // Equal densities swap always: 10 and 11 have traded, 12 and 13, and then 10 and 13.
+  EXPECT_EQ(flow.seat(0).replica, 11U);
+  EXPECT_EQ(flow.seat(1).replica, 13U);
+  EXPECT_EQ(flow.seat(2).replica, 10U);
+  EXPECT_EQ(flow.seat(3).replica, 12U);
+}
+
+TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
+  // Goal: of a part of a ladder, replicas go as in the whole one, and leave exactly where their
+  // partner is outside, so that the part's sides lose a level with each scan. Method: all parts of
+  // a ladder of eight, begun at several scans; how many go on to each scan.
+  const FlowLevels ladder = ladder_of(8);
+  const Seating expected = lockstep(ladder);
+  for (std::uint32_t first = 0; first < 8; ++first) {
+    for (std::uint32_t size = 1; first + size <= 8; ++size) {
+      for (const std::uint64_t begin : {0U, 1U, 6U}) {
+        SCOPED_TRACE(fmt::format("levels from {}, {} of them, from scan {}", first, size, begin));
+        FlowLevels part = ladder;
+        part.first_level = first;
+        part.inverse_temperatures = {ladder.inverse_temperatures.begin() + first,
+                                     ladder.inverse_temperatures.begin() + first + size};
+        SwapFlow flow(part);
+        for (std::uint32_t level = 0; level < size; ++level)
+          flow.sit(level, expected[begin][first + level], begin);
+        // Levels here that have a replica at the scan: none, or a stretch.
+        std::uint32_t low = 0;
+        std::uint32_t high = size;
+        for (std::uint64_t scan = begin; scan + 1 < k_scans; ++scan) {
+          for (std::uint32_t level = low; level < high; ++level) {
+            const SwapFlow::Seat seat = flow.seat(level);
+            ASSERT_TRUE(seat.may_run());
+            ASSERT_EQ(seat.scan, scan);
+            ASSERT_EQ(*seat.replica, expected[scan][first + level]);
+          }
+          for (std::uint32_t level = low; level < high; ++level)
+            flow.made(level, density(expected[scan][first + level], scan));
+          const auto outside = [&](std::uint32_t level) {
+            const auto partner = even_odd_partner(first + level, scan, 8);
+            return partner && (*partner < first + low || *partner >= first + high);
+          };
+          const bool loses_low = low < high && outside(low);
+          const bool loses_high = low + 1 < high && outside(high - 1);
+          low += loses_low ? 1 : 0;
+          high -= loses_high ? 1 : 0;
+        }
+        EXPECT_EQ(low < high, size == 8) << "only the whole ladder goes on";
+      }
+    }
+  }
+}
+
+TEST(SwapFlowDeathTest, MisuseIsABug) {
+  // Goal: a scan is told once, of a replica that is there. Method: twice; of an empty seat; levels
+  // that the ladder doesn't have.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  SwapFlow flow(ladder_of(3));
+  EXPECT_DEATH(flow.made(0, 0), "check failed");
+  flow.sit(0, 0, 0);
+  flow.made(0, 0);
+  EXPECT_DEATH(flow.made(0, 0), "check failed");
+  FlowLevels beyond = ladder_of(3);
+  beyond.first_level = 1;
+  EXPECT_DEATH(SwapFlow{beyond}, "check failed");
+}
+
+}  // namespace
+}  // namespace sleight::sampling
