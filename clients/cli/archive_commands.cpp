@@ -19,10 +19,10 @@
 #include "clients/cli/throw_odds.h"
 #include "clients/cli/trace.h"
 #include "common/archive/csv.h"
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
-#include "common/archive/verify.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {

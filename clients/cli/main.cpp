@@ -17,8 +17,8 @@
 #include "clients/cli/plot_command.h"
 #include "common/archive/csv.h"
 #include "common/base/error.h"
-#include "common/base/log.h"
 #include "common/base/version.h"
+#include "common/logging/log.h"
 
 namespace sleight::programs {
 namespace {
@@ -205,7 +205,7 @@ int main_of(int argc, char** argv) {
       } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
       }
-      base::log_to_stderr("sleight", verbose);
+      logging::log_to_stderr("sleight", verbose);
       return action();
     });
   } catch (...) {

@@ -18,8 +18,8 @@
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
-#include "common/base/log.h"
 #include "common/base/version.h"
+#include "common/logging/log.h"
 #include "service/coordinator/local_crew.h"
 #include "service/coordinator/mpi/mpi_crew.h"
 #include "service/coordinator/stop_signal.h"
@@ -144,7 +144,7 @@ int main_of(int argc, char** argv) {
     const int code = speaks ? app.exit(error) : app.exit(error, unheard, unheard);
     return code == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
   }
-  base::log_to_stderr("sleight-batch", false);
+  logging::log_to_stderr("sleight-batch", false);
   if (started_by_mpirun()) return run_ranks(arguments, &argc, &argv);
   try {
     return cli::with_results([&] { return run_rank_0(arguments, false).code; });

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
 #include "common/archive/hdf5/file_sink.h"
 #include "common/archive/hdf5/handle.h"
 #include "common/archive/hdf5/output_file.h"

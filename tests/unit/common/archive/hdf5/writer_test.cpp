@@ -13,11 +13,11 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
 #include "common/archive/hdf5/guarded.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/archive/memory_archive.h"
-#include "common/archive/verify.h"
 #include "common/base/error.h"
 #include "tests/unit/common/archive/fake_world.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"

@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-namespace sleight::base {
+namespace sleight::logging {
 
 /// Sends spdlog's default logger to stderr under the program's name. `verbose` adds debug lines.
 void log_to_stderr(std::string_view program, bool verbose);
 
-}  // namespace sleight::base
+}  // namespace sleight::logging
