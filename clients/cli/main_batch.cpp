@@ -2,7 +2,6 @@
 // and computes, the other ranks compute. Without mpirun it is one rank, and MPI is not started.
 #include <fmt/format.h>
 #include <mpi.h>
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -109,7 +108,7 @@ int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
       return end.code;
     });
     if (!all_have_left)
-      spdlog::warn("some ranks don't answer; everything is stored, and the job ends without them");
+      logging::warn("some ranks don't answer; everything is stored, and the job ends without them");
     if (!all_have_left || code == static_cast<int>(base::ExitCode::bad_request)) {
       std::fflush(nullptr);
       MPI_Abort(MPI_COMM_WORLD, code);

@@ -1,7 +1,6 @@
 #include "clients/cli/main_run.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <charconv>
 #include <cstdio>
@@ -12,6 +11,7 @@
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
+#include "common/logging/log.h"
 #include "service/coordinator/progress.h"
 #include "service/coordinator/stop_signal.h"
 
@@ -164,13 +164,13 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
                    const DirectArguments& arguments, coordinator::Crew& crew) {
   const base::SteadyClock clock;
   if (request.stop.independent_solutions && !request.stop.scans && !request.stop.rounds) {
-    spdlog::warn(
+    logging::warn(
         "[stop] has independent_solutions alone: a chain that never arrives keeps the run going; "
         "give scans as well to bound it");
   }
   const run::WorldEntry& world = catalogue.world(request.world);
   const auto reader = world.make_reader();
-  if (!reader->layout().warning.empty()) spdlog::warn("{}", reader->layout().warning);
+  if (!reader->layout().warning.empty()) logging::warn(reader->layout().warning);
   const auto plan = run::make_plan(request, world, {});
   coordinator::ProgressPrinter printer(request.world, stderr);
   coordinator::RunOptions options{.output = arguments.output,

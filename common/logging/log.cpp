@@ -16,4 +16,12 @@ void log_to_stderr(std::string_view program, bool verbose) {
   spdlog::set_default_logger(std::move(logger));
 }
 
+void info(std::string_view text) {
+  spdlog::info(text);
+}
+
+void warn(std::string_view text) {
+  spdlog::warn(text);
+}
+
 }  // namespace sleight::logging

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -19,6 +18,7 @@
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
+#include "common/logging/log.h"
 #include "common/store/run_store.h"
 #include "common/store/stored_run.h"
 
@@ -83,7 +83,7 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   }
   if (!fresh || !has_run) return;
   if (files.exists(output)) refuse_foreign_file(output, "");
-  spdlog::info("--fresh: giving up the earlier run of {}", output);
+  logging::info(fmt::format("--fresh: giving up the earlier run of {}", output));
   // The archive goes first: an archive without its store would be refused above.
   files.remove(output);
   // Then the database, then its log: a log alone is ignored, a database without its log may be

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <mpi.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/logging/log.h"
 #include "common/schema/wire/wire.h"
 
 namespace sleight::coordinator {
@@ -105,7 +105,7 @@ bool MpiCrew::dismiss() {
         sleep_s(schema::wire::k_poll_interval_s_max);
       }
     } catch (const base::Error& failure) {
-      spdlog::warn("after the run's end: {}", failure.what());
+      logging::warn(fmt::format("after the run's end: {}", failure.what()));
     }
     if (left_ == others) finish_sends();
   }
