@@ -172,6 +172,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   const auto reader = world.make_reader();
   if (!reader->layout().warning.empty()) logging::warn(reader->layout().warning);
   const auto plan = run::make_plan(request, world, {});
+  base::PosixFileSystem files;
   coordinator::ProgressPrinter printer(request.world, stderr);
   coordinator::RunOptions options{.output = arguments.output,
                                   .fresh = arguments.fresh,
@@ -188,7 +189,8 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
        .plan = *plan,
        .plan_of_scans = [&](std::uint64_t scans) { return run::make_plan(request, world, scans); },
        .crew = crew,
-       .clock = clock},
+       .clock = clock,
+       .files = files},
       options);
   printer.finish();
   print_summary(arguments, request, summary);

@@ -1,14 +1,9 @@
 #include "service/coordinator/run.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
 #include <string_view>
-#include <system_error>
+#include <vector>
 
 #include "common/archive/hdf5/guarded.h"
 #include "common/archive/hdf5/reader.h"
@@ -27,7 +22,7 @@ namespace {
 
 /// Finds out now, not after an hour of computing, that no archive can be written there.
 void refuse_unusable_output(const std::string& output, base::FileSystem& files) {
-  if (output.empty() || output.back() == '/' || std::filesystem::is_directory(output)) {
+  if (output.empty() || output.back() == '/' || files.is_directory(output)) {
     throw base::Error(base::ExitCode::usage,
                       fmt::format("-o '{}': no file name; say for example -o {}", output,
                                   output.empty() ? "ball.h5" : output + "/ball.h5"));
@@ -40,11 +35,9 @@ void refuse_unusable_output(const std::string& output, base::FileSystem& files) 
   }
   // The archive is written to a temporary file of such a name: try that, longest suffix included.
   const std::string trial = output + ".tmp.4194304";
-  const int descriptor = ::open(trial.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor < 0) {
-    throw base::Error(fmt::format("{}: can't be written: {}", output, std::strerror(errno)));
+  if (const auto file = files.create(trial); !file) {
+    throw base::Error(fmt::format("{}: can't be written: {}", output, file.error().message()));
   }
-  ::close(descriptor);
   files.remove(trial);
 }
 
@@ -93,15 +86,21 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
 }
 
 /// Archives half written by processes that were killed; nobody else writes while the lock is held.
-void remove_leftovers(const std::string& output) {
-  const std::filesystem::path path(output);
-  const std::string beginning = path.filename().string() + ".tmp.";
-  std::error_code ignored;
-  std::filesystem::directory_iterator entries(base::directory_of(output), ignored);
-  for (const std::filesystem::directory_entry& entry : entries) {
-    if (entry.path().filename().string().starts_with(beginning)) {
-      std::filesystem::remove(entry.path(), ignored);
+/// One that can't be found or removed is in nobody's way: that is said, and the run goes on.
+void remove_leftovers(const std::string& output, base::FileSystem& files) {
+  const std::string folder = base::directory_of(output);
+  const std::string beginning = output.substr(output.find_last_of('/') + 1) + ".tmp.";
+  const auto attempt = [](const auto& act) {
+    try {
+      act();
+    } catch (const base::Error& failure) {
+      logging::warn(fmt::format("archives of killed processes may be left: {}", failure.what()));
     }
+  };
+  std::vector<std::string> names;
+  attempt([&] { names = files.names_in(folder); });
+  for (const std::string& name : names) {
+    if (name.starts_with(beginning)) attempt([&] { files.remove(folder + "/" + name); });
   }
 }
 
@@ -146,7 +145,7 @@ std::string run_folder(const std::string& output) {
 }
 
 RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
-  base::PosixFileSystem files;
+  base::FileSystem& files = inputs.files;
   const std::string folder = run_folder(options.output);
 
   // Take the output for this process and this request.
@@ -156,7 +155,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   }
   const store::RunLock lock(folder);
   claim_output(options.output, folder, options.fresh, files);
-  remove_leftovers(options.output);
+  remove_leftovers(options.output, files);
   store::RunStore run_store(folder, {.identity_text = run_identity(inputs.request),
                                      .request_text = request::normalised_text(inputs.request),
                                      .program_version = std::string(base::version()),
