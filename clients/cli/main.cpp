@@ -12,6 +12,7 @@
 #include "clients/cli/main_diagnose.h"
 #include "clients/cli/main_dice_scene.h"
 #include "clients/cli/main_direct.h"
+#include "clients/cli/main_run.h"
 #include "clients/cli/main_spelling_box.h"
 #include "clients/cli/output.h"
 #include "clients/cli/plot_command.h"
@@ -197,6 +198,7 @@ int main_of(int argc, char** argv) {
   add_diagnose(app, diagnose_arguments, action);
   add_plot(app, plot_options, action);
 
+  note_what_repeats(argc, argv);
   try {
     cli::occupy_standard_streams();
     return cli::with_results([&] {

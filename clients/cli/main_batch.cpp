@@ -84,6 +84,10 @@ void run_other_rank(DirectArguments arguments) {
   run::serve(runner, hello_of(*request));
 }
 
+std::string name_of_rank(int rank) {
+  return fmt::format("sleight-batch, rank {}", rank);
+}
+
 /// Runs this rank and returns the job's exit code; never lets an exception past MPI.
 int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
   int provided = 0;
@@ -94,7 +98,11 @@ int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
   if (rank != 0) {
     try {
       run_other_rank(arguments);
+    } catch (const base::Error& error) {
+      if (error.exit_code() == base::ExitCode::bug) report_failure(name_of_rank(rank));
+      run::refuse(error.what());
     } catch (const std::exception& error) {
+      report_failure(name_of_rank(rank));
       run::refuse(error.what());
     }
     MPI_Finalize();
@@ -123,7 +131,17 @@ int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
   }
 }
 
+/// Of a rank also how its job was started, and which it is.
+void note_what_repeats_of_rank(int argc, char** argv) {
+  const char* const ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
+  note_what_repeats(argc, argv, ranks == nullptr ? "" : fmt::format("mpirun -n {} ", ranks));
+  if (const auto rank = rank_by_environment()) {
+    base::add_repeat_note(fmt::format("rank {} of {}", *rank, ranks == nullptr ? "?" : ranks));
+  }
+}
+
 int main_of(int argc, char** argv) {
+  note_what_repeats_of_rank(argc, argv);
   CLI::App app{
       "Runs a direction request over the ranks of an MPI job; the archive is the same for any\n"
       "number of ranks."};

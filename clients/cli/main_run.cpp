@@ -7,6 +7,7 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
+#include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
@@ -106,6 +107,12 @@ const char* const k_exit_codes =
     "4 the output belongs to another run; 5 the environment (disk, files); 6 a bad archive;\n"
     "7 chains that have not mixed (diagnose); 130 interrupted, with everything stored.";
 
+void note_what_repeats(int argc, const char* const* argv, const std::string& launcher) {
+  base::report_uncaught_exceptions();
+  base::add_repeat_note(
+      fmt::format("to repeat it: {}{}", launcher, base::command_line(argc, argv)));
+}
+
 void add_run_options(CLI::App& app, DirectArguments& arguments) {
   app.add_option("request", arguments.request_path, "The direction request, a TOML file")
       ->required()
@@ -157,6 +164,9 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
   }
   request::DirectionRequest request = std::move(read).value();
   if (arguments.seed) request = request::with_seed(std::move(request), *arguments.seed);
+  base::add_repeat_note(fmt::format("request {}, world {}, seed {}, version {}",
+                                    arguments.request_path, request.world, request.sampler.seed,
+                                    base::version()));
   return request;
 }
 
@@ -203,9 +213,11 @@ int report_failure(const std::string& program) {
     throw;
   } catch (const base::Error& error) {
     complain(fmt::format("{}: {}", program, error.what()));
+    if (error.exit_code() == base::ExitCode::bug) std::fputs(base::repeat_notes().c_str(), stderr);
     return static_cast<int>(error.exit_code());
   } catch (const std::exception& error) {
     complain(fmt::format("{}: unexpected: {}", program, error.what()));
+    std::fputs(base::repeat_notes().c_str(), stderr);
     return static_cast<int>(base::ExitCode::bug);
   }
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -132,13 +131,9 @@ void serve(const plan::BlockWorker& worker, const schema::Hello& hello) {
   Outbox outbox;
   outbox.send(hello);
   Desk desk(worker, outbox);
-  try {
-    while (desk.turn()) {
-    }
-    outbox.send(schema::Stop{});
-  } catch (const std::exception& failure) {
-    refuse(failure.what());
+  while (desk.turn()) {
   }
+  outbox.send(schema::Stop{});
 }
 
 }  // namespace sleight::run
