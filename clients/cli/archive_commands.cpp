@@ -18,10 +18,10 @@
 #include "clients/cli/sampling_method.h"
 #include "clients/cli/trace.h"
 #include "common/archive/csv.h"
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
-#include "common/archive/verify.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {

@@ -13,13 +13,14 @@
 #include "clients/cli/main_dice_scene.h"
 #include "clients/cli/main_direct.h"
 #include "clients/cli/main_replay.h"
+#include "clients/cli/main_run.h"
 #include "clients/cli/main_spelling_box.h"
 #include "clients/cli/output.h"
 #include "clients/cli/plot_command.h"
 #include "common/archive/csv.h"
 #include "common/base/error.h"
-#include "common/base/log.h"
 #include "common/base/version.h"
+#include "common/logging/log.h"
 
 namespace sleight::programs {
 namespace {
@@ -218,6 +219,7 @@ int main_of(int argc, char** argv) {
   add_diagnose(app, diagnose_arguments, action);
   add_plot(app, plot_options, action);
 
+  note_what_repeats(argc, argv);
   try {
     cli::occupy_standard_streams();
     return cli::with_results([&] {
@@ -226,7 +228,7 @@ int main_of(int argc, char** argv) {
       } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
       }
-      base::log_to_stderr("sleight", verbose);
+      logging::log_to_stderr("sleight", verbose);
       return action();
     });
   } catch (...) {

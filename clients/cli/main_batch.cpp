@@ -2,7 +2,6 @@
 // and computes, the other ranks compute. Without mpirun it is one rank, and MPI is not started.
 #include <fmt/format.h>
 #include <mpi.h>
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -19,8 +18,8 @@
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
-#include "common/base/log.h"
 #include "common/base/version.h"
+#include "common/logging/log.h"
 #include "service/coordinator/local_crew.h"
 #include "service/coordinator/mpi/mpi_crew.h"
 #include "service/coordinator/stop_signal.h"
@@ -86,6 +85,10 @@ void run_other_rank(DirectArguments arguments) {
   run::serve(runner, hello_of(*request));
 }
 
+std::string name_of_rank(int rank) {
+  return fmt::format("sleight-batch, rank {}", rank);
+}
+
 /// Runs this rank and returns the job's exit code; never lets an exception past MPI.
 int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
   int provided = 0;
@@ -96,7 +99,11 @@ int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
   if (rank != 0) {
     try {
       run_other_rank(arguments);
+    } catch (const base::Error& error) {
+      if (error.exit_code() == base::ExitCode::bug) report_failure(name_of_rank(rank));
+      run::refuse(error.what());
     } catch (const std::exception& error) {
+      report_failure(name_of_rank(rank));
       run::refuse(error.what());
     }
     MPI_Finalize();
@@ -110,7 +117,7 @@ int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
       return end.code;
     });
     if (!all_have_left)
-      spdlog::warn("some ranks don't answer; everything is stored, and the job ends without them");
+      logging::warn("some ranks don't answer; everything is stored, and the job ends without them");
     if (!all_have_left || code == static_cast<int>(base::ExitCode::bad_request)) {
       std::fflush(nullptr);
       MPI_Abort(MPI_COMM_WORLD, code);
@@ -125,7 +132,17 @@ int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
   }
 }
 
+/// Of a rank also how its job was started, and which it is.
+void note_what_repeats_of_rank(int argc, char** argv) {
+  const char* const ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
+  note_what_repeats(argc, argv, ranks == nullptr ? "" : fmt::format("mpirun -n {} ", ranks));
+  if (const auto rank = rank_by_environment()) {
+    base::add_repeat_note(fmt::format("rank {} of {}", *rank, ranks == nullptr ? "?" : ranks));
+  }
+}
+
 int main_of(int argc, char** argv) {
+  note_what_repeats_of_rank(argc, argv);
   CLI::App app{
       "Runs a direction request over the ranks of an MPI job; the archive is the same for any\n"
       "number of ranks."};
@@ -145,7 +162,7 @@ int main_of(int argc, char** argv) {
     const int code = speaks ? app.exit(error) : app.exit(error, unheard, unheard);
     return code == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
   }
-  base::log_to_stderr("sleight-batch", false);
+  logging::log_to_stderr("sleight-batch", false);
   if (started_by_mpirun()) return run_ranks(arguments, &argc, &argv);
   try {
     return cli::with_results([&] { return run_rank_0(arguments, false).code; });

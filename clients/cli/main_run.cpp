@@ -1,7 +1,6 @@
 #include "clients/cli/main_run.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <charconv>
 #include <cstdio>
@@ -9,10 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "clients/cli/failure_counts.h"
+#include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
+#include "common/logging/log.h"
 #include "service/coordinator/progress.h"
 #include "service/coordinator/stop_signal.h"
 
@@ -140,6 +141,12 @@ const char* const k_exit_codes =
     "7 chains that have not mixed (diagnose); 8 a simulation failed (with --strict, or replayed);\n"
     "130 interrupted, with everything stored.";
 
+void note_what_repeats(int argc, const char* const* argv, const std::string& launcher) {
+  base::report_uncaught_exceptions();
+  base::add_repeat_note(
+      fmt::format("to repeat it: {}{}", launcher, base::command_line(argc, argv)));
+}
+
 void add_run_options(CLI::App& app, DirectArguments& arguments) {
   app.add_option("request", arguments.request_path, "The direction request, a TOML file")
       ->required()
@@ -193,6 +200,9 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
   }
   request::DirectionRequest request = std::move(read).value();
   if (arguments.seed) request = request::with_seed(std::move(request), *arguments.seed);
+  base::add_repeat_note(fmt::format("request {}, world {}, seed {}, version {}",
+                                    arguments.request_path, request.world, request.sampler.seed,
+                                    base::version()));
   return request;
 }
 
@@ -200,14 +210,15 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
                    const DirectArguments& arguments, coordinator::Crew& crew) {
   const base::SteadyClock clock;
   if (request.stop.independent_solutions && !request.stop.scans && !request.stop.rounds) {
-    spdlog::warn(
+    logging::warn(
         "[stop] has independent_solutions alone: a chain that never arrives keeps the run going; "
         "give scans as well to bound it");
   }
   const run::WorldEntry& world = catalogue.world(request.world);
   const auto reader = world.make_reader();
-  if (!reader->layout().warning.empty()) spdlog::warn("{}", reader->layout().warning);
+  if (!reader->layout().warning.empty()) logging::warn(reader->layout().warning);
   const auto plan = run::make_plan(request, world, {});
+  base::PosixFileSystem files;
   coordinator::ProgressPrinter printer(request.world, stderr);
   coordinator::RunOptions options{.output = arguments.output,
                                   .fresh = arguments.fresh,
@@ -225,7 +236,8 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
        .plan = *plan,
        .plan_of_scans = [&](std::uint64_t scans) { return run::make_plan(request, world, scans); },
        .crew = crew,
-       .clock = clock},
+       .clock = clock,
+       .files = files},
       options);
   printer.finish();
   print_summary(arguments, request, summary);
@@ -237,9 +249,11 @@ int report_failure(const std::string& program) {
     throw;
   } catch (const base::Error& error) {
     complain(fmt::format("{}: {}", program, error.what()));
+    if (error.exit_code() == base::ExitCode::bug) std::fputs(base::repeat_notes().c_str(), stderr);
     return static_cast<int>(error.exit_code());
   } catch (const std::exception& error) {
     complain(fmt::format("{}: unexpected: {}", program, error.what()));
+    std::fputs(base::repeat_notes().c_str(), stderr);
     return static_cast<int>(base::ExitCode::bug);
   }
 }

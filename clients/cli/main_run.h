@@ -29,6 +29,11 @@ struct DirectArguments {
   run::WorkerResources resources() const { return {.cache_bytes_max = cache_mb << 20U}; }
 };
 
+/// From now on a bug is reported with what repeats it: the command line, and from read_request_file
+/// on the request and its seed. `launcher` stands before the command ("mpirun -n 3 "). For a main's
+/// first line.
+void note_what_repeats(int argc, const char* const* argv, const std::string& launcher = {});
+
 void add_run_options(CLI::App& app, DirectArguments& arguments);
 
 /// Seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for anything else.
@@ -43,7 +48,8 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
                    const DirectArguments& arguments, coordinator::Crew& crew);
 
-/// Prints a base::Error or any other exception as "program: message" and gives its exit code.
+/// Prints a base::Error or any other exception as "program: message" and gives its exit code; of a
+/// bug also what repeats it.
 int report_failure(const std::string& program);
 
 extern const char* const k_exit_codes;

@@ -1,6 +1,11 @@
 // Checks for bugs. They stay on in release, print both operands and stop the process: a state that
 // "can't happen" must not reach an archive. What can happen (bad input, full disk, a lost process)
 // is never a CHECK: see result.h and error.h.
+//
+// A bug's report should say how to see it again. So a program's main notes what repeats its run:
+// the command line, the request, the seed. These notes are the one state of a process as a whole
+// that this library has; they change nothing but what is printed when a check fails, in whatever
+// thread, or an exception is caught by nobody.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,6 +19,20 @@ namespace sleight::base {
 /// caller's; std::source_location is missing from the clang that builds the fuzzers.
 [[noreturn]] void check_failed(std::string_view condition, std::string_view operands,
                                const char* file = __builtin_FILE(), int line = __builtin_LINE());
+
+/// Adds a line to what is printed after a failed check. For a program's main: a few lines a
+/// process, which are kept for its life. Thread-safe.
+void add_repeat_note(std::string_view line);
+
+/// The notes in the order in which they were added, each ended by a newline.
+std::string repeat_notes();
+
+/// Arguments as one line that a shell reads as the same ones.
+std::string command_line(int argc, const char* const* argv);
+
+/// From now on an exception that nobody catches is printed, with the notes, before the process
+/// aborts. Call it first thing in a main.
+void report_uncaught_exceptions();
 
 namespace detail {
 template <class T>

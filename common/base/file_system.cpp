@@ -5,10 +5,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <memory>
+#include <filesystem>
+#include <optional>
+#include <utility>
 
 #include "common/base/error.h"
 
@@ -30,13 +33,98 @@ void sync_path(const std::string& path, int flags, const char* action) {
   if (outcome != 0) fail(action, path);
 }
 
+std::error_code last_error() {
+  return {errno, std::system_category()};
+}
+
+/// The status of what is there; none where nothing is.
+std::optional<struct stat> status_of(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) return status;
+  if (errno == ENOENT || errno == ENOTDIR) return std::nullopt;
+  fail("look for it", path);
+}
+
+class PosixFile final : public File {
+ public:
+  explicit PosixFile(int descriptor) : descriptor_(descriptor) {}
+  PosixFile(const PosixFile&) = delete;
+  PosixFile& operator=(const PosixFile&) = delete;
+  ~PosixFile() override {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  std::error_code write_at(std::uint64_t offset, BytesView bytes) override {
+    while (!bytes.empty()) {
+      const ssize_t put =
+          ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+      if (put < 0 && errno == EINTR) continue;
+      if (put < 0) return last_error();
+      // A write of nothing would be tried for ever.
+      if (put == 0) return {ENOSPC, std::system_category()};
+      bytes = bytes.subspan(static_cast<std::size_t>(put));
+      offset += static_cast<std::uint64_t>(put);
+    }
+    return {};
+  }
+
+  std::error_code read_at(std::uint64_t offset, std::span<std::byte> bytes) override {
+    std::error_code failure;
+    while (!bytes.empty()) {
+      const ssize_t got =
+          ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) failure = last_error();
+      if (got <= 0) break;
+      bytes = bytes.subspan(static_cast<std::size_t>(got));
+      offset += static_cast<std::uint64_t>(got);
+    }
+    std::ranges::fill(bytes, std::byte{0});
+    return failure;
+  }
+
+  std::error_code resize(std::uint64_t size) override {
+    return ::ftruncate(descriptor_, static_cast<off_t>(size)) == 0 ? std::error_code()
+                                                                   : last_error();
+  }
+
+  std::error_code close() override {
+    return ::close(std::exchange(descriptor_, -1)) == 0 ? std::error_code() : last_error();
+  }
+
+ private:
+  int descriptor_;
+};
+
 }  // namespace
 
 bool PosixFileSystem::exists(const std::string& path) const {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) == 0) return true;
-  if (errno == ENOENT || errno == ENOTDIR) return false;
-  fail("look for it", path);
+  return status_of(path).has_value();
+}
+
+bool PosixFileSystem::is_directory(const std::string& path) const {
+  const auto status = status_of(path);
+  return status && S_ISDIR(status->st_mode);
+}
+
+std::vector<std::string> PosixFileSystem::names_in(const std::string& folder) const {
+  std::error_code failure;
+  std::vector<std::string> names;
+  std::filesystem::directory_iterator entry(folder, failure);
+  while (!failure && entry != std::filesystem::directory_iterator()) {
+    names.push_back(entry->path().filename().string());
+    entry.increment(failure);
+  }
+  if (failure) throw Error(fmt::format("{}: can't list it: {}", folder, failure.message()));
+  std::ranges::sort(names);
+  return names;
+}
+
+Result<std::unique_ptr<File>, std::error_code> PosixFileSystem::create(const std::string& path) {
+  const int descriptor =
+      ::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) return last_error();
+  return std::unique_ptr<File>(std::make_unique<PosixFile>(descriptor));
 }
 
 void PosixFileSystem::sync_file(const std::string& path) {
@@ -59,19 +147,21 @@ void PosixFileSystem::make_folder(const std::string& path) {
   if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail("make the folder", path);
 }
 
-void PosixFileSystem::write_file(const std::string& path, std::string_view content) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbe"),
-                                                             &std::fclose);
-  if (!file) fail("write it", path);
-  const bool written = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
-  // What is buffered is written here: closing alone would hide that the disk is full.
-  if (!written || std::fflush(file.get()) != 0) fail("write it", path);
-}
-
 std::string directory_of(const std::string& path) {
   const auto slash = path.find_last_of('/');
   if (slash == std::string::npos) return ".";
   return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+void write_text_file(FileSystem& files, const std::string& path, std::string_view text) {
+  const auto check = [&](const std::error_code& reason) {
+    if (reason) throw Error(fmt::format("{}: can't write it: {}", path, reason.message()));
+  };
+  auto created = files.create(path);
+  if (!created) check(created.error());
+  const std::unique_ptr<File> file = std::move(created).value();
+  check(file->write_at(0, bytes_of(std::span<const char>(text.data(), text.size()))));
+  check(file->close());
 }
 
 std::string read_text_file(const std::string& path, std::size_t bytes_max) {

@@ -1,26 +1,11 @@
 # Every outside library, found once; all are Debian 12 packages (deploy/install-deps).
+# What physics, sampling, worlds and the scheduler need.
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Boost 1.74 REQUIRED)
-find_package(CLI11 REQUIRED)
-find_package(CapnProto REQUIRED)
 find_package(fmt REQUIRED)
-find_package(nlohmann_json REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(tomlplusplus REQUIRED)
-find_package(OpenSSL REQUIRED COMPONENTS Crypto)
-find_package(SQLite3 REQUIRED)
-find_package(MPI REQUIRED COMPONENTS C)
-# "hdf5" may name the parallel build: the serial one is asked for by its own name.
-pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
-pkg_check_modules(RSVG REQUIRED IMPORTED_TARGET librsvg-2.0)
-pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(SLEEF REQUIRED IMPORTED_TARGET sleef)
-find_library(HDF5_HL_LIBRARY hdf5_hl PATHS /usr/lib/x86_64-linux-gnu/hdf5/serial
-             NO_DEFAULT_PATH REQUIRED)
-
-add_library(sleight_hdf5 INTERFACE)
-target_link_libraries(sleight_hdf5 INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::HDF5_SERIAL)
 
 # Debian ships Eigen and Random123 as headers on the default path; SYSTEM keeps our warnings ours.
 find_path(EIGEN_INCLUDE Eigen/Core PATH_SUFFIXES eigen3 REQUIRED)
@@ -28,5 +13,23 @@ add_library(sleight_eigen INTERFACE)
 target_include_directories(sleight_eigen SYSTEM INTERFACE ${EIGEN_INCLUDE})
 find_path(RANDOM123_INCLUDE Random123/philox.h REQUIRED)
 
-# The C interface alone: Open MPI's C++ bindings are gone from the standard and need a library.
-target_compile_definitions(MPI::MPI_C INTERFACE OMPI_SKIP_MPICXX=1)
+# What the shells need; tests/tidy knows which folder may use which.
+if(SLEIGHT_SHELLS)
+  find_package(CLI11 REQUIRED)
+  find_package(CapnProto REQUIRED)
+  find_package(nlohmann_json REQUIRED)
+  find_package(spdlog REQUIRED)
+  find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+  find_package(SQLite3 REQUIRED)
+  find_package(MPI REQUIRED COMPONENTS C)
+  pkg_check_modules(RSVG REQUIRED IMPORTED_TARGET librsvg-2.0)
+  pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+  # "hdf5" may name the parallel build: the serial one is asked for by its own name.
+  pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
+  find_library(HDF5_HL_LIBRARY hdf5_hl PATHS /usr/lib/x86_64-linux-gnu/hdf5/serial
+               NO_DEFAULT_PATH REQUIRED)
+  add_library(sleight_hdf5 INTERFACE)
+  target_link_libraries(sleight_hdf5 INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::HDF5_SERIAL)
+  # The C interface alone: Open MPI's C++ bindings are gone from the standard and need a library.
+  target_compile_definitions(MPI::MPI_C INTERFACE OMPI_SKIP_MPICXX=1)
+endif()

@@ -1,7 +1,6 @@
 #include "service/coordinator/failure_files.h"
 
-#include <filesystem>
-#include <system_error>
+#include <string_view>
 #include <utility>
 
 #include "common/base/version.h"
@@ -9,6 +8,8 @@
 
 namespace sleight::coordinator {
 namespace {
+
+constexpr std::string_view k_ending = ".toml";
 
 std::string folder_in(const std::string& run_folder) {
   return run_folder + "/failures";
@@ -19,9 +20,9 @@ std::string folder_in(const std::string& run_folder) {
 FailureFiles::FailureFiles(const std::string& run_folder, std::string request_text,
                            base::FileSystem& files)
     : folder_(folder_in(run_folder)), request_text_(std::move(request_text)), files_(files) {
-  std::error_code none;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_, none))
-    kept_ += entry.path().extension() == ".toml" ? 1 : 0;
+  if (!files_.is_directory(folder_)) return;
+  for (const std::string& name : files_.names_in(folder_))
+    kept_ += name.ends_with(k_ending) ? 1 : 0;
 }
 
 std::optional<std::string> FailureFiles::keep(const plan::ReplicaKey& replica,
@@ -38,19 +39,21 @@ std::optional<std::string> FailureFiles::keep(const plan::ReplicaKey& replica,
   files_.make_folder(folder_);
   // Whole or not at all: a process that is killed here leaves no torn file under that name.
   const std::string unfinished = path + ".tmp";
-  files_.write_file(unfinished,
-                    failure_file::to_text({.program_version = std::string(base::version()),
-                                           .request_text = request_text_,
-                                           .replica = replica,
-                                           .failed = failed}));
+  base::write_text_file(files_, unfinished,
+                        failure_file::to_text({.program_version = std::string(base::version()),
+                                               .request_text = request_text_,
+                                               .replica = replica,
+                                               .failed = failed}));
   files_.rename(unfinished, path);
   ++kept_;
   return path;
 }
 
-void FailureFiles::remove_all(const std::string& run_folder) {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_in(run_folder), ignored);
+void FailureFiles::remove_all(const std::string& run_folder, base::FileSystem& files) {
+  const std::string folder = folder_in(run_folder);
+  if (!files.is_directory(folder)) return;
+  for (const std::string& name : files.names_in(folder))
+    files.remove(folder + "/" + name);
 }
 
 }  // namespace sleight::coordinator

@@ -27,7 +27,7 @@ class FailureFiles {
                                   const plan::FailedSimulation& failed);
 
   /// Removes those of an earlier run that is given up.
-  static void remove_all(const std::string& run_folder);
+  static void remove_all(const std::string& run_folder, base::FileSystem& files);
 
  private:
   std::string folder_;

@@ -1,15 +1,9 @@
 #include "service/coordinator/run.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
 #include <string_view>
-#include <system_error>
+#include <vector>
 
 #include "common/archive/hdf5/guarded.h"
 #include "common/archive/hdf5/reader.h"
@@ -19,6 +13,7 @@
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
+#include "common/logging/log.h"
 #include "common/store/run_store.h"
 #include "common/store/stored_run.h"
 #include "service/coordinator/failure_files.h"
@@ -28,7 +23,7 @@ namespace {
 
 /// Finds out now, not after an hour of computing, that no archive can be written there.
 void refuse_unusable_output(const std::string& output, base::FileSystem& files) {
-  if (output.empty() || output.back() == '/' || std::filesystem::is_directory(output)) {
+  if (output.empty() || output.back() == '/' || files.is_directory(output)) {
     throw base::Error(base::ExitCode::usage,
                       fmt::format("-o '{}': no file name; say for example -o {}", output,
                                   output.empty() ? "ball.h5" : output + "/ball.h5"));
@@ -41,11 +36,9 @@ void refuse_unusable_output(const std::string& output, base::FileSystem& files) 
   }
   // The archive is written to a temporary file of such a name: try that, longest suffix included.
   const std::string trial = output + ".tmp.4194304";
-  const int descriptor = ::open(trial.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor < 0) {
-    throw base::Error(fmt::format("{}: can't be written: {}", output, std::strerror(errno)));
+  if (const auto file = files.create(trial); !file) {
+    throw base::Error(fmt::format("{}: can't be written: {}", output, file.error().message()));
   }
-  ::close(descriptor);
   files.remove(trial);
 }
 
@@ -84,26 +77,32 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   }
   if (!fresh || !has_run) return;
   if (files.exists(output)) refuse_foreign_file(output, "");
-  spdlog::info("--fresh: giving up the earlier run of {}", output);
+  logging::info(fmt::format("--fresh: giving up the earlier run of {}", output));
   // The archive goes first: an archive without its store would be refused above.
   files.remove(output);
   // Then the database, then its log: a log alone is ignored, a database without its log may be
   // torn.
   for (const char* suffix : {"", "-wal", "-shm"})
     files.remove(database + suffix);
-  FailureFiles::remove_all(folder);
+  FailureFiles::remove_all(folder, files);
 }
 
 /// Archives half written by processes that were killed; nobody else writes while the lock is held.
-void remove_leftovers(const std::string& output) {
-  const std::filesystem::path path(output);
-  const std::string beginning = path.filename().string() + ".tmp.";
-  std::error_code ignored;
-  std::filesystem::directory_iterator entries(base::directory_of(output), ignored);
-  for (const std::filesystem::directory_entry& entry : entries) {
-    if (entry.path().filename().string().starts_with(beginning)) {
-      std::filesystem::remove(entry.path(), ignored);
+/// One that can't be found or removed is in nobody's way: that is said, and the run goes on.
+void remove_leftovers(const std::string& output, base::FileSystem& files) {
+  const std::string folder = base::directory_of(output);
+  const std::string beginning = output.substr(output.find_last_of('/') + 1) + ".tmp.";
+  const auto attempt = [](const auto& act) {
+    try {
+      act();
+    } catch (const base::Error& failure) {
+      logging::warn(fmt::format("archives of killed processes may be left: {}", failure.what()));
     }
+  };
+  std::vector<std::string> names;
+  attempt([&] { names = files.names_in(folder); });
+  for (const std::string& name : names) {
+    if (name.starts_with(beginning)) attempt([&] { files.remove(folder + "/" + name); });
   }
 }
 
@@ -138,12 +137,12 @@ std::string write_archive_of_run(const RunInputs& inputs, const std::string& out
 
 void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& failed,
                  const std::optional<std::string>& path) {
-  spdlog::warn(
+  logging::warn(fmt::format(
       "a simulation failed (a bug of the simulator; its state is refused): {}: {}; chain {}, "
       "replica {}, scan {}; {}",
       plan::name_of(failed.failure.kind), failed.failure.message, replica.chain.value,
       replica.replica.value, failed.scan.value,
-      path ? "to repeat it: sleight replay " + *path : "no more of them are kept as files");
+      path ? "to repeat it: sleight replay " + *path : "no more of them are kept as files"));
 }
 
 }  // namespace
@@ -158,7 +157,7 @@ std::string run_folder(const std::string& output) {
 }
 
 RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
-  base::PosixFileSystem files;
+  base::FileSystem& files = inputs.files;
   const std::string folder = run_folder(options.output);
 
   // Take the output for this process and this request.
@@ -168,7 +167,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   }
   const store::RunLock lock(folder);
   claim_output(options.output, folder, options.fresh, files);
-  remove_leftovers(options.output);
+  remove_leftovers(options.output, files);
   store::RunStore run_store(folder, {.identity_text = run_identity(inputs.request),
                                      .request_text = request::normalised_text(inputs.request),
                                      .program_version = std::string(base::version()),

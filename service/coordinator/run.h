@@ -14,6 +14,7 @@
 
 #include "common/archive/world_layout.h"
 #include "common/base/clock.h"
+#include "common/base/file_system.h"
 #include "common/plan/plan.h"
 #include "common/request/direction_request.h"
 #include "service/coordinator/crew.h"
@@ -31,6 +32,8 @@ struct RunInputs {
   std::function<std::unique_ptr<plan::Plan>(std::uint64_t scans)> plan_of_scans;
   Crew& crew;
   const base::Clock& clock;
+  /// Through which the output is taken and the archive written; the run store has SQLite's own.
+  base::FileSystem& files;
 };
 
 struct RunOptions {

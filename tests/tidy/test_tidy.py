@@ -16,8 +16,9 @@ sys.dont_write_bytecode = True
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
+import built_bare  # noqa: E402
 import rules  # noqa: E402
-from rules import commented_code  # noqa: E402
+from rules import commented_code, shells  # noqa: E402
 from rules.tree import Source, Tree, without_git  # noqa: E402
 
 HEADER = "// What it is for.\n#pragma once\n"
@@ -176,55 +177,126 @@ class Shells(TidyTest):
     def with_files(self, files):
         return {**project(), **files}
 
+    # Of each outside library a header, a link, its folder, and how both are called.
+    EXAMPLES = (
+        ("mpi.h", "MPI::MPI_C", "worker/run/mpi", "MPI"),
+        ("hdf5.h", "sleight_hdf5", "common/archive/hdf5", "HDF5"),
+        ("sqlite3.h", "SQLite::SQLite3", "common/store", "SQLite"),
+        ("xxhash.h", "PkgConfig::XXHASH", "common/store", "xxHash"),
+        ("capnp/message.h", "CapnProto::capnp", "common/schema/wire", "Cap'n Proto"),
+        ("openssl/evp.h", "OpenSSL::Crypto", "common/hash", "OpenSSL"),
+        ("spdlog/spdlog.h", "spdlog::spdlog", "common/logging", "spdlog"),
+        ("librsvg/rsvg.h", "PkgConfig::RSVG", "clients/plot", "librsvg"),
+        ("sys/mman.h", None, "common/base", "memory mapping"),
+    )
+
+    def test_every_library_has_an_example(self):
+        self.assertEqual({name for *_, name in self.EXAMPLES},
+                         {name for name, *_ in shells.LIBRARIES})
+
     def test_shells_where_they_belong_pass(self):
-        self.assert_clean(self.with_files({
-            "common/archive/hdf5/CMakeLists.txt": "sleight_library(LINKS common_base sleight_hdf5)\n",
-            "common/archive/hdf5/file.cpp": "#include <hdf5.h>\n#include <hdf5_hl.h>\n",
-            "common/store/CMakeLists.txt": "sleight_library(LINKS SQLite::SQLite3)\n",
-            "common/store/store.cpp": "#include <sqlite3.h>\n",
-            "worker/run/main.cpp": "#include <mpi.h>\n#include <chrono>\n",
-            "worker/run/mpi/transport.cpp": "#include <mpi.h>\n",
-            "common/schema/read.cpp": "#include <capnp/message.h>\n#include <kj/io.h>\n",
-            "tests/unit/common/archive/archive_test.cpp": "#include <hdf5.h>\n"}), "shells")
+        files = {"worker/run/main.cpp": "#include <mpi.h>\n#include <chrono>\n",
+                 "common/schema/wire/read.cpp": "#include <kj/io.h>\n",
+                 "tests/unit/common/archive/archive_test.cpp": "#include <hdf5.h>\n"}
+        for header, link, folder, _ in self.EXAMPLES:
+            files[f"{folder}/a.cpp"] = f"#include <{header}>\n"
+            if link:
+                files[f"{folder}/CMakeLists.txt"] = f"sleight_library(LINKS {link})\n"
+        self.assert_clean(self.with_files(files), "shells")
 
     def test_pure_folders_include_no_shell(self):
-        for header in ("mpi.h", "hdf5.h", "hdf5_hl.h", "capnp/message.h", "kj/async.h", "sqlite3.h"):
+        headers = [header for header, *_ in self.EXAMPLES] + ["hdf5_hl.h", "kj/async.h"]
+        for header in headers:
             for folder in ("worker/physics", "worker/sampling", "worker/worlds/dice",
-                           "tests/unit/worker/physics"):
+                           "service/core", "common/plan", "common/math", "common/random",
+                           "tests/unit/worker/physics", "tests/unit/service/core"):
                 with self.subTest(folder + " " + header):
                     self.assert_finds(self.with_files({f"{folder}/a.cpp": f"\n#include <{header}>\n"}),
-                                      "shells", (f"{folder}/a.cpp:2", "do without"))
+                                      "shells", (f"{folder}/a.cpp:2", "algorithms do without"))
 
     def test_pure_folders_touch_no_effects(self):
         for header, effect in (("chrono", "the clock"), ("fstream", "files"),
                                ("filesystem", "files"), ("sys/socket.h", "sockets")):
-            with self.subTest(header):
-                self.assert_finds(
-                    self.with_files({"worker/physics/a.cpp": f"#include <{header}>\n"}),
-                    "shells", ("worker/physics/a.cpp:1", f"only shells touch {effect}"))
+            for folder in ("worker/physics", "service/core"):
+                with self.subTest(folder + " " + header):
+                    self.assert_finds(
+                        self.with_files({f"{folder}/a.cpp": f"#include <{header}>\n"}),
+                        "shells", (f"{folder}/a.cpp:1", f"only shells touch {effect}"))
 
-    def test_pure_folders_link_no_shell_even_through_others(self):
+    def test_bare_folders_link_no_shell_even_through_others(self):
+        for folder in ("worker/physics", "worker/run", "service/core", "common/schema",
+                       "common/archive"):
+            for _, link, owner, library in self.EXAMPLES:
+                if link is None:
+                    continue
+                name = owner.replace("/", "_")
+                with self.subTest(folder + " " + link):
+                    files = {f"{owner}/CMakeLists.txt": f"sleight_library(LINKS {link})\n",
+                             f"{folder}/CMakeLists.txt":
+                                 f"sleight_library(\n  LINKS common_math\n  {name})\n"}
+                    if folder != "worker/run":
+                        files["worker/run/CMakeLists.txt"] = ""
+                    found = self.findings(self.with_files(files), "shells")
+                    self.assertIn(f"{folder}/CMakeLists.txt:3: {folder} is built without {library}: "
+                                  f"links {link} through {name}", found)
+
+    def test_generated_code_counts_as_its_library(self):
         self.assert_finds(
             self.with_files({
-                "common/schema/CMakeLists.txt": "sleight_library(LINKS CapnProto::capnp)\n",
-                "worker/physics/CMakeLists.txt":
-                    "sleight_library(\n  LINKS common_math\n  common_schema)\n"}),
-            "shells", ("worker/physics/CMakeLists.txt:3", "CapnProto::capnp through common_schema"))
+                "common/schema/wire/CMakeLists.txt":
+                    "sleight_library(LINKS sleight_schema_generated)\n",
+                "service/core/CMakeLists.txt": "sleight_library(LINKS common_schema_wire)\n"}),
+            "shells", ("service/core/CMakeLists.txt:1", "built without Cap'n Proto"))
 
     def test_each_library_has_its_folder(self):
-        for header, owner in (("mpi.h", "worker/run and service/coordinator"),
-                              ("hdf5.h", "common/archive/hdf5"), ("sqlite3.h", "common/store")):
-            with self.subTest(header):
-                self.assert_finds(
-                    self.with_files({"common/base/check.cpp": f"#include <{header}>\n"}),
-                    "shells", ("common/base/check.cpp:1", f"belongs to {owner}"))
+        for header, _, owner, _ in self.EXAMPLES:
+            for path in ("common/request/a.cpp", "clients/cli/a.cpp"):
+                with self.subTest(path + " " + header):
+                    self.assert_finds(self.with_files({path: f"#include <{header}>\n"}),
+                                      "shells", (f"{path}:1", f"belongs to {owner}"))
 
     def test_each_link_has_its_folder(self):
-        for link in ("MPI::MPI_C", "sleight_hdf5", "SQLite::SQLite3"):
-            with self.subTest(link):
-                self.assert_finds(
-                    self.with_files({"service/core/CMakeLists.txt": f"sleight_library(LINKS {link})\n"}),
-                    "shells", ("service/core/CMakeLists.txt:1", f"links {link}"))
+        for _, link, owner, library in self.EXAMPLES:
+            if link:
+                with self.subTest(link):
+                    self.assert_finds(
+                        self.with_files(
+                            {"clients/cli/CMakeLists.txt": f"sleight_library(LINKS {link})\n"}),
+                        "shells", ("clients/cli/CMakeLists.txt:1", f"{library} belongs to {owner}"))
+
+
+class BuiltBare(unittest.TestCase):
+    DEPS = ("worker/physics/CMakeFiles/worker_physics.dir/a.cpp.o: #deps 2, deps mtime 1 (VALID)\n"
+            "    /source/worker/physics/a.cpp\n"
+            "    {}\n\n"
+            "common/hash/CMakeFiles/common_hash.dir/b.cpp.o: #deps 1, deps mtime 1 (VALID)\n"
+            "    /usr/include/openssl/evp.h\n\n"
+            "worker/run/mpi/CMakeFiles/worker_run_mpi.dir/c.cpp.o: #deps 1, deps mtime 1 (VALID)\n"
+            "    /usr/lib/openmpi/include/mpi.h\n")
+
+    def found(self, header):
+        return list(built_bare.strangers(built_bare.headers_by_object(self.DEPS.format(header))))
+
+    def test_headers_by_way_of_others_are_found(self):
+        for header in ("/usr/include/openssl/evp.h", "/usr/include/spdlog/fmt/fmt.h",
+                       "/usr/include/hdf5/serial/H5public.h", "/usr/include/sqlite3.h",
+                       "/usr/include/capnp/common.h", "/usr/include/kj/io.h",
+                       "/build/common/schema/wire/worker.capnp.h", "/usr/lib/openmpi/include/mpi.h"):
+            with self.subTest(header):
+                self.assertEqual([place for *_, place in self.found(header)], [header])
+
+    def test_others_are_left_alone(self):
+        for header in ("/usr/include/fmt/format.h", "/usr/include/x86_64-linux-gnu/sys/mman.h",
+                       "../common/hash_map.h", "/usr/include/eigen3/Eigen/src/plugins/a.h"):
+            with self.subTest(header):
+                self.assertEqual(self.found(header), [])
+
+    def test_nothing_built_is_no_answer(self):
+        with tempfile.TemporaryDirectory() as root:
+            write(root, {"build.ninja": ""})
+            run = subprocess.run([sys.executable, "-B", HERE / "built_bare.py", root],
+                                 capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 2, run.stderr)
 
 
 class Formatting(TidyTest):

@@ -1,11 +1,9 @@
 #include "common/archive/hdf5/output_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <utility>
 
@@ -71,18 +69,11 @@ haddr_t get_eof(const H5FD_t* file, H5FD_mem_t) {
 herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
                   void* buffer) {
   State& state = state_of(file);
-  auto* out = static_cast<char*>(buffer);
-  while (size > 0) {
-    const ssize_t got =
-        state.failure != 0 ? 0 : ::pread(state.descriptor, out, size, static_cast<off_t>(address));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) state.failure = errno;
-    if (got <= 0) break;
-    out += got;
-    address += static_cast<haddr_t>(got);
-    size -= static_cast<std::size_t>(got);
+  if (state.failure) {
+    std::memset(buffer, 0, size);
+  } else {
+    state.failure = state.file->read_at(address, {static_cast<std::byte*>(buffer), size});
   }
-  std::memset(out, 0, size);
   return 0;
 }
 
@@ -90,18 +81,8 @@ herr_t write_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t
                    const void* buffer) {
   State& state = state_of(file);
   state.written = std::max<std::uint64_t>(state.written, address + size);
-  const auto* in = static_cast<const char*>(buffer);
-  while (size > 0 && state.failure == 0) {
-    const ssize_t put = ::pwrite(state.descriptor, in, size, static_cast<off_t>(address));
-    if (put < 0 && errno == EINTR) continue;
-    // A write of nothing would be tried for ever.
-    if (put <= 0) {
-      state.failure = put < 0 ? errno : ENOSPC;
-      break;
-    }
-    in += put;
-    address += static_cast<haddr_t>(put);
-    size -= static_cast<std::size_t>(put);
+  if (!state.failure) {
+    state.failure = state.file->write_at(address, {static_cast<const std::byte*>(buffer), size});
   }
   return 0;
 }
@@ -110,10 +91,7 @@ herr_t write_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t
 herr_t truncate_file(H5FD_t* file, hid_t, hbool_t) {
   State& state = state_of(file);
   if (state.written == state.allocated) return 0;
-  if (state.failure == 0 &&
-      ::ftruncate(state.descriptor, static_cast<off_t>(state.allocated)) != 0) {
-    state.failure = errno;
-  }
+  if (!state.failure) state.failure = state.file->resize(state.allocated);
   state.written = state.allocated;
   return 0;
 }
@@ -140,21 +118,17 @@ H5FD_class_t driver_class() {
 
 }  // namespace
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
-  state_.descriptor =
-      ::open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (state_.descriptor < 0) {
-    throw base::Error(fmt::format("{}: can't create it: {}", path_, std::strerror(errno)));
+OutputFile::OutputFile(std::string path, base::FileSystem& file_system) : path_(std::move(path)) {
+  auto created = file_system.create(path_);
+  if (!created) {
+    throw base::Error(fmt::format("{}: can't create it: {}", path_, created.error().message()));
   }
-}
-
-OutputFile::~OutputFile() {
-  if (state_.descriptor >= 0) ::close(state_.descriptor);
+  state_.file = std::move(created).value();
 }
 
 void OutputFile::close() {
-  const int outcome = ::close(std::exchange(state_.descriptor, -1));
-  if (outcome != 0 && state_.failure == 0) state_.failure = errno;
+  const std::error_code outcome = state_.file->close();
+  if (!state_.failure) state_.failure = outcome;
   throw_failure();
 }
 
@@ -167,8 +141,8 @@ herr_t OutputFile::use_in(hid_t file_access_list) {
 }
 
 void OutputFile::throw_failure() const {
-  if (state_.failure != 0) {
-    throw base::Error(fmt::format("{}: can't write it: {}", path_, std::strerror(state_.failure)));
+  if (state_.failure) {
+    throw base::Error(fmt::format("{}: can't write it: {}", path_, state_.failure.message()));
   }
 }
 

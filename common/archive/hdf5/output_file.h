@@ -11,17 +11,20 @@
 #include <hdf5.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <system_error>
+
+#include "common/base/file_system.h"
 
 namespace sleight::archive::hdf5 {
 
 class OutputFile {
  public:
   /// Creates `path`, or empties it. Throws base::Error naming the path and the system's reason.
-  explicit OutputFile(std::string path);
+  OutputFile(std::string path, base::FileSystem& file_system);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
-  ~OutputFile();
 
   /// Makes H5Fcreate with this file-access list write here, whatever name it is given.
   /// Negative on failure, as HDF5 has it. The list may be used once, while this object lives.
@@ -36,10 +39,10 @@ class OutputFile {
 
   /// What the driver's functions work on.
   struct State {
-    int descriptor = -1;
+    std::unique_ptr<base::File> file;
     std::uint64_t allocated = 0;  ///< HDF5's end of allocation
     std::uint64_t written = 0;    ///< end of what was written, as far as HDF5 knows
-    int failure = 0;              ///< errno of the first failure
+    std::error_code failure{};    ///< the first one
   };
 
  private:

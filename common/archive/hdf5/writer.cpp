@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
 #include "common/archive/hdf5/file_sink.h"
 #include "common/archive/hdf5/handle.h"
 #include "common/archive/hdf5/output_file.h"
@@ -36,9 +36,10 @@ class Temporary {
   bool placed_ = false;
 };
 
-std::string write_whole(const std::string& path, const std::function<void(Sink&)>& fill) {
+std::string write_whole(const std::string& path, base::FileSystem& file_system,
+                        const std::function<void(Sink&)>& fill) {
   const Api api(path, base::ExitCode::environment);
-  OutputFile output(path);
+  OutputFile output(path, file_system);
   FileSink sink(api, output);
   std::string digest = write_digested(sink, fill);
   output.close();
@@ -50,7 +51,7 @@ std::string write_whole(const std::string& path, const std::function<void(Sink&)
 std::string write_file(const std::string& path, base::FileSystem& file_system,
                        const std::function<void(Sink&)>& fill) {
   Temporary temporary(file_system, fmt::format("{}.tmp.{}", path, ::getpid()));
-  const std::string digest = write_whole(temporary.path(), fill);
+  const std::string digest = write_whole(temporary.path(), file_system, fill);
   file_system.sync_file(temporary.path());
   file_system.rename(temporary.path(), path);
   temporary.set_placed();

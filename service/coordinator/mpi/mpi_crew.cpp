@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <mpi.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +12,8 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/logging/log.h"
+#include "common/schema/wire/wire.h"
 
 namespace sleight::coordinator {
 namespace {
@@ -51,14 +52,14 @@ struct Received {
 std::optional<Received> poll() {
   int arrived = 0;
   MPI_Status status;
-  MPI_Iprobe(MPI_ANY_SOURCE, schema::k_message_tag, MPI_COMM_WORLD, &arrived, &status);
+  MPI_Iprobe(MPI_ANY_SOURCE, schema::wire::k_message_tag, MPI_COMM_WORLD, &arrived, &status);
   if (arrived == 0) return std::nullopt;
   int size = 0;
   MPI_Get_count(&status, MPI_BYTE, &size);
   base::Bytes bytes(static_cast<std::size_t>(size));
-  MPI_Recv(bytes.data(), size, MPI_BYTE, status.MPI_SOURCE, schema::k_message_tag, MPI_COMM_WORLD,
-           MPI_STATUS_IGNORE);
-  base::Result<schema::Message, std::string> message = schema::decode(bytes);
+  MPI_Recv(bytes.data(), size, MPI_BYTE, status.MPI_SOURCE, schema::wire::k_message_tag,
+           MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  base::Result<schema::Message, std::string> message = schema::wire::decode(bytes);
   if (!message) {
     throw base::Error(base::ExitCode::bug,
                       fmt::format("rank {} sent {}", status.MPI_SOURCE, message.error()));
@@ -101,10 +102,10 @@ bool MpiCrew::dismiss() {
       while (left_ < others && clock_.now_s() - begin_s < k_leave_timeout_s) {
         poll_ranks(dropped);
         dropped.clear();
-        sleep_s(schema::k_poll_interval_s_max);
+        sleep_s(schema::wire::k_poll_interval_s_max);
       }
     } catch (const base::Error& failure) {
-      spdlog::warn("after the run's end: {}", failure.what());
+      logging::warn(fmt::format("after the run's end: {}", failure.what()));
     }
     if (left_ == others) finish_sends();
   }
@@ -130,7 +131,7 @@ void MpiCrew::await_hellos(const schema::Hello& expected) {
         throw base::Error(fmt::format("{} of {} ranks have not reported within {} s",
                                       others - heard, others, k_hello_timeout_s));
       }
-      sleep_s(schema::k_poll_interval_s_max);
+      sleep_s(schema::wire::k_poll_interval_s_max);
       continue;
     }
     if (const auto* failure = std::get_if<schema::Failure>(&received->message)) {
@@ -208,11 +209,11 @@ void MpiCrew::poll_ranks(std::vector<core::Input>& inputs) {
 
 void MpiCrew::send_to_rank(std::size_t rank, const schema::Message& message) {
   Send& pending = sends_.emplace_back();
-  pending.bytes = std::make_unique<base::Bytes>(schema::encode(message));
+  pending.bytes = std::make_unique<base::Bytes>(schema::wire::encode(message));
   ++traffic_.messages;
   traffic_.bytes += pending.bytes->size();
   MPI_Isend(pending.bytes->data(), static_cast<int>(pending.bytes->size()), MPI_BYTE,
-            static_cast<int>(rank), schema::k_message_tag, MPI_COMM_WORLD, &pending.request);
+            static_cast<int>(rank), schema::wire::k_message_tag, MPI_COMM_WORLD, &pending.request);
 }
 
 void MpiCrew::finish_sends() {

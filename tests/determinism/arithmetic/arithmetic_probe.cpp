@@ -10,7 +10,7 @@
 #include <limits>
 #include <span>
 
-#include "common/base/sha256.h"
+#include "common/hash/sha256.h"
 #include "common/math/angle.h"
 #include "common/math/elementary.h"
 #include "common/math/rotation.h"
@@ -44,10 +44,10 @@ class BitHash {
     add(q.w());
     add(math::Vec3(q.x(), q.y(), q.z()));
   }
-  std::string finish() { return base::to_hex(sha256_.finish()); }
+  std::string finish() { return hash::to_hex(sha256_.finish()); }
 
  private:
-  base::Sha256 sha256_;
+  hash::Sha256 sha256_;
 };
 
 random::Stream stream_for(std::uint64_t part) {

@@ -1,6 +1,7 @@
-"""Shells: MPI, HDF5, Cap'n Proto, SQLite, files and clocks stay where they belong.
+"""Shells: MPI, HDF5, Cap'n Proto, SQLite, OpenSSL, files and clocks stay where they belong.
 
-Physics, sampling and worlds compile without any of them, directly or through what they link.
+Each outside library has its folders, and no other may include or link it. What SLEIGHT_SHELLS=OFF
+builds does without all of them, directly or through what it links.
 """
 
 import re
@@ -8,17 +9,28 @@ import re
 from .cmake import SIDES, Project
 from .tree import Finding, includes, is_cpp, is_in
 
-PURE = ("worker/physics", "worker/sampling", "worker/worlds")
+# Algorithms: no outside library, no clock, no file.
+PURE = ("worker/physics", "worker/sampling", "worker/worlds", "service/core", "common/plan",
+        "common/math", "common/random")
 PURE_TESTS = tuple("tests/unit/" + folder for folder in PURE)
+# What SLEIGHT_SHELLS=OFF builds, and what it leaves out of that.
+BARE = PURE + ("worker/run", "common/base", "common/request", "common/archive", "common/schema")
+SHELLS = ("worker/run/mpi", "common/archive/digest", "common/archive/hdf5", "common/schema/wire")
 
-# name, its headers, its link names, the folders that may use it (None: all but the pure ones),
-# whether a program's main may too.
+# name, its headers, its link names, the folders that may use it, whether a program's main may too.
 LIBRARIES = (
-    ("MPI", r"mpi\.h", r"MPI::.*", ("worker/run", "service/coordinator"), True),
+    ("MPI", r"mpi\.h", r"MPI::.*", ("worker/run/mpi", "service/coordinator/mpi"), True),
     ("HDF5", r"(hdf5\w*|H5\w+)\.h", r"sleight_hdf5|PkgConfig::HDF5\w*|hdf5.*",
      ("common/archive/hdf5",), False),
     ("SQLite", r"sqlite3(ext)?\.h", r"SQLite::.*|sqlite3", ("common/store",), False),
-    ("Cap'n Proto", r"(capnp|kj)/.*|.*\.capnp\.h", r"CapnProto::.*|capnp.*|kj.*", None, True),
+    ("xxHash", r"xxh(ash|3)\.h", r"PkgConfig::XXHASH|xxhash", ("common/store",), False),
+    ("Cap'n Proto", r"(capnp|kj)/.*|.*\.capnp\.h",
+     r"CapnProto::.*|capnp.*|kj.*|sleight_schema_generated", ("common/schema/wire",), False),
+    ("OpenSSL", r"openssl/.*", r"OpenSSL::.*|crypto|ssl", ("common/hash",), False),
+    ("spdlog", r"spdlog/.*", r"spdlog.*", ("common/logging",), False),
+    ("librsvg", r"librsvg/.*|cairo.*|gdk-pixbuf/.*", r"PkgConfig::RSVG|rsvg.*", ("clients/plot",),
+     False),
+    ("memory mapping", r"sys/mman\.h", r"(?!)", ("common/base",), False),
 )
 
 # What else pure code must not touch: the wall clock, files, sockets.
@@ -45,10 +57,8 @@ def _includes(tree, project, path):
             if not re.fullmatch(headers, name):
                 continue
             if is_in(path, PURE + PURE_TESTS):
-                yield Finding(path, line, f"physics, sampling and worlds do without {library}: "
-                                          f"<{name}>")
-            elif shipped and folders and not is_in(path, folders) and not (
-                    mains and project.is_main(path)):
+                yield Finding(path, line, f"algorithms do without {library}: <{name}>")
+            elif shipped and not is_in(path, folders) and not (mains and project.is_main(path)):
                 yield Finding(path, line, f"{library} belongs to {' and '.join(folders)}: <{name}>")
         if is_in(path, PURE):
             for effect, headers in EFFECTS:
@@ -57,20 +67,20 @@ def _includes(tree, project, path):
 
 
 def _links(project, target):
-    pure = is_in(target.folder, PURE) and target.kind == "library"
+    bare = (target.kind == "library" and is_in(target.folder, BARE)
+            and not is_in(target.folder, SHELLS))
     for name, line in target.links:
         linked = project.libraries.get(name)
-        reached = {name} | (project.closure(linked) if linked and pure else set())
+        reached = {name} | (project.closure(linked) if linked and bare else set())
         for library, _, links, folders, mains in LIBRARIES:
             through = sorted(n for n in reached
                              if n not in project.libraries and re.fullmatch(links, n))
             if not through:
                 continue
-            if pure:
+            if bare:
                 way = through[0] if through[0] == name else f"{through[0]} through {name}"
                 yield Finding(target.cmake, line,
-                              f"physics, sampling and worlds do without {library}: links {way}")
-            elif folders and not is_in(target.folder, folders) and not (
-                    mains and target.kind == "program"):
+                              f"{target.folder} is built without {library}: links {way}")
+            elif not is_in(target.folder, folders) and not (mains and target.kind == "program"):
                 yield Finding(target.cmake, line,
                               f"{library} belongs to {' and '.join(folders)}: links {name}")

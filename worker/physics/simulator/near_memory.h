@@ -10,9 +10,7 @@
 #include <new>
 #include <vector>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
+#include "common/base/huge_pages.h"
 
 namespace sleight::physics {
 
@@ -20,7 +18,6 @@ template <class T>
 struct NearAllocator {
   using value_type = T;
   static constexpr std::size_t k_line = 64;
-  static constexpr std::size_t k_huge_page = std::size_t{1} << 21U;
 
   NearAllocator() = default;
   template <class U>
@@ -29,22 +26,17 @@ struct NearAllocator {
   T* allocate(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
     void* const memory = ::operator new(bytes, alignment(bytes));
-#if defined(__linux__) && defined(MADV_HUGEPAGE)
-    // A hint: where it is refused, pages are small.
-    if (bytes >= k_huge_page) ::madvise(memory, bytes, MADV_HUGEPAGE);
-#endif
+    if (bytes >= base::k_huge_page_bytes) base::prefer_huge_pages(memory, bytes);
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t count) {
     ::operator delete(memory, alignment(count * sizeof(T)));
   }
-  friend bool operator==(NearAllocator, NearAllocator) {
-    return true;
-  }
+  friend bool operator==(NearAllocator, NearAllocator) { return true; }
 
  private:
   static std::align_val_t alignment(std::size_t bytes) {
-    return std::align_val_t{bytes >= k_huge_page ? k_huge_page : k_line};
+    return std::align_val_t{bytes >= base::k_huge_page_bytes ? base::k_huge_page_bytes : k_line};
   }
 };
 

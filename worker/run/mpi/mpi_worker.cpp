@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +14,7 @@
 
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/schema/wire/wire.h"
 
 namespace sleight::run {
 namespace {
@@ -44,9 +44,9 @@ class Outbox {
       return done != 0;
     });
     Sent& sent = sent_.emplace_back();
-    sent.bytes = std::make_unique<base::Bytes>(schema::encode(message));
+    sent.bytes = std::make_unique<base::Bytes>(schema::wire::encode(message));
     MPI_Isend(sent.bytes->data(), static_cast<int>(sent.bytes->size()), MPI_BYTE,
-              k_coordinator_rank, schema::k_message_tag, MPI_COMM_WORLD, &sent.request);
+              k_coordinator_rank, schema::wire::k_message_tag, MPI_COMM_WORLD, &sent.request);
   }
 
  private:
@@ -61,22 +61,22 @@ base::Result<schema::Message, std::string> receive(const MPI_Status& status) {
   int size = 0;
   MPI_Get_count(&status, MPI_BYTE, &size);
   base::Bytes bytes(static_cast<std::size_t>(size));
-  MPI_Recv(bytes.data(), size, MPI_BYTE, k_coordinator_rank, schema::k_message_tag, MPI_COMM_WORLD,
-           MPI_STATUS_IGNORE);
-  return schema::decode(bytes);
+  MPI_Recv(bytes.data(), size, MPI_BYTE, k_coordinator_rank, schema::wire::k_message_tag,
+           MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  return schema::wire::decode(bytes);
 }
 
 /// One that has arrived; with `waits`, the next one, without burning the core.
 std::optional<base::Result<schema::Message, std::string>> next_message(bool waits) {
-  double backoff_s = schema::k_poll_interval_s_min;
+  double backoff_s = schema::wire::k_poll_interval_s_min;
   while (true) {
     int arrived = 0;
     MPI_Status status;
-    MPI_Iprobe(k_coordinator_rank, schema::k_message_tag, MPI_COMM_WORLD, &arrived, &status);
+    MPI_Iprobe(k_coordinator_rank, schema::wire::k_message_tag, MPI_COMM_WORLD, &arrived, &status);
     if (arrived != 0) return receive(status);
     if (!waits) return std::nullopt;
     std::this_thread::sleep_for(std::chrono::duration<double>(backoff_s));
-    backoff_s = std::min(k_backoff_growth * backoff_s, schema::k_poll_interval_s_max);
+    backoff_s = std::min(k_backoff_growth * backoff_s, schema::wire::k_poll_interval_s_max);
   }
 }
 
@@ -131,13 +131,9 @@ void serve(const plan::BlockWorker& worker, const schema::Hello& hello) {
   Outbox outbox;
   outbox.send(hello);
   Desk desk(worker, outbox);
-  try {
-    while (desk.turn()) {
-    }
-    outbox.send(schema::Stop{});
-  } catch (const std::exception& failure) {
-    refuse(failure.what());
+  while (desk.turn()) {
   }
+  outbox.send(schema::Stop{});
 }
 
 }  // namespace sleight::run

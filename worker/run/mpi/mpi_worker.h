@@ -7,7 +7,7 @@
 namespace sleight::run {
 
 /// Says hello, then serves. Idle, it looks for messages with a back-off from 20 us to 2 ms, which
-/// takes under 2% of a core. A failure of the worker is sent to rank 0 before this returns.
+/// takes under 2% of a core. What the worker throws comes through; the caller tells rank 0 of it.
 /// REQUIRES: MPI is initialised, and this rank is not 0.
 void serve(const plan::BlockWorker& worker, const schema::Hello& hello);
 

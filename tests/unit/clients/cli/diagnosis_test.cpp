@@ -13,7 +13,7 @@
 #include <set>
 
 #include "clients/cli/diagnosis_report.h"
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
 #include "tests/unit/clients/cli/failures.h"

@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
 #include "common/base/error.h"

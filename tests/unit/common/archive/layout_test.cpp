@@ -5,11 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
 #include "common/archive/summary.h"
-#include "common/archive/verify.h"
 #include "tests/unit/common/archive/fake_world.h"
 
 namespace sleight::archive {

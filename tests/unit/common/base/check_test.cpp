@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "common/base/ids.h"
 
@@ -42,6 +45,73 @@ TEST_F(CheckDeathTest, PrintsTextIdsAndWhatHasNoFormat) {
   EXPECT_DEATH(CHECK_EQ(std::string("left"), std::string("right")), "\\(left against right\\)");
   EXPECT_DEATH(CHECK_EQ(ChainId{7}, ChainId{8}), "\\(7 against 8\\)");
   EXPECT_DEATH(CHECK_EQ(Unprintable{1}, Unprintable{2}), "\\(\\? against \\?\\)");
+}
+
+TEST_F(CheckDeathTest, PrintsHowToRepeatTheRun) {
+  // Goal: whatever thread a check fails in, the notes of the main follow it, in order. Method: two
+  // notes, then a check in this thread and in another one.
+  const auto note = [] {
+    add_repeat_note("to repeat: sleight direct hi.toml");
+    add_repeat_note("seed 7");
+  };
+  constexpr const char* k_expected =
+      "check failed: 1 == 2 \\(1 against 2\\)\nto repeat: sleight direct hi.toml\nseed 7\n";
+  EXPECT_DEATH(
+      {
+        note();
+        CHECK_EQ(1, 2);
+      },
+      k_expected);
+  EXPECT_DEATH(
+      {
+        note();
+        std::thread([] { CHECK_EQ(1, 2); }).join();
+      },
+      k_expected);
+}
+
+TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
+  // Goal: an exception that leaves a thread is a bug with a report. Method: throw one of the
+  // standard's and another one in a thread of a process that reports them.
+  const auto throw_in_thread = [](const auto& exception) {
+    report_uncaught_exceptions();
+    add_repeat_note("seed 7");
+    std::thread([&] { throw exception; }).join();
+  };
+  EXPECT_DEATH(throw_in_thread(std::runtime_error("too much")), "terminated: too much\nseed 7\n");
+  EXPECT_DEATH(throw_in_thread(3), "terminated: an exception of an unknown type\nseed 7\n");
+  EXPECT_EXIT(throw_in_thread(3), ::testing::KilledBySignal(SIGABRT), "");
+}
+
+TEST(RepeatNotes, AreKeptInOrderFromAllThreads) {
+  // Goal: no note is lost. Method: threads that add them at once; each thread's stay in order.
+  const std::string before = repeat_notes();
+  std::vector<std::thread> threads;
+  for (const char name : {'a', 'b', 'c'}) {
+    threads.emplace_back([name] {
+      for (int i = 0; i < 100; ++i)
+        add_repeat_note(fmt::format("{}{}", name, i));
+    });
+  }
+  for (std::thread& thread : threads)
+    thread.join();
+  const std::string notes = repeat_notes();
+  EXPECT_TRUE(notes.starts_with(before));
+  for (const char name : {'a', 'b', 'c'}) {
+    std::size_t place = 0;
+    for (int i = 0; i < 100; ++i) {
+      place = notes.find(fmt::format("{}{}\n", name, i), place);
+      ASSERT_NE(place, std::string::npos) << name << i;
+    }
+  }
+}
+
+TEST(CommandLine, IsWhatAShellReadsBack) {
+  // Goal: the line that is printed can be pasted. Method: plain and awkward arguments.
+  const char* const arguments[] = {"sleight", "direct", "my request.toml", "-o", "a'b.h5",
+                                   "",        "$x"};
+  EXPECT_EQ(command_line(7, arguments),
+            R"(sleight direct 'my request.toml' -o 'a'\''b.h5' '' '$x')");
 }
 
 TEST(Check, EvaluatesEachOperandOnce) {

@@ -6,6 +6,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
+#include <string_view>
+#include <utility>
 
 #include "common/base/error.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
@@ -53,6 +56,55 @@ TEST_F(FileSystemOfPosix, SyncsAndReplacesInOneStep) {
   files_.sync_directory_of(path("old"));
   EXPECT_EQ(bytes_of(path("old")), "new");
   EXPECT_FALSE(files_.exists(path("new")));
+}
+
+TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
+  // Goal: folders are told from files, and their names come in one order. Method: a folder, a file,
+  // nothing, and a path through a file; what can't be listed is an error that names it.
+  put_bytes(path("b"), "x");
+  put_bytes(path("a"), "x");
+  std::filesystem::create_directory(path("c"));
+  EXPECT_TRUE(files_.is_directory(path("c")));
+  EXPECT_FALSE(files_.is_directory(path("a")));
+  EXPECT_FALSE(files_.is_directory(path("nothing")));
+  EXPECT_FALSE(files_.is_directory(path("a/below")));
+  EXPECT_THAT(files_.names_in(path("")), ::testing::ElementsAre("a", "b", "c"));
+  EXPECT_THAT(files_.names_in(path("c")), ::testing::IsEmpty());
+  EXPECT_THAT(failure_of([&] { (void)files_.names_in(path("a")); }),
+              AllOf(HasSubstr(path("a")), HasSubstr("Not a directory")));
+}
+
+TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
+  // Goal: a file holds what was written where it was written, zeros elsewhere. Method: write with a
+  // gap, read over the end, shrink, close; create again empties it.
+  const auto bytes = [](std::string_view text) { return std::as_bytes(std::span(text)); };
+  auto file = std::move(files_.create(path("file"))).value();
+  EXPECT_FALSE(file->write_at(3, bytes("defg")));
+  EXPECT_FALSE(file->write_at(0, bytes("a")));
+  std::string read(9, '?');
+  EXPECT_FALSE(file->read_at(0, std::as_writable_bytes(std::span(read))));
+  EXPECT_EQ(read, std::string("a\0\0defg\0\0", 9));
+  EXPECT_FALSE(file->resize(5));
+  EXPECT_FALSE(file->close());
+  EXPECT_EQ(bytes_of(path("file")), std::string("a\0\0de", 5));
+  ASSERT_TRUE(files_.create(path("file")).ok());
+  EXPECT_EQ(bytes_of(path("file")), "");
+}
+
+TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
+  // Goal: a link in a new file's place does not make us write somewhere else, and reasons are the
+  // system's. Method: a link to a file, a missing folder, a folder, and a device that is full.
+  put_bytes(path("target"), "kept");
+  std::filesystem::create_symlink(path("target"), path("link"));
+  EXPECT_EQ(files_.create(path("link")).error(), std::errc::too_many_symbolic_link_levels);
+  EXPECT_EQ(bytes_of(path("target")), "kept");
+  EXPECT_EQ(files_.create(path("none/file")).error(), std::errc::no_such_file_or_directory);
+  EXPECT_EQ(files_.create(path("")).error(), std::errc::is_a_directory);
+  if (!files_.exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  auto full = files_.create("/dev/full");
+  if (!full) GTEST_SKIP() << "/dev/full can't be opened: " << full.error().message();
+  EXPECT_EQ(full.value()->write_at(0, std::as_bytes(std::span("x"))),
+            std::errc::no_space_on_device);
 }
 
 TEST_F(FileSystemOfPosix, RemovesWhatIsThere) {

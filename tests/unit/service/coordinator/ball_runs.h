@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/clock.h"
+#include "common/base/file_system.h"
 #include "service/coordinator/local_crew.h"
 #include "service/coordinator/run.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
@@ -31,6 +32,12 @@ class BallRuns : public archive::testing::Scratch {
 
   static RunSummary session(const std::string& request_text, const RunOptions& options,
                             std::uint32_t threads = 1) {
+    base::PosixFileSystem files;
+    return session_on(files, request_text, options, threads);
+  }
+
+  static RunSummary session_on(base::FileSystem& files, const std::string& request_text,
+                               const RunOptions& options, std::uint32_t threads = 1) {
     run::Catalogue catalogue;
     auto request = request::read_request(request_text, "request.toml", catalogue.bindings());
     EXPECT_TRUE(request.ok());
@@ -48,7 +55,8 @@ class BallRuns : public archive::testing::Scratch {
          .plan_of_scans =
              [&](std::uint64_t scans) { return run::make_plan(request.value(), world, scans); },
          .crew = crew,
-         .clock = clock},
+         .clock = clock,
+         .files = files},
         options);
   }
 

@@ -68,7 +68,7 @@ TEST_F(FailureFilesOf, AreWrittenOnceOverSessions) {
   for (std::uint64_t scan = 5; scan < 30; ++scan)
     second.keep(replica_, failed(scan));
   EXPECT_EQ(count(), k_failure_files_max);
-  FailureFiles::remove_all(folder());
+  FailureFiles::remove_all(folder(), files_);
   EXPECT_EQ(count(), 0U);
   EXPECT_TRUE(new_files().keep(replica_, failed(4)));
 }

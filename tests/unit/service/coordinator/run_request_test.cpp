@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <iterator>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
 #include "common/archive/hdf5/reader.h"
-#include "common/archive/verify.h"
 #include "common/base/error.h"
 #include "common/store/run_store.h"
 #include "tests/unit/service/coordinator/ball_runs.h"

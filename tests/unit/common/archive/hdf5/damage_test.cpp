@@ -3,11 +3,11 @@
 // Method: one small archive with chunked and plain datasets; a guarded child for each damage.
 #include <gtest/gtest.h>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
 #include "common/archive/hdf5/guarded.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/archive/hdf5/writer.h"
-#include "common/archive/verify.h"
 #include "common/base/error.h"
 #include "tests/unit/common/archive/fake_world.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"

@@ -13,20 +13,24 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
 #include "common/archive/hdf5/guarded.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/archive/memory_archive.h"
-#include "common/archive/verify.h"
 #include "common/base/error.h"
 #include "tests/unit/common/archive/fake_world.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
+#include "tests/unit/common/base/faulty_file_system.h"
 
 namespace sleight::archive::hdf5 {
 namespace {
 
 using archive::testing::FakeRunOptions;
 using archive::testing::filler;
+using base::testing::FaultyFileSystem;
+using base::testing::FileCall;
+using base::testing::name_of;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -139,48 +143,57 @@ TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
   EXPECT_TRUE(bytes_of(path("a.h5")) == whole);
 }
 
-/// Fails at one of its calls.
-class FailingFileSystem final : public base::FileSystem {
- public:
-  explicit FailingFileSystem(std::string failing) : failing_(std::move(failing)) {}
-  bool exists(const std::string& path) const override { return real_.exists(path); }
-  void sync_file(const std::string& path) override {
-    fail_if("sync_file");
-    real_.sync_file(path);
-  }
-  void sync_directory_of(const std::string& path) override {
-    fail_if("sync_directory_of");
-    real_.sync_directory_of(path);
-  }
-  void rename(const std::string& from, const std::string& to) override {
-    fail_if("rename");
-    real_.rename(from, to);
-  }
-  void remove(const std::string& path) override { real_.remove(path); }
-  void make_folder(const std::string& path) override { real_.make_folder(path); }
-  void write_file(const std::string& path, std::string_view content) override {
-    real_.write_file(path, content);
-  }
-
- private:
-  void fail_if(const std::string& call) const {
-    if (call == failing_) throw base::Error("no " + call + " today");
-  }
-  std::string failing_;
-  base::PosixFileSystem real_;
-};
-
 TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
   write_file(path("a.h5"), files_, filler({.chains = 1}));
   const std::string old = bytes_of(path("a.h5"));
-  for (const char* call : {"sync_file", "rename", "sync_directory_of"}) {
-    FailingFileSystem failing(call);
-    EXPECT_THROW(write_file(path("a.h5"), failing, filler({})), base::Error) << call;
-    EXPECT_THAT(names(), ElementsAre("a.h5")) << call;
+  for (const FileCall call : {FileCall::create, FileCall::write, FileCall::resize, FileCall::close,
+                              FileCall::sync_file, FileCall::rename, FileCall::sync_directory}) {
+    FaultyFileSystem failing;
+    failing.fail({.call = call, .reason = std::errc::io_error});
+    try {
+      write_file(path("a.h5"), failing, filler({}));
+      ADD_FAILURE() << name_of(call);
+    } catch (const base::Error& error) {
+      EXPECT_EQ(error.exit_code(), base::ExitCode::environment);
+      EXPECT_THAT(error.what(), AllOf(HasSubstr(path("")), HasSubstr("Input/output error")));
+    }
+    EXPECT_GE(failing.failures(), 1U) << name_of(call);
+    EXPECT_THAT(names(), ElementsAre("a.h5")) << name_of(call);
     // Only the last call comes after the new file has its place.
-    EXPECT_EQ(bytes_of(path("a.h5")) == old, std::string(call) != "sync_directory_of");
+    EXPECT_EQ(bytes_of(path("a.h5")) == old, call != FileCall::sync_directory);
     EXPECT_THAT(verify(*open_file(path("a.h5"))), ::testing::IsEmpty());
   }
+}
+
+TEST_F(Writer, EachCallMayFailOnce) {
+  // Goal: whichever call fails, even one in the middle of the file that is followed by good ones,
+  // the old file stays whole or the new one is there. Method: the k-th call fails, once, for every
+  // k until none is left to fail.
+  const FakeRunOptions run{.scans = 700};
+  write_file(path("b.h5"), files_, filler(run));
+  const std::string whole = bytes_of(path("b.h5"));
+  std::uint64_t call = 0;
+  for (bool got_through = false; !got_through; ++call) {
+    SCOPED_TRACE(call);
+    write_file(path("a.h5"), files_, filler({.chains = 1}));
+    const std::string old = bytes_of(path("a.h5"));
+    FaultyFileSystem failing;
+    failing.fail({.after = call, .times = 1, .reason = std::errc::no_space_on_device});
+    bool thrown = false;
+    try {
+      write_file(path("a.h5"), failing, filler(run));
+    } catch (const base::Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("No space left on device"));
+      thrown = true;
+    }
+    got_through = failing.failures() == 0;
+    EXPECT_NE(thrown, got_through);
+    const std::string found = bytes_of(path("a.h5"));
+    EXPECT_TRUE(found == whole || (found == old && thrown));
+    EXPECT_THAT(names(), ::testing::UnorderedElementsAre("a.h5", "b.h5"));
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(call, 10U);
 }
 
 TEST_F(Writer, WhatFillThrowsComesThrough) {

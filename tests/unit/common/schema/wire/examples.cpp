@@ -1,4 +1,4 @@
-#include "tests/unit/common/schema/examples.h"
+#include "tests/unit/common/schema/wire/examples.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace sleight::schema::testing {
+namespace sleight::schema::wire::testing {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
@@ -291,4 +291,4 @@ bool same_bits(const Message& a, const Message& b) {
   return std::visit(Same{}, a, b);
 }
 
-}  // namespace sleight::schema::testing
+}  // namespace sleight::schema::wire::testing

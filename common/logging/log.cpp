@@ -1,4 +1,4 @@
-#include "common/base/log.h"
+#include "common/logging/log.h"
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace sleight::base {
+namespace sleight::logging {
 
 void log_to_stderr(std::string_view program, bool verbose) {
   auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
@@ -16,4 +16,12 @@ void log_to_stderr(std::string_view program, bool verbose) {
   spdlog::set_default_logger(std::move(logger));
 }
 
-}  // namespace sleight::base
+void info(std::string_view text) {
+  spdlog::info(text);
+}
+
+void warn(std::string_view text) {
+  spdlog::warn(text);
+}
+
+}  // namespace sleight::logging

@@ -1,4 +1,4 @@
-#include "common/archive/verify.h"
+#include "common/archive/digest/verify.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
 #include "common/archive/structure.h"
 

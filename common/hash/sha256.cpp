@@ -1,11 +1,11 @@
-#include "common/base/sha256.h"
+#include "common/hash/sha256.h"
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
 #include "common/base/check.h"
 
-namespace sleight::base {
+namespace sleight::hash {
 
 struct Sha256::Context {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> evp{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
@@ -46,4 +46,4 @@ std::string sha256_hex(std::string_view text) {
   return to_hex(hash.finish());
 }
 
-}  // namespace sleight::base
+}  // namespace sleight::hash

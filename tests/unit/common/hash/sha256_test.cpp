@@ -1,11 +1,11 @@
-#include "common/base/sha256.h"
+#include "common/hash/sha256.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <utility>
 
-namespace sleight::base {
+namespace sleight::hash {
 namespace {
 
 // Examples of FIPS 180-4 as NIST publishes them (Secure Hash Standard, SHA-256 examples).
@@ -54,4 +54,4 @@ TEST(Sha256, MovesWithWhatItHasTakenIn) {
 }
 
 }  // namespace
-}  // namespace sleight::base
+}  // namespace sleight::hash

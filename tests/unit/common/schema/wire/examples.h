@@ -6,7 +6,7 @@
 
 #include "common/schema/messages.h"
 
-namespace sleight::schema::testing {
+namespace sleight::schema::wire::testing {
 
 /// Doubles whose bits are easily lost on the way: NaN payloads, signalling NaN, infinities, zeros
 /// of both signs, subnormals.
@@ -27,4 +27,4 @@ std::vector<Message> examples();
 /// Equal in kind and in every bit of every field.
 bool same_bits(const Message& a, const Message& b);
 
-}  // namespace sleight::schema::testing
+}  // namespace sleight::schema::wire::testing

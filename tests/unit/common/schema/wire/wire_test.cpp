@@ -1,11 +1,11 @@
-#include "common/schema/messages.h"
+#include "common/schema/wire/wire.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/unit/common/schema/examples.h"
+#include "tests/unit/common/schema/wire/examples.h"
 
-namespace sleight::schema {
+namespace sleight::schema::wire {
 namespace {
 
 using ::testing::HasSubstr;
@@ -231,4 +231,4 @@ TEST(Messages, AreReadAtAnyAddress) {
 }
 
 }  // namespace
-}  // namespace sleight::schema
+}  // namespace sleight::schema::wire

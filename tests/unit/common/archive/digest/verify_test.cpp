@@ -1,11 +1,11 @@
 // Goal: verify accepts sound archives and names each kind of fault. Method: damage one thing at a
 // time in the memory twin, set the stored digest right again, and look for the finding.
-#include "common/archive/verify.h"
+#include "common/archive/digest/verify.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
 #include "tests/unit/common/archive/fake_world.h"

@@ -1,4 +1,4 @@
-#include "common/schema/messages.h"
+#include "common/schema/wire/wire.h"
 
 #include <capnp/message.h>
 #include <capnp/serialize.h>
@@ -11,7 +11,7 @@
 
 #include "common/base/check.h"
 
-namespace sleight::schema {
+namespace sleight::schema::wire {
 namespace {
 
 kj::ArrayPtr<const kj::byte> as_data(base::BytesView bytes) {
@@ -47,7 +47,7 @@ std::vector<T> get_list(Reader list) {
   return values;
 }
 
-void put_unit(const plan::Unit& unit, wire::Unit::Builder out) {
+void put_unit(const plan::Unit& unit, generated::Unit::Builder out) {
   out.setChain(unit.replica.chain.value);
   out.setReplica(unit.replica.replica.value);
   out.setSeed(unit.seed);
@@ -63,7 +63,7 @@ void put_unit(const plan::Unit& unit, wire::Unit::Builder out) {
   put(out.initExcursion(static_cast<unsigned>(unit.excursion.size())), unit.excursion);
 }
 
-plan::Unit get_unit(wire::Unit::Reader in) {
+plan::Unit get_unit(generated::Unit::Reader in) {
   return {.replica = {base::ChainId{in.getChain()}, base::ReplicaId{in.getReplica()}},
           .seed = in.getSeed(),
           .first_scan = base::ScanIndex{in.getFirstScan()},
@@ -75,7 +75,7 @@ plan::Unit get_unit(wire::Unit::Reader in) {
           .excursion = get_list<double>(in.getExcursion())};
 }
 
-void put_scan(const plan::ScanRecord& record, wire::Scan::Builder out) {
+void put_scan(const plan::ScanRecord& record, generated::Scan::Builder out) {
   out.setLogPrior(record.log_prior);
   out.setLogConstraint(record.log_constraint);
   out.setSatisfied(record.satisfied);
@@ -105,7 +105,7 @@ plan::FailureCounts get_failures(wire::Scan::Reader in) {
   return counts;
 }
 
-plan::ScanRecord get_scan(wire::Scan::Reader in) {
+plan::ScanRecord get_scan(generated::Scan::Reader in) {
   return {.log_prior = in.getLogPrior(),
           .log_constraint = in.getLogConstraint(),
           .satisfied = in.getSatisfied(),
@@ -119,7 +119,7 @@ plan::ScanRecord get_scan(wire::Scan::Reader in) {
           .state = as_bytes(in.getState())};
 }
 
-void put_part(const plan::LadderPart& part, wire::LadderPart::Builder out) {
+void put_part(const plan::LadderPart& part, generated::LadderPart::Builder out) {
   out.setLevels(part.levels);
   out.setFirstLevel(part.first_level);
   put_list(out.initInverseTemperatures(static_cast<unsigned>(part.inverse_temperatures.size())),
@@ -132,7 +132,7 @@ void put_part(const plan::LadderPart& part, wire::LadderPart::Builder out) {
   out.setScansMax(part.scans_max);
 }
 
-plan::LadderPart get_part(wire::LadderPart::Reader in) {
+plan::LadderPart get_part(generated::LadderPart::Reader in) {
   plan::LadderPart part{.levels = in.getLevels(),
                         .first_level = in.getFirstLevel(),
                         .inverse_temperatures = get_list<double>(in.getInverseTemperatures()),
@@ -144,7 +144,7 @@ plan::LadderPart get_part(wire::LadderPart::Reader in) {
   return part;
 }
 
-void put_assignment(const Assignment& assignment, wire::Assignment::Builder out) {
+void put_assignment(const Assignment& assignment, generated::Assignment::Builder out) {
   const std::vector<plan::Unit>& units = assignment.block.members;
   CHECK_EQ(units.size(), assignment.states.size());
   out.setEpoch(assignment.epoch);
@@ -176,7 +176,7 @@ bool fits(const plan::Block& block) {
          std::ranges::all_of(block.members, [](const auto& unit) { return unit.scans == 1; });
 }
 
-base::Result<Message, std::string> get_assignment(wire::Assignment::Reader in) {
+base::Result<Message, std::string> get_assignment(generated::Assignment::Reader in) {
   Assignment assignment{
       .epoch = in.getEpoch(), .assignment = in.getAssignment(), .block = {}, .states = {}};
   for (const auto member : in.getMembers()) {
@@ -189,7 +189,7 @@ base::Result<Message, std::string> get_assignment(wire::Assignment::Reader in) {
   return Message(std::move(assignment));
 }
 
-void put_cache(const plan::CacheUse& use, wire::CacheUse::Builder out) {
+void put_cache(const plan::CacheUse& use, generated::CacheUse::Builder out) {
   out.setHits(use.hits);
   out.setMisses(use.misses);
   out.setEvictions(use.evictions);
@@ -197,7 +197,7 @@ void put_cache(const plan::CacheUse& use, wire::CacheUse::Builder out) {
   out.setBytesMax(use.bytes_max);
 }
 
-plan::CacheUse get_cache(wire::CacheUse::Reader in) {
+plan::CacheUse get_cache(generated::CacheUse::Reader in) {
   return {.hits = in.getHits(),
           .misses = in.getMisses(),
           .evictions = in.getEvictions(),
@@ -205,7 +205,7 @@ plan::CacheUse get_cache(wire::CacheUse::Reader in) {
           .bytes_max = in.getBytesMax()};
 }
 
-void put_delivery(const Delivery& delivery, wire::Delivery::Builder out) {
+void put_delivery(const Delivery& delivery, generated::Delivery::Builder out) {
   out.setEpoch(delivery.epoch);
   out.setAssignment(delivery.assignment);
   auto results = out.initResults(static_cast<unsigned>(delivery.results.size()));
@@ -232,7 +232,7 @@ void put_delivery(const Delivery& delivery, wire::Delivery::Builder out) {
   put_cache(delivery.cache, out.initCache());
 }
 
-base::Result<Message, std::string> get_delivery(wire::Delivery::Reader in) {
+base::Result<Message, std::string> get_delivery(generated::Delivery::Reader in) {
   Delivery delivery{.epoch = in.getEpoch(),
                     .assignment = in.getAssignment(),
                     .results = {},
@@ -265,7 +265,7 @@ base::Result<Message, std::string> get_delivery(wire::Delivery::Reader in) {
 
 /// Writes each kind of message into the union.
 struct Put {
-  wire::Message::Builder out;
+  generated::Message::Builder out;
 
   void operator()(const Hello& hello) {
     auto builder = out.initHello();
@@ -288,27 +288,27 @@ struct Put {
   void operator()(const Failure& failure) { out.setFailure(as_text(failure.reason)); }
 };
 
-base::Result<Message, std::string> get_message(wire::Message::Reader in) {
+base::Result<Message, std::string> get_message(generated::Message::Reader in) {
   switch (in.which()) {
-    case wire::Message::HELLO: {
+    case generated::Message::HELLO: {
       const auto hello = in.getHello();
       if (hello.getThreads() == 0) return std::string("a hello of no threads");
       return Message(Hello{.program_version = as_string(hello.getProgramVersion()),
                            .identity = as_string(hello.getIdentity()),
                            .threads = hello.getThreads()});
     }
-    case wire::Message::ASSIGNMENT:
+    case generated::Message::ASSIGNMENT:
       return get_assignment(in.getAssignment());
-    case wire::Message::STOP:
+    case generated::Message::STOP:
       return Message(Stop{});
-    case wire::Message::DELIVERY:
+    case generated::Message::DELIVERY:
       return get_delivery(in.getDelivery());
-    case wire::Message::PING:
+    case generated::Message::PING:
       return Message(Ping{.epoch = in.getPing()});
-    case wire::Message::PONG:
+    case generated::Message::PONG:
       return Message(Pong{.epoch = in.getPong().getEpoch(),
                           .assignments = get_list<std::uint64_t>(in.getPong().getAssignments())});
-    case wire::Message::FAILURE:
+    case generated::Message::FAILURE:
       return Message(Failure{.reason = as_string(in.getFailure())});
   }
   return std::string("a message of an unknown kind");
@@ -318,7 +318,7 @@ base::Result<Message, std::string> get_message(wire::Message::Reader in) {
 
 base::Bytes encode(const Message& message) {
   capnp::MallocMessageBuilder builder;
-  std::visit(Put{builder.initRoot<wire::Message>()}, message);
+  std::visit(Put{builder.initRoot<generated::Message>()}, message);
   const kj::Array<capnp::word> words = capnp::messageToFlatArray(builder);
   const kj::ArrayPtr<const kj::byte> bytes = words.asBytes();
   CHECK_LE(bytes.size(), k_message_bytes_max);
@@ -339,10 +339,10 @@ base::Result<Message, std::string> decode(base::BytesView bytes) {
     limits.traversalLimitInWords = 8 * words.size() + 1024;
     capnp::FlatArrayMessageReader reader(
         kj::ArrayPtr<const capnp::word>(words.data(), words.size()), limits);
-    return get_message(reader.getRoot<wire::Message>());
+    return get_message(reader.getRoot<generated::Message>());
   } catch (const kj::Exception& failure) {
     return std::string("a message that can't be read: ") + failure.getDescription().cStr();
   }
 }
 
-}  // namespace sleight::schema
+}  // namespace sleight::schema::wire

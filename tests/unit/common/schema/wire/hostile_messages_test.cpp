@@ -8,10 +8,10 @@
 
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
-#include "common/schema/messages.h"
-#include "tests/unit/common/schema/examples.h"
+#include "common/schema/wire/wire.h"
+#include "tests/unit/common/schema/wire/examples.h"
 
-namespace sleight::schema {
+namespace sleight::schema::wire {
 namespace {
 
 constexpr std::uint64_t k_seed = 20240611;
@@ -181,4 +181,4 @@ TEST(HostileMessages, ListsOfNothingCostLittle) {
 }
 
 }  // namespace
-}  // namespace sleight::schema
+}  // namespace sleight::schema::wire

@@ -27,7 +27,7 @@
 @0xd3c1f7a9b2e84561;
 
 using Cxx = import "/capnp/c++.capnp";
-$Cxx.namespace("sleight::schema::wire");
+$Cxx.namespace("sleight::schema::generated");
 
 struct Message {
   union {

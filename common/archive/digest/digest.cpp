@@ -1,4 +1,4 @@
-#include "common/archive/digest.h"
+#include "common/archive/digest/digest.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "common/archive/format.h"
 #include "common/base/bytes.h"
 #include "common/base/check.h"
-#include "common/base/sha256.h"
+#include "common/hash/sha256.h"
 
 namespace sleight::archive {
 namespace {
@@ -28,7 +28,7 @@ class ValueHash {
   void update(const ValuesView& values) {
     std::visit([this](const auto& span) { add(span); }, values);
   }
-  std::string finish() { return base::to_hex(sha_.finish()); }
+  std::string finish() { return hash::to_hex(sha_.finish()); }
 
  private:
   void add(std::span<const double> values) {
@@ -52,7 +52,7 @@ class ValueHash {
     sha_.update(base::bytes_of(values));
   }
 
-  base::Sha256 sha_;
+  hash::Sha256 sha_;
 };
 
 std::string attribute_line(const std::string& object, const Attribute& attribute) {
@@ -62,7 +62,7 @@ std::string attribute_line(const std::string& object, const Attribute& attribute
       return fmt::format("f64 {:016x}", canonical_bits(value));
     }
     std::string operator()(const std::string& value) const {
-      return fmt::format("text {}", base::sha256_hex(value));
+      return fmt::format("text {}", hash::sha256_hex(value));
     }
   };
   return fmt::format("attribute {} {} {}", object, attribute.name,
@@ -177,7 +177,7 @@ class DigestingSink final : public Sink {
     }
     for (const Group& group : groups_)
       check_coordinates(group);
-    return base::sha256_hex(
+    return hash::sha256_hex(
         manifest_of(groups_, [&hashes](const Group& group, const DatasetSpec& spec) {
           return hashes.at(path_of(group.name, spec.name));
         }));
@@ -256,7 +256,7 @@ std::string manifest(const Source& source) {
 }
 
 std::string digest(const Source& source) {
-  return base::sha256_hex(manifest(source));
+  return hash::sha256_hex(manifest(source));
 }
 
 std::string write_digested(Sink& sink, const std::function<void(Sink&)>& fill) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace sleight::base {
+namespace sleight::hash {
 
 /// A resource: moves, does not copy. Not thread-safe.
 class Sha256 {
@@ -36,4 +36,4 @@ std::string to_hex(const Sha256::Value& value);
 /// The hexadecimal SHA-256 of a text.
 std::string sha256_hex(std::string_view text);
 
-}  // namespace sleight::base
+}  // namespace sleight::hash

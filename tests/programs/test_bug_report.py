@@ -1,0 +1,80 @@
+"""Goal: a bug is reported with what repeats it: the command line, the request and its seed, and of a
+job the rank. Method: real runs of the programs in which a CHECK fails since a library's function is
+replaced (failing_calls.cpp), and one whose threads can't be made for want of memory."""
+
+import pathlib
+import re
+import resource
+import signal
+import unittest
+
+import harness
+from harness import ProgramTest
+
+# Address space in which a few hundred threads have room for their stacks.
+MEMORY_BYTES = 4 << 30
+
+
+class BugReport(ProgramTest):
+    def failing_calls(self):
+        library = pathlib.Path(harness.arguments.bin).parent / "tests" / "libsleight_failing_calls.so"
+        self.assertTrue(library.is_file(), library)
+        return {"LD_PRELOAD": str(library)}
+
+    def request_line(self, request):
+        return f"request {request}, world ball_2d, seed 41, version 0."
+
+    def test_a_check_that_fails_in_sleight(self):
+        request = self.write_request("my request.toml", chains=2, seed=41, scans=50)
+        command = [harness.program("sleight"), "direct", request, "-o", self.path("a.h5"), "-q"]
+        result = harness.run(command, env=self.failing_calls())
+        self.assertEqual(result.returncode, -signal.SIGABRT, result.stderr)
+        lines = result.stderr.splitlines()
+        self.assertRegex(lines[0], r"sha256\.cpp:\d+: check failed: EVP_DigestInit_ex")
+        quoted = [f"'{part}'" if " " in str(part) else str(part) for part in command]
+        self.assertEqual(lines[1], "to repeat it: " + " ".join(quoted))
+        self.assertTrue(lines[2].startswith(self.request_line(request)), lines)
+        self.assertEqual(len(lines), 3, lines)
+
+        # What is printed does repeat it: the run goes on from its store to the same place.
+        again = harness.run(["sh", "-c", lines[1].removeprefix("to repeat it: ")],
+                            env=self.failing_calls())
+        self.assertEqual(again.stderr, result.stderr)
+        # The seed is the one that the run had, not the request's.
+        command[command.index(self.path("a.h5"))] = self.path("b.h5")
+        result = harness.run([*command, "--seed", "77"], env=self.failing_calls())
+        self.assertIn("seed 77, version", result.stderr)
+
+    def test_an_exception_that_nobody_expected(self):
+        request = self.write_request(chains=2, seed=41, scans=50)
+        command = [harness.program("sleight"), "direct", request, "-o", self.path("a.h5"), "-q",
+                   "-j", "4096"]
+        limits = (MEMORY_BYTES, MEMORY_BYTES)
+        result = harness.run(command,
+                             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, limits))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        lines = result.stderr.splitlines()
+        self.assertRegex(lines[0], "^sleight: unexpected: .")
+        self.assertEqual(lines[1], "to repeat it: " + " ".join(str(part) for part in command))
+        self.assertTrue(lines[2].startswith(self.request_line(request)), lines)
+
+    def test_a_check_that_fails_on_a_rank(self):
+        request = self.write_request(chains=2, seed=41, scans=50)
+        result = harness.run([*harness.batch(3, request, self.path("a.h5"), "-q", folder=self.folder)],
+                             env=self.failing_calls())
+        self.assertNotEqual(result.returncode, 0)
+        self.assertRegex(result.stderr, r"main_batch\.cpp:\d+: check failed: provided >= ")
+        self.assertIn(f"to repeat it: mpirun -n 3 {harness.program('sleight-batch')} {request} -o ",
+                      result.stderr)
+        self.assertIn("rank 1 of 3\n", result.stderr)
+        self.assertEqual(len(re.findall("to repeat it", result.stderr)), 1, result.stderr)
+
+    def test_other_failures_are_no_bugs(self):
+        """What a person can mend is said without it."""
+        result = harness.sleight("direct", self.path("none.toml"), "-o", self.path("a.h5"))
+        self.assertEqual(result.returncode, 5)
+        self.assertNotIn("to repeat it", result.stderr)
+
+
+if __name__ == "__main__":
+    harness.main()

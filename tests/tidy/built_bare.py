@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""Whether what was compiled without the outside libraries has seen no header of theirs.
+
+  tests/tidy/built_bare.py BUILD_FOLDER        a build by Ninja, of any preset
+
+Ninja knows of each object the headers that the compiler opened, through whatever other header. Of
+the objects of the folders that SLEIGHT_SHELLS=OFF builds, none may have come by a header that
+rules/shells.py gives to another folder. Prints each that did and exits 1; 2 where there is nothing
+to look at.
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+from rules.shells import BARE, LIBRARIES, SHELLS  # noqa: E402
+from rules.tree import is_in  # noqa: E402
+
+# The C library's own headers may include any other of its own.
+_LIBRARIES = [(name, re.compile(r"(?:.*/)?(?:" + headers + ")"))
+              for name, headers, *_ in LIBRARIES if name != "memory mapping"]
+
+
+def headers_by_object(deps):
+    """What `ninja -t deps` prints, as object -> headers."""
+    found = {}
+    headers = []
+    for line in deps.splitlines():
+        if line.startswith(" "):
+            headers.append(line.strip())
+        elif ": #deps" in line:
+            headers = found.setdefault(line.split(": #deps")[0], [])
+    return found
+
+
+def is_bare(name):
+    """Whether an object is of a folder that is built without the outside libraries."""
+    folder = name.split("/CMakeFiles/")[0]
+    return is_in(folder, BARE) and not is_in(folder, SHELLS)
+
+
+def strangers(found):
+    """(object, library, header) of each that shouldn't be."""
+    for name, headers in sorted(found.items()):
+        if not is_bare(name):
+            continue
+        for header in headers:
+            for library, pattern in _LIBRARIES:
+                if pattern.fullmatch(header):
+                    yield name, library, header
+
+
+def main():
+    if len(sys.argv) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    run = subprocess.run(["ninja", "-C", sys.argv[1], "-t", "deps"], capture_output=True, text=True,
+                         check=False)
+    found = headers_by_object(run.stdout)
+    objects = sum(is_bare(name) for name in found)
+    if run.returncode != 0 or objects == 0:
+        print(f"built_bare: {sys.argv[1]}: no object to look at {run.stderr}", file=sys.stderr)
+        return 2
+    bad = list(strangers(found))
+    for name, library, header in bad:
+        print(f"{name}: {library}: {header}")
+    print(f"built_bare: {objects} objects, {len(bad)} headers that they should not know",
+          file=sys.stderr)
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,136 @@
+// Goal: whatever file call fails in a session, the error says which file and why, the archive that
+// was there is whole or replaced by a whole one, and the next session ends with the straight run's
+// digest. Method: sessions on a file system with a fault at each call in turn.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/archive/digest/verify.h"
+#include "common/archive/hdf5/reader.h"
+#include "common/base/error.h"
+#include "service/coordinator/run.h"
+#include "tests/unit/common/base/faulty_file_system.h"
+#include "tests/unit/service/coordinator/ball_runs.h"
+
+namespace sleight::coordinator {
+namespace {
+
+using base::testing::Fault;
+using base::testing::FaultyFileSystem;
+using base::testing::FileCall;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+class RunRequestFaults : public testing::BallRuns {
+ protected:
+  std::string output() const { return path("ball.h5"); }
+
+  /// What the session says whose calls fail so; empty: it got through.
+  std::string failure_of(const Fault& fault, const std::string& request) {
+    files_.fail(fault);
+    try {
+      (void)session_on(files_, request, {.output = output()});
+    } catch (const base::Error& error) {
+      EXPECT_EQ(error.exit_code(), base::ExitCode::environment) << error.what();
+      return error.what();
+    }
+    return {};
+  }
+
+  FaultyFileSystem files_;
+};
+
+TEST_F(RunRequestFaults, AnyCallMayFail) {
+  const std::string shorter = request_text("scans = 30");
+  const std::string longer = request_text("scans = 60");
+  const std::string expected = session(longer, {.output = path("s.h5")}).digest;
+  const std::string shorter_digest = session(shorter, {.output = path("t.h5")}).digest;
+  const std::string other_runs[] = {"s.h5", "s.h5.run", "t.h5", "t.h5.run"};
+  for (const std::uint64_t times : {Fault::k_for_ever, std::uint64_t{1}}) {
+    bool got_through = false;
+    std::uint64_t call = 0;
+    for (; !got_through; ++call) {
+      SCOPED_TRACE(fmt::format("call {}, {} times", call, times));
+      ASSERT_EQ(session(shorter, {.output = output(), .fresh = true}).digest, shorter_digest);
+      const std::string said = failure_of(
+          {.after = call, .times = times, .reason = std::errc::no_space_on_device}, longer);
+      got_through = files_.failures() == 0;
+      if (!said.empty()) {
+        EXPECT_THAT(said, AllOf(HasSubstr(path("")), HasSubstr("No space left on device")));
+      }
+      const auto archive = archive::hdf5::open_file(output());
+      EXPECT_THAT(archive::verify(*archive), IsEmpty());
+      EXPECT_EQ(session(longer, {.output = output()}).digest, expected);
+      EXPECT_THAT(names(), UnorderedElementsAre("ball.h5", "ball.h5.run", other_runs[0],
+                                                other_runs[1], other_runs[2], other_runs[3]));
+      ASSERT_FALSE(HasFailure());
+    }
+    EXPECT_GT(call, 15U);
+  }
+}
+
+TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
+  // Goal: an output that can't be written is refused at once, and nothing is left. Method: the
+  // first file that is created is refused.
+  EXPECT_EQ(failure_of({.call = FileCall::create, .reason = std::errc::permission_denied},
+                       request_text("scans = 30")),
+            output() + ": can't be written: Permission denied");
+  EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
+  // Goal: what was computed is kept when the archive can't be written, whichever step fails; the
+  // next session computes nothing. Method: a full disk after the trial file, a rename and syncs
+  // that fail.
+  const std::string request = request_text("scans = 30");
+  const std::string expected = session(request, {.output = path("s.h5")}).digest;
+  for (const Fault& fault :
+       {Fault{.call = FileCall::create, .after = 1, .reason = std::errc::permission_denied},
+        Fault{.call = FileCall::write, .reason = std::errc::no_space_on_device},
+        Fault{.call = FileCall::close, .reason = std::errc::io_error},
+        Fault{.call = FileCall::sync_file, .reason = std::errc::io_error},
+        Fault{.call = FileCall::rename, .reason = std::errc::permission_denied},
+        Fault{.call = FileCall::sync_directory, .reason = std::errc::io_error}}) {
+    SCOPED_TRACE(name_of(*fault.call));
+    EXPECT_THAT(
+        failure_of(fault, request),
+        AllOf(HasSubstr(output()), HasSubstr(std::make_error_code(fault.reason).message())));
+    EXPECT_EQ(std::filesystem::exists(output()), fault.call == FileCall::sync_directory);
+    const RunSummary next = session(request, {.output = output()});
+    EXPECT_EQ(next.progress.session_scans, 0U);
+    EXPECT_EQ(next.digest, expected);
+    std::filesystem::remove(output());
+    std::filesystem::remove_all(run_folder(output()));
+    EXPECT_THAT(names(), UnorderedElementsAre("s.h5", "s.h5.run"));
+  }
+}
+
+TEST_F(RunRequestFaults, LeftoversThatStayStopNobody) {
+  // Goal: half an archive of a killed process is removed, and a run goes on where that can't be
+  // done. Method: two such files; the first removal after the trial file's fails, or the list.
+  const std::string request = request_text("scans = 30");
+  const auto put_leftovers = [&] {
+    put_bytes(path("ball.h5.tmp.11"), "half");
+    put_bytes(path("ball.h5.tmp.12"), "half");
+  };
+  put_leftovers();
+  EXPECT_EQ(failure_of({.call = FileCall::remove,
+                        .after = 1,
+                        .times = 1,
+                        .reason = std::errc::permission_denied},
+                       request),
+            "");
+  EXPECT_THAT(names(), UnorderedElementsAre("ball.h5", "ball.h5.run", "ball.h5.tmp.11"));
+  put_leftovers();
+  EXPECT_EQ(failure_of({.call = FileCall::list, .reason = std::errc::permission_denied}, request),
+            "");
+  EXPECT_THAT(names(), ::testing::Contains("ball.h5.tmp.12"));
+  (void)session(request, {.output = output()});
+  EXPECT_THAT(names(), UnorderedElementsAre("ball.h5", "ball.h5.run"));
+}
+
+}  // namespace
+}  // namespace sleight::coordinator
