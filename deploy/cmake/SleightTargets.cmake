@@ -2,7 +2,11 @@
 #
 #   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen...)   one per folder
 #   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
-#   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds])
+#                   [SHARED main_run.cpp]         compiled once for all programs of the folder
+#   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds] [COMPUTES])
+#
+# A test's own objects are built with less optimisation than what they test, as compiling them takes
+# longer than running them; COMPUTES says that it is the other way round.
 #
 # A library's name is its folder with '/' as '_': common/math is common_math.
 
@@ -26,8 +30,19 @@ function(sleight_library)
 endfunction()
 
 function(sleight_program name)
-  cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;SHARED;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
+  foreach(source IN LISTS ARG_SHARED)
+    cmake_path(GET source STEM stem)
+    sleight_folder_name(folder)
+    set(object ${folder}_${stem})
+    if(NOT TARGET ${object})
+      add_library(${object} OBJECT ${source})
+      target_link_libraries(${object} PRIVATE sleight_options ${ARG_LINKS})
+      target_precompile_headers(${object} REUSE_FROM sleight_precompiled_products)
+    endif()
+    target_sources(${name} PRIVATE $<TARGET_OBJECTS:${object}>)
+  endforeach()
   target_link_libraries(${name} PRIVATE sleight_options ${ARG_LINKS})
   target_precompile_headers(${name} REUSE_FROM sleight_precompiled_products)
   if(NOT ARG_NO_INSTALL)

@@ -5,7 +5,7 @@ import posixpath
 import re
 
 SIDES = ("common", "worker", "service", "clients")
-_KEYWORDS = {"SOURCES", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL"}
+_KEYWORDS = {"SOURCES", "SHARED", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL", "COMPUTES"}
 _DECLARATION = re.compile(r"\bsleight_(library|program)\s*\(")
 
 
@@ -97,7 +97,7 @@ def _targets(text, path):
                 section = word
             elif section is None and target.kind == "program":
                 target.name = word
-            elif section == "SOURCES":
+            elif section in ("SOURCES", "SHARED"):
                 target.sources.append(posixpath.join(folder, word))
             elif section == "LINKS":
                 target.links.append((word, word_line))
