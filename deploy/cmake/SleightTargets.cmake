@@ -3,7 +3,10 @@
 #   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen...)   one per folder
 #   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
 #   sleight_program_parts(mains SOURCES main_run.cpp LINKS ...)       that several programs share
-#   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds])
+#   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds] [COMPUTES])
+#
+# A test's own objects are built with less optimisation than what they test, as compiling them takes
+# longer than running them; COMPUTES says that it is the other way round.
 #
 # A library's name is its folder with '/' as '_': common/math is common_math.
 
@@ -45,11 +48,16 @@ function(sleight_program_parts name)
 endfunction()
 
 function(sleight_test)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
   sleight_folder_name(name)
+  set(kind tests)
+  if(ARG_COMPUTES)
+    set(kind computing_tests)
+  endif()
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE sleight_options ${ARG_LINKS} GTest::gtest_main GTest::gmock)
-  target_precompile_headers(${name} REUSE_FROM sleight_precompiled_tests)
+  target_link_libraries(${name} PRIVATE sleight_options sleight_options_${kind} ${ARG_LINKS}
+    GTest::gtest_main GTest::gmock)
+  target_precompile_headers(${name} REUSE_FROM sleight_precompiled_${kind})
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(NOT ARG_TIMEOUT)

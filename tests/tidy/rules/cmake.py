@@ -5,7 +5,7 @@ import posixpath
 import re
 
 SIDES = ("common", "worker", "service", "clients")
-_KEYWORDS = {"SOURCES", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL"}
+_KEYWORDS = {"SOURCES", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL", "COMPUTES"}
 _DECLARATION = re.compile(r"\bsleight_(library|program_parts|program)\s*\(")
 
 
