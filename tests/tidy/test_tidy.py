@@ -486,6 +486,82 @@ class Documents(TidyTest):
                              ("worker/maps/CMakeLists.txt:1", "names nothing of this folder"))
 
 
+class Provenance(TidyTest):
+    COMMAND = '#!/usr/bin/env python3\nENTRIES = {"figure_1": 1, "table_1": 2}\n'
+    MARK = "<!-- table table_1: commit 1f2e3d4; deploy/figures table_1 -->\n"
+    NUMBERS = "| n | s |\n|---|--:|\n| 1 | 2 |\n"
+
+    def picture(self, **changes):
+        notes = {"command": "deploy/figures figure_1", "commit": "1f2e3d4", "seed": "7", **changes}
+        lines = "".join(f"{name}: {value}\n" for name, value in notes.items() if value)
+        return f"<svg>\n<metadata>\n{lines}</metadata>\n</svg>\n"
+
+    def assert_finds_in(self, path, text, *expected):
+        self.assert_finds({"deploy/figures": self.COMMAND, path: text}, "provenance", *expected)
+
+    def test_pictures_and_tables_that_say_it_pass(self):
+        self.assert_clean({
+            "deploy/figures": self.COMMAND,
+            "docs/figures/figure_1.svg": self.picture(),
+            "docs/figures/figure_1_right.svg": self.picture(),
+            "docs/A.md": f"Text.\n\n{self.MARK}{self.NUMBERS}\n| word | meaning |\n|---|---|\n",
+            "docs/notebook/b.md":
+                "- a list:\n\n  <!-- table b: commit 1f2e3d4; not remade: its code is gone -->\n"
+                "  | n | s |\n  |---|---|\n",
+            "README.md": self.NUMBERS,
+        }, "provenance")
+
+    def test_pictures(self):
+        path = "docs/figures/figure_1.svg"
+        for text, words in (("<svg></svg>\n", "without metadata"),
+                            (self.picture(command=""), "has no command"),
+                            (self.picture(commit=""), "has no commit"),
+                            (self.picture(seed=""), "has no seed"),
+                            (self.picture(seed="any"), "seed is no number"),
+                            (self.picture(command="sleight plot a.h5"), "is not deploy/figures NAME"),
+                            (self.picture(command="deploy/figures figure_2"), "has no figure_2"),
+                            (self.picture(command="deploy/figures table_1"), "another picture"),
+                            (self.picture(commit="1f2e3d4.dirty.0a1b"), "is no commit")):
+            with self.subTest(words):
+                self.assert_finds_in(path, text, (path + ":1", words))
+
+    def test_a_picture_of_another_name(self):
+        for path in ("docs/figures/figure_10.svg", "docs/figures/right.svg"):
+            self.assert_finds_in(path, self.picture(), (path + ":1", "makes another picture"))
+
+    def test_tables_without_a_mark(self):
+        self.assert_finds_in("docs/A.md", "Text.\n\n" + self.NUMBERS,
+                             ("docs/A.md:3", "without a line <!-- table"))
+        self.assert_finds_in("docs/A.md", self.MARK + "\n" + self.NUMBERS,
+                             ("docs/A.md:1", "no table stands below"),
+                             ("docs/A.md:3", "without a line <!-- table"))
+        self.assert_finds_in("docs/A.md", self.NUMBERS, ("docs/A.md:1", "without a line"))
+        self.assert_finds_in("docs/MEASUREMENTS.md", "# A\n| a | b |\n|---|---|\n",
+                             ("docs/MEASUREMENTS.md:2", "without a line"))
+
+    def test_marks(self):
+        for mark, words in (("<!-- table table_1 -->", "not <!-- table NAME"),
+                            ("<!-- table table_1: commit 1f2e3d4 -->", "not <!-- table NAME"),
+                            ("<!-- table table_1: deploy/figures table_1 -->", "not <!-- table NAME"),
+                            ("<!-- table table_1: commit 1f2e3d4; deploy/figures table_1",
+                             "not <!-- table NAME"),
+                            ("<!-- table table_1: commit yesterday; deploy/figures table_1 -->",
+                             "is no commit"),
+                            ("<!-- table table_1: commit 1f2e3d4; by hand -->", "its command is"),
+                            ("<!-- table table_1: commit 1f2e3d4; deploy/figures table_2 -->",
+                             "its command is"),
+                            ("<!-- table table_2: commit 1f2e3d4; deploy/figures table_2 -->",
+                             "has no table_2"),
+                            ("<!-- table table_1: commit 1f2e3d4; not remade: why -->", "reason needs")):
+            with self.subTest(mark):
+                self.assert_finds_in("docs/A.md", f"\n{mark}\n{self.NUMBERS}",
+                                     ("docs/A.md:2", words))
+
+    def test_a_name_comes_once(self):
+        self.assert_finds_in("docs/A.md", (self.MARK + self.NUMBERS + "\n") * 2,
+                             ("docs/A.md:6", "has a table table_1 too"))
+
+
 class Waivers(TidyTest):
     FAULT = "std::unordered_map<int, int> m;  // tidy: {}\n"
 
@@ -557,7 +633,7 @@ class Program(unittest.TestCase):
     def test_every_check_is_tested_here(self):
         self.assertEqual(set(rules.CHECKS), {case.__name__.lower() for case in
                                              (Dependencies, Shells, Formatting, Constructs, Sizes,
-                                              Text, Documents)})
+                                              Text, Documents, Provenance)})
 
 
 class SourceTest(unittest.TestCase):
