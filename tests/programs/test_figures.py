@@ -3,7 +3,8 @@
 where they come from, and says plainly what it can't do.
 
 Method: pictures of requests that take a second are made into a temporary folder and compared with the
-committed ones, metadata aside; its list is compared with the documents; wrong calls.
+committed ones, metadata aside; a table of a made-up program is put into a copy of the documents; its
+list is compared with the documents; wrong calls.
 """
 
 import pathlib
@@ -41,7 +42,8 @@ class FiguresTest(harness.ProgramTest):
             with self.subTest(name):
                 made = self.made(name, f"{name}.svg")
                 committed = (root() / f"docs/figures/{name}.svg").read_text()
-                self.assertEqual(METADATA.sub("", made), METADATA.sub("", committed))
+                self.assertTrue(METADATA.sub("", made) == METADATA.sub("", committed),
+                                f"another picture; `deploy/figures {name}` draws it anew")
                 said = METADATA.search(made).group(1).splitlines()
                 self.assertEqual(said[0], f"command: deploy/figures {name}")
                 self.assertRegex(said[1], r"^commit: \w")
@@ -63,18 +65,23 @@ class FiguresTest(harness.ProgramTest):
         tree = self.path("tree")
         for folder in ("deploy", "docs", "requests", "tests/thesis"):
             shutil.copytree(root() / folder, tree / folder)
+        table = "| a | b |\n|---|---|\n| 1 | 2 |\n"
+        (tree / "tests/thesis/ball_2d").write_text(f"print('a heading')\nprint({table!r})\n")
         document = tree / "docs/THESIS.md"
         before = document.read_text()
-        document.write_text(before.replace("| 64.9% of all samples", "| none of all samples"))
-        self.assertNotEqual(document.read_text(), before)
-        def run():
+
+        def put():
             return harness.run([tree / "deploy/figures", "--bin", harness.arguments.bin, "--write",
                                 "table_2_4"])
-        self.assertEqual(run().returncode, 0)
-        commit = re.compile(r"(<!-- table table_2_4: commit )\S+;")
-        self.assertEqual(commit.sub(r"\1;", document.read_text()), commit.sub(r"\1;", before))
-        document.write_text(commit.sub("<!-- no table;", before))
-        self.assertIn("0 lines <!-- table table_2_4", run().stderr)
+
+        self.assertEqual(put().returncode, 0)
+        marked = r"<!-- table table_2_4: commit (\S+); deploy/figures table_2_4 -->\n"
+        commit = re.search(marked, document.read_text()).group(1)
+        self.assertIn(commit, harness.sleight("--version").stdout)
+        new = f"<!-- table table_2_4: commit {commit}; deploy/figures table_2_4 -->\n{table}"
+        self.assertEqual(document.read_text(), re.sub(marked + r"(?:\|.*\n)+", new, before))
+        document.write_text(before.replace("<!-- table table_2_4:", "<!-- table table_2_5:"))
+        self.assertIn("0 lines <!-- table table_2_4", put().stderr)
 
     def test_what_it_cannot_do(self):
         unknown = figures("figure_9_9")
