@@ -174,6 +174,10 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
       ->check(CLI::Range(1, 12))
       ->type_name("N")
       ->capture_default_str();
+  command
+      ->add_option("--note", options.notes, "A line for an SVG's metadata; may be given repeatedly")
+      ->allow_extra_args(false)
+      ->type_name("NAME=VALUE");
   command->footer(
       "Examples:\n"
       "  sleight plot ball.h5\n"

@@ -134,6 +134,9 @@ void draw_on_terminal(const plot::Figure& figure) {
 
 int plot_archive(const PlotOptions& options, const WorldReaders& readers) {
   if (!options.output.empty()) refuse_same_file(options.path, options.output);
+  const plot::Notes notes = plot::notes_of(options.notes);
+  if (options.output.empty() && !notes.empty())
+    throw base::Error(base::ExitCode::usage, "--note goes with -o FILE.svg");
   const auto draw = [&] {
     const auto source = archive::hdf5::open_file(options.path);
     const Picture picture = options.what == "plausibility"
@@ -142,7 +145,7 @@ int plot_archive(const PlotOptions& options, const WorldReaders& readers) {
     if (options.output.empty()) {
       draw_on_terminal(picture.figure);
     } else {
-      plot::save(picture.figure, options.output);
+      plot::save(picture.figure, options.output, {.notes = notes});
       fmt::print("{}\n", options.output);
     }
     fmt::print("{}", picture.words);

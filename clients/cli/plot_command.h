@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "clients/cli/dice_figures.h"
 #include "clients/cli/dice_plausibility.h"
@@ -18,6 +19,7 @@ struct PlotOptions {
   std::optional<std::uint64_t> chain;  ///< none: all, up to six
   std::uint64_t draws = 0;             ///< the first so many; 0: all
   std::uint64_t count = 3;             ///< paths or animations to draw
+  std::vector<std::string> notes{};  ///< `name=value`, for an SVG's metadata (clients/plot/notes.h)
 };
 
 /// What pictures need of requests that only their worlds know.

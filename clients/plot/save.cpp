@@ -40,15 +40,19 @@ void write_whole(const std::string& path, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-void save(const Figure& figure, const std::string& path, double png_scale) {
+void save(const Figure& figure, const std::string& path, const SaveOptions& options) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::ranges::transform(ending, ending.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending == ".svg") {
-    const std::string svg = to_svg(figure);
+    const std::string svg = to_svg(figure, options.notes);
     write_whole(path, std::as_bytes(std::span(svg)));
   } else if (ending == ".png") {
-    write_whole(path, to_png(figure, png_scale));
+    if (!options.notes.empty()) {
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("{}: only an SVG has room for notes", path));
+    }
+    write_whole(path, to_png(figure, options.png_scale));
   } else {
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: expected a picture's name ending in .svg or .png", path));

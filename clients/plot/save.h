@@ -4,12 +4,18 @@
 #include <string>
 
 #include "clients/plot/figure.h"
+#include "clients/plot/notes.h"
 
 namespace sleight::plot {
 
-/// Writes an SVG or a PNG, as the path's ending says (".svg", ".png", of any case); `png_scale` is
-/// image pixels per SVG pixel. Written beside its place and renamed: a viewer never sees half a
-/// picture. Throws base::Error: usage for another ending, environment when it can't be written.
-void save(const Figure& figure, const std::string& path, double png_scale = 2);
+struct SaveOptions {
+  double png_scale = 2;  ///< image pixels per SVG pixel
+  Notes notes = {};      ///< REQUIRES an SVG, if there are any
+};
+
+/// Writes an SVG or a PNG, as the path's ending says (".svg", ".png", of any case). Written beside
+/// its place and renamed: a viewer never sees half a picture. Throws base::Error: usage for another
+/// ending or notes in a PNG, environment when it can't be written.
+void save(const Figure& figure, const std::string& path, const SaveOptions& options = {});
 
 }  // namespace sleight::plot

@@ -244,9 +244,11 @@ void draw_panel(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) {
 
 }  // namespace
 
-std::string to_svg(const Figure& figure) {
+std::string to_svg(const Figure& figure, const Notes& notes) {
   const FigureLayout layout = layout_of(figure);
   SvgWriter svg(figure.width_px, figure.height_px, printable(figure.title));
+  svg.metadata(notes);
+  svg.rectangle({0, 0, figure.width_px, figure.height_px}, {255, 255, 255});
   svg.text({style::k_outer, layout.title_baseline}, layout.title,
            {.size = style::k_figure_title, .weight = Weight::bold});
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {

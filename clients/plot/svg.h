@@ -2,16 +2,18 @@
 //
 // Light background, dark ink, DejaVu Sans; words stay words (searchable, selectable). Long series
 // are thinned to the pixels (decimate.h), so a million points make a file of some 40 kB. The same
-// figure gives the same bytes. Pure.
+// figure with the same notes gives the same bytes. Pure.
 #pragma once
 
 #include <string>
 
 #include "clients/plot/figure.h"
+#include "clients/plot/notes.h"
 
 namespace sleight::plot {
 
-/// REQUIRES what figure.h requires of its fields.
-std::string to_svg(const Figure& figure);
+/// Notes stand in a <metadata> element; without notes there is none. REQUIRES what figure.h
+/// requires of its fields.
+std::string to_svg(const Figure& figure, const Notes& notes = {});
 
 }  // namespace sleight::plot

@@ -61,7 +61,14 @@ SvgWriter::SvgWriter(double width_px, double height_px, std::string_view title) 
       "viewBox=\"0 0 {0} {1}\" role=\"img\" font-family=\"DejaVu Sans, Verdana, sans-serif\">\n"
       "<title>{2}</title>\n",
       number(width_px), number(height_px), xml_escaped(title));
-  rectangle({0, 0, width_px, height_px}, {255, 255, 255});
+}
+
+void SvgWriter::metadata(const Notes& notes) {
+  if (notes.empty()) return;
+  out_ += "<metadata>\n";
+  for (const Note& note : notes)
+    out_ += fmt::format("{}: {}\n", note.name, xml_escaped(printable(note.value)));
+  out_ += "</metadata>\n";
 }
 
 void SvgWriter::begin_clipped(Box box) {

@@ -10,6 +10,7 @@
 
 #include "clients/plot/figure.h"
 #include "clients/plot/layout.h"
+#include "clients/plot/notes.h"
 #include "clients/plot/text.h"
 
 namespace sleight::plot {
@@ -33,6 +34,9 @@ class SvgWriter {
  public:
   /// `title` is what a screen reader says. REQUIRES printable text here and below.
   SvgWriter(double width_px, double height_px, std::string_view title);
+
+  /// A line `name: value` for each; nothing without notes. Renderers leave it out.
+  void metadata(const Notes& notes);
 
   /// All that follows is cut to the box, until end_group.
   void begin_clipped(Box box);

@@ -127,6 +127,16 @@ class Results(ProgramTest):
             sleight("plot", self.path("a.h5"))).stdout.lower().replace("lands", "landing"))
         self.assertEqual(sleight("plot", self.path("a.h5"), "--chain", "4").returncode, 2)
 
+    def test_plots_say_where_they_come_from(self):
+        self.direct(self.write_request(), self.path("a.h5"))
+        picture = self.path("trace.svg")
+        self.succeed(sleight("plot", "--note", "commit=1f2e", "--note", "seed=7", self.path("a.h5"),
+                             "-o", picture))
+        self.assertIn("<metadata>\ncommit: 1f2e\nseed: 7\n</metadata>", picture.read_text())
+        for wrong in (["--note", "commit", "-o", picture], ["--note", "seed=7"],
+                      ["--note", "seed=7", "-o", self.path("a.png")]):
+            self.assertEqual(sleight("plot", self.path("a.h5"), *wrong).returncode, 2, wrong)
+
     def test_interrupted_run_says_so_and_goes_on(self):
         request = self.write_request(scans=300000)
         process = harness.start([harness.program("sleight"), "direct", request, "-o",

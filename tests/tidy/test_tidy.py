@@ -7,6 +7,7 @@ message are compared, and one without.
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -503,73 +504,6 @@ class Text(TidyTest):
             super().assert_finds(files, check, *expected)
 
 
-class Documents(TidyTest):
-    # Put together here, so that the check doesn't take them for citations of this project's own.
-    GUIDE = "docs/" + "GUIDE"
-
-    def documents(self):
-        """A glossary that knows the code, links that lead somewhere, a comment that cites."""
-        return {
-            "README.md": f"[guide]({self.GUIDE}.md#how-it-works-so) and [code](common/base), "
-                         "![picture](docs/a.svg), [home](https://example.com/x), `[no](link)`\n"
-                         "```\n[no](link)\n```\n",
-            "docs/a.svg": "<svg/>\n",
-            f"{self.GUIDE}.md": "# Guide\n[here](#how-it-works-so), [up](../README.md)\n"
-                                "## How it works: `so`\n",
-            "docs/GLOSSARY.md": "| clock | `base::Clock` | `common/base/clock.h` |\n",
-            "common/base/CMakeLists.txt": "# Basics.\nsleight_library()\n",
-            "common/base/clock.h":
-                f'// See {self.GUIDE}.md, "How it\n// works: `so`".\nnamespace base {{\n'
-                "class Clock {};  // Watch\n}\n",
-        }
-
-    def assert_finds_in(self, path, text, *expected):
-        self.assert_finds({**self.documents(), path: text}, "documents", *expected)
-
-    def test_what_holds_together_passes(self):
-        self.assert_clean(self.documents(), "documents")
-
-    def test_dead_links(self):
-        self.assert_finds_in("README.md", "a\n[x](docs/gone.md) [y](common/gone)\n",
-                             ("README.md:2", "dead link: common/gone"),
-                             ("README.md:2", "dead link: docs/gone.md"))
-
-    def test_links_are_relative_to_their_document(self):
-        self.assert_finds_in("docs/more.md", "[x](README.md)\n",
-                             ("docs/more.md:1", "there is no docs/" + "README.md"))
-
-    def test_dead_anchors(self):
-        for link, words in ((f"[x]({self.GUIDE}.md#gone)", "has no such heading"),
-                            ("[x](#gone)", "README.md has no such heading"),
-                            ("[x](docs/a.svg#gone)", "has no such heading")):
-            with self.subTest(link):
-                self.assert_finds_in("README.md", f"# A\n{link}\n", ("README.md:2", words))
-
-    def test_a_heading_in_a_fence_is_none(self):
-        self.assert_finds_in("README.md", "```\n# Made\n```\n[x](#made)\n",
-                             ("README.md:4", "has no such heading"))
-
-    def test_documents_that_code_cites(self):
-        for cited, words in ((f"{self.GUIDE}.md, \"What it's not\"", "\"What it's not\""),
-                             ("docs/" + "GONE.md", "which there is not"),
-                             ("docs/" + "GONE", "which there is not"),
-                             ("docs/" + "notebook/gone.md", "which there is not")):
-            with self.subTest(cited):
-                self.assert_finds_in("common/base/more.h", f"// A.\n// See {cited}.\n",
-                                     ("common/base/more.h:2", words))
-
-    def test_names_of_the_glossary_that_no_code_has(self):
-        known = "| clock | `common/base/clock.h` |\n"
-        self.assert_finds_in("docs/GLOSSARY.md", known + "| time | `base::Watch` |\n",
-                             ("docs/GLOSSARY.md:2", "no code has the name Watch"))
-        self.assert_finds_in("docs/GLOSSARY.md", known + "| time | `common/base/watch.h` |\n",
-                             ("docs/GLOSSARY.md:2", "there is no common/base/watch.h"))
-
-    def test_folders_that_the_glossary_lacks(self):
-        self.assert_finds_in("worker/maps/CMakeLists.txt", "# Maps.\nsleight_library()\n",
-                             ("worker/maps/CMakeLists.txt:1", "names nothing of this folder"))
-
-
 class Waivers(TidyTest):
     FAULT = "std::unordered_map<int, int> m;  // tidy: {}\n"
 
@@ -639,9 +573,9 @@ class Program(unittest.TestCase):
             self.assertEqual(Tree(root).files, [".gitignore", "kept.h", "new.h"])
 
     def test_every_check_is_tested_here(self):
-        self.assertEqual(set(rules.CHECKS), {case.__name__.lower() for case in
-                                             (Dependencies, Shells, Formatting, Constructs, Sizes,
-                                              Text, Documents)})
+        cases = {name.lower() for path in HERE.glob("test_*.py") for name in
+                 re.findall(r"(?m)^class (\w+)\(TidyTest\)", path.read_text(encoding="utf-8"))}
+        self.assertEqual(set(rules.CHECKS), cases - {"waivers"})
 
 
 class SourceTest(unittest.TestCase):

@@ -18,6 +18,7 @@
 #include "clients/plot/save.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
+#include "common/base/version.h"
 #include "tests/thesis/figures_2/chain.h"
 #include "tests/thesis/figures_2/dice.h"
 #include "tests/thesis/figures_2/figures.h"
@@ -38,6 +39,7 @@ struct Arguments {
   std::uint64_t seed = 2000;
   unsigned threads = 2;
   bool quick = false;
+  std::vector<std::string> notes = {};  ///< of each picture (clients/plot/notes.h)
 };
 
 /// A chain to be made, and the figures that it draws.
@@ -184,6 +186,7 @@ std::vector<Result> run_all(const std::vector<Plan>& plans, unsigned threads) {
 }
 
 void draw(const Plan& plan, const Result& result, const Arguments& arguments) {
+  const plot::Notes notes = plot::notes_of(arguments.notes);
   const std::string kernel =
       plan.kernel == Kernel::thesis ? "kernel as A.2.2 prints it (biased)" : "correct kernel";
   const std::string title = fmt::format("{}: {}", plan.what, kernel);
@@ -195,9 +198,9 @@ void draw(const Plan& plan, const Result& result, const Arguments& arguments) {
     const std::string path =
         fmt::format("{}/figure_{}_{}.svg", arguments.out, name, name_of(plan.kernel));
     if (std::string_view(figure) == "2.9") {
-      plot::save(log_p_figure(title, result.chain, result.statistics), path);
+      plot::save(log_p_figure(title, result.chain, result.statistics), path, {.notes = notes});
     } else {
-      plot::save(filled_figure(title, result.chain), path);
+      plot::save(filled_figure(title, result.chain), path, {.notes = notes});
     }
   }
 }
@@ -305,11 +308,14 @@ void throw_dice(const Arguments& arguments) {
     fmt::print("| {} | {} | {} | {}, {} |{}{}\n", i + 1, after[i].seed, wish.face, wish.place_mm.x,
                wish.place_mm.y, effort(after[i]), effort(before[i]));
   }
-  if (std::ranges::any_of(after, [](const ThrownDie& die) { return die.motion.has_value(); }))
-    plot::save(dice_composite(after, options), arguments.out + "/figure_2_13.svg");
+  if (std::ranges::any_of(after, [](const ThrownDie& die) { return die.motion.has_value(); })) {
+    plot::save(dice_composite(after, options), arguments.out + "/figure_2_13.svg",
+               {.notes = plot::notes_of(arguments.notes)});
+  }
 }
 
 void reproduce(const Arguments& arguments) {
+  (void)plot::notes_of(arguments.notes);  // refuses bad ones before the long runs
   const std::vector<Plan> plans = plans_of(arguments);
   std::filesystem::create_directories(arguments.out);
   const std::vector<Result> results = run_all(plans, arguments.threads);
@@ -344,6 +350,9 @@ int main(int argc, char** argv) {
   app.add_option("--threads", arguments.threads, "Chains at a time")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_option("--note", arguments.notes, "NAME=VALUE for the pictures' metadata; repeatable")
+      ->allow_extra_args(false);
+  app.set_version_flag("--version", "sleight-figures-2 " + std::string(sleight::base::version()));
   app.add_flag("--quick", arguments.quick, "Two balls, few iterations: that it works");
   app.footer("From the project's root:\n  build/release/bin/sleight-figures-2");
   CLI11_PARSE(app, argc, argv);

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/version.h"
 #include "tests/thesis/sampling/methods.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/dice/dice.h"
@@ -261,6 +262,7 @@ void print(const std::vector<Row>& rows) {
 
 int main(int argc, char** argv) {
   CLI::App app{"Independent satisfying solutions by each method: the table of docs/MEASUREMENTS"};
+  app.set_version_flag("--version", "sleight-sampling-table " + std::string(base::version()));
   Arguments arguments;
   app.add_option("--simulations", arguments.simulations, "Of each method and scene")
       ->capture_default_str();

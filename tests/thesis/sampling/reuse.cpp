@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/version.h"
 #include "tests/thesis/sampling/methods.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/worlds/spelling/spelling.h"
@@ -146,6 +147,7 @@ void print(const std::string& scene, const Tallies& tallies) {
 
 int main(int argc, char** argv) {
   CLI::App app{"What reuse saves, by kind of proposal: the table of docs/MEASUREMENTS"};
+  app.set_version_flag("--version", "sleight-reuse-table " + std::string(base::version()));
   std::uint64_t iterations = 20'000;
   std::uint64_t seed = 1;
   app.add_option("--iterations", iterations, "Of each chain")->capture_default_str();

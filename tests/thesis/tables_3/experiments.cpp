@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <ctime>
-#include <fstream>
 #include <utility>
 
 #include "common/base/error.h"
@@ -102,26 +100,6 @@ Row measure(const Experiment& experiment, std::uint32_t n) {
         share * static_cast<double>(async.counts.collisions + async.counts.static_collisions);
   }
   return row;
-}
-
-std::vector<Row> read_thesis_table(const std::string& path) {
-  std::vector<Row> rows;
-  std::ifstream file(path);
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.empty() || line.front() == '#' || line.front() == 'n') continue;
-    Row row;
-    double unused = 0;
-    const int read =
-        std::sscanf(line.c_str(), "%u,%lf,%lf,%lf,%lf,%lf,%lf", &row.n, &row.sync.events, &unused,
-                    &row.sync.total_s, &row.async.events, &unused, &row.async.total_s);
-    if (read != 7) {
-      throw base::Error(base::ExitCode::usage,
-                        fmt::format("{}: '{}' is not seven numbers", path, line));
-    }
-    rows.push_back(row);
-  }
-  return rows;
 }
 
 }  // namespace sleight::thesis

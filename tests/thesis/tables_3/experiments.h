@@ -7,28 +7,12 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
-#include <string>
 #include <vector>
 
+#include "tests/thesis/tables_3/thesis_table.h"
 #include "worker/physics/scenes/scenes.h"
 
 namespace sleight::thesis {
-
-/// Means over seeds of one algorithm at one number of bodies: three columns of a table.
-struct Cost {
-  double events = 0;
-  double total_s = 0;
-  double ms_per_event() const { return 1e3 * total_s / events; }
-};
-
-struct Row {
-  std::uint32_t n = 0;
-  Cost sync;
-  Cost async;
-  double collisions = 0;  ///< mean, of two bodies and of static geometry; equal for both algorithms
-  double speed_up() const { return sync.total_s / async.total_s; }
-};
 
 struct Experiment {
   std::function<physics::scenes::Setting(std::uint32_t bodies, std::uint64_t seed)> setting;
@@ -44,9 +28,5 @@ Experiment hourglass(double duration_s_max);
 /// One row, by both algorithms. Throws base::Error when a simulation fails, or when the two
 /// algorithms' simulations differ in the number of collisions.
 Row measure(const Experiment& experiment, std::uint32_t n);
-
-/// A table of the thesis: `n,sync_events,sync_ms_per_event,sync_s,async_events,...` after lines of
-/// `#` and a heading. Empty if there is no such file; throws base::Error if it reads otherwise.
-std::vector<Row> read_thesis_table(const std::string& path);
 
 }  // namespace sleight::thesis

@@ -10,6 +10,7 @@
 
 #include "clients/plot/save.h"
 #include "common/base/error.h"
+#include "common/base/version.h"
 #include "tests/thesis/tables_3/experiments.h"
 
 namespace {
@@ -18,31 +19,33 @@ using sleight::thesis::Experiment;
 using sleight::thesis::Row;
 namespace plot = sleight::plot;
 
+struct Arguments {
+  std::string reference = "tests/thesis/tables_3";
+  std::string out = "docs/figures";
+  std::uint64_t seeds = 0;
+  std::string only;                ///< table; empty: both
+  std::vector<std::string> notes;  ///< of each picture (clients/plot/notes.h)
+  bool quick = false;
+};
+
 struct Table {
+  std::string number;
   std::string name;
-  std::string file;    ///< of the thesis's numbers
+  std::string file;    ///< of the thesis's numbers (thesis_table.h)
   std::string figure;  ///< its number
   std::string title;
   Experiment experiment;
 };
 
-/// Columns of a row of ours, and beside them the thesis's if it has such a row.
-void print(const Row& row, const std::vector<Row>& thesis) {
-  fmt::print("| {} | {:.0f} | {:.0f} | {:.5f} | {:.4g} | {:.0f} | {:.5f} | {:.4g} | {:.1f} |",
-             row.n, row.collisions, row.sync.events, row.sync.ms_per_event(), row.sync.total_s,
-             row.async.events, row.async.ms_per_event(), row.async.total_s, row.speed_up());
-  if (thesis.empty()) {
-    fmt::print("\n");
-    return;
-  }
-  const auto same = std::ranges::find(thesis, row.n, &Row::n);
-  if (same == thesis.end()) {
-    fmt::print(" | | | | |\n");
-  } else {
-    fmt::print(" {:.0f} | {:.4f} | {:.0f} | {:.4f} | {:.1f} |\n", same->sync.events,
-               same->sync.ms_per_event(), same->async.events, same->async.ms_per_event(),
-               same->speed_up());
-  }
+/// Columns of a row of ours, and beside them the thesis's.
+void print(const Row& row, const Row& thesis) {
+  fmt::print(
+      "| {} | {:.0f} | {:.0f} | {:.5f} | {:.4g} | {:.0f} | {:.5f} | {:.4g} | {:.1f} | {:.0f} | "
+      "{:.4f} | {:.0f} | {:.4f} | {:.1f} |\n",
+      row.n, row.collisions, row.sync.events, row.sync.ms_per_event(), row.sync.total_s,
+      row.async.events, row.async.ms_per_event(), row.async.total_s, row.speed_up(),
+      thesis.sync.events, thesis.sync.ms_per_event(), thesis.async.events,
+      thesis.async.ms_per_event(), thesis.speed_up());
 }
 
 plot::Line speed_ups(const std::vector<Row>& rows, plot::Color color, const std::string& label) {
@@ -53,7 +56,7 @@ plot::Line speed_ups(const std::vector<Row>& rows, plot::Color color, const std:
 }
 
 void draw(const Table& table, const std::vector<Row>& rows, const std::vector<Row>& thesis,
-          const std::string& folder) {
+          const Arguments& arguments) {
   plot::Panel panel{.x_label = "moving bodies", .y_label = "synchronous / asynchronous time"};
   const auto add = [&](const plot::Line& line) {
     panel.series.emplace_back(line);
@@ -61,48 +64,42 @@ void draw(const Table& table, const std::vector<Row>& rows, const std::vector<Ro
         plot::Markers{.points = line.points, .color = line.color, .label = line.label});
   };
   add(speed_ups(rows, plot::palette::k_blue, "Sleight"));
-  if (!thesis.empty()) add(speed_ups(thesis, plot::palette::k_vermillion, "thesis"));
+  add(speed_ups(thesis, plot::palette::k_vermillion, "thesis"));
   const plot::Figure figure{
       .title = table.title, .width_px = 640, .height_px = 400, .panels = {panel}};
-  plot::save(figure, folder + "/figure_" + table.figure + ".svg");
+  plot::save(figure, arguments.out + "/figure_" + table.figure + ".svg",
+             {.notes = plot::notes_of(arguments.notes)});
 }
 
-void reproduce(const Table& table, const std::string& reference, const std::string& out) {
-  const std::vector<Row> thesis = sleight::thesis::read_thesis_table(reference + "/" + table.file);
+void reproduce(const Table& table, const Arguments& arguments) {
+  const std::string reference = arguments.reference + "/" + table.file;
+  const std::vector<Row> thesis = sleight::thesis::read_thesis_table(reference);
   fmt::print(
-      "\n{}, {} seeds\n\n| n | collisions | sync events | ms/event | s | async events | "
-      "ms/event | s | speed-up |",
+      "\n{}, {} seeds\n\n| n | collisions | sync events | ms/event | s | async events | ms/event "
+      "| s | speed-up | thesis: sync events | ms/event | async events | ms/event | speed-up |\n"
+      "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
       table.name, table.experiment.seeds);
-  if (!thesis.empty())
-    fmt::print(" thesis: sync events | ms/event | async events | ms/event | speed-up |");
-  fmt::print("\n|");
-  for (int column = 0; column < (thesis.empty() ? 9 : 14); ++column)
-    fmt::print("--:|");
-  fmt::print("\n");
   std::vector<Row> rows;
   for (const std::uint32_t n : table.experiment.sizes) {
+    const Row& beside = sleight::thesis::row_of(thesis, n, reference);
     rows.push_back(sleight::thesis::measure(table.experiment, n));
-    print(rows.back(), thesis);
+    print(rows.back(), beside);
     std::fflush(stdout);
   }
-  draw(table, rows, thesis, out);
+  draw(table, rows, thesis, arguments);
 }
 
-struct Arguments {
-  std::string reference = "../shared/reference";
-  std::string out = "docs/figures";
-  std::uint64_t seeds = 0;
-  bool quick = false;
-};
-
 void reproduce_all(const Arguments& arguments) {
-  Table box{.name = "Table 3.1: polyhedra in a box, 1000 s simulated",
-            .file = "table_3_1_boxed_polyhedra.csv",
+  (void)plot::notes_of(arguments.notes);  // refuses bad ones before the long runs
+  Table box{.number = "3.1",
+            .name = "Table 3.1: polyhedra in a box, 1000 s simulated",
+            .file = "table_3_1.csv",
             .figure = "3_8",
             .title = "Polyhedra in a box",
             .experiment = sleight::thesis::boxed_polyhedra(1000)};
-  Table funnel{.name = "Table 3.2: grains through a funnel",
-               .file = "table_3_2_hourglass.csv",
+  Table funnel{.number = "3.2",
+               .name = "Table 3.2: grains through a funnel",
+               .file = "table_3_2.csv",
                .figure = "3_10",
                .title = "Grains through a funnel",
                .experiment = sleight::thesis::hourglass(1000)};
@@ -118,7 +115,7 @@ void reproduce_all(const Arguments& arguments) {
   }
   for (Table* table : {&box, &funnel}) {
     if (arguments.seeds > 0) table->experiment.seeds = arguments.seeds;
-    reproduce(*table, arguments.reference, arguments.out);
+    if (arguments.only.empty() || table->number == arguments.only) reproduce(*table, arguments);
   }
 }
 
@@ -129,11 +126,16 @@ int main(int argc, char** argv) {
   app.name("sleight-tables-3");
   Arguments arguments;
   app.add_option("--reference", arguments.reference,
-                 "Folder of the thesis's tables as CSV; without them ours alone")
+                 "Folder of the thesis's tables, table_3_1.csv and table_3_2.csv")
       ->capture_default_str();
   app.add_option("--out", arguments.out, "Folder of the figures")->capture_default_str();
   app.add_option("--seeds", arguments.seeds, "Simulations per row; 0: as the thesis, 5 and 10")
       ->capture_default_str();
+  app.add_option("--only", arguments.only, "Table: 3.1 or 3.2; both if not given")
+      ->check(CLI::IsMember({"3.1", "3.2"}));
+  app.add_option("--note", arguments.notes, "NAME=VALUE for the pictures' metadata; repeatable")
+      ->allow_extra_args(false);
+  app.set_version_flag("--version", "sleight-tables-3 " + std::string(sleight::base::version()));
   app.add_flag("--quick", arguments.quick, "Few rows, a short time: that it works");
   app.footer("From the project's root:\n  build/release/bin/sleight-tables-3");
   CLI11_PARSE(app, argc, argv);

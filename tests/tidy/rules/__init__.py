@@ -6,7 +6,7 @@ A check is a module with `check(tree)`, which yields findings, and a first doc l
 import dataclasses
 import re
 
-from . import constructs, dependencies, documents, formatting, shells, sizes, text
+from . import constructs, dependencies, documents, formatting, provenance, shells, sizes, text
 from .tree import Finding, is_cmake, is_cpp, is_shell
 
 CHECKS = {
@@ -17,6 +17,7 @@ CHECKS = {
     "sizes": sizes,
     "text": text,
     "documents": documents,
+    "provenance": provenance,
 }
 
 WORDS_MIN = 3

@@ -75,6 +75,12 @@ TEST(Save, ExplainsWhatIsWrong) {
     EXPECT_EQ(error.exit_code(), base::ExitCode::usage);
     EXPECT_NE(std::string(error.what()).find("trace.jpeg"), std::string::npos);
   }
+  try {
+    save(figure, testing::TempDir() + "trace.png", {.notes = {{.name = "seed", .value = "1"}}});
+    FAIL() << "notes were lost in a PNG";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::usage);
+  }
   const std::string nowhere = testing::TempDir() + "no/such/folder/trace.svg";
   try {
     save(figure, nowhere);

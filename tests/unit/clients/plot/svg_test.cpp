@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/error.h"
 #include "tests/unit/clients/plot/examples.h"
 
 namespace sleight::plot {
@@ -70,6 +71,33 @@ TEST(Svg, EscapesWhatPeopleWrite) {
 TEST(Svg, IsTheSameEveryTime) {
   // Goal: the same figure gives the same bytes. Method: twice.
   EXPECT_EQ(to_svg(hostile_figure()), to_svg(hostile_figure()));
+}
+
+TEST(Svg, SaysWhereItComesFrom) {
+  // Goal: notes stand in the metadata, escaped, one a line, and change nothing else. Method: a
+  // hostile figure with notes and without; the document with its metadata cut out.
+  const Notes notes =
+      notes_of(std::vector<std::string>{"command=draw </metadata> & more", "seed=7"});
+  const std::string svg = to_svg(hostile_figure(), notes);
+  EXPECT_EQ(xml_complaint(svg), "");
+  EXPECT_EQ(svg, to_svg(hostile_figure(), notes));
+  const std::string metadata =
+      "<metadata>\ncommand: draw &lt;/metadata&gt; &amp; more\nseed: 7\n</metadata>\n";
+  ASSERT_EQ(occurrences(svg, metadata), 1U);
+  std::string without = svg;
+  without.erase(svg.find(metadata), metadata.size());
+  EXPECT_EQ(without, to_svg(hostile_figure()));
+  EXPECT_EQ(occurrences(without, "metadata"), 0U);
+}
+
+TEST(Notes, RefusesWhatIsNone) {
+  // Goal: a note has a name and one line of value, and each name comes once. Method: texts with one
+  // fault each.
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(notes_of(Texts{"a_b=c=d"}), (Notes{{.name = "a_b", .value = "c=d"}}));
+  for (const Texts& bad : {Texts{""}, Texts{"a"}, Texts{"=b"}, Texts{"a="}, Texts{"A=b"},
+                           Texts{"a b=c"}, Texts{"a=b\nc: d"}, Texts{"a=1", "a=2"}})
+    EXPECT_THROW(notes_of(bad), base::Error) << bad.back();
 }
 
 TEST(Svg, StaysSmallForAMillionPoints) {
