@@ -39,7 +39,7 @@ struct WorldLayout {
   std::vector<Variable> outcomes;           ///< of each scan
   std::vector<std::string> proposal_kinds;  ///< at least one
   std::vector<Variable> segment_columns;    ///< of a recording; each row is one segment
-  /// What whoever uses the samples must know, one line; empty: nothing. Programs say it when a run
+  /// One line that a user of the samples must know; empty: none. Programs print it when a run
   /// starts, and its archive carries it.
   std::string warning = {};
   /// P(satisfied) of draws from the prior, divided by e to this, is that of natural throws, which a

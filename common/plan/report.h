@@ -20,7 +20,7 @@ struct Table {
 /// One name of a dimension has one size in all tables.
 struct Report {
   std::vector<Table> tables;
-  /// What whoever uses the draws must know, one line; empty: nothing.
+  /// One line that a user of the draws must know; empty: none.
   std::string warning;
   bool empty() const { return tables.empty(); }
 };

@@ -29,8 +29,8 @@ struct ReplicaKey {
 /// More replicas than a chain can have: lineages are numbered by it.
 inline constexpr std::uint64_t k_replicas_end = 4096;
 
-/// The lineage of what a replica draws from the prior at a scan: another one for each such draw of
-/// a chain; 0 of replica 0's start.
+/// The lineage that begins with a replica's draw from the prior at a scan: each such draw of a
+/// chain has its own; replica 0's start has 0.
 inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
   return scan * k_replicas_end + replica.value;
 }

@@ -1,6 +1,6 @@
 // Random numbers by address: a function of (seed, chain, replica, purpose, iteration, position).
 //
-// Idea. Nothing is "the next random number". Whoever needs randomness names what it is for and
+// Idea. Nothing is "the next random number". Code that needs randomness names the purpose and
 // builds a Stream on the spot; the numbers come from Philox4x64-10, a keyed bijection on 256-bit
 // counters (J. Salmon, M. Moraes, R. Dror, D. Shaw, "Parallel random numbers: as easy as 1, 2, 3",
 // SC11; implementation: Random123). So a unit of work recomputed on another machine, or in another

@@ -1,5 +1,4 @@
-// The numbers of one world out of a request's text: for whoever knows which world it is and wants
-// its parameters only.
+// The parameters of one world, read from a request's text, for callers that know which world it is.
 #pragma once
 
 #include <span>

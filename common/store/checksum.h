@@ -1,5 +1,5 @@
-// Checksums of what the run store holds (XXH3, 64 bits). SQLite has none: a flipped bit on the disk
-// would otherwise become another animation that nobody could tell from a right one.
+// Checksums of the run store's rows (XXH3, 64 bits). SQLite has none: a flipped bit on the disk
+// would become another animation that can't be told from a right one.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Commits results in groups on a thread of its own, so that whoever computes never waits for the
-// disk: a group is closed after 50 ms or 4 MB, whichever comes first.
+// Commits results in groups on a thread of its own, so that computing never waits for the disk: a
+// group is closed after 50 ms or 4 MB, whichever comes first.
 //
 // Invariants
 //   1. Results are committed in the order in which they were put.

@@ -147,7 +147,7 @@ void RunStore::create_or_check(const RunIdentity& identity) {
                     path, *version, identity.program_version));
   }
 
-  // Refuse results that nobody's name stands on.
+  // Refuse stored results without the keys that say whose they are.
   const bool is_new = !stored_text("epoch");
   Statement any =
       database_.prepare("SELECT EXISTS(SELECT 1 FROM scan), EXISTS(SELECT 1 FROM replica)");

@@ -36,7 +36,7 @@ std::uint32_t StoredRun::count_replicas() const {
 void StoredRun::for_each_draw(
     base::ChainId chain,
     const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
-  // Who was at inverse temperature 1: keys alone, so that little is sorted; then the rows.
+  // The keys of records at inverse temperature 1 first, so that little is sorted; then their rows.
   Statement who = database_.prepare(
       "SELECT replica, scan FROM scan WHERE chain=?1 AND scan>=?2 AND scan<?3 AND "
       "inverse_temperature=1 ORDER BY scan, replica");

@@ -2,7 +2,7 @@
 // states as bytes on both sides.
 //
 // Invariant: run is a pure function of (world parameters, options, unit, state before); samples
-// that it keeps spare simulations only. What it costs is measured by whoever calls it.
+// that it keeps spare simulations only. The caller measures the cost.
 #pragma once
 
 #include <concepts>

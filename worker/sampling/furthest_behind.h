@@ -1,8 +1,8 @@
-// Who runs next: the chain that is furthest behind, so that all arrive together at what waits for
-// all. Chains are known by their numbers.
+// The chain that runs next: the one that is furthest behind, so that all arrive together at a point
+// that waits for all. Chains are known by their numbers.
 //
-// A chain that had nothing to give is not asked again before it moves, or what may be begun
-// changes: of a thousand chains that are all at work, none is asked in vain.
+// A chain that had nothing to give is not asked again before it moves or the horizon changes: of a
+// thousand chains that are all at work, none is asked in vain.
 // Not thread-safe.
 #pragma once
 

@@ -137,7 +137,7 @@ void LadderRun::settle(std::vector<std::uint32_t>& ready) {
       const std::uint64_t scan = replica.next_scan++;
       const std::uint32_t level = std::exchange(replica.level, k_nobody);
       replica.lineage = replica.waiting.front().lineage;
-      // Whoever ran it, alone or with its neighbours, had it at the same level.
+      // The worker ran it at this level, alone or with its neighbours.
       CHECK_EQ(replica.waiting.front().inverse_temperature, ladder()[level]);
       const double log_constraint = replica.waiting.front().log_constraint;
       row(scan).result[level] = std::move(replica.waiting.front());

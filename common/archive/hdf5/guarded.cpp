@@ -64,7 +64,7 @@ void set_limit(__rlimit_resource_t resource, rlim_t value, rlim_t grace = 0) {
 [[noreturn]] void run_child(int pipe, const std::string& subject, const GuardLimits& limits,
                             const std::function<int()>& work) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // A handler of the program's would only set a flag that nobody looks at here.
+  // A handler of the program's would only set a flag that is not read here.
   for (const int signal : {SIGINT, SIGTERM, SIGXCPU})
     std::signal(signal, SIG_DFL);
   set_limit(RLIMIT_CORE, 0);
@@ -170,7 +170,7 @@ int outcome_of(const std::string& subject, const GuardLimits& limits, const std:
     if (signal == SIGINT || signal == SIGTERM) {
       throw base::Error(base::ExitCode::interrupted, fmt::format("{}: interrupted", subject));
     }
-    // Whoever read our stdout has enough, as `head` does: end as any filter would.
+    // The reader of our stdout has enough, as `head` does: end as any filter would.
     if (signal == SIGPIPE) return k_exit_code_of_broken_pipe;
     if (signal == SIGXCPU) {
       refuse(subject, fmt::format("reading it takes more than {} s of processor time: the file is "

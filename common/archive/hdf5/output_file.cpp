@@ -65,7 +65,7 @@ haddr_t get_eof(const H5FD_t* file, H5FD_mem_t) {
   return state_of(file).written;
 }
 
-/// Reads what was written; zeros beyond the end and after a failure, whose outcome nobody sees.
+/// Reads written bytes; zeros beyond the end. After a failure zeros too: nothing uses them then.
 herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
                   void* buffer) {
   State& state = state_of(file);

@@ -1,4 +1,4 @@
-// Archives from HDF5 files that nobody vouches for.
+// Archives from HDF5 files that may be damaged or hostile.
 //
 // Before any value is read, open_file walks the whole file and refuses whatever our writer would
 // not have written: soft and external links, objects with several names (and so cycles), groups

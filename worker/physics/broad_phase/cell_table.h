@@ -1,14 +1,14 @@
 // Which bodies are in which cell of a grid, laid out so that eight boxes are compared at once.
 //
-// Idea. What a query of a grid costs is memory and wrong guesses of branches, not arithmetic. So a
-// cell keeps sketches of its bodies' boxes: 8 bits for the start and 8 for the width on each axis,
-// in the units and modulo 2^8 of a ring (periodic.h has the idea). Eight bodies fit one cache line,
-// and some 12 instructions of SSE2 compare them with a query. Their ids lie elsewhere: a query of a
-// gas finds one body or less in four blocks. Sketches are rounded outwards; whom they let pass is
-// compared exactly by the caller.
+// Idea. A query of a grid spends its time on memory and on branches guessed wrong, not on
+// arithmetic. So a cell keeps sketches of its bodies' boxes: 8 bits for the start and 8 for the
+// width on each axis, in the units and modulo 2^8 of a ring (periodic.h has the idea). Eight bodies
+// fit one cache line, and some 12 instructions of SSE2 compare them with a query. Their ids lie
+// elsewhere: a query of a gas finds one body or less in four blocks. Sketches are rounded outwards;
+// the caller compares the bodies that pass exactly.
 //
-// Cells are numbered modulo a power of two, and whoever numbers them may give several the same
-// number. That costs time and no truth, but a query that names a cell twice finds its bodies twice.
+// Cells are numbered modulo a power of two, and several cells may have one number. That costs time
+// and changes no result, but a query that names a cell twice finds its bodies twice.
 //
 // Invariants
 //   1. Block c is the first of cell c, for c < cells(). Its members fill its slots from the first

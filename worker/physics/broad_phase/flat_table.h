@@ -1,13 +1,13 @@
 // A hash table in one array: open addressing, linear probing, no allocation but when it grows.
 //
-// Idea. Entries that are removed close the gap they leave (Knuth, The Art of Computer Programming,
-// vol. 3, 6.4, Algorithm R), so the table never fills up with marks of what was, and what it holds
-// is all that matters for its speed.
+// Idea. A removal closes the gap that it leaves (Knuth, The Art of Computer Programming, vol. 3,
+// 6.4, Algorithm R). So the table never fills up with marks of removed entries, and its speed
+// depends on the present entries alone.
 //
 // Invariants
 //   1. At most 5/8 of the slots are taken.
 //   2. No free slot lies between an entry's home and its slot.
-// Nobody walks over the entries: their order would be that of the hash.
+// There is no walk over the entries: its order would be that of the hash.
 // Thread safety: none.
 #pragma once
 

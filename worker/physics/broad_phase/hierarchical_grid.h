@@ -12,9 +12,9 @@
 // the query compares with all boxes of that level instead. Boxes beyond the highest level are
 // compared with always.
 //
-// A move takes the ended overlaps from the sink's neighbours, and for begun ones queries with the
-// new box and leaves out whom the old box overlapped. A new box within the old one begins nothing,
-// so it needs no query.
+// A move takes the ended overlaps from the sink's neighbours. For begun ones it queries with the
+// new box and leaves out the bodies that the old box overlapped. A new box within the old one
+// begins nothing, so it needs no query.
 //
 // Each level measures in whole units, a small part of its cells, rounded down:
 //
@@ -160,8 +160,8 @@ class HierarchicalGrid {
 template <class Test>
 void HierarchicalGrid::find_in_cells(std::size_t cells, const CellTable::Query& query,
                                      const Test& test) {
-  // Collect who may overlap as bits, eight blocks at a time, and then go through the bits: so only
-  // the ends of few loops are guessed wrong.
+  // Collect the bodies that may overlap as bits, eight blocks at a time, and then go through the
+  // bits: so only the ends of few loops are guessed wrong.
   std::array<std::uint32_t, k_batch / CellTable::k_slots> blocks{};
   std::size_t count = 0;
   std::uint64_t bits = 0;
@@ -237,7 +237,8 @@ void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   const std::span<const BodyId> neighbours = sink.neighbours();
   for (const BodyId other : neighbours)
     ended_.add_if(!overlap(after, boxes_.coded(other.value)), other.value);
-  // Whom the new box overlaps, and the old one did not, begins; the old one overlaps itself.
+  // An overlap begins with each body that the new box overlaps and the old one did not; the old box
+  // overlaps the body itself.
   begun_.count = 0;
   if (!holds(before, after)) {
     find_begun(box, after, to, [&](std::uint32_t, const CodedBox& there) {

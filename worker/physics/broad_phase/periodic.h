@@ -53,8 +53,8 @@ constexpr bool holds(Arc outer, Arc inner) {
   return offset <= outer.width && inner.width <= outer.width - offset;
 }
 
-/// A box as three arcs, in one half of a cache line. The fourth numbers belong to whoever keeps the
-/// box; the predicates don't read them.
+/// A box as three arcs, in one half of a cache line. The fourth numbers are the owner's; the
+/// predicates don't read them.
 struct alignas(32) CodedBox {
   std::array<std::uint32_t, 4> start{};
   std::array<std::uint32_t, 4> width{};

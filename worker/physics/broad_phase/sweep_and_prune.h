@@ -2,9 +2,9 @@
 //
 // Idea. Three sorted lists of extents, a table of overlapping pairs for each axis, and one for
 // space. When a box changes, its extents travel through the lists; a first point that passes a last
-// one changes an axis' table, and a pair which is in all three tables overlaps in space. What
-// changes little costs little, but an extent passes everybody who happens to lie between in that
-// one direction: in a pile on a floor nearly all extents in height do (3.3.2), and an axis' table
+// one changes an axis' table, and a pair which is in all three tables overlaps in space. A small
+// change costs little, but an extent passes all others that happen to lie between in that one
+// direction: in a pile on a floor nearly all extents in height do (3.3.2), and an axis' table
 // holds far more pairs than really overlap, of the order of n^(5/3) in a cube filled evenly.
 //
 // Invariants (beside those of broad_phase.h)

@@ -9,7 +9,7 @@
 //
 // When all buckets are used up an epoch ends: all slots are looked through, and the buckets are
 // laid anew from the earliest event on. Paul reuses buckets in a circle, fixes their width by hand,
-// and keeps a list of what is far; here each epoch takes the width from a sample of what waits.
+// and keeps a list of far events; here each epoch takes the width from a sample of waiting events.
 //
 // Invariants, beside those of event_queue.h
 //   1. A slot that holds an event is in the heap if its bucket is at or before the current one, in

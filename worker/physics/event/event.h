@@ -10,8 +10,8 @@
 //
 // So an event at tick t is judged by the state that the earlier ones at t left behind: of two balls
 // that hit a third at the same tick, the pair with the lower ids is resolved first, and the other
-// pair is looked at again with the third ball's new velocity. Whoever predicts, and when, has no
-// say in this order.
+// pair is looked at again with the third ball's new velocity. The order does not depend on which
+// body predicted an event, or when.
 // Thread safety: values.
 #pragma once
 

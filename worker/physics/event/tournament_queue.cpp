@@ -87,8 +87,9 @@ void TournamentQueue::replay(std::uint32_t group) {
     return;
   }
 
-  // Another's matches, which it had won up to some height, are replayed up to there. Further up it
-  // meets winners from elsewhere, until it loses to one; whom it beats there it beats again above.
+  // Any other former winner of the group had won its matches up to some height: these are played
+  // again. Further up the group's new winner meets winners from elsewhere, until it loses to one; a
+  // winner that it beats there it beats again above.
   for (; at > 1; at /= 2) {
     Node& above = nodes_[at / 2];
     if (above.slot == before) {

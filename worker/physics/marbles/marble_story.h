@@ -1,7 +1,7 @@
-// What one marble did in a simulation, as far as a simulation of nearly the same scene needs it to
-// leave that marble alone (marbles.h, "What stays the same").
+// The history of one marble, from which a simulation of nearly the same scene replays it
+// (marbles.h, "What stays the same").
 //
-// Ids are those of the simulation that told the story, and must mean the same balls in the other
+// Ids are those of the simulation that kept the story, and must mean the same balls in the other
 // one.
 #pragma once
 
@@ -93,7 +93,7 @@ struct MarbleStory {
 
   std::vector<Part> parts{};
   std::vector<Way> ways{};          ///< by part
-  std::vector<Mark> marks{};        ///< its start, and after meetings
+  std::vector<Mark> marks{};        ///< its start, after meetings, after some events without one
   std::vector<Meeting> meetings{};  ///< in the order of time
   Mark last{};                      ///< after its last event
   // What marks know of contacts.

@@ -135,7 +135,7 @@ void Marbles::process(const EventKey& event) {
         balls_[ball].resumes = true;
         to_resume_.push_back(ball);
       } else {
-        // Whom it was to meet may have gone live by now, for another reason.
+        // The partner that it was to meet may have gone live by now, for another reason.
         if (meets_replayed(ball)) goes_live(partners_[ball]);
         predict_pairs(ball);
         refresh_key(ball);
@@ -280,7 +280,7 @@ bool Marbles::suspend(std::uint32_t ball) {
 /// that is taking place.
 void Marbles::resume(const EventKey& present) {
   const Tick now = now_;
-  // Who starts while others catch up has others catch up with that.
+  // A ball that starts while others catch up makes further balls catch up with its start.
   const bool outer = catches_up_;
   const Tick outer_present = present_;
   present_ = now;

@@ -1,7 +1,8 @@
-// Equal balls on static geometry, for who wants to know where they end up and nothing else.
+// Equal balls on static geometry, for callers that want to know where balls end up and nothing
+// else.
 //
-// Idea. What the simulator does (simulation.h), with what such scenes don't need left out: no
-// bounding volumes that expire, no list of watched pairs, no queue, no recording, no orientations.
+// Idea. The simulator (simulation.h) without the parts that such scenes don't need: no bounding
+// volumes that expire, no list of watched pairs, no queue, no recording, no orientations.
 // A ball's next collision with static geometry is found to its end, once, when its motion begins:
 // then its path up to there has a box, and only balls whose boxes overlap are asked when they meet.
 // The next event of all is the least of one number per ball.
@@ -16,23 +17,23 @@
 //      catches up with the present when one does: until then nothing else has touched it.
 //   4. What is replayed is not simulated, and makes no difference ("What stays the same", below).
 //
-// What stays the same. A simulation that records tells, of each ball, its story: the boxes that it
-// was in and its flights there, whom it met and when, and now and then all that goes on from there
-// (marble_story.h). One of a scene that differs in some balls, or in static geometry here and
-// there, can be given these stories. A ball that has one is replayed, which costs nothing, up to
-// the least of
-//   - where it meets static geometry that isn't as it was, or met some that was otherwise;
-//   - where it was left alone and would not be, or in another confinement;
-//   - a meeting in its story with a ball that isn't replayed now, or soon after one with a ball
-//     that isn't any more, of which decisions about rest will ask;
-//   - what it rests on, or what rests on it, isn't replayed any more;
-//   - a ball that isn't replayed meets it, for which it is an obstacle that moves in a known way,
-//     or comes near the confinement in which it is alone;
-//   - the story's end, if the ball doesn't stay where it is.
-// Then it goes live, from the last mark before: between that and the present it is alone with
-// static geometry, so that catching up changes nothing for others. Stories keep so many marks, and
-// where one is missing the simulation gives up; so it does with any error, and where it takes a
-// good part of the work that it may: is_replay_void(), and only a simulation of everything knows.
+// What stays the same. A simulation that records keeps a story of each ball: the boxes that it was
+// in and its flights there, its meetings, and marks, from which all goes on (marble_story.h). A
+// simulation of a scene that differs in some balls, or in static geometry here and there, can be
+// given these stories. A ball that has one is replayed, which costs nothing, until the first of
+// these:
+//   - it meets static geometry that has changed, or in its story met some that has changed since;
+//   - it was left alone in its story and would not be now, or in another confinement;
+//   - its story has a meeting with a ball that isn't replayed now, or has just had one with a ball
+//     that has gone live since: decisions about rest will ask about that ball;
+//   - a ball that it rests on, or that rests on it, isn't replayed any more;
+//   - a ball that isn't replayed meets it (it is an obstacle that moves in a known way), or comes
+//     near the confinement in which it is alone;
+//   - its story ends, and the ball doesn't stay where it is.
+// Then it goes live from its last mark. Between that and the present it was alone with static
+// geometry, so catching up changes nothing for others. A story has a bounded number of marks. If
+// one is missing, after any error, or when a good part of the permitted work is used up, the replay
+// is void (is_replay_void()), and only a simulation of everything gives the result.
 //
 // Nothing is allocated after start once lists have grown, but for stories. Cost: some 6,000
 // instructions per event among ten balls, below 1 microsecond; of n balls some 10 n more. Thread
@@ -268,7 +269,7 @@ class Marbles {
   std::vector<Surroundings> surroundings_;
   BallBoxes boxes_;             ///< of paths, or of confinements
   std::vector<EventKey> keys_;  ///< of each ball's next event
-  /// Whom each ball meets next, if it does at pair_tick; of one that is replayed, by its story.
+  /// By ball: its next partner, if it meets one at pair_tick; a replayed ball's is its story's.
   std::vector<std::uint32_t> partners_;
   Resting resting_;
   RecentContacts recent_;
@@ -287,7 +288,7 @@ class Marbles {
   std::vector<std::uint64_t> own_work_;  ///< by ball: of events of which it is the lower one
   std::vector<Tick> last_event_;         ///< by ball
   std::vector<std::uint32_t> unmarked_;  ///< by ball: events since its last mark
-  std::vector<std::pair<std::uint32_t, Tick>> hastened_;  ///< scratch: who goes live by when
+  std::vector<std::pair<std::uint32_t, Tick>> hastened_;  ///< scratch: balls going live, by when
   std::uint64_t replayed_work_ = 0;  ///< of events before the marks that some went on from
   bool has_replayed_ = false;
   bool lacks_mark_ = false;

@@ -351,7 +351,7 @@ bool Marbles::has_left(std::uint32_t ball, Tick tick) {
 }
 
 void Marbles::wake_on_those_that_left(Tick tick) {
-  // The list grows by those that wake, who are where they were.
+  // The list grows by the balls that wake; these are still in their places.
   for (std::size_t i = 0; i < changed_.size(); ++i) {
     const std::uint32_t ball = changed_[i];
     if (is_resting(ball) || !has_left(ball, tick)) continue;

@@ -231,7 +231,8 @@ void Marbles::predict_static(std::uint32_t index) {
       met(index_of_corner, meets_corner(flight, corner, window, after_s));
   };
   const TouchBox* const touch_boxes = near_->touch_boxes().data();
-  // Which are near nobody can foretell: so no branch hangs on it, and they are asked afterwards.
+  // The processor can't foretell which are near, so no branch depends on it: the near ones are
+  // collected first and tested afterwards.
   std::array<std::uint32_t, 64> near;
   const auto ask_each = [&](std::span<const std::uint32_t> features, const auto& ask) {
     const TouchBox box = window.box;
@@ -479,7 +480,7 @@ Tick Marbles::predict_pair(std::uint32_t a, std::uint32_t b) const {
       refractory.until <= begin) {
     return collision_of_flights(first, second, scene_->gravity_mps2, Vec3(0, 0, 0), radii_m);
   }
-  // Beyond the next change of either nobody asks.
+  // Collisions after the next change of either ball are not needed.
   const Tick until = std::min(is_resting(a) ? end_ : next_of(a), is_resting(b) ? end_ : next_of(b));
   const Tick from = std::max(now_, begin);
   return first_touch(first, second, from, until, refractory);

@@ -8,13 +8,13 @@
 namespace sleight::physics {
 namespace {
 
-/// Of a ball, start included. Balls that lean on each other meet thousands of times; who goes on
-/// from there is rare.
+/// Marks of a ball, start included. Balls that lean on each other meet thousands of times, and a
+/// simulation rarely goes on from there.
 constexpr std::size_t k_marks_max = 48;
 
-/// A ball that meets nobody has one after so many events, as going on from the last one takes all
-/// since: more often costs more than it saves. Of these it has no more, for those that follow
-/// meetings are needed.
+/// A ball that meets no other has a mark after so many events, since going on repeats all events
+/// since the last mark; more marks cost more than they save. Of such marks it has at most
+/// k_way_marks_max, which leaves room for those after meetings.
 constexpr std::uint32_t k_mark_every = 16;
 constexpr std::size_t k_way_marks_max = 24;
 

@@ -1,9 +1,9 @@
 // A part of a ball's path, and when on it the ball may first collide with something, at the
 // earliest.
 //
-// Idea. Most of what is near a path is not met, and the rest not at once. Which it is, and when,
-// can be said from the coefficients of three parabolas along the feature's own directions, for a
-// tenth of what it costs to judge a tick: here are these bounds, and whoever asks judges ticks from
+// Idea. A path meets few of the features near it, and those not at once. The coefficients of three
+// parabolas along a feature's own directions bound the first tick at which it may be met, for a
+// tenth of the cost of judging one tick. This header has the bounds; the caller judges ticks from
 // there on (marbles_predictions.cpp).
 //
 //   face    n.(p - q) is a parabola; that of a centre which falls is lowest at an end.

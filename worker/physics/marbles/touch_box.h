@@ -59,7 +59,8 @@ inline constexpr TouchBox k_unmeetable{
     .high_m = {-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
                -std::numeric_limits<float>::infinity(), 0}};
 
-/// More of a touch box on each side: far more than rounding of what collisions are judged by.
+/// A touch box is larger by this on each side: far more than the rounding in the verdict of a
+/// collision.
 inline constexpr double k_touch_box_pad_m = 1e-6;
 
 /// Far more than rounding, and than what counts as a touch, does to a place.

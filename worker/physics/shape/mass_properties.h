@@ -8,8 +8,8 @@
 // body", 2004: the integral of x x^T over the tetrahedron (0, a, b, c) of volume V is
 // V/20 (a a^T + b b^T + c c^T + s s^T) with s = a + b + c).
 //
-// Which symmetry a body has is declared by whoever makes the shape, never guessed from rounded
-// numbers, since it selects how free rotation is computed; the declaration is checked.
+// The maker of a shape declares its symmetry, since that selects how free rotation is computed; it
+// is checked, and never guessed from rounded numbers.
 // Thread safety: pure functions.
 #pragma once
 

@@ -1,4 +1,5 @@
-// What a body knows beside its segment: with whom it was in touch, on what it stays.
+// A body's contact state beside its segment: the bodies that it touched, the features that it stays
+// on.
 //
 // Thread safety: values.
 #pragma once
@@ -27,8 +28,8 @@ struct Supports {
   }
 };
 
-/// All of it but for what it touched, which lies in a list of TouchRecord (resting.h), and for what
-/// collisions count and note of themselves (history.h).
+/// All contact state but for two parts: the touches lie in a list of TouchRecord (resting.h), and
+/// the counts and times of collisions follow from the event itself (World::recall).
 struct BodyMemory {
   Resting::Memory rest;
   Supports supports;

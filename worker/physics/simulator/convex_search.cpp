@@ -370,8 +370,8 @@ double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shado
   return comes_down_s(fixed.base, fixed.fall_mps2, &shadows.of_a, shadows.of_b, out_s);
 }
 
-/// Along the line of the centres, or along the normal of the face of what doesn't move that the
-/// other one's centre lies furthest above.
+/// Along the line of the centres; or, if one piece doesn't move, along the normal of that of its
+/// faces which the other piece's centre lies furthest above.
 Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b) {
   const auto of_faces = [](const MovingPiece& fixed, const MovingPiece& other) -> Vec3 {
     const Vec3 centre_m =

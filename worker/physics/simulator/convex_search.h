@@ -24,8 +24,8 @@
 //   2. Elsewhere a look may start from what was found before, by this search or by earlier ones of
 //      the pair. That decides which of several certified answers it finds, equal but for rounding,
 //      and so, by the bound above, only which ticks are skipped: never what collides, or when.
-//      Hence whoever searches, and in whatever portions, finds the same collision, but for what 3
-//      leaves open.
+//      Hence all searches, however they are divided, find the same collision, except in the cases
+//      that 3 leaves open.
 //   3. A look is skipped only under the bounds above, lowered by what rounding does to gaps so far
 //      from the origin. Of pieces that touch that holds as long as the normal turns with the same
 //      face, whichever vertices touch, or the same two edges, if these cross at a sine of 0.01 or

@@ -371,11 +371,11 @@ void Engine<Boxes, Queue>::sample() {
 
 // ---- reading ahead ------------------------------------------------------------------------------
 
-// In a simulation of many bodies an event finds little of what it needs in the near caches, and one
-// reads list after list, box after box. The event after it is mostly known, so its bodies are read
-// while this one is processed: first what belongs to them, then, when the lists are here, what
-// belongs to their neighbours. (Of what they have more, too much would be read for nothing: with
-// the edges, or the neighbours' boxes, the gases are slower.)
+// In a simulation of many bodies most of an event's data are not in the near caches, and the event
+// waits for list after list, box after box. The event after it is mostly known, so its data are
+// read while this one is processed: first those of its bodies, then, when their lists are here,
+// those of their neighbours. (Edges and the neighbours' boxes are left out: with them the gases are
+// slower, since too much is read for nothing.)
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::fetch_next() {

@@ -37,7 +37,7 @@ struct Counts {
   std::uint64_t rests = 0;  ///< bodies that went to rest
   std::uint64_t samples = 0;
   std::uint64_t predictions = 0;
-  std::uint64_t replayed = 0;  ///< events that another simulation told, and nobody simulated
+  std::uint64_t replayed = 0;  ///< events that were taken from a history
   std::uint64_t voids = 0;     ///< events that came up after a partner's change had made them void
 
   /// What was done since an earlier state of the same counts.

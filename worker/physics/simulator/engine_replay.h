@@ -21,7 +21,7 @@ bool Engine<Boxes, Queue>::starts_as_told(std::uint32_t body, const EventKey& ev
       statics_[body].clear();
       world_.comes_into(body, boxes_.box({body}));
     } else if (world_.statics_differ()) {
-      world_.make_live(body);  // without boxes nobody notices when it comes near
+      world_.make_live(body);  // without boxes its coming near would go unnoticed
     }
   }
   schedule_replay();
@@ -54,7 +54,7 @@ void Engine<Boxes, Queue>::schedule_replay() {
   }
 }
 
-/// Who was replayed up to now is simulated from now on.
+/// Bodies that have gone live are simulated from now on.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::take_over_live() {
   for (const std::uint32_t body : world_.bodies_gone_live()) {

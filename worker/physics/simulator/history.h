@@ -1,16 +1,16 @@
 // All that happened in a simulation, so that one of nearly the same scene need not compute it again
 // (docs/SIMULATOR.md, "Replay of an earlier simulation").
 //
-// Idea. A list of events in the order in which they were processed. Each names the bodies that had
-// a part in it, the segments that they began, and what else they know now that they didn't before.
-// Who goes through the list so has, at each event, everything that a simulation would know by then
-// of these bodies; nothing is predicted, and no collision is resolved. A recording (recording.h) is
-// the same segments by body.
+// Idea. A list of events in the order in which they were processed. Each names the bodies that took
+// part in it, the segments that they began, and the changes of the rest of their state. So at each
+// event a reader of the list has the state that a simulation would have of these bodies, without
+// predictions and without resolving a collision. A recording (recording.h) is the same segments by
+// body.
 //
 // Invariants
-//   1. A body had a part in an event if what it knows was changed, or asked for, by it. So what an
-//      event did is a function of what its participants knew, of static geometry near them, and of
-//      the scene's laws.
+//   1. A body takes part in an event if the event changes or reads its state. So an event's effect
+//      is a function of its participants' states, of static geometry near them, and of the scene's
+//      laws.
 //   2. Chunks do not change once a history has them, and histories share them.
 // Thread safety: a History is shared between threads that read it; the rest none.
 #pragma once
@@ -80,8 +80,8 @@ class HistoryChunk {
 
 using HistoryChunks = std::vector<std::shared_ptr<const HistoryChunk>>;
 
-/// Of a simulation up to and at a tick. REQUIRES: the meshes and polyhedra that its scene shares
-/// stay as they are.
+/// The events of a simulation up to and at a tick. REQUIRES: the meshes and polyhedra that its
+/// scene shares stay as they are.
 struct History {
   Scene scene;
   HistoryChunks chunks;
@@ -90,7 +90,7 @@ struct History {
   std::size_t bytes() const;
 };
 
-/// Goes through a list of chunks. Whoever made them must keep them.
+/// Goes through a list of chunks. Borrows them.
 class HistoryReader {
  public:
   HistoryReader() = default;

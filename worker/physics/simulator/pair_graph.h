@@ -4,10 +4,10 @@
 // lists are stretches of one array, close together so that few pages of memory hold those that a
 // simulation reads; one that is full moves into a stretch of twice the room. Ids lie apart from the
 // rest, so that a search for one of them reads a cache line, and the two copies of an edge needn't
-// know one another's place. A pair's prediction is in the copy of the body
-// that made it, the one that changed its motion last; the other copy may hold an older one, which
-// nobody removes: it carries the number of changes that the partner had made by then, and is void
-// if the partner has changed since.
+// know one another's place. A pair's prediction is in the copy of the body that made it, the one
+// that changed its motion last. The other copy may hold an older prediction, which stays there: it
+// carries the partner's number of changes at that time, and is void if the partner has changed
+// since.
 //
 // Invariants
 //   1. others_of(body)[i] is the id in edges_of(body)[i].other.
@@ -99,7 +99,7 @@ class PairGraph {
     return append(a, b);
   }
 
-  /// A hint to read soon who is in a body's list.
+  /// A hint that a body's list is read soon.
   void fetch(std::uint32_t body) const { __builtin_prefetch(others_.data() + lists_[body].begin); }
 
   /// a's copy of the pair's edge; null if there is none.

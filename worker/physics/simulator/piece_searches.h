@@ -35,7 +35,7 @@ class PieceSearches {
       blocks.reserve(bodies * k_neighbours);
   }
 
-  /// Nobody has any.
+  /// Ends all searches.
   void clear() {
     searches_.clear();
     for (auto& blocks : free_)

@@ -1,4 +1,4 @@
-// With whom each body collided last, and how close they were: for the refractory time
+// The last partners that each body collided with, and the gaps then: for the refractory time
 // (tolerances.h).
 //
 // Thread safety: none.

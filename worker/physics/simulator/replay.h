@@ -1,17 +1,18 @@
-// How far an earlier simulation's history has been replayed, and by whom it is.
+// How far an earlier simulation's history has been replayed, and by which bodies.
 //
 // Invariants, of a simulation that replays
 //   1. A body is replayed if it has started and, up to the present, has done what the history says
 //      in each bit: its segment and all that it knows are those of its last event there. Nothing is
 //      predicted for it but its collisions with bodies that are not.
-//   2. Whatever is processed that is not the history's next event, and asks for or changes what a
-//      replayed body knows, makes it live first: collisions with it, decisions about rest that look
-//      at it, wakes. Only its segment may be read.
-//   3. What a live body rests on is live: so nobody wakes but by his own kind.
-//   4. An event of the history is replayed if all of its participants are; else those that are go
-//      live before it (world_replay.cpp). They go live as well before they come near a place where
-//      static geometry differs, and at the history's end.
-// A body goes live where it is: its state is that of the present, so nothing has to be caught up.
+//   2. An event that is not the history's next one, and reads or changes the contact state of a
+//      replayed body, makes the body live first: a collision with it, a decision about rest that
+//      looks at it, a wake. Only its segment may be read.
+//   3. If a live body rests on a body, that one is live too; so waking never spreads to replayed
+//      bodies.
+//   4. An event of the history is replayed if all of its participants are replayed. Otherwise its
+//      replayed participants go live before it (world_replay.cpp). Bodies also go live before they
+//      come near a place where static geometry differs, and at the history's end.
+// A body goes live in its present state, so it has nothing to catch up with.
 // Thread safety: none.
 #pragma once
 

@@ -17,7 +17,7 @@ constexpr double k_slow_parting = 2;
 /// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
 /// cube that stands on an edge does not. More than balance may miss.
 constexpr double k_firm = 0.003;
-/// Who stands, but not firmly, rests after so many times the rest time. The tilt of a cube on its
+/// A body that stands, but not firmly, rests after so many rest times. The tilt of a cube on its
 /// edge grows e-fold in 0.97 sqrt(size / g), its moment about the edge over its weight: some
 /// 700-fold meanwhile where the rest time is 0.1 sqrt(size / g).
 constexpr TickCount k_patience = 64;

@@ -9,19 +9,19 @@
 //     and could if its centre were a little to any side. What else it touches may still move (a
 //     heap into which grains fall rests from below). A sphere needn't stand so firmly; nor need
 //     another body that has been slow for 64 times as long, in which what balances on an edge
-//     topples, while a cube that rocks on two opposite corners does not. And who has been slow for
-//     so long without leaving his place stands on what pushes him up, whatever the contacts say: a
-//     ball on a ledge that leans on another one may lack a thousandth of its weight, and yet only
-//     bounce by micrometres for ever.
-// The last one keeps what is slow because it is about to topple or to slide from being frozen.
+//     topples, while a cube that rocks on two opposite corners does not. A body that has been slow
+//     for so long without leaving its place stands on all contacts that push it up, whether or not
+//     they balance it: a ball on a ledge that leans on another one may lack a thousandth of its
+//     weight, and yet only bounce by micrometres for ever.
+// Balance keeps a body that is slow because it is about to topple or to slide from being frozen.
 // Everything is read from recorded contacts, so the decision is a function of the events so far.
 //
-// A resting body is an obstacle. It remembers who pushed in its balance as its supporters. It wakes
+// A resting body is an obstacle. The bodies that pushed in its balance are its supporters. It wakes
 // when a collision, or a user, would give it a speed above wake_speed_mps(); below, it takes the
-// blow as static geometry does. And it wakes when a supporter moves: when that wakes from a blow,
-// or has woken because its own supporter moved, and then is fast or leaves its place. So a blow
-// does not wake a whole heap: who only may have lost something is looked at, and what lies on him
-// sleeps on unless he has.
+// blow as static geometry does. It also wakes when a supporter moves. A supporter moves if it wakes
+// from a blow, or if its own supporter moved and it then is fast or leaves its place. So a blow
+// does not wake a whole heap: a body that may have lost its support is looked at, and the bodies on
+// it sleep on unless it leaves its place.
 //
 // Invariants
 //   1. A body rests only by decide(), which is asked at the body's own rest event.
@@ -148,7 +148,7 @@ class Resting {
   }
 
   /// Calls visit(partner) for each other body that a body touched in the last rest_time_s, more
-  /// than once perhaps: on their rest its own hangs, too.
+  /// than once perhaps: its own rest depends on theirs.
   template <class Visit>
   void for_each_partner(std::uint32_t body, Tick now, const Visit& visit) const {
     for (const TouchRecord& touch : logs_[body].touches()) {
@@ -310,8 +310,8 @@ bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
     note_stay(log, now);
     if (log.candidate) set_.push_back(member);
   };
-  // Whoever isn't carried by all that may rest is carried by no part of it. The body itself comes
-  // first, since mostly that settles it.
+  // A body that all candidates together don't carry is carried by no subset of them. The body
+  // itself comes first, since mostly that settles it.
   const auto check = [&](std::uint32_t member) {
     Log& log = logs_[member];
     log.carried = supporting(log, now);
@@ -326,7 +326,7 @@ bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
     check(set_[i]);
     if (!logs_[body].candidate) return false;
   }
-  // Whoever leaned on one that has turned out not to be carried is checked again.
+  // A body that leaned on one that has turned out not to be carried is checked again.
   const auto leans_on_others = [&](const Log& log) {
     const auto contacts = log.touches();
     for (std::size_t k = 0; k < contacts.size(); ++k) {

@@ -183,8 +183,8 @@ bool same_piece(const StaticGeometry& a, const StaticGeometry& b, std::uint32_t 
   return true;
 }
 
-/// Compares what bodies meet, item by item, so that it doesn't matter what was changed: neighbours
-/// of what has moved may be touched elsewhere as well.
+/// Compares static geometry piece by piece and feature by feature, so that indirect changes are
+/// found: if a vertex has moved, its neighbours may be touched in other places too.
 class PlaceFinder {
  public:
   PlaceFinder(const StaticGeometry& before, const StaticGeometry& after)

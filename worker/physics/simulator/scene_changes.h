@@ -1,4 +1,4 @@
-// In what do two scenes differ, as far as what happens in them may?
+// The differences between two scenes that may change a simulation.
 //
 // Thread safety: values and pure functions.
 #pragma once

@@ -63,14 +63,15 @@ class Simulation {
  public:
   /// Checks the scene and puts the bodies that start at tick 0 in their places.
   ///
-  /// With a past, only what differs from that is simulated: bodies with other shapes, masses,
-  /// materials or starts; those that come near static geometry that differs; and whom these touch,
-  /// or are asked about with. The rest is replayed. All of what is below is the same, bit for bit,
-  /// as without a past, but for counts(). A past with other laws (gravity, surfaces, slow contacts,
-  /// periods) or another number of bodies is of no use, nor is null. Compounds are the same if they
-  /// are the same object. A body without activity is one that starts at k_tick_max. REQUIRES: a
-  /// body with the same start as in the past has the same start_again; the past's meshes and
-  /// polyhedra have not been changed since.
+  /// `past` is the history of an earlier simulation. With it only the differences are simulated:
+  /// bodies with other shapes, masses, materials or starts; bodies that come near static geometry
+  /// that differs; and bodies that one of these touches or asks about for a decision about rest.
+  /// The rest is replayed. All results below but counts() are the same, bit for bit, as without it.
+  /// A history with other laws (gravity, surfaces, slow contacts, periods) or another number of
+  /// bodies is of no use, nor is null. Compounds are the same if they are the same object. A body
+  /// that takes no part starts at k_tick_max. REQUIRES: a body with the same start as in the
+  /// history has the same start_again; the history's meshes and polyhedra have not been changed
+  /// since.
   static base::Result<Simulation, SceneError> start(const Scene& scene,
                                                     const SimulationOptions& options,
                                                     std::shared_ptr<const History> past = nullptr);
@@ -104,9 +105,9 @@ class Simulation {
   std::span<const SurfaceTouch> surface_touches() const;
   /// Up to now(). Empty if not recorded. Of one that tells it is made, or completed, here.
   const Recording& recording() const;
-  /// All that happened up to now(), as the past of other simulations: shared, and good for as long
-  /// as anybody keeps it. Null if it was not told or takes too much memory, or after an error. What
-  /// is the same as in this simulation's own past up to the first difference is shared with that.
+  /// All that happened up to now(), for replays by other simulations. Null without `tell`, if it
+  /// takes too much memory, or after an error. Up to the first difference its chunks are shared
+  /// with the history that this simulation replays.
   std::shared_ptr<const History> history() const;
 
  private:

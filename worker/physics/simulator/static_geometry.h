@@ -75,11 +75,11 @@ class StaticGeometry {
  public:
   /// Shares the scene's polyhedra and meshes. REQUIRES: error_of(scene) has none.
   explicit StaticGeometry(const Scene& scene) { assign(scene); }
-  /// Becomes what a new one would be, and takes up the room of what it was: several times faster
-  /// where the system hands out and takes back memory by pages.
+  /// Equals a new one afterwards, and reuses its memory: several times faster where the system
+  /// hands out and takes back memory by pages.
   void assign(const Scene& scene);
-  /// A mesh, by its place in the scene, has had vertices moved: becomes what a new one would be,
-  /// from what the mesh says of its last move. REQUIRES: nothing but spheres meets it.
+  /// Vertices of a mesh, given by its place in the scene, have moved. Equals a new geometry
+  /// afterwards; reads the mesh's last move. REQUIRES: only spheres meet it.
   void refresh(std::size_t mesh);
   // Pieces point into arrays of this object, which stay where they are when it is moved.
   StaticGeometry(StaticGeometry&&) noexcept = default;
@@ -139,8 +139,8 @@ class StaticGeometry {
     return names_[piece_owners_[index].name];
   }
 
-  /// Appends the indices of what a sphere of a radius that stays in a box may meet, in ascending
-  /// order.
+  /// Appends the indices of the features that a sphere of this radius may meet while its centre
+  /// stays in a box, in ascending order.
   void features_near(const Box& box, double radius_m, std::vector<std::uint32_t>& found) const;
   /// The same of pieces that a box overlaps.
   void pieces_near(const Box& box, std::vector<std::uint32_t>& found) const;

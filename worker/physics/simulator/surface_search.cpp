@@ -150,8 +150,8 @@ class Look {
     }
     return descent_.room_m > 0;
   }
-  /// The greatest share of what it may that a corner comes down by from now until then. That is
-  /// convex in time, so that the ends count.
+  /// The greatest share of its room that a corner comes down by from now until then. The share is
+  /// convex in time, so only the ends need to be computed.
   double share_at(double until_s) const {
     const double half_s = 0.5 * until_s;
     double most = -k_forever_s;

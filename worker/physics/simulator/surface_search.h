@@ -69,7 +69,7 @@ struct NearPoints {
   static constexpr std::size_t k_most = 32;
   std::array<Vec3, k_most> own_m{};           ///< in the box's frame
   std::array<std::uint32_t, k_most> order{};  ///< of the lattice
-  /// None touches until some corner has come down by this share of what it may, ascending.
+  /// By point, ascending: it can't touch until some corner has come down by this share of its room.
   std::array<double, k_most> share{};
   std::array<Tick, k_most> clear_until{};  ///< none collides before, in the motion as it was
   std::size_t count = 0;

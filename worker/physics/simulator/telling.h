@@ -1,4 +1,4 @@
-// What a running simulation tells of the event that it is processing, for its history.
+// Collects the event that a running simulation is processing, for its history.
 //
 // Internal to World. Thread safety: none.
 #pragma once
@@ -27,8 +27,8 @@ class Telling {
   }
   void meet(double gap_m) { gap_m_ = gap_m; }
 
-  /// The event is over: state(participant, segments, touches, memories) appends what its marks say.
-  /// What a body remembers holds what it touched as well.
+  /// The event is over: state(participant, segments, touches, memories) appends the parts that the
+  /// participant's marks name. A whole memory includes the touches.
   template <class State>
   void finish(const EventKey& key, const State& state) {
     segments_.clear();

@@ -2,8 +2,8 @@
 // and what a collision does to them. Knows nothing of queues and bounding volumes.
 //
 // Invariants
-//   1. Every prediction is a function of the segments of the bodies involved: whoever asks, and
-//      when, gets the same collision.
+//   1. Every prediction is a function of the segments of the bodies involved: it does not depend on
+//      the caller or on the time of the call.
 //   2. A body's motion changes only through begin_segment, which also records it.
 // Thread safety: none.
 #pragma once
@@ -169,7 +169,7 @@ class World {
   /// Ends all. From now on searches may, or may not, leave out pairs that stay near places in which
   /// they are clear of each other (near_places.h).
   void forget_searches(bool use_places);
-  /// predict for whichever image comes first, for those who have no boxes.
+  /// As predict, for the periodic image that collides first: for the algorithm without boxes.
   /// REQUIRES: the world is periodic.
   Prediction predict_any_image(std::uint32_t a, std::uint32_t b, Tick now) const;
 
@@ -225,14 +225,14 @@ class World {
   }
   /// A body has started: whether it is replayed from now on.
   bool replays_start(std::uint32_t body, const EventKey& event);
-  /// Whether nobody is replayed, or will be.
+  /// Whether no body is replayed, or will be.
   bool replay_is_over() const { return replayed_count_ == 0 && replay_->awaited_count == 0; }
   void end_replay() { replay_ = nullptr; }
   // REQUIRES, of these: replays().
   /// The key of the next event that is told of bodies that are replayed; or of the history's end.
   EventKey next_told();
-  /// Replays it; or makes live who had a part in it and is replayed, if not all are. Whether it was
-  /// replayed: changed() then lists who began a segment.
+  /// Replays the next event if all its participants are replayed; otherwise makes those that are
+  /// live. Whether it was replayed: changed() then lists the bodies that began a segment.
   bool play();
   /// How many of the scene's controls, in order, are the history's.
   std::size_t same_controls() const { return replay_->changes.same_controls; }
@@ -242,7 +242,7 @@ class World {
   }
   bool statics_differ() const { return replay_ && !replay_->changes.places.none(); }
   void make_live(std::uint32_t body);
-  /// Who was replayed and is no more, since the last forget_gone_live.
+  /// Bodies that have gone live since the last forget_gone_live.
   bool has_gone_live() const { return !gone_live_.empty(); }
   std::span<const std::uint32_t> bodies_gone_live();
   void forget_gone_live() { gone_live_.clear(); }
@@ -418,7 +418,7 @@ class World {
   std::vector<std::uint8_t> started_;
   std::vector<Turning> turning_;
   std::vector<Supports> supports_;  ///< by body; empty if no body can stay on anything
-  TickCount alone_for_ = 0;         ///< only who has met nobody for so long stays
+  TickCount alone_for_ = 0;         ///< a sphere stays only if it has met no body for so long
   std::vector<PointPiece> points_;  ///< of spheres
   std::vector<ConvexView> parts_;   ///< of all bodies
   PieceSearches searches_;

@@ -1,4 +1,5 @@
-// Who goes to rest, what carries him as well as what he touched, and who wakes.
+// Which bodies go to rest, which lasting contacts carry them beside those that they touched, and
+// which bodies wake.
 #include <algorithm>
 #include <limits>
 
@@ -109,7 +110,7 @@ bool World::has_left(std::uint32_t body, Tick tick) {
 }
 
 void World::wake_on_those_that_left(const EventKey& event) {
-  // The list grows by those that wake, who are where they were.
+  // The list grows by the bodies that wake; these are still in their places.
   for (std::size_t i = 0; i < changed_.size(); ++i) {
     const std::uint32_t body = changed_[i];
     if (is_resting(body) || !has_left(body, event.tick)) continue;

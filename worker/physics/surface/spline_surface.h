@@ -9,8 +9,7 @@
 // spline stays between the least and greatest of its points (ibid., P3.3 and P4.22).
 //
 // Invariants
-//   1. What is returned is a function of the arguments and the control points: never of what was
-//      asked before.
+//   1. Results are functions of the arguments and the control points, never of earlier calls.
 //   2. Bounds hold at every place of the region, rounding included.
 // Thread safety: none: asking makes patches.
 #pragma once

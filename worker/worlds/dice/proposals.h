@@ -11,13 +11,14 @@
 //                   Restitution and friction are reflected at the ends of their ranges, which is
 //                   symmetric as well
 //   change_contact  the same of a control point that mattered: one of the collisions of dice with
-//                   the table, uniformly, then one of the sixteen points around it, with the
-//                   probability of its weight there. Another table makes other collisions, so the
-//                   way back has another probability: with share(c) the mean over collisions of the
-//                   weight of point c, log q ratio = log share(c) of the candidate's collisions -
-//                   log share(c) of the present ones. It is known after the simulation, and is at
-//                   most log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds
-//                   (2/3)^2. A point that the candidate doesn't touch has no way back.
+//                   the table, with a probability proportional to how long the die flew to it, then
+//                   one of the sixteen points around it, with the probability of its weight there.
+//                   Another table makes other collisions, so the way back has another probability:
+//                   with share(c) the mean of the weight of point c over collisions, each weighed
+//                   by its flight, log q ratio = log share(c) of the candidate's collisions - log
+//                   share(c) of the present ones. It is known after the simulation, and is at most
+//                   log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds (2/3)^2.
+//                   A point that the candidate doesn't touch has no way back.
 //
 // Throws are chaotic: what changes the end a little is far smaller early in a throw than late, and
 // differs from throw to throw. So a step's standard deviation is the greatest that is asked for,

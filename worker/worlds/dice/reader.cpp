@@ -128,7 +128,7 @@ archive::WorldLayout make_layout(const Dice& world) {
   return layout;
 }
 
-/// The animations that were asked for last: whoever chooses which to keep compares each one with
+/// The animations that were asked for last: the choice of kept animations compares each one with
 /// the same few others. Thread-safe.
 class LastAnimations {
  public:

@@ -1,5 +1,5 @@
-// What a simulation of the spelling balls leaves for those of similar states: each ball's story,
-// and where all were when it was looked whether they stay (physics/marbles/marbles.h).
+// The history that a simulation of spelling balls leaves for those of similar states: each ball's
+// story (physics/marbles/marbles.h), and the places of all balls at each test of whether they stay.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -32,7 +32,7 @@ struct Past {
   double border_m = 0;                    ///< of the box (StaticGeometry::border_m)
   std::uint64_t simulated = 0;  ///< events that it took to know all this (Marbles::Counts::work)
 
-  /// What was seen of all balls at a tick; nothing if nobody looked.
+  /// What was seen of all balls at a tick; nothing if that tick had no look.
   std::span<const Seen> seen_at(physics::Tick tick) const {
     const auto found = std::ranges::lower_bound(looks, tick);
     if (found == looks.end() || *found != tick) return {};

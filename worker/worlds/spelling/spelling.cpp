@@ -35,8 +35,8 @@ constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 /// of, if somebody looked.
 Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   if (const physics::MarbleStory* story = marbles.replayed({ball})) {
-    // One that was left alone then, but of whom it is known by now what it did, isn't now: others
-    // may be where it would not have been left alone.
+    // A ball that was left alone then, and whose way since is known, isn't alone now: other balls
+    // may be in places where it would not have been left alone.
     if (known != nullptr && (!known->was_alone || story->is_alone_at(marbles.now()))) return *known;
     if (story->stays && story->last.tick <= marbles.now()) {
       const physics::Segment& segment = story->last.marble.segment;

@@ -131,7 +131,7 @@ class Spelling {
     return log_q_ratio(state, outcome.is_animation() ? &outcome.filling : nullptr, proposal,
                        candidate_outcome.is_animation() ? &candidate_outcome.filling : nullptr);
   }
-  /// By what is filled, no matter who says so; none if that isn't an animation.
+  /// The same by the filling alone, a simulation's or a surrogate's; null if that has none.
   sampling::Proposal<State> propose(const State& state, const Filling* filling,
                                     std::span<const double> scales, random::Stream& stream) const;
   double log_q_ratio(const State& state, const Filling* filling,

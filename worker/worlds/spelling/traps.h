@@ -37,8 +37,9 @@ class Traps {
     bool rests = false;
   };
   /// Whether each ball is where it will be for good: at rest, or trapped in a bin of its own that
-  /// no ball at rest reaches over. A function of where the balls are: who simulates them, and how
-  /// far, has no say in it, so long as a ball that is trapped is given as it is or was since it is.
+  /// no ball at rest reaches over. A function of the balls' places alone: it doesn't depend on the
+  /// engine or on how far that has simulated, as long as a trapped ball is given in a state that it
+  /// has had since it was trapped.
   bool all_stay(std::span<const Ball> balls) const;
 
  private:
