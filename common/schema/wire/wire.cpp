@@ -94,11 +94,11 @@ void put_scan(const plan::ScanRecord& record, generated::Scan::Builder out) {
 }
 
 /// None, or one of each kind.
-bool fits(wire::Scan::Reader in) {
+bool fits(generated::Scan::Reader in) {
   return in.getFailures().size() == 0 || in.getFailures().size() == plan::k_failure_kinds;
 }
 
-plan::FailureCounts get_failures(wire::Scan::Reader in) {
+plan::FailureCounts get_failures(generated::Scan::Reader in) {
   plan::FailureCounts counts;
   for (unsigned kind = 0; kind < in.getFailures().size(); ++kind)
     counts.by_kind[kind] = in.getFailures()[kind];

@@ -100,6 +100,7 @@ TEST(FailureFile, AnyBytesAreReadOrRefused) {
 }
 
 TEST(FailureFile, IsNamedByWhereItHappened) {
+  // Goal: a failure has one name in every session. Method: the first of a scan, and the second.
   const plan::ReplicaKey replica{base::ChainId{2}, base::ReplicaId{5}};
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 0), "failure-2-5-77.toml");
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 1), "failure-2-5-77-1.toml");
