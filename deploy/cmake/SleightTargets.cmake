@@ -39,7 +39,7 @@ function(sleight_test)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
   sleight_folder_name(name)
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE sleight_options ${ARG_LINKS} GTest::gtest_main GTest::gmock)
+  target_link_libraries(${name} PRIVATE sleight_options ${ARG_LINKS} tests_support)
   target_precompile_headers(${name} REUSE_FROM sleight_precompiled_tests)
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
