@@ -30,7 +30,7 @@ void step(random::Stream& stream, double by, PlacedPose& pose, const Vec3& drift
   pose.position_m += by * random_vector(stream) + drift_m;
 }
 
-void expect_same(const Closest& warm, const Closest& cold, double coordinates, int at) {
+void expect_same(const Closest& warm, const Closest& cold, double coordinates, std::uint64_t at) {
   ASSERT_NEAR(warm.gap_m, cold.gap_m, 1e-14 * coordinates) << at;
   ASSERT_EQ(warm.overlapping(), cold.overlapping()) << at;
   ASSERT_LE(norm(warm.normal - cold.normal), 1e-13 * (1 + coordinates / std::fabs(cold.gap_m)))
@@ -51,7 +51,7 @@ TEST(ClosestWarm, equals_cold_along_trajectories) {
     Placement at = random_placement(stream, a, b, 1);
     const double by = log_between(stream, 1e-6, 0.5);
     SeparationCache cache;
-    for (int k = 0; k < 200; ++k) {
+    for (std::uint64_t k = 0; k < 200; ++k) {
       const Closest cold = closest_cold(a, at.a, b, at.b);
       const Closest warm = closest_warm(a, at.a, b, at.b, cache);
       const double coordinates = coordinates_m(a, at.a, b, at.b) + 2;
