@@ -56,7 +56,7 @@ function(sleight_test)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE sleight_options sleight_options_${kind} ${ARG_LINKS}
-    GTest::gtest_main GTest::gmock)
+    tests_support)
   target_precompile_headers(${name} REUSE_FROM sleight_precompiled_${kind})
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

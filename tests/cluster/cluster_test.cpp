@@ -3,25 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <optional>
 #include <string>
 
 #include "tests/cluster/cluster.h"
+#include "tests/support/property.h"
 
 namespace sleight::cluster {
 namespace {
 
-/// One seed alone (SLEIGHT_SEED=n).
-std::optional<std::uint64_t> seed_asked_for() {
-  const char* text = std::getenv("SLEIGHT_SEED");
-  if (text == nullptr) return std::nullopt;
-  return std::strtoull(text, nullptr, 10);
-}
-
 /// Of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
 std::uint64_t seeds() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 10'000 : 150;
+  return property::long_run() ? 10'000 : 150;
 }
 
 /// Tests of a name, each with its share of the seeds: so several processes may run them.
@@ -61,11 +53,9 @@ struct Summary {
 };
 
 /// Runs a seed's cluster and says what is wrong with it.
-void check_seed(std::uint64_t seed, const CaseChoice& choice, const char* test, Summary& summary) {
+void check_seed(std::uint64_t seed, const CaseChoice& choice, Summary& summary) {
   const Case of = case_of(seed, choice);
-  SCOPED_TRACE(fmt::format(
-      "{}\nreplay: SLEIGHT_SEED={} build/release/tests/tests_cluster --gtest_filter='{}/0'",
-      of.name(), seed, test));
+  SCOPED_TRACE(of.name());
   const Outcome outcome = Cluster(of).run(liveness_bound_s(of));
   EXPECT_GE(of.expected.scans(), k_units_per_worker * of.scenario.workers);
   EXPECT_TRUE(outcome.is_finished)
@@ -78,15 +68,12 @@ void check_seed(std::uint64_t seed, const CaseChoice& choice, const char* test, 
 
 class Seeds : public testing::TestWithParam<std::uint64_t> {
  protected:
-  void check_share(const CaseChoice& choice, const char* test, std::uint64_t last) const {
+  void check_share(const CaseChoice& choice, std::uint64_t last) const {
     Summary summary;
-    if (const auto only = seed_asked_for()) {
-      check_seed(*only, choice, test, summary);
-    } else {
-      for (std::uint64_t seed = 1 + GetParam(); seed <= last; seed += k_shares) {
-        check_seed(seed, choice, test, summary);
-        if (HasFailure()) break;
-      }
+    for (const std::uint64_t seed : property::seeds(last)) {
+      if ((seed - 1) % k_shares != GetParam()) continue;
+      check_seed(seed, choice, summary);
+      if (HasFailure()) break;
     }
     summary.print();
   }
@@ -97,13 +84,13 @@ TEST_P(Seeds, DigestIsTheSerialRuns) {
   // with the bits of the serial run, and with nothing lost that was committed. Method: clusters of
   // 1 to 4096 workers by seed, digests compared, the store's invariants checked, a bound on the
   // time from the last fault to the end.
-  check_share({}, "*DigestIsTheSerialRuns", seeds());
+  check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewWorkersDoIt) {
   // Goal: the same where each worker counts: what takes one up for ever stops the run. Method:
   // likewise with at most four, which is cheap: twenty times as many seeds.
-  check_share({.method = {}, .workers_max = 4}, "*FewWorkersDoIt", 20 * seeds());
+  check_share({.method = {}, .workers_max = 4}, 20 * seeds());
 }
 
 INSTANTIATE_TEST_SUITE_P(Clusters, Seeds, testing::Range<std::uint64_t>(0, k_shares));

@@ -13,6 +13,7 @@
 
 #include "common/math/elementary.h"
 #include "tests/cluster/cluster.h"
+#include "tests/support/property.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 
@@ -82,7 +83,7 @@ TEST(Scale, AThousandWorkersAreBusy) {
   // Goal: at least 95% of 1,024 workers' time is used where there are ladders enough, one for each.
   // Method: clusters of several sizes; utilisation between the first and the last fifth of the
   // scans, and over the whole run, with the ramps at its ends.
-  const bool is_long = std::getenv("SLEIGHT_SOAK") != nullptr;
+  const bool is_long = property::long_run();
   print_line("| workers | ladders x levels | scans a block | amid the run | whole run | run |");
   print_line("|---|---|---|---|---|---|");
   for (const Size size : {Size{.workers = 128, .ladders = 128, .levels = 32, .scans = 100},

@@ -1,5 +1,6 @@
 // Goal: no file, however hostile, makes the request reader crash, hang or report nonsense. Method:
-// libFuzzer; every input is read as a request, and beyond "no crash" it is checked that
+// libFuzzer; every input is read as a request of every world, and beyond "no crash" it is checked
+// that
 //   - a request that reads has a normalised text that reads back to the same request, parameters
 //     and text, and so does the one that is stopped elsewhere;
 //   - a request that does not read has errors, each placed within the file, sorted, on one line
@@ -17,8 +18,11 @@
 
 #include "common/base/check.h"
 #include "common/request/text.h"
+#include "tests/fuzz/same_parameters.h"
 #include "tests/unit/common/request/toy_world.h"
 #include "worker/worlds/ball_2d/request.h"
+#include "worker/worlds/dice/request.h"
+#include "worker/worlds/spelling/request.h"
 
 namespace sleight {
 namespace {
@@ -26,6 +30,8 @@ namespace {
 /// A request together with what the worlds read of it.
 struct Reading {
   worlds::ball_2d::Parameters ball_2d;
+  worlds::spelling::Parameters spelling;
+  worlds::dice::Parameters dice;
   request::toy::Parameters toy;
   std::vector<request::DirectionRequest> request;  ///< one, or none
   std::vector<request::Diagnostic> errors;
@@ -34,6 +40,8 @@ struct Reading {
 Reading read(std::string_view text) {
   Reading reading;
   const std::array worlds{worlds::ball_2d::request_binding(reading.ball_2d),
+                          worlds::spelling::request_binding(reading.spelling),
+                          worlds::dice::request_binding(reading.dice),
                           request::toy::binding(reading.toy)};
   auto request = request::read_request(text, "fuzz.toml", worlds);
   if (request) {
@@ -44,19 +52,6 @@ Reading read(std::string_view text) {
   return reading;
 }
 
-bool same_ball(const worlds::ball_2d::Parameters& a, const worlds::ball_2d::Parameters& b) {
-  return a.world.diameter_m == b.world.diameter_m && a.world.gravity_mps2 == b.world.gravity_mps2 &&
-         a.world.drop_height_diameters == b.world.drop_height_diameters &&
-         a.world.collisions == b.world.collisions &&
-         a.world.normal_sd_rad == b.world.normal_sd_rad &&
-         a.world.restitution == b.world.restitution &&
-         a.constraint.target_diameters == b.constraint.target_diameters &&
-         a.constraint.sigma_diameters == b.constraint.sigma_diameters &&
-         a.constraint.tolerance_diameters == b.constraint.tolerance_diameters &&
-         a.proposal.change_probability == b.proposal.change_probability &&
-         a.proposal.change_half_width_rad == b.proposal.change_half_width_rad;
-}
-
 void check_round_trip(const Reading& given) {
   const request::DirectionRequest& request = given.request.front();
   const std::string normal = normalised_text(request);
@@ -64,7 +59,9 @@ void check_round_trip(const Reading& given) {
   CHECK_EQ(again.request.size(), 1U);
   CHECK(again.request.front() == request);
   CHECK_EQ(normalised_text(again.request.front()), normal);
-  CHECK(same_ball(again.ball_2d, given.ball_2d));
+  CHECK(same(again.ball_2d, given.ball_2d));
+  CHECK(same(again.spelling, given.spelling));
+  CHECK(same(again.dice, given.dice));
   CHECK(again.toy == given.toy);
 
   const std::string stopped = normalised_text_of_scans(request, 1000);

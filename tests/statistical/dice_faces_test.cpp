@@ -12,6 +12,7 @@
 
 #include "common/math/rotation.h"
 #include "tests/statistical/support/chi_square.h"
+#include "tests/support/property.h"
 #include "worker/worlds/dice/dice.h"
 
 namespace sleight::statistical {
@@ -39,7 +40,7 @@ TEST(DiceFaces, ComeUpOnceInSixThrows) {
   // Goal: the simulator prefers no side of a cube. Method: the upper sides of dice at rest, of
   // throws from the prior, against 1/6 each by chi-square; 60,000 throws with SLEIGHT_SOAK=1, 3,000
   // without. Fails by chance once in 10,000 seeds.
-  const std::uint64_t throws = std::getenv("SLEIGHT_SOAK") != nullptr ? 60'000 : 3'000;
+  const std::uint64_t throws = property::long_run() ? 60'000 : 3'000;
   const Dice world(Parameters{});
   std::vector<double> counts(6, 0.0);
   for (std::uint64_t i = 0; i < throws; ++i) {

@@ -11,6 +11,7 @@
 
 #include "common/math/elementary.h"
 #include "tests/statistical/support/rank_tests.h"
+#include "tests/support/property.h"
 #include "worker/physics/surface/spline_surface.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/worlds/dice/dice.h"
@@ -27,7 +28,7 @@ using worlds::dice::State;
 constexpr std::uint64_t k_seed = 271828;
 
 bool is_soak() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr;
+  return property::long_run();
 }
 
 /// A small table all of whose fields are random, and one die. Steps as large as what they change.

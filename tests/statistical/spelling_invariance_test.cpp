@@ -12,6 +12,7 @@
 #include "common/math/elementary.h"
 #include "tests/statistical/support/rank_tests.h"
 #include "tests/statistical/support/spelling_fixture.h"
+#include "tests/support/property.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/sampling/surrogate_transition.h"
 
@@ -24,7 +25,7 @@ constexpr std::uint64_t k_seed = 535897;
 
 /// Chains of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
 std::size_t chain_count() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 40'000 : 2000;
+  return property::long_run() ? 40'000 : 2000;
 }
 
 /// What the tests look at: which balls are active and how many bins are filled, as a number; and

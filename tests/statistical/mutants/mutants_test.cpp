@@ -11,6 +11,7 @@
 
 #include "tests/statistical/mutants/checks.h"
 #include "tests/statistical/support/rank_tests.h"
+#include "tests/support/property.h"
 
 namespace sleight::statistical {
 namespace {
@@ -22,7 +23,7 @@ constexpr double k_budget = 1e-3;
 /// Seeds over which p-values are shown to be uniform: of the ordinary run, and of the long one
 /// (SLEIGHT_SOAK=1).
 std::uint64_t uniformity_seeds() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 1000 : 100;
+  return property::long_run() ? 1000 : 100;
 }
 
 std::vector<Mutant> all_mutants() {

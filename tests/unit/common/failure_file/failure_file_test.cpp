@@ -7,6 +7,7 @@
 
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
+#include "tests/support/property.h"
 
 namespace sleight::failure_file {
 namespace {
@@ -72,7 +73,7 @@ TEST(FailureFile, AnyBytesAreReadOrRefused) {
   // from a fixed seed.
   const std::string good = to_text(example());
   std::uint64_t read_well = 0;
-  for (std::uint64_t input = 0; input < 20'000; ++input) {
+  for (const std::uint64_t input : property::cases(20'000)) {
     random::Stream stream({.seed = 11, .purpose = random::Purpose::prior}, input);
     const auto below = [&](std::uint64_t count) {
       return static_cast<std::size_t>(random::UniformInteger{.count = count}.draw(stream));
@@ -93,8 +94,9 @@ TEST(FailureFile, AnyBytesAreReadOrRefused) {
     }
     const auto back = read(text, "x.toml");
     read_well += back.ok() ? 1U : 0U;
-    ASSERT_TRUE(back.ok() || !back.error().message.empty()) << "seed 11, input " << input;
+    ASSERT_TRUE(back.ok() || !back.error().message.empty());
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(read_well, 100U);
   EXPECT_LT(read_well, 19'000U);
 }

@@ -8,6 +8,7 @@
 
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
+#include "tests/support/property.h"
 
 namespace sleight::core {
 namespace {
@@ -194,8 +195,7 @@ TEST(BlockSize, StrangeCostsDoNoHarm) {
     return random::UniformInteger{.count = count}.draw(stream);
   };
   BlockSize size(k_round);
-  for (int step = 0; step < 20'000; ++step) {
-    SCOPED_TRACE(testing::Message() << "seed " << k_seed << ", step " << step);
+  for ([[maybe_unused]] const std::uint64_t step : property::in_turn(20'000)) {
     const std::uint64_t threads = below(2000);
     const std::uint64_t scans = 1 + below(k_round.scans_max);
     const double cost_s = costs[below(costs.size())];

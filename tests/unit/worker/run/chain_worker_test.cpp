@@ -9,6 +9,7 @@
 
 #include "common/base/error.h"
 #include "common/random/discrete_distributions.h"
+#include "tests/support/property.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 
 namespace sleight::run {
@@ -108,8 +109,7 @@ TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
   constexpr std::uint32_t k_scans = 300;
   const auto check = [&](const auto& worker) {
     const plan::UnitResult whole = run_in_units(worker, 3, {k_scans});
-    for (std::uint64_t trial = 0; trial < 50; ++trial) {
-      SCOPED_TRACE(fmt::format("seed {}, trial {}", k_seed, trial));
+    for (const std::uint64_t trial : property::cases(50)) {
       random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, trial);
       const std::uint64_t longest = random::UniformInteger{.count = 80}.draw(stream) + 1;
       std::vector<std::uint32_t> sizes;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/sampling/any_plan.h"
 
 namespace sleight::sampling {
@@ -77,8 +78,7 @@ TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
 TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
   // Goal: log weights, their order, and what they sum up to. Method: made-up densities, some of
   // them zero; sums over plain doubles, draw by draw.
-  for (std::uint64_t index = 0; index < 50; ++index) {
-    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+  for (const std::uint64_t index : property::cases(50)) {
     Dice dice(k_seed, index);
     const auto lanes = static_cast<std::uint32_t>(1 + dice.below(4));
     AnnealedImportance part(burn_in(), lanes, static_cast<std::uint32_t>(1 + dice.below(3)));

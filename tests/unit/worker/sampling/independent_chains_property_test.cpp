@@ -9,6 +9,7 @@
 
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
+#include "tests/support/property.h"
 #include "worker/sampling/independent_chains.h"
 
 namespace sleight::sampling {
@@ -175,8 +176,7 @@ TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
   // Goal: the stop is a function of the results: not of how units are cut nor of the order in which
   // they complete, and nothing is computed beyond it. Method: random results and rules, several
   // random sessions of each, against the reference.
-  for (std::uint64_t index = 0; index < k_cases; ++index) {
-    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+  for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(index);
     const Case given = random_case(dice);
     const std::uint64_t end = scans_at_stop(given);
@@ -195,8 +195,7 @@ TEST(IndependentChainsProperty, GoesOnFromAnyStoredResults) {
   // Goal: consuming what earlier sessions stored brings a fresh plan to where it was (invariant 3
   // of Plan), also when they had a later stop and stored more. Method: random lengths of each
   // chain, beyond the end too, replayed in batches; then run on.
-  for (std::uint64_t index = 0; index < k_cases; ++index) {
-    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+  for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_cases + index);
     const Case given = random_case(dice);
     const std::uint64_t end = scans_at_stop(given);
@@ -214,8 +213,7 @@ TEST(IndependentChainsProperty, GoesOnAfterAStop) {
   // Goal: a stopped session and one that replays its results are where one session would be.
   // Method: stop at a random moment, let running units end, replay all into a fresh plan, compare
   // what both say, and run both to the end.
-  for (std::uint64_t index = 0; index < k_cases; ++index) {
-    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+  for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(2 * k_cases + index);
     const Case given = random_case(dice);
     Session stopped(given, dice);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "common/random/discrete_distributions.h"
+#include "tests/support/property.h"
 
 namespace sleight::sampling {
 namespace {
@@ -134,8 +135,7 @@ TEST(Respaced, IsALadderWhateverTheRates) {
   // that feed on each other. Method: random rates and sizes, each ladder respaced from the one
   // before. A hard constraint, all of whose barrier lies at the hot end, is the worst: there levels
   // crowd at 0.
-  for (std::uint64_t index = 0; index < 200; ++index) {
-    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+  for (const std::uint64_t index : property::cases(200)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const bool hard = index % 4 == 0;
     std::vector<double> ladder = first_ladder(static_cast<std::uint32_t>(2 + stream.bits() % 30));

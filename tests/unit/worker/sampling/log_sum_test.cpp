@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/random/stream.h"
+#include "tests/support/property.h"
 
 namespace sleight::sampling {
 namespace {
@@ -32,8 +33,7 @@ TEST(LogSum, IsNothingAtFirst) {
 TEST(LogSum, EqualsASumInWiderArithmetic) {
   // Goal: every order of sizes, zeros among them. Method: random numbers over a range that a long
   // double holds, against the plain sum; 1000 roundings of 1e-16.
-  for (std::uint64_t index = 0; index < 50; ++index) {
-    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+  for (const std::uint64_t index : property::cases(50)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const double range = index % 2 == 0 ? 3 : 5000;
     LogSum sum;

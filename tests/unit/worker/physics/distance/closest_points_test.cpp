@@ -12,6 +12,7 @@
 #include <map>
 
 #include "common/math/elementary.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/distance/support.h"
 #include "worker/physics/shape/shapes.h"
 
@@ -33,11 +34,11 @@ double certificate_tolerance(const Closest& result, double coordinates) {
 }
 
 TEST(ClosestCold, proves_itself_for_pieces_of_all_kinds) {
-  const int pairs = soaked(400);
+  const std::uint64_t pairs = soaked(400);
   std::map<Search, int> searches;
   double worst = 0;
-  for (int i = 0; i < pairs; ++i) {
-    random::Stream stream = numbers(101, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(pairs)) {
+    random::Stream stream = numbers(101, i);
     const double size = log_between(stream, 1e-3, 1e2);
     const auto piece_a = random_piece(stream, size);
     const auto piece_b = random_piece(stream, size * log_between(stream, 0.3, 3));
@@ -55,6 +56,7 @@ TEST(ClosestCold, proves_itself_for_pieces_of_all_kinds) {
       ++searches[result.search];
     }
   }
+  if (!property::all_cases()) return;
   for (const auto& [search, count] : searches)
     std::printf("search %d: %d\n", static_cast<int>(search), count);
   std::printf("worst defect: %.3g of the tolerance\n", worst);
@@ -65,8 +67,8 @@ TEST(ClosestCold, proves_itself_for_pieces_of_all_kinds) {
 
 TEST(ClosestCold, equals_brute_force_in_long_double) {
   double worst = 0;
-  for (int i = 0; i < soaked(300); ++i) {
-    random::Stream stream = numbers(102, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(soaked(300))) {
+    random::Stream stream = numbers(102, i);
     const double size = log_between(stream, 1e-3, 1e2);
     const auto piece_a = random_piece(stream, size);
     const auto piece_b = random_piece(stream, size * log_between(stream, 0.3, 3));
@@ -87,8 +89,8 @@ TEST(ClosestCold, equals_brute_force_in_long_double) {
 
 // Swapping A and B turns the normal round and changes nothing else beyond rounding.
 TEST(ClosestCold, is_symmetric) {
-  for (int i = 0; i < 3000; ++i) {
-    random::Stream stream = numbers(103, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(3000)) {
+    random::Stream stream = numbers(103, i);
     const auto piece_a = random_piece(stream, 1);
     const auto piece_b = random_piece(stream, 1);
     const ConvexView a = piece_a->view(), b = piece_b->view();
@@ -103,8 +105,8 @@ TEST(ClosestCold, is_symmetric) {
 }
 
 TEST(ClosestCold, moves_with_the_world) {
-  for (int i = 0; i < 3000; ++i) {
-    random::Stream stream = numbers(104, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(3000)) {
+    random::Stream stream = numbers(104, i);
     const auto piece_a = random_piece(stream, 1);
     const auto piece_b = random_piece(stream, 1);
     const ConvexView a = piece_a->view(), b = piece_b->view();
@@ -129,8 +131,8 @@ TEST(ClosestCold, moves_with_the_world) {
 
 TEST(ClosestCold, is_the_same_bit_for_bit_each_time) {
   // Other queries in between, and copies of the pieces elsewhere in memory, change nothing.
-  for (int i = 0; i < 300; ++i) {
-    random::Stream stream = numbers(105, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(300)) {
+    random::Stream stream = numbers(105, i);
     const auto piece_a = random_piece(stream, 1);
     const auto piece_b = random_piece(stream, 1);
     const Placement at = random_placement(stream, piece_a->view(), piece_b->view(), 1);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/distance/support.h"
 #include "worker/physics/shape/shapes.h"
 
@@ -14,8 +15,8 @@ namespace sleight::physics {
 namespace {
 
 TEST(FurthestVertex, is_the_first_of_the_furthest) {
-  for (int i = 0; i < 2000; ++i) {
-    random::Stream stream = numbers(301, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(2000)) {
+    random::Stream stream = numbers(301, i);
     const auto piece = random_piece(stream, 1);
     const ConvexView view = piece->view();
     for (int k = 0; k < 20; ++k) {
@@ -53,8 +54,8 @@ long double shadow(const ConvexView& piece, const PlacedPose& pose, const Vec3& 
 }
 
 TEST(SeparationAlong, is_a_bound_of_the_gap_and_errs_by_less_than_it_says) {
-  for (int i = 0; i < 3000; ++i) {
-    random::Stream stream = numbers(302, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(3000)) {
+    random::Stream stream = numbers(302, i);
     const double size = log_between(stream, 1e-3, 1e2);
     const auto piece_a = random_piece(stream, size);
     const auto piece_b = random_piece(stream, size);

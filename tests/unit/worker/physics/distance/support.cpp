@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/math/elementary.h"
+#include "tests/support/property.h"
 #include "worker/physics/shape/shapes.h"
 
 namespace sleight::physics {
@@ -295,9 +296,8 @@ double certificate_defect(const ConvexView& a, const PlacedPose& pose_a, const C
                    result.gap_m - separation_along(result.normal, a, pose_a, b, pose_b)});
 }
 
-int soaked(int count) {
-  const char* soak = std::getenv("SLEIGHT_SOAK");
-  return soak != nullptr && std::string_view(soak) == "1" ? 10 * count : count;
+std::uint64_t soaked(std::uint64_t count) {
+  return property::long_run() ? 10 * count : count;
 }
 
 }  // namespace sleight::physics

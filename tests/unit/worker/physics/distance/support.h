@@ -70,6 +70,6 @@ double certificate_defect(const ConvexView& a, const PlacedPose& pose_a, const C
 double outside_m(const ConvexView& piece, const PlacedPose& pose, const Vec3& point_m);
 
 /// `count`, or ten times as many where the environment says SLEIGHT_SOAK=1.
-int soaked(int count);
+std::uint64_t soaked(std::uint64_t count);
 
 }  // namespace sleight::physics

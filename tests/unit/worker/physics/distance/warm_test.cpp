@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/distance/support.h"
 #include "worker/physics/shape/shapes.h"
 
@@ -29,7 +30,7 @@ void step(random::Stream& stream, double by, PlacedPose& pose, const Vec3& drift
   pose.position_m += by * random_vector(stream) + drift_m;
 }
 
-void expect_same(const Closest& warm, const Closest& cold, double coordinates, int at) {
+void expect_same(const Closest& warm, const Closest& cold, double coordinates, std::uint64_t at) {
   ASSERT_NEAR(warm.gap_m, cold.gap_m, 1e-14 * coordinates) << at;
   ASSERT_EQ(warm.overlapping(), cold.overlapping()) << at;
   ASSERT_LE(norm(warm.normal - cold.normal), 1e-13 * (1 + coordinates / std::fabs(cold.gap_m)))
@@ -42,15 +43,15 @@ void expect_same(const Closest& warm, const Closest& cold, double coordinates, i
 TEST(ClosestWarm, equals_cold_along_trajectories) {
   std::array<int, 4> searches{};
   int steps = 0;
-  for (int i = 0; i < soaked(300); ++i) {
-    random::Stream stream = numbers(401, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(soaked(300))) {
+    random::Stream stream = numbers(401, i);
     const auto piece_a = random_piece(stream, 1);
     const auto piece_b = random_piece(stream, 1);
     const ConvexView a = piece_a->view(), b = piece_b->view();
     Placement at = random_placement(stream, a, b, 1);
     const double by = log_between(stream, 1e-6, 0.5);
     SeparationCache cache;
-    for (int k = 0; k < 200; ++k) {
+    for (std::uint64_t k = 0; k < 200; ++k) {
       const Closest cold = closest_cold(a, at.a, b, at.b);
       const Closest warm = closest_warm(a, at.a, b, at.b, cache);
       const double coordinates = coordinates_m(a, at.a, b, at.b) + 2;
@@ -63,6 +64,7 @@ TEST(ClosestWarm, equals_cold_along_trajectories) {
       step(stream, by, at.b, drift);
     }
   }
+  if (!property::all_cases()) return;
   std::printf("features %d, simplex %d, exhaustive %d, overlap %d\n", searches[0], searches[1],
               searches[2], searches[3]);
   EXPECT_GT(searches[0], steps / 3);
@@ -71,8 +73,8 @@ TEST(ClosestWarm, equals_cold_along_trajectories) {
 
 // A cache from elsewhere costs time, not truth.
 TEST(ClosestWarm, survives_any_cache) {
-  for (int i = 0; i < 5000; ++i) {
-    random::Stream stream = numbers(402, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(5000)) {
+    random::Stream stream = numbers(402, i);
     const auto piece_a = random_piece(stream, 1);
     const auto piece_b = random_piece(stream, 1);
     const ConvexView a = piece_a->view(), b = piece_b->view();
@@ -192,11 +194,13 @@ Placement near_placement(random::Stream& stream, const ConvexView& a, const Conv
 // search. Method: pieces 3e-10 to 1e-5 m apart, nearly parallel faces and edges among them; hints
 // of closest_warm, of closest_cold itself, and wrong ones. SLEIGHT_SOAK asks for 15 times as many.
 TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
-  const int cases = std::getenv("SLEIGHT_SOAK") != nullptr ? 3'000'000 : 200'000;
+  const int cases = property::long_run() ? 3'000'000 : 200'000;
+  constexpr std::uint64_t k_pairs_max = 1'000'000;  // more than are needed
   int quick = 0;
   int done = 0;
   std::array<int, 3> kinds{};  // edge-edge, face-vertex, vertex-face
-  for (std::uint64_t i = 0; done < cases; ++i) {
+  for (const std::uint64_t i : property::cases(k_pairs_max)) {
+    if (done >= cases) break;
     random::Stream stream = numbers(403, i);
     SCOPED_TRACE("numbers(403, " + std::to_string(i) + ")");
     const auto piece_a = near_piece(stream);
@@ -233,6 +237,7 @@ TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
       }
     }
   }
+  if (!property::all_cases()) return;
   std::printf(
       "seed 403: %d cases, %d quick answers: edge-edge %d, face-vertex %d, vertex-face %d\n", done,
       quick, kinds[0], kinds[1], kinds[2]);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/marbles/equal_marbles.h"
 #include "tests/unit/worker/physics/simulator/dice.h"
 #include "worker/physics/marbles/marbles.h"
@@ -28,7 +29,7 @@ std::uint64_t scene_count() {
 #else
   constexpr std::uint64_t k_quick = 300;
 #endif
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 20'000 : k_quick;
+  return property::long_run() ? 20'000 : k_quick;
 }
 
 ::testing::AssertionResult same_end(const Marbles& a, const Marbles& b) {
@@ -144,7 +145,7 @@ void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
   const Tick last{scene.bodies.back().start_tick.value};
   MarbleStories stories(balls);
   for (int step = 0; step < 12; ++step) {
-    SCOPED_TRACE(fmt::format("seed {}, scene {}, step {}", k_seed, index, step));
+    SCOPED_TRACE(fmt::format("step {}", step));
     const Tick end = last + ticks_after(0.4 * static_cast<double>(1 + dice.below(8)));
     Marbles whole;
     whole.start(scene, near, end);
@@ -196,11 +197,14 @@ void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
 
 void run_all_scenes(Moves moves, std::uint64_t count) {
   Tally tally;
-  for (std::uint64_t index = 0; index < count && !::testing::Test::HasFailure(); ++index)
+  for (const std::uint64_t index : property::cases(count)) {
+    if (::testing::Test::HasFailure()) break;
     run_scenes(index, moves, tally);
+  }
   fmt::print("seed {}: {} runs, {} void, {} failed; work {} of {}; {} replayed to the end\n",
              k_seed, tally.runs, tally.voided, tally.failed, tally.work, tally.work_of_all,
              tally.replayed_to_the_end);
+  if (!property::all_cases()) return;
   EXPECT_LT(tally.voided, tally.runs / 10);
   EXPECT_GT(tally.replayed_to_the_end, tally.runs / 2);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/random_meshes.h"
 #include "worker/physics/marbles/near_features.h"
 #include "worker/physics/scenes/scenes.h"
@@ -95,7 +96,7 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
   // box of another reach apart.
   std::array<int, 3> kinds{};
   int told_apart = 0;
-  for (std::uint64_t n = 0; n < 60; ++n) {
+  for (const std::uint64_t n : property::cases(60)) {
     random::Stream stream({.seed = 41, .purpose = random::Purpose::scene}, n);
     testing::Raw raw = n % 3 == 0 ? testing::sheet(5, 0.2, 0.1, stream)
                                   : testing::star(stream, n % 2 == 0 ? 0 : 0.4);
@@ -120,6 +121,7 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
       told_apart += same(fast_touch_box(feature, sides, own, 1.001F * reach), plain) ? 0 : 1;
     }
   }
+  if (!property::all_cases()) return;
   for (const int count : kinds)
     EXPECT_GT(count, 1000);
   EXPECT_GT(told_apart, kinds[0] + kinds[1]);
@@ -131,7 +133,7 @@ TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
   // times far beyond its slack, against the plain computation; each feature is looked for where
   // its touch box has its middle.
   int beyond = 0;
-  for (std::uint64_t n = 0; n < 10; ++n) {
+  for (const std::uint64_t n : property::cases(10)) {
     random::Stream stream({.seed = 44, .purpose = random::Purpose::scene}, n);
     const testing::Raw raw = testing::star(stream, 0.2);
     const auto mesh = std::make_shared<TriangleMesh>(
@@ -174,6 +176,7 @@ TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
       }
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(beyond, 50);
 }
 
@@ -184,7 +187,7 @@ TEST(TouchBox, ManyAreWrittenAtTheirIndices) {
   // side of it, or a float beyond.
   int absent = 0;
   int outgrown_sides = 0;
-  for (std::uint64_t n = 0; n < 30; ++n) {
+  for (const std::uint64_t n : property::cases(30)) {
     random::Stream stream({.seed = 43, .purpose = random::Purpose::scene}, n);
     Scene scene = scenes::rain(1, 1).scene;
     scene.meshes = {
@@ -224,6 +227,7 @@ TEST(TouchBox, ManyAreWrittenAtTheirIndices) {
     std::ranges::sort(outgrown);
     ASSERT_EQ(outgrown, expected_outgrown) << n;
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(absent, 300);
   EXPECT_EQ(outgrown_sides, 63);
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/angle.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/motion/support.h"
 #include "worker/physics/motion/invariants.h"
 
@@ -26,7 +27,7 @@ Vec3 turned_about(const Vec3& rate, double s, const Vec3& v) {
 }
 
 TEST(SphericalRotation, turns_steadily_about_a_fixed_axis) {
-  for (std::uint64_t i = 0; i < 500; ++i) {
+  for (const std::uint64_t i : property::cases(500)) {
     random::Stream stream = stream_of(11, i);
     const Inertia inertia = random_inertia(stream, InertiaSymmetry::spherical);
     const FreeFlight flight = random_flight(stream, std::fabs(of_any_size(stream, -6, 2)));
@@ -42,7 +43,7 @@ TEST(SphericalRotation, turns_steadily_about_a_fixed_axis) {
 }
 
 TEST(AxialRotation, precesses_about_the_angular_momentum_at_the_rate_l_over_i1) {
-  for (std::uint64_t i = 0; i < 500; ++i) {
+  for (const std::uint64_t i : property::cases(500)) {
     random::Stream stream = stream_of(12, i);
     const Inertia inertia = random_inertia(stream, InertiaSymmetry::axial);
     const FreeFlight flight = random_flight(stream, 20);
@@ -77,7 +78,7 @@ TEST(AxialRotation, a_thrown_plate_wobbles_twice_as_fast_as_it_spins) {
 }
 
 TEST(AxialRotation, agrees_with_a_slow_integration) {
-  for (std::uint64_t i = 0; i < 40; ++i) {
+  for (const std::uint64_t i : property::cases(40)) {
     random::Stream stream = stream_of(13, i);
     const Inertia inertia =
         random_inertia(stream, i % 2 == 0 ? InertiaSymmetry::axial : InertiaSymmetry::spherical);
@@ -93,7 +94,7 @@ TEST(AxialRotation, agrees_with_a_slow_integration) {
 }
 
 TEST(ClosedRotation, agrees_with_the_general_steps_where_moments_coincide) {
-  for (std::uint64_t i = 0; i < 200; ++i) {
+  for (const std::uint64_t i : property::cases(200)) {
     random::Stream stream = stream_of(14, i);
     const Inertia inertia =
         random_inertia(stream, i % 2 == 0 ? InertiaSymmetry::axial : InertiaSymmetry::spherical);
@@ -111,7 +112,7 @@ TEST(ClosedRotation, agrees_with_the_general_steps_where_moments_coincide) {
 }
 
 TEST(ClosedRotation, an_axial_body_with_equal_moments_has_the_bits_of_a_spherical_one) {
-  for (std::uint64_t i = 0; i < 200; ++i) {
+  for (const std::uint64_t i : property::cases(200)) {
     random::Stream stream = stream_of(15, i);
     const Inertia spherical = random_inertia(stream, InertiaSymmetry::spherical);
     Inertia axial = spherical;
@@ -127,7 +128,7 @@ TEST(ClosedRotation, an_axial_body_with_equal_moments_has_the_bits_of_a_spherica
 
 TEST(ClosedRotation, keeps_norm_energy_and_momentum_over_a_thousand_revolutions) {
   for (const InertiaSymmetry symmetry : {InertiaSymmetry::spherical, InertiaSymmetry::axial}) {
-    for (std::uint64_t i = 0; i < 100; ++i) {
+    for (const std::uint64_t i : property::cases(100)) {
       random::Stream stream = stream_of(16, i);
       const Inertia inertia = random_inertia(stream, symmetry);
       const FreeFlight flight = random_flight(stream, 100);

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/motion/support.h"
 #include "worker/physics/motion/invariants.h"
 
@@ -24,7 +25,7 @@ FreeFlight flight_of_any_size(random::Stream& stream) {
 }
 
 TEST(FreeFlight, follows_the_parabola_to_the_stated_rounding) {
-  for (std::uint64_t i = 0; i < 20'000; ++i) {
+  for (const std::uint64_t i : property::cases(20'000)) {
     random::Stream stream = stream_of(1, i);
     const FreeFlight flight = flight_of_any_size(stream);
     const Tick t = flight.begin + ticks_before(std::fabs(of_any_size(stream, -8, 3)));
@@ -43,7 +44,7 @@ TEST(FreeFlight, follows_the_parabola_to_the_stated_rounding) {
 }
 
 TEST(FreeFlight, begins_with_its_own_bits_and_shifts_with_its_begin) {
-  for (std::uint64_t i = 0; i < 2'000; ++i) {
+  for (const std::uint64_t i : property::cases(2'000)) {
     random::Stream stream = stream_of(2, i);
     const FreeFlight flight = flight_of_any_size(stream);
     EXPECT_EQ(bits_of(position_at(flight, flight.begin)), bits_of(flight.position_m));

@@ -10,6 +10,7 @@
 #include <boost/math/special_functions/ellint_1.hpp>
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/motion/support.h"
 #include "worker/physics/motion/invariants.h"
 #include "worker/physics/motion/rotation_bounds.h"
@@ -141,7 +142,7 @@ struct JacobiSolution {
 };
 
 TEST(GeneralRotation, follows_jacobis_elliptic_functions) {
-  for (std::uint64_t i = 0; i < 100; ++i) {
+  for (const std::uint64_t i : property::cases(100)) {
     random::Stream stream = stream_of(24, i);
     Inertia inertia = random_inertia(stream, InertiaSymmetry::general);
     Vec3& m = inertia.principal_kgm2;

@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/motion/support.h"
 
 namespace sleight::physics {
@@ -97,7 +98,7 @@ Box without_apex(const FreeFlight& flight, double radius_m, Tick from, Tick to) 
 
 TEST(PathBox, holds_every_evaluated_position) {
   int apex_needed = 0;
-  for (std::uint64_t i = 0; i < 30'000; ++i) {
+  for (const std::uint64_t i : property::cases(30'000)) {
     random::Stream stream = stream_of(51, i);
     const FreeFlight flight = flight_of_any_size(stream);
     const double radius_m = i % 5 == 0 ? 0 : std::fabs(of_any_size(stream, -4, 2));
@@ -115,11 +116,12 @@ TEST(PathBox, holds_every_evaluated_position) {
     }
     if (!broken_holds) ++apex_needed;
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(apex_needed, 3'000);
 }
 
 TEST(PathBox, holds_every_tick_of_short_spans_about_an_apex) {
-  for (std::uint64_t i = 0; i < 200; ++i) {
+  for (const std::uint64_t i : property::cases(200)) {
     random::Stream stream = stream_of(52, i);
     FreeFlight flight = flight_of_any_size(stream);
     const double apex_s = between(stream, 0, 10);
@@ -153,7 +155,7 @@ TEST(PathBox, holds_the_rounding_of_heights_that_cancel) {
   // Heights about the apex are rounding noise of the start's size. A box of two floats round the
   // computed apex, which is what path_box makes of a flight without a past, does not hold them.
   int noise_needed = 0;
-  for (std::uint64_t i = 0; i < 300; ++i) {
+  for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream = stream_of(57, i);
     const FreeFlight flight = flight_to_zero(stream);
     const Tick apex = apex_of(flight);
@@ -171,6 +173,7 @@ TEST(PathBox, holds_the_rounding_of_heights_that_cancel) {
     }
     if (is_needed) ++noise_needed;
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(noise_needed, 100);
 }
 
@@ -178,7 +181,7 @@ TEST(ExitTick, a_lid_that_is_grazed_to_the_last_bit_is_not_passed_by) {
   int passed_by = 0;
   int met = 0;
   const Box box{.low_m = {-1, -1, -3e6F}, .high_m = {1, 1, 0}};
-  for (std::uint64_t i = 0; i < 2'000; ++i) {
+  for (const std::uint64_t i : property::cases(2'000)) {
     random::Stream stream = stream_of(58, i);
     FreeFlight flight = flight_to_zero(stream);
     // The margin depends on the box's width: so many roundings more.
@@ -192,12 +195,13 @@ TEST(ExitTick, a_lid_that_is_grazed_to_the_last_bit_is_not_passed_by) {
       ASSERT_TRUE(holds(box, other(flight), 0, t)) << i;
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(passed_by, 300);
   EXPECT_GT(met, 300);
 }
 
 TEST(PathBox, is_at_most_two_floats_and_the_rounding_too_large) {
-  for (std::uint64_t i = 0; i < 5'000; ++i) {
+  for (const std::uint64_t i : property::cases(5'000)) {
     random::Stream stream = stream_of(53, i);
     const FreeFlight flight = flight_of_any_size(stream);
     const double radius_m = std::fabs(of_any_size(stream, -4, 2));
@@ -228,7 +232,7 @@ TEST(PathBox, is_at_most_two_floats_and_the_rounding_too_large) {
 }
 
 TEST(PathBox, shifts_with_the_begin) {
-  for (std::uint64_t i = 0; i < 500; ++i) {
+  for (const std::uint64_t i : property::cases(500)) {
     random::Stream stream = stream_of(54, i);
     const FreeFlight flight = flight_of_any_size(stream);
     FreeFlight later = flight;
@@ -284,7 +288,7 @@ long double reference_stay_s(const Box& box, const FreeFlight& flight, double ra
 TEST(ExitTick, the_sphere_stays_until_then_and_hardly_longer) {
   int inside = 0;
   int never = 0;
-  for (std::uint64_t i = 0; i < 40'000; ++i) {
+  for (const std::uint64_t i : property::cases(40'000)) {
     random::Stream stream = stream_of(55, i);
     const FreeFlight flight = flight_of_any_size(stream);
     const double radius_m = i % 7 == 0 ? 0 : std::fabs(of_any_size(stream, -4, 1));
@@ -314,6 +318,7 @@ TEST(ExitTick, the_sphere_stays_until_then_and_hardly_longer) {
     ASSERT_TRUE(exit == k_tick_max || ticks >= earliest)
         << i << ' ' << exit - from << ' ' << static_cast<double>(earliest);
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(inside, 35'000);
   EXPECT_GT(never, 50);
 }
@@ -347,7 +352,7 @@ TEST(ExitTick, what_never_moves_never_leaves_and_what_is_outside_is_told) {
 }
 
 TEST(CentreSpeed, bounds_the_speed_between_two_ticks) {
-  for (std::uint64_t i = 0; i < 2'000; ++i) {
+  for (const std::uint64_t i : property::cases(2'000)) {
     random::Stream stream = stream_of(56, i);
     const FreeFlight flight = flight_of_any_size(stream);
     const Tick from = flight.begin + ticks_before(between(stream, 0, 5));

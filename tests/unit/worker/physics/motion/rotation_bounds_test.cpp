@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/motion/support.h"
 #include "worker/physics/motion/invariants.h"
 #include "worker/physics/motion/motion_bounds.h"
@@ -29,7 +30,7 @@ double acceleration_of(const Inertia& inertia, const Vec3& w) {
 TEST(RotationBounds, hold_at_every_tick_and_are_reached) {
   double loosest_acceleration = 0;
   for (const InertiaSymmetry symmetry : k_symmetries) {
-    for (std::uint64_t i = 0; i < 150; ++i) {
+    for (const std::uint64_t i : property::cases(150)) {
       random::Stream stream = stream_of(41, i);
       const Inertia inertia = random_inertia(stream, symmetry);
       const FreeFlight flight = random_flight(stream, 10);
@@ -63,7 +64,7 @@ TEST(RotationBounds, hold_at_every_tick_and_are_reached) {
 
 TEST(RotationBounds, the_speed_of_a_flipping_body_is_reached) {
   // On a whole polhode w2 passes 0, where |w| is greatest: a bound lower by 1e-4 would be wrong.
-  for (std::uint64_t i = 0; i < 100; ++i) {
+  for (const std::uint64_t i : property::cases(100)) {
     random::Stream stream = stream_of(42, i);
     const double a = between(stream, 0.2, 1);
     const double b = between(stream, 0.2, 1);
@@ -101,7 +102,7 @@ TEST(RotationBounds, steady_spin_has_its_own_speed_and_no_acceleration) {
 }
 
 TEST(RotationBounds, agree_for_a_body_whose_moments_coincide) {
-  for (std::uint64_t i = 0; i < 200; ++i) {
+  for (const std::uint64_t i : property::cases(200)) {
     random::Stream stream = stream_of(43, i);
     const Inertia axial =
         random_inertia(stream, i % 2 == 0 ? InertiaSymmetry::axial : InertiaSymmetry::spherical);
@@ -127,7 +128,7 @@ TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_
   // needed.
   int moved_by_rounding = 0;
   for (const InertiaSymmetry symmetry : k_symmetries) {
-    for (std::uint64_t i = 0; i < 300; ++i) {
+    for (const std::uint64_t i : property::cases(300)) {
       random::Stream stream = stream_of(44, i);
       const Inertia inertia = random_inertia(stream, symmetry);
       FreeFlight flight = random_flight(stream, std::fabs(of_any_size(stream, -3, 2)));
@@ -155,6 +156,7 @@ TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_
       }
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(moved_by_rounding, 1'000);
 }
 
@@ -162,7 +164,7 @@ TEST(RotationBounds, evaluated_points_curve_no_more_than_bounded) {
   // Second differences over spans short against a turn: |x(t+h) - 2 x(t) + x(t-h)| <= A h^2.
   for (const InertiaSymmetry symmetry : k_symmetries) {
     double closest = 0;
-    for (std::uint64_t i = 0; i < 300; ++i) {
+    for (const std::uint64_t i : property::cases(300)) {
       random::Stream stream = stream_of(45, i);
       const Inertia inertia = random_inertia(stream, symmetry);
       FreeFlight flight = random_flight(stream, 10);
@@ -181,6 +183,7 @@ TEST(RotationBounds, evaluated_points_curve_no_more_than_bounded) {
         closest = std::max(closest, bend / allowed);
       }
     }
+    if (!property::all_cases()) continue;
     EXPECT_GT(closest, 0.7);
   }
 }

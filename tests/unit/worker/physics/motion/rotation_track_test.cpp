@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/motion/support.h"
 
 namespace sleight::physics {
@@ -52,7 +53,7 @@ std::vector<Tick> questions(random::Stream& stream, const FreeFlight& flight,
 
 TEST(RotationTrack, answers_do_not_depend_on_the_order_of_questions) {
   for (const InertiaSymmetry symmetry : k_symmetries) {
-    for (std::uint64_t i = 0; i < 15; ++i) {
+    for (const std::uint64_t i : property::cases(15)) {
       random::Stream stream = stream_of(31, i);
       const Inertia inertia = random_inertia(stream, symmetry);
       const FreeFlight flight = random_flight(stream, std::fabs(of_any_size(stream, -2, 2)));
@@ -75,7 +76,7 @@ TEST(RotationTrack, answers_do_not_depend_on_the_order_of_questions) {
 
 TEST(RotationTrack, a_flight_that_begins_later_gives_the_same_bits_later) {
   for (const InertiaSymmetry symmetry : k_symmetries) {
-    for (std::uint64_t i = 0; i < 100; ++i) {
+    for (const std::uint64_t i : property::cases(100)) {
       random::Stream stream = stream_of(32, i);
       const Inertia inertia = random_inertia(stream, symmetry);
       const FreeFlight flight = random_flight(stream, 30);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/math/rotation.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/response/reference.h"
 
 namespace sleight::physics {
@@ -112,8 +113,8 @@ TEST(RigidImpact, KeepsItsInvariants) {
   // and contacts up to ten radii of gyration away, a third against static geometry, with grazing
   // approach, e of 0 and 1, mu of 0 and 10 among them; judged in extended precision.
   Dice dice(1);
-  for (int i = 0; i < 100'000 && !HasFailure(); ++i) {
-    SCOPED_TRACE(i);
+  for ([[maybe_unused]] const std::uint64_t i : property::in_turn(100'000)) {
+    if (HasFailure()) break;
     expect_invariants(random_case(dice, {}));
   }
 }
@@ -122,8 +123,8 @@ TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
   // Goal: as above where slow impacts are raised. Method: floors from far below to above all
   // speeds.
   Dice dice(2);
-  for (int i = 0; i < 100'000 && !HasFailure(); ++i) {
-    SCOPED_TRACE(i);
+  for ([[maybe_unused]] const std::uint64_t i : property::in_turn(100'000)) {
+    if (HasFailure()) break;
     expect_invariants(random_case(dice, {.floor_mps_max = 2}));
   }
 }
@@ -131,8 +132,8 @@ TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
 TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
   // Goal: masses from 1e-6 to 1e6 kg against each other. Method: as above.
   Dice dice(3);
-  for (int i = 0; i < 50'000 && !HasFailure(); ++i) {
-    SCOPED_TRACE(i);
+  for ([[maybe_unused]] const std::uint64_t i : property::in_turn(50'000)) {
+    if (HasFailure()) break;
     expect_invariants(random_case(dice, {.mass_ratio_max = 1e12, .floor_mps_max = 0.1}));
   }
 }

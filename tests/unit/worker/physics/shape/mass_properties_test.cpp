@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "common/random/stream.h"
+#include "tests/support/property.h"
 #include "worker/physics/shape/shapes.h"
 
 namespace sleight::physics {
@@ -57,8 +58,8 @@ TEST(MassProperties, of_known_solids) {
 }
 
 TEST(MassProperties, agree_with_monte_carlo) {
-  for (int i = 0; i < 4; ++i) {
-    random::Stream stream = numbers(11, static_cast<std::uint64_t>(i));
+  for (const std::uint64_t i : property::cases(4)) {
+    random::Stream stream = numbers(11, i);
     std::vector<Vec3> points;
     for (int k = 0; k < 20; ++k)
       points.push_back(random_vector(stream));

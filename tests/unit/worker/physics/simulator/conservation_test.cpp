@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "tests/unit/worker/physics/simulator/long_run.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/mixed_scene.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
@@ -12,8 +12,6 @@ namespace sleight::physics {
 namespace {
 
 using testing::RecordedRun;
-
-using testing::long_run;
 
 Simulation begun(const Scene& scene) {
   SimulationOptions options;
@@ -57,7 +55,7 @@ TEST(Conservation, AGasKeepsItsEnergy) {
 TEST(Conservation, PolyhedraKeepTheirEnergy) {
   // Goal and method: as above, with exchange between translation and rotation; the number of
   // collisions that the project promises in the long run.
-  const std::uint64_t collisions = long_run() ? 100'000 : 4'000;
+  const std::uint64_t collisions = property::long_run() ? 100'000 : 4'000;
   EXPECT_LT(drift_of(scenes::boxed_polyhedra(12, 1).scene, collisions, 20), 1e-9);
 }
 
@@ -135,12 +133,12 @@ TEST(Conservation, EventsGainNoEnergy) {
         << name << ", tick " << changes.where.tick.value << ", body " << changes.where.lower;
     largest = std::max(largest, changes.largest_gain);
   };
-  for (std::uint64_t n = 0; n < (long_run() ? 1200U : 120U); ++n) {
+  for (const std::uint64_t n : property::cases(property::long_run() ? 1200 : 120)) {
     const testing::TestScene scene = testing::test_scene(n);
     look(scene.setting.scene, scene.setting.duration_s,
          "scene " + std::to_string(n) + ": " + scene.name);
   }
-  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+  for (const std::uint64_t seed : property::seeds(8))
     look(testing::mixed_scene(seed), 0.6, "mixed scene " + std::to_string(seed));
   std::printf("largest gain of an event, of its bodies' energy: %.2e\n", largest);
 }
@@ -148,7 +146,7 @@ TEST(Conservation, EventsGainNoEnergy) {
 TEST(Conservation, TotalEnergyNeverGrows) {
   // Goal: energy of all bodies falls from event to event, flights included. Method: at times far
   // from each other, without bodies that start later.
-  for (std::uint64_t n = 0; n < 12; ++n) {
+  for (const std::uint64_t n : property::cases(12)) {
     Scene scene = n % 2 == 0 ? scenes::rain(20, n + 1).scene : testing::mixed_scene(n + 1);
     scene.controls.clear();
     std::erase_if(scene.bodies,

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <optional>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/flyer.h"
-#include "tests/unit/worker/physics/simulator/long_run.h"
 #include "tests/unit/worker/physics/simulator/surface_tables.h"
 #include "worker/physics/shape/shapes.h"
 #include "worker/physics/shape/small_pieces.h"
@@ -23,8 +23,6 @@ using testing::Dice;
 using testing::Flyer;
 
 constexpr std::uint64_t k_seed = 1;
-
-using testing::long_run;
 
 Vec3 direction(Dice& dice) {
   return math::normalized(dice.vector_within(1));
@@ -277,10 +275,9 @@ TEST(ConvexSearch, SkipsNoCollision) {
   std::uint64_t looks = 0;
   std::uint64_t compared = 0;
   std::uint64_t collisions = 0;
-  const testing::Cases cases =
-      testing::cases_of("SLEIGHT_CONVEX_CASE", long_run() ? 1'000'000 : 20'000);
-  for (std::uint64_t n = cases.first; n < cases.last && !HasFailure(); ++n) {
-    SCOPED_TRACE(fmt::format("seed {}; to see it again: SLEIGHT_CONVEX_CASE={}", k_seed, n));
+  const std::uint64_t count = property::long_run() ? 1'000'000 : 20'000;
+  for (const std::uint64_t n : property::cases(count)) {
+    if (HasFailure()) break;
     Dice dice(k_seed, n);
     const Approach approach(dice);
     const Tick end = approach.begin + approach.span;
@@ -315,9 +312,9 @@ TEST(ConvexSearch, SkipsNoCollision) {
   }
   fmt::print("{} looks, {} collisions, contacts at {} skipped ticks\n", looks, collisions,
              compared);
-  if (cases.all) {
-    EXPECT_GT(collisions, cases.last / 2);
-    EXPECT_GT(compared, cases.last);
+  if (property::all_cases()) {
+    EXPECT_GT(collisions, count / 2);
+    EXPECT_GT(compared, count);
   }
 }
 
@@ -330,10 +327,9 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
   std::uint64_t looks = 0;
   std::uint64_t collisions = 0;
   std::uint64_t missed = 0;
-  const testing::Cases cases =
-      testing::cases_of("SLEIGHT_CONVEX_CASE", long_run() ? 500'000 : 20'000);
-  for (std::uint64_t n = cases.first; n < cases.last && !HasFailure(); ++n) {
-    SCOPED_TRACE(fmt::format("seed {}; to see it again: SLEIGHT_CONVEX_CASE={}", k_seed, n));
+  const std::uint64_t count = property::long_run() ? 500'000 : 20'000;
+  for (const std::uint64_t n : property::cases(count)) {
+    if (HasFailure()) break;
     Dice dice(k_seed, n);
     const Rocking pair(dice);
     const Tick end = pair.begin + Rocking::k_span;
@@ -372,9 +368,9 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
   }
   fmt::print("{} looks, {} collisions, {} missed where the normal is another face's\n", looks,
              collisions, missed);
-  if (cases.all) {
-    EXPECT_GT(collisions, cases.last / 5);
-    EXPECT_LE(missed, cases.last / 10'000);
+  if (property::all_cases()) {
+    EXPECT_GT(collisions, count / 5);
+    EXPECT_LE(missed, count / 10'000);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
 #include "worker/physics/scenes/random_starts.h"
 #include "worker/physics/simulator/simulation.h"
@@ -16,7 +17,7 @@ using testing::TestScene;
 /// Scenes of the ordinary run; of the long one (SLEIGHT_SOAK=1) the number that the project
 /// promises.
 std::uint64_t scene_count() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 10'000 : 300;
+  return property::long_run() ? 10'000 : 300;
 }
 
 struct Outcome {
@@ -68,7 +69,7 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
   std::uint64_t collisions = 0;
   const SimulationOptions reference =
       way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::tournament);
-  for (std::uint64_t n = 0; n < scene_count(); ++n) {
+  for (const std::uint64_t n : property::cases(scene_count())) {
     const TestScene scene = testing::test_scene(n);
     const Outcome expected = outcome_of(scene, reference);
     EXPECT_EQ(expected.error, "") << "scene " << n << ": " << scene.name;
@@ -83,13 +84,14 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
           << "scene " << n << ": " << scene.name << ", " << tried.name;
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(collisions, 100 * scene_count());
 }
 
 TEST(Equality, OneWayMayTakeOverFromAnother) {
   // Goal: go_on_with changes no bit either, in the middle of flights, contacts, rest and waiting
   // starts. Method: scenes of every kind run in portions of random length, each in another way.
-  for (std::uint64_t n = 0; n < 90; ++n) {
+  for (const std::uint64_t n : property::cases(90)) {
     const TestScene scene = testing::test_scene(n);
     const Outcome expected = outcome_of(scene, {});
     auto started = Simulation::start(scene.setting.scene, {});
@@ -158,7 +160,7 @@ TEST(Equality, AnotherSeedIsAnotherRecording) {
 TEST(Equality, ShiftedScenesGiveShiftedTicks) {
   // Goal: time is exact (simulation.h, invariant 3). Method: start everything n ticks later and
   // compare every segment.
-  for (std::uint64_t n = 0; n < 60; ++n) {
+  for (const std::uint64_t n : property::cases(60)) {
     const TestScene scene = testing::test_scene(n);
     TestScene shifted = scene;
     const TickCount shift = 123'456'789 + static_cast<TickCount>(n);

@@ -1,6 +1,7 @@
 // A scene in a mirror moves as the mirror image does.
 #include <gtest/gtest.h>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/mixed_scene.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
@@ -153,8 +154,8 @@ TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
   const Mirror oblique(math::normalized(Vec3(0.3, -0.8, 0.5)));
   std::uint64_t collisions = 0;
   double worst = 0;
-  const std::uint64_t scenes = std::getenv("SLEIGHT_SOAK") != nullptr ? 600 : 90;
-  for (std::uint64_t n = 0; n < scenes; ++n) {
+  const std::uint64_t scenes = property::long_run() ? 600 : 90;
+  for (const std::uint64_t n : property::cases(scenes)) {
     testing::TestScene scene = testing::test_scene(n);
     // Periods and meshes have no images here.
     const bool has_image = scene.setting.scene.meshes.empty() &&
@@ -173,6 +174,7 @@ TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
       worst = std::max(worst, agreement.worst);
     }
   }
+  if (!property::all_cases()) return;
   std::printf("%llu collisions compared, worst %.2e\n", static_cast<unsigned long long>(collisions),
               worst);
   EXPECT_GT(collisions, 2 * scenes);

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/plain_geometry.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/scenes/scenes.h"
@@ -304,7 +305,7 @@ TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
   double worst_lift = 0;
   double worst_jump_m = 0;
   double lowest_m = 1;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (const std::uint64_t seed : property::seeds(40)) {
     const scenes::Setting setting = scenes::marbles(12, seed);
     const RecordedRun run = testing::recorded(setting.scene, 1);
     ASSERT_EQ(run.error, "") << "seed " << seed;
@@ -352,7 +353,9 @@ TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
       "%llu segments in contact; gain of energy at most %.1e J/kg (over edges meanwhile %.1e), "
       "jumps %.1e m, gap %.2e m\n",
       static_cast<unsigned long long>(staying), worst_gain, worst_lift, worst_jump_m, lowest_m);
-  EXPECT_GT(staying, 2000U);
+  if (property::all_cases()) {
+    EXPECT_GT(staying, 2000U);
+  }
   EXPECT_LT(worst_gain, 1e-13);
   EXPECT_LT(worst_lift, 1e-4);
   EXPECT_LT(worst_jump_m, 1e-14);

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/random_meshes.h"
 #include "worker/physics/scenes/scenes.h"
 #include "worker/physics/simulator/static_geometry.h"
@@ -22,7 +23,7 @@ constexpr double k_radius_m = 0.05;
 
 /// Meshes of the ordinary run, and of the long one (SLEIGHT_SOAK=1); each is moved some times.
 std::uint64_t mesh_count() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 8000 : 80;
+  return property::long_run() ? 8000 : 80;
 }
 constexpr int k_moves = 12;
 
@@ -244,7 +245,7 @@ TEST(Refresh, IsAsNew) {
   Nearness tally;
   std::uint64_t kinds_changed = 0;
   std::uint64_t refused = 0;
-  for (std::uint64_t n = 0; n < mesh_count(); ++n) {
+  for (const std::uint64_t n : property::cases(mesh_count())) {
     random::Stream stream({.seed = 31, .purpose = random::Purpose::scene}, n);
     Subject subject = subject_of(n, stream);
     const auto mesh = subject.mesh();
@@ -274,6 +275,7 @@ TEST(Refresh, IsAsNew) {
       ASSERT_NO_FATAL_FAILURE(expect_same_solids(used, fresh, *mesh, stream));
     }
   }
+  if (!property::all_cases()) return;
   std::printf(
       "%llu found, %llu more or less; %llu edges changed their kind, %llu moves refused\n",
       static_cast<unsigned long long>(tally.found), static_cast<unsigned long long>(tally.differ),
@@ -298,7 +300,7 @@ TEST(Refresh, AFlatSolidIsTurnedInsideOutWithinItsSlack) {
   // Goal: whether a solid is hollow is looked at again unless its slack is too small for that to
   // change. Method: stars, thick and very flat ones, whose vertices are mirrored: of the flat ones
   // none leaves its slack. Mirrored twice they are as before.
-  for (std::uint64_t n = 0; n < 20; ++n) {
+  for (const std::uint64_t n : property::cases(20)) {
     random::Stream stream({.seed = 34, .purpose = random::Purpose::scene}, n);
     const bool is_flat = n % 2 == 1;
     Subject subject{
@@ -327,7 +329,7 @@ TEST(Refresh, AVolumeThatIsKeptIsKeptByAnyMove) {
   // so for slacks that are not very small. Method: stars moved to corners of their vertices' slack,
   // those that take away most of the volume among them.
   int kept = 0;
-  for (std::uint64_t n = 0; n < 200; ++n) {
+  for (const std::uint64_t n : property::cases(200)) {
     random::Stream stream({.seed = 35, .purpose = random::Purpose::scene}, n);
     const Raw raw = testing::star(stream, 0.4);
     const auto mesh = Subject{.raw = raw, .closure = MeshClosure::closed}.mesh();
@@ -351,6 +353,7 @@ TEST(Refresh, AVolumeThatIsKeptIsKeptByAnyMove) {
       }
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(kept, 20);
   EXPECT_LT(kept, 180);
 }
@@ -378,7 +381,7 @@ TEST(Solids, AreWhereTheMeshIs) {
   // Goal: what is solid is found exactly, also far outside of the mesh, where it is not looked at;
   // inside out, all but the hollow is solid. Method: stars, whose surface is known along each way
   // from the middle; points just in and out of it, in the box and far away.
-  for (std::uint64_t n = 0; n < 20; ++n) {
+  for (const std::uint64_t n : property::cases(20)) {
     random::Stream stream({.seed = 33, .purpose = random::Purpose::scene}, n);
     Raw raw = testing::star(stream, 0.4);
     const bool hollow = n % 2 == 1;

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "common/random/stream.h"
-#include "tests/unit/worker/physics/simulator/long_run.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/plain_geometry.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/scenes/scenes.h"
@@ -16,8 +16,6 @@ namespace sleight::physics {
 namespace {
 
 using testing::RecordedRun;
-
-using testing::long_run;
 
 MotionMode mode_at(const RecordedRun& run, std::uint32_t body, Tick tick) {
   return run.recording.segment_at({body}, tick)->mode;
@@ -107,7 +105,7 @@ TEST(Resting, BodiesComeToRestInFinitelyManyEvents) {
 
 TEST(Resting, AHeapOfAHundredGrainsComesToRest) {
   // Goal: as above, for the heap that the project names; a smaller one in the ordinary run.
-  const std::uint32_t grains = long_run() ? 100 : 40;
+  const std::uint32_t grains = property::long_run() ? 100 : 40;
   expect_rest(scenes::grain_heap(grains, 1).scene, 5, "heap of " + std::to_string(grains));
 }
 
@@ -123,8 +121,8 @@ TEST(Resting, ACubeRestsOnAFace) {
   // the end a face points down to within 1e-3 rad, 0.02 mm at the far edge.
   double worst_rad = 0;
   std::uint64_t collisions = 0;
-  const std::uint64_t seeds = long_run() ? 2000 : 100;
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  const std::uint64_t seeds = property::long_run() ? 2000 : 100;
+  for (const std::uint64_t seed : property::seeds(seeds)) {
     const RecordedRun run = testing::recorded(scenes::cube_drop(1, seed).scene, 3);
     ASSERT_EQ(run.error, "") << "seed " << seed;
     EXPECT_TRUE(all_rest(run)) << "seed " << seed;

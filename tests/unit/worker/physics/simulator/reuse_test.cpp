@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "tests/unit/worker/physics/simulator/long_run.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/proposals.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
 #include "worker/physics/simulator/simulation.h"
@@ -28,7 +28,7 @@ constexpr int k_steps = 20;
 
 /// Chains of proposals, each of k_steps.
 std::uint64_t chain_count() {
-  return testing::long_run() ? 100'000 / k_steps : 64;
+  return property::long_run() ? 100'000 / k_steps : 64;
 }
 
 struct Tally {
@@ -106,18 +106,18 @@ TEST(Reuse, ReplayingMakesNoDifference) {
   // faster, later, not at all or again, static geometry that moves, kicks, other laws), some
   // accepted; each is simulated with the history of the last accepted one, in all ways, and whole.
   std::map<std::string, Tally> by_kind;
-  const testing::Cases cases = testing::cases_of("SLEIGHT_REUSE_CHAIN", chain_count());
-  for (std::uint64_t n = cases.first; n < cases.last && !HasFatalFailure(); ++n) {
+  const std::uint64_t count = chain_count();
+  for (const std::uint64_t n : property::cases(count)) {
+    if (HasFatalFailure()) break;
     const Subject subject = testing::subject_of(n);
-    SCOPED_TRACE(fmt::format("seed {}, {}; to see it again: SLEIGHT_REUSE_CHAIN={}", k_seed,
-                             subject.name, n));
+    SCOPED_TRACE(subject.name);
     Dice dice(k_seed, n);
     run_chain(subject, dice, by_kind[subject.name.substr(0, subject.name.find(' '))]);
   }
   for (const auto& [kind, tally] : by_kind) {
     fmt::print("seed {}: {}: {} runs, {} failed; events: {} replayed, {} simulated, {} without\n",
                k_seed, kind, tally.runs, tally.failed, tally.replayed, tally.simulated, tally.all);
-    if (!cases.all) continue;
+    if (!property::all_cases()) continue;
     EXPECT_GT(tally.replayed, tally.simulated / 50) << kind;
     EXPECT_LT(tally.failed, tally.runs / 2) << kind;
   }
@@ -246,10 +246,10 @@ TEST(Reuse, ItGoesOnBeyondThePast) {
   // Goal: at every event a history has all that goes on from there. Method: scenes of every kind,
   // with kicks, most of them slow; pasts that end right at an event, or somewhere; all bodies go
   // live there.
-  const std::uint64_t scenes = testing::long_run() ? 2000 : 32;
-  for (std::uint64_t n = 0; n < scenes; ++n) {
+  const std::uint64_t scenes = property::long_run() ? 2000 : 32;
+  for (const std::uint64_t n : property::cases(scenes)) {
     Subject subject = testing::subject_of(n);
-    SCOPED_TRACE(fmt::format("seed {}, scene {}: {}", k_seed, n, subject.name));
+    SCOPED_TRACE(subject.name);
     Dice dice(k_seed + 1, n);
     subject.speed_mps *= dice.one_in(2) ? 0.02 : 0.3;
     for (int kicks = 0; kicks < 6; ++kicks)

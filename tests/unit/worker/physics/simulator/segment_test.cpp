@@ -13,6 +13,7 @@
 #include "common/math/elementary.h"
 #include "common/random/angular_distributions.h"
 #include "common/random/stream.h"
+#include "tests/support/property.h"
 
 namespace sleight::physics {
 namespace {
@@ -120,9 +121,9 @@ TEST(Segment, TurnsAboutAMovingAxis) {
   long double worst = 0;
   long double worst_reference = 0;
   int bent = 0;
-  for (int i = 0; i < 150 && !HasFailure(); ++i) {
-    random::Stream stream = numbers(601, static_cast<std::uint64_t>(i));
-    SCOPED_TRACE("seed 601, case " + std::to_string(i));
+  for (const std::uint64_t i : property::cases(150)) {
+    if (HasFailure()) break;
+    random::Stream stream = numbers(601, i);
     const Segment segment = random_segment(stream, 100, 1000);
     const TickCount span = ticks_after(spread(stream, 1e-3, 1));
     const double s = seconds(span);
@@ -140,6 +141,7 @@ TEST(Segment, TurnsAboutAMovingAxis) {
       worst_reference =
           std::max(worst_reference, apart_rad(expected, reference(segment, s, 8000)) / angle_rad);
   }
+  if (!property::all_cases()) return;
   std::printf("seed 601: worst %.1Le of the angle, reference's own %.1Le\n", worst,
               worst_reference);
   EXPECT_LT(worst_reference, 1e-8L);
@@ -151,9 +153,9 @@ TEST(Segment, IsExactAboutAStandingAxis) {
   // and with an acceleration along the spin, forwards and backwards and through a standstill;
   // against the angle w s + a s^2 / 2 in long double.
   long double worst = 0;
-  for (int i = 0; i < 20'000 && !HasFailure(); ++i) {
-    random::Stream stream = numbers(602, static_cast<std::uint64_t>(i));
-    SCOPED_TRACE("seed 602, case " + std::to_string(i));
+  for (const std::uint64_t i : property::cases(20'000)) {
+    if (HasFailure()) break;
+    random::Stream stream = numbers(602, i);
     Segment segment = random_segment(stream, 100, 1000);
     Vec3& w = segment.flight.angular_velocity_radps;
     Vec3& a = segment.angular_acceleration_radps2;
@@ -180,9 +182,9 @@ TEST(Segment, BeginsWithTheSameBits) {
   // segments, whose orientations' norms are 1 only to rounding.
   const Inertia inertia{
       .mass_kg = 1, .principal_kgm2 = Vec3::Constant(0.4), .symmetry = InertiaSymmetry::spherical};
-  for (int i = 0; i < 4000 && !HasFailure(); ++i) {
-    random::Stream stream = numbers(603, static_cast<std::uint64_t>(i));
-    SCOPED_TRACE("seed 603, case " + std::to_string(i));
+  for (const std::uint64_t i : property::cases(4000)) {
+    if (HasFailure()) break;
+    random::Stream stream = numbers(603, i);
     Segment segment = random_segment(stream, 100, 1000);
     segment.mode = static_cast<MotionMode>(i % 4);
     const FreeFlight& flight = segment.flight;
@@ -198,9 +200,9 @@ TEST(Segment, TwistChangesEvenly) {
   // the formulas in long double at random ticks.
   const Inertia inertia{
       .mass_kg = 1, .principal_kgm2 = Vec3(0.3, 0.4, 0.5), .symmetry = InertiaSymmetry::general};
-  for (int i = 0; i < 4000 && !HasFailure(); ++i) {
-    random::Stream stream = numbers(604, static_cast<std::uint64_t>(i));
-    SCOPED_TRACE("seed 604, case " + std::to_string(i));
+  for (const std::uint64_t i : property::cases(4000)) {
+    if (HasFailure()) break;
+    random::Stream stream = numbers(604, i);
     Segment segment = random_segment(stream, 10, 100);
     const FreeFlight& flight = segment.flight;
     const TickCount span = ticks_after(spread(stream, 1e-6, 2));

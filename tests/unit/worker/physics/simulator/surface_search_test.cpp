@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/unit/worker/physics/simulator/long_run.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/surface_meeting.h"
 #include "tests/unit/worker/physics/simulator/surface_tables.h"
 #include "worker/physics/simulator/surface_search.h"
@@ -22,8 +22,6 @@ using testing::Relief;
 using testing::same_contact;
 
 constexpr std::uint64_t k_seed = 20261122;
-
-using testing::long_run;
 
 StaticSurface random_surface(Dice& dice) {
   const auto relief = static_cast<Relief>(dice.below(testing::k_reliefs));
@@ -173,9 +171,9 @@ TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   // whether it collides, and with which contact; so do looks with fresh memories, contact_of, and
   // at some of the skipped ticks, the last ones and others, every point again.
   Tally tally;
-  const testing::Cases cases = testing::cases_of("SLEIGHT_SURFACE_CASE", long_run() ? 10'000 : 700);
-  for (std::uint64_t n = cases.first; n < cases.last && !HasFailure(); ++n) {
-    SCOPED_TRACE(fmt::format("seed {}; to see it again: SLEIGHT_SURFACE_CASE={}", k_seed, n));
+  const std::uint64_t count = property::long_run() ? 10'000 : 700;
+  for (const std::uint64_t n : property::cases(count)) {
+    if (HasFailure()) break;
     Dice dice(k_seed, n);
     const StaticSurface surface = random_surface(dice);
     Flyer flyer{random_body(dice), {}};
@@ -201,8 +199,8 @@ TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   }
   fmt::print("{} looks, {} collisions, all points at {} skipped ticks\n", tally.looks,
              tally.collisions, tally.compared);
-  if (cases.all) {
-    EXPECT_GT(tally.collisions, cases.last / 2);
+  if (property::all_cases()) {
+    EXPECT_GT(tally.collisions, count / 2);
   }
 }
 
@@ -228,8 +226,8 @@ TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
   // the hill, boxes that fall with one corner over the hollow, tilted by about as much as the bound
   // asks for.
   Tally tally;
-  for (std::uint64_t n = 0; n < 1500 && !HasFailure(); ++n) {
-    SCOPED_TRACE(fmt::format("case {}", n));
+  for (const std::uint64_t n : property::cases(1500)) {
+    if (HasFailure()) break;
     Dice dice(k_seed + 1, n);
     const double spacing_m = 5e-3;
     const double hill_per_m = dice.between(0.5, 4);
@@ -264,8 +262,8 @@ TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
   // that slide and roll fast over a flat table, at hardly any height, towards steps and ridges of
   // a narrow grid.
   Tally tally;
-  for (std::uint64_t n = 0; n < 160 && !HasFailure(); ++n) {
-    SCOPED_TRACE(fmt::format("case {}", n));
+  for (const std::uint64_t n : property::cases(160)) {
+    if (HasFailure()) break;
     Dice dice(k_seed + 4, n);
     const double spacing_m = dice.between(2e-3, 8e-3);
     const double high_m = dice.between(1e-4, 6e-3) * (dice.one_in(4) ? -1 : 1);
@@ -298,6 +296,7 @@ TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
       flyer.flight.velocity_mps.x() = velocity_mps.x();
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(tally.collisions, 60U);
 }
 
@@ -333,8 +332,8 @@ TEST(SurfaceSearch, AFlatTableIsAPlane) {
   // table from some way up, against the search for planes: the same ticks, and the same place.
   const HalfSpace plane{.normal = {0, 0, 1}, .offset_m = 0};
   Tally tally;
-  for (std::uint64_t n = 0; n < 200 && !HasFailure(); ++n) {
-    SCOPED_TRACE(fmt::format("case {}", n));
+  for (const std::uint64_t n : property::cases(200)) {
+    if (HasFailure()) break;
     Dice dice(k_seed + 2, n);
     Flyer flyer{random_body(dice), {}};
     Meeting meeting(testing::table_surface(testing::random_table(1, Relief::flat, 0), 0.01), flyer);
@@ -450,7 +449,7 @@ TEST(SurfaceSearch, PointsNearAreTheOutermostOnes) {
   // is a point of the box, within reach, with the surface's normal, and in each of eight directions
   // no point within reach is further out.
   std::size_t found_in_all = 0;
-  for (std::uint64_t n = 0; n < 300; ++n) {
+  for (const std::uint64_t n : property::cases(300)) {
     Dice dice(k_seed + 3, n);
     const StaticSurface surface = random_surface(dice);
     Flyer flyer{random_body(dice), {}};
@@ -483,6 +482,7 @@ TEST(SurfaceSearch, PointsNearAreTheOutermostOnes) {
       EXPECT_NEAR(found, furthest_m, 1e-12);
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(found_in_all, 100U);
 }
 

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "tests/unit/worker/physics/simulator/long_run.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
 #include "tests/unit/worker/physics/simulator/surface_tables.h"
@@ -21,8 +21,6 @@ using testing::Relief;
 
 constexpr std::uint64_t k_seed = 20261122;
 constexpr double k_side_m = 0.016;
-
-using testing::long_run;
 
 /// The n-th of an endless list of throws, of 1 to 5 dice.
 Scene throw_of(std::uint64_t n) {
@@ -90,7 +88,7 @@ TEST(SurfaceSimulation, DiceStayOnTheTable) {
   // that meet the surface, at collisions, some ticks around them and random ticks.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double least_m = 1;
-  for (std::uint64_t n = 0; n < (long_run() ? 1000U : 50U); ++n) {
+  for (const std::uint64_t n : property::cases(property::long_run() ? 1000 : 50)) {
     const RecordedRun run = testing::recorded(throw_of(n), 1);
     ASSERT_EQ(run.error, "") << n;
     Dice dice(k_seed + 1, n);
@@ -161,7 +159,7 @@ TEST(SurfaceSimulation, EveryWayGivesTheSame) {
   // recording or of where surfaces were touched. Method: throws, against all pairs.
   SimulationOptions reference;
   reference.algorithm = Algorithm::all_pairs;
-  for (std::uint64_t n = 0; n < (long_run() ? 3000U : 60U); ++n) {
+  for (const std::uint64_t n : property::cases(property::long_run() ? 3000 : 60)) {
     const Scene scene = throw_of(n);
     const Outcome expected = outcome_of(scene, reference, 1);
     EXPECT_GT(expected.touches.size(), 2U);
@@ -211,7 +209,7 @@ TEST(SurfaceSimulation, DiceLoseEnergyAndComeToRestBalanced) {
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double gain = 0;
   double highest_m = 0;
-  for (std::uint64_t n = 0; n < (long_run() ? 2000U : 60U); ++n) {
+  for (const std::uint64_t n : property::cases(property::long_run() ? 2000 : 60)) {
     const RecordedRun run = testing::recorded(throw_of(n), 4);
     ASSERT_EQ(run.error, "") << n;
     SplineSurface surface(run.scene.surfaces[0]);
@@ -286,14 +284,15 @@ TEST(SurfaceSimulation, APastMakesNoDifference) {
   std::uint64_t replayed = 0;
   std::uint64_t simulated = 0;
   std::uint64_t failed = 0;
-  const testing::Cases cases = testing::cases_of("SLEIGHT_SURFACE_CHAIN", long_run() ? 5'000 : 110);
-  for (std::uint64_t n = cases.first; n < cases.last && !HasFailure(); ++n) {
+  const std::uint64_t count = property::long_run() ? 5'000 : 110;
+  for (const std::uint64_t n : property::cases(count)) {
+    if (HasFailure()) break;
     Dice dice(k_seed + 2, n);
     Scene accepted = throw_of(n);
     std::shared_ptr<const History> past;
     std::vector<SurfaceTouch> touches;
     for (int step = 0; step < k_steps && !HasFailure(); ++step) {
-      SCOPED_TRACE(fmt::format("step {}; to see it again: SLEIGHT_SURFACE_CHAIN={}", step, n));
+      SCOPED_TRACE(fmt::format("step {}", step));
       Scene scene = accepted;
       if (step > 0 && !dice.one_in(10)) change_throw(scene, touches, dice);
       auto whole = Simulation::start(scene, {});
@@ -328,8 +327,8 @@ TEST(SurfaceSimulation, APastMakesNoDifference) {
     }
   }
   fmt::print("{} proposals, {} of which failed; events: {} replayed, {} simulated\n",
-             (cases.last - cases.first) * k_steps, failed, replayed, simulated);
-  if (cases.all) {
+             count * k_steps, failed, replayed, simulated);
+  if (property::all_cases()) {
     EXPECT_GT(replayed, simulated / 10);
   }
 }

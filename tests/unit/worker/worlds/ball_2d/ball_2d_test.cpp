@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "common/random/distributions.h"
+#include "tests/support/property.h"
 #include "tests/unit/common/random/chi_square.h"
 #include "tests/unit/worker/worlds/ball_2d/support.h"
 #include "worker/worlds/ball_2d/request.h"
@@ -74,7 +75,7 @@ TEST(Ball2d, PriorDrawsAreNormal) {
   std::array<std::vector<int>, 5> counts;
   counts.fill(std::vector<int>(k_cells, 0));
   std::vector<int> signs(32, 0);
-  for (std::uint64_t draw = 0; draw < 20'000; ++draw) {
+  for (const std::uint64_t draw : property::cases(20'000)) {
     random::Stream stream = stream_of(k_seed, draw);
     const NormalAngles normals = ball.draw_prior(stream);
     unsigned sign = 0;
@@ -87,6 +88,7 @@ TEST(Ball2d, PriorDrawsAreNormal) {
     for (std::size_t i = 5; i < normals.size(); ++i)
       ASSERT_EQ(normals[i], 0);
   }
+  if (!property::all_cases()) return;
   for (const std::vector<int>& cells : counts)
     random::expect_plausible(random::chi_square_p_value(cells), "normal");
   random::expect_plausible(random::chi_square_p_value(signs), "signs");
@@ -117,7 +119,7 @@ TEST(Ball2d, ProposalIsAlgorithm22) {
   const double half_width = Parameters{}.proposal.change_half_width_rad;
   std::vector<int> subsets(32, 0);
   std::vector<int> offsets(20, 0);
-  for (std::uint64_t draw = 0; draw < 20'000; ++draw) {
+  for (const std::uint64_t draw : property::cases(20'000)) {
     random::Stream stream = stream_of(k_seed, draw);
     const NormalAngles now = random_normals({}, 0.2, stream);
     const auto proposal = ball.propose(now, stream);
@@ -136,6 +138,7 @@ TEST(Ball2d, ProposalIsAlgorithm22) {
     for (std::size_t i = 5; i < now.size(); ++i)
       ASSERT_EQ(proposal.candidate[i], 0);
   }
+  if (!property::all_cases()) return;
   random::expect_plausible(random::chi_square_p_value(subsets), "subsets");
   random::expect_plausible(random::chi_square_p_value(offsets), "offsets");
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/math/elementary.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/worlds/ball_2d/support.h"
 
 namespace sleight::worlds::ball_2d {
@@ -93,7 +94,7 @@ TEST(Motion, BallThatDoesNotLeaveTheTableStays) {
 TEST(Reflected, ScalesTheNormalPartAndKeepsTheOther) {
   // Goal: the collision law. Method: random velocities, normals and restitutions; parts along the
   // normal and the tangent before and after.
-  for (std::uint64_t index = 0; index < 2000; ++index) {
+  for (const std::uint64_t index : property::cases(2000)) {
     random::Stream stream = stream_of(k_seed, index);
     const double angle = 7 * (stream.uniform() - 0.5);
     const math::Vec2 normal{std::sin(angle), std::cos(angle)};
@@ -130,8 +131,7 @@ TEST(Reflected, ATableOnlyPushes) {
 TEST(Motion, LandingIsTheMotionsLanding) {
   // Goal: both simulations are one. Method: random worlds and normals, equal bits; the number of
   // hops; hops follow one another in time and space.
-  for (std::uint64_t index = 0; index < 1000; ++index) {
-    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+  for (const std::uint64_t index : property::cases(1000)) {
     random::Stream stream = stream_of(k_seed, index);
     const WorldParameters world = random_world(stream);
     const NormalAngles normals = random_normals(world, 30 * k_degree_rad, stream);
@@ -156,8 +156,7 @@ TEST(Motion, LandingIsTheMotionsLanding) {
 TEST(Motion, ScalesWithDiameterAndGravity) {
   // Goal: diameter scales the picture only, gravity time only (parameters.h). Method: landings in
   // diameters and in times of fall, bit-equal for powers of four, close for other factors.
-  for (std::uint64_t index = 0; index < 300; ++index) {
-    SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
+  for (const std::uint64_t index : property::cases(300)) {
     random::Stream stream = stream_of(k_seed, index);
     const WorldParameters world = random_world(stream);
     const NormalAngles normals = random_normals(world, 15 * k_degree_rad, stream);
@@ -182,7 +181,7 @@ TEST(Motion, ScalesWithDiameterAndGravity) {
 
 TEST(Motion, MirroredNormalsMirrorTheLanding) {
   // Goal: left and right are the same, bit for bit. Method: negated normals.
-  for (std::uint64_t index = 0; index < 1000; ++index) {
+  for (const std::uint64_t index : property::cases(1000)) {
     random::Stream stream = stream_of(k_seed, index);
     const WorldParameters world = random_world(stream);
     const NormalAngles normals = random_normals(world, 40 * k_degree_rad, stream);

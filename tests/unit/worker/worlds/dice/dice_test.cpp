@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/worlds/dice/support.h"
 
 namespace sleight::worlds::dice {
@@ -189,7 +190,7 @@ TEST(Dice, ReplaysMakeNoDifference) {
   // Goal: what comes of a candidate is the same from what is known of a similar state as from
   // nothing, for proposals of every kind, one after the other. Method: chains of one die and of
   // four, which take each second candidate; 40 times longer with SLEIGHT_SOAK=1.
-  const std::uint64_t longer = std::getenv("SLEIGHT_SOAK") != nullptr ? 40 : 1;
+  const std::uint64_t longer = property::long_run() ? 40 : 1;
   for (const std::uint32_t dice : {1U, 4U}) {
     Parameters parameters = testing::all_random(dice);
     parameters.goals = {goal_of(Place{}, 0.1, 0.01), goal_of(FaceDirection{.face = 1}, 0.2, 0.3)};

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/random/distributions.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/worlds/dice/support.h"
 
 namespace sleight::worlds::dice {
@@ -139,7 +140,7 @@ TEST(DiceGoals, MarginalsAreDirectSums) {
   // standard library.
   std::vector<Goal> goals{face_up(2), yaw_of(1, 0.4), face_up(6)};
   goals[2].die = 1;
-  for (std::uint64_t draw = 0; draw < 200; ++draw) {
+  for (const std::uint64_t draw : property::cases(200)) {
     random::Stream stream = testing::stream_of(5, draw);
     Views views{.at_end = {}, .rest_s = {1, 1}, .at_times = {}};
     for (int die = 0; die < 2; ++die)

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/marbles/same_balls.h"
 #include "tests/unit/worker/worlds/spelling/full_pattern.h"
 #include "worker/physics/simulator/simulation.h"
@@ -18,7 +19,7 @@ using physics::Tick;
 using physics::ticks_after;
 
 std::uint64_t state_count() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 : 300;
+  return property::long_run() ? 100'000 : 300;
 }
 
 /// A prior draw; of some, all balls are active.
@@ -98,8 +99,7 @@ void expect_all_alike(const Pattern& pattern, std::uint64_t states) {
   Parameters parameters;
   parameters.pattern = pattern;
   const Spelling world(parameters);
-  for (std::uint64_t seed = 0; seed < states; ++seed) {
-    SCOPED_TRACE("state " + std::to_string(seed));
+  for (const std::uint64_t seed : property::cases(states)) {
     expect_alike(world, draw(world, seed), seed % 2 == 0);
     if (::testing::Test::HasFailure()) return;
   }
@@ -158,8 +158,7 @@ TEST(SpellingMarbles, EqualASimulationInAnyWorld) {
   // of each.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   const std::uint64_t worlds = state_count() / 10;
-  for (std::uint64_t n = 0; n < worlds; ++n) {
-    SCOPED_TRACE("world " + std::to_string(n));
+  for (const std::uint64_t n : property::in_turn(worlds)) {
     const Spelling world(any_world(stream));
     for (std::uint64_t seed = 0; seed < 2; ++seed)
       expect_alike(world, draw(world, 2 * n + seed), seed == 0);

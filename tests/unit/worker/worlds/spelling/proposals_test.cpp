@@ -10,6 +10,7 @@
 #include <map>
 
 #include "common/math/elementary.h"
+#include "tests/support/property.h"
 
 namespace sleight::worlds::spelling {
 namespace {
@@ -46,7 +47,7 @@ TEST(Proposals, RatiosOfFlipsAreTheFormula) {
   for (std::uint32_t active = 0; active <= 6; ++active) {
     const State state = with_active(prior, active);
     for (const Kind kind : {Kind::disable_balls, Kind::enable_balls}) {
-      for (std::uint64_t i = 0; i < 50; ++i) {
+      for (const std::uint64_t i : property::cases(50)) {
         random::Stream stream = stream_of(i, active);
         const auto proposal = propose(prior, only(kind), state, stream);
         double forward = 1;
@@ -152,7 +153,7 @@ TEST(Proposals, ThesisRatiosAreThosePrinted) {
   for (std::uint32_t kind = 0; kind < k_thesis_kinds; ++kind) {
     ProposalParameters parameters = only(static_cast<Kind>(kind));
     parameters.kernel = Kernel::thesis;
-    for (std::uint64_t i = 0; i < 100; ++i) {
+    for (const std::uint64_t i : property::cases(100)) {
       const State state = with_active(prior, static_cast<std::uint32_t>(i % 7));
       random::Stream stream = stream_of(i, kind);
       const auto proposal = propose(prior, parameters, state, stream);
@@ -205,7 +206,7 @@ TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
 TEST(Proposals, CorrectDrawsAreThePriors) {
   // Goal: the choice of a kernel changes no bit of the correct one. Method: the same streams.
   const Prior prior{.vertices = 7, .balls = 3, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
-  for (std::uint64_t i = 0; i < 20; ++i) {
+  for (const std::uint64_t i : property::cases(20)) {
     random::Stream a = stream_of(61, i);
     random::Stream b = stream_of(61, i);
     EXPECT_EQ(draw_state(prior, Kernel::correct, a), prior.draw(b));
@@ -224,7 +225,7 @@ TEST(Proposals, KindsHaveTheirShares) {
                                       .vertex_probability = 1,
                                       .vertex_sd_m = 1};
   std::array<int, k_kinds> seen{};
-  for (std::uint64_t i = 0; i < 10'000; ++i) {
+  for (const std::uint64_t i : property::cases(10'000)) {
     random::Stream stream = stream_of(41, i);
     const State state = with_active(prior, 2);
     const auto proposal = propose(prior, parameters, state, stream);
@@ -240,6 +241,7 @@ TEST(Proposals, KindsHaveTheirShares) {
       EXPECT_NE(proposal.candidate.offsets_m, state.offsets_m);
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_NEAR(seen[0], 1000, 150);
   EXPECT_NEAR(seen[1], 7000, 230);
   EXPECT_NEAR(seen[2], 2000, 200);
@@ -276,7 +278,7 @@ TEST(Proposals, ABallMovesOnARing) {
   State state = with_active(prior, 2);
   state.drops_m[1] = {0.06, -0.04};
   std::map<std::size_t, int> moved;
-  for (std::uint64_t i = 0; i < 1000; ++i) {
+  for (const std::uint64_t i : property::cases(1000)) {
     random::Stream stream = stream_of(31, i);
     ProposalParameters parameters = only(Kind::change_ball);
     parameters.ball_sd_m = 0.1;
@@ -291,6 +293,7 @@ TEST(Proposals, ABallMovesOnARing) {
       if (drop_m != state.drops_m[ball]) ++moved[ball];
     }
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(moved[0], 440);
   EXPECT_GT(moved[1], 440);
   EXPECT_EQ(moved[2], 0);

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "common/random/distributions.h"
+#include "tests/support/property.h"
 #include "worker/physics/event/tolerances.h"
 #include "worker/worlds/spelling/spelling.h"
 
@@ -22,7 +23,7 @@ constexpr double k_radius_m = 0.008;
 
 /// Animations of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
 std::uint64_t animation_count() {
-  return std::getenv("SLEIGHT_SOAK") != nullptr ? 100'000 : 300;
+  return property::long_run() ? 100'000 : 300;
 }
 
 random::Stream stream_of(std::uint64_t n) {
@@ -269,8 +270,7 @@ TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
   // and a random one, until a collision with a ball.
   std::uint64_t held = 0;
   const std::uint64_t animations = animation_count() / 5;
-  for (std::uint64_t n = 0; n < animations; ++n) {
-    SCOPED_TRACE(::testing::Message() << "seed " << k_seed << ", animation " << n);
+  for (const std::uint64_t n : property::cases(animations)) {
     const Spelling world(world_of(n % k_worlds));
     const State state = random_state(world, n);
     const auto scene = world.scene(state);
@@ -287,6 +287,7 @@ TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
     }
     if (HasFailure()) return;
   }
+  if (!property::all_cases()) return;
   EXPECT_GT(held, 100 * animations);
 }
 
@@ -317,7 +318,7 @@ TEST(Traps, WhatIsDecidedEarlyIsWhatARunToRestFinds) {
   std::map<End, std::uint64_t> ends;
   std::uint64_t filled = 0;
   std::uint64_t earlier = 0;
-  for (std::uint64_t n = 0; n < animation_count(); ++n) {
+  for (const std::uint64_t n : property::cases(animation_count())) {
     const Spelling& world = worlds[n % k_worlds];
     const State state = random_state(world, n);
     const Outcome early = world.simulate(state);
@@ -334,6 +335,7 @@ TEST(Traps, WhatIsDecidedEarlyIsWhatARunToRestFinds) {
     filled += early.filled;
     earlier += early.end_s < whole.end_s ? 1 : 0;
   }
+  if (!property::all_cases()) return;
   std::printf("seed %llu: %llu settled, %llu at the limit, %llu impossible, %llu earlier\n",
               static_cast<unsigned long long>(k_seed),
               static_cast<unsigned long long>(ends[End::settled]),

@@ -1,0 +1,109 @@
+#include "tests/support/property.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <charconv>
+#include <cstdlib>
+#include <exception>
+#include <limits>
+#include <stdexcept>
+#include <string_view>
+
+#include "common/base/check.h"
+#include "tests/support/failures.h"
+
+namespace sleight::property {
+namespace {
+
+constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
+
+/// A test program runs one test at a time; threads that a case starts only read it.
+struct Now {
+  std::atomic<std::uint64_t> number = k_none;
+  bool met = false;
+};
+Now& now() {
+  static Now now;
+  return now;
+}
+
+std::optional<std::uint64_t> number_in(const char* variable) {
+  const char* const text = std::getenv(variable);
+  if (text == nullptr) return std::nullopt;
+  const std::string_view digits(text);
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), number);
+  if (error != std::errc() || end != digits.end() || number == k_none)
+    throw std::invalid_argument(fmt::format("{}={}: expected a case's number", variable, digits));
+  return number;
+}
+
+}  // namespace
+
+const Asked& asked() {
+  static const Asked asked{.only_case = number_in("SLEIGHT_CASE"),
+                           .failing_case = number_in("SLEIGHT_FAIL_CASE"),
+                           .long_run = std::getenv("SLEIGHT_SOAK") != nullptr};
+  return asked;
+}
+
+std::optional<std::uint64_t> current_case() {
+  const std::uint64_t number = now().number;
+  return number == k_none ? std::nullopt : std::optional(number);
+}
+
+void set_current_case(std::optional<std::uint64_t> number) {
+  now().number = number.value_or(k_none);
+}
+
+bool only_case_was_met() {
+  return now().met;
+}
+
+std::string command_of(std::string_view program, std::string_view test,
+                       std::optional<std::uint64_t> number, bool long_run) {
+  // A shell would take a typed or valued test's name as it is: '/' and letters only.
+  return fmt::format("{}{}{} --gtest_filter={}", long_run ? "SLEIGHT_SOAK=1 " : "",
+                     number ? fmt::format("SLEIGHT_CASE={} ", *number) : "", program, test);
+}
+
+std::string path_in_project(std::string_view path) {
+  constexpr std::string_view k_build = "/build/";
+  const std::size_t at = path.rfind(k_build);
+  return std::string(at == std::string_view::npos ? path : path.substr(at + 1));
+}
+
+Cases::Cases(std::uint64_t first, std::uint64_t last, Order order)
+    : first_(first), last_(last), exceptions_(std::uncaught_exceptions()) {
+  CHECK_LE(first, last);
+  CHECK(!current_case());
+  const auto only = asked().only_case;
+  if (!only) return;
+  const bool is_mine = first <= *only && *only < last;
+  if (!is_mine || order == Order::any) first_ = is_mine ? *only : last;
+  last_ = is_mine ? *only + 1 : last;
+  now().met = now().met || is_mine;
+}
+
+Cases::~Cases() {
+  // An exception is reported only after it has left the loop: the case stays until the test ends.
+  if (std::uncaught_exceptions() == exceptions_) set_current_case(std::nullopt);
+}
+
+std::uint64_t Cases::Iterator::operator*() const {
+  set_current_case(number_);
+  if (asked().failing_case == number_) ADD_FAILURE() << "asked for by SLEIGHT_FAIL_CASE";
+  return number_;
+}
+
+bool all_cases() {
+  return !asked().only_case;
+}
+
+bool long_run() {
+  return asked().long_run;
+}
+
+}  // namespace sleight::property

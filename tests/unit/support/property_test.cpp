@@ -1,0 +1,259 @@
+// Which cases a property test runs, and that what a failure prints repeats it. The tests below
+// whose names begin with DISABLED_ fail on purpose; others run this program again for them.
+#include "tests/support/property.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/base/check.h"
+#include "tests/support/failures.h"
+
+namespace sleight::property {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// As the tests below see them: they are in the output of this program run again.
+void say(std::uint64_t number) {
+  fmt::print("<{}>\n", number);
+  std::fflush(stdout);  // a process that dies of a CHECK writes no more
+}
+
+TEST(Planted, DISABLED_Check) {
+  // Goal: a case that ends the process. Method: case 7 of nine.
+  for (const std::uint64_t n : cases(9)) {
+    say(n);
+    CHECK(n != 7);
+  }
+}
+
+TEST(Planted, DISABLED_Exception) {
+  // Goal: a case that leaves its loop. Method: case 7 of nine.
+  for (const std::uint64_t n : cases(9)) {
+    say(n);
+    if (n == 7) throw std::runtime_error("seven");
+  }
+}
+
+TEST(Planted, DISABLED_Expectation) {
+  // Goal: a case that fails more than once. Method: case 7 of nine.
+  for (const std::uint64_t n : cases(9)) {
+    say(n);
+    EXPECT_NE(n, 7);
+    EXPECT_NE(n, 7) << "again";
+  }
+}
+
+TEST(Planted, DISABLED_ExpectationOfAnotherThread) {
+  // Goal: a case that fails elsewhere. Method: case 7 of nine.
+  for (const std::uint64_t n : cases(9)) {
+    say(n);
+    std::thread([n] { EXPECT_NE(n, 7); }).join();
+  }
+}
+
+TEST(Planted, DISABLED_LongRun) {
+  // Goal: a case that only long runs have. Method: case 7 of nine, or of six.
+  for (const std::uint64_t n : seeds(long_run() ? 9 : 6)) {
+    say(n);
+    EXPECT_NE(n, 7);
+  }
+}
+
+TEST(Planted, DISABLED_OutsideCases) {
+  // Goal: a failure that is no case's. Method: after a loop.
+  for (const std::uint64_t n : cases(9))
+    say(n);
+  ADD_FAILURE();
+}
+
+TEST(Planted, DISABLED_NoFailure) {
+  // Goal: what runs. Method: cases, seeds, and what is asked of all together.
+  for (const std::uint64_t n : cases(9))
+    say(n);
+  for (const std::uint64_t n : seeds(3))
+    say(100 + n);
+  if (all_cases()) say(1000);
+}
+
+TEST(Planted, DISABLED_InTurn) {
+  // Goal: a case that needs those before it. Method: case 7 of nine.
+  std::uint64_t before = 0;
+  for (const std::uint64_t n : in_turn(9)) {
+    say(n);
+    EXPECT_NE(before, 6);
+    before = n;
+  }
+}
+
+class PlantedValues : public ::testing::TestWithParam<int> {};
+
+TEST_P(PlantedValues, DISABLED_Expectation) {
+  // Goal: a test with a value, whose name has slashes. Method: case 7 with one of three.
+  for (const std::uint64_t n : cases(9)) {
+    say(n);
+    EXPECT_FALSE(n == 7 && GetParam() == 3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Odd, PlantedValues, ::testing::Values(1, 3, 5));
+
+/// What a command of a shell printed to both streams, and how it ended (0: well).
+struct Ended {
+  std::string output;
+  int status = 0;
+
+  std::vector<std::uint64_t> cases() const {
+    std::vector<std::uint64_t> found;
+    for (std::size_t at = output.find("\n<"); at != std::string::npos; at = output.find("\n<", at))
+      found.push_back(std::strtoull(output.c_str() + (at += 2), nullptr, 10));
+    return found;
+  }
+  /// What the first failure's line says.
+  std::string command() const {
+    constexpr std::string_view k_said = "\nto see it again: ";
+    const std::size_t at = output.find(k_said);
+    if (at == std::string::npos) return "";
+    const std::size_t begin = at + k_said.size();
+    return output.substr(begin, output.find('\n', begin) - begin);
+  }
+  std::size_t commands() const {
+    std::size_t count = 0;
+    for (std::size_t at = output.find("see it again"); at != std::string::npos;
+         at = output.find("see it again", at + 1))
+      ++count;
+    return count;
+  }
+};
+
+std::string whole_path() {
+  return std::filesystem::read_symlink("/proc/self/exe").string();
+}
+
+Ended ended(const std::string& command) {
+  // Tests with DISABLED_ run, and those of a long run of this program stay short.
+  std::FILE* const pipe = popen(
+      fmt::format("unset SLEIGHT_SOAK; export GTEST_ALSO_RUN_DISABLED_TESTS=1; ({}) 2>&1", command)
+          .c_str(),
+      "r");
+  Ended of;
+  std::array<char, 4096> part{};
+  for (std::size_t size = 0; (size = std::fread(part.data(), 1, part.size(), pipe)) > 0;)
+    of.output.append(part.data(), size);
+  of.status = pclose(pipe);
+  return of;
+}
+
+Ended ended_test(const std::string& environment, const std::string& test) {
+  return ended(fmt::format("{} {} --gtest_filter={}", environment, whole_path(), test));
+}
+
+/// As printed, from whatever folder this runs in.
+std::string from_here(std::string command) {
+  const std::string in_project = path_in_project(whole_path());
+  const std::size_t at = command.find(in_project);
+  return at == std::string::npos ? "" : command.replace(at, in_project.size(), whole_path());
+}
+
+TEST(Property, AFailurePrintsTheCommandThatRepeatsItsCase) {
+  // Goal: whatever way a case fails, one line repeats that case alone, and it fails again. Method:
+  // tests that fail in case 7, run by this program; what they print is run.
+  for (const char* const test :
+       {"Planted.DISABLED_Check", "Planted.DISABLED_Exception", "Planted.DISABLED_Expectation",
+        "Planted.DISABLED_ExpectationOfAnotherThread",
+        "Odd/PlantedValues.DISABLED_Expectation/1"}) {
+    SCOPED_TRACE(test);
+    const Ended first = ended_test("", test);
+    EXPECT_NE(first.status, 0);
+    EXPECT_THAT(first.cases(), ::testing::SizeIs(::testing::Ge(8U)));
+    EXPECT_EQ(first.commands(), 1U) << first.output;
+    EXPECT_EQ(first.command(), fmt::format("SLEIGHT_CASE=7 {} --gtest_filter={}",
+                                           path_in_project(whole_path()), test));
+    const Ended again = ended(from_here(first.command()));
+    EXPECT_NE(again.status, 0);
+    EXPECT_THAT(again.cases(), ElementsAre(7));
+    EXPECT_EQ(again.command(), first.command()) << again.output;
+  }
+}
+
+TEST(Property, ACaseOfALongRunIsRepeatedAsALongRuns) {
+  // Goal: a case that a short run lacks is repeated too. Method: one of a long run.
+  const Ended longer = ended_test("SLEIGHT_SOAK=1", "Planted.DISABLED_LongRun");
+  EXPECT_THAT(longer.cases(), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+  EXPECT_EQ(longer.command(),
+            fmt::format("SLEIGHT_SOAK=1 SLEIGHT_CASE=7 {} --gtest_filter=Planted.DISABLED_LongRun",
+                        path_in_project(whole_path())));
+  EXPECT_THAT(ended(from_here(longer.command())).cases(), ElementsAre(7));
+  EXPECT_EQ(ended_test("", "Planted.DISABLED_LongRun").status, 0);
+}
+
+TEST(Property, ACaseThatNeedsOthersIsRepeatedAfterThem) {
+  // Goal: what goes on from case to case fails again. Method: a test of cases in turn.
+  const Ended first = ended_test("", "Planted.DISABLED_InTurn");
+  EXPECT_THAT(first.cases(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
+  const Ended again = ended(from_here(first.command()));
+  EXPECT_THAT(again.cases(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+  EXPECT_EQ(again.command(), first.command());
+  EXPECT_NE(again.status, 0);
+}
+
+TEST(Property, AFailureOutsideCasesNamesItsTest) {
+  // Goal: a failure of a whole test is repeated by that. Method: one after a loop of cases.
+  const Ended of = ended_test("", "Planted.DISABLED_OutsideCases");
+  EXPECT_EQ(of.command(), fmt::format("{} --gtest_filter=Planted.DISABLED_OutsideCases",
+                                      path_in_project(whole_path())));
+}
+
+TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
+  // Goal: SLEIGHT_CASE runs that case, and nothing about all. Method: two loops, numbers in both,
+  // and in one of them.
+  const std::string test = "Planted.DISABLED_NoFailure";
+  EXPECT_THAT(ended_test("", test).cases(),
+              ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 101, 102, 103, 1000));
+  EXPECT_THAT(ended_test("SLEIGHT_CASE=3", test).cases(), ElementsAre(3, 103));
+  EXPECT_THAT(ended_test("SLEIGHT_CASE=0", test).cases(), ElementsAre(0));
+  EXPECT_EQ(ended_test("SLEIGHT_CASE=3", test).status, 0);
+}
+
+TEST(Property, ACaseThatNoTestHasIsAnError) {
+  // Goal: a wrong number can't pass for a mended case. Method: numbers of no case, and no numbers.
+  for (const char* const wrong : {"9", "", "x", "7x", "-1", "18446744073709551616"}) {
+    const Ended of =
+        ended_test(fmt::format("SLEIGHT_CASE={}", wrong), "Planted.DISABLED_NoFailure");
+    EXPECT_NE(of.status, 0) << wrong;
+    EXPECT_THAT(of.output, HasSubstr("SLEIGHT_CASE")) << wrong;
+    EXPECT_TRUE(of.cases().empty()) << wrong;
+  }
+}
+
+TEST(Property, AFailureCanBeAskedFor) {
+  // Goal: any test can show what a failure of it prints. Method: one that passes.
+  const Ended of = ended_test("SLEIGHT_FAIL_CASE=5", "Planted.DISABLED_NoFailure");
+  EXPECT_NE(of.status, 0);
+  EXPECT_EQ(of.command(), fmt::format("SLEIGHT_CASE=5 {} --gtest_filter=Planted.DISABLED_NoFailure",
+                                      path_in_project(whole_path())));
+  EXPECT_THAT(ended_test("SLEIGHT_FAIL_CASE=200", "Planted.DISABLED_NoFailure").output,
+              Not(HasSubstr("to see it again")));
+}
+
+TEST(Property, ProgramsAreNamedAsInTheProject) {
+  // Goal: commands are for the project's folder. Method: paths with that of builds, and without.
+  EXPECT_EQ(path_in_project("/a/build/b/build/release/tests/t"), "build/release/tests/t");
+  EXPECT_EQ(path_in_project("/opt/t"), "/opt/t");
+}
+
+}  // namespace
+}  // namespace sleight::property
