@@ -34,6 +34,7 @@ struct Tally {
 
 struct Job {
   const plan::UnitWorker& worker;
+  std::uint64_t seed = 1;
   double inverse_temperature = 1;
   std::uint64_t simulations = 0;  ///< of each chain, at least
   std::string request_text;
@@ -62,7 +63,8 @@ Tally run_chain(const Job& job, std::uint32_t chain) {
   // Chains of both temperatures differ in the replica, so that their files do.
   const base::ReplicaId replica{job.inverse_temperature == 0 ? 0U : 1U};
   for (std::uint64_t scan = 0; tally.simulations < job.simulations; scan += k_scans) {
-    plan::UnitResult result = job.worker.run({.replica = {base::ChainId{chain}, replica},
+    plan::UnitResult result = job.worker.run({.seed = job.seed,
+                                              .replica = {base::ChainId{chain}, replica},
                                               .first_scan = base::ScanIndex{scan},
                                               .scans = k_scans,
                                               .starts = scan == 0,
@@ -133,6 +135,7 @@ int main_of(int argc, char** argv) {
   for (const double beta : {0.0, 1.0}) {
     const auto worker = catalogue.world(request.world).make_worker(request);
     const Tally tally = run_chains({.worker = *worker,
+                                    .seed = request.sampler.seed,
                                     .inverse_temperature = beta,
                                     .simulations = (simulations + chains - 1) / chains,
                                     .request_text = request::normalised_text(request),

@@ -20,8 +20,9 @@ struct Counted : FailingBall {
   plan::FailureCounts* failures_;
 };
 
-plan::Unit unit_of(std::uint32_t scans, double beta, bool starts = true) {
-  return {.replica = {base::ChainId{1}, base::ReplicaId{2}},
+plan::Unit unit_of(std::uint64_t seed, std::uint32_t scans, double beta, bool starts = true) {
+  return {.seed = seed,
+          .replica = {base::ChainId{1}, base::ReplicaId{2}},
           .first_scan = base::ScanIndex{starts ? 0U : 1U},
           .scans = scans,
           .starts = starts,
@@ -42,8 +43,8 @@ TEST(Failures, AreNeverSamplesAndAllCounted) {
   for (const double beta : {0.0, 0.3, 1.0}) {
     for (const bool excursions : {false, true}) {
       plan::FailureCounts asked;
-      const ChainWorker<Counted> worker(Counted(asked), {.seed = 3, .iterations_per_scan = 4});
-      plan::Unit unit = unit_of(2000, beta);
+      const ChainWorker<Counted> worker(Counted(asked), {.iterations_per_scan = 4});
+      plan::Unit unit = unit_of(3, 2000, beta);
       if (excursions && beta > 0) unit.excursion = {0.5 * beta, 0};
       const plan::UnitResult result = worker.run(unit, {});
       EXPECT_EQ(counts_of(result), asked);
@@ -60,8 +61,8 @@ TEST(Failures, AreNeverSamplesAndAllCounted) {
 TEST(Failures, ComeBackWhole) {
   // Goal: the first failed simulations of a unit come back with their scan, and each one's state
   // fails as it says. Method: a long unit; states simulated again.
-  const ChainWorker<FailingBall> worker(FailingBall({}), {.seed = 4});
-  const plan::UnitResult result = worker.run(unit_of(3000, 1), {});
+  const ChainWorker<FailingBall> worker(FailingBall({}), {});
+  const plan::UnitResult result = worker.run(unit_of(4, 3000, 1), {});
   ASSERT_EQ(result.failed.size(), plan::k_failed_told_max);
   const FailingBall ball({});
   std::uint64_t last = 0;
@@ -78,9 +79,9 @@ TEST(Failures, ComeBackWhole) {
 TEST(Failures, DoNotKnowHowUnitsAreCut) {
   // Goal: records, failures included, are the same for any cut, with samples held or not. Method:
   // one unit against units of 7 scans, each from bytes.
-  const ChainWorkerOptions options{.seed = 5, .iterations_per_scan = 3};
+  const ChainWorkerOptions options{.iterations_per_scan = 3};
   const ChainWorker<FailingBall> whole(FailingBall({}), options);
-  const plan::UnitResult expected = whole.run(unit_of(700, 1), {});
+  const plan::UnitResult expected = whole.run(unit_of(5, 700, 1), {});
   const ChainWorker<FailingBall> held(FailingBall({}), options);
   ChainWorkerOptions without = options;
   without.cache_bytes_max = 0;
@@ -89,7 +90,7 @@ TEST(Failures, DoNotKnowHowUnitsAreCut) {
     base::Bytes state;
     std::vector<plan::ScanRecord> scans;
     for (std::uint64_t first = 0; first < 700; first += 7) {
-      plan::Unit unit = unit_of(7, 1);
+      plan::Unit unit = unit_of(5, 7, 1);
       unit.first_scan = base::ScanIndex{first};
       unit.starts = first == 0;
       plan::UnitResult part = worker->run(unit, state);
@@ -103,8 +104,8 @@ TEST(Failures, DoNotKnowHowUnitsAreCut) {
 TEST(Failures, DrawsFromThePriorAreDrawnAgain) {
   // Goal: a draw at inverse temperature 0 is the first of its stream that doesn't fail. Method: the
   // stream by hand.
-  const ChainWorker<FailingBall> worker(FailingBall({}), {.seed = 6});
-  const plan::UnitResult result = worker.run(unit_of(1000, 0), {});
+  const ChainWorker<FailingBall> worker(FailingBall({}), {});
+  const plan::UnitResult result = worker.run(unit_of(6, 1000, 0), {});
   const FailingBall ball({});
   std::uint64_t again = 0;
   for (std::uint64_t scan = 0; scan < 1000; ++scan) {
@@ -139,9 +140,9 @@ struct Hopeless : FailingBall {
 
 TEST(Failures, ThatNeverEndAreAnError) {
   // Goal: a world of which no draw succeeds ends with a reason instead of drawing for ever.
-  const ChainWorker<Hopeless> worker(Hopeless({}), {.seed = 6});
+  const ChainWorker<Hopeless> worker(Hopeless({}), {});
   try {
-    worker.run(unit_of(1, 1), {});
+    worker.run(unit_of(6, 1, 1), {});
     FAIL();
   } catch (const base::Error& error) {
     EXPECT_EQ(error.exit_code(), base::ExitCode::simulation_failed);
@@ -153,16 +154,17 @@ TEST(Failures, OfAStoredStateAreABug) {
   // Goal: a state that once was a sample and fails now is refused, not gone on with. Method: the
   // bytes of a state that fails.
   const FailingBall ball({});
-  const ChainWorker<FailingBall> worker(ball, {.seed = 6});
-  const plan::UnitResult result = worker.run(unit_of(3000, 1), {});
+  const ChainWorker<FailingBall> worker(ball, {});
+  const plan::UnitResult result = worker.run(unit_of(6, 3000, 1), {});
   ASSERT_FALSE(result.failed.empty());
-  EXPECT_THROW(worker.run(unit_of(5, 1, false), result.failed.front().failure.state), base::Error);
+  EXPECT_THROW(worker.run(unit_of(6, 5, 1, false), result.failed.front().failure.state),
+               base::Error);
 }
 
 TEST(Failures, StartsThatOverlapAreSamplesAtInverseTemperatureZero) {
   // Goal: such a start is drawn from the prior like any other, and counted. Method: prior draws.
-  const ChainWorker<FailingBall> worker(FailingBall({}), {.seed = 7});
-  const plan::UnitResult result = worker.run(unit_of(5000, 0), {});
+  const ChainWorker<FailingBall> worker(FailingBall({}), {});
+  const plan::UnitResult result = worker.run(unit_of(7, 5000, 0), {});
   std::uint64_t counted = 0;
   std::uint64_t without_density = 0;
   for (const plan::ScanRecord& scan : result.scans) {
