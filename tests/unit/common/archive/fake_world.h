@@ -82,13 +82,14 @@ class FakeReader : public StateReader {
     return writer.take();
   }
 
- private:
+ protected:
   static std::uint64_t key_of(base::BytesView state) {
     const auto key = base::ByteReader(state).get<std::uint64_t>();
     CHECK(key.has_value());
     return *key;
   }
 
+ private:
   WorldLayout layout_;
 };
 
