@@ -63,8 +63,8 @@ Tally run_chain(const Job& job, std::uint32_t chain) {
   // Chains of both temperatures differ in the replica, so that their files do.
   const base::ReplicaId replica{job.inverse_temperature == 0 ? 0U : 1U};
   for (std::uint64_t scan = 0; tally.simulations < job.simulations; scan += k_scans) {
-    plan::UnitResult result = job.worker.run({.seed = job.seed,
-                                              .replica = {base::ChainId{chain}, replica},
+    plan::UnitResult result = job.worker.run({.replica = {base::ChainId{chain}, replica},
+                                              .seed = job.seed,
                                               .first_scan = base::ScanIndex{scan},
                                               .scans = k_scans,
                                               .starts = scan == 0,

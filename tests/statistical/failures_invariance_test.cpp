@@ -56,7 +56,7 @@ struct FailingRing : RuggedRing {
 static_assert(sampling::MayFail<FailingRing>);
 
 sampling::ChainStreams streams_of(std::uint64_t chain) {
-  return {.seed = k_seed, .chain = base::ChainId{static_cast<std::uint32_t>(chain)}};
+  return {.seed = k_seed, .chain = base::ChainId{static_cast<std::uint32_t>(chain)}, .replica = {}};
 }
 
 /// The chance of counts like these if `move` leaves p_beta invariant: exact draws, each moved once.

@@ -96,7 +96,7 @@ struct Run {
 template <class World>
 Run run_ladders(const World& world, std::uint64_t seed, std::uint32_t ladders,
                 std::uint32_t rounds) {
-  const run::ChainWorker<World> worker(world, {.seed = seed, .iterations_per_scan = 2});
+  const run::ChainWorker<World> worker(world, {.iterations_per_scan = 2});
   sampling::ParallelTempering plan(
       {.ladders = ladders,
        .ladder = {.seed = seed,

@@ -234,7 +234,7 @@ TEST(IdentityText, IsWhatTheChainsDependOn) {
 
 TEST(WithSeed, IsAsIfTheFileHadIt) {
   const DirectionRequest request = with_seed(read(k_least), k_seed_max);
-  std::string text = k_least;  // no sum of a temporary, of which GCC 12 fears the worst
+  std::string text(k_least);  // no sum of a temporary, of which GCC 12 fears the worst
   text += "[sampler]\nseed = 9223372036854775807";
   EXPECT_EQ(request, read(text));
 }

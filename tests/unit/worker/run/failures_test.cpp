@@ -21,8 +21,8 @@ struct Counted : FailingBall {
 };
 
 plan::Unit unit_of(std::uint64_t seed, std::uint32_t scans, double beta, bool starts = true) {
-  return {.seed = seed,
-          .replica = {base::ChainId{1}, base::ReplicaId{2}},
+  return {.replica = {base::ChainId{1}, base::ReplicaId{2}},
+          .seed = seed,
           .first_scan = base::ScanIndex{starts ? 0U : 1U},
           .scans = scans,
           .starts = starts,
@@ -131,7 +131,8 @@ TEST(Failures, DrawsFromThePriorAreDrawnAgain) {
 struct Hopeless : FailingBall {
   using FailingBall::FailingBall;
   Outcome simulate(const State& state) const {
-    return {.failure = std::make_shared<const plan::SimulationFailure>(
+    return {.landing = {},
+            .failure = std::make_shared<const plan::SimulationFailure>(
                 plan::SimulationFailure{.kind = plan::FailureKind::impact_unresolved,
                                         .message = "it never works",
                                         .state = encode(state)})};
@@ -140,7 +141,7 @@ struct Hopeless : FailingBall {
 
 TEST(Failures, ThatNeverEndAreAnError) {
   // Goal: a world of which no draw succeeds ends with a reason instead of drawing for ever.
-  const ChainWorker<Hopeless> worker(Hopeless({}), {});
+  const ChainWorker<Hopeless> worker(Hopeless(worlds::ball_2d::Parameters{}), {});
   try {
     worker.run(unit_of(6, 1, 1), {});
     FAIL();
