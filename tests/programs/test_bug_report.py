@@ -37,7 +37,7 @@ class BugReport(ProgramTest):
         self.assertEqual(len(lines), 3, lines)
 
         # What is printed does repeat it: the run goes on from its store to the same place.
-        again = harness.run(["sh", "-c", lines[1].removeprefix("to repeat it: ")],
+        again = harness.run(["sh", "-c", "exec " + lines[1].removeprefix("to repeat it: ")],
                             env=self.failing_calls())
         self.assertEqual(again.stderr, result.stderr)
         # The seed is the one that the run had, not the request's.
