@@ -55,8 +55,7 @@ std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica, st
   sum.array(base::bytes_of(std::span(record.proposed)));
   sum.array(base::bytes_of(std::span(record.accepted)));
   sum.array(base::bytes_of(std::span(record.outcome)));
-  for (const std::uint64_t count : record.failures.by_kind)
-    sum.add(count);
+  sum.array(base::bytes_of(std::span<const std::uint64_t>(record.failures.by_kind)));
   sum.add(record.overlapping_starts);
   sum.array(record.state);
   return sum.value();
