@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/archive/hdf5/guarded.h"
@@ -187,11 +188,12 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   };
   FailureFiles failure_files(folder, request::normalised_text(inputs.request), files);
   std::string first_failure;
+  bool has_failed = false;
   const auto failed = [&](const plan::ReplicaKey& replica, const plan::FailedSimulation& one) {
     const std::optional<std::string> path = failure_files.keep(replica, one);
-    if (!first_failure.empty()) return;
+    if (std::exchange(has_failed, true)) return;
     // The first is said at once; progress and summary count the others.
-    first_failure = path.value_or(folder + "/failures");
+    first_failure = path.value_or("");
     say_failure(replica, one, path);
   };
   const DriveOptions drive_options{.time_limit_s = options.time_limit_s,

@@ -52,7 +52,7 @@ struct RunSummary {
   std::uint64_t scans = 0;      ///< of every chain in the archive; 0: no archive could be written
   std::string digest{};         ///< of the archive's content
   std::uint64_t epoch = 0;      ///< 1 for a run's first session
-  std::string first_failure{};  ///< of this session: a file to replay; empty if there is none
+  std::string first_failure{};  ///< of this session: its file, if it was kept
   Progress progress{};
   Handling handling{};
 };

@@ -163,6 +163,12 @@ class Failures(ProgramTest):
         self.assertEqual(len(files), 10)
         for file in files:
             self.assertEqual(harness.sleight("replay", file).returncode, 8, file)
+        # A later session keeps no more, and names none.
+        later = self.succeed(harness.sleight("direct", self.write_request("later.toml", scans=3000),
+                                             "-o", self.path("a.h5")))
+        self.assertIn("no more of them are kept as files", later.stderr)
+        self.assertIn(f"see {pathlib.Path(path).parent}.", later.stdout)
+        self.assertNotIn("sleight replay", later.stdout + later.stderr)
         # One whose state is another's is carried out, and says so.
         text = files[0].read_text()
         state = re.search(r'state = "([0-9a-f]+)"', text).group(1)
