@@ -28,8 +28,13 @@ class Stopping(ProgramTest):
         self.assertLess(summary["session_scans"], 200)
 
     def test_many_chains_have_something_to_show(self):
+        # Slow machines and sanitizers get longer. A run that takes one chain after another would
+        # not reach them all in the longest either.
         request = self.write_request(scans=1000000000, chains=3000)
-        _, summary = self.limited(request, "2s")
+        for limit in ["2s", "6s", "18s"]:
+            _, summary = self.limited(request, limit, "--fresh")
+            if summary["scans"] > 10:
+                break
         self.assertGreater(summary["scans"], 10)
 
     def test_chains_stay_near_one_another(self):
