@@ -241,10 +241,10 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
     std::size_t all = bytes(state.offsets_m) + bytes(state.active) + bytes(state.drops_m) +
                       bytes(outcome.filling) + bytes(solo.alone) + bytes(solo.filling);
     if (!outcome.history) return all;
-    for (const auto& story : outcome.history->histories) {
-      if (!story) continue;
-      all += bytes(story->parts) + bytes(story->ways) + bytes(story->marks) +
-             bytes(story->meetings) + bytes(story->touches) + bytes(story->met);
+    for (const auto& history : outcome.history->histories) {
+      if (!history) continue;
+      all += bytes(history->parts) + bytes(history->ways) + bytes(history->marks) +
+             bytes(history->meetings) + bytes(history->touches) + bytes(history->met);
     }
     return all + bytes(outcome.history->looks) + bytes(outcome.history->seen) +
            bytes(outcome.history->flat_edges);
