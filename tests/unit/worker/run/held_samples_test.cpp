@@ -243,7 +243,7 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
     if (!outcome.history) return all;
     for (const auto& history : outcome.history->histories) {
       if (!history) continue;
-      all += bytes(history->parts) + bytes(history->ways) + bytes(history->marks) +
+      all += bytes(history->parts) + bytes(history->flights) + bytes(history->checkpoints) +
              bytes(history->meetings) + bytes(history->touches) + bytes(history->met);
     }
     return all + bytes(outcome.history->looks) + bytes(outcome.history->seen) +
