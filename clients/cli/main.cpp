@@ -9,18 +9,16 @@
 
 #include "clients/cli/archive_commands.h"
 #include "clients/cli/diagnose_command.h"
-#include "clients/cli/main_diagnose.h"
-#include "clients/cli/main_dice_scene.h"
 #include "clients/cli/main_direct.h"
-#include "clients/cli/main_replay.h"
 #include "clients/cli/main_run.h"
-#include "clients/cli/main_spelling_box.h"
+#include "clients/cli/main_scenes.h"
 #include "clients/cli/output.h"
 #include "clients/cli/plot_command.h"
 #include "common/archive/csv.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
 #include "common/logging/log.h"
+#include "worker/sampling/diagnostics/convergence.h"
 
 namespace sleight::programs {
 namespace {
@@ -60,6 +58,28 @@ void add_request_help(CLI::App& app, std::string& path, std::string& world, Acti
   keys->add_option("world", world, "The world's name")->type_name("WORLD");
   keys->footer("Examples:\n  sleight keys\n  sleight keys ball_2d\n  sleight keys spelling");
   keys->callback([&] { action = [&] { return print_keys(world); }; });
+}
+
+/// How `sleight diagnose` judges a scalar.
+cli::Verdict judge(std::string_view name, const cli::ScalarDraws& draws) {
+  // Where thin is longer than the judged scans, no state is archived of them.
+  if (draws.draws == 0) return {};
+  const sampling::Convergence found = sampling::convergence_of(
+      {.values = draws.values, .chains = draws.chains, .draws = draws.draws});
+  return {.mean = found.mean,
+          .sd = found.sd,
+          .mcse = found.mcse_mean,
+          .r_hat = found.r_hat,
+          .ess_bulk = found.ess_bulk,
+          .ess_tail = found.ess_tail,
+          .constant = found.constant,
+          .complaints = sampling::complaints(name, found)};
+}
+
+cli::Rules convergence_rules() {
+  return {.draws_min = sampling::k_draws_per_chain_min,
+          .ess_wanted = sampling::ess_wanted,
+          .judge = judge};
 }
 
 struct ReplayArguments {

@@ -1,4 +1,4 @@
-// `sleight direct`, `check` and `keys`: the subcommands that need the worlds.
+// `sleight direct`, `check`, `keys` and `replay`: the subcommands that need the worlds.
 #pragma once
 
 #include <string>
@@ -15,5 +15,8 @@ int check_request(const std::string& path);
 
 /// Prints all keys of a world, or the worlds when none is named.
 int print_keys(const std::string& world);
+
+/// Simulates the state of a failed simulation's file and says how it ends; the exit code.
+int replay(const std::string& path, bool json);
 
 }  // namespace sleight::programs

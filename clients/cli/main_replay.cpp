@@ -1,4 +1,4 @@
-#include "clients/cli/main_replay.h"
+#include "clients/cli/main_direct.h"
 
 #include <fmt/format.h>
 

@@ -4,12 +4,12 @@
 // A row runs the same scene in two ways in turn, and says how long the one took (`whole_ms`, a
 // recorded simulation of everything, CPU time) and the other (`ms`), the start and the making of
 // the new history included.
-//   tell   a simulation that keeps its history
-//   all    everything differs: with the past of another scene that is of no use, against without
+//   keep   a simulation that keeps its history
+//   all    everything differs: with the history of another scene that is of no use, against without
 //   early  one body starts otherwise, or is kicked, at the beginning: all that mixes is simulated
 //   half   the same half-way
 //   late   the same after nine tenths
-// In rows with a past both keep their histories, as in a chain of proposals; in `all` neither does.
+// In rows that replay both keep their histories, as in a chain of proposals; in `all` neither does.
 // What is verified is the digest of the recording, which is that of the simulation of everything.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -49,8 +49,8 @@ constexpr Subject k_subjects[] = {
     {"marbles", scenes::marbles, 15, 2},
 };
 
-enum class Row : std::uint8_t { tell, all, early, half, late };
-constexpr const char* k_rows[] = {"tell", "all", "early", "half", "late"};
+enum class Row : std::uint8_t { keep, all, early, half, late };
+constexpr const char* k_rows[] = {"keep", "all", "early", "half", "late"};
 
 struct Outcome {
   double cpu_s = 0;
@@ -58,12 +58,12 @@ struct Outcome {
   std::shared_ptr<const History> history;
 };
 
-Outcome timed(const Scene& scene, double duration_s, bool tell,
-              const std::shared_ptr<const History>& past) {
+Outcome timed(const Scene& scene, double duration_s, bool keeps_history,
+              const std::shared_ptr<const History>& history) {
   SimulationOptions options;
-  options.tell = tell;
+  options.keep_history = keeps_history;
   const std::clock_t begin = std::clock();
-  Simulation simulation = Simulation::start(scene, options, past).value();
+  Simulation simulation = Simulation::start(scene, options, history).value();
   const auto error = simulation.run_until(Tick{} + physics::ticks_after(duration_s));
   CHECK(!error);
   Outcome outcome{.history = simulation.history()};
@@ -73,8 +73,8 @@ Outcome timed(const Scene& scene, double duration_s, bool tell,
 }
 
 std::uint64_t digest_of(const Scene& scene, double duration_s,
-                        const std::shared_ptr<const History>& past) {
-  Simulation simulation = Simulation::start(scene, {}, past).value();
+                        const std::shared_ptr<const History>& history) {
+  Simulation simulation = Simulation::start(scene, {}, history).value();
   CHECK(!simulation.run_until(Tick{} + physics::ticks_after(duration_s)));
   return simulation.recording().digest();
 }
@@ -85,7 +85,7 @@ Scene changed(const Subject& subject, const Scene& before, Row row) {
   if (row == Row::all) {
     for (physics::BodyDescription& body : scene.bodies)
       body.start.twist.velocity_mps.x() += 1e-9;
-  } else if (row != Row::tell) {
+  } else if (row != Row::keep) {
     const double share = row == Row::early ? 0 : row == Row::half ? 0.5 : 0.9;
     const std::size_t last = scene.bodies.size() - 1;
     if (scene.bodies[last].start_tick > Tick{}) {
@@ -104,16 +104,16 @@ Scene changed(const Subject& subject, const Scene& before, Row row) {
 void run(benchmark::State& state, const Subject& subject, Row row) {
   const Scene before = subject.make(subject.n, k_seed).scene;
   const Scene scene = changed(subject, before, row);
-  const auto past =
-      row == Row::tell ? nullptr : timed(before, subject.duration_s, true, nullptr).history;
-  const bool both_tell = row != Row::tell && row != Row::all;
+  const auto history =
+      row == Row::keep ? nullptr : timed(before, subject.duration_s, true, nullptr).history;
+  const bool both_keep = row != Row::keep && row != Row::all;
   double whole_s = 0;
   double s = 0;
   std::uint64_t replayed = 0;
   std::size_t bytes = 0;
   for (auto _ : state) {
-    whole_s += timed(scene, subject.duration_s, both_tell, nullptr).cpu_s;
-    const Outcome outcome = timed(scene, subject.duration_s, row != Row::all, past);
+    whole_s += timed(scene, subject.duration_s, both_keep, nullptr).cpu_s;
+    const Outcome outcome = timed(scene, subject.duration_s, row != Row::all, history);
     s += outcome.cpu_s;
     replayed = outcome.replayed;
     if (outcome.history) bytes = outcome.history->bytes();
@@ -124,7 +124,7 @@ void run(benchmark::State& state, const Subject& subject, Row row) {
   state.counters["ratio"] = s / whole_s;
   state.counters["replayed"] = static_cast<double>(replayed);
   state.counters["history_MB"] = 1e-6 * static_cast<double>(bytes);
-  verify(state, digest_of(scene, subject.duration_s, past),
+  verify(state, digest_of(scene, subject.duration_s, history),
          digest_of(scene, subject.duration_s, nullptr));
 }
 

@@ -38,7 +38,7 @@ using Simulate = worlds::spelling::Outcome (*)(const Spelling&, const Spelling::
 worlds::spelling::Outcome decide(const Spelling& world, const Spelling::State& state) {
   return world.simulate(state);
 }
-/// Of a candidate about whose state nothing is known: the whole simulation, which tells.
+/// Of a candidate about whose state nothing is known: the whole simulation, with its history.
 worlds::spelling::Outcome decide_and_tell(const Spelling& world, const Spelling::State& state) {
   return world.simulate_from(state, state, {});
 }

@@ -16,7 +16,7 @@
 #include "common/plan/plan.h"
 #include "common/plan/unit.h"
 #include "common/request/direction_request.h"
-#include "worker/run/cache_size.h"
+#include "worker/run/sample_cache.h"
 
 namespace sleight::run {
 

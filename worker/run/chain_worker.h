@@ -13,7 +13,6 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/plan/unit.h"
-#include "worker/run/cache_size.h"
 #include "worker/run/sample_cache.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/sampling/surrogate_transition.h"

@@ -22,6 +22,9 @@
 
 namespace sleight::run {
 
+/// What a worker holds unless told: some hundred thousand samples of balls that spell.
+inline constexpr std::size_t k_cache_bytes_max = std::size_t{256} << 20U;
+
 template <class Sample>
 class SampleCache {
  public:

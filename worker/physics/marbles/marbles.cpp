@@ -113,19 +113,19 @@ void Marbles::process(const EventKey& event) {
         collide(ball, event.higher, event.tick);
       }
       balls_changed();
-      tell_marks(ball);
+      keep_checkpoints(ball);
       return;
     case EventKind::mode:
       ++counts_.modes;
       change_mode(ball, event.tick);
       balls_changed();
-      tell_marks(ball);
+      keep_checkpoints(ball);
       return;
     case EventKind::rest:
       ++counts_.rest_decisions;
       if (rest(ball, event.tick) == 0) refresh_key(ball);
       balls_changed();
-      tell_marks(ball);
+      keep_checkpoints(ball);
       return;
     case EventKind::update:
       if (replayed_[ball] != nullptr) {
@@ -177,7 +177,7 @@ void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
   balls_changed();
   if (records_) {
     met_.assign(1, ball);
-    tell_marks(ball);
+    keep_checkpoints(ball);
   }
 }
 
@@ -261,7 +261,7 @@ bool Marbles::suspend(std::uint32_t ball) {
   Marble& left = balls_[ball];
   left.suspended = true;
   left.resumes = false;
-  if (records_) tell_part(ball, confined);
+  if (records_) keep_part(ball, confined);
   left.static_tick = left.pair_tick = k_never;
   left.static_feature = partners_[ball] = k_none;
   keys_[ball] = disturbed == k_never

@@ -17,25 +17,27 @@
 //      catches up with the present when one does: until then nothing else has touched it.
 //   4. What is replayed is not simulated, and makes no difference ("What stays the same", below).
 //
-// What stays the same. A simulation that records keeps a story of each ball: the boxes that it was
-// in and its flights there, its meetings, and marks, from which all goes on (marble_story.h). A
-// simulation of a scene that differs in some balls, or in static geometry here and there, can be
-// given these stories. A ball that has one is replayed, which costs nothing, until the first of
-// these:
-//   - it meets static geometry that has changed, or in its story met some that has changed since;
-//   - it was left alone in its story and would not be now, or in another confinement;
-//   - its story has a meeting with a ball that isn't replayed now, or has just had one with a ball
+// What stays the same. A simulation that records keeps a history of each ball: the boxes that it
+// was in and its flights there, its meetings, and checkpoints, from which all goes on
+// (marble_history.h). A simulation of a scene that differs in some balls, or in static geometry
+// here and there, can be given these histories. A ball that has one is replayed, which costs
+// nothing, until the first of these:
+//   - it meets static geometry that has changed, or in its history met some that has changed since;
+//   - it was left alone in its history and would not be now, or in another confinement;
+//   - its history has a meeting with a ball that isn't replayed now, or has just had one with a
+//   ball
 //     that has gone live since: decisions about rest will ask about that ball;
 //   - a ball that it rests on, or that rests on it, isn't replayed any more;
 //   - a ball that isn't replayed meets it (it is an obstacle that moves in a known way), or comes
 //     near the confinement in which it is alone;
-//   - its story ends, and the ball doesn't stay where it is.
-// Then it goes live from its last mark. Between that and the present it was alone with static
-// geometry, so catching up changes nothing for others. A story has a bounded number of marks. If
-// one is missing, after any error, or when a good part of the permitted work is used up, the replay
-// is void (is_replay_void()), and only a simulation of everything gives the result.
+//   - its history ends, and the ball doesn't stay where it is.
+// Then it goes live from its last checkpoint. Between that and the present it was alone with static
+// geometry, so catching up changes nothing for others. A history has a bounded number of
+// checkpoints. If one is missing, after any error, or when a good part of the permitted work is
+// used up, the replay is void (is_replay_void()), and only a simulation of everything gives the
+// result.
 //
-// Nothing is allocated after start once lists have grown, but for stories. Cost: some 6,000
+// Nothing is allocated after start once lists have grown, but for histories. Cost: some 6,000
 // instructions per event among ten balls, below 1 microsecond; of n balls some 10 n more. Thread
 // safety: none.
 #pragma once
@@ -52,7 +54,7 @@
 #include "worker/physics/broad_phase/box.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/marbles/ball_boxes.h"
-#include "worker/physics/marbles/marble_story.h"
+#include "worker/physics/marbles/marble_history.h"
 #include "worker/physics/marbles/near_features.h"
 #include "worker/physics/marbles/path_bounds.h"
 #include "worker/physics/marbles/surroundings.h"
@@ -76,7 +78,7 @@ using MarbleConfinement =
 bool are_marbles(const Scene& scene);
 
 /// By ball; null where nothing is known, or the ball itself is another one.
-using MarbleStories = std::vector<std::shared_ptr<const MarbleStory>>;
+using MarbleHistories = std::vector<std::shared_ptr<const MarbleHistory>>;
 
 /// Where static geometry may be otherwise than in another simulation.
 struct MarbleChange {
@@ -84,13 +86,13 @@ struct MarbleChange {
   TouchBox box;  ///< a ball overlaps it if it meets one of them, as that was or is
 };
 
-/// What is known before a simulation begins, and what shall be known afterwards. REQUIRES: stories
-/// are of one simulation; what is the same of its scene are static geometry but for changes, the
-/// laws, the balls and the starts of those with a story.
+/// What is known before a simulation begins, and what shall be known afterwards. REQUIRES:
+/// histories are of one simulation; what is the same of its scene are static geometry but for
+/// changes, the laws, the balls and the starts of those with a history.
 struct MarbleReplay {
-  const MarbleStories* stories = nullptr;   ///< of all balls, of a simulation that is over
-  std::span<const MarbleChange> changes{};  ///< of static geometry
-  bool confinement_differs = false;         ///< it may say something else of a place and a twist
+  const MarbleHistories* histories = nullptr;  ///< of all balls, of a simulation that is over
+  std::span<const MarbleChange> changes{};     ///< of static geometry
+  bool confinement_differs = false;            ///< it may say something else of a place and a twist
   bool records = false;
 };
 
@@ -137,15 +139,15 @@ class Marbles {
   Twist twist(BodyId marble) const { return twist_at(marble.value, now_); }
   const Counts& counts() const { return counts_; }
 
-  /// The story that a ball is replayed by at present, null if by none: then nothing of the above
+  /// The history that a ball is replayed by at present, null if by none: then nothing of the above
   /// may be asked for.
-  const MarbleStory* replayed(BodyId marble) const { return replayed_[marble.value].get(); }
+  const MarbleHistory* replayed(BodyId marble) const { return replayed_[marble.value].get(); }
   /// Simulates a ball from the present on.
   void stop_replay(BodyId marble);
-  /// Whether what happened isn't known to be what would happen without stories.
+  /// Whether what happened isn't known to be what would happen without histories.
   bool is_replay_void() const;
   /// What has happened so far: of all balls. REQUIRES: it records; the replay isn't void.
-  MarbleStories stories() const;
+  MarbleHistories histories() const;
 
  private:
   static constexpr std::uint32_t k_none = Marble::k_none;
@@ -200,12 +202,13 @@ class Marbles {
   bool has_left(std::uint32_t ball, Tick tick);
   double hop_speed_mps() const { return k_hop_share * scene_->slow.separation_speed_mps; }
 
-  // What is told (marbles_stories.cpp).
-  void begin_story(std::uint32_t ball);
-  void tell_part(std::uint32_t ball, const TouchBox& box);
-  void tell_meeting(std::uint32_t a, std::uint32_t b);
-  void tell_marks(std::uint32_t of);
-  MarbleStory::Mark mark_in(MarbleStory& story, std::uint32_t ball, Tick tick) const;
+  // Keeping histories (marbles_histories.cpp).
+  void begin_history(std::uint32_t ball);
+  void keep_part(std::uint32_t ball, const TouchBox& box);
+  void keep_meeting(std::uint32_t a, std::uint32_t b);
+  void keep_checkpoints(std::uint32_t of);
+  MarbleHistory::Checkpoint checkpoint_in(MarbleHistory& history, std::uint32_t ball,
+                                          Tick tick) const;
 
   // What is replayed (marbles_replays.cpp).
   void begin_replay(const MarbleReplay& replay);
@@ -215,8 +218,8 @@ class Marbles {
   void comes_near_replayed(std::uint32_t ball, const TouchBox& box, Tick to, bool is_path);
   void find_part_now(std::uint32_t ball);
   Tick replayed_comes_near(const TouchBox& box);
-  bool stays_alone(std::uint32_t ball, const MarbleStory::Part& part,
-                   const MarbleStory::Way& way) const;
+  bool stays_alone(std::uint32_t ball, const MarbleHistory::Part& part,
+                   const MarbleHistory::Flight& way) const;
   Tick first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick until);
   /// The tick of what takes place, also while some catch up with it.
   Tick present() const { return catches_up_ ? present_ : now_; }
@@ -234,8 +237,8 @@ class Marbles {
   Tick predict_pair(std::uint32_t a, std::uint32_t b) const;
   Tick first_touch(const FreeFlight& first, const FreeFlight& second, Tick from, Tick until,
                    const Refractory& refractory) const;
-  bool starts_at(std::uint32_t ball, const MarbleStory::Way& way) const;
-  Tick meets_way(std::uint32_t ball, const MarbleStory::Way& way, MotionMode mode, Tick from,
+  bool starts_at(std::uint32_t ball, const MarbleHistory::Flight& way) const;
+  Tick meets_way(std::uint32_t ball, const MarbleHistory::Flight& way, MotionMode mode, Tick from,
                  Tick until) const;
   Tick first_met(const FreeFlight& flight, Tick from, Tick until, const MarbleChange& change);
   Refractory refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const;
@@ -269,7 +272,7 @@ class Marbles {
   std::vector<Surroundings> surroundings_;
   BallBoxes boxes_;             ///< of paths, or of confinements
   std::vector<EventKey> keys_;  ///< of each ball's next event
-  /// By ball: its next partner, if it meets one at pair_tick; a replayed ball's is its story's.
+  /// By ball: its next partner, if it meets one at pair_tick; a replayed ball's is its history's.
   std::vector<std::uint32_t> partners_;
   Resting resting_;
   RecentContacts recent_;
@@ -277,21 +280,21 @@ class Marbles {
   std::vector<std::uint32_t> to_resume_;
   bool catches_up_ = false;
   Tick present_{};  ///< that they catch up with
-  // Stories.
+  // MarbleHistories.
   bool records_ = false;
-  std::vector<MarbleStory> told_;                 ///< of those that are simulated, if it records
+  std::vector<MarbleHistory> kept_;               ///< of those that are simulated, if it records
   std::vector<std::uint32_t> met_;                ///< at the present event
-  MarbleStories replayed_;                        ///< null: simulated
+  MarbleHistories replayed_;                      ///< null: simulated
   std::vector<std::uint32_t> replays_;            ///< those that aren't null, ascending
   std::vector<std::uint8_t> is_changed_feature_;  ///< by feature
-  std::vector<std::size_t> part_now_;             ///< of each replayed ball's story
+  std::vector<std::size_t> part_now_;             ///< of each replayed ball's history
   std::vector<std::uint64_t> own_work_;  ///< by ball: of events of which it is the lower one
   std::vector<Tick> last_event_;         ///< by ball
-  std::vector<std::uint32_t> unmarked_;  ///< by ball: events since its last mark
+  std::vector<std::uint32_t> since_checkpoint_;  ///< by ball: events since its last checkpoint
   std::vector<std::pair<std::uint32_t, Tick>> hastened_;  ///< scratch: balls going live, by when
-  std::uint64_t replayed_work_ = 0;  ///< of events before the marks that some went on from
+  std::uint64_t replayed_work_ = 0;  ///< of events before the checkpoints that some went on from
   bool has_replayed_ = false;
-  bool lacks_mark_ = false;
+  bool lacks_checkpoint_ = false;
   Counts counts_;
   std::optional<SceneError> failure_;
 };

@@ -101,7 +101,7 @@ void Marbles::collide(std::uint32_t a, std::uint32_t b, Tick tick) {
   const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
   const ContactLaw law = law_of(material_, plastic);
   recent_.note(a, b, tick, gap_m);
-  if (records_) tell_meeting(a, b);
+  if (records_) keep_meeting(a, b);
   if (contacts_last_) balls_[a].met_body = balls_[b].met_body = tick;
   bool a_rests = is_resting(a);
   bool b_rests = is_resting(b);
@@ -281,9 +281,9 @@ std::size_t Marbles::rest(std::uint32_t index, Tick tick) {
   changed_.clear();
   const auto present = [&](std::uint32_t member) {
     if (records_) {
-      if (member != index) tell_meeting(index, member);
+      if (member != index) keep_meeting(index, member);
       resting_.for_each_partner(member, tick,
-                                [&](std::uint32_t partner) { tell_meeting(member, partner); });
+                                [&](std::uint32_t partner) { keep_meeting(member, partner); });
     }
     Marble& ball = balls_[member];
     Resting::Present state{.speed_mps = fastest_point_mps(radius_m_, twist_at(member, tick)),
@@ -338,7 +338,7 @@ std::size_t Marbles::rest(std::uint32_t index, Tick tick) {
 void Marbles::wake_dependents(std::uint32_t ball, Tick tick) {
   for (const std::uint32_t dependent : resting_.wake(ball)) {
     if (!is_resting(dependent)) continue;
-    if (records_) tell_meeting(ball, dependent);
+    if (records_) keep_meeting(ball, dependent);
     begin_after(dependent, place_at(dependent, tick), {}, tick);
     resting_.woke(dependent, tick, {place_at(dependent, tick), Quat::Identity()});
   }

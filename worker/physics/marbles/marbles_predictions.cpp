@@ -195,7 +195,7 @@ void Marbles::predict_static(std::uint32_t index) {
   const FreeFlight& flight = ball.segment.flight;
   if (ball.segment.mode == MotionMode::resting) {
     boxes_.set(index, path_box_of(index, now_, now_));
-    if (records_) tell_part(index, boxes_.of(index));
+    if (records_) keep_part(index, boxes_.of(index));
     return;
   }
   // What it stays on it doesn't meet before its mode event. What it has just left is often what it
@@ -301,7 +301,7 @@ void Marbles::predict_static(std::uint32_t index) {
   } else {
     boxes_.set(index, path_box_of(index, now_, next_of(index)));
   }
-  if (records_) tell_part(index, boxes_.of(index));
+  if (records_) keep_part(index, boxes_.of(index));
 }
 
 /// A search takes some ticks; so many mean that a bound is wrong.

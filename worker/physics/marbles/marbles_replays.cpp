@@ -1,4 +1,4 @@
-// How stories of another simulation are replayed.
+// How histories of another simulation are replayed.
 #include <algorithm>
 #include <utility>
 
@@ -15,8 +15,8 @@ constexpr std::uint64_t k_work_margin = 2;
 }  // namespace
 
 /// Whether a ball that was left alone would be in the same confinement.
-bool Marbles::stays_alone(std::uint32_t ball, const MarbleStory::Part& part,
-                          const MarbleStory::Way& way) const {
+bool Marbles::stays_alone(std::uint32_t ball, const MarbleHistory::Part& part,
+                          const MarbleHistory::Flight& way) const {
   const auto box = confinement_(
       {ball}, way.position_m,
       {.velocity_mps = way.velocity_mps, .angular_velocity_radps = way.angular_velocity_radps});
@@ -25,33 +25,34 @@ bool Marbles::stays_alone(std::uint32_t ball, const MarbleStory::Part& part,
   return confined.low_m == part.box.low_m && confined.high_m == part.box.high_m;
 }
 
-/// When a ball that is told of first meets something of static geometry that is otherwise than it
+/// When a ball first meets, in its history, something of static geometry that is otherwise than it
 /// was, or was met by it and isn't now, or would be left alone otherwise; k_never if not up to a
 /// tick.
 Tick Marbles::first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick until) {
-  const MarbleStory& story = *replayed_[ball];
+  const MarbleHistory& history = *replayed_[ball];
   const auto is_changed = [&](std::uint32_t feature) {
     return feature != k_none && !is_changed_feature_.empty() && is_changed_feature_[feature] != 0;
   };
-  for (std::size_t i = 0; i < story.parts.size(); ++i) {
-    const MarbleStory::Part& part = story.parts[i];
+  for (std::size_t i = 0; i < history.parts.size(); ++i) {
+    const MarbleHistory::Part& part = history.parts[i];
     if (part.begin > until) break;
     if (is_changed(part.last_feature)) return part.begin;
     if (part.is_alone) {
       // Whatever is met in a confinement, it isn't left.
-      if (replay.confinement_differs && !stays_alone(ball, part, story.ways[i])) return part.begin;
+      if (replay.confinement_differs && !stays_alone(ball, part, history.flights[i]))
+        return part.begin;
       continue;
     }
     Tick first = k_never;
     for (const MarbleChange& change : replay.changes) {
       if (!overlaps(change.box, part.box)) continue;
       // What it stays on it has met before. Whether it may start there is asked when it does.
-      const TouchBox start = way_box_of(story.ways[i].flight(), part.begin, part.begin);
+      const TouchBox start = way_box_of(history.flights[i].flight(), part.begin, part.begin);
       if (i == 0 && overlaps(change.box, start)) return part.begin;
       if (part.mode == MotionMode::resting) continue;
-      const Tick end = i + 1 < story.parts.size() ? story.parts[i + 1].begin : until;
-      first = std::min(first,
-                       first_met(story.ways[i].flight(), part.begin, std::min(end, end_), change));
+      const Tick end = i + 1 < history.parts.size() ? history.parts[i + 1].begin : until;
+      first = std::min(
+          first, first_met(history.flights[i].flight(), part.begin, std::min(end, end_), change));
     }
     if (first != k_never) return first;
   }
@@ -67,20 +68,20 @@ void Marbles::begin_replay(const MarbleReplay& replay) {
   replayed_.assign(count, nullptr);
   last_event_.assign(count, Tick{});
   own_work_.assign(count, 0);
-  unmarked_.assign(count, 0);
+  since_checkpoint_.assign(count, 0);
   replayed_work_ = 0;
-  lacks_mark_ = false;
+  lacks_checkpoint_ = false;
   if (records_) {
-    told_.resize(count);
-    for (MarbleStory& story : told_)
-      story.clear();
+    kept_.resize(count);
+    for (MarbleHistory& history : kept_)
+      history.clear();
   }
   has_replayed_ = false;
-  if (replay.stories == nullptr) return;
-  CHECK_EQ(replay.stories->size(), count);
+  if (replay.histories == nullptr) return;
+  CHECK_EQ(replay.histories->size(), count);
   for (std::uint32_t ball = 0; ball < count; ++ball) {
-    if ((*replay.stories)[ball] == nullptr) continue;
-    replayed_[ball] = (*replay.stories)[ball];
+    if ((*replay.histories)[ball] == nullptr) continue;
+    replayed_[ball] = (*replay.histories)[ball];
     replays_.push_back(ball);
   }
   has_replayed_ = !replays_.empty();
@@ -91,11 +92,11 @@ void Marbles::begin_replay(const MarbleReplay& replay) {
       is_changed_feature_[feature] = 1;
   }
   for (const std::uint32_t ball : replays_) {
-    const MarbleStory& story = *replayed_[ball];
-    Tick until = story.stays ? k_never : story.until;
+    const MarbleHistory& history = *replayed_[ball];
+    Tick until = history.stays ? k_never : history.until;
     if (!replay.changes.empty() || replay.confinement_differs)
       until = std::min(until, first_changed(ball, replay, until));
-    for (const MarbleStory::Meeting& meeting : story.meetings) {
+    for (const MarbleHistory::Meeting& meeting : history.meetings) {
       if (replayed_[meeting.partner] == nullptr) until = std::min(until, meeting.tick);
     }
     keys_[ball] = until == k_never
@@ -106,7 +107,7 @@ void Marbles::begin_replay(const MarbleReplay& replay) {
 
 bool Marbles::is_replay_void() const {
   if (!has_replayed_) return false;
-  if (failure_ || lacks_mark_) return true;
+  if (failure_ || lacks_checkpoint_) return true;
   std::uint64_t work = counts_.work() + replayed_work_;
   for (const std::uint32_t ball : replays_)
     work += replayed_[ball]->work;
@@ -140,18 +141,18 @@ void Marbles::hasten(std::size_t from) {
 
 /// From the present on a ball is simulated. It is then among those that catch up.
 void Marbles::goes_live(std::uint32_t ball) {
-  const std::shared_ptr<const MarbleStory> story = std::move(replayed_[ball]);
+  const std::shared_ptr<const MarbleHistory> history = std::move(replayed_[ball]);
   replayed_[ball] = nullptr;
   std::erase(replays_, ball);
   const Tick now = present();
 
-  // What it did to others in its story it may not do now: neither meet them, nor be what the one
+  // What it did to others in its history it may not do now: neither meet them, nor be what the one
   // that it has just met rests on, or asks about rest with.
   const std::size_t from = hastened_.size();
   for (const std::uint32_t other : replays_) {
-    const MarbleStory& theirs = *replayed_[other];
+    const MarbleHistory& theirs = *replayed_[other];
     bool has_met = false;
-    for (const MarbleStory::Meeting& meeting : theirs.meetings) {
+    for (const MarbleHistory::Meeting& meeting : theirs.meetings) {
       if (meeting.partner != ball) continue;
       if (meeting.tick >= now) {
         hastened_.emplace_back(other, meeting.tick);
@@ -162,52 +163,54 @@ void Marbles::goes_live(std::uint32_t ball) {
     }
     if (!has_met) continue;
     bool is_gap = false;
-    const MarbleStory::Mark* mark = theirs.mark_before(now, is_gap);
-    if (is_gap || (mark != nullptr && mark->rest.rests_on(ball)))
+    const MarbleHistory::Checkpoint* checkpoint = theirs.checkpoint_before(now, is_gap);
+    if (is_gap || (checkpoint != nullptr && checkpoint->rest.rests_on(ball)))
       hastened_.emplace_back(other, now);
   }
 
   bool is_gap = false;
-  const MarbleStory::Mark* mark = story->mark_before(now, is_gap);
+  const MarbleHistory::Checkpoint* checkpoint = history->checkpoint_before(now, is_gap);
   if (is_gap) {
-    lacks_mark_ = true;
-    fail(SceneError::Kind::incomplete_story, name(ball) + ": its story lacks a mark");
-  } else if (mark == nullptr) {
-    if (records_) begin_story(ball);
+    lacks_checkpoint_ = true;
+    fail(SceneError::Kind::incomplete_history, name(ball) + ": its history lacks a checkpoint");
+  } else if (checkpoint == nullptr) {
+    if (records_) begin_history(ball);
     keys_[ball] = {
         .tick = scene_->bodies[ball].start_tick, .kind = EventKind::start, .lower = ball};
   } else {
     // What it rests on must be there to wake it.
     for (const std::uint32_t other : replays_) {
-      if (mark->rest.rests_on(other)) hastened_.emplace_back(other, now);
+      if (checkpoint->rest.rests_on(other)) hastened_.emplace_back(other, now);
     }
-    balls_[ball] = mark->marble;
+    balls_[ball] = checkpoint->marble;
     balls_[ball].suspended = balls_[ball].resumes = true;  // waits to catch up
-    resting_.restore(ball, mark->rest, story->touches);
-    recent_.restore(ball, std::span(story->met).subspan(mark->first_met, mark->met_count));
+    resting_.restore(ball, checkpoint->rest, history->touches);
+    recent_.restore(ball,
+                    std::span(history->met).subspan(checkpoint->first_met, checkpoint->met_count));
     surroundings_[ball] = {};
-    last_event_[ball] = mark->tick;
-    own_work_[ball] = mark->work;
-    unmarked_[ball] = 0;
-    replayed_work_ += mark->work;
+    last_event_[ball] = checkpoint->tick;
+    own_work_[ball] = checkpoint->work;
+    since_checkpoint_[ball] = 0;
+    replayed_work_ += checkpoint->work;
     keys_[ball] = k_no_event;
     to_resume_.push_back(ball);
     if (records_) {
-      MarbleStory& own = told_[ball];
-      const auto is_before = [&](const auto& it) { return it.tick <= mark->tick; };
+      MarbleHistory& own = kept_[ball];
+      const auto is_before = [&](const auto& it) { return it.tick <= checkpoint->tick; };
       own.clear();
-      const auto parts = static_cast<std::ptrdiff_t>(mark->parts);
-      own.parts.assign(story->parts.begin(), story->parts.begin() + parts);
-      own.ways.assign(story->ways.begin(), story->ways.begin() + parts);
-      std::ranges::copy_if(story->marks, std::back_inserter(own.marks), is_before);
-      // Lists grow with marks, so what later ones know lies behind.
-      const std::size_t touches = mark->rest.first_touch() + mark->rest.touch_count();
-      const std::size_t met = mark->first_met + mark->met_count;
-      own.touches.assign(story->touches.begin(),
-                         story->touches.begin() + static_cast<std::ptrdiff_t>(touches));
-      own.met.assign(story->met.begin(), story->met.begin() + static_cast<std::ptrdiff_t>(met));
-      own.meetings.assign(story->meetings.begin(),
-                          story->meetings.begin() + static_cast<std::ptrdiff_t>(mark->meetings));
+      const auto parts = static_cast<std::ptrdiff_t>(checkpoint->parts);
+      own.parts.assign(history->parts.begin(), history->parts.begin() + parts);
+      own.flights.assign(history->flights.begin(), history->flights.begin() + parts);
+      std::ranges::copy_if(history->checkpoints, std::back_inserter(own.checkpoints), is_before);
+      // Lists grow with checkpoints, so what later ones know lies behind.
+      const std::size_t touches = checkpoint->rest.first_touch() + checkpoint->rest.touch_count();
+      const std::size_t met = checkpoint->first_met + checkpoint->met_count;
+      own.touches.assign(history->touches.begin(),
+                         history->touches.begin() + static_cast<std::ptrdiff_t>(touches));
+      own.met.assign(history->met.begin(), history->met.begin() + static_cast<std::ptrdiff_t>(met));
+      own.meetings.assign(
+          history->meetings.begin(),
+          history->meetings.begin() + static_cast<std::ptrdiff_t>(checkpoint->meetings));
     }
   }
   hasten(from);
@@ -236,7 +239,7 @@ void Marbles::comes_near_replayed(std::uint32_t index, const TouchBox& box, Tick
         hastened_.emplace_back(other, begin);
         break;
       }
-      const MarbleStory::Way& way = replayed_[other]->ways[number];
+      const MarbleHistory::Flight& way = replayed_[other]->flights[number];
       const Tick tick = number == 0 && part->begin == begin && starts_at(index, way)
                             ? begin
                             : std::max(begin, meets_way(index, way, part->mode, begin, end));
@@ -252,7 +255,7 @@ void Marbles::comes_near_replayed(std::uint32_t index, const TouchBox& box, Tick
 }
 
 /// Whether another one starts where a ball is then, or as good as there.
-bool Marbles::starts_at(std::uint32_t ball, const MarbleStory::Way& way) const {
+bool Marbles::starts_at(std::uint32_t ball, const MarbleHistory::Flight& way) const {
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   return apart_m2(path_box_of(ball, way.begin, way.begin),
                   way_box_of(way.flight(), way.begin, way.begin), radius_m_) <= reach_m * reach_m;
@@ -260,8 +263,8 @@ bool Marbles::starts_at(std::uint32_t ball, const MarbleStory::Way& way) const {
 
 /// When a ball meets one that moves in a known way, both from a tick on and up to another one; not
 /// too late.
-Tick Marbles::meets_way(std::uint32_t ball, const MarbleStory::Way& way, MotionMode mode, Tick from,
-                        Tick until) const {
+Tick Marbles::meets_way(std::uint32_t ball, const MarbleHistory::Flight& way, MotionMode mode,
+                        Tick from, Tick until) const {
   const Segment& segment = balls_[ball].segment;
   if (segment.mode == MotionMode::resting && mode == MotionMode::resting) return k_never;
   const double radii_m = radius_m_ + radius_m_;
@@ -279,18 +282,20 @@ void Marbles::find_part_now(std::uint32_t ball) {
     ++part;
 }
 
-/// When a ball that is replayed first comes near a box, as far as its story goes; k_never if never.
+/// When a ball that is replayed first comes near a box, as far as its history goes; k_never if
+/// never.
 Tick Marbles::replayed_comes_near(const TouchBox& box) {
   Tick first = k_never;
   for (const std::uint32_t other : replays_) {
-    const MarbleStory& story = *replayed_[other];
+    const MarbleHistory& history = *replayed_[other];
     find_part_now(other);
-    for (std::size_t i = part_now_[other]; i < story.parts.size(); ++i) {
-      const Tick begin = std::max(now_, story.parts[i].begin);
+    for (std::size_t i = part_now_[other]; i < history.parts.size(); ++i) {
+      const Tick begin = std::max(now_, history.parts[i].begin);
       if (begin >= first) break;
-      if (!overlaps(box, story.parts[i].box)) continue;
-      const bool ends = i + 1 < story.parts.size() && !story.parts[i].is_alone;
-      if (ends && !way_meets(story.ways[i].flight(), begin, story.parts[i + 1].begin, box, 0))
+      if (!overlaps(box, history.parts[i].box)) continue;
+      const bool ends = i + 1 < history.parts.size() && !history.parts[i].is_alone;
+      if (ends &&
+          !way_meets(history.flights[i].flight(), begin, history.parts[i + 1].begin, box, 0))
         continue;
       first = begin;
     }

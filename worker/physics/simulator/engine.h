@@ -67,7 +67,7 @@ class Engine {
     control,    ///< the next control of the scene
     sample,     ///< the next look from outside
     new_boxes,  ///< of all bodies, in the synchronous algorithm
-    told,       ///< the next event of the simulation that is replayed
+    replayed,   ///< the next event of the simulation that is replayed
     count,
   };
   static Slot slot_of(std::uint32_t body) { return {body}; }
@@ -125,7 +125,7 @@ class Engine {
   void sample();
 
   // Replaying (engine_replay.h).
-  bool starts_as_told(std::uint32_t body, const EventKey& event);
+  bool starts_as_before(std::uint32_t body, const EventKey& event);
   bool replay();
   void schedule_replay();
   void take_over_live();

@@ -135,8 +135,8 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
   while (!failure_ && !queue_.empty()) {
     const QueuedEvent event = queue_.least();
     if (event.key.tick > end) break;
-    // An event of the past would mean that a bound was wrong and a collision came to light too
-    // late.
+    // An event before the present would mean that a bound was wrong and a collision came to light
+    // too late.
     CHECK_GE(event.key.tick.value, now_.value);
     now_ = event.key.tick;
     if (reads_ahead_) fetch_next();
@@ -154,7 +154,7 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
   const EventKey& event = queued.key;
-  if (queued.slot == slot_of(OwnSlot::told)) {
+  if (queued.slot == slot_of(OwnSlot::replayed)) {
     replay();
     return;
   }
@@ -192,7 +192,7 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
       if (world_.stays_on_faces(event.lower)) {
         ++counts_.modes;
         world_.change_mode(event.lower, event);
-        world_.tell(event);
+        world_.keep(event);
         bodies_changed();
         return;
       }
@@ -246,8 +246,8 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
   ++counts_.starts;
   ++present_;
   world_.begin_segment(body, world_.segment(body), event);
-  world_.tell(event);
-  if (world_.replays()) starts_as_told(body, event);
+  world_.keep(event);
+  if (world_.replays()) starts_as_before(body, event);
   ++changes_[body];
   motion_changed(body);
 }
@@ -278,7 +278,7 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
     ++counts_.collisions;
     world_.collide(event.lower, event.higher, event);
   }
-  world_.tell(event);
+  world_.keep(event);
   bodies_changed();
 }
 
@@ -299,7 +299,7 @@ void Engine<Boxes, Queue>::rest(const EventKey& event) {
   ++counts_.rest_decisions;
   const std::size_t rested = world_.rest(event.lower, event);
   counts_.rests += rested;
-  world_.tell(event);
+  world_.keep(event);
   bodies_changed();
   if (rested == 0) refresh_key(event.lower);
 }
@@ -339,13 +339,13 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
     return;
   }
   if (world_.is_replayed(body) && event.feature < world_.same_controls()) {
-    CHECK(world_.next_told() == event);
+    CHECK(world_.next_replayed() == event);
     if (replay()) return;
   }
   world_.apply(control, event);
-  world_.tell(event);
+  world_.keep(event);
   bodies_changed();
-  schedule_replay();  // what was told of it is passed over
+  schedule_replay();  // its events in the history are passed over
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -502,7 +502,7 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
     offer(edge, std::min(body, edge.other), std::max(body, edge.other));
   }
   if (world_.is_replayed(body)) {
-    queue_.set(slot_of(body), best);  // what else it does is told
+    queue_.set(slot_of(body), best);  // what else it does is in the history
     return;
   }
   for (const StaticEdge& edge : statics_of(body)) {

@@ -1,4 +1,4 @@
-// What an engine is told, and what it counts.
+// What an engine is asked to do, and what it counts.
 //
 // Thread safety: values.
 #pragma once

@@ -1,8 +1,8 @@
-// Replaying what another simulation told: bodies of the templates in engine.h.
+// Replaying the history of another simulation: bodies of the templates in engine.h.
 //
 // A replayed body has a box and pairs as any other. Its pairs with others that are replayed are
-// not predicted, nor is static geometry, and it asks for no decisions: what comes of these is told.
-// The queue's slot OwnSlot::told holds the next event that is told.
+// not predicted, nor is static geometry, and it asks for no decisions: what comes of these is in
+// the history. The queue's slot OwnSlot::replayed holds the history's next event.
 #pragma once
 
 #include "worker/physics/simulator/engine.h"
@@ -11,9 +11,9 @@ namespace sleight::physics {
 
 /// A body has started; whether it is replayed from now on.
 template <BroadPhase Boxes, EventQueue Queue>
-bool Engine<Boxes, Queue>::starts_as_told(std::uint32_t body, const EventKey& event) {
-  const bool told = world_.replays_start(body, event);
-  if (told) {
+bool Engine<Boxes, Queue>::starts_as_before(std::uint32_t body, const EventKey& event) {
+  const bool same = world_.replays_start(body, event);
+  if (same) {
     // Its place was free of static geometry for the next tick, which is all that the list says.
     for (StaticEdge& edge : statics_[body])
       world_.end_search(edge.search);
@@ -25,10 +25,10 @@ bool Engine<Boxes, Queue>::starts_as_told(std::uint32_t body, const EventKey& ev
     }
   }
   schedule_replay();
-  return told;
+  return same;
 }
 
-/// The next event that is told; whether it was replayed.
+/// The history's next event; whether it was replayed.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::replay() {
   const bool played = world_.play();
@@ -43,14 +43,14 @@ bool Engine<Boxes, Queue>::replay() {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::schedule_replay() {
   if (world_.replays() && world_.replay_is_over()) world_.end_replay();
-  const EventKey told = world_.replays() ? world_.next_told() : k_no_event;
+  const EventKey next = world_.replays() ? world_.next_replayed() : k_no_event;
   // Controls that both have come by themselves, in the order that the scene gives.
   const bool comes_by_itself =
-      told.kind == EventKind::control && told.feature < world_.same_controls();
-  if (told == k_no_event || comes_by_itself) {
-    queue_.erase(slot_of(OwnSlot::told));
+      next.kind == EventKind::control && next.feature < world_.same_controls();
+  if (next == k_no_event || comes_by_itself) {
+    queue_.erase(slot_of(OwnSlot::replayed));
   } else {
-    queue_.set(slot_of(OwnSlot::told), told);
+    queue_.set(slot_of(OwnSlot::replayed), next);
   }
 }
 

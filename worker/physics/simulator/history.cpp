@@ -6,8 +6,8 @@
 namespace sleight::physics {
 namespace {
 
-/// Large enough that sharing a simulation's past is quick, small enough that little is copied where
-/// two of them part.
+/// Large enough that sharing the part before the first difference is quick, small enough that
+/// little is copied where two of them part.
 constexpr std::size_t k_chunk_events = 256;
 
 template <class T>
@@ -34,7 +34,7 @@ bool same(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-ToldEvent HistoryChunk::event(std::size_t index) const {
+HistoryEvent HistoryChunk::event(std::size_t index) const {
   const Entry before = index == 0 ? Entry{} : events_[index - 1];
   const Entry& own = events_[index];
   return {.key = own.key,
@@ -42,20 +42,20 @@ ToldEvent HistoryChunk::event(std::size_t index) const {
           .participants = part(participants_, before.participants, own.participants),
           .segments = part(segments_, before.segments, own.segments),
           .touches = part(touches_, before.touches, own.touches),
-          .memories = part(memories_, before.memories, own.memories)};
+          .contact_states = part(contact_states_, before.contact_states, own.contact_states)};
 }
 
-void HistoryChunk::append(const ToldEvent& event) {
+void HistoryChunk::append(const HistoryEvent& event) {
   append_all(participants_, event.participants);
   append_all(segments_, event.segments);
   append_all(touches_, event.touches);
-  append_all(memories_, event.memories);
+  append_all(contact_states_, event.contact_states);
   events_.push_back({.key = event.key,
                      .gap_m = event.gap_m,
                      .participants = static_cast<std::uint32_t>(participants_.size()),
                      .segments = static_cast<std::uint32_t>(segments_.size()),
                      .touches = static_cast<std::uint32_t>(touches_.size()),
-                     .memories = static_cast<std::uint32_t>(memories_.size())});
+                     .contact_states = static_cast<std::uint32_t>(contact_states_.size())});
 }
 
 void HistoryChunk::reserve_like(const HistoryChunk& other) {
@@ -63,12 +63,12 @@ void HistoryChunk::reserve_like(const HistoryChunk& other) {
   participants_.reserve(other.participants_.size());
   segments_.reserve(other.segments_.size());
   touches_.reserve(other.touches_.size());
-  memories_.reserve(other.memories_.size());
+  contact_states_.reserve(other.contact_states_.size());
 }
 
 std::size_t HistoryChunk::bytes() const {
   return sizeof(*this) + bytes_of(events_) + bytes_of(participants_) + bytes_of(segments_) +
-         bytes_of(touches_) + bytes_of(memories_);
+         bytes_of(touches_) + bytes_of(contact_states_);
 }
 
 std::size_t History::bytes() const {
@@ -86,7 +86,7 @@ void HistoryReader::find_event() {
   if (!at_end()) event_ = chunks_[chunk_]->event(index_);
 }
 
-void HistoryWriter::append(const ToldEvent& event) {
+void HistoryWriter::append(const HistoryEvent& event) {
   if (open_ && open_->size() == k_chunk_events) close();
   if (!open_) {
     open_ = std::make_shared<HistoryChunk>();
@@ -121,7 +121,7 @@ std::size_t append_to(Recording& recording, const HistoryChunks& chunks, std::si
       continue;
     }
     for (std::size_t i = events_done - place; i < chunk->size(); ++i) {
-      const ToldEvent event = chunk->event(i);
+      const HistoryEvent event = chunk->event(i);
       std::size_t segment = 0;
       for (const Participant& participant : event.participants) {
         if (participant.begins())

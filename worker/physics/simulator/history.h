@@ -22,44 +22,45 @@
 #include <vector>
 
 #include "worker/physics/event/event.h"
-#include "worker/physics/simulator/body_memory.h"
+#include "worker/physics/simulator/contact_state.h"
 #include "worker/physics/simulator/recording.h"
 #include "worker/physics/simulator/scene.h"
 #include "worker/physics/simulator/segment.h"
 
 namespace sleight::physics {
 
-/// A body's part in an event: its id, and marks of what follows in the event's lists.
+/// A body's part in an event: its id, and flags for what follows in the event's lists.
 struct Participant {
-  static constexpr std::uint32_t k_begins = 1U << 31U;     ///< a segment
-  static constexpr std::uint32_t k_touches = 1U << 30U;    ///< something, as Resting::touched
-  static constexpr std::uint32_t k_slowly = 1U << 29U;     ///< and that was slow
-  static constexpr std::uint32_t k_remembers = 1U << 28U;  ///< all that it knows
+  static constexpr std::uint32_t k_begins = 1U << 31U;         ///< a segment
+  static constexpr std::uint32_t k_touches = 1U << 30U;        ///< something, as Resting::touched
+  static constexpr std::uint32_t k_slowly = 1U << 29U;         ///< and that was slow
+  static constexpr std::uint32_t k_contact_state = 1U << 28U;  ///< all that it knows
   std::uint32_t bits = 0;
-  std::uint32_t body() const { return bits & (k_remembers - 1); }
+  std::uint32_t body() const { return bits & (k_contact_state - 1); }
   bool begins() const { return (bits & k_begins) != 0; }
   bool touches() const { return (bits & k_touches) != 0; }
   bool slowly() const { return (bits & k_slowly) != 0; }
-  bool remembers() const { return (bits & k_remembers) != 0; }
+  bool has_contact_state() const { return (bits & k_contact_state) != 0; }
 };
 
-/// An event as it is told. Lists are in the order of participants.
-struct ToldEvent {
+/// An event of a history. Lists are in the order of participants.
+struct HistoryEvent {
   EventKey key;
   double gap_m = 0;  ///< of a collision of two bodies
   std::span<const Participant> participants;
   std::span<const Segment> segments;
-  /// One for each that touches, and as many as each that remembers has: Resting::Memory says where.
+  /// One for each that touches, and as many as each with a contact state has: Resting::State says
+  /// where.
   std::span<const TouchRecord> touches;
-  std::span<const BodyMemory> memories;
+  std::span<const ContactState> contact_states;
 };
 
 /// Some hundreds of events that follow one another.
 class HistoryChunk {
  public:
   std::size_t size() const { return events_.size(); }
-  ToldEvent event(std::size_t index) const;
-  void append(const ToldEvent& event);
+  HistoryEvent event(std::size_t index) const;
+  void append(const HistoryEvent& event);
   /// Room for as much as another one has.
   void reserve_like(const HistoryChunk& other);
   std::size_t bytes() const;
@@ -69,13 +70,13 @@ class HistoryChunk {
     EventKey key;
     double gap_m = 0;
     // Where its parts of the lists end.
-    std::uint32_t participants = 0, segments = 0, touches = 0, memories = 0;
+    std::uint32_t participants = 0, segments = 0, touches = 0, contact_states = 0;
   };
   std::vector<Entry> events_;
   std::vector<Participant> participants_;
   std::vector<Segment> segments_;
   std::vector<TouchRecord> touches_;
-  std::vector<BodyMemory> memories_;
+  std::vector<ContactState> contact_states_;
 };
 
 using HistoryChunks = std::vector<std::shared_ptr<const HistoryChunk>>;
@@ -85,7 +86,7 @@ using HistoryChunks = std::vector<std::shared_ptr<const HistoryChunk>>;
 struct History {
   Scene scene;
   HistoryChunks chunks;
-  Tick end{};  ///< everything up to and at it is told
+  Tick end{};  ///< the history holds everything up to and at it
   /// Memory, of which some may be shared with other histories.
   std::size_t bytes() const;
 };
@@ -97,7 +98,7 @@ class HistoryReader {
   explicit HistoryReader(const HistoryChunks& chunks) : chunks_(chunks) { find_event(); }
   bool at_end() const { return chunk_ == chunks_.size(); }
   // REQUIRES, of the rest: not at the end.
-  const ToldEvent& event() const { return event_; }
+  const HistoryEvent& event() const { return event_; }
   void next() {
     ++index_;
     find_event();
@@ -112,13 +113,13 @@ class HistoryReader {
   std::span<const std::shared_ptr<const HistoryChunk>> chunks_;
   std::size_t chunk_ = 0;
   std::size_t index_ = 0;
-  ToldEvent event_;
+  HistoryEvent event_;
 };
 
 /// Collects events.
 class HistoryWriter {
  public:
-  void append(const ToldEvent& event);
+  void append(const HistoryEvent& event);
   /// Appends a chunk as it is.
   void share(std::shared_ptr<const HistoryChunk> chunk);
   /// All so far; what comes later is not in it.

@@ -31,7 +31,7 @@
 
 #include "common/base/check.h"
 #include "worker/physics/event/event.h"
-#include "worker/physics/simulator/near_memory.h"
+#include "worker/physics/simulator/near_allocator.h"
 
 namespace sleight::physics {
 

@@ -28,11 +28,11 @@ namespace sleight::physics {
 
 struct Replay {
   Replay(std::shared_ptr<const History> history, SceneChanges scene_changes)
-      : past(std::move(history)), changes(std::move(scene_changes)), reader(past->chunks) {}
+      : history(std::move(history)), changes(std::move(scene_changes)), reader(history->chunks) {}
   Replay(const Replay&) = delete;
   Replay& operator=(const Replay&) = delete;
 
-  std::shared_ptr<const History> past;
+  std::shared_ptr<const History> history;
   SceneChanges changes;
   HistoryReader reader;
   /// By body: its start is to be the history's, and has not come yet.

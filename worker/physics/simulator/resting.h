@@ -186,11 +186,11 @@ class Resting {
   void leave(std::uint32_t body) { logs_[body].in_place = logs_[body].has_place = false; }
 
   /// All that is known of a body, for a simulation that goes on from here. What it touched lies in
-  /// a list that memories share, since most touched little.
-  class Memory;
+  /// a list that contact_states share, since most touched little.
+  class State;
   using TouchList = std::vector<TouchRecord>;
-  Memory memory(std::uint32_t body, TouchList& touches) const;
-  void restore(std::uint32_t body, const Memory& memory, std::span<const TouchRecord> touches);
+  State state_of(std::uint32_t body, TouchList& touches) const;
+  void restore(std::uint32_t body, const State& state, std::span<const TouchRecord> touches);
 
  private:
   /// Of a body, but for what it touched and for what a decision notes on its way.
@@ -261,7 +261,7 @@ class Resting {
   std::uint64_t round_ = 0;         ///< decisions so far
 };
 
-class Resting::Memory {
+class Resting::State {
  public:
   /// Whether the body rested, on that other one among others.
   bool rests_on(std::uint32_t other) const { return known_.rests && known_.leans_on(other); }
@@ -275,23 +275,23 @@ class Resting::Memory {
   std::size_t first_touch_ = 0;  ///< of known_.count in the list
 };
 
-inline Resting::Memory Resting::memory(std::uint32_t body, TouchList& touches) const {
-  Memory memory;
-  if (!enabled()) return memory;
+inline Resting::State Resting::state_of(std::uint32_t body, TouchList& touches) const {
+  State state;
+  if (!enabled()) return state;
   const Log& log = logs_[body];
-  memory.known_ = log;
-  memory.first_touch_ = touches.size();
+  state.known_ = log;
+  state.first_touch_ = touches.size();
   touches.insert(touches.end(), log.records.begin(), log.records.begin() + log.count);
-  return memory;
+  return state;
 }
 
-inline void Resting::restore(std::uint32_t body, const Memory& memory,
+inline void Resting::restore(std::uint32_t body, const State& state,
                              std::span<const TouchRecord> touches) {
   if (!enabled()) return;
   Log& log = logs_[body];
   log.round = 0;  // what the last decision noted counts no more
-  static_cast<Known&>(log) = memory.known_;
-  std::copy_n(touches.begin() + static_cast<std::ptrdiff_t>(memory.first_touch_), log.count,
+  static_cast<Known&>(log) = state.known_;
+  std::copy_n(touches.begin() + static_cast<std::ptrdiff_t>(state.first_touch_), log.count,
               log.records.begin());
 }
 

@@ -146,7 +146,7 @@ struct SceneError {
     impact_unresolved,    ///< no impulse was found
     spins_too_long,       ///< a body that touches nothing turns too fast for its fixed steps
     work_limit,           ///< more events than the caller allowed
-    incomplete_story,     ///< a replay lacks what it must go on from: simulate everything
+    incomplete_history,   ///< a replay lacks what it must go on from: simulate everything
   };
   Kind kind{};
   std::string message;

@@ -64,11 +64,11 @@ std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& opti
 
 class Simulation::Impl {
  public:
-  Impl(const Scene& scene, SimulationOptions chosen, std::shared_ptr<const History> past)
+  Impl(const Scene& scene, SimulationOptions chosen, std::shared_ptr<const History> history)
       : options(std::move(chosen)),
-        world(scene, options.record || options.tell, options.segments_reserved) {
-    if (options.tell) world.begin_telling(options.history_bytes_max, options.record);
-    world.begin_replay(std::move(past));
+        world(scene, options.record || options.keep_history, options.segments_reserved) {
+    if (options.keep_history) world.begin_history(options.history_bytes_max, options.record);
+    world.begin_replay(std::move(history));
   }
 
   std::optional<SceneError> run_until(Tick end) {
@@ -101,9 +101,9 @@ Simulation::~Simulation() = default;
 
 base::Result<Simulation, SceneError> Simulation::start(const Scene& scene,
                                                        const SimulationOptions& options,
-                                                       std::shared_ptr<const History> past) {
+                                                       std::shared_ptr<const History> history) {
   if (auto error = error_of(scene)) return *std::move(error);
-  Simulation simulation(std::make_unique<Impl>(scene, options, std::move(past)));
+  Simulation simulation(std::make_unique<Impl>(scene, options, std::move(history)));
   if (auto error = simulation.run_until(Tick{})) return *std::move(error);
   return simulation;
 }

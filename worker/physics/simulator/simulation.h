@@ -51,7 +51,7 @@ struct SimulationOptions {
   QueueKind queue = QueueKind::tournament;
   bool record = true;                  ///< keep the segments; the last of each body is always kept
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
-  bool tell = false;  ///< keep what history() gives, from which recording() is made
+  bool keep_history = false;  ///< keep what history() gives, from which recording() is made
   /// Of memory for that. If it takes more there will be no history, and a recording only if that is
   /// wanted.
   std::size_t history_bytes_max = std::size_t{1} << 30U;
@@ -63,7 +63,7 @@ class Simulation {
  public:
   /// Checks the scene and puts the bodies that start at tick 0 in their places.
   ///
-  /// `past` is the history of an earlier simulation. With it only the differences are simulated:
+  /// `history` is that of an earlier simulation. With it only the differences are simulated:
   /// bodies with other shapes, masses, materials or starts; bodies that come near static geometry
   /// that differs; and bodies that one of these touches or asks about for a decision about rest.
   /// The rest is replayed. All results below but counts() are the same, bit for bit, as without it.
@@ -72,9 +72,9 @@ class Simulation {
   /// that takes no part starts at k_tick_max. REQUIRES: a body with the same start as in the
   /// history has the same start_again; the history's meshes and polyhedra have not been changed
   /// since.
-  static base::Result<Simulation, SceneError> start(const Scene& scene,
-                                                    const SimulationOptions& options,
-                                                    std::shared_ptr<const History> past = nullptr);
+  static base::Result<Simulation, SceneError> start(
+      const Scene& scene, const SimulationOptions& options,
+      std::shared_ptr<const History> history = nullptr);
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
   ~Simulation();
@@ -84,9 +84,9 @@ class Simulation {
   std::optional<SceneError> run_until(Tick end);
 
   /// Goes on with another algorithm, broad phase or queue, and other sampling events, which come at
-  /// multiples of their interval. What is recorded or told stays as it is: `record`,
-  /// `segments_reserved`, `tell` and `history_bytes_max` have no effect. A simulation that has
-  /// failed stays so.
+  /// multiples of their interval. What is recorded or kept stays as it is: `record`,
+  /// `segments_reserved`, `keep_history` and `history_bytes_max` have no effect. A simulation that
+  /// has failed stays so.
   void go_on_with(const SimulationOptions& options);
 
   Tick now() const;
@@ -103,11 +103,12 @@ class Simulation {
   const Counts& counts() const;
   /// Collisions with the scene's surfaces up to now(), in order; also replayed ones.
   std::span<const SurfaceTouch> surface_touches() const;
-  /// Up to now(). Empty if not recorded. Of one that tells it is made, or completed, here.
+  /// Up to now(). Empty if not recorded. Of one that keeps its history it is made, or completed,
+  /// here.
   const Recording& recording() const;
-  /// All that happened up to now(), for replays by other simulations. Null without `tell`, if it
-  /// takes too much memory, or after an error. Up to the first difference its chunks are shared
-  /// with the history that this simulation replays.
+  /// All that happened up to now(), for replays by other simulations. Null without `keep_history`,
+  /// if it takes too much memory, or after an error. Up to the first difference its chunks are
+  /// shared with the history that this simulation replays.
   std::shared_ptr<const History> history() const;
 
  private:

@@ -155,7 +155,7 @@ void World::begin_segment(std::uint32_t body, const Segment& segment, const Even
     supports_[body].end = k_never;
   }
   if (record_) recording_.append({body}, segments_[body], cause);
-  if (telling_) telling_->begins(body);
+  if (history_builder_) history_builder_->begins(body);
 }
 
 Segment World::segment_after(std::uint32_t body, Tick tick, const Vec3& position_m,

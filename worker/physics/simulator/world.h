@@ -24,8 +24,9 @@
 #include "worker/physics/response/contact_motion.h"
 #include "worker/physics/response/rigid_impact.h"
 #include "worker/physics/response/sphere_impact.h"
-#include "worker/physics/simulator/body_memory.h"
+#include "worker/physics/simulator/contact_state.h"
 #include "worker/physics/simulator/history.h"
+#include "worker/physics/simulator/history_builder.h"
 #include "worker/physics/simulator/lanes.h"
 #include "worker/physics/simulator/lasting_contact.h"
 #include "worker/physics/simulator/near_places.h"
@@ -39,7 +40,6 @@
 #include "worker/physics/simulator/static_geometry.h"
 #include "worker/physics/simulator/surface_search.h"
 #include "worker/physics/simulator/surface_touches.h"
-#include "worker/physics/simulator/telling.h"
 
 namespace sleight::physics {
 
@@ -201,21 +201,21 @@ class World {
     return resting_.enabled() ? resting_.due(body) : k_never;
   }
 
-  // Telling what happens (world_replay.cpp).
+  // Keeping a history (world_replay.cpp).
   /// From now on, for history(). REQUIRES: nothing has happened yet.
-  void begin_telling(std::size_t bytes_max, bool records);
+  void begin_history(std::size_t bytes_max, bool records);
   /// An event is over.
-  void tell(const EventKey& event) {
-    if (telling_) tell_event(event);
+  void keep(const EventKey& event) {
+    if (history_builder_) append_to_history(event);
   }
-  /// All that happened up to now; null if it isn't told, is too much, or something went wrong.
+  /// All that happened up to now; null if it isn't kept, is too much, or something went wrong.
   std::shared_ptr<const History> history(Tick now);
 
-  // Replaying what another simulation told (replay.h).
+  // Replaying the history of another simulation (replay.h).
   /// REQUIRES: nothing has happened yet.
-  void begin_replay(std::shared_ptr<const History> past);
+  void begin_replay(std::shared_ptr<const History> history);
   bool replays() const { return replay_ != nullptr; }
-  /// Nothing but what is told happens before this tick. REQUIRES: replays().
+  /// Nothing but what the history has happens before this tick. REQUIRES: replays().
   Tick quiet_until() const { return replay_->quiet_until; }
   /// All that happens before that tick, and up to and at `end`; up to where that was. REQUIRES:
   /// replays(); no other events were processed.
@@ -229,8 +229,8 @@ class World {
   bool replay_is_over() const { return replayed_count_ == 0 && replay_->awaited_count == 0; }
   void end_replay() { replay_ = nullptr; }
   // REQUIRES, of these: replays().
-  /// The key of the next event that is told of bodies that are replayed; or of the history's end.
-  EventKey next_told();
+  /// The key of the history's next event of bodies that are replayed; or of its end.
+  EventKey next_replayed();
   /// Replays the next event if all its participants are replayed; otherwise makes those that are
   /// live. Whether it was replayed: changed() then lists the bodies that began a segment.
   bool play();
@@ -370,20 +370,20 @@ class World {
   void wake_on_those_that_left(const EventKey& event);
   bool has_left(std::uint32_t body, Tick tick);
 
-  // Telling and replaying (world_replay.cpp).
-  void tell_event(const EventKey& event);
-  void stop_telling();
+  // Keeping and replaying histories (world_replay.cpp).
+  void append_to_history(const EventKey& event);
+  void stop_history();
   void note_touch(std::uint32_t body, const TouchRecord& touch, bool slowly) {
     resting_.touched(body, touch, slowly);
-    if (telling_) telling_->touches(body, touch, slowly);
+    if (history_builder_) history_builder_->touches(body, touch, slowly);
   }
   /// What a body knows is about to change, or has, in more than what it touches.
-  void note_memory(std::uint32_t body) {
-    if (telling_) telling_->remembers(body);
+  void note_contact_state(std::uint32_t body) {
+    if (history_builder_) history_builder_->has_contact_state(body);
   }
   void find_quiet_until();
-  void recall(const ToldEvent& event);
-  void recall_surface(const ToldEvent& event);
+  void restore(const HistoryEvent& event);
+  void restore_surface(const HistoryEvent& event);
   void set_replayed(std::uint32_t body);
 
   // Lasting contact of spheres (world_modes.cpp).
@@ -444,8 +444,8 @@ class World {
   };
   std::vector<AtTick> at_tick_;
   Recording recording_;
-  std::unique_ptr<Telling> telling_;
-  std::size_t told_recorded_ = 0;  ///< told events whose segments are in the recording
+  std::unique_ptr<HistoryBuilder> history_builder_;
+  std::size_t history_recorded_ = 0;  ///< events of the history whose segments are in the recording
   std::unique_ptr<Replay> replay_;
   std::vector<std::uint8_t> replayed_;  ///< by body
   std::uint32_t replayed_count_ = 0;
@@ -461,7 +461,7 @@ class World {
   };
   Images images_;
   bool record_ = true;
-  bool records_without_telling_ = true;
+  bool records_without_history_ = true;
   bool periodic_ = false;
   bool has_statics_ = false;
   bool has_modes_ = false;      ///< bodies that may have mode events

@@ -162,7 +162,7 @@ void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
   const ContactLaw law = law_of(constants_[a].material, constants_[b].material, plastic);
   recent_.note(a, b, tick, contact.gap_m);
-  if (telling_) telling_->meet(contact.gap_m);
+  if (history_builder_) history_builder_->meet(contact.gap_m);
   if (!supports_.empty()) {
     supports_[a].met_body = tick;
     supports_[b].met_body = tick;
@@ -288,7 +288,7 @@ void World::apply(const Control& control, const EventKey& event) {
   twist.velocity_mps += control.velocity_change_mps;
   twist.angular_velocity_radps += control.angular_velocity_change_radps;
   wake_dependents(body, event);
-  note_memory(body);
+  note_contact_state(body);
   resting_.disturbed(body);
   begin_after(body, twist, event);
   wake_on_those_that_left(event);

@@ -50,7 +50,7 @@ void World::begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> fe
   const Segment now = segment_after(body, event.tick, place_m, twist);
   const auto stay = stay_on(round_body(body), features, std::span(contacts).first(features.size()),
                             now.flight, rolled, statics_, scene_.slow, scene_.gravity_mps2);
-  note_memory(body);
+  note_contact_state(body);
   if (!stay) {
     resting_.flies(body, event.tick);
     begin_after(body, otherwise, event);

@@ -1,4 +1,4 @@
-// What a simulation tells of itself, and how it goes through what another one told (replay.h).
+// How a simulation keeps its history, and how it replays that of another one (replay.h).
 #include <algorithm>
 #include <utility>
 
@@ -7,63 +7,66 @@
 
 namespace sleight::physics {
 
-// ---- telling ------------------------------------------------------------------------------------
+// ---- keeping a history --------------------------------------------------------------------------
 
-void World::begin_telling(std::size_t bytes_max, bool records) {
-  telling_ = std::make_unique<Telling>(size(), bytes_max);
-  records_without_telling_ = records;
+void World::begin_history(std::size_t bytes_max, bool records) {
+  history_builder_ = std::make_unique<HistoryBuilder>(size(), bytes_max);
+  records_without_history_ = records;
   record_ = false;  // the history has the segments
 }
 
-void World::tell_event(const EventKey& event) {
-  Telling& telling = *telling_;
-  telling.takes_part(event.lower);
+void World::append_to_history(const EventKey& event) {
+  HistoryBuilder& builder = *history_builder_;
+  builder.takes_part(event.lower);
   if (event.kind == EventKind::collision && (event.higher & k_static) == 0)
-    telling.takes_part(event.higher);
-  telling.finish(event, [&](Participant participant, std::vector<Segment>& segments,
-                            std::vector<TouchRecord>& touches, std::vector<BodyMemory>& memories) {
-    const std::uint32_t body = participant.body();
-    if (participant.begins()) segments.push_back(segments_[body]);
-    if (!participant.remembers()) return;
-    memories.push_back({.rest = resting_.memory(body, touches),
-                        .supports = supports_.empty() ? Supports{} : supports_[body]});
-  });
-  if (telling.is_full()) stop_telling();
+    builder.takes_part(event.higher);
+  builder.finish(
+      event, [&](Participant participant, std::vector<Segment>& segments,
+                 std::vector<TouchRecord>& touches, std::vector<ContactState>& contact_states) {
+        const std::uint32_t body = participant.body();
+        if (participant.begins()) segments.push_back(segments_[body]);
+        if (!participant.has_contact_state()) return;
+        contact_states.push_back({.rest = resting_.state_of(body, touches),
+                                  .supports = supports_.empty() ? Supports{} : supports_[body]});
+      });
+  if (builder.is_full()) stop_history();
 }
 
-void World::stop_telling() {
-  if (records_without_telling_) {
+void World::stop_history() {
+  if (records_without_history_) {
     recording();
     record_ = true;
   } else {
     recording_.reset(size(), 0);
   }
-  telling_ = nullptr;
+  history_builder_ = nullptr;
 }
 
 Recording& World::recording() {
-  if (telling_) told_recorded_ = append_to(recording_, telling_->writer().chunks(), told_recorded_);
+  if (history_builder_)
+    history_recorded_ =
+        append_to(recording_, history_builder_->writer().chunks(), history_recorded_);
   return recording_;
 }
 
 std::shared_ptr<const History> World::history(Tick now) {
-  if (telling_ && telling_->is_full()) stop_telling();
-  if (!telling_ || failure_) return nullptr;
+  if (history_builder_ && history_builder_->is_full()) stop_history();
+  if (!history_builder_ || failure_) return nullptr;
   return std::make_shared<const History>(History{.scene = scene_,
-                                                 .chunks = telling_->writer().chunks(),
+                                                 .chunks = history_builder_->writer().chunks(),
                                                  .end = std::min(now, k_tick_max - 1)});
 }
 
 // ---- replaying ----------------------------------------------------------------------------------
 
-void World::begin_replay(std::shared_ptr<const History> past) {
-  if (past == nullptr) return;
-  SceneChanges changes = changes_between(past->scene, scene_, statics_);
+void World::begin_replay(std::shared_ptr<const History> history) {
+  if (history == nullptr) return;
+  SceneChanges changes = changes_between(history->scene, scene_, statics_);
   if (changes.laws) return;
-  auto replay = std::make_unique<Replay>(std::move(past), std::move(changes));
+  auto replay = std::make_unique<Replay>(std::move(history), std::move(changes));
   replay->awaited.assign(size(), 0);
   for (std::uint32_t body = 0; body < size(); ++body) {
-    if (replay->changes.bodies[body] != 0 || scene_.bodies[body].start_tick > replay->past->end)
+    if (replay->changes.bodies[body] != 0 || scene_.bodies[body].start_tick > replay->history->end)
       continue;
     replay->awaited[body] = 1;
     ++replay->awaited_count;
@@ -79,7 +82,7 @@ void World::begin_replay(std::shared_ptr<const History> past) {
 void World::find_quiet_until() {
   Replay& replay = *replay_;
   const ChangedPlaces& places = replay.changes.places;
-  Tick until = std::min(replay.changes.first, replay.past->end + 1);
+  Tick until = std::min(replay.changes.first, replay.history->end + 1);
   std::vector<const Segment*> latest(places.none() ? 0 : size(), nullptr);
   const auto look = [&](std::uint32_t body, Tick end) {
     const Segment& segment = *latest[body];
@@ -90,9 +93,9 @@ void World::find_quiet_until() {
     if (places.meet(path_box(path, constants_[body].reach_m + k_touch_m, path.begin, end)))
       until = std::min(until, path.begin);
   };
-  for (HistoryReader reader(replay.past->chunks);
+  for (HistoryReader reader(replay.history->chunks);
        !places.none() && !reader.at_end() && reader.event().key.tick < until; reader.next()) {
-    const ToldEvent& event = reader.event();
+    const HistoryEvent& event = reader.event();
     std::size_t segment = 0;
     for (const Participant& participant : event.participants) {
       if (!participant.begins()) continue;
@@ -113,7 +116,7 @@ void World::find_quiet_until() {
 }
 
 /// Where a body touched a surface, at the beginning of the segment that it began then.
-void World::recall_surface(const ToldEvent& event) {
+void World::restore_surface(const HistoryEvent& event) {
   const EventKey& key = event.key;
   const std::uint32_t index = key.higher & ~k_static;
   const auto touch = std::ranges::find_if(event.touches, [&](const TouchRecord& record) {
@@ -130,7 +133,7 @@ void World::recall_surface(const ToldEvent& event) {
 }
 
 /// What participants know after an event. REQUIRES: their segments have begun.
-void World::recall(const ToldEvent& event) {
+void World::restore(const HistoryEvent& event) {
   const EventKey& key = event.key;
   if (key.kind == EventKind::collision) {
     count_at(key.lower, key.tick);
@@ -142,16 +145,16 @@ void World::recall(const ToldEvent& event) {
         supports_[key.higher].met_body = key.tick;
       }
     } else if (is_surface(key.lower, key.higher & ~k_static)) {
-      recall_surface(event);
+      restore_surface(event);
     }
   }
   std::size_t touch = 0;
-  std::size_t memory = 0;
+  std::size_t kept = 0;
   for (const Participant& participant : event.participants) {
     const std::uint32_t body = participant.body();
     if (participant.touches()) resting_.touched(body, event.touches[touch++], participant.slowly());
-    if (!participant.remembers()) continue;
-    const BodyMemory& known = event.memories[memory++];
+    if (!participant.has_contact_state()) continue;
+    const ContactState& known = event.contact_states[kept++];
     resting_.restore(body, known.rest, event.touches);
     touch += known.rest.touch_count();
     if (!supports_.empty()) supports_[body] = known.supports;
@@ -165,21 +168,21 @@ Tick World::skip_quiet(Tick end) {
   std::vector<const Segment*> latest(size(), nullptr);
   std::size_t shared = 0;  ///< events that are the new history's already
   for (; !reader.at_end() && reader.event().key.tick <= last; reader.next()) {
-    const ToldEvent& event = reader.event();
-    // All that was told is over by now.
-    if (telling_ && shared == 0 && telling_->is_full()) stop_telling();
-    if (telling_ && shared == 0) {
+    const HistoryEvent& event = reader.event();
+    // All of the history so far is over by now.
+    if (history_builder_ && shared == 0 && history_builder_->is_full()) stop_history();
+    if (history_builder_ && shared == 0) {
       // Chunks that are skipped to their ends are shared.
       const auto chunk = reader.whole_chunk();
       if (chunk && chunk->event(chunk->size() - 1).key.tick <= last) {
-        telling_->writer().share(chunk);
+        history_builder_->writer().share(chunk);
         shared = chunk->size();
       } else {
-        telling_->writer().append(event);
+        history_builder_->writer().append(event);
         shared = 1;
       }
     }
-    if (telling_) --shared;
+    if (history_builder_) --shared;
     std::size_t segment = 0;
     for (const Participant& participant : event.participants) {
       if (!participant.begins()) continue;
@@ -192,7 +195,7 @@ Tick World::skip_quiet(Tick end) {
       if (record_) recording_.append({body}, *latest[body], event.key);
       if (event.key.kind == EventKind::start) set_replayed(body);
     }
-    recall(event);
+    restore(event);
   }
   for (std::uint32_t body = 0; body < size(); ++body) {
     if (latest[body] == nullptr) continue;
@@ -212,9 +215,9 @@ void World::set_replayed(std::uint32_t body) {
 
 bool World::replays_start(std::uint32_t body, const EventKey& event) {
   if (!replay_ || replay_->awaited[body] == 0) return false;
-  const ToldEvent& told = replay_->reader.event();
-  CHECK(told.key == event);
-  const bool same = same_bits(told.segments[0], segments_[body]);
+  const HistoryEvent& next = replay_->reader.event();
+  CHECK(next.key == event);
+  const bool same = same_bits(next.segments[0], segments_[body]);
   replay_->reader.next();
   set_replayed(body);
   if (!same) {
@@ -224,7 +227,7 @@ bool World::replays_start(std::uint32_t body, const EventKey& event) {
   return same;
 }
 
-EventKey World::next_told() {
+EventKey World::next_replayed() {
   HistoryReader& reader = replay_->reader;
   const auto concerns = [&](const Participant& participant) {
     return replayed_[participant.body()] != 0 || replay_->awaited[participant.body()] != 0;
@@ -232,7 +235,7 @@ EventKey World::next_told() {
   while (!reader.at_end() && std::ranges::none_of(reader.event().participants, concerns))
     reader.next();
   if (!reader.at_end()) return reader.event().key;
-  return {.tick = replay_->past->end + 1, .kind = EventKind::update};
+  return {.tick = replay_->history->end + 1, .kind = EventKind::update};
 }
 
 bool World::play() {
@@ -244,7 +247,7 @@ bool World::play() {
     replay.awaited_count = 0;
     return false;
   }
-  const ToldEvent event = replay.reader.event();
+  const HistoryEvent event = replay.reader.event();
   replay.reader.next();
   const bool is_changed_control =
       event.key.kind == EventKind::control && event.key.feature >= replay.changes.same_controls;
@@ -256,7 +259,7 @@ bool World::play() {
       make_live(participant.body());
     return false;
   }
-  if (telling_ && telling_->is_full()) stop_telling();
+  if (history_builder_ && history_builder_->is_full()) stop_history();
   std::size_t segment = 0;
   for (const Participant& participant : event.participants) {
     if (!participant.begins()) continue;
@@ -264,8 +267,8 @@ bool World::play() {
     changed_.push_back(participant.body());
   }
   std::ranges::sort(changed_);
-  recall(event);
-  if (telling_) telling_->replayed(event);
+  restore(event);
+  if (history_builder_) history_builder_->replayed(event);
   return true;
 }
 

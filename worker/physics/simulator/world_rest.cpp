@@ -40,10 +40,10 @@ std::size_t World::rest(std::uint32_t body, const EventKey& event) {
   changed_.clear();
   const auto present = [&](std::uint32_t member) {
     // Its partners are asked next, and it may come to rest on them.
-    note_memory(member);
+    note_contact_state(member);
     resting_.for_each_partner(member, event.tick, [&](std::uint32_t partner) {
       make_live(partner);
-      if (telling_) telling_->takes_part(partner);
+      if (history_builder_) history_builder_->takes_part(partner);
     });
     const bool stays = stays_on_faces(member);
     for (std::uint32_t i = 0; stays && i < supports_[member].count; ++i) {
@@ -89,7 +89,7 @@ Resting::Stance World::stance_of(std::uint32_t body, Tick tick) {
 void World::wake_dependents(std::uint32_t body, const EventKey& event) {
   for (const std::uint32_t dependent : resting_.wake(body)) {
     make_live(dependent);
-    note_memory(dependent);
+    note_contact_state(dependent);
     if (!is_resting(dependent)) continue;
     begin_after(dependent, {}, event);
     const FreeFlight& flight = segments_[dependent].flight;
@@ -114,7 +114,7 @@ void World::wake_on_those_that_left(const EventKey& event) {
   for (std::size_t i = 0; i < changed_.size(); ++i) {
     const std::uint32_t body = changed_[i];
     if (is_resting(body) || !has_left(body, event.tick)) continue;
-    note_memory(body);
+    note_contact_state(body);
     resting_.leave(body);
     wake_dependents(body, event);
   }

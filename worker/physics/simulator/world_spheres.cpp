@@ -148,7 +148,7 @@ void World::collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& even
     whole.position_m = flight.position_m;
     whole.velocity_mps = velocity_mps;
     if (record_) recording_.append({body}, segments_[body], event);
-    if (telling_) telling_->begins(body);
+    if (history_builder_) history_builder_->begins(body);
     changed_.push_back(body);
   };
   fly_on(a, place_a_m, velocity_a_mps);

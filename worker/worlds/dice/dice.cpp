@@ -103,14 +103,14 @@ Outcome Dice::simulate(const State& state) const {
 
 Outcome Dice::simulate_from(const State& candidate, const State& state,
                             const Outcome& outcome) const {
-  // Where nothing is alike there is nothing to go on from, nor does the candidate tell: mostly it
-  // is rejected, and if it isn't, the next one that resembles it does.
+  // Where nothing is alike there is nothing to go on from, nor does the candidate keep a history:
+  // mostly it is rejected, and if it isn't, the next one that resembles it does.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
-  return simulated(candidate, true, outcome.past);
+  return simulated(candidate, true, outcome.history);
 }
 
-Outcome Dice::simulated(const State& state, bool tells,
-                        const std::shared_ptr<const physics::History>& past,
+Outcome Dice::simulated(const State& state, bool keeps_history,
+                        const std::shared_ptr<const physics::History>& history,
                         physics::Recording* recording) const {
   const physics::Scene scene = this->scene(state);
   const auto stopped = [&](const physics::SceneError& error) {
@@ -119,7 +119,8 @@ Outcome Dice::simulated(const State& state, bool tells,
                    .judgement = {.all_met = false},
                    .failure = std::move(failure)};
   };
-  auto started = physics::Simulation::start(scene, {.record = true, .tell = tells}, past);
+  auto started =
+      physics::Simulation::start(scene, {.record = true, .keep_history = keeps_history}, history);
   if (!started) return stopped(started.error());
   physics::Simulation simulation = std::move(started).value();
 
@@ -159,7 +160,7 @@ Outcome Dice::simulated(const State& state, bool tells,
   outcome.end_s = *std::ranges::max_element(views.rest_s);
   outcome.judgement = judge(parameters_.goals, parameters_.numbering, views, times_s_);
   look_at_contacts(state, scene, simulation.surface_touches(), outcome);
-  if (tells) outcome.past = simulation.history();
+  if (keeps_history) outcome.history = simulation.history();
   if (recording != nullptr) *recording = recorded;
   outcome.at_end = std::move(views.at_end);
   return outcome;
@@ -218,7 +219,7 @@ std::size_t Dice::owned_bytes(const State& state, const Outcome& outcome) const 
          outcome.at_end.capacity() * sizeof(DieView) +
          judgement.distances.capacity() * sizeof(double) +
          judgement.numberings.capacity() * sizeof(std::uint32_t) +
-         (outcome.past ? outcome.past->bytes() : 0);
+         (outcome.history ? outcome.history->bytes() : 0);
 }
 
 std::vector<double> Dice::outcome_values(const Outcome& outcome) const {

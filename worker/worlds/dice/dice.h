@@ -74,7 +74,7 @@ struct Outcome {
   plan::FailurePointer failure{};  ///< why it failed
   /// For simulate_from, which makes it; none if that is not wanted, or the candidate had nothing in
   /// common with the state.
-  std::shared_ptr<const physics::History> past{};
+  std::shared_ptr<const physics::History> history{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
@@ -148,8 +148,8 @@ class Dice {
   Animation animate(const State& state) const;
 
  private:
-  Outcome simulated(const State& state, bool tells,
-                    const std::shared_ptr<const physics::History>& past,
+  Outcome simulated(const State& state, bool keeps_history,
+                    const std::shared_ptr<const physics::History>& history,
                     physics::Recording* recording = nullptr) const;
   void look_at_contacts(const State& state, const physics::Scene& scene,
                         std::span<const physics::SurfaceTouch> touches, Outcome& outcome) const;

@@ -25,8 +25,8 @@ plan::FailureKind kind_of(physics::SceneError::Kind kind) {
     case Kind::bad_shape:
     case Kind::bad_reference:
       return plan::FailureKind::scene_refused;
-    case Kind::overlap:           // known outcomes are not asked about
-    case Kind::incomplete_story:  // a void replay is followed by a whole simulation
+    case Kind::overlap:             // known outcomes are not asked about
+    case Kind::incomplete_history:  // a void replay is followed by a whole simulation
       break;
   }
   base::check_failed("a failure of the simulator", "");

@@ -31,20 +31,21 @@ constexpr double k_solo_walk_max = 60;
 constexpr double k_walk_scale_min = 0.5;
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
-/// A ball at present; `known`: what was seen of it at this tick in the simulation that its story is
-/// of, if somebody looked.
+/// A ball at present; `known`: what was seen of it at this tick in the simulation that its history
+/// is of, if somebody looked.
 Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
-  if (const physics::MarbleStory* story = marbles.replayed({ball})) {
+  if (const physics::MarbleHistory* history = marbles.replayed({ball})) {
     // A ball that was left alone then, and whose way since is known, isn't alone now: other balls
     // may be in places where it would not have been left alone.
-    if (known != nullptr && (!known->was_alone || story->is_alone_at(marbles.now()))) return *known;
-    if (story->stays && story->last.tick <= marbles.now()) {
-      const physics::Segment& segment = story->last.marble.segment;
+    if (known != nullptr && (!known->was_alone || history->is_alone_at(marbles.now())))
+      return *known;
+    if (history->stays && history->last.tick <= marbles.now()) {
+      const physics::Segment& segment = history->last.marble.segment;
       return {
           .ball = {.centre_m = segment.flight.position_m,
                    .twist = {segment.flight.velocity_mps, segment.flight.angular_velocity_radps},
                    .rests = segment.mode == physics::MotionMode::resting},
-          .was_alone = story->last.marble.suspended};
+          .was_alone = history->last.marble.suspended};
     }
     marbles.stop_replay({ball});
   }
@@ -182,7 +183,7 @@ Spelling::Alone Spelling::fall_alone(std::span<const Vec3> offsets_m, const Vec2
   Outcome outcome = simulated(state, Until::decided).outcome;
   if (outcome.end == End::impossible) return {.possible = false};
   if (outcome.is_animation()) return {.bin = outcome.filling.front()};
-  // It is told as of a whole state, which can be repeated: the first ball alone.
+  // It is reported as of a whole state, which can be repeated: the first ball alone.
   State whole = state;
   whole.active.resize(balls(), 0);
   whole.drops_m.resize(balls(), Vec2(0, 0));
@@ -269,11 +270,11 @@ Outcome Spelling::simulate(const State& state) const {
 
 Outcome Spelling::simulate_from(const State& candidate, const State& state,
                                 const Outcome& outcome) const {
-  // Where nothing is alike, there is nothing to go on from, nor does the candidate tell: mostly it
-  // is rejected, and if it isn't, the next one that resembles it does.
+  // Where nothing is alike, there is nothing to go on from, nor does the candidate keep a history:
+  // mostly it is rejected, and if it isn't, the next one that resembles it does.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
-  if (!outcome.past) return simulated(candidate, Until::decided, true).outcome;
-  const Known known{.state = state, .past = *outcome.past};
+  if (!outcome.history) return simulated(candidate, Until::decided, true).outcome;
+  const Known known{.state = state, .history = *outcome.history};
   return simulated(candidate, Until::decided, true, &known).outcome;
 }
 
@@ -287,7 +288,7 @@ Spelling::Result Spelling::simulated(const State& state, Until until, bool recor
   if (!geometry->move_to(bins_, state.offsets_m)) return {.outcome = {.end = End::impossible}};
   if (state.active_count() == 0) return {.outcome = {.filling = filling_of({})}};
   std::optional<Result> result;
-  if (known != nullptr && known->past.border_m == geometry->near().statics().border_m(0))
+  if (known != nullptr && known->history.border_m == geometry->near().statics().border_m(0))
     result = simulated_in(*geometry, state, until, records, known);
   if (!result) result = simulated_in(*geometry, state, until, records, nullptr);
   return *std::move(result);
@@ -310,14 +311,14 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
       return place ? std::optional(place->box) : std::nullopt;
     };
   }
-  physics::MarbleStories stories;
+  physics::MarbleHistories histories;
   std::vector<physics::MarbleChange> changes;
-  physics::MarbleReplay replay{.stories = nullptr, .records = records};
+  physics::MarbleReplay replay{.histories = nullptr, .records = records};
   if (known != nullptr) {
-    stories = stories_that_hold(known->past, known->state, state);
-    changes = influence_.changes(known->state.offsets_m, known->past.flat_edges, state.offsets_m,
+    histories = histories_that_hold(known->history, known->state, state);
+    changes = influence_.changes(known->state.offsets_m, known->history.flat_edges, state.offsets_m,
                                  influence_.flat_edges(*geometry.mesh()));
-    replay.stories = &stories;
+    replay.histories = &histories;
     replay.changes = changes;
     // Which traps there are hangs on the vertices, too.
     replay.confinement_differs = !changes.empty();
@@ -330,16 +331,16 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
     if (marbles.is_replay_void()) return std::nullopt;
     return stopped(*error, state);
   }
-  auto past = records ? std::make_shared<Past>() : nullptr;
+  auto history = records ? std::make_shared<SpellingHistory>() : nullptr;
   std::vector<Traps::Ball> balls;
   balls.reserve(state.active_count());
-  if (past && known != nullptr) {
-    past->looks.reserve(known->past.looks.size());
-    past->seen.reserve(known->past.seen.size());
+  if (history && known != nullptr) {
+    history->looks.reserve(known->history.looks.size());
+    history->seen.reserve(known->history.seen.size());
   }
   const auto look = [&] {
     std::span<const Seen> known_look;
-    if (known != nullptr) known_look = known->past.seen_at(marbles.now());
+    if (known != nullptr) known_look = known->history.seen_at(marbles.now());
     balls.clear();
     for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
       if (state.active[ball] == 0) continue;
@@ -348,9 +349,9 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
       const Seen* before = is_known ? &known_look[known->state.active_before(ball)] : nullptr;
       const Seen seen = seen_of(marbles, ball, before);
       balls.push_back(seen.ball);
-      if (past) past->seen.push_back(seen);
+      if (history) history->seen.push_back(seen);
     }
-    if (past) past->looks.push_back(marbles.now());
+    if (history) history->looks.push_back(marbles.now());
   };
   const auto error = run(last_start, marbles, [&] {
     look();
@@ -374,12 +375,12 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   result.outcome.filling = filling_of(result);
   result.outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
   result.outcome.end = others == 0 ? End::settled : End::time_limit;
-  if (past) {
-    past->stories = marbles.stories();
-    past->flat_edges = influence_.flat_edges(*geometry.mesh());
-    past->border_m = geometry.near().statics().border_m(0);
-    past->simulated = marbles.counts().work();
-    result.outcome.past = std::move(past);
+  if (history) {
+    history->histories = marbles.histories();
+    history->flat_edges = influence_.flat_edges(*geometry.mesh());
+    history->border_m = geometry.near().statics().border_m(0);
+    history->simulated = marbles.counts().work();
+    result.outcome.history = std::move(history);
   }
   return result;
 }

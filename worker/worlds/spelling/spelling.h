@@ -44,9 +44,9 @@
 #include "worker/worlds/spelling/bins.h"
 #include "worker/worlds/spelling/box_geometry.h"
 #include "worker/worlds/spelling/parameters.h"
-#include "worker/worlds/spelling/past.h"
 #include "worker/worlds/spelling/proposals.h"
 #include "worker/worlds/spelling/solo_balls.h"
+#include "worker/worlds/spelling/spelling_history.h"
 #include "worker/worlds/spelling/state_bytes.h"
 
 namespace sleight::worlds::spelling {
@@ -69,7 +69,7 @@ struct Outcome {
   plan::FailurePointer failure{};  ///< why it failed
   /// For simulate_from, which makes it; none if that is not wanted, or the candidate had nothing in
   /// common with the state.
-  std::shared_ptr<const Past> past{};
+  std::shared_ptr<const SpellingHistory> history{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
@@ -166,7 +166,7 @@ class Spelling {
     return state.offsets_m.capacity() * sizeof(Vec3) + state.active.capacity() +
            state.drops_m.capacity() * sizeof(Vec2) +
            (outcome.filling.capacity() + 2 * state.active.size()) * sizeof(Filling::value_type) +
-           (outcome.past ? outcome.past->bytes() : 0);
+           (outcome.history ? outcome.history->bytes() : 0);
   }
   std::optional<State> decode(base::BytesView bytes) const {
     return spelling::decode(prior_, bytes);
@@ -203,7 +203,7 @@ class Spelling {
   /// `known`: what a similar state came to, if anything is known.
   struct Known {
     const State& state;
-    const Past& past;
+    const SpellingHistory& history;
   };
   Result simulated(const State& state, Until until, bool records = false,
                    const Known* known = nullptr) const;

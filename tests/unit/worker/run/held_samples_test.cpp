@@ -226,8 +226,8 @@ TEST(HeldSamplesDeathTest, MisuseIsABug) {
 
 TEST(HeldSamples, OwnedBytesCoverAllArrays) {
   // Goal: what a world says that a sample owns is no less than its arrays take, those of the
-  // surrogate's outcome and of its past included, whatever came of it, and not much more than these
-  // and the past's own objects. Method: draws from the prior, with the capacities that their arrays
+  // surrogate's outcome and of its history included, whatever came of it, and not much more than these
+  // and the history's own objects. Method: draws from the prior, with the capacities that their arrays
   // have; one that is impossible, so that its outcome has no arrays; arrays with room to spare.
   worlds::spelling::Parameters parameters = two_bins();
   parameters.world.drop_interval_s = 0.001;
@@ -240,21 +240,21 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
     };
     std::size_t all = bytes(state.offsets_m) + bytes(state.active) + bytes(state.drops_m) +
                       bytes(outcome.filling) + bytes(solo.alone) + bytes(solo.filling);
-    if (!outcome.past) return all;
-    for (const auto& story : outcome.past->stories) {
-      if (!story) continue;
-      all += bytes(story->parts) + bytes(story->ways) + bytes(story->marks) +
-             bytes(story->meetings) + bytes(story->touches) + bytes(story->met);
+    if (!outcome.history) return all;
+    for (const auto& history : outcome.history->histories) {
+      if (!history) continue;
+      all += bytes(history->parts) + bytes(history->flights) + bytes(history->checkpoints) +
+             bytes(history->meetings) + bytes(history->touches) + bytes(history->met);
     }
-    return all + bytes(outcome.past->looks) + bytes(outcome.past->seen) +
-           bytes(outcome.past->flat_edges);
+    return all + bytes(outcome.history->looks) + bytes(outcome.history->seen) +
+           bytes(outcome.history->flat_edges);
   };
   const auto objects_bytes = [](const Spelling::Outcome& outcome) -> std::size_t {
-    if (!outcome.past) return 0;
-    const worlds::spelling::Past& past = *outcome.past;
-    return sizeof(past) + past.stories.size() * (16 + sizeof(physics::MarbleStory));
+    if (!outcome.history) return 0;
+    const worlds::spelling::SpellingHistory& history = *outcome.history;
+    return sizeof(history) + history.histories.size() * (16 + sizeof(physics::MarbleHistory));
   };
-  int with_past = 0;
+  int with_history = 0;
   for (int draw = 0; draw < 50; ++draw) {
     Spelling::State state = world.draw_prior(stream);
     if (draw % 5 == 4) {  // all drop at one place, too soon after one another
@@ -267,7 +267,7 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
       state.drops_m.reserve(200);
     }
     const Spelling::Outcome outcome = world.simulate_from(state, state, {});
-    if (outcome.past) ++with_past;
+    if (outcome.history) ++with_history;
     if (draw % 5 == 4) {
       EXPECT_EQ(outcome.end, worlds::spelling::End::impossible);
     }
@@ -276,7 +276,7 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
               arrays_bytes(state, outcome) + objects_bytes(outcome) + 64)
         << draw;
   }
-  EXPECT_GE(with_past, 25);
+  EXPECT_GE(with_history, 25);
   EXPECT_EQ(Ball2d({}).owned_bytes({}, {}), 0U);
 }
 

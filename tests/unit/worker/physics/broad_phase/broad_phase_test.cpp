@@ -22,7 +22,7 @@ class Session {
         dice_(index),
         periods_(scene.period_m),
         structure_({.bodies = bodies, .period_m = scene.period_m, .size_m = scene.size_m}),
-        told_(bodies),
+        kept_(bodies),
         boxes_(bodies),
         overlaps_(std::size_t{bodies} * bodies, false) {}
 
@@ -42,7 +42,7 @@ class Session {
   std::string operate() {
     if (dice_.once_in(60)) return move_all();
     const BodyId body{dice_.below(bodies_)};
-    auto sink = told_.of(body);
+    auto sink = kept_.of(body);
     std::optional<Box>& box = boxes_[body.value];
     std::string did;
     if (!box) {
@@ -71,7 +71,7 @@ class Session {
       if (everybody || dice_.once_in(3)) box = scene_.moved(dice_, *box);
       all[body] = *box;
     }
-    structure_.move_all(all, told_);
+    structure_.move_all(all, kept_);
     for (std::uint32_t body = 0; body < bodies_; ++body)
       define(body);
     return "move all";
@@ -93,7 +93,7 @@ class Session {
   }
 
   std::optional<std::string> check() {
-    if (!told_.complaint().empty()) return told_.complaint();
+    if (!kept_.complaint().empty()) return kept_.complaint();
     for (std::uint32_t body = 0; body < bodies_; ++body) {
       if (structure_.contains(BodyId{body}) != boxes_[body].has_value())
         return fmt::format("presence of {} is wrong", body);
@@ -103,7 +103,7 @@ class Session {
       // Lists of the right length whose members all overlap hold everybody who does.
       const auto row = overlaps_.begin() + static_cast<std::ptrdiff_t>(body * bodies_);
       const auto expected = std::count(row, row + bodies_, true);
-      const std::span<const BodyId> told = told_.neighbours(BodyId{body});
+      const std::span<const BodyId> told = kept_.neighbours(BodyId{body});
       overlaps_seen_ += told.size();
       for (const BodyId other : told) {
         if (!row[other.value]) return fmt::format("{} and {} do not overlap", body, other);
@@ -119,7 +119,7 @@ class Session {
   Dice dice_;
   Periods periods_;
   Structure structure_;
-  Neighbourhood told_;
+  Neighbourhood kept_;
   std::vector<std::optional<Box>> boxes_;
   std::vector<bool> overlaps_;
   std::uint64_t overlaps_seen_ = 0;

@@ -38,7 +38,7 @@ Outcome outcome_of(const TestScene& scene, const SimulationOptions& options) {
           .error = error ? error->message : ""};
 }
 
-struct Way {
+struct Flight {
   const char* name;
   SimulationOptions options;
 };

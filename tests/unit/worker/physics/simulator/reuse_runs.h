@@ -1,4 +1,4 @@
-// Runs with and without a past, and how they differ.
+// Runs with and without an earlier one's history, and how they differ.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -16,10 +16,10 @@
 
 namespace sleight::physics::testing {
 
-/// Any way to run a scene, that tells.
+/// Any way to run a scene that keeps its history.
 inline SimulationOptions random_way(Dice& dice) {
   SimulationOptions options;
-  options.tell = true;
+  options.keep_history = true;
   switch (dice.below(8)) {
     case 0:
       options.algorithm = Algorithm::synchronous;
@@ -101,16 +101,16 @@ inline Scene balls_apart(std::uint32_t count) {
   return scene;
 }
 
-struct Told {
+struct Run {
   std::uint64_t digest = 0;
   Counts counts;
   std::shared_ptr<const History> history;
 };
 
-inline Told run(const Scene& scene, double duration_s,
-                std::shared_ptr<const History> past = nullptr, SimulationOptions options = {}) {
-  options.tell = true;
-  Simulation simulation = Simulation::start(scene, options, std::move(past)).value();
+inline Run run(const Scene& scene, double duration_s,
+               std::shared_ptr<const History> history = nullptr, SimulationOptions options = {}) {
+  options.keep_history = true;
+  Simulation simulation = Simulation::start(scene, options, std::move(history)).value();
   const auto error = simulation.run_until(Tick{} + ticks_after(duration_s));
   EXPECT_FALSE(error) << error->message;
   return {simulation.recording().digest(), simulation.counts(), simulation.history()};

@@ -19,9 +19,9 @@ using testing::Dice;
 using testing::first_difference;
 using testing::random_way;
 using testing::run;
+using testing::Run;
 using testing::same_state;
 using testing::Subject;
-using testing::Told;
 
 constexpr std::uint64_t k_seed = 20261121;
 constexpr int k_steps = 20;
@@ -35,14 +35,14 @@ struct Tally {
   std::uint64_t runs = 0;
   std::uint64_t failed = 0;
   std::uint64_t replayed = 0;   ///< events
-  std::uint64_t simulated = 0;  ///< the same of those with a past
+  std::uint64_t simulated = 0;  ///< the same of those with a history
   std::uint64_t all = 0;        ///< of simulations of everything
 };
 
 /// Proposals one after the other, each from the last one that was accepted.
 void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
   Scene accepted = subject.scene;
-  std::shared_ptr<const History> past;
+  std::shared_ptr<const History> history;
   for (int step = 0; step < k_steps; ++step) {
     SCOPED_TRACE(fmt::format("step {}", step));
     Scene scene = accepted;
@@ -54,7 +54,7 @@ void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
     const SimulationOptions way = random_way(dice);
     ++tally.runs;
     auto whole = Simulation::start(scene, {});
-    auto reused = Simulation::start(scene, way, past);
+    auto reused = Simulation::start(scene, way, history);
     ASSERT_EQ(whole.ok(), reused.ok());
     if (!whole) {
       ASSERT_EQ(whole.error().message, reused.error().message);
@@ -86,15 +86,15 @@ void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
       ASSERT_EQ(simulation.history(), nullptr);
       continue;
     }
-    if (past) {
+    if (history) {
       tally.replayed += simulation.counts().replayed;
       tally.simulated += changes_of(simulation.counts());
       tally.all += changes_of(expected.counts());
     }
-    // A proposal that is rejected leaves the past as it is.
-    if (!past || dice.one_in(2)) {
-      past = simulation.history();
-      ASSERT_NE(past, nullptr);
+    // A proposal that is rejected leaves the history as it is.
+    if (!history || dice.one_in(2)) {
+      history = simulation.history();
+      ASSERT_NE(history, nullptr);
       accepted = std::move(scene);
     }
   }
@@ -129,33 +129,33 @@ TEST(Reuse, AWrongHistoryMakesADifference) {
   const Scene before = balls_apart(3);
   Scene after = before;
   after.bodies[1].start.twist.velocity_mps.x() = 0.1;
-  const Told told = run(before, 1);
-  History wrong = *told.history;
-  EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+  const Run earlier = run(before, 1);
+  History wrong = *earlier.history;
+  EXPECT_EQ(run(after, 1, earlier.history).digest, run(after, 1).digest);
   wrong.scene = after;
-  EXPECT_EQ(run(after, 1, std::make_shared<const History>(wrong)).digest, told.digest);
-  EXPECT_NE(told.digest, run(after, 1).digest);
+  EXPECT_EQ(run(after, 1, std::make_shared<const History>(wrong)).digest, earlier.digest);
+  EXPECT_NE(earlier.digest, run(after, 1).digest);
 }
 
 TEST(Reuse, OnlyWhatDiffersIsSimulated) {
   // Goal: the point of it. Method: of balls apart one starts otherwise; the others are replayed
   // to the last event; of the same scene nothing at all is simulated.
   const Scene before = balls_apart(8);
-  const Told told = run(before, 2);
+  const Run earlier = run(before, 2);
   Scene after = before;
   after.bodies[5].start.pose.position_m.z() += 0.01;
-  const Told reused = run(after, 2, told.history);
+  const Run reused = run(after, 2, earlier.history);
   EXPECT_EQ(reused.digest, run(after, 2).digest);
   EXPECT_GT(reused.counts.replayed, 7U);
   EXPECT_EQ(reused.counts.starts, 8U);
   const Counts alone = run(after, 2).counts;
   EXPECT_LT(reused.counts.static_collisions, alone.static_collisions / 4);
-  EXPECT_EQ(run(before, 2, told.history).counts.events(), 0U);
+  EXPECT_EQ(run(before, 2, earlier.history).counts.events(), 0U);
 }
 
 TEST(Reuse, AFailureComesAsItWould) {
   // Goal: collisions are counted through what is replayed. Method: a ball bounces ever lower in a
-  // scene that doesn't say how that ends; pasts that end before the simulation gives up.
+  // scene that doesn't say how that ends; histories that end before the simulation gives up.
   Scene scene = balls_apart(1);
   scene.slow = {};
   Simulation whole = Simulation::start(scene, {}).value();
@@ -163,10 +163,10 @@ TEST(Reuse, AFailureComesAsItWould) {
   ASSERT_TRUE(error);
   for (const TickCount before : {TickCount{1} << 10U, TickCount{1} << 16U, TickCount{1} << 19U}) {
     SimulationOptions options;
-    options.tell = true;
-    Simulation told = Simulation::start(scene, options).value();
-    ASSERT_FALSE(told.run_until(whole.now() - before));
-    Simulation goes_on = Simulation::start(scene, options, told.history()).value();
+    options.keep_history = true;
+    Simulation earlier = Simulation::start(scene, options).value();
+    ASSERT_FALSE(earlier.run_until(whole.now() - before));
+    Simulation goes_on = Simulation::start(scene, options, earlier.history()).value();
     const auto same = goes_on.run_until(Tick{} + ticks_after(5));
     ASSERT_TRUE(same);
     EXPECT_EQ(same->message, error->message);
@@ -176,19 +176,19 @@ TEST(Reuse, AFailureComesAsItWould) {
 
 TEST(Reuse, WhatIsTheSameIsShared) {
   // Goal: memory. Method: a kick late in a long fall; the histories have the same chunks before it.
-  // A proposal that is not accepted leaves its past as it was.
+  // A proposal that is not accepted leaves the history as it was.
   Scene scene = balls_apart(120);
-  const Told told = run(scene, 2);
-  const std::size_t chunks = told.history->chunks.size();
+  const Run earlier = run(scene, 2);
+  const std::size_t chunks = earlier.history->chunks.size();
   ASSERT_GT(chunks, 3U);
   const auto second =
-      told.history->chunks[1];  // the first one holds tick 0, which start() looks at
+      earlier.history->chunks[1];  // the first one holds tick 0, which start() looks at
   scene.controls.push_back(
       {.tick = Tick{} + ticks_after(1.5), .body = {7}, .velocity_change_mps = {0, 0, 0.3}});
-  const Told reused = run(scene, 2, told.history);
+  const Run reused = run(scene, 2, earlier.history);
   EXPECT_EQ(reused.digest, run(scene, 2).digest);
   EXPECT_EQ(reused.history->chunks[1], second);
-  EXPECT_EQ(told.history->chunks.size(), chunks);
+  EXPECT_EQ(earlier.history->chunks.size(), chunks);
 }
 
 TEST(Reuse, MemoryIsBounded) {
@@ -197,12 +197,12 @@ TEST(Reuse, MemoryIsBounded) {
   // or empty if none was asked for.
   const Scene scene = balls_apart(20);
   SimulationOptions options;
-  options.tell = true;
+  options.keep_history = true;
   options.history_bytes_max = 20'000;
   Simulation simulation = Simulation::start(scene, options).value();
   ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(1)));
   EXPECT_EQ(simulation.history(), nullptr);
-  const Told whole = run(scene, 1);
+  const Run whole = run(scene, 1);
   EXPECT_EQ(simulation.recording().digest(), whole.digest);
 
   Simulation replays = Simulation::start(scene, options, whole.history).value();
@@ -242,10 +242,10 @@ Tick cut_in(const History& history, Dice& dice) {
   return dice.one_in(3) ? tick + static_cast<TickCount>(dice.below(2'000'000)) : tick;
 }
 
-TEST(Reuse, ItGoesOnBeyondThePast) {
+TEST(Reuse, ItGoesOnBeyondTheHistory) {
   // Goal: at every event a history has all that goes on from there. Method: scenes of every kind,
-  // with kicks, most of them slow; pasts that end right at an event, or somewhere; all bodies go
-  // live there.
+  // with kicks, most of them slow; histories that end right at an event, or somewhere; all bodies
+  // go live there.
   const std::uint64_t scenes = property::long_run() ? 2000 : 32;
   for (const std::uint64_t n : property::cases(scenes)) {
     Subject subject = testing::subject_of(n);
@@ -256,20 +256,20 @@ TEST(Reuse, ItGoesOnBeyondThePast) {
       testing::change_controls(subject.scene, subject, dice);
     const Tick end = Tick{} + ticks_after(0.8 * subject.duration_s);
     SimulationOptions options;
-    options.tell = true;
+    options.keep_history = true;
     Simulation whole = Simulation::start(subject.scene, options).value();
     if (whole.run_until(end)) continue;
     const auto all = whole.history();
     for (int cut = 0; cut < 16; ++cut) {
       Tick last = cut_in(*all, dice);
       if (last > end) continue;
-      Simulation told = Simulation::start(subject.scene, options).value();
-      ASSERT_FALSE(told.run_until(last));
+      Simulation earlier = Simulation::start(subject.scene, options).value();
+      ASSERT_FALSE(earlier.run_until(last));
       Simulation goes_on =
-          Simulation::start(subject.scene, random_way(dice), told.history()).value();
+          Simulation::start(subject.scene, random_way(dice), earlier.history()).value();
       ASSERT_FALSE(goes_on.run_until(end));
       ASSERT_EQ(goes_on.recording().digest(), whole.recording().digest())
-          << "past up to " << last.value << ", "
+          << "history up to " << last.value << ", "
           << first_difference(whole.recording(), goes_on.recording());
     }
   }

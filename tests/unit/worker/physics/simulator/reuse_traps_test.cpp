@@ -19,7 +19,7 @@ namespace {
 
 using testing::balls_apart;
 using testing::run;
-using testing::Told;
+using testing::Run;
 
 TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
   // Goal: a kick that is replayed isn't done again by a body that goes live from it, as its way now
@@ -28,7 +28,7 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   before.controls.push_back(
       {.tick = Tick{} + ticks_after(0.5), .body = {0}, .velocity_change_mps = {0, 2, 0.1}});
-  const Told told = run(before, 1);
+  const Run earlier = run(before, 1);
   Scene after = before;
   after.planes[1].outside.offset_m = -0.15;
   for (const Algorithm algorithm :
@@ -36,7 +36,7 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
     SimulationOptions options;
     options.algorithm = algorithm;
     options.sample_every = 1 << 20;  // nothing is skipped
-    EXPECT_EQ(run(after, 1, told.history, options).digest, run(after, 1).digest);
+    EXPECT_EQ(run(after, 1, earlier.history, options).digest, run(after, 1).digest);
   }
 }
 
@@ -52,16 +52,16 @@ TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
   }
   for (const bool never : {false, true}) {
     if (never) before.bodies[5].start_tick = k_tick_max;
-    const Told told = run(before, 1);
+    const Run earlier = run(before, 1);
     Scene after = before;
     after.bodies[never ? 0 : 5].start.pose.position_m.z() += 0.001;
-    EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+    EXPECT_EQ(run(after, 1, earlier.history).digest, run(after, 1).digest);
     after.planes[1].outside.offset_m = -0.15;
-    EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+    EXPECT_EQ(run(after, 1, earlier.history).digest, run(after, 1).digest);
     after.controls.pop_back();
-    EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+    EXPECT_EQ(run(after, 1, earlier.history).digest, run(after, 1).digest);
     std::swap(after.controls[0], after.controls[1]);
-    EXPECT_EQ(run(after, 1, told.history).digest, run(after, 1).digest);
+    EXPECT_EQ(run(after, 1, earlier.history).digest, run(after, 1).digest);
   }
 }
 
@@ -94,11 +94,11 @@ TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
       Scene below = away;
       const Vec3 start_m = away.bodies[i].start.pose.position_m;
       below.convexes[0].polyhedron = block({start_m.x() + 0.003, start_m.y(), 0.003}, 0.005);
-      const Told far = run(away, 1);
-      const Told near = run(below, 1);
+      const Run far = run(away, 1);
+      const Run near = run(below, 1);
       EXPECT_NE(far.digest, near.digest);
       EXPECT_EQ(run(below, 1, far.history).digest, near.digest);
-      const Told back = run(away, 1, near.history);
+      const Run back = run(away, 1, near.history);
       EXPECT_EQ(back.digest, far.digest);
       EXPECT_GT(back.counts.replayed, 3U);
     }
@@ -106,7 +106,7 @@ TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
 }
 
 TEST(ReuseTraps, StartsSeeWhatDiffers) {
-  // Goal: a start is no event of a past in which there was room, or none. Method: a body starts
+  // Goal: a start is no event of a history in which there was room, or none. Method: a body starts
   // late, deep inside of a block that wasn't there: it is an error. One that drew its place again
   // as a block was in its way takes its first one when that has gone, and the other way round.
   Scene away = beside_a_block(true);
@@ -115,7 +115,7 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
   late.start.pose.position_m = {0.3, 0.3, 0.2};
   Scene around = away;
   around.convexes[0].polyhedron = block({0.3, 0.3, 0.2}, 0.1);
-  const Told far = run(away, 1);
+  const Run far = run(away, 1);
   Simulation fails = Simulation::start(around, {}, far.history).value();
   const auto error = fails.run_until(Tick{} + ticks_after(1));
   ASSERT_TRUE(error);
@@ -127,8 +127,8 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
       return {.pose = {.position_m = {0.3, 0.3 + 0.05 * attempt, 0.2}}, .twist = {}};
     };
   }
-  const Told free = run(away, 1);
-  const Told drawn = run(around, 1);
+  const Run free = run(away, 1);
+  const Run drawn = run(around, 1);
   EXPECT_GT(drawn.counts.start_draws, 0U);
   EXPECT_EQ(run(around, 1, free.history).digest, drawn.digest);
   EXPECT_EQ(run(away, 1, drawn.history).digest, free.digest);
@@ -139,8 +139,8 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
   two.bodies[0].start_tick = Tick{} + ticks_after(0.69);
   two.bodies[0].start.pose.position_m = {0.3, 0.3, 0.205};
   alone.bodies[0].start_tick = k_tick_max;
-  const Told with = run(two, 1);
-  const Told without = run(alone, 1);
+  const Run with = run(two, 1);
+  const Run without = run(alone, 1);
   EXPECT_GT(with.counts.start_draws, 0U);
   EXPECT_EQ(run(two, 1, without.history).digest, with.digest);
   EXPECT_EQ(run(alone, 1, with.history).digest, without.digest);
@@ -167,15 +167,15 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
                 : Vec3(0.001, 0.002, 0.09);
     before.bodies.push_back(body);
   }
-  const Told told = run(before, 4);
-  std::uint64_t rests = told.counts.rests;
+  const Run earlier = run(before, 4);
+  std::uint64_t rests = earlier.counts.rests;
   EXPECT_GE(rests, 9U);
   const auto compare = [&](const Scene& after) {
-    const Told whole = run(after, 4);
-    EXPECT_EQ(run(after, 4, told.history).digest, whole.digest);
+    const Run whole = run(after, 4);
+    EXPECT_EQ(run(after, 4, earlier.history).digest, whole.digest);
     SimulationOptions options;
     options.sample_every = 1 << 22;
-    EXPECT_EQ(run(after, 4, told.history, options).digest, whole.digest);
+    EXPECT_EQ(run(after, 4, earlier.history, options).digest, whole.digest);
   };
   for (std::uint32_t i = 0; i < 9; ++i) {
     for (const double when_s : {0.5, 1.0, 2.0, 3.9}) {
@@ -194,14 +194,14 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
     without.bodies[i].start.pose.position_m.z() = 0.2;
     compare(without);
   }
-  // Who has woken without a blow, and left his place or not, is told of as well.
+  // Who has woken without a blow, and left his place or not, is in the history as well.
   for (std::uint32_t i = 0; i < 9; ++i) {
     Scene kicked = before;
     kicked.controls.push_back(
         {.tick = Tick{} + ticks_after(2), .body = {i}, .velocity_change_mps = {0.1, 0, 0.5}});
-    const Told woken = run(kicked, 4);
+    const Run woken = run(kicked, 4);
     for (const double later_s : {0.0, 1e-6, 1e-4, 5e-4, 2e-3}) {
-      const Told up_to_then = run(kicked, 2 + later_s);
+      const Run up_to_then = run(kicked, 2 + later_s);
       EXPECT_EQ(run(kicked, 4, up_to_then.history).digest, woken.digest);
     }
     for (const double later_s : {0.001, 0.004, 0.02, 0.1}) {
@@ -211,7 +211,7 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
                                 .velocity_change_mps = {0, 0.02, 0.05}});
       EXPECT_EQ(run(twice, 4, woken.history).digest, run(twice, 4).digest);
     }
-    // A kick that was told, of one that is replayed, on whom rests one that is not.
+    // A kick of the history, of one that is replayed, on whom rests one that is not.
     Scene otherwise = kicked;
     otherwise.bodies[8].start.twist.velocity_mps.x() = 0.05;
     EXPECT_EQ(run(otherwise, 4, woken.history).digest, run(otherwise, 4).digest);
@@ -249,7 +249,7 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
   // Goal: replay.h, invariants 2 to 4, where two bodies have met shortly before only one of them
   // differs: one decides about rest and looks at the other, or rests on him. Method: a kick to
   // either of two cubes on one another, in one scene alone, some time before or after the upper
-  // one's rest; whom it doesn't come to is simulated by what he was told, and must not be. Later
+  // one's rest; whom it doesn't come to is simulated by his history, and must not be. Later
   // the lower one is hit, and wakes who rests on him.
   int compared = 0;
   const std::uint64_t seeds = property::long_run() ? 40 : 2;
@@ -261,15 +261,15 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
       ASSERT_FALSE(settled.run_until(Tick{} + ticks_after(later_s + 0.4)));
       const Tick rest = first_rest(settled.recording(), {1});
       if (rest == k_never) continue;
-      const Told without = run(plain, end_s);
+      const Run without = run(plain, end_s);
       // A kick so slow that it only makes the body wait for its rest again, and right after it the
-      // past ends.
+      // history ends.
       for (const double before_ms : {0.5, 1.5, 2.5, 3.5}) {
         Scene nudged = plain;
         const Tick tick = rest - ticks_after(1e-3 * before_ms);
         nudged.controls.push_back(
             {.tick = tick, .body = {1}, .velocity_change_mps = {0, 0.003, 0.003}});
-        const Told up_to_then = run(nudged, seconds(tick - Tick{}));
+        const Run up_to_then = run(nudged, seconds(tick - Tick{}));
         EXPECT_EQ(run(nudged, end_s, up_to_then.history).digest, run(nudged, end_s).digest);
       }
       for (const double before_ms : {0.02, 0.1, 0.3, 0.7, 1.1, 1.7, 2.4, 3.1, 4.0, -1.0, -30.0}) {
@@ -279,7 +279,7 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
             kicked.controls.push_back({.tick = rest - ticks_after(1e-3 * before_ms),
                                        .body = {body},
                                        .velocity_change_mps = kick});
-            const Told with = run(kicked, end_s);
+            const Run with = run(kicked, end_s);
             EXPECT_EQ(run(plain, end_s, with.history).digest, without.digest) << fmt::format(
                 "seed {}, {}, body {} kicked {} ms before", seed, later_s, body, before_ms);
             EXPECT_EQ(run(kicked, end_s, without.history).digest, with.digest) << fmt::format(
@@ -295,9 +295,9 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
 }
 
 TEST(ReuseTraps, AKickIsForWhoIsThereNow) {
-  // Goal: a told kick that can't be replayed, since who was woken by it isn't at rest any more,
-  // comes all the same. Method: a cube rests on another one, which is kicked; in the other scene a
-  // ball has just hit the part of the upper one that juts out, from below.
+  // Goal: a kick of the history that can't be replayed, since who was woken by it isn't at rest any
+  // more, comes all the same. Method: a cube rests on another one, which is kicked; in the other
+  // scene a ball has just hit the part of the upper one that juts out, from below.
   Scene after = scenes::cube_stack(2, 1).scene;
   after.bodies[0].start.pose.position_m = {0, 0, 0.0105};
   after.bodies[1].start.pose.position_m = {0.0085, 0, 0.031};
@@ -319,10 +319,10 @@ TEST(ReuseTraps, AKickIsForWhoIsThereNow) {
       {.tick = woken->cause.tick + 10'000, .body = {0}, .velocity_change_mps = {0, 1, 0}});
   Scene before = after;
   before.bodies[2].start_tick = k_tick_max;
-  const Told told = run(before, 1);
-  const Told pushed = run(after, 1);
-  EXPECT_EQ(run(after, 1, told.history).digest, pushed.digest);
-  EXPECT_EQ(run(before, 1, pushed.history).digest, told.digest);
+  const Run earlier = run(before, 1);
+  const Run pushed = run(after, 1);
+  EXPECT_EQ(run(after, 1, earlier.history).digest, pushed.digest);
+  EXPECT_EQ(run(before, 1, pushed.history).digest, earlier.digest);
 }
 
 }  // namespace

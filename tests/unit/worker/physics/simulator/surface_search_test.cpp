@@ -168,8 +168,8 @@ void bounce(Meeting& meeting, Tick tick, Dice& dice) {
 TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   // Goal: surface_search.h, invariants 1 and 2. Method: random boxes that fly, fall, slide and turn
   // close to random surfaces, and bounce a few times. At each look every point of the box says
-  // whether it collides, and with which contact; so do looks with fresh memories, contact_of, and
-  // at some of the skipped ticks, the last ones and others, every point again.
+  // whether it collides, and with which contact; so do looks with fresh contact_states, contact_of,
+  // and at some of the skipped ticks, the last ones and others, every point again.
   Tally tally;
   const std::uint64_t count = property::long_run() ? 10'000 : 700;
   for (const std::uint64_t n : property::cases(count)) {

@@ -276,7 +276,7 @@ void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dic
   start.twist.angular_velocity_radps += dice.vector_within(1);
 }
 
-TEST(SurfaceSimulation, APastMakesNoDifference) {
+TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
   // Goal: after any change of control points and starts, a simulation with the history of the one
   // before gives what one without gives, bit for bit, and simulates less. Method: chains of
   // proposals, of which some are accepted, run in all ways and in portions.
@@ -289,14 +289,14 @@ TEST(SurfaceSimulation, APastMakesNoDifference) {
     if (HasFailure()) break;
     Dice dice(k_seed + 2, n);
     Scene accepted = throw_of(n);
-    std::shared_ptr<const History> past;
+    std::shared_ptr<const History> history;
     std::vector<SurfaceTouch> touches;
     for (int step = 0; step < k_steps && !HasFailure(); ++step) {
       SCOPED_TRACE(fmt::format("step {}", step));
       Scene scene = accepted;
       if (step > 0 && !dice.one_in(10)) change_throw(scene, touches, dice);
       auto whole = Simulation::start(scene, {});
-      auto reused = Simulation::start(scene, testing::random_way(dice), past);
+      auto reused = Simulation::start(scene, testing::random_way(dice), history);
       ASSERT_EQ(whole.ok(), reused.ok());
       if (!whole) {
         EXPECT_EQ(whole.error().message, reused.error().message);
@@ -316,13 +316,13 @@ TEST(SurfaceSimulation, APastMakesNoDifference) {
       }
       ASSERT_EQ(simulation.recording().digest(), expected.recording().digest())
           << testing::first_difference(expected.recording(), simulation.recording());
-      if (past != nullptr) {
+      if (history != nullptr) {
         replayed += simulation.counts().replayed;
         simulated += testing::changes_of(simulation.counts());
       }
       if (step > 0 && dice.one_in(2)) continue;
       accepted = scene;
-      past = simulation.history();
+      history = simulation.history();
       touches.assign(expected.surface_touches().begin(), expected.surface_touches().end());
     }
   }
@@ -336,21 +336,21 @@ TEST(SurfaceSimulation, APastMakesNoDifference) {
 TEST(SurfaceSimulation, FarChangesAreReplayed) {
   // Goal: the point of it. Method: a control point a metre away, and one under the last touch.
   Scene scene = throw_of(1);
-  const testing::Told told = testing::run(scene, 2);
+  const testing::Run earlier = testing::run(scene, 2);
   Simulation simulation = Simulation::start(scene, {}).value();
   ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(2)));
   const Vec3 last_m = simulation.surface_touches().back().point_m;
   Dice dice(k_seed, 4);
   change_control(scene, {1, 1, 0}, dice);
-  const testing::Told far = testing::run(scene, 2, told.history);
-  EXPECT_EQ(far.digest, told.digest);
+  const testing::Run far = testing::run(scene, 2, earlier.history);
+  EXPECT_EQ(far.digest, earlier.digest);
   EXPECT_EQ(testing::changes_of(far.counts), 0U);
   StaticSurface& surface = scene.surfaces[0];
   const GridIndex under = SplineSurface(surface).patch_at(last_m.x(), last_m.y());
   const auto& table = dynamic_cast<const testing::TableControls&>(*surface.controls);
   surface.controls = table.with(under, {.height_m = table.at(under).height_m - 1e-5});
-  const testing::Told near = testing::run(scene, 2, told.history);
-  EXPECT_NE(near.digest, told.digest);
+  const testing::Run near = testing::run(scene, 2, earlier.history);
+  EXPECT_NE(near.digest, earlier.digest);
   EXPECT_EQ(near.digest, testing::run(scene, 2).digest);
 }
 

@@ -201,21 +201,21 @@ TEST(Dice, ReplaysMakeNoDifference) {
     random::Stream stream = testing::stream_of(k_seed, 1000 + dice);
     State state = world.draw_prior(stream);
     Outcome outcome = world.simulate(state);
-    std::uint64_t with_past = 0;
+    std::uint64_t with_history = 0;
     for (std::uint64_t i = 0; i < longer * 400 / dice; ++i) {
       SCOPED_TRACE(fmt::format("{} dice, proposal {}", dice, i));
       const auto proposal = world.propose(state, outcome, {}, stream);
-      if (outcome.past) ++with_past;
+      if (outcome.history) ++with_history;
       const Outcome candidate = world.simulate_from(proposal.candidate, state, outcome);
       expect_same(candidate, fresh.simulate(proposal.candidate));
-      EXPECT_EQ(fresh.simulate_from(proposal.candidate, state, outcome).past, nullptr);
+      EXPECT_EQ(fresh.simulate_from(proposal.candidate, state, outcome).history, nullptr);
       if (HasFailure()) return;
       if (stream.uniform() < 0.5) {
         state = proposal.candidate;
         outcome = candidate;
       }
     }
-    EXPECT_GT(with_past, 0U);
+    EXPECT_GT(with_history, 0U);
     EXPECT_GT(world.owned_bytes(state, outcome), 0U);
   }
 }

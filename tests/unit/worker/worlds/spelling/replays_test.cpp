@@ -34,14 +34,14 @@ void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint6
   State state = world.draw_prior(stream);
   Outcome outcome = world.simulate(state);
   expect_same(outcome, fresh.simulate(state));
-  std::uint64_t with_past = 0;
+  std::uint64_t with_history = 0;
   for (const std::uint64_t i : property::in_turn(proposals)) {
     SCOPED_TRACE(fmt::format("seed {}, proposal {}", seed, i));
     const auto proposal = world.propose(state, outcome, {}, stream);
-    if (outcome.past) ++with_past;
+    if (outcome.history) ++with_history;
     const Outcome candidate = world.simulate_from(proposal.candidate, state, outcome);
     expect_same(candidate, fresh.simulate(proposal.candidate));
-    EXPECT_EQ(fresh.simulate_from(proposal.candidate, state, outcome).past, nullptr);
+    EXPECT_EQ(fresh.simulate_from(proposal.candidate, state, outcome).history, nullptr);
     if (::testing::Test::HasFailure()) return;
     if (candidate.filled >= outcome.filled || stream.uniform() < 0.1) {
       state = proposal.candidate;
@@ -49,7 +49,7 @@ void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint6
     }
   }
   if (property::all_cases()) {
-    EXPECT_GT(with_past, proposals / 2);
+    EXPECT_GT(with_history, proposals / 2);
   }
 }
 

@@ -1,7 +1,7 @@
 // The history of one marble, from which a simulation of nearly the same scene replays it
 // (marbles.h, "What stays the same").
 //
-// Ids are those of the simulation that kept the story, and must mean the same balls in the other
+// Ids are those of the simulation that kept the history, and must mean the same balls in the other
 // one.
 #pragma once
 
@@ -51,7 +51,7 @@ struct Marble {
   }
 };
 
-struct MarbleStory {
+struct MarbleHistory {
   /// A part of its way: the ball is in the box from here to where the next part begins.
   struct Part {
     Tick begin;
@@ -61,7 +61,7 @@ struct MarbleStory {
     TouchBox box;
   };
   /// How it moves there; of one that is left alone, how it did when it was.
-  struct Way {
+  struct Flight {
     Tick begin;
     Vec3 position_m = Vec3::Zero();
     Vec3 velocity_mps = Vec3::Zero();
@@ -75,13 +75,13 @@ struct MarbleStory {
     }
   };
   /// All that goes on from an event.
-  struct Mark {
+  struct Checkpoint {
     Tick tick;
     std::size_t parts = 0;     ///< that began up to here
     std::size_t meetings = 0;  ///< the same
-    std::uint64_t work = 0;    ///< of events up to here that are told as its own
+    std::uint64_t work = 0;    ///< of events up to here that count as its own
     Marble marble;
-    Resting::Memory rest;
+    Resting::State rest;
     std::size_t first_met = 0;  ///< in `met`
     std::size_t met_count = 0;
   };
@@ -92,21 +92,22 @@ struct MarbleStory {
   };
 
   std::vector<Part> parts{};
-  std::vector<Way> ways{};          ///< by part
-  std::vector<Mark> marks{};        ///< its start, after meetings, after some events without one
+  std::vector<Flight> flights{};  ///< by part
+  std::vector<Checkpoint>
+      checkpoints{};                ///< its start, after meetings, after some events without one
   std::vector<Meeting> meetings{};  ///< in the order of time
-  Mark last{};                      ///< after its last event
-  // What marks know of contacts.
+  Checkpoint last{};                ///< after its last event
+  // What checkpoints know of contacts.
   Resting::TouchList touches{};
   std::vector<RecentContacts::Entry> met{};
-  std::uint64_t work = 0;  ///< of the events that are told as its own
+  std::uint64_t work = 0;  ///< of the events that count as its own
   Tick until{};            ///< known so far
   bool stays = false;      ///< and for good: at rest or left alone, until it is met
 
   void clear() {
     parts.clear();
-    ways.clear();
-    marks.clear();
+    flights.clear();
+    checkpoints.clear();
     meetings.clear();
     touches.clear();
     met.clear();
@@ -115,12 +116,12 @@ struct MarbleStory {
   }
   /// Whether it was left alone at a tick.
   bool is_alone_at(Tick tick) const;
-  /// The last mark before a tick: null if there is none, or if meetings lie in between of which
-  /// nothing more is known; then `is_gap`.
-  const Mark* mark_before(Tick tick, bool& is_gap) const;
+  /// The last checkpoint before a tick: null if there is none, or if meetings lie in between of
+  /// which nothing more is known; then `is_gap`.
+  const Checkpoint* checkpoint_before(Tick tick, bool& is_gap) const;
   std::size_t bytes() const {
-    return sizeof(*this) + parts.capacity() * sizeof(Part) + ways.capacity() * sizeof(Way) +
-           marks.capacity() * sizeof(Mark) + meetings.capacity() * sizeof(Meeting) +
+    return sizeof(*this) + parts.capacity() * sizeof(Part) + flights.capacity() * sizeof(Flight) +
+           checkpoints.capacity() * sizeof(Checkpoint) + meetings.capacity() * sizeof(Meeting) +
            touches.capacity() * sizeof(TouchRecord) +
            met.capacity() * sizeof(RecentContacts::Entry);
   }

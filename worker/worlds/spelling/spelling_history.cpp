@@ -1,4 +1,4 @@
-#include "worker/worlds/spelling/past.h"
+#include "worker/worlds/spelling/spelling_history.h"
 
 #include <algorithm>
 #include <iterator>
@@ -32,14 +32,14 @@ bool resembles(const State& candidate, const State& state) {
   return false;
 }
 
-physics::MarbleStories stories_that_hold(const Past& past, const State& state,
-                                         const State& candidate) {
-  CHECK_EQ(past.stories.size(), candidate.active.size());
-  physics::MarbleStories stories = past.stories;
-  for (std::size_t ball = 0; ball < stories.size(); ++ball) {
-    if (!starts_alike(state, candidate, ball)) stories[ball] = nullptr;
+physics::MarbleHistories histories_that_hold(const SpellingHistory& history, const State& state,
+                                             const State& candidate) {
+  CHECK_EQ(history.histories.size(), candidate.active.size());
+  physics::MarbleHistories histories = history.histories;
+  for (std::size_t ball = 0; ball < histories.size(); ++ball) {
+    if (!starts_alike(state, candidate, ball)) histories[ball] = nullptr;
   }
-  return stories;
+  return histories;
 }
 
 Influence::Influence(const Bins& bins, const physics::StaticGeometry& statics) {

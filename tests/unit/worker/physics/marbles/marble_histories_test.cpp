@@ -1,5 +1,5 @@
 // What is replayed makes no difference: simulations of scenes that differ in some balls, with the
-// stories of the one before, against simulations of everything.
+// histories of the one before, against simulations of everything.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -132,7 +132,7 @@ void change_ball(Scene& scene, const Scene& at_first, std::uint32_t ball, Dice& 
 
 enum class Moves : std::uint8_t { balls, balls_and_vertices };
 
-/// A dozen scenes, each changed from the one before, simulated whole and with that one's stories.
+/// A dozen scenes, each changed from the one before, simulated whole and with that one's histories.
 void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
   Dice dice(k_seed, index);
   const auto balls = static_cast<std::uint32_t>(1 + dice.below(14));
@@ -143,7 +143,7 @@ void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
   StaticGeometry statics(scene);
   NearFeatures near(statics, std::get<Sphere>(scene.bodies[0].shape).radius_m);
   const Tick last{scene.bodies.back().start_tick.value};
-  MarbleStories stories(balls);
+  MarbleHistories histories(balls);
   for (int step = 0; step < 12; ++step) {
     SCOPED_TRACE(fmt::format("step {}", step));
     const Tick end = last + ticks_after(0.4 * static_cast<double>(1 + dice.below(8)));
@@ -152,7 +152,7 @@ void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
     Marbles marbles;
     const auto changed = mesh.changes();
     marbles.start(scene, near, end, {}, UINT64_MAX,
-                  {.stories = &stories, .changes = changed, .records = true});
+                  {.histories = &histories, .changes = changed, .records = true});
     const auto expected = whole.run_until(end);
     const int looks = static_cast<int>(dice.below(3));
     for (int look = 1; look <= looks; ++look) {
@@ -168,11 +168,11 @@ void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
     if (marbles.is_replay_void() || error) {
       if (!expected) ++tally.voided;
       ASSERT_TRUE(expected || marbles.is_replay_void());
-      stories.assign(balls, nullptr);
+      histories.assign(balls, nullptr);
     } else {
       tally.work += marbles.counts().work();
       tally.work_of_all += whole.counts().work();
-      auto next = marbles.stories();
+      auto next = marbles.histories();
       for (std::uint32_t ball = 0; ball < balls; ++ball) {
         if (marbles.replayed({ball}) == nullptr) continue;
         ++tally.replayed_to_the_end;
@@ -181,13 +181,13 @@ void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
       if (!marbles.is_replay_void()) {
         ASSERT_TRUE(same_end(whole, marbles));
       }
-      stories = std::move(next);
+      histories = std::move(next);
     }
     // The next scene.
     for (std::uint64_t changes = dice.below(3); changes > 0; --changes) {
       const auto ball = static_cast<std::uint32_t>(dice.below(balls));
       change_ball(scene, at_first, ball, dice);
-      stories[ball] = nullptr;
+      histories[ball] = nullptr;
     }
     mesh.nothing_moved();
     if (moves == Moves::balls_and_vertices && dice.below(2) == 0)
@@ -209,14 +209,15 @@ void run_all_scenes(Moves moves, std::uint64_t count) {
   EXPECT_GT(tally.replayed_to_the_end, tally.runs / 2);
 }
 
-TEST(Stories, ReplayingMakesNoDifference) {
+TEST(MarbleHistories, ReplayingMakesNoDifference) {
   // Goal: invariant 4, bit for bit, in heaps that rest and wake as in sparse falls. Method: random
   // scenes; in each a dozen changes one after the other (balls that start elsewhere, faster, or not
-  // at all), looked at in between; each is simulated with the stories of the one before, and whole.
+  // at all), looked at in between; each is simulated with the histories of the one before, and
+  // whole.
   run_all_scenes(Moves::balls, scene_count());
 }
 
-TEST(Stories, MovedGeometryMakesNoDifference) {
+TEST(MarbleHistories, MovedGeometryMakesNoDifference) {
   // Goal: the same where static geometry changes, too. Method: the same with vertices of the
   // scenes' mesh that move by a tenth of a millimetre or by some, back to where they were for
   // others.
@@ -235,9 +236,9 @@ Scene two_balls(double apart_m) {
   return scene;
 }
 
-TEST(Stories, AWrongStoryMakesADifference) {
+TEST(MarbleHistories, AWrongHistoryMakesADifference) {
   // Goal: what is replayed is not simulated, so the property above can fail. Method: a ball that
-  // starts elsewhere is given its old story; it is where that says, and a ball that it would have
+  // starts elsewhere is given its old history; it is where that says, and a ball that it would have
   // met flies on.
   const double radius_m = std::get<Sphere>(two_balls(1).bodies[0].shape).radius_m;
   const Scene before = two_balls(10 * radius_m);
@@ -247,34 +248,34 @@ TEST(Stories, AWrongStoryMakesADifference) {
   const StaticGeometry statics(before);
   const NearFeatures near(statics, radius_m);
   const Tick end = Tick{} + ticks_after(1);
-  Marbles told;
-  told.start(before, near, end, {}, UINT64_MAX,
-             {.stories = nullptr, .changes = {}, .records = true});
-  ASSERT_FALSE(told.run_until(end));
-  MarbleStories stories = told.stories();
-  ASSERT_NE(stories[0], nullptr);
-  ASSERT_NE(stories[1], nullptr);
+  Marbles earlier;
+  earlier.start(before, near, end, {}, UINT64_MAX,
+                {.histories = nullptr, .changes = {}, .records = true});
+  ASSERT_FALSE(earlier.run_until(end));
+  MarbleHistories histories = earlier.histories();
+  ASSERT_NE(histories[0], nullptr);
+  ASSERT_NE(histories[1], nullptr);
   Marbles whole;
   whole.start(after, near, end);
   ASSERT_FALSE(whole.run_until(end));
   for (const bool is_right : {true, false}) {
-    if (is_right) stories[1] = nullptr;
+    if (is_right) histories[1] = nullptr;
     Marbles marbles;
     marbles.start(after, near, end, {}, UINT64_MAX,
-                  {.stories = &stories, .changes = {}, .records = true});
+                  {.histories = &histories, .changes = {}, .records = true});
     ASSERT_FALSE(marbles.run_until(end));
     for (std::uint32_t ball = 0; ball < 2; ++ball)
       marbles.stop_replay({ball});
     EXPECT_FALSE(marbles.is_replay_void());
     EXPECT_EQ(static_cast<bool>(same_end(whole, marbles)), is_right);
-    stories = told.stories();
+    histories = earlier.histories();
   }
 }
 
-TEST(Stories, ABallIsLeftAloneNowIfItWouldBeNow) {
-  // Goal: a story in which a ball is left alone holds up to there if the confinement is another one
-  // by now, and beyond only if it is the same. Method: a ball that is left alone in a box once it
-  // is slow; then in the same, in a wider one, and never.
+TEST(MarbleHistories, ABallIsLeftAloneNowIfItWouldBeNow) {
+  // Goal: a history in which a ball is left alone holds up to there if the confinement is another
+  // one by now, and beyond only if it is the same. Method: a ball that is left alone in a box once
+  // it is slow; then in the same, in a wider one, and never.
   Scene scene = two_balls(1);
   scene.bodies.resize(1);
   const StaticGeometry statics(scene);
@@ -289,17 +290,17 @@ TEST(Stories, ABallIsLeftAloneNowIfItWouldBeNow) {
     };
   };
   const auto never = [](BodyId, const Vec3&, const Twist&) { return std::optional<Box>(); };
-  Marbles told;
-  told.start(scene, near, end, within(1), UINT64_MAX,
-             {.stories = nullptr, .changes = {}, .records = true});
-  ASSERT_FALSE(told.run_until(end));
-  ASSERT_TRUE(told.is_suspended({0}));
-  const MarbleStories stories = told.stories();
+  Marbles earlier;
+  earlier.start(scene, near, end, within(1), UINT64_MAX,
+                {.histories = nullptr, .changes = {}, .records = true});
+  ASSERT_FALSE(earlier.run_until(end));
+  ASSERT_TRUE(earlier.is_suspended({0}));
+  const MarbleHistories histories = earlier.histories();
   const auto replay = [&](MarbleConfinement confinement) {
     Marbles marbles;
     marbles.start(
         scene, near, end, std::move(confinement), UINT64_MAX,
-        {.stories = &stories, .changes = {}, .confinement_differs = true, .records = true});
+        {.histories = &histories, .changes = {}, .confinement_differs = true, .records = true});
     EXPECT_FALSE(marbles.run_until(end));
     EXPECT_FALSE(marbles.is_replay_void());
     return marbles;
@@ -314,7 +315,7 @@ TEST(Stories, ABallIsLeftAloneNowIfItWouldBeNow) {
   Marbles whole;
   whole.start(scene, near, end);
   ASSERT_FALSE(whole.run_until(end));
-  EXPECT_NE(whole.position_m({0}), told.segment({0}).flight.position_m);
+  EXPECT_NE(whole.position_m({0}), earlier.segment({0}).flight.position_m);
   EXPECT_TRUE(same_end(whole, free));
 }
 
@@ -333,7 +334,7 @@ Scene weightless(std::uint32_t balls) {
   return scene;
 }
 
-TEST(Stories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
+TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
   // Goal: one that was left alone after a collision isn't if what it met has moved. Method: a ball
   // that flies against a wall and is slow from then on; the wall is moved away.
   Scene scene = weightless(1);
@@ -348,12 +349,12 @@ TEST(Stories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
                ? std::nullopt
                : std::optional(Box{.low_m = {-2, -2, -2}, .high_m = {2, 2, 2}});
   };
-  Marbles told;
-  told.start(scene, near, end, where_slow, UINT64_MAX,
-             {.stories = nullptr, .changes = {}, .records = true});
-  ASSERT_FALSE(told.run_until(end));
-  ASSERT_TRUE(told.is_suspended({0}));
-  const MarbleStories stories = told.stories();
+  Marbles earlier;
+  earlier.start(scene, near, end, where_slow, UINT64_MAX,
+                {.histories = nullptr, .changes = {}, .records = true});
+  ASSERT_FALSE(earlier.run_until(end));
+  ASSERT_TRUE(earlier.is_suspended({0}));
+  const MarbleHistories histories = earlier.histories();
 
   std::vector<std::uint32_t> features;
   std::vector<VertexMove> moves;
@@ -372,15 +373,17 @@ TEST(Stories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
   ASSERT_FALSE(whole.run_until(end));
   ASSERT_FALSE(whole.is_suspended({0}));
   Marbles marbles;
-  marbles.start(
-      scene, near, end, where_slow, UINT64_MAX,
-      {.stories = &stories, .changes = {&change, 1}, .confinement_differs = true, .records = true});
+  marbles.start(scene, near, end, where_slow, UINT64_MAX,
+                {.histories = &histories,
+                 .changes = {&change, 1},
+                 .confinement_differs = true,
+                 .records = true});
   ASSERT_FALSE(marbles.run_until(end));
   ASSERT_EQ(marbles.replayed({0}), nullptr);
   EXPECT_TRUE(same_end(whole, marbles));
 }
 
-TEST(Stories, TwoLiveBallsBesideAStartEnd) {
+TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
   // Goal: a ball whose expected partner goes live for another's sake expects it no longer. Method:
   // a ball starts between two that are as good as touching it and that were elsewhere before.
   Scene before = weightless(3);
@@ -394,38 +397,38 @@ TEST(Stories, TwoLiveBallsBesideAStartEnd) {
   const StaticGeometry statics(before);
   const NearFeatures near(statics, radius_m);
   const Tick end = Tick{} + ticks_after(0.2);
-  Marbles told;
-  told.start(before, near, end, {}, UINT64_MAX,
-             {.stories = nullptr, .changes = {}, .records = true});
-  ASSERT_FALSE(told.run_until(end));
-  MarbleStories stories = told.stories();
-  stories[0] = stories[1] = nullptr;
+  Marbles earlier;
+  earlier.start(before, near, end, {}, UINT64_MAX,
+                {.histories = nullptr, .changes = {}, .records = true});
+  ASSERT_FALSE(earlier.run_until(end));
+  MarbleHistories histories = earlier.histories();
+  histories[0] = histories[1] = nullptr;
   Marbles whole;
   whole.start(after, near, end);
   ASSERT_FALSE(whole.run_until(end));
   Marbles marbles;
   marbles.start(after, near, end, {}, UINT64_MAX,
-                {.stories = &stories, .changes = {}, .records = true});
+                {.histories = &histories, .changes = {}, .records = true});
   ASSERT_FALSE(marbles.run_until(end));
   EXPECT_TRUE(same_end(whole, marbles));
 }
 
-TEST(Stories, AMarkDoesntSayWhatFollowedAtItsTick) {
-  // Goal: a second meeting at a mark's tick of which nothing is known is a gap. Method: a story
-  // with two meetings at a tick, and the mark that the first one left.
-  MarbleStory story;
-  story.meetings = {{.tick = Tick{5}, .partner = 1}, {.tick = Tick{5}, .partner = 2}};
-  MarbleStory::Mark mark;
-  mark.tick = Tick{5};
-  mark.meetings = 1;
-  story.marks = {mark};
-  story.last.tick = Tick{9};
+TEST(MarbleHistories, ACheckpointDoesntSayWhatFollowedAtItsTick) {
+  // Goal: a second meeting at a checkpoint's tick of which nothing is known is a gap. Method: a
+  // history with two meetings at a tick, and the checkpoint that the first one left.
+  MarbleHistory history;
+  history.meetings = {{.tick = Tick{5}, .partner = 1}, {.tick = Tick{5}, .partner = 2}};
+  MarbleHistory::Checkpoint checkpoint;
+  checkpoint.tick = Tick{5};
+  checkpoint.meetings = 1;
+  history.checkpoints = {checkpoint};
+  history.last.tick = Tick{9};
   bool is_gap = false;
-  EXPECT_NE(story.mark_before(Tick{7}, is_gap), nullptr);
+  EXPECT_NE(history.checkpoint_before(Tick{7}, is_gap), nullptr);
   EXPECT_TRUE(is_gap);
-  story.marks.push_back(mark);
-  story.marks.back().meetings = 2;
-  EXPECT_EQ(story.mark_before(Tick{7}, is_gap), &story.marks[1]);
+  history.checkpoints.push_back(checkpoint);
+  history.checkpoints.back().meetings = 2;
+  EXPECT_EQ(history.checkpoint_before(Tick{7}, is_gap), &history.checkpoints[1]);
   EXPECT_FALSE(is_gap);
 }
 

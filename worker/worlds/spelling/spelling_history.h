@@ -1,5 +1,6 @@
 // The history that a simulation of spelling balls leaves for those of similar states: each ball's
-// story (physics/marbles/marbles.h), and the places of all balls at each test of whether they stay.
+// history (physics/marbles/marbles.h), and the places of all balls at each test of whether they
+// stay.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -24,8 +25,8 @@ struct Seen {
   bool was_alone = false;
 };
 
-struct Past {
-  physics::MarbleStories stories;  ///< by ball
+struct SpellingHistory {
+  physics::MarbleHistories histories;  ///< by ball
   std::vector<physics::Tick> looks;
   std::vector<Seen> seen;                 ///< by look, those balls that are active
   std::vector<std::uint32_t> flat_edges;  ///< of the box (Influence)
@@ -41,9 +42,9 @@ struct Past {
                                    active);
   }
   std::size_t bytes() const {
-    std::size_t bytes = sizeof(*this) + stories.capacity() * sizeof(stories[0]);
-    for (const auto& story : stories)
-      bytes += story ? story->bytes() : 0;
+    std::size_t bytes = sizeof(*this) + histories.capacity() * sizeof(histories[0]);
+    for (const auto& history : histories)
+      bytes += history ? history->bytes() : 0;
     bytes += flat_edges.capacity() * sizeof(flat_edges[0]);
     bytes += looks.capacity() * sizeof(looks[0]) + seen.capacity() * sizeof(seen[0]);
     return bytes;
@@ -56,9 +57,9 @@ bool starts_alike(const State& state, const State& candidate, std::size_t ball);
 /// least half of the box, without which balls differ from their first collision on.
 bool resembles(const State& candidate, const State& state);
 
-/// The stories that hold for a candidate as well: those of balls that start as they did.
-physics::MarbleStories stories_that_hold(const Past& past, const State& state,
-                                         const State& candidate);
+/// The histories that hold for a candidate as well: those of balls that start as they did.
+physics::MarbleHistories histories_that_hold(const SpellingHistory& history, const State& state,
+                                             const State& candidate);
 
 /// What hangs on each partition vertex.
 class Influence {

@@ -29,9 +29,9 @@ struct Supports {
 };
 
 /// All contact state but for two parts: the touches lie in a list of TouchRecord (resting.h), and
-/// the counts and times of collisions follow from the event itself (World::recall).
-struct BodyMemory {
-  Resting::Memory rest;
+/// the counts and times of collisions follow from the event itself (World::restore).
+struct ContactState {
+  Resting::State rest;
   Supports supports;
 };
 

@@ -1,0 +1,117 @@
+// How a simulation keeps the history of each ball.
+#include <algorithm>
+#include <utility>
+
+#include "common/base/check.h"
+#include "worker/physics/marbles/marbles.h"
+
+namespace sleight::physics {
+namespace {
+
+/// Marks of a ball, start included. Balls that lean on each other meet thousands of times, and a
+/// simulation rarely goes on from there.
+constexpr std::size_t k_checkpoints_max = 48;
+
+/// A ball that meets no other has a checkpoint after so many events, since going on repeats all
+/// events since the last checkpoint; more checkpoints cost more than they save. Of such checkpoints
+/// it has at most k_lone_checkpoints_max, which leaves room for those after meetings.
+constexpr std::uint32_t k_checkpoint_every = 16;
+constexpr std::size_t k_lone_checkpoints_max = 24;
+
+}  // namespace
+
+void Marbles::begin_history(std::uint32_t ball) {
+  kept_[ball].clear();
+  own_work_[ball] = 0;
+  since_checkpoint_[ball] = 0;
+}
+
+void Marbles::keep_part(std::uint32_t ball, const TouchBox& box) {
+  auto& parts = kept_[ball].parts;
+  auto& flights = kept_[ball].flights;
+  const Marble& own = balls_[ball];
+  // What was to come has not, or is kept anew. Of several collisions at a tick each counts.
+  while (!parts.empty() &&
+         (parts.back().begin > now_ ||
+          (parts.back().begin == now_ && parts.back().last_feature == own.last_feature))) {
+    parts.pop_back();
+    flights.pop_back();
+  }
+  parts.push_back({.begin = now_,
+                   .last_feature = own.last_feature,
+                   .mode = own.segment.mode,
+                   .is_alone = own.suspended,
+                   .box = box});
+  const FreeFlight& flight = own.segment.flight;
+  flights.push_back({.begin = flight.begin,
+                     .position_m = flight.position_m,
+                     .velocity_mps = flight.velocity_mps,
+                     .acceleration_mps2 = flight.acceleration_mps2,
+                     .angular_velocity_radps = flight.angular_velocity_radps});
+}
+
+void Marbles::keep_meeting(std::uint32_t a, std::uint32_t b) {
+  for (const auto& [ball, partner] : {std::pair(a, b), std::pair(b, a)}) {
+    kept_[ball].meetings.push_back({.tick = now_, .partner = partner});
+    if (std::ranges::find(met_, ball) == met_.end()) met_.push_back(ball);
+    last_event_[ball] = now_;
+  }
+}
+
+/// What goes on from here, of which a part lies in the history's lists.
+MarbleHistory::Checkpoint Marbles::checkpoint_in(MarbleHistory& history, std::uint32_t ball,
+                                                 Tick tick) const {
+  MarbleHistory::Checkpoint checkpoint{.tick = tick,
+                                       .parts = history.parts.size(),
+                                       .meetings = history.meetings.size(),
+                                       .work = own_work_[ball],
+                                       .marble = balls_[ball],
+                                       .rest = resting_.state_of(ball, history.touches),
+                                       .first_met = history.met.size()};
+  checkpoint.met_count = recent_.remember(ball, history.met);
+  return checkpoint;
+}
+
+/// Of those that met at the event that has just been processed, and of its ball once in a while.
+void Marbles::keep_checkpoints(std::uint32_t of) {
+  if (records_ && ++since_checkpoint_[of] >= k_checkpoint_every &&
+      kept_[of].checkpoints.size() < k_lone_checkpoints_max &&
+      std::ranges::find(met_, of) == met_.end())
+    met_.push_back(of);
+  for (const std::uint32_t ball : met_) {
+    MarbleHistory& kept = kept_[ball];
+    if (kept.checkpoints.size() == k_checkpoints_max) {
+      kept.touches.resize(kept.checkpoints.back().rest.first_touch());
+      kept.met.resize(kept.checkpoints.back().first_met);
+      kept.checkpoints.pop_back();
+    }
+    kept.checkpoints.push_back(checkpoint_in(kept, ball, now_));
+    since_checkpoint_[ball] = 0;
+  }
+  met_.clear();
+}
+
+MarbleHistories Marbles::histories() const {
+  CHECK(records_ && !is_replay_void());
+  MarbleHistories histories(balls_.size());
+  for (std::uint32_t ball = 0; ball < balls_.size(); ++ball) {
+    if (const auto& replayed = replayed_[ball]) {
+      // Beyond the present it is another simulation's.
+      if (replayed->stays && replayed->last.tick <= now_) histories[ball] = replayed;
+      continue;
+    }
+    if (!balls_[ball].started) continue;
+    auto history = std::make_shared<MarbleHistory>();
+    history->touches.reserve(kept_[ball].touches.size() + Resting::k_records);
+    history->met.reserve(kept_[ball].met.size() + RecentContacts::k_partners);
+    *history = kept_[ball];
+    history->last = checkpoint_in(*history, ball, last_event_[ball]);
+    history->work = own_work_[ball];
+    history->until = now_;
+    history->stays = balls_[ball].suspended || is_resting(ball);
+    histories[ball] = std::move(history);
+  }
+  return histories;
+}
+
+}  // namespace sleight::physics
