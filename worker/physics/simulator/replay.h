@@ -27,8 +27,8 @@
 namespace sleight::physics {
 
 struct Replay {
-  Replay(std::shared_ptr<const History> history, SceneChanges scene_changes)
-      : history(std::move(history)), changes(std::move(scene_changes)), reader(history->chunks) {}
+  Replay(std::shared_ptr<const History> earlier, SceneChanges scene_changes)
+      : history(std::move(earlier)), changes(std::move(scene_changes)), reader(history->chunks) {}
   Replay(const Replay&) = delete;
   Replay& operator=(const Replay&) = delete;
 

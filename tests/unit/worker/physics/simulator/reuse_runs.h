@@ -101,14 +101,15 @@ inline Scene balls_apart(std::uint32_t count) {
   return scene;
 }
 
-struct Run {
+struct RunResult {
   std::uint64_t digest = 0;
   Counts counts;
   std::shared_ptr<const History> history;
 };
 
-inline Run run(const Scene& scene, double duration_s,
-               std::shared_ptr<const History> history = nullptr, SimulationOptions options = {}) {
+inline RunResult run(const Scene& scene, double duration_s,
+                     std::shared_ptr<const History> history = nullptr,
+                     SimulationOptions options = {}) {
   options.keep_history = true;
   Simulation simulation = Simulation::start(scene, options, std::move(history)).value();
   const auto error = simulation.run_until(Tick{} + ticks_after(duration_s));

@@ -19,7 +19,7 @@ using testing::Dice;
 using testing::first_difference;
 using testing::random_way;
 using testing::run;
-using testing::Run;
+using testing::RunResult;
 using testing::same_state;
 using testing::Subject;
 
@@ -129,7 +129,7 @@ TEST(Reuse, AWrongHistoryMakesADifference) {
   const Scene before = balls_apart(3);
   Scene after = before;
   after.bodies[1].start.twist.velocity_mps.x() = 0.1;
-  const Run earlier = run(before, 1);
+  const RunResult earlier = run(before, 1);
   History wrong = *earlier.history;
   EXPECT_EQ(run(after, 1, earlier.history).digest, run(after, 1).digest);
   wrong.scene = after;
@@ -141,10 +141,10 @@ TEST(Reuse, OnlyWhatDiffersIsSimulated) {
   // Goal: the point of it. Method: of balls apart one starts otherwise; the others are replayed
   // to the last event; of the same scene nothing at all is simulated.
   const Scene before = balls_apart(8);
-  const Run earlier = run(before, 2);
+  const RunResult earlier = run(before, 2);
   Scene after = before;
   after.bodies[5].start.pose.position_m.z() += 0.01;
-  const Run reused = run(after, 2, earlier.history);
+  const RunResult reused = run(after, 2, earlier.history);
   EXPECT_EQ(reused.digest, run(after, 2).digest);
   EXPECT_GT(reused.counts.replayed, 7U);
   EXPECT_EQ(reused.counts.starts, 8U);
@@ -178,14 +178,14 @@ TEST(Reuse, WhatIsTheSameIsShared) {
   // Goal: memory. Method: a kick late in a long fall; the histories have the same chunks before it.
   // A proposal that is not accepted leaves the history as it was.
   Scene scene = balls_apart(120);
-  const Run earlier = run(scene, 2);
+  const RunResult earlier = run(scene, 2);
   const std::size_t chunks = earlier.history->chunks.size();
   ASSERT_GT(chunks, 3U);
   const auto second =
       earlier.history->chunks[1];  // the first one holds tick 0, which start() looks at
   scene.controls.push_back(
       {.tick = Tick{} + ticks_after(1.5), .body = {7}, .velocity_change_mps = {0, 0, 0.3}});
-  const Run reused = run(scene, 2, earlier.history);
+  const RunResult reused = run(scene, 2, earlier.history);
   EXPECT_EQ(reused.digest, run(scene, 2).digest);
   EXPECT_EQ(reused.history->chunks[1], second);
   EXPECT_EQ(earlier.history->chunks.size(), chunks);
@@ -202,7 +202,7 @@ TEST(Reuse, MemoryIsBounded) {
   Simulation simulation = Simulation::start(scene, options).value();
   ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(1)));
   EXPECT_EQ(simulation.history(), nullptr);
-  const Run whole = run(scene, 1);
+  const RunResult whole = run(scene, 1);
   EXPECT_EQ(simulation.recording().digest(), whole.digest);
 
   Simulation replays = Simulation::start(scene, options, whole.history).value();

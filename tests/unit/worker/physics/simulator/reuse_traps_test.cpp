@@ -19,7 +19,7 @@ namespace {
 
 using testing::balls_apart;
 using testing::run;
-using testing::Run;
+using testing::RunResult;
 
 TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
   // Goal: a kick that is replayed isn't done again by a body that goes live from it, as its way now
@@ -28,7 +28,7 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   before.controls.push_back(
       {.tick = Tick{} + ticks_after(0.5), .body = {0}, .velocity_change_mps = {0, 2, 0.1}});
-  const Run earlier = run(before, 1);
+  const RunResult earlier = run(before, 1);
   Scene after = before;
   after.planes[1].outside.offset_m = -0.15;
   for (const Algorithm algorithm :
@@ -52,7 +52,7 @@ TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
   }
   for (const bool never : {false, true}) {
     if (never) before.bodies[5].start_tick = k_tick_max;
-    const Run earlier = run(before, 1);
+    const RunResult earlier = run(before, 1);
     Scene after = before;
     after.bodies[never ? 0 : 5].start.pose.position_m.z() += 0.001;
     EXPECT_EQ(run(after, 1, earlier.history).digest, run(after, 1).digest);
@@ -94,11 +94,11 @@ TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
       Scene below = away;
       const Vec3 start_m = away.bodies[i].start.pose.position_m;
       below.convexes[0].polyhedron = block({start_m.x() + 0.003, start_m.y(), 0.003}, 0.005);
-      const Run far = run(away, 1);
-      const Run near = run(below, 1);
+      const RunResult far = run(away, 1);
+      const RunResult near = run(below, 1);
       EXPECT_NE(far.digest, near.digest);
       EXPECT_EQ(run(below, 1, far.history).digest, near.digest);
-      const Run back = run(away, 1, near.history);
+      const RunResult back = run(away, 1, near.history);
       EXPECT_EQ(back.digest, far.digest);
       EXPECT_GT(back.counts.replayed, 3U);
     }
@@ -115,7 +115,7 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
   late.start.pose.position_m = {0.3, 0.3, 0.2};
   Scene around = away;
   around.convexes[0].polyhedron = block({0.3, 0.3, 0.2}, 0.1);
-  const Run far = run(away, 1);
+  const RunResult far = run(away, 1);
   Simulation fails = Simulation::start(around, {}, far.history).value();
   const auto error = fails.run_until(Tick{} + ticks_after(1));
   ASSERT_TRUE(error);
@@ -127,8 +127,8 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
       return {.pose = {.position_m = {0.3, 0.3 + 0.05 * attempt, 0.2}}, .twist = {}};
     };
   }
-  const Run free = run(away, 1);
-  const Run drawn = run(around, 1);
+  const RunResult free = run(away, 1);
+  const RunResult drawn = run(around, 1);
   EXPECT_GT(drawn.counts.start_draws, 0U);
   EXPECT_EQ(run(around, 1, free.history).digest, drawn.digest);
   EXPECT_EQ(run(away, 1, drawn.history).digest, free.digest);
@@ -139,8 +139,8 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
   two.bodies[0].start_tick = Tick{} + ticks_after(0.69);
   two.bodies[0].start.pose.position_m = {0.3, 0.3, 0.205};
   alone.bodies[0].start_tick = k_tick_max;
-  const Run with = run(two, 1);
-  const Run without = run(alone, 1);
+  const RunResult with = run(two, 1);
+  const RunResult without = run(alone, 1);
   EXPECT_GT(with.counts.start_draws, 0U);
   EXPECT_EQ(run(two, 1, without.history).digest, with.digest);
   EXPECT_EQ(run(alone, 1, with.history).digest, without.digest);
@@ -167,11 +167,11 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
                 : Vec3(0.001, 0.002, 0.09);
     before.bodies.push_back(body);
   }
-  const Run earlier = run(before, 4);
+  const RunResult earlier = run(before, 4);
   std::uint64_t rests = earlier.counts.rests;
   EXPECT_GE(rests, 9U);
   const auto compare = [&](const Scene& after) {
-    const Run whole = run(after, 4);
+    const RunResult whole = run(after, 4);
     EXPECT_EQ(run(after, 4, earlier.history).digest, whole.digest);
     SimulationOptions options;
     options.sample_every = 1 << 22;
@@ -199,9 +199,9 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
     Scene kicked = before;
     kicked.controls.push_back(
         {.tick = Tick{} + ticks_after(2), .body = {i}, .velocity_change_mps = {0.1, 0, 0.5}});
-    const Run woken = run(kicked, 4);
+    const RunResult woken = run(kicked, 4);
     for (const double later_s : {0.0, 1e-6, 1e-4, 5e-4, 2e-3}) {
-      const Run up_to_then = run(kicked, 2 + later_s);
+      const RunResult up_to_then = run(kicked, 2 + later_s);
       EXPECT_EQ(run(kicked, 4, up_to_then.history).digest, woken.digest);
     }
     for (const double later_s : {0.001, 0.004, 0.02, 0.1}) {
@@ -261,7 +261,7 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
       ASSERT_FALSE(settled.run_until(Tick{} + ticks_after(later_s + 0.4)));
       const Tick rest = first_rest(settled.recording(), {1});
       if (rest == k_never) continue;
-      const Run without = run(plain, end_s);
+      const RunResult without = run(plain, end_s);
       // A kick so slow that it only makes the body wait for its rest again, and right after it the
       // history ends.
       for (const double before_ms : {0.5, 1.5, 2.5, 3.5}) {
@@ -269,7 +269,7 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
         const Tick tick = rest - ticks_after(1e-3 * before_ms);
         nudged.controls.push_back(
             {.tick = tick, .body = {1}, .velocity_change_mps = {0, 0.003, 0.003}});
-        const Run up_to_then = run(nudged, seconds(tick - Tick{}));
+        const RunResult up_to_then = run(nudged, seconds(tick - Tick{}));
         EXPECT_EQ(run(nudged, end_s, up_to_then.history).digest, run(nudged, end_s).digest);
       }
       for (const double before_ms : {0.02, 0.1, 0.3, 0.7, 1.1, 1.7, 2.4, 3.1, 4.0, -1.0, -30.0}) {
@@ -279,7 +279,7 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
             kicked.controls.push_back({.tick = rest - ticks_after(1e-3 * before_ms),
                                        .body = {body},
                                        .velocity_change_mps = kick});
-            const Run with = run(kicked, end_s);
+            const RunResult with = run(kicked, end_s);
             EXPECT_EQ(run(plain, end_s, with.history).digest, without.digest) << fmt::format(
                 "seed {}, {}, body {} kicked {} ms before", seed, later_s, body, before_ms);
             EXPECT_EQ(run(kicked, end_s, without.history).digest, with.digest) << fmt::format(
@@ -319,8 +319,8 @@ TEST(ReuseTraps, AKickIsForWhoIsThereNow) {
       {.tick = woken->cause.tick + 10'000, .body = {0}, .velocity_change_mps = {0, 1, 0}});
   Scene before = after;
   before.bodies[2].start_tick = k_tick_max;
-  const Run earlier = run(before, 1);
-  const Run pushed = run(after, 1);
+  const RunResult earlier = run(before, 1);
+  const RunResult pushed = run(after, 1);
   EXPECT_EQ(run(after, 1, earlier.history).digest, pushed.digest);
   EXPECT_EQ(run(before, 1, pushed.history).digest, earlier.digest);
 }

@@ -145,7 +145,7 @@ struct Outcome {
   return ::testing::AssertionSuccess();
 }
 
-/// Run in so many portions.
+/// RunResult in so many portions.
 Outcome outcome_of(const Scene& scene, const SimulationOptions& options, int portions) {
   Simulation simulation = Simulation::start(scene, options).value();
   for (int i = 1; i <= portions; ++i)
@@ -336,20 +336,20 @@ TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
 TEST(SurfaceSimulation, FarChangesAreReplayed) {
   // Goal: the point of it. Method: a control point a metre away, and one under the last touch.
   Scene scene = throw_of(1);
-  const testing::Run earlier = testing::run(scene, 2);
+  const testing::RunResult earlier = testing::run(scene, 2);
   Simulation simulation = Simulation::start(scene, {}).value();
   ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(2)));
   const Vec3 last_m = simulation.surface_touches().back().point_m;
   Dice dice(k_seed, 4);
   change_control(scene, {1, 1, 0}, dice);
-  const testing::Run far = testing::run(scene, 2, earlier.history);
+  const testing::RunResult far = testing::run(scene, 2, earlier.history);
   EXPECT_EQ(far.digest, earlier.digest);
   EXPECT_EQ(testing::changes_of(far.counts), 0U);
   StaticSurface& surface = scene.surfaces[0];
   const GridIndex under = SplineSurface(surface).patch_at(last_m.x(), last_m.y());
   const auto& table = dynamic_cast<const testing::TableControls&>(*surface.controls);
   surface.controls = table.with(under, {.height_m = table.at(under).height_m - 1e-5});
-  const testing::Run near = testing::run(scene, 2, earlier.history);
+  const testing::RunResult near = testing::run(scene, 2, earlier.history);
   EXPECT_NE(near.digest, earlier.digest);
   EXPECT_EQ(near.digest, testing::run(scene, 2).digest);
 }
