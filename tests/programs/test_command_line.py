@@ -32,7 +32,7 @@ class Help(ProgramTest):
 
     def test_exit_codes_are_documented(self):
         text = sleight("--help").stdout
-        for code in ["0", "1", "2", "3", "4", "5", "6", "7", "130"]:
+        for code in ["0", "1", "2", "3", "4", "5", "6", "7", "8", "130"]:
             self.assertRegex(text, rf"\b{code}\b")
 
     def test_keys_name_unit_and_range(self):

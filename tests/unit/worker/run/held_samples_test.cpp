@@ -226,9 +226,10 @@ TEST(HeldSamplesDeathTest, MisuseIsABug) {
 
 TEST(HeldSamples, OwnedBytesCoverAllArrays) {
   // Goal: what a world says that a sample owns is no less than its arrays take, those of the
-  // surrogate's outcome and of its history included, whatever came of it, and not much more than these
-  // and the history's own objects. Method: draws from the prior, with the capacities that their arrays
-  // have; one that is impossible, so that its outcome has no arrays; arrays with room to spare.
+  // surrogate's outcome and of its history included, whatever came of it, and not much more than
+  // these and the history's own objects. Method: draws from the prior, with the capacities that
+  // their arrays have; one that is impossible, so that its outcome has no arrays; arrays with room
+  // to spare.
   worlds::spelling::Parameters parameters = two_bins();
   parameters.world.drop_interval_s = 0.001;
   const Spelling world(parameters);
