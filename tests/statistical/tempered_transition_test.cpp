@@ -26,12 +26,12 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
   // above it; after one transition and after ten, chi-square against enumeration; of the first, the
   // counts from i to j against those from j to i. 24 p-values above 1e-6. Some transitions lead
   // between parts of the ring that no plain step connects.
-  struct Flight {
+  struct Way {
     double beta;
     std::vector<double> below;
     std::uint32_t steps;
   };
-  const std::vector<Flight> ways{{1, {0.5}, 1},         {1, {0.6, 0.3, 0.1}, 2},
+  const std::vector<Way> ways{{1, {0.5}, 1},         {1, {0.6, 0.3, 0.1}, 2},
                                  {1, {0.5, 0.2, 0}, 1}, {1, {0}, 1},
                                  {0.6, {0.3, 0.05}, 3}, {0.6, {0.4, 0.2, 0.1, 0}, 2}};
   const RuggedRing ring;

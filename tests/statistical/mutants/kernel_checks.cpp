@@ -206,7 +206,7 @@ std::vector<double> results_are_pure(const Mutant& mutant, std::uint64_t seed) {
 /// Exact draws, moved by three tempered transitions, against enumeration.
 std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
-  struct Flight {
+  struct Way {
     double beta;
     std::vector<double> below;
   };

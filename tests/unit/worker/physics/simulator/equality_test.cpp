@@ -38,7 +38,7 @@ Outcome outcome_of(const TestScene& scene, const SimulationOptions& options) {
           .error = error ? error->message : ""};
 }
 
-struct Flight {
+struct Way {
   const char* name;
   SimulationOptions options;
 };
