@@ -47,6 +47,33 @@ void check_excursions(Binder& sampler, const SamplerParameters& p) {
                             steps, levels, k_excursion_iterations_max));
 }
 
+/// What comes before the scans that are judged, and what excursions and ascents consist of.
+void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
+  sampler.optional_integer("anneal_scans", p.anneal_scans,
+                           {.minimum = 1,
+                            .maximum = 1000000,
+                            .unit = "scans",
+                            .help = "simulated annealing from the prior before all else"});
+  sampler.optional_integer("burn_in_rounds", p.burn_in_rounds,
+                           {.minimum = 1,
+                            .maximum = 20,
+                            .unit = "rounds",
+                            .help = "of parallel tempering, to find temperatures, before "
+                                    "simulated_tempering, tempered_transitions and "
+                                    "annealed_importance; 4 if absent"});
+  sampler.optional_integer("lanes", p.lanes,
+                           {.minimum = 1,
+                            .maximum = 1024,
+                            .help = "ascents beside each other, of a chain: annealed_importance; "
+                                    "8 if absent"});
+  sampler.optional_integer("steps_per_level", p.steps_per_level,
+                           {.minimum = 1,
+                            .maximum = 1000,
+                            .unit = "steps",
+                            .help = "from one temperature to the next: tempered_transitions, "
+                                    "annealed_importance; 1 if absent"});
+}
+
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
   static constexpr std::array k_methods{
       Named<Method>{"metropolis_hastings", Method::metropolis_hastings},
@@ -83,29 +110,7 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
                    .maximum = k_round_scans_max,
                    .unit = "scans",
                    .help = "length of the first round; each later one is twice as long"});
-  sampler.optional_integer("anneal_scans", p.anneal_scans,
-                           {.minimum = 1,
-                            .maximum = 1000000,
-                            .unit = "scans",
-                            .help = "simulated annealing from the prior before all else"});
-  sampler.optional_integer("burn_in_rounds", p.burn_in_rounds,
-                           {.minimum = 1,
-                            .maximum = 20,
-                            .unit = "rounds",
-                            .help = "of parallel tempering, to find temperatures, before "
-                                    "simulated_tempering, tempered_transitions and "
-                                    "annealed_importance; 4 if absent"});
-  sampler.optional_integer("lanes", p.lanes,
-                           {.minimum = 1,
-                            .maximum = 1024,
-                            .help = "ascents beside each other, of a chain: annealed_importance; "
-                                    "8 if absent"});
-  sampler.optional_integer("steps_per_level", p.steps_per_level,
-                           {.minimum = 1,
-                            .maximum = 1000,
-                            .unit = "steps",
-                            .help = "from one temperature to the next: tempered_transitions, "
-                                    "annealed_importance; 1 if absent"});
+  bind_what_some_methods_have(sampler, p);
   refuse_other_methods_keys(sampler, p.method);
   check_excursions(sampler, p);
 }

@@ -146,6 +146,26 @@ void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& 
       path ? "to repeat it: sleight replay " + *path : "no more of them are kept as files"));
 }
 
+/// Keeps failures as files, and says the first one at once; progress and summary count the others.
+class FailureNotes {
+ public:
+  FailureNotes(const std::string& folder, const std::string& request_text, base::FileSystem& files)
+      : files_(folder, request_text, files) {}
+  void note(const plan::ReplicaKey& replica, const plan::FailedSimulation& failed) {
+    const std::optional<std::string> path = files_.keep(replica, failed);
+    if (std::exchange(any_, true)) return;
+    first_path_ = path.value_or("");
+    say_failure(replica, failed, path);
+  }
+  /// Empty if there was none, or it isn't kept.
+  const std::string& first_path() const { return first_path_; }
+
+ private:
+  FailureFiles files_;
+  std::string first_path_;
+  bool any_ = false;
+};
+
 }  // namespace
 
 std::string run_identity(const request::DirectionRequest& request) {
@@ -186,23 +206,15 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   const auto archive_of = [&](std::uint64_t scans) {
     return write_archive_of_run(inputs, options.output, folder, scans, files);
   };
-  FailureFiles failure_files(folder, request::normalised_text(inputs.request), files);
-  std::string first_failure;
-  bool has_failed = false;
-  const auto failed = [&](const plan::ReplicaKey& replica, const plan::FailedSimulation& one) {
-    const std::optional<std::string> path = failure_files.keep(replica, one);
-    if (std::exchange(has_failed, true)) return;
-    // The first is said at once; progress and summary count the others.
-    first_failure = path.value_or("");
-    say_failure(replica, one, path);
-  };
-  const DriveOptions drive_options{.time_limit_s = options.time_limit_s,
-                                   .stop_requested = options.stop_requested,
-                                   .report = options.report,
-                                   .checkpoint = [&](std::uint64_t scans) { archive_of(scans); },
-                                   .checkpoint_every_s = options.checkpoint_every_s,
-                                   .failed = failed,
-                                   .strict = options.strict};
+  FailureNotes failures(folder, request::normalised_text(inputs.request), files);
+  const DriveOptions drive_options{
+      .time_limit_s = options.time_limit_s,
+      .stop_requested = options.stop_requested,
+      .report = options.report,
+      .checkpoint = [&](std::uint64_t scans) { archive_of(scans); },
+      .checkpoint_every_s = options.checkpoint_every_s,
+      .failed = [&](const auto& replica, const auto& failed) { failures.note(replica, failed); },
+      .strict = options.strict};
   const DriveOutcome outcome =
       drive(inputs.plan, run_store, inputs.crew, inputs.clock, drive_options);
 
@@ -211,7 +223,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                      .scans = outcome.scans_common,
                      .digest = {},
                      .epoch = run_store.epoch(),
-                     .first_failure = first_failure,
+                     .first_failure = failures.first_path(),
                      .progress = outcome.progress,
                      .handling = outcome.handling};
   if (summary.scans > 0) {

@@ -45,6 +45,41 @@ void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pul
   motion.lasts_s = slip.lasts_s;
 }
 
+/// The most resistance against a direction that friction can pass on: |turning - x d| = mu N.
+struct PassedOn {
+  Vec3 turning;       ///< the friction that turns the sphere, without resistance
+  double spare;       ///< (mu N)^2 - turning^2
+  double resistance;  ///< to rolling
+  double against(const Vec3& direction) const {
+    const double along = dot(turning, direction);
+    return std::min(resistance, along + std::sqrt(along * along + spare));
+  }
+};
+
+struct Rolling {
+  Vec3 acceleration_mps2;
+  double lasts_s = k_forever_s;
+};
+/// What resistance to rolling leaves of an acceleration, and for how long. A sphere that hardly
+/// moves stops first.
+Rolling resisted(const RoundBody& body, const Vec3& n, Vec3 a, const PassedOn& most, Twist& start) {
+  Vec3& v = start.velocity_mps;
+  const double pull = norm(a);
+  const bool still = norm(v) <= k_stick_mps;
+  if (still) {
+    // The spin that belongs to the velocity goes with it.
+    start.angular_velocity_radps -= cross(n, v) / body.radius_m;
+    v = Vec3::Zero();
+    const double held = pull > 0 ? most.against(a / pull) : 0;
+    a *= pull > held ? (pull - held) / pull : 0;
+    return {a};
+  }
+  const Vec3 now = math::normalized(v);
+  const HeldSlip along = held_slip(v, a, most.against(now), body.slip_error_mps());
+  a -= most.against(along.direction) * along.direction;
+  return {a, std::min(along.lasts_s, stop_s(v, a, along.direction))};
+}
+
 ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, const Twist& twist,
                         const Vec3& gravity_mps2) {
   ContactMotion motion{.pressed = 0, .start = twist};
@@ -54,7 +89,7 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
   motion.pressed = 1;
   const Vec3 pull_mps2 = gravity_mps2 + load_mps2 * n;
   Vec3& v = motion.start.velocity_mps;
-  Vec3& w = motion.start.angular_velocity_radps;
+  const Vec3& w = motion.start.angular_velocity_radps;
   v -= dot(v, n) * n;
   const double k = body.gyration;
   const double mobility = 1 + 1 / k;  // of the contact point, against the centre's 1
@@ -77,9 +112,8 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
   // It rolls, if friction can turn it as fast as it must.
   stop_slip(body, n, motion.start);
   const double resistance = contact.rolling_friction * load_mps2;
-  Vec3 a = pull_mps2 / (1 + k);
-  // The friction that turns it, without resistance.
-  const Vec3 turning = a - pull_mps2;
+  Rolling rolling{pull_mps2 / (1 + k)};
+  const Vec3 turning = rolling.acceleration_mps2 - pull_mps2;
   const double spare =
       contact.friction * load_mps2 * contact.friction * load_mps2 - dot(turning, turning);
   if (spare < 0) {
@@ -87,31 +121,14 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
     brake_pivot(body, contact, load_mps2, motion);
     return motion;
   }
-  // The most resistance against a direction that friction can pass on: |turning - x d| = mu N.
-  const auto most = [&](const Vec3& direction) {
-    const double along = dot(turning, direction);
-    return std::min(resistance, along + std::sqrt(along * along + spare));
-  };
-  double lasts_s = k_forever_s;
   if (resistance > 0) {
-    const double pull = norm(a);
-    const bool still = norm(v) <= k_stick_mps;
-    if (still) {
-      w -= cross(n, v) / body.radius_m;  // the spin that belongs to the velocity
-      v = Vec3::Zero();
-      const double held = pull > 0 ? most(a / pull) : 0;
-      a *= pull > held ? (pull - held) / pull : 0;
-    } else {
-      const Vec3 now = math::normalized(v);
-      const HeldSlip along = held_slip(v, a, most(now), body.slip_error_mps());
-      a -= most(along.direction) * along.direction;
-      lasts_s = std::min(along.lasts_s, stop_s(v, a, along.direction));
-    }
+    rolling =
+        resisted(body, n, rolling.acceleration_mps2, {turning, spare, resistance}, motion.start);
   }
   motion.rolls = true;
-  motion.acceleration_mps2 = a;
-  motion.angular_acceleration_radps2 = cross(n, a) / body.radius_m;
-  motion.lasts_s = lasts_s;
+  motion.acceleration_mps2 = rolling.acceleration_mps2;
+  motion.angular_acceleration_radps2 = cross(n, rolling.acceleration_mps2) / body.radius_m;
+  motion.lasts_s = rolling.lasts_s;
   brake_pivot(body, contact, load_mps2, motion);
   return motion;
 }

@@ -137,54 +137,67 @@ class Valley {
     w += (speed / r - turning) * side_[i] - dot(w, line_) * line_;
   }
 
-  /// Loads, friction and accelerations for the present slips. False, with `pressed` set, if the
-  /// sphere doesn't stay on both faces.
-  bool forces() {
-    const double k = body_.gyration;
-    const bool one_sticks = !slips_[0] || !slips_[1];
-    const std::size_t stuck = slips_[0] ? 1 : 0;
-    // Unknown: both loads; friction along the line and along the side at a contact that sticks.
-    // What each of them does to the centre, and as a force of friction.
-    struct Unit {
-      Vec3 force;
-      std::array<Vec3, 2> friction;
-    };
-    std::array<Unit, 4> units;
-    for (std::size_t i = 0; i < 2; ++i) {
-      units[i] = {contacts_[i].normal, {Vec3::Zero(), Vec3::Zero()}};
-      if (!slips_[i]) continue;
-      units[i].friction[i] = -contacts_[i].friction * direction_[i];
-      units[i].force += units[i].friction[i];
-    }
+  /// One of the unknown forces at size 1: what it does to the centre, and as friction.
+  struct Unit {
+    Vec3 force;
+    std::array<Vec3, 2> friction;
+  };
+  /// Both loads; with a contact that sticks also its friction along the line and along the side.
+  struct Units {
+    std::array<Unit, LinearSystem::k_most> unit;
     std::size_t count = 2;
-    if (one_sticks) {
-      for (const Vec3& way : {line_, side_[stuck]}) {
-        units[count] = {way, {Vec3::Zero(), Vec3::Zero()}};
-        units[count++].friction[stuck] = way;
-      }
+    bool one_sticks = false;
+    std::size_t stuck = 0;  ///< that contact
+  };
+  Units units() const {
+    Units all{.unit = {}, .one_sticks = !slips_[0] || !slips_[1], .stuck = slips_[0] ? 1U : 0U};
+    for (std::size_t i = 0; i < 2; ++i) {
+      all.unit[i] = {contacts_[i].normal, {Vec3::Zero(), Vec3::Zero()}};
+      if (!slips_[i]) continue;
+      all.unit[i].friction[i] = -contacts_[i].friction * direction_[i];
+      all.unit[i].force += all.unit[i].friction[i];
     }
-    // How a unit accelerates the surface at a contact: its force, and -r times its turning.
-    const auto surface = [&](const Unit& unit, std::size_t at) {
-      Vec3 sum = unit.force;
+    if (!all.one_sticks) return all;
+    for (const Vec3& way : {line_, side_[all.stuck]}) {
+      all.unit[all.count] = {way, {Vec3::Zero(), Vec3::Zero()}};
+      all.unit[all.count++].friction[all.stuck] = way;
+    }
+    return all;
+  }
+  /// How a unit accelerates the surface at a contact: its force, and -r times its turning.
+  Vec3 surface_acceleration(const Unit& unit, std::size_t at) const {
+    Vec3 sum = unit.force;
+    for (std::size_t i = 0; i < 2; ++i) {
+      sum += cross(cross(contacts_[i].normal, unit.friction[i]), contacts_[at].normal) /
+             body_.gyration;
+    }
+    return sum;
+  }
+  /// No acceleration into or off the faces; none of the surface at a contact that sticks.
+  LinearSystem balance(const Units& all) const {
+    LinearSystem system(all.count);
+    for (std::size_t column = 0; column < all.count; ++column) {
       for (std::size_t i = 0; i < 2; ++i)
-        sum += cross(cross(contacts_[i].normal, unit.friction[i]), contacts_[at].normal) / k;
-      return sum;
-    };
-    LinearSystem system(count);
-    for (std::size_t column = 0; column < count; ++column) {
-      for (std::size_t i = 0; i < 2; ++i)
-        system.coefficient(i, column) = dot(units[column].force, contacts_[i].normal);
-      if (!one_sticks) continue;
-      const Vec3 at_stuck = surface(units[column], stuck);
+        system.coefficient(i, column) = dot(all.unit[column].force, contacts_[i].normal);
+      if (!all.one_sticks) continue;
+      const Vec3 at_stuck = surface_acceleration(all.unit[column], all.stuck);
       system.coefficient(2, column) = dot(at_stuck, line_);
-      system.coefficient(3, column) = dot(at_stuck, side_[stuck]);
+      system.coefficient(3, column) = dot(at_stuck, side_[all.stuck]);
     }
     for (std::size_t i = 0; i < 2; ++i)
       system.right(i) = -dot(gravity_, contacts_[i].normal);
-    if (one_sticks) {
+    if (all.one_sticks) {
       system.right(2) = -dot(gravity_, line_);
-      system.right(3) = -dot(gravity_, side_[stuck]);
+      system.right(3) = -dot(gravity_, side_[all.stuck]);
     }
+    return system;
+  }
+
+  /// Loads, friction and accelerations for the present slips. False, with `pressed` set, if the
+  /// sphere doesn't stay on both faces.
+  bool forces() {
+    const Units all = units();
+    LinearSystem system = balance(all);
     std::array<double, LinearSystem::k_most> sizes{};
     motion_.pressed = 0;
     if (!system.solve(sizes)) return false;
@@ -195,14 +208,14 @@ class Valley {
     motion_.acceleration_mps2 = gravity_;
     motion_.angular_acceleration_radps2 = Vec3::Zero();
     friction_ = {Vec3::Zero(), Vec3::Zero()};
-    for (std::size_t column = 0; column < count; ++column) {
-      motion_.acceleration_mps2 += sizes[column] * units[column].force;
+    for (std::size_t column = 0; column < all.count; ++column) {
+      motion_.acceleration_mps2 += sizes[column] * all.unit[column].force;
       for (std::size_t i = 0; i < 2; ++i)
-        friction_[i] += sizes[column] * units[column].friction[i];
+        friction_[i] += sizes[column] * all.unit[column].friction[i];
     }
     for (std::size_t i = 0; i < 2; ++i) {
       motion_.angular_acceleration_radps2 -=
-          cross(contacts_[i].normal, friction_[i]) / (k * body_.radius_m);
+          cross(contacts_[i].normal, friction_[i]) / (body_.gyration * body_.radius_m);
     }
     return true;
   }

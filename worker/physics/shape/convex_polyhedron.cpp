@@ -30,44 +30,55 @@ Vec3 loop_normal(std::span<const Vec3> vertices_m, std::span<const std::uint16_t
   return math::normalized(sum);
 }
 
-struct DirectedEdge {
+}  // namespace
+
+/// A face's side, as it runs.
+struct ConvexPolyhedron::DirectedEdge {
   std::uint16_t from, to;
   std::uint16_t face, side;
 };
-
-}  // namespace
 
 ConvexPolyhedron polyhedron_of_loops(std::span<const Vec3> vertices_m,
                                      std::span<const std::vector<std::uint16_t>> loops) {
   ConvexPolyhedron result;
   result.vertices_m_.assign(vertices_m.begin(), vertices_m.end());
-  // Faces and their sides: plane from the loop, inward normals from plane and side.
-  std::vector<DirectedEdge> directed;
+  std::vector<ConvexPolyhedron::DirectedEdge> directed;
   result.r_inner_m_ = std::numeric_limits<double>::infinity();
-  for (const auto& loop : loops) {
-    CHECK_GE(loop.size(), 3U);
-    Face face;
-    face.normal = loop_normal(vertices_m, loop);
-    face.offset_m = -std::numeric_limits<double>::infinity();
-    face.first_side = static_cast<std::uint16_t>(result.sides_.size());
-    face.side_count = static_cast<std::uint16_t>(loop.size());
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint16_t from = loop[i];
-      const std::uint16_t to = loop[i + 1 == loop.size() ? 0 : i + 1];
-      const Vec3 along = vertices_m[to] - vertices_m[from];
-      Side side;
-      side.inward = math::normalized(cross(face.normal, along));
-      side.offset_m = dot(side.inward, vertices_m[from]);
-      side.vertex = from;
-      directed.push_back({from, to, static_cast<std::uint16_t>(result.faces_.size()),
-                          static_cast<std::uint16_t>(result.sides_.size())});
-      result.sides_.push_back(side);
-      face.offset_m = std::max(face.offset_m, dot(face.normal, vertices_m[from]));
-    }
-    result.r_inner_m_ = std::min(result.r_inner_m_, face.offset_m);
-    result.faces_.push_back(face);
+  for (const auto& loop : loops)
+    result.add_face(loop, directed);
+  result.join_sides(directed);
+  result.index_rings();
+  result.index_axes();
+  return result;
+}
+
+void ConvexPolyhedron::add_face(std::span<const std::uint16_t> loop,
+                                std::vector<DirectedEdge>& directed) {
+  CHECK_GE(loop.size(), 3U);
+  Face face;
+  face.normal = loop_normal(vertices_m_, loop);
+  face.offset_m = -std::numeric_limits<double>::infinity();
+  face.first_side = static_cast<std::uint16_t>(sides_.size());
+  face.side_count = static_cast<std::uint16_t>(loop.size());
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const std::uint16_t from = loop[i];
+    const std::uint16_t to = loop[i + 1 == loop.size() ? 0 : i + 1];
+    const Vec3 along = vertices_m_[to] - vertices_m_[from];
+    Side side;
+    side.inward = math::normalized(cross(face.normal, along));
+    side.offset_m = dot(side.inward, vertices_m_[from]);
+    side.vertex = from;
+    directed.push_back({from, to, static_cast<std::uint16_t>(faces_.size()),
+                        static_cast<std::uint16_t>(sides_.size())});
+    sides_.push_back(side);
+    face.offset_m = std::max(face.offset_m, dot(face.normal, vertices_m_[from]));
   }
-  // Edges: each side meets the opposite side of another face. Ordered by lower, then higher vertex.
+  r_inner_m_ = std::min(r_inner_m_, face.offset_m);
+  faces_.push_back(face);
+}
+
+void ConvexPolyhedron::join_sides(std::vector<DirectedEdge>& directed) {
+  // By the lower, then the higher vertex, so that a side and its opposite are neighbours.
   std::sort(directed.begin(), directed.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
     const auto low_a = std::min(a.from, a.to), low_b = std::min(b.from, b.to);
     const auto high_a = std::max(a.from, a.to), high_b = std::max(b.from, b.to);
@@ -80,32 +91,32 @@ ConvexPolyhedron polyhedron_of_loops(std::span<const Vec3> vertices_m,
     const DirectedEdge& left = directed[i];
     const DirectedEdge& right = directed[i + 1];
     CHECK(left.from == right.to && left.to == right.from && left.face != right.face);
-    const auto index = static_cast<std::uint16_t>(result.edges_.size());
-    result.edges_.push_back({.vertex = {left.from, left.to},
-                             .face = {left.face, right.face},
-                             .side = {left.side, right.side}});
-    result.sides_[left.side].edge = index;
-    result.sides_[right.side].edge = index;
+    const auto index = static_cast<std::uint16_t>(edges_.size());
+    edges_.push_back({.vertex = {left.from, left.to},
+                      .face = {left.face, right.face},
+                      .side = {left.side, right.side}});
+    sides_[left.side].edge = index;
+    sides_[right.side].edge = index;
   }
-  result.index_rings();
-  // Bounds, and the coordinates by axis.
+}
+
+void ConvexPolyhedron::index_axes() {
   Vec3 sum = Vec3::Zero();
   double square = 0;
-  for (const Vec3& v : vertices_m) {
+  for (const Vec3& v : vertices_m_) {
     sum += v;
     square = std::max(square, dot(v, v));
   }
-  result.centre_m_ = sum / static_cast<double>(vertices_m.size());
-  result.r_outer_m_ = std::sqrt(square);
-  const std::size_t padded = (vertices_m.size() + k_pad - 1) / k_pad * k_pad;
-  result.by_axis_m_.resize(3 * padded);
+  centre_m_ = sum / static_cast<double>(vertices_m_.size());
+  r_outer_m_ = std::sqrt(square);
+  const std::size_t padded = (vertices_m_.size() + k_pad - 1) / k_pad * k_pad;
+  by_axis_m_.resize(3 * padded);
   for (std::size_t i = 0; i < padded; ++i) {
-    const Vec3& v = vertices_m[i < vertices_m.size() ? i : 0];
-    result.by_axis_m_[i] = v.x();
-    result.by_axis_m_[padded + i] = v.y();
-    result.by_axis_m_[2 * padded + i] = v.z();
+    const Vec3& v = vertices_m_[i < vertices_m_.size() ? i : 0];
+    by_axis_m_[i] = v.x();
+    by_axis_m_[padded + i] = v.y();
+    by_axis_m_[2 * padded + i] = v.z();
   }
-  return result;
 }
 
 void ConvexPolyhedron::index_rings() {

@@ -121,7 +121,14 @@ class ConvexPolyhedron {
  private:
   friend ConvexPolyhedron polyhedron_of_loops(std::span<const Vec3> vertices_m,
                                               std::span<const std::vector<std::uint16_t>> loops);
+  struct DirectedEdge;
+  /// The face of a loop and its sides: plane from the loop, inward normals from plane and side.
+  void add_face(std::span<const std::uint16_t> loop, std::vector<DirectedEdge>& directed);
+  /// Edges: each side meets the opposite side of another face.
+  void join_sides(std::vector<DirectedEdge>& directed);
   void index_rings();
+  /// Bounds, and the coordinates by axis.
+  void index_axes();
 
   std::vector<Vec3> vertices_m_;
   std::vector<double> by_axis_m_;  ///< all x, then all y, then all z, each padded

@@ -43,6 +43,42 @@ std::vector<DirectedSide> sides_of(std::span<const TriangleCorners> triangles) {
   return sides;
 }
 
+/// Whether the triangles on the same two vertices' sides, one after the other, may meet there.
+std::optional<MeshError> error_of_edge(std::span<const DirectedSide> run, MeshClosure closure) {
+  using Kind = MeshError::Kind;
+  const DirectedSide& first = run[0];
+  if (run.size() > 2)
+    return MeshError{.kind = Kind::edge_shared_by_three,
+                     .triangle = run[2].triangle,
+                     .other = first.triangle,
+                     .vertex = first.low};
+  if (run.size() == 1 && closure == MeshClosure::closed)
+    return MeshError{.kind = Kind::not_closed, .triangle = first.triangle, .vertex = first.low};
+  if (run.size() == 2 && first.forward == run[1].forward)
+    return MeshError{.kind = Kind::edge_run_twice,
+                     .triangle = run[1].triangle,
+                     .other = first.triangle,
+                     .vertex = first.low};
+  return std::nullopt;
+}
+
+/// The edge of one side, or of two that run against each other. triangle[0] is the one that runs
+/// from the lower vertex, if there are two.
+MeshEdge edge_of(std::span<const DirectedSide> run) {
+  const bool swapped = run.size() == 2 && !run[0].forward;
+  const DirectedSide& left = swapped ? run[1] : run[0];
+  MeshEdge edge;
+  edge.vertex = left.forward ? std::array{left.low, left.high} : std::array{left.high, left.low};
+  edge.triangle[0] = left.triangle;
+  edge.side[0] = left.side;
+  if (run.size() == 2) {
+    const DirectedSide& right = swapped ? run[0] : run[1];
+    edge.triangle[1] = right.triangle;
+    edge.side[1] = right.side;
+  }
+  return edge;
+}
+
 }  // namespace
 
 base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> vertices_m,
@@ -66,35 +102,12 @@ base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> v
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
       ++end;
-    const DirectedSide& first = sides[i];
-    if (end - i > 2)
-      return MeshError{.kind = Kind::edge_shared_by_three,
-                       .triangle = sides[i + 2].triangle,
-                       .other = first.triangle,
-                       .vertex = first.low};
-    if (end - i == 1 && closure == MeshClosure::closed)
-      return MeshError{.kind = Kind::not_closed, .triangle = first.triangle, .vertex = first.low};
-    if (end - i == 2 && first.forward == sides[i + 1].forward)
-      return MeshError{.kind = Kind::edge_run_twice,
-                       .triangle = sides[i + 1].triangle,
-                       .other = first.triangle,
-                       .vertex = first.low};
-    MeshEdge edge;
-    // triangle[0] is the one that runs from the lower vertex, if there are two.
-    const bool swapped = end - i == 2 && !first.forward;
-    const DirectedSide& left = swapped ? sides[i + 1] : first;
-    edge.vertex = left.forward ? std::array{left.low, left.high} : std::array{left.high, left.low};
-    edge.triangle[0] = left.triangle;
-    edge.side[0] = left.side;
-    if (end - i == 2) {
-      const DirectedSide& right = swapped ? first : sides[i + 1];
-      edge.triangle[1] = right.triangle;
-      edge.side[1] = right.side;
-    }
+    const auto run = std::span(sides).subspan(i, end - i);
+    if (const auto error = error_of_edge(run, closure)) return *error;
     for (; i < end; ++i)
       mesh.triangle_edges_[sides[i].triangle][sides[i].side] =
           static_cast<std::uint32_t>(mesh.edges_.size());
-    mesh.edges_.push_back(edge);
+    mesh.edges_.push_back(edge_of(run));
   }
   mesh.index_vertices();
   // All that hangs on positions.

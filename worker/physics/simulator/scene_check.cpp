@@ -34,8 +34,14 @@ std::optional<SceneError> error(Kind kind, std::string message) {
   return SceneError{kind, std::move(message)};
 }
 
-std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescription& body,
-                                        const std::string& name) {
+/// A sphere's radius, or that of the sphere about a compound's centre that holds it.
+double radius_m_of(const Shape& shape) {
+  const auto* sphere = std::get_if<Sphere>(&shape);
+  return sphere != nullptr ? sphere->radius_m
+                           : std::get<std::shared_ptr<const Compound>>(shape)->r_outer_m();
+}
+
+std::optional<SceneError> error_of_shape(const BodyDescription& body, const std::string& name) {
   const auto* sphere = std::get_if<Sphere>(&body.shape);
   if (sphere == nullptr) {
     const auto& compound = std::get<std::shared_ptr<const Compound>>(body.shape);
@@ -47,14 +53,16 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
       return error(Kind::bad_shape, fmt::format("{}: part {} has no vertices", name, part));
     }
   }
-  const double radius_m = sphere != nullptr
-                              ? sphere->radius_m
-                              : std::get<std::shared_ptr<const Compound>>(body.shape)->r_outer_m();
+  const double radius_m = radius_m_of(body.shape);
   if (!(radius_m > 10 * k_touch_m && radius_m <= k_coordinate_m_max)) {
     return error(Kind::bad_shape, fmt::format("{}: radius {} m; give one from {} to {} m", name,
                                               radius_m, 10 * k_touch_m, k_coordinate_m_max));
   }
-  const Inertia& inertia = body.inertia;
+  return std::nullopt;
+}
+
+/// Mass, and moments as the declared symmetry wants them.
+std::optional<SceneError> error_of_mass(const Inertia& inertia, const std::string& name) {
   if (!(inertia.mass_kg >= k_mass_kg_min && inertia.mass_kg <= k_mass_kg_max)) {
     return error(Kind::bad_mass, fmt::format("{}: mass {} kg; give one from {} to {} kg", name,
                                              inertia.mass_kg, k_mass_kg_min, k_mass_kg_max));
@@ -79,6 +87,14 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
                                              "inertia; got {}, {}, {} kg m^2",
                                              name, moments.x(), moments.y(), moments.z()));
   }
+  return std::nullopt;
+}
+
+/// Whether any mass distribution of the body's shape has such moments. REQUIRES: no error_of_shape
+/// and no error_of_mass.
+std::optional<SceneError> error_of_moments(const BodyDescription& body, const std::string& name) {
+  const Inertia& inertia = body.inertia;
+  const Vec3& moments = inertia.principal_kgm2;
   // No mass distribution has a moment that exceeds the sum of the other two.
   const double sum = (moments.x() + moments.y()) + moments.z();
   const double largest = std::max({moments.x(), moments.y(), moments.z()});
@@ -88,12 +104,14 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
                              "exceeds the sum of the others",
                              name, moments.x(), moments.y(), moments.z()));
   }
-  if (sphere != nullptr && (inertia.symmetry != InertiaSymmetry::spherical)) {
+  if (std::holds_alternative<Sphere>(body.shape) &&
+      (inertia.symmetry != InertiaSymmetry::spherical)) {
     return error(Kind::bad_mass, fmt::format("{}: a sphere has three equal moments of inertia; got "
                                              "{}, {}, {} kg m^2",
                                              name, moments.x(), moments.y(), moments.z()));
   }
   // No point of the body is further from its centre than the radius.
+  const double radius_m = radius_m_of(body.shape);
   const double most_kgm2 = inertia.mass_kg * radius_m * radius_m;
   const double least_kgm2 = std::min({moments.x(), moments.y(), moments.z()});
   if (!(moments.maxCoeff() <= most_kgm2 * (1 + 1e-9) && least_kgm2 >= 1e-9 * most_kgm2)) {
@@ -102,6 +120,14 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
                                              name, moments.x(), moments.y(), moments.z(),
                                              1e-9 * most_kgm2, most_kgm2));
   }
+  return std::nullopt;
+}
+
+std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescription& body,
+                                        const std::string& name) {
+  if (auto error = error_of_shape(body, name)) return error;
+  if (auto error = error_of_mass(body.inertia, name)) return error;
+  if (auto error = error_of_moments(body, name)) return error;
   if (body.material.value >= scene.contacts.materials()) {
     return error(Kind::bad_reference, fmt::format("{}: material {}; the scene has {}", name,
                                                   body.material.value, scene.contacts.materials()));

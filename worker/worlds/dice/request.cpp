@@ -277,6 +277,9 @@ struct GoalBinder {
   }
 
   void bind_all();
+  void bind_places();
+  void bind_directions();
+  void bind_motion();
 };
 
 struct PlaceKeys : GoalKeys {
@@ -326,6 +329,12 @@ void bind_turn(Binder& table, TurnKeys& keys) {
 }
 
 void GoalBinder::bind_all() {
+  bind_places();
+  bind_directions();
+  bind_motion();
+}
+
+void GoalBinder::bind_places() {
   const NumberOptions place{.minimum = -k_far_mm, .maximum = k_far_mm, .help = "of its centre"};
   tables<PlaceKeys>("place", "where a die's centre is", [&](Binder& table, PlaceKeys& keys) {
     length_mm(table, "x_mm", keys.place.centre_m.x(), place);
@@ -349,6 +358,9 @@ void GoalBinder::bind_all() {
                        if (region.low_m.y() > region.high_m.y())
                          table.error("y_high_mm", "must be at least y_low_mm");
                      });
+}
+
+void GoalBinder::bind_directions() {
   tables<FaceKeys>("face", "which face of a die is up", [&](Binder& table, FaceKeys& keys) {
     table.integer("up", keys.up,
                   {.minimum = 1, .maximum = k_faces, .help = "opposites add up to 7"});
@@ -372,6 +384,9 @@ void GoalBinder::bind_all() {
     bind_angles(table, keys);
     bind_time(table, keys);
   });
+}
+
+void GoalBinder::bind_motion() {
   tables<VelocityKeys>("velocity", "a die's velocity", [&](Binder& table, VelocityKeys& keys) {
     constexpr std::array<const char*, 3> k_parts{"x_mps", "y_mps", "z_mps"};
     for (std::size_t axis = 0; axis < 3; ++axis) {

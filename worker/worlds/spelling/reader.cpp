@@ -12,12 +12,45 @@
 namespace sleight::worlds::spelling {
 namespace {
 
+/// What archives say of each segment of a kept animation.
+std::vector<archive::Variable> segment_columns() {
+  const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
+  const archive::Dimension quaternion{.name = "quaternion_wxyz", .size = 4};
+  return {
+      {.name = "moving_ball", .dims = {}, .unit = "1", .meaning = "which ball moves"},
+      {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the segment begins"},
+      {.name = "mode", .dims = {}, .unit = "1", .meaning = "0 flies, 1 slides, 2 rolls, 3 rests"},
+      {.name = "position_m",
+       .dims = {xyz},
+       .unit = "m",
+       .meaning = "the ball's centre there, from the middle of the box on the floor's rim"},
+      {.name = "velocity_mps",
+       .dims = {xyz},
+       .unit = "m s-1",
+       .meaning = "the centre's velocity just after the segment's first instant"},
+      {.name = "acceleration_mps2",
+       .dims = {xyz},
+       .unit = "m s-2",
+       .meaning = "the centre's acceleration all along"},
+      {.name = "orientation",
+       .dims = {quaternion},
+       .unit = "1",
+       .meaning = "from the ball's frame to the box's at the segment's beginning"},
+      {.name = "angular_velocity_radps",
+       .dims = {xyz},
+       .unit = "rad s-1",
+       .meaning = "in the box's frame at the segment's beginning"},
+      {.name = "angular_acceleration_radps2",
+       .dims = {xyz},
+       .unit = "rad s-2",
+       .meaning = "in the box's frame all along"}};
+}
+
 archive::WorldLayout make_layout(const Spelling& world) {
   const archive::Dimension vertex{.name = "partition_vertex", .size = world.bins().vertex_count()};
   const archive::Dimension ball{.name = "ball", .size = world.balls()};
   const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
   const archive::Dimension xy{.name = "axis_xy", .size = 2};
-  const archive::Dimension quaternion{.name = "quaternion_wxyz", .size = 4};
   return {.world = "spelling",
           .variables = {{.name = "vertex_offset_m",
                          .dims = {vertex, xyz},
@@ -49,37 +82,7 @@ archive::WorldLayout make_layout(const Spelling& world) {
                            "no room to start, 3 the simulator could not go on"}},
           .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
                              "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"},
-          .segment_columns = {
-              {.name = "moving_ball", .dims = {}, .unit = "1", .meaning = "which ball moves"},
-              {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the segment begins"},
-              {.name = "mode",
-               .dims = {},
-               .unit = "1",
-               .meaning = "0 flies, 1 slides, 2 rolls, 3 rests"},
-              {.name = "position_m",
-               .dims = {xyz},
-               .unit = "m",
-               .meaning = "the ball's centre there, from the middle of the box on the floor's rim"},
-              {.name = "velocity_mps",
-               .dims = {xyz},
-               .unit = "m s-1",
-               .meaning = "the centre's velocity just after the segment's first instant"},
-              {.name = "acceleration_mps2",
-               .dims = {xyz},
-               .unit = "m s-2",
-               .meaning = "the centre's acceleration all along"},
-              {.name = "orientation",
-               .dims = {quaternion},
-               .unit = "1",
-               .meaning = "from the ball's frame to the box's at the segment's beginning"},
-              {.name = "angular_velocity_radps",
-               .dims = {xyz},
-               .unit = "rad s-1",
-               .meaning = "in the box's frame at the segment's beginning"},
-              {.name = "angular_acceleration_radps2",
-               .dims = {xyz},
-               .unit = "rad s-2",
-               .meaning = "in the box's frame all along"}}};
+          .segment_columns = segment_columns()};
 }
 
 class SpellingReader final : public archive::StateReader {

@@ -36,6 +36,52 @@ void length_mm(request::Binder& binder, std::string_view key, double& value_m,
   value_m = value_mm / 1e3;
 }
 
+/// The pattern of a word or a bitmap, the thesis's HI without both; nothing if that is an error.
+std::optional<Pattern> given_pattern(request::Binder& world, const std::string& word,
+                                     const std::string& bitmap, Font font) {
+  const char* key = word.empty() ? "bitmap" : "word";
+  Pattern pattern = hi();
+  if (!word.empty() || !bitmap.empty()) {
+    const auto given = word.empty() ? pattern_of_rows(bitmap) : pattern_of_word(word, font);
+    if (!given) {
+      world.error(key, given.error());
+      return std::nullopt;
+    }
+    pattern = given.value();
+    if (pattern.count() == 0) {
+      world.error(key, "it designates no bin");
+      return std::nullopt;
+    }
+  }
+  if (pattern.columns > k_columns_max || pattern.rows > k_rows_max) {
+    world.error(key, fmt::format("it needs {} x {} bins, and {} x {} can be had", pattern.columns,
+                                 pattern.rows, k_columns_max, k_rows_max));
+    return std::nullopt;
+  }
+  return pattern;
+}
+
+/// The pattern in the middle of a box of so many bins; nothing if it doesn't fit. `key` is what the
+/// pattern came from.
+std::optional<Pattern> pattern_in_box(request::Binder& world, const Pattern& pattern,
+                                      std::optional<std::uint32_t> columns,
+                                      std::optional<std::uint32_t> rows, const char* key) {
+  const auto fits = [&](const char* size, std::uint32_t wanted, std::uint32_t needed) {
+    if (wanted >= needed) return true;
+    world.error(size, fmt::format("the pattern needs {}", needed));
+    return false;
+  };
+  const std::uint32_t all_columns = columns.value_or(pattern.columns);
+  const std::uint32_t all_rows = rows.value_or(pattern.rows);
+  if (!fits("columns", all_columns, pattern.columns) || !fits("rows", all_rows, pattern.rows))
+    return std::nullopt;
+  if (all_columns * all_rows < 2) {
+    world.error(key, "a box has 2 bins at least; add columns or rows");
+    return std::nullopt;
+  }
+  return centred(pattern, all_columns, all_rows);
+}
+
 /// The pattern that the keys ask for.
 void bind_pattern(request::Binder& world, Pattern& pattern) {
   std::string word;
@@ -63,41 +109,10 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
     world.error("bitmap", "give a word or a bitmap, not both");
     return;
   }
-  pattern = hi();
-  if (!word.empty() || !bitmap.empty()) {
-    const char* key = word.empty() ? "bitmap" : "word";
-    const auto given = word.empty() ? pattern_of_rows(bitmap) : pattern_of_word(word, font);
-    if (!given) {
-      world.error(key, given.error());
-      return;
-    }
-    pattern = given.value();
-    if (pattern.count() == 0) {
-      world.error(key, "it designates no bin");
-      return;
-    }
-  }
-  if (pattern.columns > k_columns_max || pattern.rows > k_rows_max) {
-    world.error(word.empty() ? "bitmap" : "word",
-                fmt::format("it needs {} x {} bins, and {} x {} can be had", pattern.columns,
-                            pattern.rows, k_columns_max, k_rows_max));
-    return;
-  }
-  if (!world.valid("columns") || !world.valid("rows")) return;
-  const auto fits = [&](const char* key, std::uint32_t wanted, std::uint32_t needed) {
-    if (wanted >= needed) return true;
-    world.error(key, fmt::format("the pattern needs {}", needed));
-    return false;
-  };
-  const std::uint32_t all_columns = columns.value_or(pattern.columns);
-  const std::uint32_t all_rows = rows.value_or(pattern.rows);
-  if (!fits("columns", all_columns, pattern.columns) || !fits("rows", all_rows, pattern.rows))
-    return;
-  if (all_columns * all_rows < 2) {
-    world.error(word.empty() ? "bitmap" : "word", "a box has 2 bins at least; add columns or rows");
-    return;
-  }
-  pattern = centred(pattern, all_columns, all_rows);
+  const std::optional<Pattern> given = given_pattern(world, word, bitmap, font);
+  if (!given || !world.valid("columns") || !world.valid("rows")) return;
+  const char* key = word.empty() ? "bitmap" : "word";
+  if (const auto whole = pattern_in_box(world, *given, columns, rows, key)) pattern = *whole;
 }
 
 /// What sizes ask of each other.

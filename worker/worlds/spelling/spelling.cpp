@@ -63,6 +63,54 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
                    .rests = rests}};
 }
 
+/// Looks at the active balls of a simulation, one after the other.
+class Looks {
+ public:
+  /// `known_state` and `known_history`: of a similar state, null if nothing is known. `kept`: where
+  /// what is seen goes, if anywhere.
+  Looks(const State& state, const State* known_state, const SpellingHistory* known_history,
+        SpellingHistory* kept)
+      : state_(state), known_state_(known_state), known_history_(known_history), kept_(kept) {
+    balls_.reserve(state.active_count());
+    if (kept_ == nullptr || known_history_ == nullptr) return;
+    kept_->looks.reserve(known_history_->looks.size());
+    kept_->seen.reserve(known_history_->seen.size());
+  }
+  void look(physics::Marbles& marbles) {
+    std::span<const Seen> known_look;
+    if (known_history_ != nullptr) known_look = known_history_->seen_at(marbles.now());
+    balls_.clear();
+    for (std::uint32_t ball = 0; ball < state_.active.size(); ++ball) {
+      if (state_.active[ball] == 0) continue;
+      // Others were elsewhere in that look, or in none.
+      const bool is_known = !known_look.empty() && known_state_->active[ball] != 0;
+      const Seen* before = is_known ? &known_look[known_state_->active_before(ball)] : nullptr;
+      const Seen seen = seen_of(marbles, ball, before);
+      balls_.push_back(seen.ball);
+      if (kept_ != nullptr) kept_->seen.push_back(seen);
+    }
+    if (kept_ != nullptr) kept_->looks.push_back(marbles.now());
+  }
+  /// In the last look, those that are active.
+  const std::vector<Traps::Ball>& balls() const { return balls_; }
+
+ private:
+  const State& state_;
+  const State* known_state_;
+  const SpellingHistory* known_history_;
+  SpellingHistory* kept_;
+  std::vector<Traps::Ball> balls_;
+};
+
+/// A ball that is trapped is left alone. Until `traps` ends.
+physics::MarbleConfinement within(const Traps& traps) {
+  return [&traps](physics::BodyId, const Vec3& centre_m,
+                  const physics::Twist& twist) -> std::optional<physics::Box> {
+    const auto place = traps.of(centre_m, twist);
+    return place ? std::optional(place->box) : std::nullopt;
+  };
+}
+
 /// The bin that a ball fills with others' help; k_fills_none if it would alone, or fills none.
 std::int16_t filled_with_help(const Outcome& outcome, const SoloBalls::Outcome& solo,
                               std::size_t ball) {
@@ -303,64 +351,54 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
     --last;
   const physics::Tick last_start = start_of(last);
   const Traps traps(parameters_.world, bins_, state.offsets_m);
-  physics::MarbleConfinement confinement;
-  if (until == Until::decided) {
-    confinement = [&](physics::BodyId, const Vec3& centre_m,
-                      const physics::Twist& twist) -> std::optional<physics::Box> {
-      const auto place = traps.of(centre_m, twist);
-      return place ? std::optional(place->box) : std::nullopt;
-    };
-  }
-  physics::MarbleHistories histories;
-  std::vector<physics::MarbleChange> changes;
-  physics::MarbleReplay replay{.histories = nullptr, .records = records};
-  if (known != nullptr) {
-    histories = histories_that_hold(known->history, known->state, state);
-    changes = influence_.changes(known->state.offsets_m, known->history.flat_edges, state.offsets_m,
-                                 influence_.flat_edges(*geometry.mesh()));
-    replay.histories = &histories;
-    replay.changes = changes;
-    // Which traps there are hangs on the vertices, too.
-    replay.confinement_differs = !changes.empty();
-  }
+  const InCommon in_common =
+      known != nullptr ? in_common_with(*known, state, geometry) : InCommon{};
   physics::Marbles& marbles = geometry.marbles();
   const std::uint64_t work_max =
       (until == Until::rest ? k_work_to_rest : 1) * k_work_per_ball_max * state.active_count();
-  marbles.start(scene, geometry.near(), limit_after(last_start), confinement, work_max, replay);
+  marbles.start(scene, geometry.near(), limit_after(last_start),
+                until == Until::decided ? within(traps) : physics::MarbleConfinement{}, work_max,
+                {.histories = known != nullptr ? &in_common.histories : nullptr,
+                 .changes = in_common.changes,
+                 // Which traps there are hangs on the vertices, too.
+                 .confinement_differs = !in_common.changes.empty(),
+                 .records = records});
   if (const auto error = marbles.run_until(physics::Tick{})) {
     if (marbles.is_replay_void()) return std::nullopt;
     return stopped(*error, state);
   }
   auto history = records ? std::make_shared<SpellingHistory>() : nullptr;
-  std::vector<Traps::Ball> balls;
-  balls.reserve(state.active_count());
-  if (history && known != nullptr) {
-    history->looks.reserve(known->history.looks.size());
-    history->seen.reserve(known->history.seen.size());
-  }
-  const auto look = [&] {
-    std::span<const Seen> known_look;
-    if (known != nullptr) known_look = known->history.seen_at(marbles.now());
-    balls.clear();
-    for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
-      if (state.active[ball] == 0) continue;
-      // Others were elsewhere in that look, or in none.
-      const bool is_known = !known_look.empty() && known->state.active[ball] != 0;
-      const Seen* before = is_known ? &known_look[known->state.active_before(ball)] : nullptr;
-      const Seen seen = seen_of(marbles, ball, before);
-      balls.push_back(seen.ball);
-      if (history) history->seen.push_back(seen);
-    }
-    if (history) history->looks.push_back(marbles.now());
-  };
+  Looks looks(state, known != nullptr ? &known->state : nullptr,
+              known != nullptr ? &known->history : nullptr, history.get());
   const auto error = run(last_start, marbles, [&] {
-    look();
-    return until == Until::rest ? std::ranges::all_of(balls, &Traps::Ball::rests)
-                                : traps.all_stay(balls);
+    looks.look(marbles);
+    return until == Until::rest ? std::ranges::all_of(looks.balls(), &Traps::Ball::rests)
+                                : traps.all_stay(looks.balls());
   });
   if (marbles.is_replay_void()) return std::nullopt;
   if (error) return stopped(*error, state);
 
+  Result result = came_to(state, looks.balls(), traps);
+  result.outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
+  if (history) {
+    history->histories = marbles.histories();
+    history->flat_edges = influence_.flat_edges(*geometry.mesh());
+    history->border_m = geometry.near().statics().border_m(0);
+    history->simulated = marbles.counts().work();
+    result.outcome.history = std::move(history);
+  }
+  return result;
+}
+
+Spelling::InCommon Spelling::in_common_with(const Known& known, const State& state,
+                                            const BoxGeometry& geometry) const {
+  return {.histories = histories_that_hold(known.history, known.state, state),
+          .changes = influence_.changes(known.state.offsets_m, known.history.flat_edges,
+                                        state.offsets_m, influence_.flat_edges(*geometry.mesh()))};
+}
+
+Spelling::Result Spelling::came_to(const State& state, std::span<const Traps::Ball> balls,
+                                   const Traps& traps) const {
   Result result;
   std::size_t nth = 0;
   for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
@@ -373,15 +411,7 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   const auto others = static_cast<std::uint32_t>(balls.size() - result.staying.size());
   result.outcome = judged(result.places_m, others);
   result.outcome.filling = filling_of(result);
-  result.outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
   result.outcome.end = others == 0 ? End::settled : End::time_limit;
-  if (history) {
-    history->histories = marbles.histories();
-    history->flat_edges = influence_.flat_edges(*geometry.mesh());
-    history->border_m = geometry.near().statics().border_m(0);
-    history->simulated = marbles.counts().work();
-    result.outcome.history = std::move(history);
-  }
   return result;
 }
 

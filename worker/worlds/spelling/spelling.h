@@ -210,6 +210,15 @@ class Spelling {
   /// Nothing if what is known doesn't suffice.
   std::optional<Result> simulated_in(BoxGeometry& geometry, const State& state, Until until,
                                      bool records, const Known* known) const;
+  /// What of a similar state's simulation holds for a state.
+  struct InCommon {
+    physics::MarbleHistories histories{};
+    std::vector<physics::MarbleChange> changes{};
+  };
+  InCommon in_common_with(const Known& known, const State& state,
+                          const BoxGeometry& geometry) const;
+  /// The result of the balls as they were seen at the end, but for the time.
+  Result came_to(const State& state, std::span<const Traps::Ball> balls, const Traps& traps) const;
   Filling filling_of(const Result& result) const;
   static Result stopped(const physics::SceneError& error, const State& state);
   /// The scene of a state in a box with such a surface; with all balls, those that aren't active
