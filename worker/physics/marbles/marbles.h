@@ -192,9 +192,13 @@ class Marbles {
   bool is_caught(std::uint32_t ball, std::uint32_t feature, double approach_mps, double restitution,
                  const Twist& twist, Tick tick) const;
   LastingContact lasting_contact(std::uint32_t feature, const Vec3& place_m) const;
-  void begin_on_faces(std::uint32_t ball, std::span<const std::uint32_t> features,
-                      std::span<const LastingContact> contacts, const Vec3& place_m,
-                      const Twist& twist, bool rolled, const Twist& otherwise, Tick tick);
+  /// With a twist; or, if nothing carries the ball, with the other one.
+  struct Begun {
+    const Twist& twist;
+    const Twist& otherwise;
+  };
+  void begin_on_faces(std::uint32_t ball, const MayStayOn& on, const Vec3& place_m,
+                      const Begun& with, Tick tick);
   void begin_caught(std::uint32_t ball, std::uint32_t feature, const Vec3& place_m,
                     const Twist& twist, Tick tick);
   void wake_dependents(std::uint32_t ball, Tick tick);
@@ -213,6 +217,11 @@ class Marbles {
   // What is replayed (marbles_replays.cpp).
   void begin_replay(const MarbleReplay& replay);
   void goes_live(std::uint32_t ball);
+  void hasten_partners(std::uint32_t ball, Tick now);
+  void go_on_from(std::uint32_t ball, const MarbleHistory& history,
+                  const MarbleHistory::Checkpoint& checkpoint, Tick now);
+  void keep_up_to(std::uint32_t ball, const MarbleHistory& history,
+                  const MarbleHistory::Checkpoint& checkpoint);
   void goes_live_by(std::uint32_t ball, Tick tick);
   void hasten(std::size_t from);
   void comes_near_replayed(std::uint32_t ball, const TouchBox& box, Tick to, bool is_path);

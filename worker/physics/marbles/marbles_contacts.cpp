@@ -210,26 +210,26 @@ LastingContact Marbles::lasting_contact(std::uint32_t feature, const Vec3& place
           .rolling_friction = law.rolling_friction};
 }
 
-void Marbles::begin_on_faces(std::uint32_t index, std::span<const std::uint32_t> features,
-                             std::span<const LastingContact> contacts, const Vec3& place_m,
-                             const Twist& twist, bool rolled, const Twist& otherwise, Tick tick) {
+void Marbles::begin_on_faces(std::uint32_t index, const MayStayOn& on, const Vec3& place_m,
+                             const Begun& with, Tick tick) {
   const FreeFlight now{.begin = tick,
                        .position_m = place_m,
-                       .velocity_mps = twist.velocity_mps,
+                       .velocity_mps = with.twist.velocity_mps,
                        .acceleration_mps2 = scene_->gravity_mps2,
                        .orientation = balls_[index].segment.flight.orientation,
-                       .angular_velocity_radps = twist.angular_velocity_radps};
-  const auto stay = stay_on(round_, features, contacts, now, rolled, *statics_, scene_->slow,
-                            scene_->gravity_mps2);
+                       .angular_velocity_radps = with.twist.angular_velocity_radps};
+  const auto stay =
+      stay_on(round_, on, now,
+              {.statics = *statics_, .slow = scene_->slow, .gravity_mps2 = scene_->gravity_mps2});
   if (!stay) {
     resting_.flies(index, tick);
-    begin_after(index, place_m, otherwise, tick);
+    begin_after(index, place_m, with.otherwise, tick);
     return;
   }
   begin_segment(index, stay->segment);
   Marble& ball = balls_[index];
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    if ((stay->subset >> i & 1U) != 0) ball.supports[ball.support_count++] = features[i];
+  for (std::size_t i = 0; i < on.features.size(); ++i) {
+    if ((stay->subset >> i & 1U) != 0) ball.supports[ball.support_count++] = on.features[i];
   }
   ball.mode_end = stay->end;
   ball.leaves = stay->leaves;
@@ -250,9 +250,10 @@ void Marbles::begin_caught(std::uint32_t index, std::uint32_t feature, const Vec
     features[count++] = other;
   }
   const Caught caught = caught_by(round_, std::span(contacts).first(count), twist, scene_->slow);
-  begin_on_faces(index, std::span(features).first(caught.count),
-                 std::span(contacts).first(caught.count), place_m, caught.twist, false,
-                 caught.otherwise, tick);
+  begin_on_faces(index,
+                 {.features = std::span(features).first(caught.count),
+                  .contacts = std::span(contacts).first(caught.count)},
+                 place_m, {.twist = caught.twist, .otherwise = caught.otherwise}, tick);
 }
 
 void Marbles::change_mode(std::uint32_t index, Tick tick) {
@@ -270,8 +271,11 @@ void Marbles::change_mode(std::uint32_t index, Tick tick) {
     contacts[count] = lasting_contact(feature, place_m);
     features[count++] = feature;
   }
-  begin_on_faces(index, std::span(features).first(count), std::span(contacts).first(count), place_m,
-                 twist, rolled, twist, tick);
+  begin_on_faces(index,
+                 {.features = std::span(features).first(count),
+                  .contacts = std::span(contacts).first(count),
+                  .rolled = rolled},
+                 place_m, {.twist = twist, .otherwise = twist}, tick);
   wake_on_those_that_left(tick);
 }
 

@@ -146,9 +146,27 @@ void Marbles::goes_live(std::uint32_t ball) {
   std::erase(replays_, ball);
   const Tick now = present();
 
-  // What it did to others in its history it may not do now: neither meet them, nor be what the one
-  // that it has just met rests on, or asks about rest with.
   const std::size_t from = hastened_.size();
+  hasten_partners(ball, now);
+  bool is_gap = false;
+  const MarbleHistory::Checkpoint* checkpoint = history->checkpoint_before(now, is_gap);
+  if (is_gap) {
+    lacks_checkpoint_ = true;
+    fail(SceneError::Kind::incomplete_history, name(ball) + ": its history lacks a checkpoint");
+  } else if (checkpoint == nullptr) {
+    if (records_) begin_history(ball);
+    keys_[ball] = {
+        .tick = scene_->bodies[ball].start_tick, .kind = EventKind::start, .lower = ball};
+  } else {
+    go_on_from(ball, *history, *checkpoint, now);
+    if (records_) keep_up_to(ball, *history, *checkpoint);
+  }
+  hasten(from);
+}
+
+/// What a ball did to others in its history it may not do now: neither meet them, nor be what the
+/// one that it has just met rests on, or asks about rest with.
+void Marbles::hasten_partners(std::uint32_t ball, Tick now) {
   for (const std::uint32_t other : replays_) {
     const MarbleHistory& theirs = *replayed_[other];
     bool has_met = false;
@@ -167,53 +185,46 @@ void Marbles::goes_live(std::uint32_t ball) {
     if (is_gap || (checkpoint != nullptr && checkpoint->rest.rests_on(ball)))
       hastened_.emplace_back(other, now);
   }
+}
 
-  bool is_gap = false;
-  const MarbleHistory::Checkpoint* checkpoint = history->checkpoint_before(now, is_gap);
-  if (is_gap) {
-    lacks_checkpoint_ = true;
-    fail(SceneError::Kind::incomplete_history, name(ball) + ": its history lacks a checkpoint");
-  } else if (checkpoint == nullptr) {
-    if (records_) begin_history(ball);
-    keys_[ball] = {
-        .tick = scene_->bodies[ball].start_tick, .kind = EventKind::start, .lower = ball};
-  } else {
-    // What it rests on must be there to wake it.
-    for (const std::uint32_t other : replays_) {
-      if (checkpoint->rest.rests_on(other)) hastened_.emplace_back(other, now);
-    }
-    balls_[ball] = checkpoint->marble;
-    balls_[ball].suspended = balls_[ball].resumes = true;  // waits to catch up
-    resting_.restore(ball, checkpoint->rest, history->touches);
-    recent_.restore(ball,
-                    std::span(history->met).subspan(checkpoint->first_met, checkpoint->met_count));
-    surroundings_[ball] = {};
-    last_event_[ball] = checkpoint->tick;
-    own_work_[ball] = checkpoint->work;
-    since_checkpoint_[ball] = 0;
-    replayed_work_ += checkpoint->work;
-    keys_[ball] = k_no_event;
-    to_resume_.push_back(ball);
-    if (records_) {
-      MarbleHistory& own = kept_[ball];
-      const auto is_before = [&](const auto& it) { return it.tick <= checkpoint->tick; };
-      own.clear();
-      const auto parts = static_cast<std::ptrdiff_t>(checkpoint->parts);
-      own.parts.assign(history->parts.begin(), history->parts.begin() + parts);
-      own.flights.assign(history->flights.begin(), history->flights.begin() + parts);
-      std::ranges::copy_if(history->checkpoints, std::back_inserter(own.checkpoints), is_before);
-      // Lists grow with checkpoints, so what later ones know lies behind.
-      const std::size_t touches = checkpoint->rest.first_touch() + checkpoint->rest.touch_count();
-      const std::size_t met = checkpoint->first_met + checkpoint->met_count;
-      own.touches.assign(history->touches.begin(),
-                         history->touches.begin() + static_cast<std::ptrdiff_t>(touches));
-      own.met.assign(history->met.begin(), history->met.begin() + static_cast<std::ptrdiff_t>(met));
-      own.meetings.assign(
-          history->meetings.begin(),
-          history->meetings.begin() + static_cast<std::ptrdiff_t>(checkpoint->meetings));
-    }
+/// A ball has the state of a checkpoint, and waits to catch up.
+void Marbles::go_on_from(std::uint32_t ball, const MarbleHistory& history,
+                         const MarbleHistory::Checkpoint& checkpoint, Tick now) {
+  // What it rests on must be there to wake it.
+  for (const std::uint32_t other : replays_) {
+    if (checkpoint.rest.rests_on(other)) hastened_.emplace_back(other, now);
   }
-  hasten(from);
+  balls_[ball] = checkpoint.marble;
+  balls_[ball].suspended = balls_[ball].resumes = true;  // waits to catch up
+  resting_.restore(ball, checkpoint.rest, history.touches);
+  recent_.restore(ball, std::span(history.met).subspan(checkpoint.first_met, checkpoint.met_count));
+  surroundings_[ball] = {};
+  last_event_[ball] = checkpoint.tick;
+  own_work_[ball] = checkpoint.work;
+  since_checkpoint_[ball] = 0;
+  replayed_work_ += checkpoint.work;
+  keys_[ball] = k_no_event;
+  to_resume_.push_back(ball);
+}
+
+/// What is kept of a ball begins with its history up to a checkpoint.
+void Marbles::keep_up_to(std::uint32_t ball, const MarbleHistory& history,
+                         const MarbleHistory::Checkpoint& checkpoint) {
+  MarbleHistory& own = kept_[ball];
+  const auto is_before = [&](const auto& it) { return it.tick <= checkpoint.tick; };
+  own.clear();
+  const auto parts = static_cast<std::ptrdiff_t>(checkpoint.parts);
+  own.parts.assign(history.parts.begin(), history.parts.begin() + parts);
+  own.flights.assign(history.flights.begin(), history.flights.begin() + parts);
+  std::ranges::copy_if(history.checkpoints, std::back_inserter(own.checkpoints), is_before);
+  // Lists grow with checkpoints, so what later ones know lies behind.
+  const std::size_t touches = checkpoint.rest.first_touch() + checkpoint.rest.touch_count();
+  const std::size_t met = checkpoint.first_met + checkpoint.met_count;
+  own.touches.assign(history.touches.begin(),
+                     history.touches.begin() + static_cast<std::ptrdiff_t>(touches));
+  own.met.assign(history.met.begin(), history.met.begin() + static_cast<std::ptrdiff_t>(met));
+  own.meetings.assign(history.meetings.begin(),
+                      history.meetings.begin() + static_cast<std::ptrdiff_t>(checkpoint.meetings));
 }
 
 // ---- those that are simulated, and those that are replayed --------------------------------------

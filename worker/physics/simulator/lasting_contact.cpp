@@ -97,17 +97,17 @@ std::optional<Carried> carried_by(const RoundBody& round, std::span<const Lastin
 }
 
 /// A piece over an edge, if that is what is next.
-std::optional<Stay> stay_on_edge(const RoundBody& round, std::uint32_t index,
-                                 const LastingContact& contact, const FreeFlight& now, bool rolled,
-                                 const StaticGeometry& statics, const SlowContacts& slow,
-                                 const Vec3& gravity_mps2) {
-  const SphereFeature& edge = statics.feature(index);
+std::optional<Stay> stay_on_edge(const RoundBody& round, const MayStayOn& on, const FreeFlight& now,
+                                 const ContactScene& scene) {
+  const std::uint32_t index = on.features.front();
+  const LastingContact& contact = on.contacts.front();
+  const SphereFeature& edge = scene.statics.feature(index);
   if (edge.kind != FeatureKind::edge) return std::nullopt;
   const double distance_m = math::dot(contact.normal, now.position_m - edge.point_m);
   const auto piece = edge_piece(
       round, contact, {.direction = edge.direction, .distance_m = distance_m},
       {.velocity_mps = now.velocity_mps, .angular_velocity_radps = now.angular_velocity_radps},
-      rolled, gravity_mps2, k_rise_bounces * bounce_m(slow, gravity_mps2));
+      on.rolled, scene.gravity_mps2, k_rise_bounces * bounce_m(scene.slow, scene.gravity_mps2));
   if (!piece) return std::nullopt;
   Stay stay{.subset = 1,
             .segment = {.flight = now,
@@ -119,7 +119,7 @@ std::optional<Stay> stay_on_edge(const RoundBody& round, std::uint32_t index,
   flight.acceleration_mps2 = piece->acceleration_mps2;
   stay.half_way = piece->half_way;
   stay.end = tick_after(now.begin, piece->lasts_s);
-  const Tick leaves = leaves_region(flight, statics.sides(edge));
+  const Tick leaves = leaves_region(flight, scene.statics.sides(edge));
   if (leaves < stay.end) {
     stay.end = leaves;
     stay.leaves = index;
@@ -164,19 +164,15 @@ Tick slow_from(const Segment& segment, double radius_m, const Inertia& inertia,
   return slow;
 }
 
-std::optional<Stay> stay_on(const RoundBody& round, std::span<const std::uint32_t> features,
-                            std::span<const LastingContact> contacts, const FreeFlight& now,
-                            bool rolled, const StaticGeometry& statics, const SlowContacts& slow,
-                            const Vec3& gravity_mps2) {
-  if (features.size() == 1) {
-    const auto over = stay_on_edge(round, features.front(), contacts.front(), now, rolled, statics,
-                                   slow, gravity_mps2);
-    if (over) return over;
+std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const FreeFlight& now,
+                            const ContactScene& scene) {
+  if (on.features.size() == 1) {
+    if (const auto over = stay_on_edge(round, on, now, scene)) return over;
   }
   const auto carried = carried_by(
-      round, contacts,
+      round, on.contacts,
       {.velocity_mps = now.velocity_mps, .angular_velocity_radps = now.angular_velocity_radps},
-      gravity_mps2);
+      scene.gravity_mps2);
   if (!carried) return std::nullopt;
   const ContactMotion& motion = carried->motion;
   Stay stay{.subset = carried->subset,
@@ -188,21 +184,22 @@ std::optional<Stay> stay_on(const RoundBody& round, std::span<const std::uint32_
   flight.angular_velocity_radps = motion.start.angular_velocity_radps;
   flight.acceleration_mps2 = motion.acceleration_mps2;
   stay.end = tick_after(now.begin, motion.lasts_s);
-  for (std::size_t i = 0; i < features.size(); ++i) {
+  for (std::size_t i = 0; i < on.features.size(); ++i) {
     if ((stay.subset >> i & 1U) == 0) continue;
-    const SphereFeature& feature = statics.feature(features[i]);
+    const SphereFeature& feature = scene.statics.feature(on.features[i]);
     if (feature.kind != FeatureKind::face) {
       // Straight on from an edge, it leaves that.
-      const Tick rises = leaves_edge(flight, feature, round.radius_m, slow, gravity_mps2);
+      const Tick rises =
+          leaves_edge(flight, feature, round.radius_m, scene.slow, scene.gravity_mps2);
       if (rises < stay.end) {
         stay.end = rises;
-        stay.leaves = features[i];
+        stay.leaves = on.features[i];
       }
     }
-    const Tick leaves = leaves_region(flight, statics.sides(feature));
+    const Tick leaves = leaves_region(flight, scene.statics.sides(feature));
     if (leaves > stay.end) continue;
     stay.end = leaves;
-    stay.leaves = leaves != k_never ? features[i] : Stay::k_none;
+    stay.leaves = leaves != k_never ? on.features[i] : Stay::k_none;
   }
   return stay;
 }

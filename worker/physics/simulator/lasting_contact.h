@@ -53,15 +53,26 @@ struct Stay {
   Vec3 half_way = Vec3::Zero();   ///< over an edge, piece by piece: of edge_motion.h; else 0
 };
 
+/// The features that a sphere may stay on, three at most, and its contacts with them.
+struct MayStayOn {
+  std::span<const std::uint32_t> features;
+  std::span<const LastingContact> contacts;
+  bool rolled = false;  ///< it has rolled on all of them up to now
+};
+
+/// What a scene says of contacts that last.
+struct ContactScene {
+  const StaticGeometry& statics;
+  const SlowContacts& slow;
+  const Vec3& gravity_mps2;
+};
+
 /// What begins at a tick with a twist: it stays on the most features that all carry it, while it
 /// does not press on the others; nothing if none carries it. Over an edge alone it moves piece by
 /// piece (edge_motion.h). What it can't do in pieces it begins straight on, for some micrometres.
-/// `now`: the sphere's flight from this tick on, if it were free. `rolled`: it has rolled on all
-/// of the features up to now. REQUIRES: at most three features, their contacts.
-std::optional<Stay> stay_on(const RoundBody& round, std::span<const std::uint32_t> features,
-                            std::span<const LastingContact> contacts, const FreeFlight& now,
-                            bool rolled, const StaticGeometry& statics, const SlowContacts& slow,
-                            const Vec3& gravity_mps2);
+/// `now`: the sphere's flight from this tick on, if it were free.
+std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const FreeFlight& now,
+                            const ContactScene& scene);
 
 /// How a sphere goes on that has just lost its bounce on the first of some contacts, the others of
 /// which it stayed on.

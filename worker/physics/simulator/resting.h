@@ -247,6 +247,8 @@ class Resting {
   /// with it, and leaves it in set_. Whether the body is in it.
   template <class PresentOf>
   bool gather(std::uint32_t body, Tick now, const PresentOf& present);
+  /// The bodies of set_ rest, each on the bodies that carry it.
+  void lay_down_set();
   /// Records of the last rest_time_s, moved to the front of the list.
   std::span<const TouchRecord> recent(Log& log, Tick now) const;
   void record(Log& log, const TouchRecord& touch) const;
@@ -341,9 +343,13 @@ bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
     }
     if (!logs_[body].candidate) return false;
   }
-  // They rest, each on the bodies that carry it.
   std::erase_if(set_, [&](std::uint32_t member) { return !logs_[member].candidate; });
   std::sort(set_.begin(), set_.end());
+  lay_down_set();
+  return true;
+}
+
+inline void Resting::lay_down_set() {
   for (const std::uint32_t member : set_) {
     Log& log = logs_[member];
     log.supporter_count = 0;
@@ -364,7 +370,6 @@ bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
     log.slow_collisions = 0;
     log.count = 0;
   }
-  return true;
 }
 
 template <class PresentOf>

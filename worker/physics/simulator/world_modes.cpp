@@ -48,8 +48,12 @@ void World::begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> fe
     contacts[i] = lasting_contact(body, features[i], event.tick);
   const Vec3 place_m = position_at(segments_[body].flight, event.tick);
   const Segment now = segment_after(body, event.tick, place_m, twist);
-  const auto stay = stay_on(round_body(body), features, std::span(contacts).first(features.size()),
-                            now.flight, rolled, statics_, scene_.slow, scene_.gravity_mps2);
+  const auto stay = stay_on(
+      round_body(body),
+      {.features = features,
+       .contacts = std::span(contacts).first(features.size()),
+       .rolled = rolled},
+      now.flight, {.statics = statics_, .slow = scene_.slow, .gravity_mps2 = scene_.gravity_mps2});
   note_contact_state(body);
   if (!stay) {
     resting_.flies(body, event.tick);
