@@ -31,9 +31,8 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
     std::vector<double> below;
     std::uint32_t steps;
   };
-  const std::vector<Way> ways{{1, {0.5}, 1},         {1, {0.6, 0.3, 0.1}, 2},
-                                 {1, {0.5, 0.2, 0}, 1}, {1, {0}, 1},
-                                 {0.6, {0.3, 0.05}, 3}, {0.6, {0.4, 0.2, 0.1, 0}, 2}};
+  const std::vector<Way> ways{{1, {0.5}, 1}, {1, {0.6, 0.3, 0.1}, 2}, {1, {0.5, 0.2, 0}, 1},
+                              {1, {0}, 1},   {0.6, {0.3, 0.05}, 3},   {0.6, {0.4, 0.2, 0.1, 0}, 2}};
   const RuggedRing ring;
   std::uint64_t chain = 0;
   for (const Way& way : ways) {
