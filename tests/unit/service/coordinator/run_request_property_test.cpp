@@ -15,13 +15,17 @@ namespace sleight::coordinator {
 namespace {
 
 constexpr std::uint64_t k_seed = 141421;
+#ifdef SLEIGHT_SANITIZED
+constexpr std::uint64_t k_runs = 4;
+#else
 constexpr std::uint64_t k_runs = 20;
+#endif
 
 class RunRequestProperty : public testing::BallRuns {};
 
 TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
   // Goal: the archive's bytes are a function of the request alone (C1): not of threads, nor of
-  // where sessions stop. Method: 20 runs of random sessions with 1, 2 or 5 threads each, stopped at
+  // where sessions stop. Method: k_runs runs of random sessions with 1, 2 or 5 threads each, stopped at
   // random questions, against a straight run; by scans, by rounds and by independent solutions;
   // ladders, whose blocks hold several replicas; from a printed seed.
   std::uint64_t sessions = 0;
