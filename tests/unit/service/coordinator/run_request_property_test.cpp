@@ -25,9 +25,9 @@ class RunRequestProperty : public testing::BallRuns {};
 
 TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
   // Goal: the archive's bytes are a function of the request alone (C1): not of threads, nor of
-  // where sessions stop. Method: k_runs runs of random sessions with 1, 2 or 5 threads each, stopped at
-  // random questions, against a straight run; by scans, by rounds and by independent solutions;
-  // ladders, whose blocks hold several replicas; from a printed seed.
+  // where sessions stop. Method: k_runs runs of random sessions with 1, 2 or 5 threads each,
+  // stopped at random questions, against a straight run; by scans, by rounds and by independent
+  // solutions; ladders, whose blocks hold several replicas; from a printed seed.
   std::uint64_t sessions = 0;
   struct Case {
     std::string stop;
