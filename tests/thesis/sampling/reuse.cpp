@@ -43,9 +43,9 @@ struct Observed : Spelling {
       std::exit(1);
     }
     *last_ = {};
-    if (whole.past) {
-      const std::uint64_t all = whole.past->simulated;
-      *last_ = {.all = all, .simulated = result.past ? result.past->simulated : all};
+    if (whole.history) {
+      const std::uint64_t all = whole.history->simulated;
+      *last_ = {.all = all, .simulated = result.history ? result.history->simulated : all};
     }
     return result;
   }
