@@ -94,7 +94,8 @@ void print_for_people(const std::string& path, const Facts& facts) {
   if (!summary.warning.empty()) fmt::print("  warning      {}\n", summary.warning);
   fmt::print("  chains       {}\n", summary.chains);
   fmt::print("  scans        {} of each chain\n", summary.scans);
-  fmt::print("  states       {} of each chain (every {}. scan)\n", summary.states, summary.thin);
+  fmt::print("  states       {} of each chain ({})\n", summary.states,
+             summary.thin == 1 ? "every scan" : fmt::format("every {} scans", summary.thin));
   fmt::print("  satisfied    {:.1f}% of scans\n", 100 * facts.satisfied);
   fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
   fmt::print("  animations   {}, {} segments of motion\n", kept_animations(summary),

@@ -1,6 +1,6 @@
 // `sleight archive info|digest|verify|export`: what people and programs ask of an archive.
 //
-// Archives are untrusted: each command reads inside a guarded child process (DESIGN C5). Results go
+// Archives are untrusted: each command reads inside a guarded child process. Results go
 // to stdout, everything else to stderr. Each function returns the program's exit code.
 #pragma once
 

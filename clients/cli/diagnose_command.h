@@ -1,6 +1,6 @@
 // `sleight diagnose`: whether an archive's chains have mixed.
 //
-// The archive is read inside a guarded child process (DESIGN C5). Results go to stdout.
+// The archive is read inside a guarded child process. Results go to stdout.
 #pragma once
 
 #include <string>

@@ -95,7 +95,7 @@ void add_replay(CLI::App& app, ReplayArguments& arguments, Action& action) {
   command->add_flag("--json", arguments.json, "As JSON");
   command->footer(
       "Exits with 8 if the simulation fails as it did, or otherwise, and with 0 if this version\n"
-      "carries it out.\n\n"
+      "carries it out. A file that was changed, or is none of a failure, exits with 3.\n\n"
       "Example:\n  sleight replay hi.h5.run/failures/failure-0-3-1760.toml");
   command->callback([&] { action = [&] { return replay(arguments.path, arguments.json); }; });
 }

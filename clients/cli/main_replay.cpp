@@ -23,8 +23,14 @@ failure_file::FailureFile read_file(const std::string& path) {
   return std::move(read).value();
 }
 
-std::string verdict(const plan::SimulationFailure& then, const plan::FailurePointer& now) {
-  if (now == nullptr) return "It is carried out: this version has no such failure.";
+std::string verdict(const failure_file::FailureFile& file, const plan::FailurePointer& now) {
+  const plan::SimulationFailure& then = file.failed.failure;
+  if (now == nullptr) {
+    return file.program_version == base::version()
+               ? "It is carried out, though this very version wrote the file: somebody changed the "
+                 "file, or the simulation isn't deterministic."
+               : "It is carried out: this version has no such failure.";
+  }
   if (*now == then) return "It fails again, in the same way.";
   return fmt::format("It fails in another way: {}: {}", plan::name_of(now->kind), now->message);
 }
@@ -35,7 +41,7 @@ void print(const failure_file::FailureFile& file, const run::SimulationEnd& end)
              file.replica.chain.value, file.replica.replica.value, file.failed.scan.value,
              file.program_version, base::version());
   fmt::print("It failed: {}: {}\n", plan::name_of(then.kind), then.message);
-  fmt::print("{}\n", verdict(then, end.failure));
+  fmt::print("{}\n", verdict(file, end.failure));
   if (end.failure == nullptr)
     fmt::print("log p_w {:.6g}, log p_c {:.6g}\n", end.log_prior, end.log_constraint);
 }

@@ -75,7 +75,7 @@ void print_effort(const coordinator::RunSummary& summary) {
   const plan::CacheUse& cache = summary.handling.cache;
   const std::uint64_t asked = cache.hits + cache.misses;
   if (asked > 0) {
-    fmt::print("; {:.1f}% of chains' states were held from before",
+    fmt::print("; {:.1f}% of chains' states were still in the worker's cache",
                100.0 * static_cast<double>(cache.hits) / static_cast<double>(asked));
   }
   fmt::print("\n");
@@ -85,8 +85,9 @@ void print_effort(const coordinator::RunSummary& summary) {
 void print_failures(const DirectArguments& arguments, const coordinator::RunSummary& summary) {
   const plan::FailureCounts& failures = summary.progress.failures;
   if (failures.total() == 0) return;
-  fmt::print("{} simulations failed and were refused: {}. That is a bug of the simulator; {}\n",
-             coordinator::grouped(failures.total()), plan::to_string(failures),
+  fmt::print("{} simulation{} failed and {} refused: {}. That is a bug of the simulator; {}\n",
+             coordinator::grouped(failures.total()), failures.total() == 1 ? "" : "s",
+             failures.total() == 1 ? "was" : "were", plan::to_string(failures),
              summary.first_failure.empty()
                  ? fmt::format("see {}/failures.", coordinator::run_folder(arguments.output))
                  : fmt::format("`sleight replay {}` repeats the first of this session.",
@@ -120,8 +121,8 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
   if (summary.scans == 0) {
     fmt::print("Stopped before every chain had its first draw: no archive yet.\n");
   } else {
-    fmt::print("{}: {} chains of {} scans, seed {}, digest {}\n", arguments.output,
-               request.sampler.chains, coordinator::grouped(summary.scans), request.sampler.seed,
+    fmt::print("{}: {} chain{} of {} scans, seed {}, digest {}\n", arguments.output,
+               request.sampler.chains, request.sampler.chains == 1 ? "" : "s", coordinator::grouped(summary.scans), request.sampler.seed,
                summary.digest);
   }
   print_effort(summary);

@@ -1,6 +1,6 @@
 // Time as an interface, so that logic with time-outs is tested without waiting.
 //
-// Nothing that a clock measured may enter an archive (DESIGN C1): clocks serve progress lines,
+// Nothing that a clock measured may enter an archive (docs/DETERMINISM): clocks serve progress lines,
 // time limits and the sizes of work units, none of which changes a result.
 #pragma once
 

@@ -17,6 +17,7 @@ namespace {
 constexpr std::string_view k_digits = "0123456789abcdef";
 constexpr std::string_view k_section = "failure";
 constexpr std::string_view k_request_begin = "\n[world]";
+constexpr std::string_view k_checksum_begin = "checksum = ";
 
 std::string hexadecimal(base::BytesView bytes) {
   std::string text;
@@ -39,6 +40,18 @@ std::optional<base::Bytes> bytes_of_hexadecimal(std::string_view text) {
     bytes.push_back(static_cast<std::byte>(16 * high + low));
   }
   return bytes;
+}
+
+/// FNV-1a (Fowler, Noll, Vo) of two texts after each other, as 16 hexadecimal digits.
+std::string checksum_of(std::string_view first, std::string_view second) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const std::string_view text : {first, second}) {
+    for (const char c : text) {
+      hash ^= static_cast<unsigned char>(c);
+      hash *= 0x100000001b3U;
+    }
+  }
+  return fmt::format("{:016x}", hash);
 }
 
 /// Reads keys of a section, and remembers the first thing that is wrong.
@@ -90,18 +103,39 @@ class Keys {
   std::optional<request::Diagnostic> complaint_;
 };
 
+/// What the file's checksum says of it; nothing if it holds, or there is none.
+std::optional<request::Diagnostic> damage_of(const request::Section& section, std::string_view text,
+                                             const std::string& path) {
+  const request::Entry* entry = section.find("checksum");
+  if (entry == nullptr) return std::nullopt;
+  const std::size_t line = text.find(fmt::format("\n{}", k_checksum_begin));
+  if (line != std::string_view::npos) {
+    const std::string_view before = text.substr(0, line + 1);
+    const std::size_t end = text.find('\n', line + 1);
+    const std::string_view after = text.substr(std::min(end, text.size() - 1) + 1);
+    const auto* stored = std::get_if<std::string>(&entry->value.held);
+    if (stored != nullptr && *stored == checksum_of(before, after)) return std::nullopt;
+  }
+  return request::Diagnostic{.file = path,
+                             .place = entry->value.place,
+                             .message = "the file was changed since it was written; without its "
+                                        "line 'checksum' it is replayed as it stands"};
+}
+
 }  // namespace
 
 std::string to_text(const FailureFile& file) {
   const plan::SimulationFailure& failure = file.failed.failure;
-  return fmt::format(
+  const std::string head = fmt::format(
       "# A simulation that failed. `sleight replay FILE` repeats it.\n"
       "[{}]\nprogram_version = {}\nkind = {}\nmessage = {}\nchain = {}\nreplica = {}\nscan = {}\n"
-      "state = {}\n{}",
+      "state = {}\n",
       k_section, request::toml_string(file.program_version),
       request::toml_string(plan::name_of(failure.kind)), request::toml_string(failure.message),
       file.replica.chain.value, file.replica.replica.value, file.failed.scan.value,
-      request::toml_string(hexadecimal(failure.state)), file.request_text);
+      request::toml_string(hexadecimal(failure.state)));
+  return fmt::format("{}{}\"{}\"\n{}", head, k_checksum_begin,
+                     checksum_of(head, file.request_text), file.request_text);
 }
 
 base::Result<FailureFile, request::Diagnostic> read(std::string_view text,
@@ -139,6 +173,7 @@ base::Result<FailureFile, request::Diagnostic> read(std::string_view text,
                              .message = keys.text("message"),
                              .state = std::move(state).value_or(base::Bytes{})}}};
   if (keys.complaint()) return *keys.complaint();
+  if (auto damage = damage_of(*section, text, path)) return *damage;
   return file;
 }
 

@@ -4,8 +4,8 @@
 // replica's first scan draws its start from the prior, and so does every scan at inverse
 // temperature 0: there a new lineage begins. A unit's result is a pure function of (request, unit,
 // state before), so it may be computed anywhere, twice, or again after a crash, always to the same
-// bits. How many scans a unit has may follow measured cost; no stored result depends on it (DESIGN
-// C1).
+// bits. How many scans a unit has may follow measured cost; no stored result depends on it (docs/
+// DETERMINISM).
 #pragma once
 
 #include <compare>

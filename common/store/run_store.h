@@ -1,4 +1,4 @@
-// The run store: the truth of a run (DESIGN C2). A SQLite database into which every scan's result
+// The run store: the truth of a run. A SQLite database into which every scan's result
 // goes once, under its logical key (chain, replica, scan); archives are derived from it.
 //
 // On disk it is the folder `<archive>.run`, with `store.sqlite` and a `lock` file in it.
@@ -40,7 +40,7 @@ struct RunIdentity {
 struct ReplicaProgress {
   plan::ReplicaKey replica;
   std::uint64_t next_scan = 0;
-  base::Bytes state;  ///< before next_scan
+  base::Bytes state;  ///< before next_scan, in the world's encoding
 };
 
 /// Holds `<folder>/lock` for the life of the object: one process writes a run.
@@ -62,6 +62,7 @@ class RunStore {
   /// Opens or makes the store in a folder, under a new epoch. Throws base::Error(conflict) when it
   /// belongs to another request or version. REQUIRES: the caller holds the folder's RunLock.
   RunStore(const std::string& folder, const RunIdentity& identity);
+  /// Commits what was put, if it can; failures are not told: flush() first.
   ~RunStore();
 
   std::uint64_t epoch() const { return epoch_; }
@@ -73,9 +74,10 @@ class RunStore {
   /// come without state and outcome. Throws base::Error when what is stored has been changed.
   void replay(plan::ReplicaKey replica, const ReplayVisit& visit);
 
-  /// Takes a result to be committed soon; throws the failure of an earlier commit.
+  /// Takes a result to be committed soon; throws the failure of an earlier commit: a full disk, or
+  /// base::Error(conflict) once another session has taken a newer epoch (fencing).
   void put(plan::UnitResult result);
-  /// Returns when all that was put is committed.
+  /// Returns when all that was put is committed; throws as put does.
   void flush();
   /// Scans committed in this session.
   std::uint64_t committed() const;

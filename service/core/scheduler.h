@@ -22,7 +22,7 @@
 //      has before it is under a lease, so that it is asked about what was lost.
 //   4. What comes out is a function of the inputs' order, not of anything else.
 //
-// Simultaneous matters, by pseudocode:
+// The order of decisions in one step:
 //   step(input):
 //     take the input in            (a result: plan, states, and Keep before anything is assigned)
 //     while a worker has a thread without work and a block waits or the plan has one:

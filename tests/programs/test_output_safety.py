@@ -1,4 +1,4 @@
-"""Goal: no output is ever lost to another run (DESIGN C2, C5). Method: real runs whose outputs
+"""Goal: no output is ever lost to another run. Method: real runs whose outputs
 collide, disks that fill up, stores that are damaged."""
 
 import os

@@ -1,4 +1,4 @@
-"""Goal: the archive is a function of request, seed and version alone (DESIGN C1). Method: the same
+"""Goal: the archive is a function of request, seed and version alone. Method: the same
 request by other means, archives compared byte for byte and digest by digest."""
 
 import pathlib
@@ -70,17 +70,17 @@ class SameBits(ProgramTest):
         self.direct(self.write_request("whole.toml", scans=cut, chains=3), self.path("whole.h5"))
         self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
 
-    def test_a_run_in_many_sittings(self):
-        # Seconds of work in sittings of a third of a second; longer ones on a machine so slow that
+    def test_a_run_in_many_sessions(self):
+        # Seconds of work in sessions of a third of a second; longer ones on a machine so slow that
         # it hardly starts the program in that time.
         request = self.write_request(scans=50000, chains=3, iterations_per_scan=100)
         limit_s = 0.3
-        for sittings in range(1, 60):
+        for sessions in range(1, 60):
             self.direct(request, self.path("cut.h5"), "--time-limit", f"{limit_s:.2f}s")
             limit_s *= 1.1
             if self.path("cut.h5").exists() and self.info(self.path("cut.h5"))["scans"] == 50000:
                 break
-        self.assertGreater(sittings, 1)
+        self.assertGreater(sessions, 1)
         self.direct(request, self.path("whole.h5"))
         self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
 

@@ -1,4 +1,4 @@
-"""Goal: what holds for plain chains holds for every method (DESIGN C1, C2): an archive is a function
+"""Goal: what holds for plain chains holds for every method: an archive is a function
 of request, seed and version alone, and what is killed or stopped goes on to the same bits. Method:
 each method's request by other means, archives compared byte for byte; draws against what the archive
 says of itself."""
@@ -151,15 +151,15 @@ rounds = 3
         others["ranks"] = self.path("ranks.h5")
         self.succeed(harness.run(harness.batch(3, request, others["ranks"], "-q",
                                                folder=self.folder)))
-        others["sittings"] = self.path("sittings.h5")
+        others["sessions"] = self.path("sessions.h5")
         scans = 20 * 7  # of three rounds
         limit_s = 0.3
-        for sittings in range(1, 40):
-            self.direct(request, others["sittings"], "--time-limit", f"{limit_s:.2f}s")
+        for sessions in range(1, 40):
+            self.direct(request, others["sessions"], "--time-limit", f"{limit_s:.2f}s")
             limit_s *= 1.1  # so that a slow machine gets on, too
-            if others["sittings"].exists() and self.info(others["sittings"])["scans"] == scans:
+            if others["sessions"].exists() and self.info(others["sessions"])["scans"] == scans:
                 break
-        self.assertGreater(sittings, 1)
+        self.assertGreater(sessions, 1)
         for way, output in others.items():
             self.assertEqual(output.read_bytes(), one.read_bytes(), way)
 

@@ -24,6 +24,8 @@ void set_current_case(std::optional<std::uint64_t> number);
 
 /// Whether a loop has come to the case that SLEIGHT_CASE names.
 bool only_case_was_met();
+/// Whether the case of SLEIGHT_FAIL_CASE has run.
+bool failing_case_was_met();
 
 /// `SLEIGHT_CASE=17 PROGRAM --gtest_filter=TEST`, with whatever else of the environment it wants.
 std::string command_of(std::string_view program, std::string_view test,

@@ -85,6 +85,12 @@ int run(int argc, char** argv) {
                  static_cast<unsigned long long>(*only));
     return 1;
   }
+  const auto failing = asked().failing_case;
+  if (failing && !testing::GTEST_FLAG(list_tests) && !failing_case_was_met()) {
+    std::fprintf(stderr, "SLEIGHT_FAIL_CASE: no test that ran has a case %llu\n",
+                 static_cast<unsigned long long>(*failing));
+    return 1;
+  }
   return result;
 }
 

@@ -23,6 +23,7 @@ constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
 struct Now {
   std::atomic<std::uint64_t> number = k_none;
   bool met = false;
+  bool failed_as_asked = false;
 };
 Now& now() {
   static Now now;
@@ -62,6 +63,10 @@ bool only_case_was_met() {
   return now().met;
 }
 
+bool failing_case_was_met() {
+  return now().failed_as_asked;
+}
+
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run) {
   // A shell would take a typed or valued test's name as it is: '/' and letters only.
@@ -94,7 +99,10 @@ Cases::~Cases() {
 
 std::uint64_t Cases::Iterator::operator*() const {
   set_current_case(number_);
-  if (asked().failing_case == number_) ADD_FAILURE() << "asked for by SLEIGHT_FAIL_CASE";
+  if (asked().failing_case == number_) {
+    now().failed_as_asked = true;
+    ADD_FAILURE() << "asked for by SLEIGHT_FAIL_CASE";
+  }
   return number_;
 }
 

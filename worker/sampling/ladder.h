@@ -21,8 +21,8 @@
 namespace sleight::sampling {
 
 /// The power of first_ladder with which the hottest of a dozen levels are hot enough for narrow
-/// constraints. Too hot costs a level; too cold costs rounds, since the first gap can only be
-/// halved or so in each.
+/// constraints. Too hot costs a level; too cold costs rounds: a gap that rejects all swaps counts as
+/// a barrier of 1, so respacing only halves it or so in each.
 inline constexpr std::uint32_t k_first_power = 6;
 
 /// What a run begins with, before anything is known: (i / (levels - 1))^power. With 1, steps are
@@ -30,12 +30,14 @@ inline constexpr std::uint32_t k_first_power = 6;
 /// a power above 0 and below 64, as the least level must stay above 0.
 std::vector<double> first_ladder(std::uint32_t levels, std::uint32_t power = k_first_power);
 
-/// The inverse temperatures of so many scans of simulated annealing, `anneal_scans` in all, from
-/// the prior to `target` in equal steps.
+/// The inverse temperatures of scans of simulated annealing from the prior to `target`:
+/// target * scan / anneal_scans, for scans first_scan to first_scan + scans - 1. The target itself
+/// is first reached by the scan after them.
 std::vector<double> annealing(double target, std::uint64_t anneal_scans, std::uint64_t first_scan,
                               std::uint64_t scans);
 
-/// The smallest and greatest number of levels that are chosen.
+/// The smallest and greatest number of levels of any ladder; LadderOptions::levels_max may set a
+/// lower limit to those that a run chooses.
 inline constexpr std::uint32_t k_levels_min = 2;
 inline constexpr std::uint32_t k_levels_max = 256;
 
@@ -51,8 +53,9 @@ std::vector<double> cumulative_barrier(std::span<const double> rejections);
 std::vector<double> local_barrier(std::span<const double> ladder,
                                   std::span<const double> rejections);
 
-/// A ladder of so many levels between which that curve says that swaps are rejected equally often.
-/// No two levels fall together: rates of 0 count as a small one.
+/// A ladder of so many levels that cut the cumulative barrier (the cubic of local_barrier) into
+/// equal parts, so that swaps are rejected equally often. No two levels fall together: rates of 0
+/// count as a small one. REQUIRES: levels from k_levels_min to k_levels_max; one rate for each gap.
 std::vector<double> respaced(std::span<const double> ladder, std::span<const double> rejections,
                              std::uint32_t levels);
 
@@ -62,7 +65,8 @@ std::vector<double> finer(std::span<const double> ladder, std::uint32_t steps_pe
 /// Round trips per scan, of all replicas together.
 double predicted_round_trip_rate(std::span<const double> rejections);
 
-/// A curve's value between the levels of another ladder, straight from one to the next.
+/// A curve's value at `beta`, straight between the ladder's levels. REQUIRES: one value for each
+/// level; beta from the first level to the last.
 double interpolated(std::span<const double> ladder, std::span<const double> values, double beta);
 
 }  // namespace sleight::sampling

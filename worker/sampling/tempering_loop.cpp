@@ -22,13 +22,14 @@ std::vector<plan::ScanRecord> explore(RoundReport& round, std::span<const std::u
   return made;
 }
 
-/// The pairs of the scan's parity swap temperatures, each with probability min(1, ratio).
+/// Pairs (i, i + 1) with i + scan even swap temperatures, each with probability min(1, ratio). The
+/// hotter level addresses the pair's random numbers, as a replica does elsewhere.
 void communicate(const LadderOptions& options, std::span<const double> ladder, std::uint64_t scan,
                  std::span<const plan::ScanRecord> made, std::span<std::uint32_t> at) {
   for (std::uint32_t i = scan % 2; i + 1 < at.size(); i += 2) {
-    const double l = made[i].log_constraint;
+    const double hotter_l = made[i].log_constraint;
     const double cooler_l = made[i + 1].log_constraint;
-    const double log_ratio = l == cooler_l ? 0 : (ladder[i + 1] - ladder[i]) * (l - cooler_l);
+    const double log_ratio = hotter_l == cooler_l ? 0 : (ladder[i + 1] - ladder[i]) * (hotter_l - cooler_l);
     random::Stream stream({.seed = options.seed,
                            .chain = options.chain,
                            .replica = base::ReplicaId{i},

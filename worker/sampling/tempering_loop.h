@@ -16,7 +16,8 @@
 
 namespace sleight::sampling {
 
-/// A scan of one replica, from its own state after its last scan; its first one is a start.
+/// A scan of one replica, from its own state after its last scan. At inverse temperature 0 it is a
+/// fresh draw from the prior; a replica's first scan is one too, in whichever round it is born.
 struct LoopScan {
   std::uint32_t replica = 0;
   std::uint64_t scan = 0;
@@ -25,7 +26,8 @@ struct LoopScan {
 };
 using MakeScan = std::function<plan::ScanRecord(const LoopScan&)>;
 
-/// So many scans of one ladder, those that anneal included: its rounds, the present one last.
+/// So many scans of one ladder, those that anneal included: its rounds, the present one last; that one
+/// may have no scans yet.
 /// Round trips and restarts are not counted.
 std::vector<RoundReport> tempering_loop(const LadderOptions& options, std::uint64_t scans,
                                         const MakeScan& make_scan);

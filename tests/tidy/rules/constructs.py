@@ -1,4 +1,4 @@
-"""Forbidden constructs: what STYLE rules out, above all what would make results differ by machine."""
+"""Forbidden constructs, above all those that would make results differ by machine."""
 
 import re
 

@@ -245,8 +245,11 @@ TEST(Property, AFailureCanBeAskedFor) {
   EXPECT_NE(of.status, 0);
   EXPECT_EQ(of.command(), fmt::format("SLEIGHT_CASE=5 {} --gtest_filter=Planted.DISABLED_NoFailure",
                                       path_in_project(whole_path())));
-  EXPECT_THAT(ended_test("SLEIGHT_FAIL_CASE=200", "Planted.DISABLED_NoFailure").output,
-              Not(HasSubstr("to see it again")));
+  // A case that no test has is said to be none.
+  const Ended none = ended_test("SLEIGHT_FAIL_CASE=200", "Planted.DISABLED_NoFailure");
+  EXPECT_NE(none.status, 0);
+  EXPECT_THAT(none.output, HasSubstr("SLEIGHT_FAIL_CASE: no test that ran has a case 200"));
+  EXPECT_THAT(none.output, Not(HasSubstr("to see it again")));
 }
 
 TEST(Property, ProgramsAreNamedAsInTheProject) {

@@ -5,7 +5,7 @@
 // body's own frame, times the roots of its principal moments. In these coordinates y (six for each
 // moving body) the kinetic energy is |y|^2 / 2, an impulse adds G P with a column of G for the
 // normal and two for tangents, and K = G^T G. The QR decomposition G = E R makes the law a
-// statement about an orthonormal frame e_1, e_2, e_3:
+// statement about an orthonormal frame e_1, e_2, e_3 (symbols as in restitution.h):
 //   y' = y - (1 + w/u) (e_1.y) e_1 - kappa ((e_2.y) e_2 + (e_3.y) e_3),
 // that is: reflect and shrink the part along e_1, shrink the parts along e_2 and e_3. No inverse of
 // the ill-conditioned K is formed.
@@ -49,9 +49,9 @@ namespace sleight::physics {
 struct RigidMass {
   double inverse_mass_per_kg = 0;
   double root_mass = 0;  ///< in kg^(1/2)
-  double inverse_root_mass = 0;
+  double inverse_root_mass = 0;      ///< in kg^(-1/2)
   Vec3 root_moments = Vec3::Zero();  ///< of the principal moments, in kg^(1/2) m
-  Vec3 inverse_root_moments = Vec3::Zero();
+  Vec3 inverse_root_moments = Vec3::Zero();  ///< in kg^(-1/2) m^-1
 };
 
 /// REQUIRES: mass and moments > 0, within 1e-100..1e100.

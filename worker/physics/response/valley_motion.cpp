@@ -15,7 +15,7 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Of a sum of products.
+/// Relative rounding error that a sum of products may have.
 constexpr double k_rounding = 1e-12;
 /// How long a contact that begins to slip does so in a direction that is not quite its own.
 constexpr double k_begin_s = 1e-4;
@@ -25,8 +25,8 @@ constexpr double k_begin_off = 1e-12;
 /// Rounds over both contacts, where each turns the other's direction.
 constexpr int k_both_rounds = 8;
 
-/// Resistance to rolling at a speed along a line, as an acceleration: `pull` without it, `most` at
-/// most. 0 velocity stays if the resistance can hold it.
+/// Acceleration of a sphere that rolls along a line: `pull` less a resistance of at most `most`. A
+/// sphere that stands still stays so if the resistance can hold it.
 double resisted(double velocity, double pull, double most) {
   if (velocity == 0) return std::fabs(pull) <= most ? 0 : pull - std::copysign(most, pull);
   return pull - std::copysign(most, velocity);
@@ -91,7 +91,7 @@ class Valley {
 
     const Vec3 spin_per_mps = (side_[0] + side_[1]) / (r * (1 + cosine_));
     const double inertia = k * r * r * dot(spin_per_mps, spin_per_mps);
-    // The rolling motion that is nearest to the present one.
+    // The rolling motion that is nearest to the present one in kinetic energy.
     double speed = (dot(motion_.start.velocity_mps, line_) +
                     k * r * r * dot(motion_.start.angular_velocity_radps, spin_per_mps)) /
                    (1 + inertia);
@@ -256,7 +256,8 @@ class Valley {
     return false;
   }
 
-  /// What a contact's own friction takes from its slip, and how that changes without it.
+  /// How fast a contact's friction slows its own slip by turning the sphere, in m/s^2; and the
+  /// slip's rate of change without that.
   double brake_of(std::size_t i) const {
     return contacts_[i].friction * loads_[i] / body_.gyration;
   }
@@ -269,7 +270,7 @@ class Valley {
     return std::max(k_begin_s, rate > 0 ? 2 * body_.stick_mps / rate : 0);
   }
 
-  /// Slips in the directions that they have half way, and for how long.
+  /// Sets each slip's direction to the one it will have half way, and how long the motion holds.
   void hold_directions() {
     double lasts_s = k_forever_s;
     std::array<bool, 2> settled{};
@@ -296,8 +297,8 @@ class Valley {
       turns = true;
     }
     if (turns && !forces()) return;
-    // A beginning without a direction against which friction acts: none does, for the short while.
-    // Twice, as it may leave the other one in the same state.
+    // If friction would push a beginning slip along, that contact gets no friction for the short
+    // while. Twice, as that may leave the other one in the same state.
     for (int round = 0; round < 2; ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (!begins_[i] || dot(slip_rate(i), direction_[i]) >= 0) continue;

@@ -92,8 +92,8 @@ struct SlowContacts {
   double rest_time_s = 0;
 };
 
-/// What suits bodies of a size, in terms of how fast one is that falls by that, and how long it
-/// takes: bounces are at least 1/100 of this speed, rest is below 8/100, for a tenth of that time.
+/// Speeds that suit bodies of size L, in units of v = sqrt(g L) and t = sqrt(L / g), the speed and
+/// time of a fall by L / 2: bounces part at 0.01 v or more; a body rests below 0.08 v for 0.1 t.
 inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
   const double fall_mps = std::sqrt(gravity_mps2 * size_m);
   return {.separation_speed_mps = 0.01 * fall_mps,

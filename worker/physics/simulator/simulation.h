@@ -61,7 +61,8 @@ struct SimulationOptions {
 
 class Simulation {
  public:
-  /// Checks the scene and puts the bodies that start at tick 0 in their places.
+  /// Checks the scene, copies it, and puts the bodies that start at tick 0 in their places. Shapes
+  /// and meshes are shared with the scene, not copied.
   ///
   /// `history` is that of an earlier simulation. With it only the differences are simulated:
   /// bodies with other shapes, masses, materials or starts; bodies that come near static geometry

@@ -1,6 +1,6 @@
 // When does a sphere meet another sphere, a plane, a face, an edge or a vertex?
 //
-// The question is always the same (DESIGN, section 3): the first tick, not before a given one, at
+// The question is always the same (docs/SIMULATOR, "A collision"): the first tick, not before a given one, at
 // which three conditions hold together,
 //
 //   touch     gap <= k_touch

@@ -18,12 +18,11 @@
 //
 //   p_c(x) = 1/24 sum over numberings s of p_c(x, s),
 //
-// the exact marginal at beta = 1, and bounded by 1, so that p_w p_c^beta is a path to it. What is
-// shown is the numbering with the greatest p_c(x, s), the least of equals; the goals are met if
-// they are with that. If any numbering meets them that one does: goals of faces have tolerances
-// below 45 degrees, and with another face in the place of one that is so near, a distance is larger
-// and none smaller. Of the 24, those meet them that differ by rotations which leave all faces of
-// goals where they are: so many of 24 numbered throws with this motion.
+// the exact marginal at beta = 1, and bounded by 1, so that p_w p_c^beta is a path to it. The
+// numbering with the greatest p_c(x, s) is shown, the least of equals; the goals are met if that
+// numbering meets them. If any numbering meets them, this one does: tolerances of faces are below 45
+// degrees, so two faces never meet one goal. Rotations that leave all goals' faces in place give
+// further numberings that meet them; numberings_that_meet counts those.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -70,8 +69,8 @@ struct Goal {
   std::uint32_t die = 0;            ///< from 0
   std::optional<double> at_s = {};  ///< when it is looked at; none: at the end, at rest
   std::variant<Place, Region, FaceDirection, Turn, Velocity, RestBefore> wanted;
-  double sigma = 1;
-  double tolerance = 0;
+  double sigma = 1;      ///< in the unit of its distance, above
+  double tolerance = 0;  ///< likewise
   /// Whether it hangs on which face is which.
   bool is_of_faces() const {
     return std::holds_alternative<FaceDirection>(wanted) || std::holds_alternative<Turn>(wanted);
@@ -93,7 +92,7 @@ struct DieView {
 struct Views {
   std::vector<DieView> at_end;
   std::vector<double> rest_s;  ///< the end, if the die is not at rest
-  std::vector<DieView> at_times;
+  std::vector<DieView> at_times;  ///< the dice in order, for one time after another
 };
 
 struct Judgement {
@@ -110,6 +109,7 @@ std::vector<double> goal_times(std::span<const Goal> goals);
 double distance_of(const Goal& goal, const Views& views, std::span<const double> times,
                    std::uint32_t numbering);
 
+/// log p_c, whether all goals are met, and the numbering that is shown. `times` are goal_times.
 Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& views,
                 std::span<const double> times);
 

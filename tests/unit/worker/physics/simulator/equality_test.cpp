@@ -64,7 +64,7 @@ std::array<Way, 5> ways() {
 }
 
 TEST(Equality, EveryWayGivesTheSameRecording) {
-  // Goal: DESIGN section 3: algorithm, broad phase and queue change no bit. Method: random scenes
+  // Goal: algorithm, broad phase and queue change no bit. Method: random scenes
   // of every kind against the reference, which predicts all pairs and has no bounding volumes.
   std::uint64_t collisions = 0;
   const SimulationOptions reference =

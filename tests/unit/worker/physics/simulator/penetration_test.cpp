@@ -226,7 +226,7 @@ Deepest deepest_of(const RecordedRun& run, std::size_t collisions, int random_ti
 }
 
 TEST(Penetration, NoSceneHasBodiesThatOverlap) {
-  // Goal: DESIGN section 3: bodies are kept apart. Method: scenes of every kind; clearances at
+  // Goal: bodies are kept apart. Method: scenes of every kind; clearances at
   // random ticks and some ticks before and after recorded collisions.
   const std::uint64_t scenes = property::long_run() ? 600 : 60;
   std::map<std::string, double> least_m;

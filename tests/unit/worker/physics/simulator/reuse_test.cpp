@@ -101,7 +101,7 @@ void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
 }
 
 TEST(Reuse, ReplayingMakesNoDifference) {
-  // Goal: DESIGN section 3, reuse: the result equals a fresh simulation bit for bit. Method: random
+  // Goal: a reused simulation's result equals a fresh simulation bit for bit. Method: random
   // scenes of every kind; in each, proposals one after the other (bodies that start elsewhere,
   // faster, later, not at all or again, static geometry that moves, kicks, other laws), some
   // accepted; each is simulated with the history of the last accepted one, in all ways, and whole.
