@@ -122,8 +122,8 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     fmt::print("Stopped before every chain had its first draw: no archive yet.\n");
   } else {
     fmt::print("{}: {} chain{} of {} scans, seed {}, digest {}\n", arguments.output,
-               request.sampler.chains, request.sampler.chains == 1 ? "" : "s", coordinator::grouped(summary.scans), request.sampler.seed,
-               summary.digest);
+               request.sampler.chains, request.sampler.chains == 1 ? "" : "s",
+               coordinator::grouped(summary.scans), request.sampler.seed, summary.digest);
   }
   print_effort(summary);
   print_failures(arguments, summary);

@@ -1,7 +1,7 @@
 // Time as an interface, so that logic with time-outs is tested without waiting.
 //
-// Nothing that a clock measured may enter an archive (docs/DETERMINISM): clocks serve progress lines,
-// time limits and the sizes of work units, none of which changes a result.
+// Nothing that a clock measured may enter an archive (docs/DETERMINISM): clocks serve progress
+// lines, time limits and the sizes of work units, none of which changes a result.
 #pragma once
 
 namespace sleight::base {

@@ -118,8 +118,9 @@ std::optional<request::Diagnostic> damage_of(const request::Section& section, st
   }
   return request::Diagnostic{.file = path,
                              .place = entry->value.place,
-                             .message = "the file was changed since it was written; without its "
-                                        "line 'checksum' it is replayed as it stands"};
+                             .message =
+                                 "the file was changed since it was written; without its "
+                                 "line 'checksum' it is replayed as it stands"};
 }
 
 }  // namespace
@@ -134,8 +135,8 @@ std::string to_text(const FailureFile& file) {
       request::toml_string(plan::name_of(failure.kind)), request::toml_string(failure.message),
       file.replica.chain.value, file.replica.replica.value, file.failed.scan.value,
       request::toml_string(hexadecimal(failure.state)));
-  return fmt::format("{}{}\"{}\"\n{}", head, k_checksum_begin,
-                     checksum_of(head, file.request_text), file.request_text);
+  return fmt::format("{}{}\"{}\"\n{}", head, k_checksum_begin, checksum_of(head, file.request_text),
+                     file.request_text);
 }
 
 base::Result<FailureFile, request::Diagnostic> read(std::string_view text,

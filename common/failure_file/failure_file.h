@@ -16,8 +16,8 @@
 // The state is hexadecimal, in the world's own encoding; from [world] on stands the whole request,
 // as `sleight check` prints it. The checksum is FNV-1a (64 bits) of all other lines, so that a file
 // that was damaged is not taken for a simulation that succeeds by now; a file without that line is
-// taken as it is, so that a person may change one on purpose. The file is TOML and may come from anywhere: reading trusts
-// nothing. Thread safety: pure functions.
+// taken as it is, so that a person may change one on purpose. The file is TOML and may come from
+// anywhere: reading trusts nothing. Thread safety: pure functions.
 #pragma once
 
 #include <cstddef>

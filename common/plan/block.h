@@ -7,8 +7,9 @@
 //
 // A member goes on as long as the block itself decides at which level; what it can't decide is left
 // to the plan. So how far each member comes hangs on the swaps. Which units are in one block may
-// follow measured cost, or what happens to be ready: results do not depend on it (docs/DETERMINISM), and
-// the plan, which decides each swap again when it consumes them, checks that (Plan::consume).
+// follow measured cost, or what happens to be ready: results do not depend on it
+// (docs/DETERMINISM), and the plan, which decides each swap again when it consumes them, checks
+// that (Plan::consume).
 #pragma once
 
 #include <cstdint>

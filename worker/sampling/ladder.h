@@ -21,8 +21,8 @@
 namespace sleight::sampling {
 
 /// The power of first_ladder with which the hottest of a dozen levels are hot enough for narrow
-/// constraints. Too hot costs a level; too cold costs rounds: a gap that rejects all swaps counts as
-/// a barrier of 1, so respacing only halves it or so in each.
+/// constraints. Too hot costs a level; too cold costs rounds: a gap that rejects all swaps counts
+/// as a barrier of 1, so respacing only halves it or so in each.
 inline constexpr std::uint32_t k_first_power = 6;
 
 /// What a run begins with, before anything is known: (i / (levels - 1))^power. With 1, steps are

@@ -29,7 +29,8 @@ void communicate(const LadderOptions& options, std::span<const double> ladder, s
   for (std::uint32_t i = scan % 2; i + 1 < at.size(); i += 2) {
     const double hotter_l = made[i].log_constraint;
     const double cooler_l = made[i + 1].log_constraint;
-    const double log_ratio = hotter_l == cooler_l ? 0 : (ladder[i + 1] - ladder[i]) * (hotter_l - cooler_l);
+    const double log_ratio =
+        hotter_l == cooler_l ? 0 : (ladder[i + 1] - ladder[i]) * (hotter_l - cooler_l);
     random::Stream stream({.seed = options.seed,
                            .chain = options.chain,
                            .replica = base::ReplicaId{i},

@@ -26,9 +26,8 @@ struct LoopScan {
 };
 using MakeScan = std::function<plan::ScanRecord(const LoopScan&)>;
 
-/// So many scans of one ladder, those that anneal included: its rounds, the present one last; that one
-/// may have no scans yet.
-/// Round trips and restarts are not counted.
+/// So many scans of one ladder, those that anneal included: its rounds, the present one last; that
+/// one may have no scans yet. Round trips and restarts are not counted.
 std::vector<RoundReport> tempering_loop(const LadderOptions& options, std::uint64_t scans,
                                         const MakeScan& make_scan);
 

@@ -48,9 +48,9 @@ namespace sleight::physics {
 /// A body's inertia as impacts need it. The default value is static geometry.
 struct RigidMass {
   double inverse_mass_per_kg = 0;
-  double root_mass = 0;  ///< in kg^(1/2)
-  double inverse_root_mass = 0;      ///< in kg^(-1/2)
-  Vec3 root_moments = Vec3::Zero();  ///< of the principal moments, in kg^(1/2) m
+  double root_mass = 0;                      ///< in kg^(1/2)
+  double inverse_root_mass = 0;              ///< in kg^(-1/2)
+  Vec3 root_moments = Vec3::Zero();          ///< of the principal moments, in kg^(1/2) m
   Vec3 inverse_root_moments = Vec3::Zero();  ///< in kg^(-1/2) m^-1
 };
 

@@ -1,7 +1,7 @@
 // When does a sphere meet another sphere, a plane, a face, an edge or a vertex?
 //
-// The question is always the same (docs/SIMULATOR, "A collision"): the first tick, not before a given one, at
-// which three conditions hold together,
+// The question is always the same (docs/SIMULATOR, "A collision"): the first tick, not before a
+// given one, at which three conditions hold together,
 //
 //   touch     gap <= k_touch
 //   approach  d gap / dt < -k_approach

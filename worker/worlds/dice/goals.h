@@ -20,8 +20,8 @@
 //
 // the exact marginal at beta = 1, and bounded by 1, so that p_w p_c^beta is a path to it. The
 // numbering with the greatest p_c(x, s) is shown, the least of equals; the goals are met if that
-// numbering meets them. If any numbering meets them, this one does: tolerances of faces are below 45
-// degrees, so two faces never meet one goal. Rotations that leave all goals' faces in place give
+// numbering meets them. If any numbering meets them, this one does: tolerances of faces are below
+// 45 degrees, so two faces never meet one goal. Rotations that leave all goals' faces in place give
 // further numberings that meet them; numberings_that_meet counts those.
 //
 // Thread safety: values and pure functions.
@@ -91,7 +91,7 @@ struct DieView {
 /// goal_times, time by time.
 struct Views {
   std::vector<DieView> at_end;
-  std::vector<double> rest_s;  ///< the end, if the die is not at rest
+  std::vector<double> rest_s;     ///< the end, if the die is not at rest
   std::vector<DieView> at_times;  ///< the dice in order, for one time after another
 };
 
