@@ -1,0 +1,265 @@
+// Contract C3 for islands: unbiased estimates, and Markov chain steps that keep the target.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <numeric>
+
+#include "tests/statistical/support/chi_square.h"
+#include "tests/statistical/support/rank_tests.h"
+#include "tests/statistical/support/staged_toy.h"
+#include "tests/support/property.h"
+#include "worker/sampling/particle_steps.h"
+
+namespace sleight::statistical {
+namespace {
+
+using Toy = StagedToy;
+using Guide = StagedToy::Guide;
+using ToyParticle = sampling::ParticleSample<Toy>;
+
+constexpr std::uint64_t k_seed = 141421;
+constexpr double k_never = 0;   ///< of resample_below
+constexpr double k_always = 2;  ///< likewise
+
+sampling::ChainStreams streams_of(std::uint32_t chain) {
+  return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
+}
+const auto k_nobody = [](const sampling::SimulationReport&) {};
+
+double sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+/// How many standard errors the mean of independent draws lies from a value.
+double errors_off(const std::vector<double>& draws, double expected) {
+  const MeanWithError mean = mean_of_independent(draws);
+  return (mean.mean - expected) / mean.standard_error;
+}
+
+struct Setting {
+  Guide guide{};
+  sampling::IslandOptions options{};
+};
+
+std::vector<Setting> settings() {
+  return {{.guide = {}, .options = {.particles = 8}},
+          {.guide = {}, .options = {.particles = 8, .resample_below = k_never}},
+          {.guide = {}, .options = {.particles = 8, .resample_below = k_always}},
+          {.guide = {.flatness = 0}, .options = {.particles = 3, .resample_below = k_always}},
+          {.guide = {.log_fallen = 0}, .options = {.particles = 1}},
+          {.guide = {}, .options = {.particles = 40, .inverse_temperature = 0.4}},
+          {.guide = {}, .options = {.particles = 5, .inverse_temperature = 0}}};
+}
+
+TEST(Islands, EstimatesAreUnbiased) {
+  // Goal: Z and P(satisfied) of islands are right in the mean, whatever their size, guide and
+  // resampling; and so is Z times an indicator of the drawn state. Method: 10,000 islands of each
+  // setting against enumeration, within 4 standard errors; 7 settings of three estimates, so that
+  // right code fails once in 750 runs of new seeds.
+  const Toy toy;
+  std::uint32_t chain = 0;
+  for (const Setting& setting : settings()) {
+    const std::vector<double> masses = toy.masses(setting.options.inverse_temperature);
+    const std::vector<double> prior = toy.masses(0);
+    double satisfied = 0;
+    double rescued = 0;
+    for (Toy::State state = 0; state < Toy::k_states; ++state) {
+      if (toy.satisfied(toy.simulate(state))) satisfied += prior[state];
+      if (Toy::has_fallen(state)) rescued += masses[state];
+    }
+    std::vector<double> z;
+    std::vector<double> satisfied_z;
+    std::vector<double> rescued_z;
+    for (int island = 0; island < 10'000; ++island) {
+      const auto made =
+          sampling::make_island(toy, setting.guide, setting.options, streams_of(chain++), 0);
+      ASSERT_EQ(made.drawn.has_value(), made.log_z > sampling::k_log_zero);
+      z.push_back(std::exp(made.log_z));
+      satisfied_z.push_back(std::exp(made.log_satisfied));
+      rescued_z.push_back(made.drawn && Toy::has_fallen(made.drawn->state) ? z.back() : 0);
+    }
+    fmt::print("{} particles, beta {}: Z {:.4f}, off by {:.2f}, {:.2f} and {:.2f} errors\n",
+               setting.options.particles, setting.options.inverse_temperature, sum(masses),
+               errors_off(z, sum(masses)), errors_off(satisfied_z, satisfied),
+               errors_off(rescued_z, rescued));
+    EXPECT_LT(std::abs(errors_off(z, sum(masses))), 4);
+    EXPECT_LT(std::abs(errors_off(satisfied_z, satisfied)), 4);
+    EXPECT_LT(std::abs(errors_off(rescued_z, rescued)), 4);
+  }
+}
+
+TEST(Islands, AFifthOfTheToyIsRescued) {
+  // Goal: the toy has what a potential of 0 would lose. Method: enumeration.
+  const Toy toy;
+  const std::vector<double> masses = toy.masses(1);
+  double rescued = 0;
+  for (Toy::State state = 0; state < Toy::k_states; ++state)
+    rescued += Toy::has_fallen(state) ? masses[state] : 0;
+  EXPECT_GT(rescued / sum(masses), 0.15);
+  EXPECT_LT(rescued / sum(masses), 0.3);
+}
+
+TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
+  // Goal: where psi = 0 islands estimate the mass of the states that they reach, and draw no other.
+  // Method: 10,000 islands against enumeration without the states that fall on the way.
+  const Toy toy;
+  const Guide guide{.log_fallen = sampling::k_log_zero};
+  const std::vector<double> masses = toy.masses(1);
+  double reachable = 0;
+  for (Toy::State state = 0; state < Toy::k_states; ++state)
+    reachable += Toy::has_fallen(state) ? 0 : masses[state];
+  std::vector<double> z;
+  for (std::uint32_t island = 0; island < 10'000; ++island) {
+    const auto made =
+        sampling::make_island(toy, guide, {.particles = 4}, streams_of(1'000'000 + island), 0);
+    z.push_back(std::exp(made.log_z));
+    ASSERT_FALSE(made.drawn && Toy::has_fallen(made.drawn->state));
+  }
+  EXPECT_LT(std::abs(errors_off(z, reachable)), 4);
+  EXPECT_GT(std::abs(errors_off(z, sum(masses))), 10) << "the test can't tell the two";
+}
+
+/// One step of a chain, by its number.
+using Step = std::function<void(const Toy&, const sampling::ChainStreams&, std::uint64_t number,
+                                ToyParticle&)>;
+
+/// p-values of exact draws after one step and after ten.
+struct Kept {
+  double after_one = 0;
+  double after_ten = 0;
+  double moved = 0;  ///< the share of first steps that changed the state
+};
+
+Kept kept_by(const Step& step, double beta, std::uint32_t first_chain, std::uint32_t draws) {
+  const Toy toy;
+  std::vector<double> masses = toy.masses(beta);
+  const double total = sum(masses);
+  for (double& mass : masses)
+    mass /= total;
+  std::vector<double> after_one(Toy::k_states, 0.0);
+  std::vector<double> after_ten(Toy::k_states, 0.0);
+  int moved = 0;
+  for (std::uint32_t i = 0; i < draws; ++i) {
+    const sampling::ChainStreams streams = streams_of(first_chain + i);
+    random::Stream start = streams.at(random::Purpose::start, 0);
+    const auto state = static_cast<Toy::State>(random::draw_by_share(masses, start));
+    ToyParticle current{.sample = sampling::evaluate(toy, state)};
+    for (std::uint64_t number = 0; number < 10; ++number) {
+      step(toy, streams, number, current);
+      if (number > 0) continue;
+      ++after_one[current.sample.state];
+      moved += current.sample.state != state ? 1 : 0;
+    }
+    ++after_ten[current.sample.state];
+  }
+  return {.after_one = chi_square_p(after_one, masses),
+          .after_ten = chi_square_p(after_ten, masses),
+          .moved = moved / static_cast<double>(draws)};
+}
+
+/// Chains of each setting; the long run (SLEIGHT_SOAK=1) has many more.
+std::uint32_t draws() {
+  return property::long_run() ? 200'000 : 10'000;
+}
+
+TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
+  // Goal: particle Gibbs is right for two particles and more, for each way of resampling and at any
+  // temperature. It keeps the ground. Method: exact draws, one step and ten, against enumeration.
+  std::uint32_t chain = 20'000'000;
+  for (const Setting& setting : settings()) {
+    if (setting.options.particles < 2) continue;
+    const Step step = [&](const Toy& toy, const sampling::ChainStreams& streams,
+                          std::uint64_t number, ToyParticle& current) {
+      const std::uint32_t ground = Toy::ground_of(current.sample.state);
+      sampling::conditional_step(toy, setting.guide, setting.options, streams, number, current,
+                                 k_nobody);
+      ASSERT_EQ(Toy::ground_of(current.sample.state), ground);
+    };
+    const Kept kept = kept_by(step, setting.options.inverse_temperature, chain, draws());
+    chain += draws();
+    fmt::print("{} particles: p {:.3g} and {:.3g}, {:.2f} moved\n", setting.options.particles,
+               kept.after_one, kept.after_ten, kept.moved);
+    EXPECT_GT(kept.after_one, 1e-5);
+    EXPECT_GT(kept.after_ten, 1e-5);
+    EXPECT_GT(kept.moved, 0.1);
+  }
+}
+
+TEST(ParticleSteps, IndependenceStepsKeepTheTarget) {
+  // Goal: the same of the independence sampler over islands, whose first step draws the island of
+  // the exact draw by a conditional one. Method: as above.
+  std::uint32_t chain = 60'000'000;
+  for (const Setting& setting : settings()) {
+    if (setting.options.particles < 2) continue;
+    const Step step = [&](const Toy& toy, const sampling::ChainStreams& streams,
+                          std::uint64_t number, ToyParticle& current) {
+      sampling::independence_step(toy, setting.guide, setting.options, streams, 2 * number, current,
+                                  k_nobody);
+    };
+    const Kept kept = kept_by(step, setting.options.inverse_temperature, chain, draws());
+    chain += draws();
+    fmt::print("{} particles: p {:.3g} and {:.3g}, {:.2f} moved\n", setting.options.particles,
+               kept.after_one, kept.after_ten, kept.moved);
+    EXPECT_GT(kept.after_one, 1e-5);
+    EXPECT_GT(kept.after_ten, 1e-5);
+    EXPECT_GT(kept.moved, 0.1);
+  }
+}
+
+/// What a chain does with its island after an accepted local move.
+enum class AfterLocalMove { forgets_z, keeps_z, takes_the_draw };
+
+/// An independence step and three local moves by turns.
+Step mixed(const Setting& setting, AfterLocalMove after) {
+  return [setting, after](const Toy& toy, const sampling::ChainStreams& streams,
+                          std::uint64_t number, ToyParticle& current) {
+    // The mistake: with a stale island the state moves within the new one.
+    if (!current.log_z && after == AfterLocalMove::takes_the_draw) {
+      sampling::conditional_step(toy, setting.guide, setting.options, streams, 1000 + number,
+                                 current, k_nobody);
+    }
+    sampling::independence_step(toy, setting.guide, setting.options, streams, 2 * number, current,
+                                k_nobody);
+    for (std::uint64_t local = 0; local < 3; ++local) {
+      const auto report =
+          sampling::metropolis_hastings_step(toy, setting.options.inverse_temperature, streams,
+                                             1000 + 3 * number + local, current.sample);
+      if (report.accepted && after != AfterLocalMove::keeps_z) current.log_z.reset();
+    }
+  };
+}
+
+TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
+  // Goal: local moves beside islands are right, also where a potential of 0 leaves states to them
+  // alone. Method: as above.
+  const std::vector<Setting> settings{
+      {.guide = {}, .options = {.particles = 2}},
+      {.guide = {}, .options = {.particles = 8}},
+      {.guide = {.log_fallen = sampling::k_log_zero}, .options = {.particles = 3}}};
+  std::uint32_t chain = 400'000'000;
+  for (const Setting& setting : settings) {
+    const Kept kept = kept_by(mixed(setting, AfterLocalMove::forgets_z), 1, chain, draws());
+    chain += draws();
+    fmt::print("{} particles: p {:.3g} and {:.3g}\n", setting.options.particles, kept.after_one,
+               kept.after_ten);
+    EXPECT_GT(kept.after_one, 1e-5);
+    EXPECT_GT(kept.after_ten, 1e-5);
+  }
+}
+
+TEST(ParticleSteps, MistakesWithStaleIslandsAreCaught) {
+  // Goal: the test above can fail. Method: a chain that keeps Z after a local move, and one whose
+  // state moves within the new island only when the old one is stale.
+  const Setting two{.guide = {}, .options = {.particles = 2}};
+  const Setting eight{.guide = {}, .options = {.particles = 8}};
+  const Kept keeps_z = kept_by(mixed(two, AfterLocalMove::keeps_z), 1, 800'000'000, 60'000);
+  const Kept takes_the_draw =
+      kept_by(mixed(eight, AfterLocalMove::takes_the_draw), 1, 900'000'000, 60'000);
+  fmt::print("p {:.3g} and {:.3g}\n", keeps_z.after_ten, takes_the_draw.after_ten);
+  EXPECT_LT(keeps_z.after_ten, 1e-5);
+  EXPECT_LT(takes_the_draw.after_ten, 1e-5);
+}
+
+}  // namespace
+}  // namespace sleight::statistical

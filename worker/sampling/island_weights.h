@@ -1,0 +1,45 @@
+// The weights of an island's particles, as logarithms, and the estimate of Z that they come to.
+//
+//   log Z = sum over resamplings of log(mean weight then) + log(mean weight now)
+//
+// Dead particles count in the mean, with weight 0. A value type.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "worker/sampling/log_sum.h"
+
+namespace sleight::sampling {
+
+class IslandWeights {
+ public:
+  /// So many of weight 1. REQUIRES: one at least.
+  explicit IslandWeights(std::size_t particles);
+
+  bool is_dead(std::size_t particle) const { return log_weights_[particle] == k_log_zero; }
+  void kill(std::size_t particle) { log_weights_[particle] = k_log_zero; }
+  /// Multiplies a weight by exp(log_factor). REQUIRES: finite.
+  void add(std::size_t particle, double log_factor) { log_weights_[particle] += log_factor; }
+  double log_weight(std::size_t particle) const { return log_weights_[particle]; }
+  bool all_dead() const;
+
+  /// Weights over their sum. REQUIRES: not all are dead.
+  std::vector<double> shares() const;
+  /// After a resampling: the mean weight goes into Z, and all weights are 1. REQUIRES: not all are
+  /// dead.
+  void start_again();
+
+  double log_z() const { return log_z_before_ + log_mean(); }
+  /// Of the resamplings so far, without the present weights.
+  double log_z_before() const { return log_z_before_; }
+
+ private:
+  double log_mean() const;
+
+  std::vector<double> log_weights_;
+  double log_z_before_ = 0;
+};
+
+}  // namespace sleight::sampling

@@ -1,0 +1,83 @@
+// Markov chain steps by islands (island.h), for a world that acts in stages. Both keep
+// p_w p_c^beta, whatever the potentials are and however few particles there are; only how fast they
+// move hangs on these.
+//
+//   independence step  a free island is accepted with probability min(1, Z' / Z), Z that of the
+//                      island which the present state was drawn from; then its draw is the state
+//   conditional step   an island that keeps the present state's path; its draw is the state, always
+//
+// Both leave states alone that no path of prefixes with potentials above 0 reaches, and lead to
+// none: local moves have to.
+//
+// After a local move that was accepted the island's Z is that of another state: it is stale. The
+// next independence step then draws a new island given the state, of which it takes Z alone. It
+// must not take the island's draw too: whether a chain is stale depends on its state, as accepted
+// moves do, and steps that are chosen by the state don't keep the target (a test shows it).
+//
+// Source: Andrieu, Doucet, Holenstein (island.h), sections 2.4.2 and 2.4.3.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "common/math/elementary.h"
+#include "common/random/stream.h"
+#include "worker/sampling/island.h"
+
+namespace sleight::sampling {
+
+/// A chain's present state, and log Z of the island that it was drawn from; none: stale.
+template <ActsInStages T>
+struct ParticleSample {
+  Sample<T> sample;
+  std::optional<double> log_z{};
+};
+
+struct ParticleStepReport {
+  bool accepted = false;      ///< a conditional step always is, where its state can be reached
+  double log_z = k_log_zero;  ///< of the step's free island, or of the conditional one
+};
+
+/// The number-th island given the present state; its draw is the next state. REQUIRES: as
+/// make_island with a retained state; islands of a chain have different numbers.
+template <ActsInStages T, class Told>
+ParticleStepReport conditional_step(const T& target, const typename T::Guide& guide,
+                                    const IslandOptions& options, const ChainStreams& streams,
+                                    std::uint64_t number, ParticleSample<T>& current,
+                                    const Told& told) {
+  Island<T> island =
+      make_island(target, guide, options, streams, number, &current.sample.state, told);
+  if (island.is_unreachable) return {};
+  CHECK(island.drawn.has_value());
+  current.sample = std::move(*island.drawn);
+  current.log_z = island.log_z;
+  return {.accepted = true, .log_z = island.log_z};
+}
+
+/// Uses two numbers of islands, `number` and the next one. A state that no path reaches stays.
+/// REQUIRES: as conditional_step.
+template <ActsInStages T, class Told>
+ParticleStepReport independence_step(const T& target, const typename T::Guide& guide,
+                                     const IslandOptions& options, const ChainStreams& streams,
+                                     std::uint64_t number, ParticleSample<T>& current,
+                                     const Told& told) {
+  // Know Z of an island that the present state was drawn from.
+  if (!current.log_z) {
+    const Island<T> given =
+        make_island(target, guide, options, streams, number, &current.sample.state, told);
+    if (given.is_unreachable) return {};
+    current.log_z = given.log_z;
+  }
+
+  // Propose a free island.
+  Island<T> island = make_island(target, guide, options, streams, number + 1, nullptr, told);
+  random::Stream acceptance = streams.at(random::Purpose::acceptance, number + 1);
+  const double log_u = math::log(acceptance.uniform());
+  ParticleStepReport report{.accepted = island.drawn && log_u < island.log_z - *current.log_z,
+                            .log_z = island.log_z};
+  if (report.accepted) current = {.sample = std::move(*island.drawn), .log_z = island.log_z};
+  return report;
+}
+
+}  // namespace sleight::sampling
