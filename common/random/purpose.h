@@ -23,6 +23,8 @@ enum class Purpose : std::uint32_t {
   extension = 11,   ///< a particle's choice of a stage: the replica is the particle
   resampling = 12,  ///< which particle each of the next ones descends from
   particle = 13,    ///< which particle of an island is its draw
+  search = 14,      ///< the tries of a search
+  guide = 15,       ///< what a world learns of itself
 };
 
 }  // namespace sleight::random

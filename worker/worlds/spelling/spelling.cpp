@@ -142,8 +142,14 @@ Spelling::Spelling(const Parameters& parameters, Replays replays)
       const Vec3 floor_m = bins_.floor_middle_m({column, row});
       const Vec2 middle_m(floor_m.x(), floor_m.y());
       windows_.add(middle_m, parameters_.world.bin_m, half_m);
+      middles_m_.push_back(middle_m);
     }
   }
+}
+
+std::int16_t Spelling::number_below(const Vec2& place_m) const {
+  const std::optional<Bin> bin = bins_.bin_at(Vec3(place_m.x(), place_m.y(), 0));
+  return bin ? numbers_[std::size_t{bin->row} * bins_.columns() + bin->column] : k_fills_none;
 }
 
 sampling::Proposal<State> Spelling::propose(const State& state, const Filling* filling,

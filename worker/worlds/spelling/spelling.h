@@ -94,6 +94,12 @@ class Spelling {
   const Bins& bins() const { return bins_; }
   const Prior& prior() const { return prior_; }
   std::uint32_t balls() const { return prior_.balls; }
+  /// Where drops are aimed at each designated bin, in the pattern's order from the lowest y.
+  const Windows& windows() const { return windows_; }
+  /// The middle of a designated bin, by its number. REQUIRES: number < balls().
+  const Vec2& middle_m(std::size_t number) const { return middles_m_[number]; }
+  /// The number of the designated bin below a place; k_fills_none if it is of another one.
+  std::int16_t number_below(const Vec2& place_m) const;
 
   State draw_prior(random::Stream& stream) const {
     return draw_state(prior_, parameters_.proposal.kernel, stream);
@@ -236,6 +242,7 @@ class Spelling {
   Influence influence_;
   Prior prior_;
   Windows windows_;
+  std::vector<Vec2> middles_m_;        ///< of designated bins
   std::vector<std::int16_t> numbers_;  ///< by bin, row by row: of the designated ones, in order
   std::unique_ptr<BoxGeometries> geometries_ = std::make_unique<BoxGeometries>();
 };

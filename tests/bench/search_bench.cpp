@@ -1,0 +1,83 @@
+// Pourings built ball by ball (worker/worlds/spelling/pouring_builder.h), from a map of landings
+// that is learnt before: solutions a second, as items. And that map.
+#include <benchmark/benchmark.h>
+
+#include <string>
+
+#include "tests/bench/harness.h"
+#include "worker/worlds/spelling/pouring_builder.h"
+
+namespace sleight::bench {
+namespace {
+
+namespace spelling = worlds::spelling;
+using spelling::Spelling;
+
+constexpr std::uint64_t k_seed = 1;
+/// 2,000 balls: more make no pouring cheaper.
+constexpr std::uint64_t k_batches = 20;
+
+Spelling world_of(const spelling::Pattern& pattern) {
+  spelling::Parameters parameters;
+  parameters.pattern = pattern;
+  return Spelling(parameters);
+}
+
+spelling::Pattern word(const char* letters) {
+  return spelling::pattern_of_word(letters, spelling::Font::rows_5).value();
+}
+
+/// `hashed` pourings decide the hash; more are made while it is measured.
+void search(benchmark::State& state, const spelling::Pattern& pattern, std::uint64_t hashed,
+            std::uint64_t expected) {
+  const Spelling world = world_of(pattern);
+  const spelling::LandingMap map(spelling::landings_of(world, k_seed, k_batches));
+  const spelling::PouringBuilder builder(world, map);
+  sampling::SearchEffort effort;
+  const auto find = [&](std::uint64_t number) {
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::search}, number);
+    return sampling::search(builder, {}, stream, effort);
+  };
+  ResultHash hash;
+  for (std::uint64_t number = 0; number < hashed; ++number) {
+    const auto found = find(number);
+    hash.add(found ? world.log_prior(found->state) : 0.0);
+    if (found) hash.add(found->state.drops_m.back().x());
+  }
+  effort = {};
+  std::uint64_t number = hashed;
+  std::int64_t solutions = 0;
+  for (auto _ : state)
+    solutions += find(number++) ? 1 : 0;
+  state.SetItemsProcessed(solutions);
+  const auto each = static_cast<double>(solutions);
+  state.counters["simulations"] = static_cast<double>(effort.simulations) / each;
+  state.counters["lone_balls"] = static_cast<double>(effort.guesses) / each;
+  verify(state, hash.value(), expected);
+}
+BENCHMARK_CAPTURE(search, hi, spelling::hi(), 20, 0x1U)
+    ->Name("search/hi")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(search, acm, word("ACM"), 5, 0x2U)
+    ->Name("search/acm")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(search, sleight, word("SLEIGHT"), 2, 0x3U)
+    ->Name("search/sleight")
+    ->Unit(benchmark::kMillisecond);
+
+/// A batch of lone balls in the box of ACM.
+void landings(benchmark::State& state) {
+  const Spelling world = world_of(word("ACM"));
+  ResultHash hash;
+  hash.add(landings_of_batch(world, k_seed, 0).total());
+  hash.add(landings_of_batch(world, k_seed, 1).total());
+  std::uint64_t batch = 2;
+  for (auto _ : state)
+    benchmark::DoNotOptimize(landings_of_batch(world, k_seed, batch++));
+  state.SetItemsProcessed(state.iterations() * std::int64_t{spelling::k_landings_of_batch});
+  verify(state, hash.value(), 0x4U);
+}
+BENCHMARK(landings)->Name("search/landings")->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace sleight::bench

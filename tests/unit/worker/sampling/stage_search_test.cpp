@@ -1,0 +1,98 @@
+#include "worker/sampling/stage_search.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "common/random/discrete_distributions.h"
+
+namespace sleight::sampling {
+namespace {
+
+/// A lock of six digits below ten. A digit is promising if it differs from the last one; after a 7
+/// nothing is. A solution begins with an even digit.
+struct Lock {
+  using Prefix = std::vector<std::uint64_t>;
+  std::uint32_t digits = 6;
+  bool has_dead_ends = true;
+  bool has_a_solution = true;
+
+  std::uint32_t stages() const { return digits; }
+  Prefix start(random::Stream&) const { return {}; }
+  std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage, SearchEffort& effort,
+                                random::Stream& stream) const {
+    EXPECT_EQ(prefix.size(), stage);
+    ++effort.simulations;
+    const std::uint64_t digit = random::UniformInteger{.count = 10}.draw(stream);
+    if (has_dead_ends && !prefix.empty() && prefix.back() == 7) return std::nullopt;
+    if (!prefix.empty() && digit == prefix.back()) return std::nullopt;
+    Prefix longer = prefix;
+    longer.push_back(digit);
+    return longer;
+  }
+  bool is_solution(const Prefix& prefix) const {
+    EXPECT_EQ(prefix.size(), digits);
+    return has_a_solution && prefix.front() % 2 == 0;
+  }
+};
+static_assert(StageBuilder<Lock>);
+
+random::Stream stream_of(std::uint64_t number) {
+  return random::Stream({.seed = 17, .purpose = random::Purpose::search}, number);
+}
+
+TEST(StageSearch, FindsSolutionsBeyondDeadEnds) {
+  // Goal: what is found is a solution, and a stage from which nothing follows is taken back.
+  // Method: 500 searches of a lock with dead ends; every stage of what is found is promising.
+  const Lock lock;
+  SearchEffort effort;
+  int found = 0;
+  for (std::uint64_t number = 0; number < 500; ++number) {
+    random::Stream stream = stream_of(number);
+    const auto digits =
+        search(lock, {.tries_of_stage = 20, .tries_per_stage = 100}, stream, effort);
+    if (!digits) continue;
+    ++found;
+    EXPECT_EQ((*digits)[0] % 2, 0U);
+    for (std::size_t i = 0; i + 1 < digits->size(); ++i) {
+      EXPECT_NE((*digits)[i], 7U);
+      EXPECT_NE((*digits)[i], (*digits)[i + 1]);
+    }
+  }
+  EXPECT_GT(found, 200);
+  EXPECT_GT(effort.steps_back, 100U);
+  EXPECT_EQ(effort.simulations, effort.tries);
+}
+
+TEST(StageSearch, SpendsItsTriesAndGivesUp) {
+  // Goal: limits are those stated. Method: a lock without a solution, one whose second stage is
+  // always a dead end, and no tries at all.
+  SearchEffort effort;
+  random::Stream stream = stream_of(0);
+  const Lock unsolvable{.has_dead_ends = false, .has_a_solution = false};
+  EXPECT_FALSE(search(unsolvable, {.tries_of_stage = 50, .tries_per_stage = 10}, stream, effort));
+  EXPECT_LE(effort.tries, 60U);
+  EXPECT_GT(effort.steps_back, 10U);
+  SearchEffort none;
+  EXPECT_FALSE(search(Lock{}, {.tries_of_stage = 50, .tries_per_stage = 0}, stream, none));
+  EXPECT_EQ(none.tries, 0U);
+  SearchEffort stuck;
+  EXPECT_FALSE(search(Lock{}, {.tries_of_stage = 0, .tries_per_stage = 10}, stream, stuck));
+  EXPECT_EQ(stuck.tries, 0U);
+}
+
+TEST(StageSearch, IsAFunctionOfItsStream) {
+  // Goal: the same stream gives the same solution, another one mostly another. Method: twice each.
+  const Lock lock{.has_dead_ends = false};
+  SearchEffort effort;
+  std::vector<std::optional<Lock::Prefix>> found;
+  for (const std::uint64_t number : {1U, 1U, 2U, 3U}) {
+    random::Stream stream = stream_of(number);
+    found.push_back(search(lock, {.tries_per_stage = 100}, stream, effort));
+  }
+  EXPECT_EQ(found[0], found[1]);
+  EXPECT_FALSE(found[1] == found[2] && found[2] == found[3]);
+}
+
+}  // namespace
+}  // namespace sleight::sampling

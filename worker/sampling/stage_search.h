@@ -1,0 +1,92 @@
+// Search: a solution built stage by stage, for a world that acts in stages.
+//
+//   start from a ground of the prior
+//   until all stages stand:
+//     try the next stage; a try that is promising stands
+//     after too many tries at one stage: take the last stage back
+//     after too many tries in all: give up
+//
+// A solution that is found so is as wanted, and each of its quantities is one that the prior may
+// give; but solutions are not found in the proportions of p_w p_c. They are no samples: no average,
+// weight or odds may come from them. Chains may start from them.
+//
+// A builder is a world together with what it has learnt of itself. Thread safety: as the builder's.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/plan/failure.h"
+#include "common/random/stream.h"
+
+namespace sleight::sampling {
+
+/// The work that tries took.
+struct SearchEffort {
+  std::uint64_t tries = 0;
+  std::uint64_t simulations = 0;  ///< of prefixes
+  std::uint64_t guesses = 0;      ///< cheap simulations that say whether a try is worth one
+  std::uint64_t steps_back = 0;
+  std::uint64_t overlapping_starts = 0;
+  std::vector<plan::FailurePointer> failures{};
+};
+
+template <class B>
+concept StageBuilder = std::copyable<typename B::Prefix> &&
+    requires(const B& builder, const typename B::Prefix& prefix, std::uint32_t stage,
+             SearchEffort& effort, random::Stream& stream) {
+  { builder.stages() } -> std::same_as<std::uint32_t>;
+  /// The prefix without stages, on a ground of the prior.
+  { builder.start(stream) } -> std::same_as<typename B::Prefix>;
+  /// One try at the stage after a prefix of `stage` stages; nothing if it isn't promising. Counts
+  /// its simulations.
+  {
+    builder.attempt(prefix, stage, effort, stream)
+    } -> std::same_as<std::optional<typename B::Prefix>>;
+  /// REQUIRES: the prefix has all stages.
+  { builder.is_solution(prefix) } -> std::same_as<bool>;
+};
+
+struct SearchLimits {
+  std::uint32_t tries_of_stage = 200;  ///< then the stage before is taken back
+  std::uint32_t tries_per_stage = 40;  ///< of all stages together, in the mean: then it gives up
+};
+
+/// All random numbers come from the stream. Nothing, when it gave up.
+template <StageBuilder B>
+std::optional<typename B::Prefix> search(const B& builder, const SearchLimits& limits,
+                                         random::Stream& stream, SearchEffort& effort) {
+  const std::uint32_t stages = builder.stages();
+  const std::uint64_t tries_max = std::uint64_t{limits.tries_per_stage} * stages;
+  std::vector<typename B::Prefix> prefixes{builder.start(stream)};
+  std::uint32_t tries_here = 0;
+  for (std::uint64_t tries = 0; tries < tries_max; ++tries) {
+    const auto stage = static_cast<std::uint32_t>(prefixes.size() - 1);
+    if (stage == stages && builder.is_solution(prefixes.back())) return std::move(prefixes.back());
+
+    // Take a stage back where nothing follows.
+    if (stage == stages || tries_here == limits.tries_of_stage) {
+      tries_here = 0;
+      if (stage == 0) return std::nullopt;
+      prefixes.pop_back();
+      ++effort.steps_back;
+      continue;
+    }
+
+    // Try the next one.
+    ++tries_here;
+    ++effort.tries;
+    auto longer = builder.attempt(prefixes.back(), stage, effort, stream);
+    if (!longer) continue;
+    prefixes.push_back(*std::move(longer));
+    tries_here = 0;
+  }
+  if (prefixes.size() == stages + std::size_t{1} && builder.is_solution(prefixes.back()))
+    return std::move(prefixes.back());
+  return std::nullopt;
+}
+
+}  // namespace sleight::sampling

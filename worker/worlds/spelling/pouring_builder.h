@@ -1,0 +1,56 @@
+// Pourings built ball by ball, for search (worker/sampling/stage_search.h).
+//
+// Balls drop one after another and later ones seldom move earlier ones. So ball i is dropped where
+// it would fill an empty bin if it fell alone (a drop from the map of landings, or from a window
+// about the bin; then a simulation of the ball alone), and stands if after it each of the balls
+// 0 to i fills a bin. Balls that need another one's push to reach their bin are never tried: what
+// is found is plausible, and not in the model's proportions.
+//
+// Thread safety: const functions may be called from several threads at once.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/random/stream.h"
+#include "worker/sampling/stage_search.h"
+#include "worker/worlds/spelling/landing_map.h"
+#include "worker/worlds/spelling/spelling.h"
+
+namespace sleight::worlds::spelling {
+
+/// The share of drops from a window about the bin (Windows), which reach where the map has nothing.
+inline constexpr double k_window_share = 0.15;
+/// Balls that are tried alone before a try counts as failed.
+inline constexpr std::uint32_t k_lone_tries_max = 200;
+
+class PouringBuilder {
+ public:
+  /// The first balls' drops, and what they came to.
+  struct Prefix {
+    State state;
+    Outcome outcome;
+  };
+
+  /// REQUIRES: world and map outlive the builder.
+  PouringBuilder(const Spelling& world, const LandingMap& map) : world_(&world), map_(&map) {}
+
+  std::uint32_t stages() const { return world_->balls(); }
+  /// A box of the prior without balls.
+  Prefix start(random::Stream& stream) const;
+  std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
+                                sampling::SearchEffort& effort, random::Stream& stream) const;
+  bool is_solution(const Prefix& prefix) const { return world_->satisfied(prefix.outcome); }
+
+ private:
+  /// Where the next ball would fill an empty bin alone; nothing after k_lone_tries_max tries.
+  std::optional<Vec2> promising_drop(const Prefix& prefix, sampling::SearchEffort& effort,
+                                     random::Stream& stream) const;
+
+  const Spelling* world_;
+  const LandingMap* map_;
+};
+
+static_assert(sampling::StageBuilder<PouringBuilder>);
+
+}  // namespace sleight::worlds::spelling
