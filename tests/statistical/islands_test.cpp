@@ -160,7 +160,7 @@ Kept kept_by(const Step& step, double beta, std::uint32_t first_chain, std::uint
 
 /// Chains of each setting; the long run (SLEIGHT_SOAK=1) has many more.
 std::uint32_t draws() {
-  return property::long_run() ? 200'000 : 10'000;
+  return property::long_run() ? 200'000 : 4'000;
 }
 
 TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
