@@ -1,0 +1,134 @@
+// Balls that spell as a world that acts in stages (worker/sampling/stages.h): stage i decides
+// whether ball i takes part, and drops it.
+//
+// Ground: the offsets, drawn from the prior, and a pool of drops that an island's particles share.
+// Each drop of the pool is simulated once as a ball that falls alone, so that a particle may look
+// at all of them before it chooses. The pool has a stratum for each designated bin b, of n drops
+// from
+//
+//   q_b = prior_share p + (1 - prior_share) (window_share window_b + (1 - window_share) map_b),
+//
+// p the prior's density, window_b of Windows, map_b the map of landings about the bin's middle.
+// With q the mean of all q_b, a drop at x has v = p(x) / q(x).
+//
+// Choice. A ball takes part with probability `takes_part` (1/2 in the prior). If it does, an unused
+// drop j of the pool is chosen with probability v_j s_j g_j / S, S the sum over unused ones. g_j
+// guesses how likely it is that the ball fills an empty bin; s_j = n / (n - used drops of j's
+// stratum) makes up for those that are used. The weight is
+//
+//   (1/2) / takes_part  S / (K g_j),   K all drops of the pool.
+//
+// Why that is right on average over pools: the probability of a sequence of drops times its weights
+// is the product of v_j s_j / K; drops of a sequence are different ones of the pool, so
+// independent; summed over the unused ones of a stratum, s_j / K comes to (n / K) q_b, over strata
+// to q, and q v is p. It needs n to be at least the number of balls, so that no stratum is ever
+// used up.
+//
+// Given a state (ground_given), its drops' places in the pool are drawn one after another: the
+// stratum b with probability proportional to q_b at the drop, then an unused place of it; the rest
+// of the pool is drawn as always.
+//
+// Potential: p_c of the prefix, lambda for each bin that is filled; exp(log_elsewhere) for each
+// ball that fills no bin or a full one; and for each filled bin 1 / (the share of prior drops that
+// fill it alone, by the pool): a bin that is hard to fill is worth more.
+//
+// Thread safety: const functions may be called from several threads at once.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/random/stream.h"
+#include "worker/sampling/stages.h"
+#include "worker/worlds/spelling/landing_map.h"
+#include "worker/worlds/spelling/spelling.h"
+
+namespace sleight::worlds::spelling {
+
+/// What a drop promises a prefix: whether alone it fills an empty bin, and what lies below it.
+struct DropOdds {
+  double own_bin = 0.95;     ///< fills the empty bin below it
+  double beside = 0.85;      ///< fills an empty bin, and is not above a full one
+  double above_full = 0.25;  ///< fills an empty bin, but is above a full one
+  double other = 0.03;       ///< fills a full bin or none
+};
+
+/// Frozen before anything counts.
+struct PouringGuide {
+  LandingMap map;
+  DropOdds odds{};
+  double takes_part = 0.98;    ///< in (0, 1)
+  double log_elsewhere = -3;   ///< -infinity: prefixes with a ball elsewhere are never gone on with
+  double prior_share = 0.15;   ///< in (0, 1]
+  double window_share = 0.15;  ///< in [0, 1]
+  std::uint32_t drops_per_bin = 40;  ///< at least; never fewer than there are balls
+};
+
+/// A drop of an island's pool.
+struct PoolDrop {
+  Vec2 drop_m{0, 0};
+  double v = 0;                       ///< 0: outside of the region that balls are dropped from
+  std::int16_t alone = k_fills_none;  ///< the bin that it fills alone
+  std::int16_t below = k_fills_none;  ///< the designated bin below it
+};
+
+struct PouringGround {
+  std::vector<Vec3> offsets_m;
+  std::vector<PoolDrop> pool;       ///< stratum by stratum
+  std::vector<double> bin_share{};  ///< by bin: of prior drops, those that fill it alone
+  double mean_share = 0;            ///< over bins
+  /// By ball: the place in the pool of the drop that a given state has; k_no_drop for a ball that
+  /// takes no part, and where no state is given.
+  std::vector<std::uint32_t> retained{};
+};
+inline constexpr std::uint32_t k_no_drop = UINT32_MAX;
+
+struct PouringPrefix {
+  State state;
+  Outcome outcome;
+  std::vector<std::uint8_t> is_used{};       ///< by drop of the pool
+  std::vector<std::uint32_t> used_of_bin{};  ///< by stratum
+};
+
+class StagedSpelling : public Spelling {
+ public:
+  using Guide = PouringGuide;
+  using Ground = PouringGround;
+  using Prefix = PouringPrefix;
+  using Spelling::Spelling;
+
+  std::uint32_t stages() const { return balls(); }
+  Ground draw_ground(const Guide& guide, random::Stream& stream) const;
+  Ground ground_given(const Guide& guide, const State& state, random::Stream& stream) const;
+  Prefix no_stages(const Guide& guide, const Ground& ground) const;
+  sampling::Extension extend(const Guide& guide, const Ground& ground, std::uint32_t stage,
+                             Prefix& prefix, random::Stream& stream) const;
+  sampling::Extension extend_as(const Guide& guide, const Ground& ground, const State& state,
+                                std::uint32_t stage, Prefix& prefix) const;
+  double log_potential(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
+  State state_of(const Ground& /*ground*/, const Prefix& prefix) const { return prefix.state; }
+  Outcome outcome_of(const Prefix& prefix) const { return prefix.outcome; }
+
+  /// q of a stratum, 1/m^2. REQUIRES: inside the region that balls are dropped from.
+  double density_of_stratum(const Guide& guide, std::size_t bin, const Vec2& drop_m) const;
+
+ private:
+  std::uint32_t drops_per_bin(const Guide& guide) const;
+  bool is_dropped_from(const Vec2& drop_m) const;
+  Vec2 draw_of_stratum(const Guide& guide, std::size_t bin, random::Stream& stream) const;
+  /// What the pool knows of a drop.
+  PoolDrop looked_at(const Guide& guide, std::span<const Vec3> offsets_m, const Vec2& drop_m) const;
+  /// Completes a ground whose retained drops are in their places; the others' places are drawn.
+  void fill_pool(const Guide& guide, std::span<const std::uint8_t> is_retained,
+                 random::Stream& stream, Ground& ground) const;
+  /// g of each unused drop; 0 of the used ones and of those outside.
+  std::vector<double> guesses(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
+  /// By the drop of such a number, or none.
+  sampling::Extension extend_by(const Guide& guide, const Ground& ground, std::uint32_t stage,
+                                std::uint32_t drop, std::span<const double> guesses,
+                                Prefix& prefix) const;
+};
+
+static_assert(sampling::ActsInStages<StagedSpelling>);
+
+}  // namespace sleight::worlds::spelling
