@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <vector>
 
 #include "common/math/elementary.h"
+#include "tests/statistical/support/chi_square.h"
 #include "tests/statistical/support/rank_tests.h"
 #include "tests/statistical/support/spelling_fixture.h"
 #include "tests/support/property.h"
@@ -49,26 +49,6 @@ struct Functions {
     values[4].push_back(sum);
   }
 };
-
-/// Of two samples of counts, that they have one distribution (W. H. Press et al., Numerical
-/// Recipes, 14.3, for unequal numbers).
-double two_sample_p(std::span<const double> a, std::span<const double> b) {
-  double sum_a = 0;
-  double sum_b = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    sum_a += a[i];
-    sum_b += b[i];
-  }
-  double chi_square = 0;
-  int cells = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (a[i] + b[i] == 0) continue;
-    const double off = std::sqrt(sum_b / sum_a) * a[i] - std::sqrt(sum_a / sum_b) * b[i];
-    chi_square += off * off / (a[i] + b[i]);
-    ++cells;
-  }
-  return boost::math::gamma_q(0.5 * (cells - 1), 0.5 * chi_square);
-}
 
 /// The least p-value, times their number, of exact draws moved by some steps of a world's proposals
 /// against fresh ones.

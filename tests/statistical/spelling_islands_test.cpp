@@ -4,10 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "tests/statistical/support/chi_square.h"
 #include "tests/statistical/support/rank_tests.h"
 #include "tests/statistical/support/spelling_fixture.h"
 #include "tests/support/property.h"
@@ -22,7 +23,6 @@ using worlds::spelling::PouringGuide;
 using worlds::spelling::StagedSpelling;
 
 constexpr std::uint64_t k_seed = 173205;
-const auto k_nobody = [](const sampling::SimulationReport&) {};
 
 sampling::ChainStreams streams_of(std::uint32_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
@@ -70,8 +70,7 @@ TEST(SpellingIslands, AgreeWithRejection) {
     for (std::size_t ball = 0; ball < world.balls(); ++ball) {
       if (state.active[ball] != 0) continue;
       state.active[ball] = 1;
-      state.drops_m[ball] = {world.prior().drop_half_m.x() * (2 * stream.uniform() - 1),
-                             world.prior().drop_half_m.y() * (2 * stream.uniform() - 1)};
+      state.drops_m[ball] = world.prior().draw_drop(stream);
     }
     blind.satisfied.push_back(world.satisfied(world.simulate(state)) ? 0.125 : 0);
   }
@@ -83,7 +82,7 @@ TEST(SpellingIslands, AgreeWithRejection) {
     Estimates by_islands;
     for (std::uint32_t i = 0; i < islands; ++i) {
       const auto island =
-          sampling::make_island(world, guide, {.particles = 12}, streams_of(chain++), 0);
+          sampling::Islands(world, guide, {.particles = 12}, streams_of(chain++)).free(0);
       by_islands.z.push_back(std::exp(island.log_z));
       by_islands.satisfied.push_back(std::exp(island.log_satisfied));
       if (island.drawn && i < 20) {
@@ -111,14 +110,6 @@ struct Seen {
   }
 };
 
-/// Two-sample chi-square of counts of as many samples.
-double counts_p(const std::vector<double>& a, const std::vector<double>& b) {
-  double statistic = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i] + b[i] > 0) statistic += (a[i] - b[i]) * (a[i] - b[i]) / (a[i] + b[i]);
-  return boost::math::gamma_q(0.5 * static_cast<double>(a.size() - 1), 0.5 * statistic);
-}
-
 TEST(SpellingIslands, StepsKeepExactDrawsExact) {
   // Goal: both particle steps keep p_w p_c of two balls: how many take part and fill a bin, and
   // where they are dropped. Method: exact draws by rejection; after five steps, against as many
@@ -127,13 +118,11 @@ TEST(SpellingIslands, StepsKeepExactDrawsExact) {
   const PouringGuide guide = guide_of(world, 3);
   const sampling::IslandOptions options{.particles = 4, .resample_below = 0.9};
   const int draws = property::long_run() ? 30'000 : 1'500;
-  const double most = world.balls() * world.parameters().constraint.log_lambda;
   const auto exact = [&](std::uint64_t number) {
     random::Stream stream = streams_of(2'000'000).at(random::Purpose::prior, number);
-    while (true) {
-      auto sample = sampling::evaluate(world, world.draw_prior(stream));
-      if (math::log(stream.uniform()) < sample.log_constraint - most) return sample;
-    }
+    SpellingSample drawn = exact_draw(world, 1, stream);
+    return sampling::Sample<StagedSpelling>{std::move(drawn.state), std::move(drawn.outcome),
+                                            drawn.log_prior, drawn.log_constraint};
   };
   for (const bool conditional : {true, false}) {
     Seen after;
@@ -146,19 +135,20 @@ TEST(SpellingIslands, StepsKeepExactDrawsExact) {
       const auto before = current.sample.state;
       const sampling::ChainStreams streams =
           streams_of(3'000'000 + static_cast<std::uint32_t>(2 * i + (conditional ? 1 : 0)));
+      const sampling::Islands islands(world, guide, options, streams);
       for (std::uint64_t step = 0; step < 5; ++step) {
         if (conditional) {
-          sampling::conditional_step(world, guide, options, streams, step, current, k_nobody);
+          sampling::conditional_step(islands, step, current);
           ASSERT_EQ(current.sample.state.offsets_m, before.offsets_m);
         } else {
-          sampling::independence_step(world, guide, options, streams, 2 * step, current, k_nobody);
+          sampling::independence_step(islands, 2 * step, current);
         }
       }
       after.add(current.sample);
       moved += current.sample.state == before ? 0 : 1;
     }
-    const std::vector<double> p{counts_p(after.filled, fresh.filled),
-                                counts_p(after.active, fresh.active),
+    const std::vector<double> p{two_sample_p(after.filled, fresh.filled),
+                                two_sample_p(after.active, fresh.active),
                                 kolmogorov_smirnov_p(after.drop_x_m[0], fresh.drop_x_m[0]),
                                 kolmogorov_smirnov_p(after.drop_x_m[1], fresh.drop_x_m[1])};
     fmt::print("{} steps: p {:.3g} {:.3g} {:.3g} {:.3g}, {:.2f} moved\n",

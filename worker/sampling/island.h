@@ -16,7 +16,7 @@
 //
 //   Z = integral of p_w p_c^beta,
 //
-// for any number of particles, and so is `satisfied_z` of P(satisfied), the integral of p_w over
+// for any number of particles, and so is that of P(satisfied), the integral of p_w over
 // states that satisfy. Islands share nothing.
 //
 // A conditional island holds one path fixed, that of a given state, as particle 0. It is drawn from
@@ -28,13 +28,13 @@
 //   1. Random numbers are addressed by (seed, chain, island, stage, particle): an island is a pure
 //      function of its streams, its number and, if conditional, the state.
 //   2. A particle whose weight is 0 is dead: it is not extended. When all are, Z is 0.
-// Memory: as many prefixes and samples as there are particles.
+// Memory: as many prefixes as there are particles, and as many again while they are resampled.
 // Sources: C. Andrieu, A. Doucet, R. Holenstein, Particle Markov chain Monte Carlo methods (Journal
 // of the Royal Statistical Society B 72, 2010); Chopin and Papaspiliopoulos (stages.h), chapter 16.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -70,137 +70,162 @@ struct Island {
   bool is_unreachable = false;
 };
 
-namespace detail {
-
-/// The ground and the particles of an island in the making.
+/// Makes the islands of one chain. REQUIRES: target and guide outlive it.
 template <ActsInStages T>
-struct Particles {
-  typename T::Ground ground;
-  std::vector<typename T::Prefix> prefixes;
-  IslandWeights weights;
+class Islands {
+ public:
+  using State = typename T::State;
+  /// Hears of each simulation.
+  using Told = std::function<void(const SimulationReport&)>;
 
-  /// The n-th particle as a sample. REQUIRES: it has all stages.
-  Sample<T> sample(const T& target, std::size_t n) const {
-    typename T::State state = target.state_of(ground, prefixes[n]);
-    typename T::Outcome outcome = target.outcome_of(prefixes[n]);
-    const double log_prior = target.log_prior(state);
-    const double log_constraint = target.log_constraint(outcome);
-    return {std::move(state), std::move(outcome), log_prior, log_constraint};
+  Islands(
+      const T& target, const typename T::Guide& guide, const IslandOptions& options,
+      const ChainStreams& streams, Told told = [](const SimulationReport&) {})
+      : target_(&target),
+        guide_(&guide),
+        options_(options),
+        streams_(streams),
+        told_(std::move(told)) {
+    CHECK(target.stages() >= 1 && target.stages() <= k_stages_max);
+    CHECK_GE(options.particles, 1U);
   }
-  /// Each descends from one of the present ones.
-  void descend_from(const std::vector<std::uint32_t>& ancestors) {
-    std::vector<typename T::Prefix> next;
-    next.reserve(prefixes.size());
-    for (const std::uint32_t ancestor : ancestors)
-      next.push_back(prefixes[ancestor]);
-    prefixes = std::move(next);
-    weights.start_again();
+
+  const ChainStreams& streams() const { return streams_; }
+
+  /// The `number`-th island.
+  Island<T> free(std::uint64_t number) const { return made(number, nullptr); }
+  /// The same given that the state was drawn from it: particle 0 keeps its path. REQUIRES:
+  /// p_w p_c^beta > 0 of the state; two particles at least.
+  Island<T> given(std::uint64_t number, const State& state) const {
+    CHECK_GE(options_.particles, 2U);
+    return made(number, &state);
   }
-};
 
-}  // namespace detail
+ private:
+  /// An island in the making.
+  struct Making {
+    std::uint64_t number;
+    const State* retained;  ///< the state whose path particle 0 keeps; null: none
+    typename T::Ground ground;
+    std::vector<typename T::Prefix> prefixes;
+    std::vector<double> log_potentials;
+    IslandWeights weights;
+  };
 
-/// The `number`-th island of a chain. `retained`: the state whose path particle 0 keeps; null for a
-/// free island. `told` hears of each simulation. REQUIRES: a retained state has p_w p_c^beta > 0;
-/// one particle at least, two if one is retained.
-template <ActsInStages T, class Told>
-Island<T> make_island(const T& target, const typename T::Guide& guide, const IslandOptions& options,
-                      const ChainStreams& streams, std::uint64_t number,
-                      const typename T::State* retained, const Told& told) {
-  const std::uint32_t stages = target.stages();
-  CHECK(stages >= 1 && stages <= k_stages_max);
-  CHECK_GE(options.particles, retained == nullptr ? 1U : 2U);
-  const auto stream_of = [&](random::Purpose purpose, std::uint32_t stage, std::uint32_t particle) {
-    return random::Stream({.seed = streams.seed,
-                           .chain = streams.chain,
+  random::Stream stream_of(random::Purpose purpose, std::uint64_t number, std::uint32_t stage,
+                           std::uint32_t particle = 0) const {
+    return random::Stream({.seed = streams_.seed,
+                           .chain = streams_.chain,
                            .replica = base::ReplicaId{particle},
                            .purpose = purpose},
                           number * k_stages_max + stage);
-  };
+  }
 
-  // Draw the ground, and put all particles on it.
-  random::Stream ground_stream = stream_of(random::Purpose::ground, 0, 0);
-  detail::Particles<T> all{.ground = retained == nullptr
-                                         ? target.draw_ground(guide, ground_stream)
-                                         : target.ground_given(guide, *retained, ground_stream),
-                           .prefixes = {},
-                           .weights = IslandWeights(options.particles)};
-  all.prefixes.assign(options.particles, target.no_stages(guide, all.ground));
-  std::vector<double> log_potentials(options.particles, 0);
-  std::vector<std::optional<Sample<T>>> samples(options.particles);
-
-  for (std::uint32_t stage = 0; stage < stages; ++stage) {
-    // Extend each particle, and weigh what came of it.
-    for (std::uint32_t n = 0; n < options.particles; ++n) {
-      if (all.weights.is_dead(n)) continue;
-      random::Stream own = stream_of(random::Purpose::extension, stage, n);
-      const Extension extension =
-          retained != nullptr && n == 0
-              ? target.extend_as(guide, all.ground, *retained, stage, all.prefixes[n])
-              : target.extend(guide, all.ground, stage, all.prefixes[n], own);
-      told(extension.simulation);
-      if (extension.log_weight == k_log_zero || is_refused<T>(extension.simulation)) {
-        all.weights.kill(n);
-        continue;
-      }
-      double log_potential = 0;
-      if (stage + 1 < stages) {
-        log_potential = target.log_potential(guide, all.ground, all.prefixes[n]);
-      } else {
-        samples[n] = all.sample(target, n);
-        log_potential =
-            tempered_log_density(0, samples[n]->log_constraint, options.inverse_temperature);
-      }
-      if (log_potential == k_log_zero) {
-        all.weights.kill(n);
-        continue;
-      }
-      all.weights.add(n, extension.log_weight + (log_potential - log_potentials[n]));
-      log_potentials[n] = log_potential;
+  Island<T> made(std::uint64_t number, const State* retained) const {
+    Making making = begun(number, retained);
+    for (std::uint32_t stage = 0; stage < target_->stages(); ++stage) {
+      if (stage > 0) resample_unequal(making, stage - 1);
+      for (std::uint32_t n = 0; n < options_.particles; ++n)
+        if (!making.weights.is_dead(n)) extend(making, stage, n);
+      if (retained != nullptr && making.weights.is_dead(0)) return {.is_unreachable = true};
+      if (making.weights.all_dead()) return {};
     }
-    if (retained != nullptr && all.weights.is_dead(0)) return {.is_unreachable = true};
-    if (all.weights.all_dead()) return {};
-
-    // Resample where weights have become unequal.
-    if (stage + 1 == stages) break;
-    const std::vector<double> shares = all.weights.shares();
-    if (effective_size(shares) >= options.resample_below * options.particles) continue;
-    random::Stream own = stream_of(random::Purpose::resampling, stage, 0);
-    const std::vector<std::uint32_t> ancestors =
-        retained == nullptr ? resampled(shares, own) : resampled_with_first(shares, own);
-    std::vector<double> inherited;
-    for (const std::uint32_t ancestor : ancestors)
-      inherited.push_back(log_potentials[ancestor]);
-    log_potentials = std::move(inherited);
-    all.descend_from(ancestors);
+    return finished(making);
   }
 
-  // Draw one particle by weight.
-  const std::vector<double> shares = all.weights.shares();
-  random::Stream own = stream_of(random::Purpose::particle, 0, 0);
-  Island<T> island{.log_z = all.weights.log_z(), .effective_size = effective_size(shares)};
-  const std::size_t drawn = random::draw_by_share(shares, own);
-  LogSum satisfied;
-  for (std::uint32_t n = 0; n < options.particles; ++n) {
-    const bool is_one =
-        samples[n] && !all.weights.is_dead(n) && target.satisfied(samples[n]->outcome);
-    satisfied.add(is_one ? all.weights.log_weight(n) -
-                               tempered_log_density(0, samples[n]->log_constraint,
-                                                    options.inverse_temperature)
-                         : k_log_zero);
-    island.satisfied += is_one ? 1U : 0U;
+  /// Draws the ground, and puts all particles on it.
+  Making begun(std::uint64_t number, const State* retained) const {
+    random::Stream stream = stream_of(random::Purpose::ground, number, 0);
+    Making making{.number = number,
+                  .retained = retained,
+                  .ground = retained == nullptr ? target_->draw_ground(*guide_, stream)
+                                                : target_->ground_given(*guide_, *retained, stream),
+                  .prefixes = {},
+                  .log_potentials = std::vector<double>(options_.particles, 0),
+                  .weights = IslandWeights(options_.particles)};
+    for (const SimulationReport& report : target_->simulations_of(making.ground))
+      told_(report);
+    making.prefixes.assign(options_.particles, target_->no_stages(*guide_, making.ground));
+    return making;
   }
-  island.log_satisfied = all.weights.log_z_before() + satisfied.log_mean();
-  island.drawn = std::move(samples[drawn]);
-  return island;
-}
 
-/// A free island.
-template <ActsInStages T>
-Island<T> make_island(const T& target, const typename T::Guide& guide, const IslandOptions& options,
-                      const ChainStreams& streams, std::uint64_t number) {
-  return make_island(target, guide, options, streams, number, nullptr,
-                     [](const SimulationReport&) {});
-}
+  /// Extends a particle, and weighs what came of it: after the last stage by p_c.
+  void extend(Making& making, std::uint32_t stage, std::uint32_t n) const {
+    typename T::Prefix& prefix = making.prefixes[n];
+    random::Stream stream = stream_of(random::Purpose::extension, making.number, stage, n);
+    const Extension extension =
+        making.retained != nullptr && n == 0
+            ? target_->extend_as(*guide_, making.ground, *making.retained, stage, prefix)
+            : target_->extend(*guide_, making.ground, stage, prefix, stream);
+    told_(extension.simulation);
+    if (extension.log_weight == k_log_zero || is_refused<T>(extension.simulation)) {
+      making.weights.kill(n);
+      return;
+    }
+    const double log_potential = stage + 1 == target_->stages()
+                                     ? log_constraint_of(prefix)
+                                     : target_->log_potential(*guide_, making.ground, prefix);
+    if (log_potential == k_log_zero) {
+      making.weights.kill(n);
+      return;
+    }
+    making.weights.add(n, extension.log_weight + (log_potential - making.log_potentials[n]));
+    making.log_potentials[n] = log_potential;
+  }
+
+  /// log p_c^beta of a prefix of all stages.
+  double log_constraint_of(const typename T::Prefix& prefix) const {
+    return tempered_log_density(0, target_->log_constraint(target_->outcome_of(prefix)),
+                                options_.inverse_temperature);
+  }
+
+  void resample_unequal(Making& making, std::uint32_t stage) const {
+    const std::vector<double> shares = making.weights.shares();
+    if (effective_size(shares) >= options_.resample_below * options_.particles) return;
+    random::Stream stream = stream_of(random::Purpose::resampling, making.number, stage);
+    const std::vector<std::uint32_t> ancestors = making.retained == nullptr
+                                                     ? resampled(shares, stream)
+                                                     : resampled_with_first(shares, stream);
+    std::vector<typename T::Prefix> prefixes;
+    std::vector<double> log_potentials;
+    prefixes.reserve(ancestors.size());
+    for (const std::uint32_t ancestor : ancestors) {
+      prefixes.push_back(making.prefixes[ancestor]);
+      log_potentials.push_back(making.log_potentials[ancestor]);
+    }
+    making.prefixes = std::move(prefixes);
+    making.log_potentials = std::move(log_potentials);
+    making.weights.start_again();
+  }
+
+  /// Draws one particle by weight, and estimates P(satisfied).
+  Island<T> finished(const Making& making) const {
+    const std::vector<double> shares = making.weights.shares();
+    Island<T> island{.log_z = making.weights.log_z(), .effective_size = effective_size(shares)};
+    LogSum satisfied;
+    for (std::uint32_t n = 0; n < options_.particles; ++n) {
+      const bool is_one =
+          !making.weights.is_dead(n) && target_->satisfied(target_->outcome_of(making.prefixes[n]));
+      // Without p_c, which is the last potential.
+      satisfied.add(is_one ? making.weights.log_weight(n) - making.log_potentials[n] : k_log_zero);
+      island.satisfied += is_one ? 1U : 0U;
+    }
+    island.log_satisfied = making.weights.log_z_before() + satisfied.log_mean();
+    random::Stream stream = stream_of(random::Purpose::particle, making.number, 0);
+    const typename T::Prefix& drawn = making.prefixes[random::draw_by_share(shares, stream)];
+    State state = target_->state_of(making.ground, drawn);
+    typename T::Outcome outcome = target_->outcome_of(drawn);
+    const double log_prior = target_->log_prior(state);
+    const double log_constraint = target_->log_constraint(outcome);
+    island.drawn = Sample<T>{std::move(state), std::move(outcome), log_prior, log_constraint};
+    return island;
+  }
+
+  const T* target_;
+  const typename T::Guide* guide_;
+  IslandOptions options_;
+  ChainStreams streams_;
+  Told told_;
+};
 
 }  // namespace sleight::sampling

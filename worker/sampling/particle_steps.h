@@ -39,15 +39,12 @@ struct ParticleStepReport {
   double log_z = k_log_zero;  ///< of the step's free island, or of the conditional one
 };
 
-/// The number-th island given the present state; its draw is the next state. REQUIRES: as
-/// make_island with a retained state; islands of a chain have different numbers.
-template <ActsInStages T, class Told>
-ParticleStepReport conditional_step(const T& target, const typename T::Guide& guide,
-                                    const IslandOptions& options, const ChainStreams& streams,
-                                    std::uint64_t number, ParticleSample<T>& current,
-                                    const Told& told) {
-  Island<T> island =
-      make_island(target, guide, options, streams, number, &current.sample.state, told);
+/// An island given the present state; its draw is the next state. REQUIRES: as Islands::given;
+/// islands of a chain have different numbers.
+template <ActsInStages T>
+ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t number,
+                                    ParticleSample<T>& current) {
+  Island<T> island = islands.given(number, current.sample.state);
   if (island.is_unreachable) return {};
   CHECK(island.drawn.has_value());
   current.sample = std::move(*island.drawn);
@@ -57,22 +54,19 @@ ParticleStepReport conditional_step(const T& target, const typename T::Guide& gu
 
 /// Uses two numbers of islands, `number` and the next one. A state that no path reaches stays.
 /// REQUIRES: as conditional_step.
-template <ActsInStages T, class Told>
-ParticleStepReport independence_step(const T& target, const typename T::Guide& guide,
-                                     const IslandOptions& options, const ChainStreams& streams,
-                                     std::uint64_t number, ParticleSample<T>& current,
-                                     const Told& told) {
+template <ActsInStages T>
+ParticleStepReport independence_step(const Islands<T>& islands, std::uint64_t number,
+                                     ParticleSample<T>& current) {
   // Know Z of an island that the present state was drawn from.
   if (!current.log_z) {
-    const Island<T> given =
-        make_island(target, guide, options, streams, number, &current.sample.state, told);
+    const Island<T> given = islands.given(number, current.sample.state);
     if (given.is_unreachable) return {};
     current.log_z = given.log_z;
   }
 
   // Propose a free island.
-  Island<T> island = make_island(target, guide, options, streams, number + 1, nullptr, told);
-  random::Stream acceptance = streams.at(random::Purpose::acceptance, number + 1);
+  Island<T> island = islands.free(number + 1);
+  random::Stream acceptance = islands.streams().at(random::Purpose::acceptance, number + 1);
   const double log_u = math::log(acceptance.uniform());
   ParticleStepReport report{.accepted = island.drawn && log_u < island.log_z - *current.log_z,
                             .log_z = island.log_z};

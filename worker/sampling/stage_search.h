@@ -52,7 +52,7 @@ concept StageBuilder = std::copyable<typename B::Prefix> &&
 
 struct SearchLimits {
   std::uint32_t tries_of_stage = 200;  ///< then the stage before is taken back
-  std::uint32_t tries_per_stage = 40;  ///< of all stages together, in the mean: then it gives up
+  std::uint32_t turns_per_stage = 40;  ///< tries and steps back; all stages' together: it gives up
 };
 
 /// All random numbers come from the stream. Nothing, when it gave up.
@@ -60,12 +60,13 @@ template <StageBuilder B>
 std::optional<typename B::Prefix> search(const B& builder, const SearchLimits& limits,
                                          random::Stream& stream, SearchEffort& effort) {
   const std::uint32_t stages = builder.stages();
-  const std::uint64_t tries_max = std::uint64_t{limits.tries_per_stage} * stages;
+  const std::uint64_t turns_max = std::uint64_t{limits.turns_per_stage} * stages;
   std::vector<typename B::Prefix> prefixes{builder.start(stream)};
   std::uint32_t tries_here = 0;
-  for (std::uint64_t tries = 0; tries < tries_max; ++tries) {
+  for (std::uint64_t turn = 0;; ++turn) {
     const auto stage = static_cast<std::uint32_t>(prefixes.size() - 1);
     if (stage == stages && builder.is_solution(prefixes.back())) return std::move(prefixes.back());
+    if (turn == turns_max) return std::nullopt;
 
     // Take a stage back where nothing follows.
     if (stage == stages || tries_here == limits.tries_of_stage) {
@@ -84,9 +85,6 @@ std::optional<typename B::Prefix> search(const B& builder, const SearchLimits& l
     prefixes.push_back(*std::move(longer));
     tries_here = 0;
   }
-  if (prefixes.size() == stages + std::size_t{1} && builder.is_solution(prefixes.back()))
-    return std::move(prefixes.back());
-  return std::nullopt;
 }
 
 }  // namespace sleight::sampling

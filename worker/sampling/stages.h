@@ -21,15 +21,13 @@
 //   1. extend draws a choice x from q(x | guide, ground, prefix) and returns
 //      log p(x | ground, prefix) - log q(x | guide, ground, prefix), for every x with p > 0 and
 //      psi > 0: q > 0 there. -infinity says that no choice is left, or that the simulation failed.
-//   2. draw_ground returns a ground from p, and auxiliary numbers with it from a density r(numbers
-//   |
-//      guide, ground) if extend uses any (a pool of drops that the prefixes of an island share);
-//      invariant 1 then holds on average over these numbers: the mean of the product of weights
-//      over numbers and choices is what it would be without them.
-//   3. ground_given and extend_as are draw_ground and extend given the state: the numbers from
-//   their
-//      distribution given that the state is one particle's path, and the weights that extend would
-//      have returned.
+//   2. draw_ground draws a ground from p. With it may come auxiliary numbers that extend uses (a
+//   pool
+//      of drops that an island's particles share). Invariant 1 then holds on average over these:
+//      the mean of the product of weights, over numbers and choices, is what it would be without
+//      them.
+//   3. ground_given and extend_as are draw_ground and extend given the state. The numbers are drawn
+//      given that the state is the path of one particle; weights are those of extend.
 //   4. Everything is a pure function of its arguments; randomness comes from the stream.
 // Source: N. Chopin, O. Papaspiliopoulos, An introduction to sequential Monte Carlo (2020),
 // chapters 10 and 16. Thread safety: as of a target (target.h).
@@ -37,6 +35,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <span>
 
 #include "common/random/stream.h"
 #include "worker/sampling/target.h"
@@ -61,6 +60,8 @@ concept ActsInStages = Target<T> && std::copyable<typename T::Prefix> &&
   { target.stages() } -> std::same_as<std::uint32_t>;
   { target.draw_ground(guide, stream) } -> std::same_as<typename T::Ground>;
   { target.ground_given(guide, state, stream) } -> std::same_as<typename T::Ground>;
+  /// Simulations that the ground took, those that failed at least.
+  { target.simulations_of(ground) } -> std::convertible_to<std::span<const SimulationReport>>;
   /// The prefix without stages.
   { target.no_stages(guide, ground) } -> std::same_as<typename T::Prefix>;
   /// Makes a prefix of `stage` stages, from 0, longer by one.

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace sleight::statistical {
@@ -34,6 +36,26 @@ inline double chi_square_p(const std::vector<double>& counts,
   }
   if (rare_expected > 0) add(rare_count, rare_expected);
   return boost::math::gamma_q(0.5 * (cells - 1), 0.5 * statistic);
+}
+
+/// Of two samples of counts, that they have one distribution (W. H. Press et al., Numerical
+/// Recipes, 14.3, for unequal numbers).
+inline double two_sample_p(std::span<const double> a, std::span<const double> b) {
+  double sum_a = 0;
+  double sum_b = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum_a += a[i];
+    sum_b += b[i];
+  }
+  double chi_square = 0;
+  int cells = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] + b[i] == 0) continue;
+    const double off = std::sqrt(sum_b / sum_a) * a[i] - std::sqrt(sum_a / sum_b) * b[i];
+    chi_square += off * off / (a[i] + b[i]);
+    ++cells;
+  }
+  return boost::math::gamma_q(0.5 * (cells - 1), 0.5 * chi_square);
 }
 
 }  // namespace sleight::statistical

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "common/math/elementary.h"
@@ -116,6 +117,7 @@ struct StagedToy {
   Ground ground_given(const Guide&, const State& state, random::Stream&) const {
     return ground_of(state);
   }
+  std::span<const sampling::SimulationReport> simulations_of(const Ground&) const { return {}; }
   Prefix no_stages(const Guide&, const Ground& ground) const {
     return {.digits = ground, .outcome = begin_of(ground)};
   }

@@ -25,18 +25,6 @@ std::vector<std::size_t> balls_that(bool fill, const Filling& filling) {
   return balls;
 }
 
-std::vector<std::size_t> empty_bins(std::size_t bins, const Filling& filling) {
-  std::vector<std::uint8_t> full(bins, 0);
-  for (const std::int16_t bin : filling) {
-    if (bin != k_fills_none) full[static_cast<std::size_t>(bin)] = 1;
-  }
-  std::vector<std::size_t> empty;
-  for (std::size_t bin = 0; bin < bins; ++bin) {
-    if (full[bin] == 0) empty.push_back(bin);
-  }
-  return empty;
-}
-
 std::size_t one_of(const std::vector<std::size_t>& choices, random::Stream& stream) {
   return choices[random::UniformInteger{.count = choices.size()}.draw(stream)];
 }
@@ -69,6 +57,23 @@ double log_scatter_q(const Prior& prior, const AimParameters& p, std::size_t rig
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> full_bins(std::size_t bins, const Filling& filling) {
+  std::vector<std::uint8_t> full(bins, 0);
+  for (const std::int16_t bin : filling) {
+    if (bin != k_fills_none) full[static_cast<std::size_t>(bin)] = 1;
+  }
+  return full;
+}
+
+std::vector<std::size_t> empty_bins(std::size_t bins, const Filling& filling) {
+  const std::vector<std::uint8_t> full = full_bins(bins, filling);
+  std::vector<std::size_t> empty;
+  for (std::size_t bin = 0; bin < bins; ++bin) {
+    if (full[bin] == 0) empty.push_back(bin);
+  }
+  return empty;
+}
 
 void Windows::add(const Vec2& middle_m, double bin_m, const Vec2& half_m) {
   auto& windows = of_bin_.emplace_back();
@@ -147,9 +152,7 @@ std::optional<sampling::Proposal<State>> scatter_ball(const Prior& prior, const 
   sampling::Proposal<State> proposal{.candidate = state, .ratio_waits = true};
   State& candidate = proposal.candidate;
   candidate.active[ball] = random::Bernoulli{.p = 0.5}.draw(stream) ? 1 : 0;
-  candidate.drops_m[ball] = candidate.active[ball] != 0
-                                ? draw_in(-prior.drop_half_m, prior.drop_half_m, stream)
-                                : Vec2(0, 0);
+  candidate.drops_m[ball] = candidate.active[ball] != 0 ? prior.draw_drop(stream) : Vec2(0, 0);
   // There it is loose, one of one at least.
   proposal.log_q_ratio = log_aim_q(p, 1, windows.greatest_density(state.drops_m[ball])) -
                          log_scatter_q(prior, p, right.size(), candidate, ball);

@@ -63,6 +63,15 @@ class Windows {
 using Filling = std::vector<std::int16_t>;
 inline constexpr std::int16_t k_fills_none = -1;
 
+/// By designated bin: 1 if a ball fills it.
+std::vector<std::uint8_t> full_bins(std::size_t bins, const Filling& filling);
+/// Of a bin by its number; no bin is not full.
+inline bool is_full(std::span<const std::uint8_t> full, std::int16_t bin) {
+  return bin != k_fills_none && full[static_cast<std::size_t>(bin)] != 0;
+}
+/// The numbers of the others.
+std::vector<std::size_t> empty_bins(std::size_t bins, const Filling& filling);
+
 struct AimParameters {
   double aim = 0;      ///< probability of aim_ball among all kinds
   double scatter = 0;  ///< of scatter_ball

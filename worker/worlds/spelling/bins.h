@@ -54,6 +54,8 @@ class Bins {
   std::span<const Vec3> vertices_m() const {
     return std::span(mesh_->vertices_m()).first(vertex_count_);
   }
+  /// From the middle of a bin to that of the next.
+  double pitch_m() const { return pitch_m_; }
   /// Half the sides of the box inside its walls.
   const Vec2& half_m() const { return half_m_; }
   /// The bin below or above a place; nothing outside of the box. On the middle of a partition it is

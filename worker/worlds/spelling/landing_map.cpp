@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "common/base/check.h"
 
@@ -41,27 +42,25 @@ void Landings::add(const Landings& other) {
   for (std::size_t cell = 0; cell < counts_.size(); ++cell)
     counts_[cell] += other.counts_[cell];
   total_ += other.total_;
+  failures_.insert(failures_.end(), other.failures_.begin(), other.failures_.end());
 }
 
 Landings landings_of_batch(const Spelling& world, std::uint64_t seed, std::uint64_t batch) {
   random::Stream stream({.seed = seed, .purpose = random::Purpose::guide}, batch);
   const State box = world.draw_prior(stream);
-  const Vec2& half_m = world.prior().drop_half_m;
-  Landings landings(world.parameters().world.bin_m + world.parameters().world.partition_m);
+  Landings landings(world.bins().pitch_m());
   for (std::uint32_t ball = 0; ball < k_landings_of_batch; ++ball) {
-    const double x_m = half_m.x() * (2 * stream.uniform() - 1);
-    const double y_m = half_m.y() * (2 * stream.uniform() - 1);
-    // What fails, or finds no place to start, lands nowhere: the map is a guess.
-    const Spelling::Alone alone = world.fall_alone(box.offsets_m, Vec2(x_m, y_m));
+    const Vec2 drop_m = world.prior().draw_drop(stream);
+    const Spelling::Alone alone = world.fall_alone(box.offsets_m, drop_m);
+    if (alone.failure != nullptr) landings.add_failure(alone.failure);
     if (alone.bin == k_fills_none) continue;
-    const Vec2 middle_m = world.middle_m(static_cast<std::size_t>(alone.bin));
-    landings.add(Vec2(x_m, y_m) - middle_m);
+    landings.add(drop_m - world.middle_m(static_cast<std::size_t>(alone.bin)));
   }
   return landings;
 }
 
 Landings landings_of(const Spelling& world, std::uint64_t seed, std::uint64_t batches) {
-  Landings all(world.parameters().world.bin_m + world.parameters().world.partition_m);
+  Landings all(world.bins().pitch_m());
   for (std::uint64_t batch = 0; batch < batches; ++batch)
     all.add(landings_of_batch(world, seed, batch));
   return all;
@@ -91,6 +90,16 @@ Vec2 LandingMap::draw(random::Stream& stream) const {
 double LandingMap::density(const Vec2& displacement_m) const {
   const auto cell = cell_of(displacement_m, cell_m_);
   return cell ? shares_[*cell] / (cell_m_ * cell_m_) : 0;
+}
+
+Vec2 BinDrops::draw(std::size_t bin, random::Stream& stream) const {
+  if (stream.uniform() < k_window_share) return world_->windows().draw(bin, stream);
+  return world_->middle_m(bin) + map_->draw(stream);
+}
+
+double BinDrops::density(std::size_t bin, const Vec2& drop_m) const {
+  return k_window_share * world_->windows().density(std::span(&bin, 1), drop_m) +
+         (1 - k_window_share) * map_->density(drop_m - world_->middle_m(bin));
 }
 
 }  // namespace sleight::worlds::spelling

@@ -9,10 +9,13 @@
 // any number of workers learn one map. Thread safety: values and pure functions.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "common/math/vector.h"
+#include "common/plan/failure.h"
 #include "common/random/stream.h"
 #include "worker/worlds/spelling/spelling.h"
 
@@ -39,11 +42,15 @@ class Landings {
   std::uint64_t total() const { return total_; }
   std::uint64_t count(std::size_t cell) const { return counts_[cell]; }
   double pitch_m() const { return pitch_m_; }
+  /// Of balls that failed in the simulator, and so count as landed nowhere.
+  const std::vector<plan::FailurePointer>& failures() const { return failures_; }
+  void add_failure(plan::FailurePointer failure) { failures_.push_back(std::move(failure)); }
 
  private:
   double pitch_m_;
   std::vector<std::uint32_t> counts_;  ///< row by row from the least displacements
   std::uint64_t total_ = 0;
+  std::vector<plan::FailurePointer> failures_{};
 };
 
 /// The `batch`-th balls of a run: so many, dropped anywhere, on one box of the prior.
@@ -67,6 +74,24 @@ class LandingMap {
   double cell_m_;
   std::vector<double> shares_;      ///< by cell
   std::vector<double> cumulative_;  ///< up to and with each cell; the last is 1
+};
+
+/// The share of drops for a bin from a window about it (Windows), which reach where the map has
+/// nothing.
+inline constexpr double k_window_share = 0.15;
+
+/// Drops for a designated bin: from its window, or from the map about its middle. Some lie where no
+/// ball is dropped. REQUIRES: world and map outlive it.
+class BinDrops {
+ public:
+  BinDrops(const Spelling& world, const LandingMap& map) : world_(&world), map_(&map) {}
+  Vec2 draw(std::size_t bin, random::Stream& stream) const;
+  /// 1/m^2, of drops that lie where a ball may be dropped.
+  double density(std::size_t bin, const Vec2& drop_m) const;
+
+ private:
+  const Spelling* world_;
+  const LandingMap* map_;
 };
 
 }  // namespace sleight::worlds::spelling

@@ -15,25 +15,21 @@
 #include "common/random/stream.h"
 #include "worker/sampling/stage_search.h"
 #include "worker/worlds/spelling/landing_map.h"
+#include "worker/worlds/spelling/pouring.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
 
-/// The share of drops from a window about the bin (Windows), which reach where the map has nothing.
-inline constexpr double k_window_share = 0.15;
 /// Balls that are tried alone before a try counts as failed.
 inline constexpr std::uint32_t k_lone_tries_max = 200;
 
 class PouringBuilder {
  public:
-  /// The first balls' drops, and what they came to.
-  struct Prefix {
-    State state;
-    Outcome outcome;
-  };
+  using Prefix = Pouring;
 
   /// REQUIRES: world and map outlive the builder.
-  PouringBuilder(const Spelling& world, const LandingMap& map) : world_(&world), map_(&map) {}
+  PouringBuilder(const Spelling& world, const LandingMap& map)
+      : world_(&world), drops_(world, map) {}
 
   std::uint32_t stages() const { return world_->balls(); }
   /// A box of the prior without balls.
@@ -48,7 +44,7 @@ class PouringBuilder {
                                      random::Stream& stream) const;
 
   const Spelling* world_;
-  const LandingMap* map_;
+  BinDrops drops_;
 };
 
 static_assert(sampling::StageBuilder<PouringBuilder>);

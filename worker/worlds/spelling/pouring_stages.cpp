@@ -1,7 +1,6 @@
 #include "worker/worlds/spelling/pouring_stages.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "common/base/check.h"
@@ -24,54 +23,46 @@ std::uint32_t StagedSpelling::drops_per_bin(const Guide& guide) const {
   return std::max(guide.drops_per_bin, balls());
 }
 
-bool StagedSpelling::is_dropped_from(const Vec2& drop_m) const {
-  const Vec2& half_m = prior().drop_half_m;
-  return std::abs(drop_m.x()) <= half_m.x() && std::abs(drop_m.y()) <= half_m.y();
-}
-
 Vec2 StagedSpelling::draw_of_stratum(const Guide& guide, std::size_t bin,
                                      random::Stream& stream) const {
-  if (stream.uniform() < guide.prior_share) {
-    const Vec2& half_m = prior().drop_half_m;
-    const double x_m = half_m.x() * (2 * stream.uniform() - 1);
-    const double y_m = half_m.y() * (2 * stream.uniform() - 1);
-    return {x_m, y_m};
-  }
-  if (stream.uniform() < guide.window_share) return windows().draw(bin, stream);
-  return middle_m(bin) + guide.map.draw(stream);
+  if (stream.uniform() < guide.prior_share) return prior().draw_drop(stream);
+  return BinDrops(*this, guide.map).draw(bin, stream);
 }
 
 double StagedSpelling::density_of_stratum(const Guide& guide, std::size_t bin,
                                           const Vec2& drop_m) const {
-  const double of_prior = math::exp(-prior().log_area());
-  const double of_window = windows().density(std::span(&bin, 1), drop_m);
-  const double of_map = guide.map.density(drop_m - middle_m(bin));
-  return guide.prior_share * of_prior +
-         (1 - guide.prior_share) *
-             (guide.window_share * of_window + (1 - guide.window_share) * of_map);
+  return guide.prior_share * math::exp(-prior().log_area()) +
+         (1 - guide.prior_share) * BinDrops(*this, guide.map).density(bin, drop_m);
 }
 
-PoolDrop StagedSpelling::looked_at(const Guide& guide, std::span<const Vec3> offsets_m,
-                                   const Vec2& drop_m) const {
-  PoolDrop drop{.drop_m = drop_m};
-  if (!is_dropped_from(drop_m)) return drop;
+PouringGround StagedSpelling::empty_ground(const Guide& guide, std::vector<Vec3> offsets_m) const {
+  return {.offsets_m = std::move(offsets_m),
+          .pool = std::vector<PoolDrop>(std::size_t{drops_per_bin(guide)} * balls()),
+          .retained = std::vector<std::uint32_t>(balls(), k_no_drop)};
+}
+
+void StagedSpelling::look_at(const Guide& guide, const Vec2& drop_m, std::size_t place,
+                             Ground& ground) const {
+  PoolDrop& drop = ground.pool[place];
+  drop.drop_m = drop_m;
+  if (!prior().may_drop_at(drop_m)) return;
   double sum = 0;
   for (std::size_t bin = 0; bin < balls(); ++bin)
     sum += density_of_stratum(guide, bin, drop_m);
   drop.v = math::exp(-prior().log_area()) * balls() / sum;
-  // What fails alone fills none: a guess.
-  drop.alone = fall_alone(offsets_m, drop_m).bin;
+  const Alone alone = fall_alone(ground.offsets_m, drop_m);
+  if (alone.failure != nullptr) ground.failed.push_back({.failure = alone.failure});
+  drop.alone = alone.bin;
   drop.below = number_below(drop_m);
-  return drop;
 }
 
-void StagedSpelling::fill_pool(const Guide& guide, std::span<const std::uint8_t> is_retained,
-                               random::Stream& stream, Ground& ground) const {
+void StagedSpelling::fill_pool(const Guide& guide, random::Stream& stream, Ground& ground,
+                               std::span<const std::uint8_t> is_retained) const {
   const std::uint32_t n = drops_per_bin(guide);
-  for (std::uint32_t place = 0; place < ground.pool.size(); ++place) {
-    const Vec2 drop_m = is_retained[place] != 0 ? ground.pool[place].drop_m
-                                                : draw_of_stratum(guide, place / n, stream);
-    ground.pool[place] = looked_at(guide, ground.offsets_m, drop_m);
+  for (std::size_t place = 0; place < ground.pool.size(); ++place) {
+    const bool stays = !is_retained.empty() && is_retained[place] != 0;
+    look_at(guide, stays ? ground.pool[place].drop_m : draw_of_stratum(guide, place / n, stream),
+            place, ground);
   }
 
   // How common it is that a drop of the prior fills a bin alone.
@@ -90,24 +81,18 @@ void StagedSpelling::fill_pool(const Guide& guide, std::span<const std::uint8_t>
 }
 
 PouringGround StagedSpelling::draw_ground(const Guide& guide, random::Stream& stream) const {
-  const std::size_t size = std::size_t{drops_per_bin(guide)} * balls();
-  Ground ground{.offsets_m = draw_prior(stream).offsets_m,
-                .pool = std::vector<PoolDrop>(size),
-                .retained = std::vector<std::uint32_t>(balls(), k_no_drop)};
-  fill_pool(guide, std::vector<std::uint8_t>(size, 0), stream, ground);
+  Ground ground = empty_ground(guide, draw_prior(stream).offsets_m);
+  fill_pool(guide, stream, ground, {});
   return ground;
 }
 
 PouringGround StagedSpelling::ground_given(const Guide& guide, const State& state,
                                            random::Stream& stream) const {
-  const std::uint32_t n = drops_per_bin(guide);
-  const std::size_t size = std::size_t{n} * balls();
-  Ground ground{.offsets_m = state.offsets_m,
-                .pool = std::vector<PoolDrop>(size),
-                .retained = std::vector<std::uint32_t>(balls(), k_no_drop)};
+  Ground ground = empty_ground(guide, state.offsets_m);
 
   // Put each ball's drop in an unused place of a stratum that may have given it.
-  std::vector<std::uint8_t> is_retained(size, 0);
+  const std::uint32_t n = drops_per_bin(guide);
+  std::vector<std::uint8_t> is_retained(ground.pool.size(), 0);
   std::vector<std::uint32_t> used_of_bin(balls(), 0);
   std::vector<double> densities(balls());
   for (std::size_t ball = 0; ball < balls(); ++ball) {
@@ -116,121 +101,93 @@ PouringGround StagedSpelling::ground_given(const Guide& guide, const State& stat
     for (std::size_t bin = 0; bin < balls(); ++bin)
       densities[bin] = density_of_stratum(guide, bin, drop_m);
     const std::size_t bin = random::draw_by_share(densities, stream);
-    std::uint64_t nth = random::UniformInteger{.count = n - used_of_bin[bin]}.draw(stream);
+    std::uint64_t unused_before =
+        random::UniformInteger{.count = n - used_of_bin[bin]}.draw(stream);
     std::size_t place = bin * n;
-    while (is_retained[place] != 0 || nth-- > 0)
+    while (is_retained[place] != 0 || unused_before-- > 0)
       ++place;
     is_retained[place] = 1;
     ++used_of_bin[bin];
     ground.pool[place].drop_m = drop_m;
     ground.retained[ball] = static_cast<std::uint32_t>(place);
   }
-  fill_pool(guide, is_retained, stream, ground);
+  fill_pool(guide, stream, ground, is_retained);
   return ground;
 }
 
 PouringPrefix StagedSpelling::no_stages(const Guide& /*guide*/, const Ground& ground) const {
-  State state{.offsets_m = ground.offsets_m,
-              .active = std::vector<std::uint8_t>(balls(), 0),
-              .drops_m = std::vector<Vec2>(balls(), Vec2(0, 0))};
-  Outcome outcome = simulate(state);
-  return {.state = std::move(state),
-          .outcome = std::move(outcome),
+  return {.pouring = no_balls(*this, ground.offsets_m),
           .is_used = std::vector<std::uint8_t>(ground.pool.size(), 0),
           .used_of_bin = std::vector<std::uint32_t>(balls(), 0)};
 }
 
-std::vector<double> StagedSpelling::guesses(const Guide& guide, const Ground& ground,
-                                            const Prefix& prefix) const {
-  std::vector<std::uint8_t> is_full(balls(), 0);
-  for (const std::int16_t bin : prefix.outcome.filling)
-    if (bin != k_fills_none) is_full[static_cast<std::size_t>(bin)] = 1;
-  const auto full = [&](std::int16_t bin) {
-    return bin != k_fills_none && is_full[static_cast<std::size_t>(bin)] != 0;
+StagedSpelling::Choices StagedSpelling::choices(const Guide& guide, const Ground& ground,
+                                                const Prefix& prefix) const {
+  const std::uint32_t n = drops_per_bin(guide);
+  const std::vector<std::uint8_t> full = full_bins(balls(), prefix.pouring.outcome.filling);
+  const auto guess = [&](const PoolDrop& drop) {
+    if (drop.alone == k_fills_none || is_full(full, drop.alone))
+      return guide.odds.other / ground.mean_share;
+    const double odds = is_full(full, drop.below)  ? guide.odds.above_full
+                        : drop.below == drop.alone ? guide.odds.own_bin
+                                                   : guide.odds.beside;
+    return odds / ground.bin_share[static_cast<std::size_t>(drop.alone)];
   };
-  std::vector<double> guesses;
-  guesses.reserve(ground.pool.size());
+  Choices choices;
   for (std::size_t place = 0; place < ground.pool.size(); ++place) {
     const PoolDrop& drop = ground.pool[place];
-    if (prefix.is_used[place] != 0 || drop.v == 0) {
-      guesses.push_back(0);
-    } else if (drop.alone == k_fills_none || full(drop.alone)) {
-      guesses.push_back(guide.odds.other / ground.mean_share);
-    } else {
-      const double odds = full(drop.below)           ? guide.odds.above_full
-                          : drop.below == drop.alone ? guide.odds.own_bin
-                                                     : guide.odds.beside;
-      guesses.push_back(odds / ground.bin_share[static_cast<std::size_t>(drop.alone)]);
-    }
+    const bool can_be_chosen = prefix.is_used[place] == 0 && drop.v > 0;
+    const double s = n / static_cast<double>(n - prefix.used_of_bin[place / n]);
+    choices.guesses.push_back(can_be_chosen ? guess(drop) : 0);
+    choices.shares.push_back(drop.v * choices.guesses.back() * s);
+    choices.sum += choices.shares.back();
   }
-  return guesses;
+  return choices;
 }
 
-sampling::Extension StagedSpelling::extend_by(const Guide& guide, const Ground& ground,
-                                              std::uint32_t stage, std::uint32_t drop,
-                                              std::span<const double> guesses,
-                                              Prefix& prefix) const {
-  if (drop == k_no_drop) return {.log_weight = math::log(0.5 / (1 - guide.takes_part))};
+sampling::Extension StagedSpelling::leave_out(const Guide& guide) const {
+  return {.log_weight = math::log(0.5 / (1 - guide.takes_part))};
+}
 
-  // Weigh the choice.
-  const std::uint32_t n = drops_per_bin(guide);
-  double sum = 0;
-  for (std::size_t place = 0; place < ground.pool.size(); ++place) {
-    const std::uint32_t used = prefix.used_of_bin[place / n];
-    if (guesses[place] > 0) sum += ground.pool[place].v * guesses[place] * n / double(n - used);
-  }
-  const double log_weight = math::log(0.5 / guide.takes_part) +
-                            math::log(sum / static_cast<double>(ground.pool.size())) -
-                            math::log(guesses[drop]);
-
-  // Drop the ball among those before it.
-  State state = prefix.state;
-  state.active[stage] = 1;
-  state.drops_m[stage] = ground.pool[drop].drop_m;
-  Outcome outcome = simulate_from(state, prefix.state, prefix.outcome);
-  const sampling::SimulationReport report{.starts_overlap = starts_overlap(outcome),
-                                          .failure = failure(outcome)};
-  if (!outcome.is_animation()) return {.log_weight = sampling::k_log_zero, .simulation = report};
-  prefix.state = std::move(state);
-  prefix.outcome = std::move(outcome);
-  prefix.is_used[drop] = 1;
-  ++prefix.used_of_bin[drop / n];
-  return {.log_weight = log_weight, .simulation = report};
+sampling::Extension StagedSpelling::drop(const Guide& guide, const Ground& ground,
+                                         std::uint32_t stage, std::uint32_t place, Prefix& prefix,
+                                         const Choices& choices) const {
+  Pouring longer = with_ball(*this, prefix.pouring, stage, ground.pool[place].drop_m);
+  sampling::Extension extension{.log_weight = sampling::k_log_zero,
+                                .simulation = sampling::report_of<Spelling>(*this, longer.outcome)};
+  if (!longer.outcome.is_animation()) return extension;
+  extension.log_weight = math::log(0.5 / guide.takes_part) +
+                         math::log(choices.sum / static_cast<double>(ground.pool.size())) -
+                         math::log(choices.guesses[place]);
+  prefix.pouring = std::move(longer);
+  prefix.is_used[place] = 1;
+  ++prefix.used_of_bin[place / drops_per_bin(guide)];
+  return extension;
 }
 
 sampling::Extension StagedSpelling::extend(const Guide& guide, const Ground& ground,
                                            std::uint32_t stage, Prefix& prefix,
                                            random::Stream& stream) const {
-  if (stream.uniform() >= guide.takes_part)
-    return extend_by(guide, ground, stage, k_no_drop, {}, prefix);
-  const std::vector<double> g = guesses(guide, ground, prefix);
-  const std::uint32_t n = drops_per_bin(guide);
-  std::vector<double> shares;
-  shares.reserve(g.size());
-  double sum = 0;
-  for (std::size_t place = 0; place < g.size(); ++place) {
-    const std::uint32_t used = prefix.used_of_bin[place / n];
-    sum += shares.emplace_back(ground.pool[place].v * g[place] * n / double(n - used));
-  }
-  if (!(sum > 0)) return {.log_weight = sampling::k_log_zero};
-  const auto drop = static_cast<std::uint32_t>(random::draw_by_share(shares, stream));
-  return extend_by(guide, ground, stage, drop, g, prefix);
+  if (stream.uniform() >= guide.takes_part) return leave_out(guide);
+  const Choices of_prefix = choices(guide, ground, prefix);
+  if (!(of_prefix.sum > 0)) return {.log_weight = sampling::k_log_zero};
+  const auto place = static_cast<std::uint32_t>(random::draw_by_share(of_prefix.shares, stream));
+  return drop(guide, ground, stage, place, prefix, of_prefix);
 }
 
 sampling::Extension StagedSpelling::extend_as(const Guide& guide, const Ground& ground,
                                               const State& state, std::uint32_t stage,
                                               Prefix& prefix) const {
-  if (state.active[stage] == 0) return extend_by(guide, ground, stage, k_no_drop, {}, prefix);
-  const std::vector<double> g = guesses(guide, ground, prefix);
-  return extend_by(guide, ground, stage, ground.retained[stage], g, prefix);
+  if (state.active[stage] == 0) return leave_out(guide);
+  return drop(guide, ground, stage, ground.retained[stage], prefix, choices(guide, ground, prefix));
 }
 
 double StagedSpelling::log_potential(const Guide& guide, const Ground& ground,
                                      const Prefix& prefix) const {
+  const Outcome& outcome = prefix.pouring.outcome;
   // 0 * -infinity is NaN.
-  double log_potential =
-      prefix.outcome.elsewhere == 0 ? 0 : prefix.outcome.elsewhere * guide.log_elsewhere;
-  for (const std::int16_t bin : prefix.outcome.filling) {
+  double log_potential = outcome.elsewhere == 0 ? 0 : outcome.elsewhere * guide.log_elsewhere;
+  for (const std::int16_t bin : outcome.filling) {
     if (bin == k_fills_none) continue;
     const double share = ground.bin_share[static_cast<std::size_t>(bin)];
     log_potential += parameters().constraint.log_lambda - math::log(share);

@@ -36,16 +36,19 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/random/stream.h"
 #include "worker/sampling/stages.h"
 #include "worker/worlds/spelling/landing_map.h"
+#include "worker/worlds/spelling/pouring.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
 
-/// What a drop promises a prefix: whether alone it fills an empty bin, and what lies below it.
+/// How likely it is that a ball fills an empty bin, by whether it would alone and by what lies
+/// below its drop. Any values above 0 are right; these are guesses.
 struct DropOdds {
   double own_bin = 0.95;     ///< fills the empty bin below it
   double beside = 0.85;      ///< fills an empty bin, and is not above a full one
@@ -80,12 +83,12 @@ struct PouringGround {
   /// By ball: the place in the pool of the drop that a given state has; k_no_drop for a ball that
   /// takes no part, and where no state is given.
   std::vector<std::uint32_t> retained{};
+  std::vector<sampling::SimulationReport> failed{};  ///< lone balls of the pool
 };
 inline constexpr std::uint32_t k_no_drop = UINT32_MAX;
 
 struct PouringPrefix {
-  State state;
-  Outcome outcome;
+  Pouring pouring;
   std::vector<std::uint8_t> is_used{};       ///< by drop of the pool
   std::vector<std::uint32_t> used_of_bin{};  ///< by stratum
 };
@@ -106,27 +109,41 @@ class StagedSpelling : public Spelling {
   sampling::Extension extend_as(const Guide& guide, const Ground& ground, const State& state,
                                 std::uint32_t stage, Prefix& prefix) const;
   double log_potential(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
-  State state_of(const Ground& /*ground*/, const Prefix& prefix) const { return prefix.state; }
-  Outcome outcome_of(const Prefix& prefix) const { return prefix.outcome; }
+  State state_of(const Ground& /*ground*/, const Prefix& prefix) const {
+    return prefix.pouring.state;
+  }
+  Outcome outcome_of(const Prefix& prefix) const { return prefix.pouring.outcome; }
+  /// Lone balls of the pool that failed: guesses that are wrong at worst.
+  std::span<const sampling::SimulationReport> simulations_of(const Ground& ground) const {
+    return ground.failed;
+  }
 
   /// q of a stratum, 1/m^2. REQUIRES: inside the region that balls are dropped from.
   double density_of_stratum(const Guide& guide, std::size_t bin, const Vec2& drop_m) const;
 
  private:
+  /// How the unused drops of a pool are chosen after a prefix.
+  struct Choices {
+    std::vector<double> guesses;  ///< g; 0 of drops that can't be chosen
+    std::vector<double> shares;   ///< v s g
+    double sum = 0;               ///< S
+  };
+
   std::uint32_t drops_per_bin(const Guide& guide) const;
-  bool is_dropped_from(const Vec2& drop_m) const;
   Vec2 draw_of_stratum(const Guide& guide, std::size_t bin, random::Stream& stream) const;
-  /// What the pool knows of a drop.
-  PoolDrop looked_at(const Guide& guide, std::span<const Vec3> offsets_m, const Vec2& drop_m) const;
-  /// Completes a ground whose retained drops are in their places; the others' places are drawn.
-  void fill_pool(const Guide& guide, std::span<const std::uint8_t> is_retained,
-                 random::Stream& stream, Ground& ground) const;
-  /// g of each unused drop; 0 of the used ones and of those outside.
-  std::vector<double> guesses(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
-  /// By the drop of such a number, or none.
-  sampling::Extension extend_by(const Guide& guide, const Ground& ground, std::uint32_t stage,
-                                std::uint32_t drop, std::span<const double> guesses,
-                                Prefix& prefix) const;
+  /// A ground without drops.
+  Ground empty_ground(const Guide& guide, std::vector<Vec3> offsets_m) const;
+  /// Puts a drop of the pool in its place, and simulates it alone.
+  void look_at(const Guide& guide, const Vec2& drop_m, std::size_t place, Ground& ground) const;
+  /// Draws the places that hold no retained drop, and looks at all.
+  void fill_pool(const Guide& guide, random::Stream& stream, Ground& ground,
+                 std::span<const std::uint8_t> is_retained) const;
+  Choices choices(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
+  /// Without the ball.
+  sampling::Extension leave_out(const Guide& guide) const;
+  /// With the ball at this drop of the pool.
+  sampling::Extension drop(const Guide& guide, const Ground& ground, std::uint32_t stage,
+                           std::uint32_t place, Prefix& prefix, const Choices& choices) const;
 };
 
 static_assert(sampling::ActsInStages<StagedSpelling>);

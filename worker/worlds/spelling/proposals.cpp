@@ -31,13 +31,6 @@ Vec3 draw_offset(Kernel kernel, double sd, random::Stream& stream) {
   return kernel == Kernel::thesis ? length_and_direction(stream, sd) : gaussian(stream, sd);
 }
 
-Vec2 draw_drop(const Prior& prior, random::Stream& stream) {
-  const Vec2& half_m = prior.drop_half_m;
-  const double x = random::Uniform{.low = -half_m.x(), .high = half_m.x()}.draw(stream);
-  const double y = random::Uniform{.low = -half_m.y(), .high = half_m.y()}.draw(stream);
-  return {x, y};
-}
-
 /// Onto [-half, half), as on a ring.
 double wrapped(double x, double half) {
   const double turns = std::floor((x + half) / (2 * half));
@@ -59,7 +52,7 @@ double flip_balls(const Prior& prior, const ProposalParameters& p, double scale,
     if ((state.active[ball] != 0) == enable || stream.uniform() >= flip_probability) continue;
     ++flipped;
     state.active[ball] = enable ? 1 : 0;
-    state.drops_m[ball] = enable ? draw_drop(prior, stream) : Vec2(0, 0);
+    state.drops_m[ball] = enable ? prior.draw_drop(stream) : Vec2(0, 0);
   }
   const double sign = enable ? -1 : 1;
   if (p.kernel == Kernel::thesis) return sign * flipped * prior.log_area();
@@ -81,6 +74,16 @@ State Prior::draw(random::Stream& stream) const {
   return draw_state(*this, Kernel::correct, stream);
 }
 
+Vec2 Prior::draw_drop(random::Stream& stream) const {
+  const double x = random::Uniform{.low = -drop_half_m.x(), .high = drop_half_m.x()}.draw(stream);
+  const double y = random::Uniform{.low = -drop_half_m.y(), .high = drop_half_m.y()}.draw(stream);
+  return {x, y};
+}
+
+bool Prior::may_drop_at(const Vec2& drop_m) const {
+  return !(std::fabs(drop_m.x()) > drop_half_m.x() || std::fabs(drop_m.y()) > drop_half_m.y());
+}
+
 double Prior::log_density(const State& state) const {
   CHECK_EQ(state.offsets_m.size(), std::size_t{vertices});
   CHECK_EQ(state.active.size(), std::size_t{balls});
@@ -94,8 +97,7 @@ double Prior::log_density(const State& state) const {
   for (std::size_t ball = 0; ball < balls; ++ball) {
     if (state.active[ball] == 0) continue;
     const Vec2& drop_m = state.drops_m[ball];
-    if (std::fabs(drop_m.x()) > drop_half_m.x() || std::fabs(drop_m.y()) > drop_half_m.y())
-      return -std::numeric_limits<double>::infinity();
+    if (!may_drop_at(drop_m)) return -std::numeric_limits<double>::infinity();
     sum -= log_area();
   }
   return sum;
@@ -108,7 +110,7 @@ State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream) {
   for (std::uint32_t ball = 0; ball < prior.balls; ++ball) {
     const bool active = random::Bernoulli{.p = 0.5}.draw(stream);
     state.active.push_back(active ? 1 : 0);
-    state.drops_m.push_back(active ? draw_drop(prior, stream) : Vec2(0, 0));
+    state.drops_m.push_back(active ? prior.draw_drop(stream) : Vec2(0, 0));
   }
   return state;
 }

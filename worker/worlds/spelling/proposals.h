@@ -82,6 +82,10 @@ struct Prior {
 
   double log_area() const;
   State draw(random::Stream& stream) const;
+  /// Where an active ball is dropped.
+  Vec2 draw_drop(random::Stream& stream) const;
+  /// Whether it may be dropped there.
+  bool may_drop_at(const Vec2& drop_m) const;
   /// Normalised, with respect to lengths in metres; -infinity outside of the region.
   double log_density(const State& state) const;
 };

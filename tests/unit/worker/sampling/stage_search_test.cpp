@@ -50,7 +50,7 @@ TEST(StageSearch, FindsSolutionsBeyondDeadEnds) {
   for (std::uint64_t number = 0; number < 500; ++number) {
     random::Stream stream = stream_of(number);
     const auto digits =
-        search(lock, {.tries_of_stage = 20, .tries_per_stage = 100}, stream, effort);
+        search(lock, {.tries_of_stage = 20, .turns_per_stage = 100}, stream, effort);
     if (!digits) continue;
     ++found;
     EXPECT_EQ((*digits)[0] % 2, 0U);
@@ -70,14 +70,14 @@ TEST(StageSearch, SpendsItsTriesAndGivesUp) {
   SearchEffort effort;
   random::Stream stream = stream_of(0);
   const Lock unsolvable{.has_dead_ends = false, .has_a_solution = false};
-  EXPECT_FALSE(search(unsolvable, {.tries_of_stage = 50, .tries_per_stage = 10}, stream, effort));
+  EXPECT_FALSE(search(unsolvable, {.tries_of_stage = 50, .turns_per_stage = 10}, stream, effort));
   EXPECT_LE(effort.tries, 60U);
   EXPECT_GT(effort.steps_back, 10U);
   SearchEffort none;
-  EXPECT_FALSE(search(Lock{}, {.tries_of_stage = 50, .tries_per_stage = 0}, stream, none));
+  EXPECT_FALSE(search(Lock{}, {.tries_of_stage = 50, .turns_per_stage = 0}, stream, none));
   EXPECT_EQ(none.tries, 0U);
   SearchEffort stuck;
-  EXPECT_FALSE(search(Lock{}, {.tries_of_stage = 0, .tries_per_stage = 10}, stream, stuck));
+  EXPECT_FALSE(search(Lock{}, {.tries_of_stage = 0, .turns_per_stage = 10}, stream, stuck));
   EXPECT_EQ(stuck.tries, 0U);
 }
 
@@ -88,7 +88,7 @@ TEST(StageSearch, IsAFunctionOfItsStream) {
   std::vector<std::optional<Lock::Prefix>> found;
   for (const std::uint64_t number : {1U, 1U, 2U, 3U}) {
     random::Stream stream = stream_of(number);
-    found.push_back(search(lock, {.tries_per_stage = 100}, stream, effort));
+    found.push_back(search(lock, {.turns_per_stage = 100}, stream, effort));
   }
   EXPECT_EQ(found[0], found[1]);
   EXPECT_FALSE(found[1] == found[2] && found[2] == found[3]);

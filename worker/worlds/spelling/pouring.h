@@ -1,0 +1,26 @@
+// Balls that drop one after another, and what the first of them came to: what search builds
+// (pouring_builder.h) and islands extend (pouring_stages.h).
+// Thread safety: values and pure functions.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "worker/worlds/spelling/spelling.h"
+
+namespace sleight::worlds::spelling {
+
+struct Pouring {
+  State state;  ///< balls that have not been dropped yet are inactive
+  Outcome outcome;
+};
+
+/// A box with such offsets, without balls.
+Pouring no_balls(const Spelling& world, std::vector<Vec3> offsets_m);
+
+/// The same with one ball more, simulated from the pouring before it. REQUIRES: the ball is
+/// inactive.
+Pouring with_ball(const Spelling& world, const Pouring& pouring, std::size_t ball,
+                  const Vec2& drop_m);
+
+}  // namespace sleight::worlds::spelling
