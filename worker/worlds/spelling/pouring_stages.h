@@ -6,10 +6,10 @@
 // at all of them before it chooses. The pool has a stratum for each designated bin b, of n drops
 // from
 //
-//   q_b = prior_share p + (1 - prior_share) (window_share window_b + (1 - window_share) map_b),
+//   q_b = prior_share p + (1 - prior_share) d_b,
 //
-// p the prior's density, window_b of Windows, map_b the map of landings about the bin's middle.
-// With q the mean of all q_b, a drop at x has v = p(x) / q(x).
+// p the prior's density of a drop, d_b that of BinDrops (landing_map.h). With q the mean of all
+// q_b, a drop at x has v = p(x) / q(x).
 //
 // Choice. A ball takes part with probability `takes_part` (1/2 in the prior). If it does, an unused
 // drop j of the pool is chosen with probability v_j s_j g_j / S, S the sum over unused ones. g_j
@@ -60,10 +60,9 @@ struct DropOdds {
 struct PouringGuide {
   LandingMap map;
   DropOdds odds{};
-  double takes_part = 0.98;    ///< in (0, 1)
-  double log_elsewhere = -3;   ///< -infinity: prefixes with a ball elsewhere are never gone on with
-  double prior_share = 0.15;   ///< in (0, 1]
-  double window_share = 0.15;  ///< in [0, 1]
+  double takes_part = 0.98;   ///< in (0, 1)
+  double log_elsewhere = -3;  ///< -infinity: prefixes with a ball elsewhere are never gone on with
+  double prior_share = 0.15;  ///< in (0, 1]
   std::uint32_t drops_per_bin = 40;  ///< at least; never fewer than there are balls
 };
 
