@@ -51,6 +51,13 @@ void expect_equal(const char* name, const std::vector<double>& a, const std::vec
   EXPECT_LT(std::abs(off), 4) << name;
 }
 
+void expect_mean(const char* name, const std::vector<double>& draws, double expected) {
+  const MeanWithError found = mean_of_independent(draws);
+  fmt::print("{}: {:.4g} +- {:.2g}, expected {}\n", name, found.mean, found.standard_error,
+             expected);
+  EXPECT_LT(std::abs(found.mean - expected), 4 * found.standard_error) << name;
+}
+
 TEST(SpellingIslands, AgreeWithRejection) {
   // Goal: Z and P(satisfied) of three balls by islands are those of blind throws. Method: the means
   // of islands of two guides against draws of the prior, within 4 combined standard errors.
@@ -95,6 +102,81 @@ TEST(SpellingIslands, AgreeWithRejection) {
   }
 }
 
+TEST(SpellingIslands, PoolsGiveThePrior) {
+  // Goal: the weights of drops from a pool make up for how it was drawn, shared and used, down to
+  // the smallest pool. Method: at inverse temperature 0 the mean of Z is 1, that of Z over draws
+  // with both balls is 1/4, and with the first ball on the left 1/8 of it all, whatever the guide;
+  // islands of one particle, bins far apart, two drops a bin; within 4 standard errors.
+  worlds::spelling::Parameters parameters;
+  parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
+  parameters.constraint.log_lambda = 0.5;
+  const StagedSpelling world(parameters);
+  PouringGuide guide = guide_of(world, 2);
+  guide.log_elsewhere = -0.5;
+  guide.prior_share = 0.5;
+  guide.odds = {.own_bin = 0.5, .beside = 0.4, .above_full = 0.3, .other = 0.2};
+  const std::uint32_t islands = property::long_run() ? 200'000 : 10'000;
+  std::vector<double> z;
+  std::vector<double> both;
+  std::vector<double> both_and_left;
+  for (std::uint32_t i = 0; i < islands; ++i) {
+    const sampling::IslandOptions options{.particles = 1, .inverse_temperature = 0};
+    const auto island = sampling::Islands(world, guide, options, streams_of(5'000'000 + i)).free(0);
+    z.push_back(std::exp(island.log_z));
+    const bool has_both = island.drawn && island.drawn->state.active_count() == 2;
+    both.push_back(has_both ? z.back() : 0);
+    both_and_left.push_back(has_both && island.drawn->state.drops_m[0].x() < 0 ? z.back() : 0);
+  }
+  expect_mean("Z", z, 1);
+  expect_mean("with both balls", both, 0.25);
+  expect_mean("and the first on the left", both_and_left, 0.125);
+}
+
+TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {
+  // Goal: given a state, each of its drops lies in the pool at a place of stratum b with
+  // probability proportional to q_b there, whichever place. Method: two drops, 4,000 pools; shares
+  // within 5 standard errors; the drop is at its place, and no other one is.
+  auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
+  parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
+  const StagedSpelling world(parameters);
+  const PouringGuide guide = guide_of(world, 3);
+  random::Stream stream = streams_of(6'000'000).at(random::Purpose::ground, 0);
+  auto state = world.draw_prior(stream);
+  state.active = {1, 1};
+  state.drops_m = {0.9 * world.middle_m(0), 0.7 * world.middle_m(1)};
+  constexpr int k_pools = 4'000;
+  constexpr std::uint32_t k_places = 3;
+  std::array<int, 2> in_first_stratum{};
+  std::array<std::array<int, 2 * k_places>, 2> at_place{};
+  for (int pool = 0; pool < k_pools; ++pool) {
+    const auto ground = world.ground_given(guide, state, stream);
+    ASSERT_EQ(ground.pool.size(), 2 * k_places);
+    for (std::size_t ball = 0; ball < 2; ++ball) {
+      const std::uint32_t place = ground.retained[ball];
+      in_first_stratum.at(ball) += place < k_places ? 1 : 0;
+      ++at_place.at(ball).at(place);
+      for (std::uint32_t other = 0; other < 2 * k_places; ++other)
+        ASSERT_EQ(ground.pool[other].drop_m == state.drops_m[ball], other == place);
+    }
+  }
+  for (std::size_t ball = 0; ball < 2; ++ball) {
+    const double first = world.density_of_stratum(guide, 0, state.drops_m[ball]);
+    const double second = world.density_of_stratum(guide, 1, state.drops_m[ball]);
+    const double share = first / (first + second);
+    EXPECT_NEAR(in_first_stratum.at(ball) / double{k_pools}, share,
+                5 * std::sqrt(share * (1 - share) / k_pools))
+        << "ball " << ball;
+    for (std::uint32_t place = 0; place < 2 * k_places; ++place) {
+      const double each = (place < k_places ? share : 1 - share) / k_places;
+      EXPECT_NEAR(at_place.at(ball).at(place) / double{k_pools}, each,
+                  5 * std::sqrt(each * (1 - each) / k_pools))
+          << "ball " << ball << ", place " << place;
+    }
+    // It isn't the same for both.
+    EXPECT_GT(std::abs(share - 0.5), 0.1);
+  }
+}
+
 /// What the tests look at of a sample.
 struct Seen {
   std::vector<double> filled = std::vector<double>(3, 0.0);  ///< counts
@@ -114,10 +196,14 @@ TEST(SpellingIslands, StepsKeepExactDrawsExact) {
   // Goal: both particle steps keep p_w p_c of two balls: how many take part and fill a bin, and
   // where they are dropped. Method: exact draws by rejection; after five steps, against as many
   // other exact draws; eight p-values above 1e-5.
-  const StagedSpelling world(world_with(worlds::spelling::Kernel::correct).parameters());
-  const PouringGuide guide = guide_of(world, 3);
+  // Bins far apart and few drops: the pool's strata and places matter as much as they can.
+  auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
+  parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
+  const StagedSpelling world(parameters);
+  PouringGuide guide = guide_of(world, 2);
+  guide.prior_share = 0.1;
   const sampling::IslandOptions options{.particles = 4, .resample_below = 0.9};
-  const int draws = property::long_run() ? 30'000 : 1'500;
+  const int draws = property::long_run() ? 30'000 : 2'500;
   const auto exact = [&](std::uint64_t number) {
     random::Stream stream = streams_of(2'000'000).at(random::Purpose::prior, number);
     SpellingSample drawn = exact_draw(world, 1, stream);
