@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -51,15 +52,53 @@ double sum_of(const archive::Source& source, std::string_view dataset) {
   return sum;
 }
 
+/// How plausible finds are by themselves: log p_w of the kept ones, and of blind throws the middle
+/// nine tenths.
+struct Plausibility {
+  double least = 0;
+  double most = 0;
+  double throws_from = 0;
+  double throws_to = 0;
+};
+
+/// The numbers of a dataset of /finds but NaNs, which a damaged file may have.
+std::vector<double> numbers_of_finds(const archive::Source& source, std::string_view dataset,
+                                     std::uint64_t count) {
+  std::vector<double> numbers = read_rows(source, archive::k_finds, dataset, 1, {.count = count});
+  std::erase_if(numbers, [](double number) { return std::isnan(number); });
+  return numbers;
+}
+
+std::optional<Plausibility> plausibility_of(const archive::Source& source,
+                                            const archive::Summary& summary) {
+  if (summary.finds.animations == 0) return std::nullopt;
+  const archive::Group* finds = archive::find_group(source, archive::k_finds);
+  const archive::DatasetSpec* of_throws = archive::find_dataset(*finds, "log_prior_of_throw");
+  if (of_throws == nullptr) return std::nullopt;
+  const std::uint64_t count =
+      std::min<std::uint64_t>(archive::element_count(*of_throws), archive::k_throws);
+  std::vector<double> throws = numbers_of_finds(source, "log_prior_of_throw", count);
+  const std::vector<double> found = numbers_of_finds(source, "log_prior", summary.finds.animations);
+  if (throws.empty() || found.empty()) return std::nullopt;
+  std::ranges::sort(throws);
+  const std::size_t twentieth = throws.size() / 20;
+  return Plausibility{.least = *std::ranges::min_element(found),
+                      .most = *std::ranges::max_element(found),
+                      .throws_from = throws[twentieth],
+                      .throws_to = throws[throws.size() - 1 - twentieth]};
+}
+
 struct Facts {
   archive::Summary summary;
   double satisfied = 0;   ///< share of all scans
   double acceptance = 0;  ///< mean over scans with proposals
   std::optional<ArchiveOdds> odds{};
+  std::optional<Plausibility> finds{};
 };
 
 Facts facts_of(const archive::Source& source) {
   Facts facts{.summary = archive::summary_of(source)};
+  facts.finds = plausibility_of(source, facts.summary);
   const std::uint64_t scans = facts.summary.chains * facts.summary.scans;
   if (scans == 0) return facts;
   facts.odds = odds_of(source, facts.summary);
@@ -88,10 +127,8 @@ std::string kept_animations(const archive::Summary& summary) {
                      most);
 }
 
-void print_for_people(const std::string& path, const Facts& facts) {
+void print_chains(const Facts& facts) {
   const archive::Summary& summary = facts.summary;
-  fmt::print("{}: {} samples\n\n", path, summary.world);
-  if (!summary.warning.empty()) fmt::print("  warning      {}\n", summary.warning);
   fmt::print("  chains       {}\n", summary.chains);
   fmt::print("  scans        {} of each chain\n", summary.scans);
   fmt::print("  states       {} of each chain ({})\n", summary.states,
@@ -100,6 +137,27 @@ void print_for_people(const std::string& path, const Facts& facts) {
   fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
   fmt::print("  animations   {}, {} segments of motion\n", kept_animations(summary),
              summary.segments);
+}
+
+void print_finds(const Facts& facts) {
+  const archive::FindsSummary& finds = facts.summary.finds;
+  if (finds.found == 0) return;
+  fmt::print("  found        {}, not in the model's proportions; {} kept, {} segments of motion\n",
+             finds.found, finds.animations, finds.segments);
+  if (!facts.finds) return;
+  const Plausibility& log_p = *facts.finds;
+  fmt::print(
+      "               log p {:.1f} to {:.1f}; of blind throws nine in ten have {:.1f} to "
+      "{:.1f}\n",
+      log_p.least, log_p.most, log_p.throws_from, log_p.throws_to);
+}
+
+void print_for_people(const std::string& path, const Facts& facts) {
+  const archive::Summary& summary = facts.summary;
+  fmt::print("{}: {} samples\n\n", path, summary.world);
+  if (!summary.warning.empty()) fmt::print("  warning      {}\n", summary.warning);
+  if (summary.scans > 0) print_chains(facts);
+  print_finds(facts);
   if (summary.failures.total() > 0)
     fmt::print("  failed       {} simulations, refused: {}\n", summary.failures.total(),
                plan::to_string(summary.failures));
@@ -126,11 +184,18 @@ nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
                               {"acceptance_rate", facts.acceptance},
                               {"animations", summary.animations},
                               {"segments", summary.segments},
+                              {"found", summary.finds.found},
+                              {"finds_kept", summary.finds.animations},
                               {"failed_simulations", failures_json(summary.failures)},
                               {"failed_animations", summary.failed_animations},
                               {"version", summary.inference_library_version},
                               {"digest", summary.content_digest},
                               {"request", summary.request_text}};
+  if (facts.finds) {
+    const Plausibility& log_p = *facts.finds;
+    json["log_prior_of_finds"] = {log_p.least, log_p.most};
+    json["log_prior_of_throws"] = {log_p.throws_from, log_p.throws_to};
+  }
   if (facts.odds) json["tempering"] = as_json(*facts.odds);
   return json;
 }

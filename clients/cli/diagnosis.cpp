@@ -265,10 +265,13 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   judged.diagnosis.weights = std::move(report);
 }
 
+/// `draws_are_burnt_in`: the archive has no others, of islands or of chains from a search.
 void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
-                  std::span<const Round> rounds) {
+                  std::span<const Round> rounds, bool draws_are_burnt_in) {
   diagnosis.judged = {.first_scan = 0, .scans = diagnosis.scans};
-  if (burns_in(method)) {
+  if (draws_are_burnt_in) {
+    diagnosis.which = JudgedDraws::all;
+  } else if (burns_in(method)) {
     const bool weighted = method == request::Method::annealed_importance;
     diagnosis.which = weighted ? JudgedDraws::weighted : JudgedDraws::all;
   } else if (!rounds.empty()) {
@@ -344,6 +347,12 @@ void judge_draws(Judged& judged, const archive::Summary& summary) {
 
 Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
   const archive::Summary summary = archive::summary_of(source);
+  if (summary.finds.found > 0 && summary.scans == 0) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: there is nothing to diagnose: its {} animations were found "
+                                  "by search and are no draws",
+                                  source.name(), summary.finds.found));
+  }
   if (summary.chains == 0 || summary.scans == 0) {
     throw base::Error(base::ExitCode::bad_archive, source.name() + ": it has no scans");
   }
@@ -356,7 +365,7 @@ Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
   const std::vector<Round> rounds =
       rounds_of(source, summary.chains,
                 burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
-  choose_scans(diagnosis, method, rounds);
+  choose_scans(diagnosis, method, rounds, draws_are_burnt_in(source, method));
   Judged judged{.source = source, .rules = rules, .diagnosis = diagnosis};
   if (diagnosis.which == JudgedDraws::weighted) {
     judge_weights(judged, summary.chains);

@@ -134,6 +134,7 @@ void append_counts(std::string& text, const Diagnosis& diagnosis) {
       "  ");
   text += fmt::format("  solutions  {}{} independent: lineages with a satisfied scan\n",
                       count(diagnosis.solutions), diagnosis.solutions_more ? " or more" : "");
+  if (std::isnan(diagnosis.simulations)) return;
   text +=
       fmt::format("  simulated  {}: the number of proposals and of draws from the prior{}\n",
                   count(diagnosis.simulations), diagnosis.tempering ? ", at all temperatures" : "");

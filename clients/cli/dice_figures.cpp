@@ -370,13 +370,12 @@ plot::Figure dice_figure(const std::string& title, const DiceScene& scene,
 plot::Figure dice_animations(const archive::Source& source, const DiceScene& scene,
                              const DiceAnimationOptions& options) {
   const std::vector<std::size_t> chosen = choose_animations(source, options.chain, options.count);
-  const std::vector<double> chains = of_animations(source, "chain");
-  const std::vector<double> scans = of_animations(source, "draw");
   const std::string step =
       scan_label(RequestNumbers(archive::summary_of(source).request_text, source.name()));
   std::vector<DiceAnimation> animations;
   for (const std::size_t i : chosen) {
-    animations.push_back({.title = fmt::format("chain {}, {} {}", chains[i], step, scans[i]),
+    const auto step_of = [&](double draw) { return fmt::format("{} {}", step, draw); };
+    animations.push_back({.title = where_found(source, i, step_of),
                           .dice = read_dice_motions(source, i, scene.dice)});
   }
   const std::string title = fmt::format("Dice on a random table: {} animation{}", chosen.size(),

@@ -51,8 +51,9 @@ struct Segments {
 
 Segments read_segments(const archive::Source& source, std::size_t animation) {
   const Rows rows = segments_of(source, animation, k_segments_max);
+  const std::string_view group = drawn_group(source);
   const auto column = [&](std::string_view name, std::uint64_t width) {
-    return read_rows(source, archive::k_animations, name, width, rows);
+    return read_rows(source, group, name, width, rows);
   };
   return {.count = rows.count,
           .die = column("moving_die", 1),

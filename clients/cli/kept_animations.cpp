@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
@@ -29,16 +30,39 @@ namespace {
 
 }  // namespace
 
+std::string_view drawn_group(const archive::Source& source) {
+  const archive::Summary summary = archive::summary_of(source);
+  return summary.animations == 0 && summary.finds.animations > 0 ? archive::k_finds
+                                                                 : archive::k_animations;
+}
+
+std::string where_found(const archive::Source& source, std::size_t animation,
+                        const std::function<std::string(double)>& step_of_draw) {
+  const std::string_view group = drawn_group(source);
+  const auto number = [&](std::string_view dataset) {
+    return read_rows(source, group, dataset, 1, {.first = animation, .count = 1}).front();
+  };
+  if (group == archive::k_finds)
+    return fmt::format("find {} of start {}, not in proportion", animation, number("start"));
+  return fmt::format("chain {}, {}", number("chain"), step_of_draw(number("draw")));
+}
+
 std::vector<double> of_animations(const archive::Source& source, std::string_view dataset) {
-  return read_rows(source, archive::k_animations, dataset, 1,
-                   {.count = archive::summary_of(source).animations});
+  const archive::Summary summary = archive::summary_of(source);
+  const std::string_view group = drawn_group(source);
+  return read_rows(
+      source, group, dataset, 1,
+      {.count = group == archive::k_finds ? summary.finds.animations : summary.animations});
 }
 
 Rows segments_of(const archive::Source& source, std::size_t animation, std::uint64_t most) {
-  const std::uint64_t segments = archive::summary_of(source).segments;
+  const std::string_view group = drawn_group(source);
+  const archive::Summary summary = archive::summary_of(source);
+  const std::uint64_t segments =
+      group == archive::k_finds ? summary.finds.segments : summary.segments;
   const Rows own{.first = animation, .count = 1};
-  const double start = read_rows(source, archive::k_animations, "segment_start", 1, own).front();
-  const double count = read_rows(source, archive::k_animations, "segment_count", 1, own).front();
+  const double start = read_rows(source, group, "segment_start", 1, own).front();
+  const double count = read_rows(source, group, "segment_count", 1, own).front();
   // In doubles, before any cast: the numbers are not trusted, and none may be NaN.
   const bool whole = start >= 0 && count >= 0 && std::trunc(start) == start &&
                      std::trunc(count) == count && start + count <= static_cast<double>(segments);
@@ -60,6 +84,17 @@ void refuse_animation(const archive::Source& source, std::size_t animation,
 
 std::vector<std::size_t> choose_animations(const archive::Source& source,
                                            std::optional<std::uint64_t> only, std::size_t count) {
+  if (drawn_group(source) == archive::k_finds) {
+    if (only) {
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("{}: its animations were found by search, which has no chains",
+                                    source.name()));
+    }
+    std::vector<std::size_t> all(of_animations(source, "start").size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    all.resize(std::min(all.size(), count));
+    return all;
+  }
   if (only) check_chain(source, *only);
   const std::vector<double> chain = of_animations(source, "chain");
   const std::vector<double> lineage = of_animations(source, "lineage");

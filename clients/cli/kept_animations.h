@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +14,14 @@
 #include "common/archive/model.h"
 
 namespace sleight::cli {
+
+/// The group whose animations are drawn: those of chains; those of a search where no chain has any.
+/// All functions below are of this group.
+std::string_view drawn_group(const archive::Source& source);
+
+/// Where an animation was found: "chain 0, scan 250" by `step_of_draw`, or "find 3 of start 5".
+std::string where_found(const archive::Source& source, std::size_t animation,
+                        const std::function<std::string(double draw)>& step_of_draw);
 
 /// One number of each kept animation.
 std::vector<double> of_animations(const archive::Source& source, std::string_view dataset);
@@ -37,7 +47,7 @@ const Piece* piece_in_force(const std::vector<Piece>& pieces, double time_s) {
 
 /// Up to `count` animations, of one chain or of all: the first of each lineage, then the others, in
 /// the archive's order. Throws base::Error that says why when there is none, usage when there is no
-/// such chain.
+/// such chain, or finds are drawn, which have none.
 std::vector<std::size_t> choose_animations(const archive::Source& source,
                                            std::optional<std::uint64_t> chain, std::size_t count);
 

@@ -40,6 +40,8 @@ void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
       "time limit, kill -9 or loss of power. Neither threads nor interruptions change the "
       "archive.\n\n"
       "Examples:\n"
+      "  sleight direct --word SLEIGHT -o s.h5\n"
+      "  sleight direct --word HI -n 8 -o hi.h5 --print-request\n"
       "  sleight direct requests/ball_2d.toml -o ball.h5\n"
       "  sleight direct requests/ball_2d.toml -o ball.h5 --time-limit 20s\n"
       "  sleight direct requests/hi.toml -o hi.h5 --seed 7 --json");

@@ -53,8 +53,10 @@ struct Rank0End {
 };
 
 Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi) {
+  check_arguments(arguments);
   coordinator::catch_stop_signals();
   run::Catalogue catalogue = worlds_of_program();
+  if (arguments.print_request) return {.code = print_request(catalogue, arguments)};
   const auto request = read_request_file(catalogue, arguments);
   if (!request) return {.code = static_cast<int>(base::ExitCode::bad_request)};
   const base::SteadyClock clock;
@@ -77,7 +79,8 @@ void run_other_rank(DirectArguments arguments) {
   const base::SteadyClock clock;
   const auto request = read_request_file(catalogue, arguments);
   if (!request) {
-    run::refuse(arguments.request_path + " has errors there");
+    run::refuse((arguments.request_path.empty() ? "--word" : arguments.request_path) +
+                " has errors there");
     return;
   }
   const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());

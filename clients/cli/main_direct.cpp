@@ -20,8 +20,10 @@ constexpr int k_bad_request = static_cast<int>(base::ExitCode::bad_request);
 }  // namespace
 
 int direct(const DirectArguments& arguments) {
+  check_arguments(arguments);
   coordinator::catch_stop_signals();
   run::Catalogue catalogue = worlds_of_program();
+  if (arguments.print_request) return print_request(catalogue, arguments);
   const auto request = read_request_file(catalogue, arguments);
   if (!request) return k_bad_request;
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());

@@ -14,8 +14,10 @@
 #include "common/base/file_system.h"
 #include "common/base/version.h"
 #include "common/logging/log.h"
+#include "common/request/text.h"
 #include "service/coordinator/progress.h"
 #include "service/coordinator/stop_signal.h"
+#include "worker/sampling/search_lanes.h"
 
 namespace sleight::programs {
 namespace {
@@ -94,11 +96,20 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
                                summary.first_failure));
 }
 
+/// Why there is no archive.
+std::string what_is_missing(const coordinator::RunSummary& summary) {
+  if (summary.progress.finds.is_all)
+    return summary.progress.finds.gave_up ? fmt::format("Nothing found in {} starts: no archive.",
+                                                        sampling::k_starts_in_vain_max)
+                                          : "Stopped before anything was found: no archive yet.";
+  return "Stopped before every chain had its first draw: no archive yet.";
+}
+
 void print_summary(const DirectArguments& arguments, const request::DirectionRequest& request,
                    const coordinator::RunSummary& summary) {
   if (arguments.json) {
     const nlohmann::ordered_json json{
-        {"archive", summary.scans > 0 ? arguments.output : ""},
+        {"archive", summary.digest.empty() ? "" : arguments.output},
         {"end", name_of(summary.end)},
         {"world", request.world},
         {"chains", request.sampler.chains},
@@ -107,6 +118,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
         {"session", summary.epoch},
         {"session_scans", summary.progress.session_scans},
         {"session_satisfied", summary.progress.session_satisfied},
+        {"found", summary.found},
         {"independent_solutions", summary.progress.solutions},
         {"session_seconds", summary.progress.elapsed_s},
         {"session_simulations", summary.progress.session_simulations},
@@ -118,13 +130,19 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return;
   }
-  if (summary.scans == 0) {
-    fmt::print("Stopped before every chain had its first draw: no archive yet.\n");
+  if (summary.digest.empty()) {
+    fmt::print("{}\n", what_is_missing(summary));
+  } else if (summary.scans == 0) {
+    fmt::print("{}: {} found, seed {}, digest {}\n", arguments.output,
+               coordinator::grouped(summary.found), request.sampler.seed, summary.digest);
   } else {
     fmt::print("{}: {} chain{} of {} scans, seed {}, digest {}\n", arguments.output,
                request.sampler.chains, request.sampler.chains == 1 ? "" : "s",
                coordinator::grouped(summary.scans), request.sampler.seed, summary.digest);
   }
+  if (!summary.digest.empty() && summary.progress.finds.gave_up)
+    fmt::print("The search gave up: its last {} starts found nothing.\n",
+               sampling::k_starts_in_vain_max);
   print_effort(summary);
   print_failures(arguments, summary);
   if (summary.end == coordinator::DriveEnd::simulation_failed) {
@@ -149,12 +167,19 @@ void note_what_repeats(int argc, const char* const* argv, const std::string& lau
 }
 
 void add_run_options(CLI::App& app, DirectArguments& arguments) {
-  app.add_option("request", arguments.request_path, "The direction request, a TOML file")
-      ->required()
-      ->type_name("REQUEST.toml");
+  CLI::Option* request =
+      app.add_option("request", arguments.request_path, "The direction request, a TOML file")
+          ->type_name("REQUEST.toml");
+  app.add_option("--word", arguments.word, "In place of a request: balls that spell this")
+      ->excludes(request)
+      ->type_name("WORD");
+  app.add_option("-n,--number", arguments.number,
+                 "Solutions, in place of the request's [stop]; 5 of a word")
+      ->check(CLI::Range(1U, request::k_independent_solutions_max))
+      ->type_name("N");
+  app.add_flag("--print-request", arguments.print_request, "Show the request, and do nothing else");
   app.add_option("-o,--output", arguments.output,
                  "The archive, NAME.h5; the run store is the folder NAME.h5.run beside it")
-      ->required()
       ->type_name("OUTPUT.h5");
   app.add_flag("--fresh", arguments.fresh, "Start over: give up an earlier run of this output");
   app.add_option("--time-limit", arguments.time_limit,
@@ -188,29 +213,83 @@ double parse_duration_s(const std::string& text) {
   return value * factor;
 }
 
+void check_arguments(const DirectArguments& arguments) {
+  if (arguments.request_path.empty() && arguments.word.empty())
+    throw base::Error(base::ExitCode::usage, "REQUEST.toml or --word WORD is required");
+  if (arguments.output.empty() && !arguments.print_request)
+    throw base::Error(base::ExitCode::usage, "-o OUTPUT.h5 is required");
+}
+
+std::string request_of_word(const std::string& word, std::uint32_t number) {
+  return fmt::format(
+      "[world]\nname = \"spelling\"\nword = {}\n\n[stop]\nindependent_solutions = {}\n",
+      request::toml_string(word), number);
+}
+
+namespace {
+
+/// What the errors of a request call it, and its text.
+struct Source {
+  std::string name;
+  std::string text;
+};
+
+Source source_of(const DirectArguments& arguments) {
+  if (arguments.request_path.empty()) {
+    const std::uint32_t number = arguments.number.value_or(request::k_solutions_asked_for);
+    return {.name = "--word " + arguments.word, .text = request_of_word(arguments.word, number)};
+  }
+  return {.name = arguments.request_path,
+          .text = base::read_text_file(arguments.request_path, k_request_file_bytes_max)};
+}
+
+/// Prints errors, unless another rank does.
+std::optional<request::DirectionRequest> read(run::Catalogue& catalogue, const Source& source,
+                                              bool errors_elsewhere) {
+  auto read = request::read_request(source.text, source.name, catalogue.bindings());
+  if (read) return std::move(read).value();
+  if (errors_elsewhere) return std::nullopt;
+  for (const request::Diagnostic& error : read.error())
+    complain(request::to_string(error));
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
                                                            const DirectArguments& arguments) {
-  const std::string text = base::read_text_file(arguments.request_path, k_request_file_bytes_max);
-  auto read = request::read_request(text, arguments.request_path, catalogue.bindings());
-  if (!read) {
-    if (arguments.errors_elsewhere) return std::nullopt;
-    for (const request::Diagnostic& error : read.error()) {
-      complain(request::to_string(error));
-    }
-    return std::nullopt;
+  const Source source = source_of(arguments);
+  auto request = read(catalogue, source, arguments.errors_elsewhere);
+  if (!request) return std::nullopt;
+  if (arguments.seed) request = request::with_seed(*std::move(request), *arguments.seed);
+  if (arguments.number && !arguments.request_path.empty()) {
+    // Read once more: it may ask for more than its method can give.
+    const Source asked{
+        .name = fmt::format("{} with -n {}", source.name, *arguments.number),
+        .text = request::normalised_text(request::with_solutions(*request, *arguments.number))};
+    request = read(catalogue, asked, arguments.errors_elsewhere);
+    if (!request) return std::nullopt;
   }
-  request::DirectionRequest request = std::move(read).value();
-  if (arguments.seed) request = request::with_seed(std::move(request), *arguments.seed);
-  base::add_repeat_note(fmt::format("request {}, world {}, seed {}, version {}",
-                                    arguments.request_path, request.world, request.sampler.seed,
-                                    base::version()));
+  base::add_repeat_note(fmt::format("request {}, world {}, seed {}, version {}", source.name,
+                                    request->world, request->sampler.seed, base::version()));
   return request;
+}
+
+int print_request(run::Catalogue& catalogue, const DirectArguments& arguments) {
+  const auto request = read_request_file(catalogue, arguments);
+  if (!request) return static_cast<int>(base::ExitCode::bad_request);
+  const bool is_short = arguments.request_path.empty() && !arguments.seed;
+  fmt::print("{}", is_short ? source_of(arguments).text : request::normalised_text(*request));
+  return static_cast<int>(base::ExitCode::ok);
 }
 
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
                    const DirectArguments& arguments, coordinator::Crew& crew) {
   const base::SteadyClock clock;
-  if (request.stop.independent_solutions && !request.stop.scans && !request.stop.rounds) {
+  const bool is_of_chains = request.sampler.method != request::Method::sequential &&
+                            request.sampler.start == request::Start::prior;
+  if (is_of_chains && request.stop.independent_solutions && !request.stop.scans &&
+      !request.stop.rounds) {
     logging::warn(
         "[stop] has independent_solutions alone: a chain that never arrives keeps the run going; "
         "give scans as well to bound it");
@@ -235,7 +314,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
       {.request = request,
        .reader = *reader,
        .plan = *plan,
-       .plan_of_scans = [&](std::uint64_t scans) { return run::make_plan(request, world, scans); },
+       .plan_of = [&](const request::Cut& cut) { return run::make_plan(request, world, cut); },
        .crew = crew,
        .clock = clock,
        .files = files},

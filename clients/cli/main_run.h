@@ -14,7 +14,10 @@ namespace sleight::programs {
 
 /// As the command line gives them.
 struct DirectArguments {
-  std::string request_path;
+  std::string request_path;             ///< or, in its place,
+  std::string word;                     ///< that balls spell
+  std::optional<std::uint32_t> number;  ///< of solutions, in place of the request's [stop]
+  bool print_request = false;           ///< and do nothing else
   std::string output;
   bool fresh = false;
   bool json = false;
@@ -39,7 +42,17 @@ void add_run_options(CLI::App& app, DirectArguments& arguments);
 /// Seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for anything else.
 double parse_duration_s(const std::string& text);
 
-/// Reads and checks the request; prints every error to stderr. None when there were any.
+/// Throws base::Error(usage) where there is no request, or no output for it.
+void check_arguments(const DirectArguments& arguments);
+
+/// The shortest request for a word.
+std::string request_of_word(const std::string& word, std::uint32_t number);
+
+/// --print-request: shows the request, and returns the exit code.
+int print_request(run::Catalogue& catalogue, const DirectArguments& arguments);
+
+/// Reads and checks the request, or makes that of a word; prints every error to stderr. None when
+/// there were any.
 std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
                                                            const DirectArguments& arguments);
 

@@ -87,7 +87,14 @@ Picture plausibility_of(const archive::Source& source, const PlotOptions& option
 
 plot::Figure figure_of(const archive::Source& source, const PlotOptions& options,
                        const WorldReaders& readers) {
-  const std::string world = archive::summary_of(source).world;
+  const archive::Summary summary = archive::summary_of(source);
+  const std::string& world = summary.world;
+  if (options.what == "trace" && summary.scans == 0 && summary.finds.found > 0) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: its animations were found by search, which leaves no trace; "
+                                  "try --what animations",
+                                  source.name()));
+  }
   if (options.what == "paths") {
     if (world == "ball_2d") return ball_2d_paths(source, options.chain, options.count);
     throw base::Error(

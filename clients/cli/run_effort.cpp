@@ -6,6 +6,7 @@
 
 #include "clients/cli/after_burn_in.h"
 #include "clients/cli/request_numbers.h"
+#include "clients/cli/sampling_method.h"
 
 namespace sleight::cli {
 namespace {
@@ -56,7 +57,8 @@ double simulations_of(const archive::Source& source, const std::string& request_
                       const RunSizes& sizes) {
   const RequestNumbers numbers(request_text, source.name());
   const auto each = numbers.find("sampler", "iterations_per_scan");
-  if (!each) return std::numeric_limits<double>::quiet_NaN();
+  if (!each || draws_are_burnt_in(source, sizes.method))
+    return std::numeric_limits<double>::quiet_NaN();
   if (sizes.rounds.empty()) {
     const double annealed = numbers.find("sampler", "anneal_scans").value_or(0);
     const double scans = annealed + static_cast<double>(sizes.draws);

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "common/archive/format.h"
 #include "common/request/document.h"
 
 namespace sleight::cli {
@@ -20,12 +21,20 @@ std::optional<Method> method_of(std::string_view request_text) {
   if (*name == "simulated_tempering") return Method::simulated_tempering;
   if (*name == "tempered_transitions") return Method::tempered_transitions;
   if (*name == "annealed_importance") return Method::annealed_importance;
+  if (*name == "sequential") return Method::sequential;
+  if (*name == "search") return Method::search;
   return std::nullopt;
 }
 
 bool burns_in(std::optional<Method> method) {
   return method == Method::simulated_tempering || method == Method::tempered_transitions ||
          method == Method::annealed_importance;
+}
+
+bool draws_are_burnt_in(const archive::Source& source, std::optional<Method> method) {
+  const archive::Group* learnt = archive::find_group(source, archive::k_tempering);
+  const bool has_tours = learnt != nullptr && archive::find_dataset(*learnt, "tour_begin");
+  return method == Method::sequential || has_tours;
 }
 
 }  // namespace sleight::cli

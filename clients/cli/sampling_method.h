@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/archive/model.h"
 #include "common/request/direction_request.h"
 
 namespace sleight::cli {
@@ -13,5 +14,9 @@ std::optional<request::Method> method_of(std::string_view request_text);
 
 /// Whether the ladders in /tempering are those of a burn-in, whose scans are no draws.
 bool burns_in(std::optional<request::Method> method);
+
+/// Whether an archive has no draws but those after a burn-in by islands or from a search: then all
+/// are judged, and how many simulations there were is not in it.
+bool draws_are_burnt_in(const archive::Source& source, std::optional<request::Method> method);
 
 }  // namespace sleight::cli

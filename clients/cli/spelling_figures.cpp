@@ -75,7 +75,9 @@ struct IterationAxis {
 
 IterationAxis iteration_axis(const archive::Source& source) {
   const RequestNumbers numbers(archive::summary_of(source).request_text, source.name());
-  return {.label = "iteration", .per_scan = numbers.at("sampler", "iterations_per_scan")};
+  // A search has no iterations.
+  return {.label = "iteration",
+          .per_scan = numbers.find("sampler", "iterations_per_scan").value_or(1)};
 }
 
 /// Half the sides of the box inside its walls, and how high a frame reaches.
@@ -354,8 +356,6 @@ std::uint64_t SpellingBox::designated_count() const {
 plot::Figure spelling_animations(const archive::Source& source, const SpellingBox& box,
                                  const SpellingAnimationOptions& options) {
   const std::vector<std::size_t> chosen = choose_animations(source, options.chain, options.count);
-  const std::vector<double> chains = of_animations(source, "chain");
-  const std::vector<double> scans = of_animations(source, "draw");
   const IterationAxis axis = iteration_axis(source);
   const Arrangement sizes = arrange(extent_of(box));
   plot::Figure figure{
@@ -368,7 +368,9 @@ plot::Figure spelling_animations(const archive::Source& source, const SpellingBo
     const std::vector<BallMotion> balls = read_motions(source, i, box.designated_count());
     plot::Panel panel =
         options.frames ? animation_panel(box, balls, sizes) : above_panel(box, balls);
-    panel.title = fmt::format("chain {}, {} {}", chains[i], axis.label, axis.per_scan * scans[i]);
+    panel.title = where_found(source, i, [&](double draw) {
+      return fmt::format("{} {}", axis.label, axis.per_scan * draw);
+    });
     figure.panels.push_back(std::move(panel));
     figure.height_px += sizes.height_px + plot::style::k_panel_title + 9;
   }

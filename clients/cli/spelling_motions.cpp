@@ -38,8 +38,9 @@ std::optional<PlaceMm> BallMotion::place_at(double time_s) const {
 std::vector<BallMotion> read_motions(const archive::Source& source, std::size_t animation,
                                      std::uint64_t balls) {
   const Rows rows = segments_of(source, animation, k_segments_max);
+  const std::string_view group = drawn_group(source);
   const auto column = [&](std::string_view name, std::uint64_t width) {
-    return read_rows(source, archive::k_animations, name, width, rows);
+    return read_rows(source, group, name, width, rows);
   };
   const std::vector<double> ball = column("moving_ball", 1);
   const std::vector<double> start_s = column("start_s", 1);

@@ -20,13 +20,15 @@ struct Table {
   std::vector<std::string> index;  ///< the leading dimensions, whose coordinates come first
 };
 
-const std::array<Table, 5>& tables() {
-  static const std::array<Table, 5> all{{
+const std::array<Table, 7>& tables() {
+  static const std::array<Table, 7> all{{
       {"posterior", k_posterior, {"chain", "draw"}},
       {"sample_stats", k_sample_stats, {"chain", "draw"}},
       {"replicas", k_replicas, {"chain", "replica"}},
       {"animations", k_animations, {"animation"}},
       {"segments", k_animations, {"segment"}},
+      {"finds", k_finds, {"animation"}},
+      {"find_segments", k_finds, {"segment"}},
   }};
   return all;
 }
@@ -233,6 +235,11 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
                                   table_name, fmt::join(csv_tables(), ", ")));
   }
   const Group* group = find_group(source, table->group);
+  if (group == nullptr && table->group == k_finds) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: nothing was searched for, so there is no table '{}'",
+                                  source.name(), table_name));
+  }
   if (group == nullptr) refuse(source, fmt::format("there is no group {}", table->group));
   Exporter(source, *group, table->index).run(out);
 }

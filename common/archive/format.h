@@ -24,6 +24,14 @@ inline constexpr std::string_view k_sample_stats = "/sample_stats";
 inline constexpr std::string_view k_replicas = "/replicas";
 inline constexpr std::string_view k_tempering = "/tempering";  ///< only where something was learnt
 inline constexpr std::string_view k_animations = "/animations";
+/// Only where a search found something, with the attribute `found`: how many, kept or not.
+inline constexpr std::string_view k_finds = "/finds";
+inline constexpr std::string_view k_found = "found";
+inline constexpr std::string_view k_finds_warning =
+    "found by search: each animation ends as wanted and is plausible by itself, but they are not "
+    "in the model's proportions: no averages or odds";
+/// Blind throws whose log densities stand beside those of finds.
+inline constexpr std::size_t k_throws = 1000;
 inline constexpr std::string_view k_request = "request";
 
 /// Root attributes that the digest leaves out: the digest itself, and the program's version, so

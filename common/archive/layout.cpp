@@ -1,6 +1,8 @@
 #include "common/archive/layout.h"
 
 #include <algorithm>
+#include <array>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -59,7 +61,7 @@ void write_own_coordinates(Sink& sink, std::string_view group,
 }
 
 std::uint64_t archived_states(const RunView& view, const ArchiveOptions& options) {
-  return (view.draws() - 1) / options.thin + 1;
+  return view.draws() == 0 ? 0 : (view.draws() - 1) / options.thin + 1;
 }
 
 /// /posterior: the state of every thin-th scan.
@@ -243,7 +245,7 @@ using NewestStates =
 /// /replicas: the newest archived state of each chain's replicas.
 void write_replicas(const NewestStates& newest, const StateReader& reader, Sink& sink) {
   sink.create_group(k_replicas);
-  Dims dims{{"chain", newest.size()}, {"replica", newest.front().size()}};
+  Dims dims{{"chain", newest.size()}, {"replica", newest.empty() ? 1 : newest.front().size()}};
   write_coordinate(sink, k_replicas, dims[0], "independent chain");
   write_coordinate(sink, k_replicas, dims[1], "replica of the chain");
   const Dims leading = dims;
@@ -330,22 +332,25 @@ void write_report(const plan::Report& report, const WorldLayout& layout, Sink& s
   }
 }
 
-/// /animations: the kept animations and their segments.
+/// A column that says where an animation was found.
+struct Address {
+  const char* name;
+  const char* meaning;
+};
+
+/// Animations and their segments: /animations and /finds.
 class AnimationsWriter {
  public:
-  AnimationsWriter(const StateReader& reader, const ArchiveOptions& options, Sink& sink)
-      : reader_(reader) {
-    sink.create_group(k_animations);
-    sink.set_attribute(k_animations, {"keep_max", signed_of(options.keep_max)});
-    sink.set_attribute(k_animations, {"keep_per_lineage", signed_of(options.keep_per_lineage)});
-    sink.set_attribute(k_animations, {"min_distance", options.min_distance});
+  /// REQUIRES: the group is there.
+  AnimationsWriter(const StateReader& reader, std::string_view group, const char* counted,
+                   std::span<const Address> addresses, Sink& sink)
+      : reader_(reader), group_(group) {
     const Dims animation{{"animation", k_growing}};
     const Dims segment{{"segment", k_growing}};
-    animation_ = integers(sink, "animation", animation, "kept animation, by (draw, chain)");
-    chain_ = integers(sink, "chain", animation, "chain that found it");
-    draw_ = integers(sink, "draw", animation, "scan that found it");
-    lineage_ = lineage_column(sink, k_animations, animation);
-    densities_.emplace(sink, k_animations, animation);
+    animation_ = integers(sink, "animation", animation, counted);
+    for (const Address& address : addresses)
+      addresses_.push_back(integers(sink, address.name, animation, address.meaning));
+    densities_.emplace(sink, group, animation);
     segment_start_ =
         integers(sink, "segment_start", animation, "the animation's first row over segment");
     segment_count_ =
@@ -353,30 +358,31 @@ class AnimationsWriter {
     segment_ = integers(sink, "segment", segment, "segment of a motion, animation by animation");
     const WorldLayout& layout = reader.layout();
     Dims written;
-    write_own_coordinates(sink, k_animations, layout.variables, written);
-    write_own_coordinates(sink, k_animations, layout.outcomes, written);
-    write_own_coordinates(sink, k_animations, layout.segment_columns, written);
-    outcomes_.emplace(sink, k_animations, animation, layout.outcomes);
-    states_.emplace(sink, k_animations, animation, layout.variables);
-    segments_.emplace(sink, k_animations, segment, layout.segment_columns);
+    write_own_coordinates(sink, group, layout.variables, written);
+    write_own_coordinates(sink, group, layout.outcomes, written);
+    write_own_coordinates(sink, group, layout.segment_columns, written);
+    outcomes_.emplace(sink, group, animation, layout.outcomes);
+    states_.emplace(sink, group, animation, layout.variables);
+    segments_.emplace(sink, group, segment, layout.segment_columns);
   }
 
-  void push(const KeptAnimation& kept) {
+  /// REQUIRES: as many addresses as columns.
+  void push(std::initializer_list<std::int64_t> addresses, const plan::ScanRecord& record) {
+    CHECK_EQ(addresses.size(), addresses_.size());
     animation_->push(animations_++);
-    chain_->push(kept.chain.value);
-    draw_->push(signed_of(kept.scan.value));
-    lineage_->push(signed_of(kept.record.lineage));
-    densities_->push(kept.record);
-    outcomes_->push(kept.record.outcome);
-    states_->push(reader_.variables(kept.record.state));
-    push_segments(kept);
+    for (std::size_t i = 0; i < addresses.size(); ++i)
+      addresses_[i]->push(addresses.begin()[i]);
+    densities_->push(record);
+    outcomes_->push(record.outcome);
+    states_->push(reader_.variables(record.state));
+    push_segments(record);
   }
 
   void flush() {
-    for (auto* column :
-         {&animation_, &chain_, &draw_, &lineage_, &segment_start_, &segment_count_, &segment_}) {
+    for (auto* column : {&animation_, &segment_start_, &segment_count_, &segment_})
       (*column)->flush();
-    }
+    for (auto& column : addresses_)
+      column->flush();
     densities_->flush();
     outcomes_->flush();
     states_->flush();
@@ -384,17 +390,18 @@ class AnimationsWriter {
   }
 
  private:
-  static Column<std::int64_t> integers(Sink& sink, const char* name, const Dims& dims,
-                                       const char* long_name) {
-    return {sink, k_animations, spec_of(name, ElementType::i64, dims, long_name)};
+  using Integers = std::optional<Column<std::int64_t>>;
+  Column<std::int64_t> integers(Sink& sink, const char* name, const Dims& dims,
+                                const char* long_name) {
+    return {sink, group_, spec_of(name, ElementType::i64, dims, long_name)};
   }
 
-  void push_segments(const KeptAnimation& kept) {
+  void push_segments(const plan::ScanRecord& record) {
     segment_start_->push(rows_);
     const std::size_t width = segments_->width();
     std::size_t rows = 0;
     if (width != 0) {
-      const Recording recording = reader_.record(kept.record.state);
+      const Recording recording = reader_.record(record.state);
       CHECK_EQ(recording.columns, width);
       CHECK_EQ(recording.values.size() % width, 0U);
       rows = recording.rows();
@@ -408,15 +415,66 @@ class AnimationsWriter {
   }
 
   const StateReader& reader_;
+  std::string_view group_;
   std::int64_t animations_ = 0;
   std::int64_t rows_ = 0;
-  std::optional<Column<std::int64_t>> animation_, chain_, draw_, lineage_;
-  std::optional<Column<std::int64_t>> segment_start_, segment_count_, segment_;
+  Integers animation_, segment_start_, segment_count_, segment_;
+  std::vector<Integers> addresses_;
   std::optional<DensityColumns> densities_;
   std::optional<VariableColumns> outcomes_, states_, segments_;
 };
 
-void write_root(const WorldLayout& layout, const plan::Report& report,
+/// /animations: what is kept of the draws.
+void write_animations(DistinctSelector& selector, const StateReader& reader,
+                      const ArchiveOptions& options, Sink& sink) {
+  sink.create_group(k_animations);
+  sink.set_attribute(k_animations, {"keep_max", signed_of(options.keep_max)});
+  sink.set_attribute(k_animations, {"keep_per_lineage", signed_of(options.keep_per_lineage)});
+  sink.set_attribute(k_animations, {"min_distance", options.min_distance});
+  constexpr std::array k_addresses{
+      Address{"chain", "chain that found it"}, Address{"draw", "scan that found it"},
+      Address{"lineage", "visit of the chain to the prior from which the state descends"}};
+  AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
+                              sink);
+  // Each kept animation is simulated once more, for its motion.
+  for (const KeptAnimation& kept : selector.finish())
+    animations.push({kept.chain.value, signed_of(kept.scan.value), signed_of(kept.record.lineage)},
+                    kept.record);
+  if (selector.failed() > 0) {
+    sink.set_attribute(k_animations,
+                       {std::string(k_failed_animations), signed_of(selector.failed())});
+  }
+  animations.flush();
+}
+
+/// /finds: what a search found, and how plausible blind throws are beside it.
+void write_finds(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
+                 Sink& sink) {
+  if (view.finds() == 0) return;
+  sink.create_group(k_finds);
+  sink.set_attribute(k_finds, {"keep_max", signed_of(options.keep_max)});
+  sink.set_attribute(k_finds, {std::string(k_found), signed_of(view.finds())});
+  sink.set_attribute(k_finds, {std::string(k_warning), std::string(k_finds_warning)});
+  const std::vector<double> throws = reader.log_priors_of_throws(k_throws);
+  const Dims blind_throw{{"throw", throws.size()}};
+  write_coordinate(sink, k_finds, blind_throw[0], "blind throw");
+  Column<double> log_prior(sink, k_finds,
+                           spec_of("log_prior_of_throw", ElementType::f64, blind_throw,
+                                   "log density of a blind throw, to compare log_prior with"));
+  for (const double value : throws)
+    log_prior.push(value);
+  log_prior.flush();
+
+  constexpr std::array k_addresses{Address{"start", "start of the search that found it"}};
+  AnimationsWriter animations(reader, k_finds, "find, by start", k_addresses, sink);
+  std::uint64_t kept = 0;
+  view.for_each_find([&](std::uint64_t start, const plan::ScanRecord& record) {
+    if (kept++ < options.keep_max) animations.push({signed_of(start)}, record);
+  });
+  animations.flush();
+}
+
+void write_root(const WorldLayout& layout, const plan::Report& report, std::uint64_t draws,
                 const plan::FailureCounts& failures, const ArchiveOptions& options, Sink& sink) {
   sink.set_attribute(k_root, {"format", std::string(k_format_name)});
   sink.set_attribute(k_root, {"format_version", k_format_version});
@@ -424,7 +482,10 @@ void write_root(const WorldLayout& layout, const plan::Report& report,
   sink.set_attribute(k_root, {"inference_library", std::string(k_inference_library)});
   sink.set_attribute(k_root,
                      {std::string(k_inference_library_version), options.inference_library_version});
-  const std::string& warning = layout.warning.empty() ? report.warning : layout.warning;
+  const bool is_search = draws == 0;
+  const std::string warning = is_search                ? std::string(k_finds_warning)
+                              : layout.warning.empty() ? report.warning
+                                                       : layout.warning;
   if (!warning.empty()) sink.set_attribute(k_root, {std::string(k_warning), warning});
   for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
     if (failures.by_kind[kind] == 0) continue;
@@ -442,12 +503,11 @@ void write_root(const WorldLayout& layout, const plan::Report& report,
 
 void write_archive(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
                    Sink& sink) {
-  CHECK_GE(view.chains(), 1U);
-  CHECK_GE(view.draws(), 1U);
+  CHECK(view.draws() == 0 ? view.finds() > 0 : view.chains() > 0);
   CHECK_GE(options.thin, 1U);
   CHECK(!options.request_text.empty());
   const plan::Report report = view.report();
-  write_root(reader.layout(), report, view.failures(), options, sink);
+  write_root(reader.layout(), report, view.draws(), view.failures(), options, sink);
 
   // One walk over the run, chain by chain: scalars, states and candidates for the animations.
   PosteriorWriter posterior(view, reader, options, sink);
@@ -455,7 +515,8 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   DistinctSelector selector(reader,
                             {options.keep_max, options.keep_per_lineage, options.min_distance});
   NewestStates newest(view.chains(), std::vector<std::optional<NewestState>>(1));
-  const std::uint64_t newest_scan = (archived_states(view, options) - 1) * options.thin;
+  const std::uint64_t states = archived_states(view, options);
+  const std::uint64_t newest_scan = states == 0 ? 0 : (states - 1) * options.thin;
   for (std::uint32_t i = 0; i < view.chains(); ++i) {
     const base::ChainId chain{i};
     std::uint64_t draws = 0;
@@ -463,7 +524,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
       CHECK_EQ(scan.value, draws++);
       posterior.push(scan, record);
       sample_stats.push(record);
-      selector.offer(chain, scan, record);
+      if (view.may_be_kept(chain, scan)) selector.offer(chain, scan, record);
       if (scan.value == newest_scan) newest[i][0] = NewestState{scan, record};
     });
     CHECK_EQ(draws, view.draws());
@@ -474,15 +535,8 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   write_replicas(newest_states(view, options.thin, std::move(newest)), reader, sink);
   write_report(report, reader.layout(), sink);
 
-  // Each kept animation is simulated once more, for its motion.
-  AnimationsWriter animations(reader, options, sink);
-  for (const KeptAnimation& kept : selector.finish())
-    animations.push(kept);
-  if (selector.failed() > 0) {
-    sink.set_attribute(k_animations,
-                       {std::string(k_failed_animations), signed_of(selector.failed())});
-  }
-  animations.flush();
+  write_animations(selector, reader, options, sink);
+  write_finds(view, reader, options, sink);
 }
 
 }  // namespace sleight::archive

@@ -23,6 +23,10 @@ class RunView {
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const = 0;
 
+  /// Whether a draw may become a kept animation, if it satisfies: where one of a lineage's draws is
+  /// its independent solution, that one and later ones.
+  virtual bool may_be_kept(base::ChainId /*chain*/, base::ScanIndex /*draw*/) const { return true; }
+
   /// Of a chain, at most. Plain chains have one, which is at inverse temperature 1 all the time.
   virtual std::uint32_t replicas() const { return 1; }
   /// Calls `visit` for each replica of a chain that has one with its newest state at a multiple of
@@ -31,6 +35,10 @@ class RunView {
       base::ChainId /*chain*/, std::uint64_t /*thin*/,
       const std::function<void(base::ReplicaId, base::ScanIndex,
                                const plan::ScanRecord&)>& /*visit*/) const {}
+  /// Finds of a search, and visits each with the number of its start, in order.
+  virtual std::uint64_t finds() const { return 0; }
+  virtual void for_each_find(
+      const std::function<void(std::uint64_t start, const plan::ScanRecord&)>& /*visit*/) const {}
   /// What the method learnt from these scans.
   virtual plan::Report report() const { return {}; }
   /// Simulations that failed in these scans, those of all replicas and before the first draw too.

@@ -27,6 +27,15 @@ std::vector<Expected> expected_datasets() {
   const Names replicas{"chain", "replica"};
   const Names animations{"animation"};
   return {
+      {k_finds, "animation", i64, animations},
+      {k_finds, "segment", i64, {"segment"}},
+      {k_finds, "throw", i64, {"throw"}},
+      {k_finds, "log_prior_of_throw", f64, {"throw"}},
+      {k_finds, "start", i64, animations},
+      {k_finds, "log_prior", f64, animations},
+      {k_finds, "log_constraint", f64, animations},
+      {k_finds, "segment_start", i64, animations},
+      {k_finds, "segment_count", i64, animations},
       {k_root, k_request, text, {}},
       {k_posterior, "chain", i64, {"chain"}},
       {k_posterior, "draw", i64, {"draw"}},
@@ -126,7 +135,7 @@ std::vector<Names> leading_dims(std::string_view group) {
   if (group == k_posterior || group == k_sample_stats) return {{"chain", "draw"}};
   if (group == k_replicas) return {{"chain", "replica"}};
   if (group == k_tempering) return {{"chain"}};
-  if (group == k_animations) return {{"animation"}, {"segment"}};
+  if (group == k_animations || group == k_finds) return {{"animation"}, {"segment"}};
   return {};
 }
 
@@ -185,6 +194,9 @@ std::vector<std::string> check_structure(const Source& source) {
   }
   check_attribute<std::int64_t>(source, k_posterior, "thin", findings);
   check_attribute<std::int64_t>(source, k_animations, "keep_max", findings);
+  check_attribute<std::int64_t>(source, k_finds, "keep_max", findings);
+  check_attribute<std::int64_t>(source, k_finds, k_found, findings);
+  check_attribute<std::string>(source, k_finds, k_warning, findings);
   check_attribute<std::int64_t>(source, k_animations, "keep_per_lineage", findings);
   check_attribute<double>(source, k_animations, "min_distance", findings);
 

@@ -59,6 +59,15 @@ std::uint64_t size_of(const Source& source, std::string_view group, std::string_
   return coordinate->dims[0].size;
 }
 
+FindsSummary finds_of(const Source& source) {
+  if (find_group(source, k_finds) == nullptr) return {};
+  const auto found = attribute_of<std::int64_t>(source, k_finds, k_found);
+  if (found < 1) refuse(source, fmt::format("/finds: found is {}: expected at least 1", found));
+  return {.found = static_cast<std::uint64_t>(found),
+          .animations = size_of(source, k_finds, "animation"),
+          .segments = size_of(source, k_finds, "segment")};
+}
+
 std::string request_of(const Source& source) {
   const DatasetSpec* request = find_dataset(group_of(source, k_root), k_request);
   if (request == nullptr || request->type != ElementType::text || !request->dims.empty()) {
@@ -88,6 +97,7 @@ Summary summary_of(const Source& source) {
       .segments = size_of(source, k_animations, "segment"),
       .failures = failures_of(source),
       .failed_animations = count_of_failures(source, k_animations, k_failed_animations),
+      .finds = finds_of(source),
   };
 }
 

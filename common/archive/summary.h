@@ -9,6 +9,13 @@
 
 namespace sleight::archive {
 
+/// Of a search; all 0 where there was none.
+struct FindsSummary {
+  std::uint64_t found = 0;
+  std::uint64_t animations = 0;  ///< of these, kept
+  std::uint64_t segments = 0;
+};
+
 struct Summary {
   std::int64_t format_version = 0;
   std::string world;
@@ -26,6 +33,7 @@ struct Summary {
   std::uint64_t segments = 0;
   plan::FailureCounts failures{};       ///< simulations that failed, by kind
   std::uint64_t failed_animations = 0;  ///< satisfied, but not simulated to their end
+  FindsSummary finds{};
 };
 
 /// Throws base::Error with ExitCode::bad_archive that names what is missing or of another type.

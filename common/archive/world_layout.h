@@ -79,6 +79,9 @@ class StateReader {
   virtual PlaysOut plays_out(base::BytesView /*state*/) const { return PlaysOut::yes; }
   /// The whole motion, simulated to its end. REQUIRES: plays_out(state) is yes.
   virtual Recording record(base::BytesView state) const = 0;
+  /// log p_w of so many blind throws, as a person would make them: what the log p_w of something
+  /// found is to be compared with. Always the same ones.
+  virtual std::vector<double> log_priors_of_throws(std::size_t /*count*/) const { return {}; }
 };
 
 }  // namespace sleight::archive

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "common/plan/block.h"
 #include "common/plan/report.h"
@@ -20,10 +21,29 @@
 
 namespace sleight::plan {
 
-/// A chain's draws are its records at inverse temperature 1 from some scan on, by (scan, replica).
-struct Draws {
+/// Consecutive scans that are draws; and of each chain the scan that is its independent solution of
+/// these, if it has one.
+struct DrawPart {
   std::uint64_t first_scan = 0;
   std::uint64_t count = 0;
+  std::vector<std::optional<std::uint64_t>> counted{};
+};
+
+/// A chain's draws are its records at inverse temperature 1 from some scan on, by (scan, replica);
+/// of these only the ones in parts, where there are parts.
+struct Draws {
+  std::uint64_t first_scan = 0;
+  std::uint64_t count = 0;  ///< in parts: of all together
+  std::vector<DrawPart> parts{};
+};
+
+/// What searches have found. Starts are numbered; a find counts when all starts before its own are
+/// done, so that which finds these are hangs on no worker.
+struct Finds {
+  std::uint64_t found = 0;
+  std::uint64_t wanted = 0;  ///< 0: nothing is searched for
+  bool gave_up = false;      ///< too many starts in a row found nothing
+  bool is_all = false;       ///< no chains come after the search
 };
 
 class Plan {
@@ -58,6 +78,8 @@ class Plan {
   /// the stop rule asks for them.
   virtual std::uint64_t solutions_found() const = 0;
   virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
+
+  virtual Finds finds() const { return {}; }
 
   /// Replicas that went from the prior to inverse temperature 1 and back; none where no replica
   /// does such a thing.

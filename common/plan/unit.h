@@ -26,6 +26,17 @@ struct ReplicaKey {
   friend auto operator<=>(const ReplicaKey&, const ReplicaKey&) = default;
 };
 
+/// The starts of a search are numbered over so many lanes, which to workers and stores are chains
+/// with one replica, numbered from k_first_lane on: start n is scan n / k_search_lanes of lane n %
+/// k_search_lanes. No start knows a state before it.
+inline constexpr std::uint32_t k_first_lane = 65536;
+inline constexpr std::uint32_t k_search_lanes = 64;
+
+/// REQUIRES: a lane.
+inline std::uint64_t start_number(base::ChainId lane, std::uint64_t scan) {
+  return scan * k_search_lanes + (lane.value - k_first_lane);
+}
+
 /// More replicas than a chain can have: lineages are numbered by it.
 inline constexpr std::uint64_t k_replicas_end = 4096;
 
@@ -33,6 +44,11 @@ inline constexpr std::uint64_t k_replicas_end = 4096;
 /// chain has its own; replica 0's start has 0.
 inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
   return scan * k_replicas_end + replica.value;
+}
+
+/// The scan at which a lineage began.
+inline std::uint64_t scan_of_lineage(std::uint64_t lineage) {
+  return lineage / k_replicas_end;
 }
 
 struct Unit {
@@ -50,6 +66,8 @@ struct Unit {
   /// through, below the scan's own; empty: none.
   std::vector<double> excursion{};
 
+  /// Each scan is then a start of a search, with no state before it; `starts` holds.
+  bool searches() const { return replica.chain.value >= k_first_lane; }
   double inverse_temperature(std::uint32_t nth) const {
     return inverse_temperatures.size() == 1 ? inverse_temperatures.front()
                                             : inverse_temperatures[nth];
@@ -63,15 +81,18 @@ struct ScanRecord {
   double log_constraint = 0;  ///< log p_c of its outcome, at inverse temperature 1; may be -inf
   bool satisfied = false;
   std::uint64_t lineage = 0;  ///< which visit of this chain to the prior the state descends from
-  double inverse_temperature = 1;       ///< at which it was sampled
-  std::vector<std::uint32_t> proposed;  ///< proposals made in this scan, by kind
-  std::vector<std::uint32_t> accepted;  ///< of these, accepted
-  std::vector<double> outcome;          ///< the world's outcome scalars, in its layout's order
-  FailureCounts failures{};             ///< of simulations that this scan made
+  double inverse_temperature = 1;         ///< at which it was sampled
+  std::vector<std::uint32_t> proposed{};  ///< proposals made in this scan, by kind
+  std::vector<std::uint32_t> accepted{};  ///< of these, accepted
+  std::vector<double> outcome{};          ///< the world's outcome scalars, in its layout's order
+  FailureCounts failures{};               ///< of simulations that this scan made
   /// Simulations of this scan that could not begin, since bodies overlap at the start: p_c = 0.
   std::uint64_t overlapping_starts = 0;
+  /// What the method asks of a scan besides: what an island estimates (worker/sampling/island.h),
+  /// or what a burn-in is judged by (burn_in_judge.h).
+  std::vector<double> method_values{};
   /// The state, at scans that are archived (every `thin`-th) or satisfied; empty at others.
-  base::Bytes state;
+  base::Bytes state{};
   friend bool operator==(const ScanRecord&, const ScanRecord&) = default;
 };
 

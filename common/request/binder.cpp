@@ -244,6 +244,13 @@ std::optional<std::size_t> Binder::read_choice(std::string_view key,
   return chosen;
 }
 
+void Binder::settle(std::string_view key, std::string value) {
+  const auto bound = std::find_if(keys_.begin(), keys_.end(),
+                                  [&](const BoundKey& b) { return b.spec.key == key; });
+  CHECK(bound != keys_.end());
+  bound->value = std::move(value);
+}
+
 bool Binder::given(std::string_view key) const {
   return section_ != nullptr && section_->find(key) != nullptr;
 }

@@ -184,6 +184,10 @@ class Binder {
     }
   }
 
+  /// What the normalised text says of a key that the file leaves out, since it follows from other
+  /// keys; empty: nothing. REQUIRES: the key is declared.
+  void settle(std::string_view key, std::string value);
+
   /// Whether the file gives the key, rightly or wrongly.
   bool given(std::string_view key) const;
 

@@ -1,6 +1,7 @@
 #include "common/request/common_sections.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string_view>
@@ -9,13 +10,17 @@
 namespace sleight::request {
 namespace {
 
-static_assert(k_burn_in_rounds == 4 && k_lanes == 8, "said in the help");
+static_assert(k_burn_in_rounds == 4 && k_lanes == 8 && k_particles == 64 &&
+                  k_island_burn_in_rounds == 1 && k_solutions_asked_for == 5,
+              "said in the help");
 
 /// A key that a method doesn't have would do nothing in silence.
 void refuse_other_methods_keys(Binder& sampler, Method method) {
   if (!sampler.valid("method")) return;
-  const bool is_plain = method == Method::metropolis_hastings;
-  const bool burns_in = !is_plain && method != Method::parallel_tempering;
+  if (method == Method::search) return;  // which has hardly any
+  const bool has_islands = method == Method::sequential;
+  const bool is_plain = method == Method::metropolis_hastings || has_islands;
+  const bool burns_in = has_islands || (!is_plain && method != Method::parallel_tempering);
   const bool ascends = method == Method::annealed_importance;
   const bool has_steps = ascends || method == Method::tempered_transitions;
   const auto refuse = [&](std::string_view key, bool has, std::string_view methods) {
@@ -25,7 +30,11 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
   refuse("replicas", !is_plain, "\"parallel_tempering\" and those that burn in with it");
   refuse("ladder_power", !is_plain, "\"parallel_tempering\" and those that burn in with it");
   refuse("burn_in_rounds", burns_in,
-         "\"simulated_tempering\", \"tempered_transitions\" or \"annealed_importance\"");
+         "\"simulated_tempering\", \"tempered_transitions\", \"annealed_importance\" or "
+         "\"sequential\"");
+  refuse("anneal_scans", !has_islands, "that has no islands");
+  refuse("particles", has_islands, "\"sequential\"");
+  refuse("start", method == Method::metropolis_hastings, "\"metropolis_hastings\"");
   refuse("lanes", ascends, "\"annealed_importance\"");
   refuse("steps_per_level", has_steps, "\"tempered_transitions\" or \"annealed_importance\"");
 }
@@ -60,7 +69,8 @@ void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
                             .unit = "rounds",
                             .help = "of parallel tempering, to find temperatures, before "
                                     "simulated_tempering, tempered_transitions and "
-                                    "annealed_importance; 4 if absent"});
+                                    "annealed_importance, 4 if absent; of sequential, that don't "
+                                    "count, 1 if absent"});
   sampler.optional_integer("lanes", p.lanes,
                            {.minimum = 1,
                             .maximum = 1024,
@@ -72,6 +82,9 @@ void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
                             .unit = "steps",
                             .help = "from one temperature to the next: tempered_transitions, "
                                     "annealed_importance; 1 if absent"});
+  sampler.optional_integer(
+      "particles", p.particles,
+      {.minimum = 2, .maximum = k_particles_max, .help = "of an island: sequential; 64 if absent"});
 }
 
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
@@ -80,9 +93,16 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
       Named<Method>{"parallel_tempering", Method::parallel_tempering},
       Named<Method>{"simulated_tempering", Method::simulated_tempering},
       Named<Method>{"tempered_transitions", Method::tempered_transitions},
-      Named<Method>{"annealed_importance", Method::annealed_importance}};
+      Named<Method>{"annealed_importance", Method::annealed_importance},
+      Named<Method>{"sequential", Method::sequential},
+      Named<Method>{"search", Method::search}};
   sampler.choice("method", p.method, std::span<const Named<Method>>(k_methods),
                  "how animations are drawn");
+  static constexpr std::array k_starts{Named<Start>{"prior", Start::prior},
+                                       Named<Start>{"search", Start::search}};
+  sampler.choice(
+      "start", p.start, std::span<const Named<Start>>(k_starts),
+      "where chains of metropolis_hastings start; from a search their burn-in is judged");
   sampler.integer(
       "chains", p.chains,
       {.minimum = 1, .maximum = k_chains_max, .help = "chains, independent of each other"});
@@ -130,7 +150,13 @@ void bind_stop(Binder& stop, StopRule& p) {
   stop.optional_integer("independent_solutions", p.independent_solutions,
                         {.minimum = 1,
                          .maximum = k_independent_solutions_max,
-                         .help = "ends when so many lineages have a satisfying animation"});
+                         .help = "ends when so many lineages have a satisfying animation; 5 if no "
+                                 "rule is given"});
+  stop.optional_integer("found", p.found,
+                        {.minimum = 1,
+                         .maximum = k_found_max,
+                         .help = "a search ends with so many finds, 5 if absent; where there are "
+                                 "chains, a search before them"});
 }
 
 void bind_output(Binder& output, OutputParameters& p) {
@@ -154,6 +180,106 @@ void bind_output(Binder& output, OutputParameters& p) {
                  .maximum = 1e6,
                  .unit = "units of likeness",
                  .help = "least distance of two that are kept, as the world measures likeness"});
+}
+
+/// Keys of the common sections that say something of a search.
+constexpr std::array<std::string_view, 2> k_sampler_keys_of_search{"method", "seed"};
+constexpr std::array<std::string_view, 1> k_stop_keys_of_search{"found"};
+constexpr std::array<std::string_view, 1> k_output_keys_of_search{"keep_max"};
+
+/// All other keys say nothing: given ones are errors, defaults are not repeated.
+void keep_only(Binder& section, std::span<const std::string_view> keys, std::string_view why) {
+  for (const BoundKey& bound : std::vector(section.keys())) {
+    const std::string& key = bound.spec.key;
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+    if (section.given(key)) section.error(key, why);
+    section.settle(key, "");
+  }
+}
+
+/// What follows from the method once all keys are bound.
+void settle_search(SectionBinders& sections, DirectionRequest& request) {
+  keep_only(sections.sampler, k_sampler_keys_of_search,
+            "says nothing of method \"search\", which has no chains");
+  keep_only(sections.stop, k_stop_keys_of_search,
+            "counts scans or samples, and method \"search\" has none; it ends by 'found'");
+  keep_only(sections.output, k_output_keys_of_search,
+            "is of chains, and method \"search\" has none");
+  request.sampler.chains = 0;
+}
+
+/// Without a sampler the world says what serves it best; people see what is found before anything
+/// is drawn in proportion.
+void settle_default(SectionBinders& sections, DirectionRequest& request,
+                    const WorldBinding& world) {
+  const auto& keys = sections.sampler.keys();
+  const bool is_open = std::none_of(keys.begin(), keys.end(), [&](const BoundKey& bound) {
+    return bound.spec.key != "seed" && sections.sampler.given(bound.spec.key);
+  });
+  if (!is_open || !world.serve_best) return;
+  world.serve_best(sections.constraint, sections.sampler, request.sampler, request.stop);
+  if (request.stop.found || !request.stop.independent_solutions) return;
+  request.stop.found = request.stop.independent_solutions;
+  sections.stop.settle("found", fmt::format("{}", *request.stop.found));
+}
+
+/// Where no rule ends the run.
+void settle_stop(SectionBinders& sections, DirectionRequest& request) {
+  const bool searches = request.sampler.method == Method::search;
+  Binder& stop = sections.stop;
+  const auto given = [&](const char* key) { return stop.given(key); };
+  const bool some = searches ? given("found")
+                             : given("scans") || given("rounds") || given("independent_solutions");
+  if (some) return;
+  const char* key = searches ? "found" : "independent_solutions";
+  (searches ? request.stop.found : request.stop.independent_solutions) = k_solutions_asked_for;
+  stop.settle(key, fmt::format("{}", k_solutions_asked_for));
+}
+
+/// Burn-ins are judged over all chains, in rounds of their own.
+void check_start(SectionBinders& sections, const DirectionRequest& request) {
+  const SamplerParameters& p = request.sampler;
+  if (p.start == Start::prior) return sections.sampler.settle("start", "");
+  constexpr std::uint32_t k_chains_judged_min = 2;
+  constexpr std::uint32_t k_judged_round_min = 4;
+  const std::string why = "start = \"search\"";
+  if (sections.sampler.valid("chains") && p.chains < k_chains_judged_min) {
+    sections.sampler.error("chains", fmt::format("must be at least {} with {}, whose burn-in is "
+                                                 "judged by comparing chains",
+                                                 k_chains_judged_min, why));
+  }
+  if (sections.sampler.valid("round_scans") && p.round_scans < k_judged_round_min) {
+    sections.sampler.error("round_scans",
+                           fmt::format("must be at least {} with {}", k_judged_round_min, why));
+  }
+  if (p.anneal_scans)
+    sections.sampler.error("anneal_scans", fmt::format("does not go with {}", why));
+  if (request.stop.rounds) {
+    sections.stop.error("rounds", fmt::format("does not go with {}: how many rounds a burn-in "
+                                              "takes is judged; ask for independent_solutions",
+                                              why));
+  }
+}
+
+/// Islands and searches are for worlds that act in stages.
+void check_stages(SectionBinders& sections, const DirectionRequest& request,
+                  const WorldBinding& world, std::span<const WorldBinding> worlds) {
+  if (world.acts_in_stages) return;
+  std::vector<std::string_view> names;
+  for (const WorldBinding& other : worlds)
+    if (other.acts_in_stages) names.push_back(other.name);
+  const std::string which = names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "));
+  const std::string why =
+      fmt::format("goes with worlds that act in stages{}, not with {}", which, world.name);
+  const Method method = request.sampler.method;
+  if (sections.sampler.valid("method") &&
+      (method == Method::search || method == Method::sequential)) {
+    sections.sampler.error("method", why);
+  } else if (sections.sampler.valid("start") && request.sampler.start == Start::search) {
+    sections.sampler.error("start", why);
+  } else if (sections.stop.given("found")) {
+    sections.stop.error("found", why);
+  }
 }
 
 }  // namespace
@@ -180,6 +306,11 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
   if (chosen == nullptr) return nullptr;
   request.world = chosen->name;
   chosen->bind(sections.world, sections.constraint, sections.sampler);
+  check_stages(sections, request, *chosen, worlds);
+  if (request.sampler.method == Method::search) settle_search(sections, request);
+  check_start(sections, request);
+  settle_stop(sections, request);
+  settle_default(sections, request, *chosen);
   return chosen;
 }
 

@@ -42,21 +42,21 @@ enum class Method {
   parallel_tempering,
   simulated_tempering,
   tempered_transitions,
-  annealed_importance
+  annealed_importance,
+  sequential,  ///< islands of particles, for worlds that act in stages
+  search       ///< builds solutions, draws none in proportion; for worlds that act in stages
 };
 
-/// A world as a request sees it.
-struct WorldBinding {
-  std::string name;     ///< of `name` in [world]
-  std::string summary;  ///< one line for help
-  /// Sets the world's parameters, which the function refers to, to their defaults, then binds its
-  /// keys to them. Afterwards they hold the request's values.
-  std::function<void(Binder& world, Binder& constraint, Binder& sampler)> bind;
+/// Where chains of metropolis_hastings start.
+enum class Start {
+  prior,  ///< a draw from it
+  search  ///< a find of a search: then burn-ins are judged (worker/sampling/judged_chains.h)
 };
 
 struct SamplerParameters {
   Method method = Method::parallel_tempering;
-  std::uint32_t chains = 4;                 ///< independent of each other; ladders, where tempered
+  /// Independent of each other; ladders, where tempered; 0 where a search is all.
+  std::uint32_t chains = 4;
   std::optional<std::uint32_t> replicas{};  ///< of a ladder; none: as many as its barrier asks for
   /// Of a first ladder, whose inverse temperatures are (i / (replicas - 1)) to it; none: 6.
   std::optional<std::uint32_t> ladder_power{};
@@ -66,27 +66,52 @@ struct SamplerParameters {
   /// Of simulated annealing, before all else; none: 0.
   std::optional<std::uint32_t> anneal_scans{};
   /// Of parallel tempering, by which simulated_tempering, tempered_transitions and
-  /// annealed_importance find their temperatures; none: k_burn_in_rounds.
+  /// annealed_importance find their temperatures: none: k_burn_in_rounds. Of sequential, that
+  /// don't count; none: k_island_burn_in_rounds.
   std::optional<std::uint32_t> burn_in_rounds{};
   /// Of annealed_importance: ascents beside each other; none: k_lanes.
   std::optional<std::uint32_t> lanes{};
   /// Of it and of tempered_transitions: from one temperature to the next; none: 1.
   std::optional<std::uint32_t> steps_per_level{};
+  /// Of an island of sequential; none: k_particles.
+  std::optional<std::uint32_t> particles{};
+  Start start = Start::prior;
   friend bool operator==(const SamplerParameters&, const SamplerParameters&) = default;
 };
 
 /// Scans of each chain before those whose states count: of annealing, and of a burn-in.
 std::uint64_t scans_before_draws(const SamplerParameters& sampler);
 
-/// At least one is given. Each is judged logically, never by a clock. The scans of `rounds` rounds,
-/// round_scans * (2^rounds - 1), are at most k_scans_max too.
+/// One is given, or follows (k_solutions_asked_for). Each is judged logically, never by a clock.
+/// The scans of `rounds` rounds, round_scans * (2^rounds - 1), are at most k_scans_max too.
 struct StopRule {
   /// Of each chain, its start (scan 0) included; more than scans_before_draws.
   std::optional<std::uint64_t> scans;
   std::optional<std::uint32_t> rounds;  ///< of each chain
   /// Lineages with a satisfying animation, over all chains, judged at the ends of rounds.
   std::optional<std::uint32_t> independent_solutions;
+  /// A search's rule; chains of a world that acts in stages may have a search before them, which
+  /// ends then.
+  std::optional<std::uint32_t> found{};
   friend bool operator==(const StopRule&, const StopRule&) = default;
+};
+
+/// A world as a request sees it.
+struct WorldBinding {
+  std::string name;     ///< of `name` in [world]
+  std::string summary;  ///< one line for help
+  /// Sets the world's parameters, which the function refers to, to their defaults, then binds its
+  /// keys to them. Afterwards they hold the request's values.
+  std::function<void(Binder& world, Binder& constraint, Binder& sampler)> bind;
+  /// It can be searched, and sampled by islands (worker/sampling/stages.h).
+  bool acts_in_stages = false;
+  /// What serves it best where a request leaves the sampler open, a seed aside: sets parameters,
+  /// and settles their keys. It may depend on which stop rules are given, and must go with them;
+  /// not on their numbers, so that a longer run goes on with a shorter one. None: every key's own
+  /// default.
+  std::function<void(Binder& constraint, Binder& sampler, SamplerParameters& parameters,
+                     const StopRule& stop)>
+      serve_best{};
 };
 
 struct OutputParameters {
@@ -127,6 +152,12 @@ inline constexpr std::uint64_t k_scans_max = 1000000000000U;
 inline constexpr std::uint32_t k_rounds_max = 40;
 inline constexpr std::uint32_t k_round_scans_max = 1000000;
 inline constexpr std::uint32_t k_independent_solutions_max = 1000000;
+inline constexpr std::uint32_t k_found_max = 1000000;
+/// Where no rule is given: independent solutions, or finds.
+inline constexpr std::uint32_t k_solutions_asked_for = 5;
+inline constexpr std::uint32_t k_particles = 64;
+inline constexpr std::uint32_t k_particles_max = 4096;
+inline constexpr std::uint32_t k_island_burn_in_rounds = 1;
 
 /// Reads a request. `file` is named in the errors and not opened. The chosen world's parameters
 /// then hold the request's values; on errors they hold some of them.
@@ -137,9 +168,16 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
 /// The whole request, canonically: what an archive stores of a run that ended by its own rule.
 std::string normalised_text(const DirectionRequest& request);
 
-/// As normalised_text with `scans = N` for [stop]: the request that reproduces exactly the scans
-/// that an archive holds. REQUIRES: 1 <= scans <= k_scans_max.
-std::string normalised_text_of_scans(const DirectionRequest& request, std::uint64_t scans);
+/// What an archive holds: scans of each chain, and finds.
+struct Cut {
+  std::uint64_t scans = 0;
+  std::uint64_t found = 0;
+};
+
+/// As normalised_text with these for [stop], those that are not 0: the request that reproduces
+/// exactly what an archive holds. REQUIRES: one is not 0; scans <= k_scans_max, found <=
+/// k_found_max.
+std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
 /// [world], [constraint] and [sampler] of the normalised text. Requests for which it is equal walk
 /// the same chains, so the run of one may be continued for the other.
@@ -147,6 +185,10 @@ std::string identity_text(const DirectionRequest& request);
 
 /// The request with another seed, as if its file had it. REQUIRES: seed <= k_seed_max.
 DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
+
+/// The request for so many solutions, in place of its [stop]: independent ones, and as many finds
+/// where it searches. REQUIRES: at least 1, at most k_independent_solutions_max.
+DirectionRequest with_solutions(DirectionRequest request, std::uint32_t number);
 
 /// A section, or any table of an array, and what its keys are.
 struct SectionKeys {

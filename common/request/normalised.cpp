@@ -31,11 +31,15 @@ std::string normalised_text(const DirectionRequest& request) {
   return text_of(request.sections);
 }
 
-std::string normalised_text_of_scans(const DirectionRequest& request, std::uint64_t scans) {
-  CHECK_GE(scans, 1U);
-  CHECK_LE(scans, k_scans_max);
+std::string normalised_text_of(const DirectionRequest& request, const Cut& cut) {
+  CHECK(cut.scans > 0 || cut.found > 0);
+  CHECK_LE(cut.scans, k_scans_max);
+  CHECK_LE(cut.found, k_found_max);
   DirectionRequest stopped = request;
-  section_of(stopped, "stop").keys = {{"scans", fmt::format("{}", scans)}};
+  auto& rules = section_of(stopped, "stop").keys;
+  rules.clear();
+  if (cut.scans > 0) rules.emplace_back("scans", fmt::format("{}", cut.scans));
+  if (cut.found > 0) rules.emplace_back("found", fmt::format("{}", cut.found));
   return normalised_text(stopped);
 }
 
@@ -52,6 +56,23 @@ DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed) {
   request.sampler.seed = seed;
   for (auto& [key, value] : section_of(request, "sampler").keys) {
     if (key == "seed") value = fmt::format("{}", seed);
+  }
+  return request;
+}
+
+DirectionRequest with_solutions(DirectionRequest request, std::uint32_t number) {
+  CHECK(number >= 1 && number <= k_independent_solutions_max);
+  auto& rules = section_of(request, "stop").keys;
+  const bool has_search = request.stop.found.has_value();
+  request.stop = {};
+  rules.clear();
+  if (request.sampler.method != Method::search) {
+    request.stop.independent_solutions = number;
+    rules.emplace_back("independent_solutions", fmt::format("{}", number));
+  }
+  if (has_search) {
+    request.stop.found = number;
+    rules.emplace_back("found", fmt::format("{}", number));
   }
   return request;
 }

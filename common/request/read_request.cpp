@@ -188,21 +188,7 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
                          before, *request.stop.scans));
 }
 
-void check_stop(const Document& document, Binder& stop, const Binder& sampler,
-                const DirectionRequest& request, Diagnostics& diagnostics) {
-  // Some rule ends the run.
-  const Section* section = document.find("stop");
-  const bool some =
-      stop.given("scans") || stop.given("rounds") || stop.given("independent_solutions");
-  if (!some && (section != nullptr || !is_mentioned(document, "stop"))) {
-    diagnostics.add(section == nullptr ? Place{} : section->place,
-                    section == nullptr
-                        ? "missing section [stop]; it needs 'scans', 'rounds' or "
-                          "'independent_solutions', for instance scans = 1000"
-                        : "[stop] needs at least one of 'scans', 'rounds' and "
-                          "'independent_solutions'; the first that holds ends the run");
-  }
-
+void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& request) {
   // The rounds are not longer than any run may be.
   if (request.stop.rounds && sampler.valid("round_scans")) {
     const std::uint64_t scans =
@@ -219,7 +205,8 @@ void check_stop(const Document& document, Binder& stop, const Binder& sampler,
   check_scans(stop, sampler, request);
 
   // So many lineages can exist.
-  const bool plain_chains = request.sampler.method == Method::metropolis_hastings;
+  const bool plain_chains = request.sampler.method == Method::metropolis_hastings &&
+                            request.sampler.start == Start::prior;
   if (request.stop.independent_solutions && plain_chains && sampler.valid("method") &&
       sampler.valid("chains") && *request.stop.independent_solutions > request.sampler.chains) {
     stop.error("independent_solutions",
@@ -254,9 +241,11 @@ std::vector<NormalisedSection> normalised_sections(const SectionBinders& section
 }  // namespace
 
 std::uint64_t scans_before_draws(const SamplerParameters& sampler) {
-  const bool burns_in =
-      sampler.method != Method::metropolis_hastings && sampler.method != Method::parallel_tempering;
-  const std::uint32_t rounds = burns_in ? sampler.burn_in_rounds.value_or(k_burn_in_rounds) : 0;
+  const bool has_islands = sampler.method == Method::sequential;
+  const bool burns_in = has_islands || (sampler.method != Method::metropolis_hastings &&
+                                        sampler.method != Method::parallel_tempering);
+  const std::uint32_t by_default = has_islands ? k_island_burn_in_rounds : k_burn_in_rounds;
+  const std::uint32_t rounds = burns_in ? sampler.burn_in_rounds.value_or(by_default) : 0;
   return sampler.anneal_scans.value_or(0) +
          sampler.round_scans * ((std::uint64_t{1} << rounds) - 1);
 }
@@ -279,7 +268,7 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
                                     "name = \"{}\"",
                                     worlds.front().name));
   }
-  check_stop(document.value(), sections.stop, sections.sampler, request, diagnostics);
+  check_stop(sections.stop, sections.sampler, request);
 
   if (!diagnostics.empty()) return diagnostics.sorted();
   request.sections = normalised_sections(sections);

@@ -57,6 +57,7 @@ std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica, st
   sum.array(base::bytes_of(std::span(record.outcome)));
   sum.array(base::bytes_of(std::span<const std::uint64_t>(record.failures.by_kind)));
   sum.add(record.overlapping_starts);
+  sum.array(base::bytes_of(std::span(record.method_values)));
   sum.array(record.state);
   return sum.value();
 }

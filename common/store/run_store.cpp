@@ -21,7 +21,7 @@
 namespace sleight::store {
 namespace {
 
-constexpr std::int64_t k_format_version = 3;
+constexpr std::int64_t k_format_version = 4;
 
 // The densities have no type: a REAL column would give a stored -0 back as 0. Failures are NULL
 // where there are none, so that the index of those that have some is empty in most runs.
@@ -33,7 +33,7 @@ constexpr const char* k_schema = R"(
     satisfied INTEGER NOT NULL, lineage INTEGER NOT NULL,
     proposed BLOB NOT NULL, accepted BLOB NOT NULL, outcome BLOB NOT NULL,
     failures BLOB, overlapping_starts INTEGER NOT NULL,
-    state BLOB, checksum INTEGER NOT NULL,
+    method_values BLOB, state BLOB, checksum INTEGER NOT NULL,
     PRIMARY KEY(chain, replica, scan)) WITHOUT ROWID;
   CREATE INDEX IF NOT EXISTS scan_failures ON scan(scan) WHERE failures IS NOT NULL;
   CREATE TABLE IF NOT EXISTS replica(
@@ -79,8 +79,9 @@ RunLock::~RunLock() {
 
 struct RunStore::Writer {
   Writer(Database& database, GroupCommit::Commit commit)
-      : insert_scan(database.prepare("INSERT OR IGNORE INTO scan "
-                                     "VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15)")),
+      : insert_scan(
+            database.prepare("INSERT OR IGNORE INTO scan "
+                             "VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16)")),
         advance_replica(database.prepare(
             "INSERT INTO replica VALUES(?1,?2,?3,?4,?5) ON CONFLICT DO UPDATE "
             "SET next_scan=excluded.next_scan, state=excluded.state, checksum=excluded.checksum "
@@ -282,12 +283,17 @@ void RunStore::insert(const plan::UnitResult& result) {
       row.bind(12, base::bytes_of(std::span<const std::uint64_t>(record.failures.by_kind)));
     }
     row.bind(13, static_cast<std::int64_t>(record.overlapping_starts));
-    if (record.state.empty()) {
+    if (record.method_values.empty()) {
       row.bind_null(14);
     } else {
-      row.bind(14, base::BytesView(record.state));
+      row.bind(14, base::bytes_of(std::span(record.method_values)));
     }
-    row.bind(15,
+    if (record.state.empty()) {
+      row.bind_null(15);
+    } else {
+      row.bind(15, base::BytesView(record.state));
+    }
+    row.bind(16,
              checksum_of(salt_, result.unit.replica, static_cast<std::uint64_t>(scan - 1), record));
     row.run();
   }

@@ -41,8 +41,9 @@ void read_record(const Database& database, const RowKey& key, Statement& select,
   assign_bytes(record.outcome, select.blob(first + 7));
   record.failures = failures_in(select.blob(first + 8));
   record.overlapping_starts = static_cast<std::uint64_t>(select.integer(first + 9));
-  assign_bytes(record.state, select.blob(first + 10));
-  if (checksum_of(key.salt, key.replica, key.scan, record) != select.integer(first + 11)) {
+  assign_bytes(record.method_values, select.blob(first + 10));
+  assign_bytes(record.state, select.blob(first + 11));
+  if (checksum_of(key.salt, key.replica, key.scan, record) != select.integer(first + 12)) {
     refuse_damaged(database.path(),
                    fmt::format("scan {} of chain {}", key.scan, key.replica.chain.value));
   }

@@ -16,8 +16,8 @@ namespace sleight::store {
 /// The columns that read_record reads, in its order, for a SELECT on table scan.
 inline constexpr const char* k_record_columns =
     "log_prior, log_constraint, inverse_temperature, satisfied, lineage, proposed, accepted, "
-    "outcome, failures, overlapping_starts, state, checksum";
-inline constexpr int k_record_column_count = 12;
+    "outcome, failures, overlapping_starts, method_values, state, checksum";
+inline constexpr int k_record_column_count = 13;
 
 /// A row's key, and the salt of its store.
 struct RowKey {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "common/store/checksum.h"
@@ -10,10 +11,12 @@
 
 namespace sleight::store {
 
-StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans)
+StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans,
+                     std::uint64_t finds)
     : database_(RunStore::database_path(folder), Access::read_only),
       chains_(chains),
-      scans_(scans) {
+      scans_(scans),
+      finds_(finds) {
   Statement identity = database_.prepare("SELECT value FROM run WHERE key='identity'");
   if (!identity.step()) refuse_damaged(database_.path(), "it has no identity");
   salt_ = salt_of(identity.text(0));
@@ -53,23 +56,50 @@ void StoredRun::for_each_draw(
     visit(base::ScanIndex{draw++}, record);
   };
   Statement& select = replicas_ == 1 ? plain : who;
-  select.bind(1, std::int64_t{chain.value});
-  select.bind(2, static_cast<std::int64_t>(draws_.first_scan));
-  select.bind(3, static_cast<std::int64_t>(scans_));
-  while (draw < draws_.count && select.step()) {
-    if (replicas_ == 1) {
-      hand_on(select, 0, select.integer(k_record_column_count));
-      continue;
+  for (const auto& [first, end] : draw_ranges()) {
+    select.bind(1, std::int64_t{chain.value});
+    select.bind(2, static_cast<std::int64_t>(first));
+    select.bind(3, static_cast<std::int64_t>(end));
+    while (draw < draws_.count && select.step()) {
+      if (replicas_ == 1) {
+        hand_on(select, 0, select.integer(k_record_column_count));
+        continue;
+      }
+      row.bind(1, std::int64_t{chain.value}).bind(2, who.integer(0)).bind(3, who.integer(1));
+      if (!row.step()) break;
+      hand_on(row, who.integer(0), who.integer(1));
+      row.reset();
     }
-    row.bind(1, std::int64_t{chain.value}).bind(2, who.integer(0)).bind(3, who.integer(1));
-    if (!row.step()) break;
-    hand_on(row, who.integer(0), who.integer(1));
-    row.reset();
+    select.reset();
   }
   if (draw != draws_.count) {
     refuse_damaged(database_.path(),
                    fmt::format("draw {} of chain {} is missing", draw, chain.value));
   }
+}
+
+std::vector<std::pair<std::uint64_t, std::uint64_t>> StoredRun::draw_ranges() const {
+  if (draws_.parts.empty()) return {{draws_.first_scan, scans_}};
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;
+  for (const plan::DrawPart& part : draws_.parts)
+    ranges.emplace_back(part.first_scan, part.first_scan + part.count);
+  return ranges;
+}
+
+void StoredRun::set_draws(plan::Draws draws) {
+  draws_ = std::move(draws);
+  part_ends_.clear();
+  for (const plan::DrawPart& part : draws_.parts)
+    part_ends_.push_back((part_ends_.empty() ? 0 : part_ends_.back()) + part.count);
+}
+
+bool StoredRun::may_be_kept(base::ChainId chain, base::ScanIndex draw) const {
+  const auto end = std::ranges::upper_bound(part_ends_, draw.value);
+  if (end == part_ends_.end()) return true;
+  const plan::DrawPart& part = draws_.parts[static_cast<std::size_t>(end - part_ends_.begin())];
+  const auto& counted = part.counted.at(chain.value);
+  // The part's last draw is the scan before its end.
+  return counted && part.first_scan + part.count - (*end - draw.value) >= *counted;
 }
 
 void StoredRun::for_each_replica(base::ChainId chain, std::uint64_t thin,
@@ -92,15 +122,43 @@ void StoredRun::for_each_replica(base::ChainId chain, std::uint64_t thin,
   }
 }
 
+void StoredRun::for_each_find(
+    const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const {
+  // Starts are numbered by (scan, lane).
+  Statement select = database_.prepare(
+      fmt::format("SELECT chain, scan, {} FROM scan WHERE chain>=?1 AND satisfied ORDER BY scan, "
+                  "chain LIMIT ?2",
+                  k_record_columns));
+  select.bind(1, std::int64_t{plan::k_first_lane}).bind(2, static_cast<std::int64_t>(finds_));
+  plan::ScanRecord record;
+  std::uint64_t found = 0;
+  for (; select.step(); ++found) {
+    const base::ChainId chain{static_cast<std::uint32_t>(select.integer(0))};
+    const std::int64_t scan = select.integer(1);
+    read_record(database_, key_of(chain, 0, scan), select, 2, record);
+    visit(plan::start_number(chain, static_cast<std::uint64_t>(scan)), record);
+  }
+  if (found != finds_)
+    refuse_damaged(database_.path(), fmt::format("find {} of its search is missing", found));
+}
+
 plan::FailureCounts StoredRun::failures() const {
+  // Of a search those of the starts up to its last find.
+  std::uint64_t last_start = 0;
+  if (finds_ > 0)
+    for_each_find([&](std::uint64_t start, const plan::ScanRecord&) { last_start = start; });
   Statement select = database_.prepare(
       fmt::format("SELECT chain, replica, scan, {} FROM scan INDEXED BY scan_failures "
-                  "WHERE failures IS NOT NULL AND scan<?1",
+                  "WHERE failures IS NOT NULL AND (chain>=?2 OR scan<?1)",
                   k_record_columns));
-  select.bind(1, static_cast<std::int64_t>(scans_));
+  select.bind(1, static_cast<std::int64_t>(scans_)).bind(2, std::int64_t{plan::k_first_lane});
   plan::FailureCounts counts;
   plan::ScanRecord record;
   while (select.step()) {
+    const base::ChainId of{static_cast<std::uint32_t>(select.integer(0))};
+    const auto scan = static_cast<std::uint64_t>(select.integer(2));
+    const bool is_start = of.value >= plan::k_first_lane;
+    if (is_start && (finds_ == 0 || plan::start_number(of, scan) > last_start)) continue;
     const base::ChainId chain{static_cast<std::uint32_t>(select.integer(0))};
     read_record(database_, key_of(chain, select.integer(1), select.integer(2)), select, 3, record);
     counts.add(record.failures);

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/archive/run_view.h"
 #include "common/plan/plan.h"
@@ -18,20 +19,26 @@ namespace sleight::store {
 
 class StoredRun final : public archive::RunView {
  public:
-  /// REQUIRES: every chain of the store has its first `scans` scans committed.
-  StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans);
+  /// REQUIRES: every chain of the store has its first `scans` scans committed, and of a search the
+  /// starts up to its `finds`-th find.
+  StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans,
+            std::uint64_t finds = 0);
   /// Which of these are draws, where not all are. REQUIRES: so many are there.
-  void set_draws(const plan::Draws& draws) { draws_ = draws; }
+  void set_draws(plan::Draws draws);
 
   std::uint32_t chains() const override { return chains_; }
   std::uint64_t draws() const override { return draws_.count; }
   void for_each_draw(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const override;
+  bool may_be_kept(base::ChainId chain, base::ScanIndex draw) const override;
   std::uint32_t replicas() const override { return replicas_; }
   void for_each_replica(base::ChainId chain, std::uint64_t thin,
                         const std::function<void(base::ReplicaId, base::ScanIndex,
                                                  const plan::ScanRecord&)>& visit) const override;
+  std::uint64_t finds() const override { return finds_; }
+  void for_each_find(
+      const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const override;
   plan::Report report() const override { return report_; }
   plan::FailureCounts failures() const override;
 
@@ -43,14 +50,18 @@ class StoredRun final : public archive::RunView {
 
  private:
   std::uint32_t count_replicas() const;
+  /// Scans [first, end) that are draws, and all of them together.
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> draw_ranges() const;
   RowKey key_of(base::ChainId chain, std::int64_t replica, std::int64_t scan) const;
 
   mutable Database database_;
   std::uint32_t chains_;
   std::uint64_t scans_;
+  std::uint64_t finds_;
   std::uint64_t salt_ = 0;
   std::uint32_t replicas_ = 1;
   plan::Draws draws_;
+  std::vector<std::uint64_t> part_ends_{};  ///< of draws_.parts: draws up to and with each
   plan::Report report_;
 };
 

@@ -46,10 +46,7 @@ class Driver {
     store_.flush();
     if (plan_.finished() && end != DriveEnd::simulation_failed) end = DriveEnd::finished;
     if (options_.report) options_.report(progress());
-    return {.end = end,
-            .scans_common = plan_.scans_common(),
-            .progress = progress(),
-            .handling = handling()};
+    return {.end = end, .reached = reached(), .progress = progress(), .handling = handling()};
   }
 
  private:
@@ -89,6 +86,9 @@ class Driver {
         crew_.send(ask.worker, ask.ping);
       }
     }
+    const plan::Finds finds = plan_.finds();
+    if (finds.found > counted_.finds.found) counted_.found_s = clock_.now_s() - begin_s_;
+    counted_.finds = finds;
   }
 
   /// The scheduler's time stands still while a checkpoint is written: silence that nobody listened
@@ -137,6 +137,8 @@ class Driver {
         std::accumulate(scan.accepted.begin(), scan.accepted.end(), std::uint64_t{0});
   }
 
+  Reached reached() const { return {.scans = plan_.scans_common(), .found = plan_.finds().found}; }
+
   Progress progress() const {
     Progress now = counted_;
     now.scans_done = earlier_scans_ + store_.committed();
@@ -169,13 +171,14 @@ class Driver {
   }
 
   void checkpoint_now_and_then() {
-    if (!options_.checkpoint || plan_.scans_common() == 0) return;
+    const Reached now = reached();
+    if (!options_.checkpoint || (now.scans == 0 && now.found == 0)) return;
     const double now_s = clock_.now_s();
     const double since_s = now_s - checkpoint_s_;
     if (since_s < options_.checkpoint_every_s) return;
     if (checkpoint_cost_s_ > k_checkpoint_share_max * since_s) return;
     store_.flush();
-    options_.checkpoint(plan_.scans_common());
+    options_.checkpoint(reached());
     checkpoint_s_ = clock_.now_s();
     checkpoint_cost_s_ = checkpoint_s_ - now_s;
     deaf_s_ += checkpoint_cost_s_;

@@ -28,6 +28,8 @@ struct Progress {
   std::uint64_t session_simulations = 0;
   std::uint64_t solutions = 0;                 ///< independent solutions, earlier sessions included
   std::uint64_t solutions_wanted = 0;          ///< 0 where the stop rule doesn't ask for them
+  plan::Finds finds{};                         ///< of a search, earlier sessions included
+  double found_s = 0;                          ///< of this session: when the last find so far came
   std::optional<std::uint64_t> round_trips{};  ///< of a ladder's replicas, if there is one
   plan::FailureCounts failures{};              ///< of simulations, earlier sessions included
   std::size_t workers = 0;                     ///< threads that compute and are heard of
@@ -41,14 +43,20 @@ struct Handling {
   plan::CacheUse cache{};  ///< of all workers together, as they said last
 };
 
+/// What every chain has, and what a search has found: where an archive is cut.
+struct Reached {
+  std::uint64_t scans = 0;
+  std::uint64_t found = 0;
+};
+
 struct DriveOptions {
   double time_limit_s = 0;  ///< 0 for none
   double report_every_s = 0.1;
   std::function<bool()> stop_requested{};         ///< asked often; may be empty
   std::function<void(const Progress&)> report{};  ///< may be empty
-  /// Called now and then between units when everything is committed up to `scans_common`, so that
-  /// people who watch have a recent archive; may be empty.
-  std::function<void(std::uint64_t scans_common)> checkpoint{};
+  /// Called now and then between units when everything is committed up to there, so that people who
+  /// watch have a recent archive; may be empty.
+  std::function<void(const Reached&)> checkpoint{};
   double checkpoint_every_s = 60;
   /// Hears of simulations that failed in this session, once each, of a unit the first few; may be
   /// empty.
@@ -60,7 +68,7 @@ enum class DriveEnd { finished, time_limit, stop_requested, simulation_failed };
 
 struct DriveOutcome {
   DriveEnd end = DriveEnd::finished;
-  std::uint64_t scans_common = 0;  ///< committed for every chain: where the archive is cut
+  Reached reached{};  ///< committed
   Progress progress{};
   Handling handling{};
 };

@@ -40,8 +40,33 @@ std::string clock_time(double seconds) {
   return fmt::format("{}:{:02}", minutes, whole % 60);
 }
 
+namespace {
+
+/// "5 found after 0.2 s", of the session.
+std::string finds_in_words(const Progress& progress) {
+  const plan::Finds& finds = progress.finds;
+  const bool all = finds.found >= finds.wanted;
+  const std::string of = all ? "" : fmt::format(" of {}", grouped(finds.wanted));
+  return fmt::format("{}{} found after {:.1f} s{}", grouped(finds.found), of, progress.found_s,
+                     finds.gave_up ? ", the search gave up" : "");
+}
+
+std::string search_line(const std::string& name, const Progress& progress) {
+  const double rate = progress.elapsed_s > 0
+                          ? static_cast<double>(progress.session_simulations) / progress.elapsed_s
+                          : 0;
+  return fmt::format("{}  {}  {} starts  {} sims/s  {} worker{}", name, finds_in_words(progress),
+                     grouped(progress.scans_done), grouped(static_cast<std::uint64_t>(rate)),
+                     progress.workers, progress.workers == 1 ? "" : "s");
+}
+
+}  // namespace
+
 std::string progress_line(const std::string& name, const Progress& progress) {
-  std::string line = fmt::format("{}  {}", name, grouped(progress.scans_done));
+  if (progress.finds.is_all) return search_line(name, progress);
+  std::string line = name;
+  if (progress.finds.wanted > 0) line += "  " + finds_in_words(progress);
+  line += fmt::format("  {}", grouped(progress.scans_done));
   const auto per_s = [&](std::uint64_t count) {
     return progress.elapsed_s > 0 ? static_cast<double>(count) / progress.elapsed_s : 0;
   };
@@ -60,10 +85,11 @@ std::string progress_line(const std::string& name, const Progress& progress) {
     line += fmt::format("  {} FAILED", grouped(progress.failures.total()));
   line += fmt::format("  {} sims/s",
                       grouped(static_cast<std::uint64_t>(per_s(progress.session_simulations))));
-  line += fmt::format("  solutions {}", grouped(progress.solutions));
-  if (progress.solutions_wanted > 0) {
-    line += fmt::format(" of {}", grouped(progress.solutions_wanted));
-  }
+  const bool has_finds = progress.finds.wanted > 0;
+  std::string solutions = grouped(progress.solutions);
+  if (progress.solutions_wanted > 0)
+    solutions += fmt::format(" of {}", grouped(progress.solutions_wanted));
+  line += has_finds ? fmt::format("  {} in proportion", solutions) : "  solutions " + solutions;
   if (progress.round_trips) {
     line += fmt::format("  round trips {}", grouped(*progress.round_trips));
   }
@@ -83,7 +109,11 @@ void ProgressPrinter::show(const Progress& progress) {
     renew(progress_line(name_, progress));
     return;
   }
-  if (progress.elapsed_s - shown_s_ < k_plain_line_every_s) return;
+  // That something was found is said at once.
+  const plan::Finds& finds = progress.finds;
+  const bool has_found = finds.wanted > 0 && (finds.found >= finds.wanted || finds.gave_up);
+  const bool is_news = has_found && !std::exchange(said_found_, has_found);
+  if (!is_news && progress.elapsed_s - shown_s_ < k_plain_line_every_s) return;
   shown_s_ = progress.elapsed_s;
   std::fputs((progress_line(name_, progress) + "\n").c_str(), stream_);
 }

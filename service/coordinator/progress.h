@@ -40,6 +40,7 @@ class ProgressPrinter {
   bool terminal_;
   bool line_open_ = false;
   double shown_s_ = 0;
+  bool said_found_ = false;
 };
 
 }  // namespace sleight::coordinator

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -107,33 +108,43 @@ void remove_leftovers(const std::string& output, base::FileSystem& files) {
   }
 }
 
-/// The digest; empty, and no archive, while the run is in its burn-in.
+/// The digest; empty, and no archive, while the run is in its burn-in and has found nothing. `cut`
+/// is then what the archive holds: no scans where these are no draws yet.
 std::string write_archive_of_run(const RunInputs& inputs, const std::string& output,
-                                 const std::string& folder, std::uint64_t scans,
+                                 const std::string& folder, request::Cut& cut,
                                  base::FileSystem& files) {
+  const std::uint32_t chains = inputs.request.sampler.chains;
+  std::optional<store::StoredRun> view(std::in_place, folder, chains, cut.scans, cut.found);
+  // What the method learnt from these scans and no others, wherever the run itself stands.
+  if (cut.scans > 0 && (!inputs.plan.report().empty() || inputs.plan.draws().first_scan > 0)) {
+    const std::unique_ptr<plan::Plan> learner = inputs.plan_of(cut);
+    view->replay([&](const plan::ReplicaKey& replica, base::ScanIndex first,
+                     std::span<const plan::ScanRecord> records) {
+      learner->consume(replica, first, records);
+    });
+    view->set_report(learner->report());
+    view->set_draws(learner->draws());
+  }
+  if (view->draws() == 0) {
+    cut.scans = 0;
+    if (cut.found == 0) return {};
+    view.emplace(folder, 0, 0, cut.found);
+  }
   const request::OutputParameters& keep = inputs.request.output;
   const archive::ArchiveOptions options{
-      .request_text = request::normalised_text_of_scans(inputs.request, scans),
+      .request_text = request::normalised_text_of(inputs.request, cut),
       .thin = keep.thin,
       .keep_max = keep.keep_max,
       .keep_per_lineage = keep.keep_per_lineage,
       .min_distance = keep.min_distance,
       .inference_library_version = std::string(base::version())};
-  store::StoredRun view(folder, inputs.request.sampler.chains, scans);
-  // What the method learnt from these scans and no others, wherever the run itself stands.
-  if (!inputs.plan.report().empty() || inputs.plan.draws().first_scan > 0) {
-    const std::unique_ptr<plan::Plan> learner = inputs.plan_of_scans(scans);
-    view.replay([&](const plan::ReplicaKey& replica, base::ScanIndex first,
-                    std::span<const plan::ScanRecord> records) {
-      learner->consume(replica, first, records);
-    });
-    view.set_report(learner->report());
-    view.set_draws(learner->draws());
-    if (view.draws() == 0) return {};
-  }
   return archive::hdf5::write_file(output, files, [&](archive::Sink& sink) {
-    archive::write_archive(view, inputs.reader, options, sink);
+    archive::write_archive(*view, inputs.reader, options, sink);
   });
+}
+
+request::Cut cut_of(const Reached& reached) {
+  return {.scans = reached.scans, .found = reached.found};
 }
 
 void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& failed,
@@ -203,15 +214,19 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
     if (options.say) options.say(phase);
   };
   if (run_store.epoch() > 1) say("reading what earlier sessions stored");
-  const auto archive_of = [&](std::uint64_t scans) {
-    return write_archive_of_run(inputs, options.output, folder, scans, files);
+  const auto archive_of = [&](request::Cut& cut) {
+    return write_archive_of_run(inputs, options.output, folder, cut, files);
   };
   FailureNotes failures(folder, request::normalised_text(inputs.request), files);
   const DriveOptions drive_options{
       .time_limit_s = options.time_limit_s,
       .stop_requested = options.stop_requested,
       .report = options.report,
-      .checkpoint = [&](std::uint64_t scans) { archive_of(scans); },
+      .checkpoint =
+          [&](const Reached& reached) {
+            request::Cut cut = cut_of(reached);
+            archive_of(cut);
+          },
       .checkpoint_every_s = options.checkpoint_every_s,
       .failed = [&](const auto& replica, const auto& failed) { failures.note(replica, failed); },
       .strict = options.strict};
@@ -220,16 +235,18 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
 
   // Derive the archive of the scans that all chains have.
   RunSummary summary{.end = outcome.end,
-                     .scans = outcome.scans_common,
+                     .scans = outcome.reached.scans,
+                     .found = outcome.reached.found,
                      .digest = {},
                      .epoch = run_store.epoch(),
                      .first_failure = failures.first_path(),
                      .progress = outcome.progress,
                      .handling = outcome.handling};
-  if (summary.scans > 0) {
+  if (summary.scans > 0 || summary.found > 0) {
     say("writing the archive");
-    summary.digest = archive_of(summary.scans);
-    if (summary.digest.empty()) summary.scans = 0;
+    request::Cut cut = cut_of(outcome.reached);
+    summary.digest = archive_of(cut);
+    summary.scans = cut.scans;
   }
   return summary;
 }

@@ -27,9 +27,9 @@ struct RunInputs {
   const request::DirectionRequest& request;
   const archive::StateReader& reader;
   plan::Plan& plan;  ///< fresh
-  /// A fresh plan of the same run that ends after so many scans: what a method learns from the
-  /// scans of an archive is learnt again from these.
-  std::function<std::unique_ptr<plan::Plan>(std::uint64_t scans)> plan_of_scans;
+  /// A fresh plan of the same run that ends at a cut: what a method learns from the scans of an
+  /// archive is learnt again from these.
+  std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)> plan_of;
   Crew& crew;
   const base::Clock& clock;
   /// Through which the output is taken and the archive written; the run store has SQLite's own.
@@ -49,8 +49,9 @@ struct RunOptions {
 
 struct RunSummary {
   DriveEnd end = DriveEnd::finished;
-  std::uint64_t scans = 0;      ///< of every chain in the archive; 0: no archive could be written
-  std::string digest{};         ///< of the archive's content
+  std::uint64_t scans = 0;      ///< of every chain
+  std::uint64_t found = 0;      ///< by a search
+  std::string digest{};         ///< of the archive's content; empty: none could be written
   std::uint64_t epoch = 0;      ///< 1 for a run's first session
   std::string first_failure{};  ///< of this session: its file, if it was kept
   Progress progress{};

@@ -21,7 +21,7 @@ int run(const std::string& path, std::uint64_t scans, const char* csv_folder) {
   base::PosixFileSystem files;
   const auto start = std::chrono::steady_clock::now();
   const std::string digest = archive::hdf5::write_file(
-      path, files, archive::testing::filler({.chains = 4, .scans = scans, .thin = 10}));
+      path, files, archive::testing::filler({.chains = 4, .scans = scans, .thin = 10, .finds = 7}));
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   fmt::print("{} {:.2f}\n", digest, taken.count());
   if (csv_folder == nullptr) return 0;

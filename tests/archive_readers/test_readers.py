@@ -22,12 +22,14 @@ import h5py
 import numpy as np
 import xarray
 
-GROUPS = ("posterior", "sample_stats", "replicas", "animations")
+GROUPS = ("posterior", "sample_stats", "replicas", "animations", "finds")
 BARE = b"This is a netCDF dimension but not a netCDF variable."
 HIDDEN = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_Netcdf4Dimid",
           "_Netcdf4Coordinates", "_Encoding"}
 INDEX = {"posterior": ("chain", "draw"), "sample_stats": ("chain", "draw"),
-         "replicas": ("chain", "replica"), "animations": ("animation",), "segments": ("segment",)}
+         "replicas": ("chain", "replica"), "animations": ("animation",), "segments": ("segment",),
+         "finds": ("animation",), "find_segments": ("segment",)}
+GROUP_OF = {"segments": "animations", "find_segments": "finds"}
 
 
 def check(condition, *what):
@@ -106,7 +108,7 @@ def check_engine(path, file, engine):
 
 def check_csv(folder, file):
     for table, index in INDEX.items():
-        group = file["animations" if table == "segments" else table]
+        group = file[GROUP_OF.get(table, table)]
         with open(folder / f"{table}.csv", newline="") as stream:
             rows = list(csv.reader(stream))
         header, rows = rows[0], rows[1:]

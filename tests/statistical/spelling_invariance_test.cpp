@@ -100,6 +100,46 @@ TEST_P(SpellingInvariance, AimedDropsKeepExactDrawsExact) {
   EXPECT_GT(p, 1e-4) << "seed " << k_seed;
 }
 
+Spelling with_redraws() {
+  worlds::spelling::Parameters parameters = world_with(Kernel::correct).parameters();
+  worlds::spelling::ProposalParameters& p = parameters.proposal;
+  p.change_all = 0.02;
+  p.change_vertices = 0.6;
+  p.vertex_redraw = 0.7;
+  p.change_ball = 0.1;
+  p.disable_balls = p.enable_balls = 0.09;
+  p.aim_ball = p.scatter_ball = 0.05;
+  return Spelling(parameters);
+}
+
+TEST_P(SpellingInvariance, RedrawsKeepExactDrawsExact) {
+  // Goal: vertices that are drawn anew leave p_w p_c^beta what it is. Method: as above; they are
+  // much of all proposals.
+  const auto [beta, steps] = GetParam();
+  const double p = least_p(with_redraws(), beta, steps);
+  std::printf("redrawn, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
+  EXPECT_GT(p, 1e-4) << "seed " << k_seed;
+}
+
+/// Redraws that are taken for symmetric.
+struct CarelessRedraws : Spelling {
+  using Spelling::propose;
+  using Spelling::Spelling;
+  sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
+                                    std::span<const double> scales, random::Stream& stream) const {
+    auto proposal = Spelling::propose(state, outcome, scales, stream);
+    if (proposal.kind == static_cast<std::uint32_t>(worlds::spelling::Kind::change_vertices))
+      proposal.log_q_ratio = 0;
+    return proposal;
+  }
+};
+
+TEST(SpellingInvarianceOfCarelessRedraws, IsRefuted) {
+  // Goal: the test above can fail. Method: a kernel whose redraws count the prior twice.
+  const CarelessRedraws careless(with_redraws().parameters());
+  EXPECT_LT(least_p(careless, 1, 60), 1e-6);
+}
+
 /// Takes the bound of scatter_ball's ratio for the ratio.
 struct Hasty : Spelling {
   using Spelling::Spelling;

@@ -114,7 +114,11 @@ TEST(SpellingIslands, PoolsGiveThePrior) {
   PouringGuide guide = guide_of(world, 2);
   guide.log_elsewhere = -0.5;
   guide.prior_share = 0.5;
-  guide.odds = {.own_bin = 0.5, .beside = 0.4, .above_full = 0.3, .other = 0.2};
+  guide.odds = {.own_bin = 0.5,
+                .beside = {0.4, 0.4, 0.4, 0.4},
+                .above_full = {0.3, 0.2, 0.3, 0.3},
+                .meets_full = {0.2, 0.1, 0.2, 0.2},
+                .misses = {0.2, 0.2, 0.2, 0.2}};
   const std::uint32_t islands = property::long_run() ? 200'000 : 10'000;
   std::vector<double> z;
   std::vector<double> both;

@@ -10,17 +10,19 @@
 #include "worker/sampling/burnt_in_chains.h"
 #include "worker/sampling/excursions.h"
 #include "worker/sampling/independent_chains.h"
+#include "worker/sampling/judged_chains.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
+#include "worker/sampling/search_first.h"
 #include "worker/sampling/simulated_tempering.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/request.h"
 #include "worker/worlds/dice/dice.h"
 #include "worker/worlds/dice/reader.h"
 #include "worker/worlds/dice/request.h"
+#include "worker/worlds/spelling/pouring_stages.h"
 #include "worker/worlds/spelling/reader.h"
 #include "worker/worlds/spelling/request.h"
-#include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::run {
 namespace {
@@ -29,6 +31,7 @@ namespace {
 constexpr std::uint32_t k_first_replicas = 12;
 static_assert(k_first_replicas == 12 && sampling::k_first_power == 6,
               "said in help of ladder_power");
+static_assert(request::k_chains_max <= plan::k_first_lane);
 /// No request has excursions that the method can't number.
 static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps_max);
 
@@ -39,8 +42,8 @@ using Ball2dEntry = EntryOf<ball_2d::Ball2d, ball_2d::Parameters, &ball_2d::requ
                             &ball_2d::make_state_reader>;
 using DiceEntry =
     EntryOf<dice::Dice, dice::Parameters, &dice::request_binding, &dice::make_state_reader>;
-using SpellingEntry = EntryOf<spelling::Spelling, spelling::Parameters, &spelling::request_binding,
-                              &spelling::make_state_reader>;
+using SpellingEntry = EntryOf<spelling::StagedSpelling, spelling::Parameters,
+                              &spelling::request_binding, &spelling::make_state_reader>;
 
 }  // namespace
 
@@ -51,10 +54,16 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
   const bool scans_are_draws = sampler.method != request::Method::simulated_tempering &&
                                sampler.method != request::Method::annealed_importance;
   const bool is_tempered = sampler.method == request::Method::parallel_tempering;
+  // Nor is it where burn-ins are judged as they go.
+  const bool is_judged = sampler.start == request::Start::search;
   return {.iterations_per_scan = sampler.iterations_per_scan,
-          .thin = scans_are_draws ? request.output.thin : 1,
+          .thin = scans_are_draws && !is_judged ? request.output.thin : 1,
           .first_draw = request::scans_before_draws(sampler),
           .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0,
+          .particles = sampler.method == request::Method::sequential
+                           ? sampler.particles.value_or(request::k_particles)
+                           : 0,
+          .starts_by_search = is_judged,
           .cache_bytes_max = resources.cache_bytes_max};
 }
 
@@ -83,8 +92,8 @@ const WorldEntry& Catalogue::world(std::string_view name) const {
 namespace {
 
 sampling::StopRule stop_of(const request::DirectionRequest& request,
-                           std::optional<std::uint64_t> scans) {
-  if (scans) return {.scans = scans, .rounds = {}, .independent_solutions = {}};
+                           const std::optional<request::Cut>& cut) {
+  if (cut) return {.scans = cut->scans, .rounds = {}, .independent_solutions = {}};
   return {.scans = request.stop.scans,
           .rounds = request.stop.rounds,
           .independent_solutions = request.stop.independent_solutions};
@@ -124,25 +133,42 @@ GoOn go_on_with(const request::SamplerParameters& sampler) {
       };
     case request::Method::metropolis_hastings:
     case request::Method::parallel_tempering:
+    case request::Method::sequential:
+    case request::Method::search:
       break;
   }
   base::check_failed("a method with a burn-in", "");
 }
 
-}  // namespace
-
-std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
-                                      const WorldEntry& world, std::optional<std::uint64_t> scans) {
-  const sampling::StopRule stop = stop_of(request, scans);
+/// The plan of a request's chains; null where a search is all.
+std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& request,
+                                           const WorldEntry& world,
+                                           const sampling::StopRule& stop) {
   const request::SamplerParameters& sampler = request.sampler;
   switch (sampler.method) {
+    case request::Method::search:
+      return nullptr;
     case request::Method::metropolis_hastings:
-      return std::make_unique<sampling::IndependentChains>(
-          sampling::IndependentChainsOptions{.seed = sampler.seed,
-                                             .chains = sampler.chains,
-                                             .round_scans = sampler.round_scans,
-                                             .anneal_scans = sampler.anneal_scans.value_or(0),
-                                             .stop = stop});
+    case request::Method::sequential: {
+      if (sampler.start == request::Start::search) {
+        return std::make_unique<sampling::JudgedChains>(
+            sampling::JudgedChainsOptions{.seed = sampler.seed,
+                                          .chains = sampler.chains,
+                                          .round_scans = sampler.round_scans,
+                                          .judged = world.burn_in_values(),
+                                          .scans = stop.scans,
+                                          .independent_solutions = stop.independent_solutions});
+      }
+      const std::uint64_t anneal_scans = sampler.anneal_scans.value_or(0);
+      return std::make_unique<sampling::IndependentChains>(sampling::IndependentChainsOptions{
+          .seed = sampler.seed,
+          .chains = sampler.chains,
+          .round_scans = sampler.round_scans,
+          .anneal_scans = anneal_scans,
+          .burn_in_scans = request::scans_before_draws(sampler) - anneal_scans,
+          .has_islands = sampler.method == request::Method::sequential,
+          .stop = stop});
+    }
     case request::Method::parallel_tempering:
       return std::make_unique<sampling::ParallelTempering>(sampling::ParallelTemperingOptions{
           .ladders = sampler.chains, .ladder = ladder_of(sampler, world), .stop = stop});
@@ -157,6 +183,18 @@ std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
           .go_on = go_on_with(sampler)});
   }
   base::check_failed("a known method", "");
+}
+
+}  // namespace
+
+std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
+                                      const WorldEntry& world,
+                                      const std::optional<request::Cut>& cut) {
+  auto chains = plan_of_chains(request, world, stop_of(request, cut));
+  const std::uint64_t found = cut ? cut->found : request.stop.found.value_or(0);
+  if (chains && found == 0) return chains;
+  return std::make_unique<sampling::SearchFirst>(sampling::SearchLanes(request.sampler.seed, found),
+                                                 std::move(chains));
 }
 
 }  // namespace sleight::run

@@ -17,6 +17,7 @@
 #include "common/plan/unit.h"
 #include "common/request/direction_request.h"
 #include "worker/run/sample_cache.h"
+#include "worker/sampling/burn_in_judge.h"
 
 namespace sleight::run {
 
@@ -46,6 +47,8 @@ class WorldEntry {
   virtual std::optional<SimulationEnd> simulate(base::BytesView state) const = 0;
   /// By kind of proposal: whether it has a size that can be tuned.
   virtual std::vector<bool> kinds_with_scale() const = 0;
+  /// What chains that start from a search are judged by; empty of a world that can't be searched.
+  virtual std::vector<sampling::BurnInValue> burn_in_values() const = 0;
 };
 
 class Catalogue {
@@ -68,10 +71,10 @@ class Catalogue {
   std::vector<Named> worlds_;
 };
 
-/// The plan of a request's sampling method; with `scans`, of a run that ends after so many instead
-/// of by the request's own rule.
+/// The plan of a request's sampling method; with a cut, of a run that ends there instead of by the
+/// request's own rule.
 std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
                                       const WorldEntry& world,
-                                      std::optional<std::uint64_t> scans = {});
+                                      const std::optional<request::Cut>& cut = {});
 
 }  // namespace sleight::run

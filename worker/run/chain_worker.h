@@ -1,19 +1,24 @@
-// Runs units of plain and tempered chains of one world: the loop over scans and iterations, with
-// states as bytes on both sides.
+// Runs units of one world: the loop over the scans and iterations of plain and tempered chains, and
+// over the starts of a search, with states as bytes on both sides.
 //
 // Invariant: run is a pure function of (world parameters, options, unit, state before); samples
 // that it keeps spare simulations only. The caller measures the cost.
 #pragma once
 
 #include <concepts>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/plan/unit.h"
+#include "worker/run/island_scan.h"
 #include "worker/run/sample_cache.h"
+#include "worker/run/scan_counts.h"
+#include "worker/run/search_start.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/sampling/surrogate_transition.h"
 #include "worker/sampling/target.h"
@@ -44,6 +49,10 @@ struct ChainWorkerOptions {
   std::uint64_t first_draw = 0;
   /// Of scans below inverse temperature 1 every so many-th; 0: none.
   std::uint64_t hot_thin = 0;
+  /// Of the islands that end each scan (island_scan.h); 0: none do.
+  std::uint32_t particles = 0;
+  /// Chains start from a search, and records have what their burn-in is judged by.
+  bool starts_by_search = false;
   /// Of samples held for their replicas' next units; 0: none are. Changes no result.
   std::size_t cache_bytes_max = k_cache_bytes_max;
 };
@@ -56,6 +65,7 @@ class ChainWorker final : public plan::UnitWorker {
 
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override {
     CHECK_GE(unit.scans, 1U);
+    if (unit.searches()) return searched(unit);
     if (unit.starts) return go_on(unit, {});
     std::optional<Sample> held = cache_.take(unit.replica, unit.first_scan.value);
     if (held) return go_on(unit, std::move(held));
@@ -85,35 +95,76 @@ class ChainWorker final : public plan::UnitWorker {
     std::optional<Sample> current;
     std::uint64_t lineage = 0;
     std::uint64_t simulations = 0;
+    std::vector<double> method_values{};
   };
-  /// What happened in a scan.
-  struct Counts {
-    explicit Counts(std::uint32_t kinds) : proposed(kinds, 0), accepted(kinds, 0) {}
-    void add(const sampling::StepReport& step) {
-      ++proposed[step.kind];
-      if (step.accepted) ++accepted[step.kind];
-      add(step.simulation);
-    }
-    void add(const sampling::SimulationReport& report) {
-      if (report.starts_overlap) ++overlapping_starts;
-      if (report.failure == nullptr) return;
-      failures.add(report.failure->kind);
-      if (failed.size() < plan::k_failed_told_max) failed.push_back(report.failure);
-    }
-    std::vector<std::uint32_t> proposed;
-    std::vector<std::uint32_t> accepted;
-    std::uint64_t overlapping_starts = 0;
-    plan::FailureCounts failures;
-    std::vector<plan::FailurePointer> failed;
-  };
+  using Counts = ScanCounts;
 
+  /// Counts each simulation of a walk.
+  static auto told(Walk& walk, Counts& counts) {
+    return [&walk, &counts](const sampling::SimulationReport& report) {
+      ++walk.simulations;
+      counts.add(report);
+    };
+  }
+
+  /// What the world knows of itself; learnt when it is first asked for.
+  decltype(auto) guide(std::uint64_t seed) const requires StagedWorld<W> {
+    const std::scoped_lock lock(guide_.mutex);
+    if (!guide_.learnt) guide_.learnt = world_.learn(seed);
+    return (*guide_.learnt);
+  }
+
+  /// Starts of a search.
+  plan::UnitResult searched(const plan::Unit& unit) const {
+    if constexpr (StagedWorld<W>) {
+      // Chains that use the guide tell its failures; else the first start does.
+      const bool chains_tell = options_.particles > 0 || options_.starts_by_search;
+      return search_unit(world_, guide(unit.seed), unit, !chains_tell);
+    } else {
+      base::check_failed("a world that acts in stages", "");
+    }
+  }
+
+  /// A chain's state from islands, or from a search of its own: nothing where they give none.
+  std::optional<Sample> start_in_stages(Walk& walk, std::uint64_t scan, Counts& counts) const {
+    if (options_.particles == 0 && !options_.starts_by_search) return std::nullopt;
+    if constexpr (StagedWorld<W>) {
+      const auto& guide = this->guide(walk.streams.seed);
+      if (walk.streams.chain.value == 0 && scan == 0) counts.add(world_.failures_of(guide));
+      if (options_.particles > 0) return islands(walk, counts).start();
+      for (std::uint64_t nth = 0; nth < k_starts_max; ++nth) {
+        sampling::SearchEffort effort;
+        auto find = search_start(world_, guide, walk.streams, scan * k_starts_max + nth, effort);
+        counts.add(effort.failures);
+        counts.overlapping_starts += effort.overlapping_starts;
+        walk.simulations += effort.simulations;
+        if (find) return find;
+      }
+    }
+    return std::nullopt;
+  }
+
+  auto islands(Walk& walk, Counts& counts) const requires StagedWorld<W> {
+    return IslandScan<W>(world_, guide(walk.streams.seed), options_.particles, walk.streams,
+                         told(walk, counts));
+  }
+
+  /// The islands that end a scan.
+  void visit_islands(Walk& walk, std::uint64_t scan, Counts& counts) const {
+    if constexpr (StagedWorld<W>) {
+      auto visit = islands(walk, counts).visit(scan, *std::move(walk.current));
+      walk.current = std::move(visit.sample);
+      walk.method_values = std::move(visit.method_values);
+      if (visit.is_new) walk.lineage = plan::lineage_from(walk.streams.replica, scan);
+    }
+  }
+
+  /// A new lineage: from islands or a search where the chain starts so, else from the prior.
   void draw_afresh(Walk& walk, std::uint64_t scan, base::ReplicaId replica, Counts& counts) const {
-    walk.current = sampling::draw_afresh(world_, walk.streams, scan,
-                                         [&](const sampling::SimulationReport& report) {
-                                           ++walk.simulations;
-                                           counts.add(report);
-                                         });
     walk.lineage = plan::lineage_from(replica, scan);
+    walk.current = start_in_stages(walk, scan, counts);
+    if (!walk.current)
+      walk.current = sampling::draw_afresh(world_, walk.streams, scan, told(walk, counts));
   }
 
   Sample evaluated(base::BytesView state) const {
@@ -148,13 +199,14 @@ class ChainWorker final : public plan::UnitWorker {
       const double beta = unit.inverse_temperature(nth);
       const std::uint64_t number = first_scan + nth;
       Counts counts(world_.proposal_kinds());
+      walk.method_values.clear();
       // One scan: a draw from the prior where it is the replica's first, or nothing constrains.
       if ((unit.starts && nth == 0) || beta == 0) {
         draw_afresh(walk, number, unit.replica.replica, counts);
       } else {
         scan(walk, unit, number, beta, counts);
       }
-      tell_failed(number, counts, result.failed);
+      counts.tell_failed(number, result.failed);
       result.scans.push_back(record(number, beta, walk, std::move(counts)));
     }
     result.state_after = world_.encode(walk.current->state);
@@ -163,14 +215,6 @@ class ChainWorker final : public plan::UnitWorker {
         sizeof(Sample) + world_.owned_bytes(walk.current->state, walk.current->outcome);
     cache_.put(unit.replica, first_scan + unit.scans, std::move(*walk.current), bytes);
     return result;
-  }
-
-  static void tell_failed(std::uint64_t scan, const Counts& counts,
-                          std::vector<plan::FailedSimulation>& failed) {
-    for (const plan::FailurePointer& failure : counts.failed) {
-      if (failed.size() == plan::k_failed_told_max) return;
-      failed.push_back({.scan = base::ScanIndex{scan}, .failure = *failure});
-    }
   }
 
   /// Proposals, and an excursion if the unit has one. REQUIRES: an inverse temperature above 0.
@@ -184,6 +228,7 @@ class ChainWorker final : public plan::UnitWorker {
                           walk.simulations += step.simulated ? 1 : 0;
                         });
     }
+    if (options_.particles > 0) visit_islands(walk, scan, counts);
     if (unit.excursion.empty()) return;
     const sampling::ExcursionReport report = sampling::tempered_transition(
         world_,
@@ -204,6 +249,10 @@ class ChainWorker final : public plan::UnitWorker {
         scan >= options_.first_draw && (scan - options_.first_draw) % options_.thin == 0;
     const bool is_hot_thin = options_.hot_thin > 0 && scan % options_.hot_thin == 0;
     const bool keep_state = beta == 1 ? satisfied || is_thin : is_hot_thin;
+    std::vector<double> method_values = walk.method_values;
+    if constexpr (StagedWorld<W>)
+      if (options_.starts_by_search)
+        method_values = world_.burn_in_values_of(sample.state, sample.outcome);
     return {.log_prior = sample.log_prior,
             .log_constraint = sample.log_constraint,
             .satisfied = satisfied,
@@ -214,11 +263,22 @@ class ChainWorker final : public plan::UnitWorker {
             .outcome = world_.outcome_values(sample.outcome),
             .failures = counts.failures,
             .overlapping_starts = counts.overlapping_starts,
+            .method_values = std::move(method_values),
             .state = keep_state ? world_.encode(sample.state) : base::Bytes{}};
   }
 
+  /// What a world that acts in stages has learnt; made when it is first asked for.
+  template <class V>
+  struct Learnt {};
+  template <StagedWorld V>
+  struct Learnt<V> {
+    std::mutex mutex{};
+    std::optional<typename V::Guide> learnt{};
+  };
+
   W world_;
   ChainWorkerOptions options_;
+  mutable Learnt<W> guide_;
   mutable SampleCache<Sample> cache_;
 };
 

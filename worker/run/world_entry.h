@@ -51,6 +51,10 @@ class EntryOf final : public WorldEntry {
   std::vector<bool> kinds_with_scale() const override {
     return kinds_with_scale_of(World(parameters_));
   }
+  std::vector<sampling::BurnInValue> burn_in_values() const override {
+    if constexpr (StagedWorld<World>) return World(parameters_).burn_in_values();
+    return {};
+  }
 
  private:
   Parameters parameters_;

@@ -10,8 +10,10 @@ namespace sleight::sampling {
 IndependentChains::IndependentChains(const IndependentChainsOptions& options)
     : seed_(options.seed),
       anneal_scans_(options.anneal_scans),
+      scans_before_draws_(options.anneal_scans + options.burn_in_scans),
+      has_islands_(options.has_islands),
       chains_(options.chains),
-      stop_(options.stop, options.round_scans, options.anneal_scans) {
+      stop_(options.stop, options.round_scans, scans_before_draws_) {
   CHECK_GE(options.chains, 1U);
   for (std::uint32_t id = 0; id < options.chains; ++id)
     by_progress_.emplace_hint(by_progress_.end(), 0, id);
@@ -45,13 +47,21 @@ std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) 
                     .first_scan = base::ScanIndex{consumed},
                     .scans = static_cast<std::uint32_t>(scans),
                     .starts = consumed == 0,
-                    .lineage = 0,
+                    .lineage = chains_[id].lineage,
                     .inverse_temperatures = std::move(betas)};
 }
 
 plan::Draws IndependentChains::draws() const {
   const std::uint64_t scans = scans_common();
-  return {.first_scan = anneal_scans_, .count = scans - std::min(scans, anneal_scans_)};
+  return {.first_scan = scans_before_draws_, .count = scans - std::min(scans, scans_before_draws_)};
+}
+
+/// Solutions of plain chains count from their start on. What a burn-in began isn't independent of
+/// where the chain began.
+bool IndependentChains::counts(const plan::ScanRecord& record, std::uint64_t scan) const {
+  if (scans_before_draws_ == anneal_scans_) return true;
+  return scan >= scans_before_draws_ &&
+         plan::scan_of_lineage(record.lineage) >= scans_before_draws_;
 }
 
 void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
@@ -63,7 +73,9 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
   by_progress_.erase({chain.consumed, replica.chain.value});
   idle_.erase({chain.consumed, replica.chain.value});  // there when it comes from a run store
   for (const plan::ScanRecord& record : records) {
-    chain.solutions.add(chain.consumed, record);
+    if (counts(record, chain.consumed)) chain.solutions.add(chain.consumed, record);
+    if (has_islands_) chain.islands.add(record);
+    chain.lineage = record.lineage;
     ++chain.consumed;
   }
   by_progress_.emplace(chain.consumed, replica.chain.value);
@@ -95,6 +107,14 @@ std::uint64_t IndependentChains::scans_consumed() const {
   for (const Chain& chain : chains_)
     sum += std::min(chain.consumed, stop_.end());
   return sum;
+}
+
+plan::Report IndependentChains::report() const {
+  if (!has_islands_) return {};
+  std::vector<const IslandsOfChain*> islands;
+  for (const Chain& chain : chains_)
+    islands.push_back(&chain.islands);
+  return report_of(islands, scans_common());
 }
 
 std::optional<std::uint64_t> IndependentChains::scans_total() const {

@@ -1,5 +1,7 @@
-// Plain Metropolis-Hastings chains that never meet, as a Plan: each starts from its own prior draw
-// and makes scan after scan at inverse temperature 1. The baseline of every other method.
+// Chains that never meet, as a Plan: each starts from its own prior draw and makes scan after scan
+// at inverse temperature 1. Plain Metropolis-Hastings, the baseline of every other method; or
+// chains whose scans end with islands of particles, which also start them
+// (worker/run/island_scan.h).
 //
 // Rounds double: round r (from 1) has round_scans * 2^(r-1) scans of every chain. The number of
 // independent solutions is judged at round ends only, so there all chains wait for the last one;
@@ -16,6 +18,7 @@
 #include <vector>
 
 #include "common/plan/plan.h"
+#include "worker/sampling/island_report.h"
 #include "worker/sampling/solutions.h"
 #include "worker/sampling/stop_rule.h"
 
@@ -28,6 +31,10 @@ struct IndependentChainsOptions {
   /// Simulated annealing first: so many scans from the prior to inverse temperature 1, in equal
   /// steps. They belong to no round.
   std::uint64_t anneal_scans = 0;
+  /// Scans after these that are no draws, nor are lineages that began in them counted. They belong
+  /// to no round either.
+  std::uint64_t burn_in_scans = 0;
+  bool has_islands = false;  ///< at the end of each scan
   StopRule stop;
 };
 
@@ -48,12 +55,18 @@ class IndependentChains final : public plan::Plan {
   }
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
+  /// Of islands, where scans have some.
+  plan::Report report() const override;
 
  private:
   struct Chain {
     std::uint64_t consumed = 0;
+    std::uint64_t lineage = 0;  ///< of the state after these
     Solutions solutions;
+    IslandsOfChain islands;
   };
+
+  bool counts(const plan::ScanRecord& record, std::uint64_t scan) const;
 
   std::uint64_t common_consumed() const;
   /// Moves on over every round end that all chains have reached, and judges there.
@@ -61,6 +74,8 @@ class IndependentChains final : public plan::Plan {
 
   std::uint64_t seed_;
   std::uint64_t anneal_scans_;
+  std::uint64_t scans_before_draws_;
+  bool has_islands_;
   std::vector<Chain> chains_;
   using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed, chain)
   std::set<Progress> by_progress_;                           ///< all chains

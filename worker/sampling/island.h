@@ -90,7 +90,10 @@ class Islands {
     CHECK_GE(options.particles, 1U);
   }
 
-  const ChainStreams& streams() const { return streams_; }
+  /// Of the decision on an island: no local move's.
+  random::Stream acceptance_of(std::uint64_t number) const {
+    return stream_of(random::Purpose::particle, number, 1);
+  }
 
   /// The `number`-th island.
   Island<T> free(std::uint64_t number) const { return made(number, nullptr); }

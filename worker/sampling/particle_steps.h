@@ -35,9 +35,19 @@ struct ParticleSample {
 };
 
 struct ParticleStepReport {
-  bool accepted = false;      ///< a conditional step always is, where its state can be reached
-  double log_z = k_log_zero;  ///< of the step's free island, or of the conditional one
+  bool accepted = false;  ///< a conditional step always is, where its state can be reached
+  /// Of the step's free island, or of the conditional one.
+  double log_z = k_log_zero;
+  double log_satisfied = k_log_zero;
+  double effective_size = 0;
 };
+
+template <ActsInStages T>
+ParticleStepReport report_of(const Island<T>& island) {
+  return {.log_z = island.log_z,
+          .log_satisfied = island.log_satisfied,
+          .effective_size = island.effective_size};
+}
 
 /// An island given the present state; its draw is the next state. REQUIRES: as Islands::given;
 /// islands of a chain have different numbers.
@@ -47,9 +57,10 @@ ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t num
   Island<T> island = islands.given(number, current.sample.state);
   if (island.is_unreachable) return {};
   CHECK(island.drawn.has_value());
-  current.sample = std::move(*island.drawn);
-  current.log_z = island.log_z;
-  return {.accepted = true, .log_z = island.log_z};
+  ParticleStepReport report = report_of(island);
+  report.accepted = true;
+  current = {.sample = std::move(*island.drawn), .log_z = island.log_z};
+  return report;
 }
 
 /// Uses two numbers of islands, `number` and the next one. A state that no path reaches stays.
@@ -58,18 +69,20 @@ template <ActsInStages T>
 ParticleStepReport independence_step(const Islands<T>& islands, std::uint64_t number,
                                      ParticleSample<T>& current) {
   // Know Z of an island that the present state was drawn from.
+  bool stays = false;
   if (!current.log_z) {
     const Island<T> given = islands.given(number, current.sample.state);
-    if (given.is_unreachable) return {};
-    current.log_z = given.log_z;
+    stays = given.is_unreachable;
+    if (!stays) current.log_z = given.log_z;
   }
 
   // Propose a free island.
   Island<T> island = islands.free(number + 1);
-  random::Stream acceptance = islands.streams().at(random::Purpose::acceptance, number + 1);
+  ParticleStepReport report = report_of(island);
+  if (stays || !island.drawn) return report;
+  random::Stream acceptance = islands.acceptance_of(number + 1);
   const double log_u = math::log(acceptance.uniform());
-  ParticleStepReport report{.accepted = island.drawn && log_u < island.log_z - *current.log_z,
-                            .log_z = island.log_z};
+  report.accepted = log_u < island.log_z - *current.log_z;
   if (report.accepted) current = {.sample = std::move(*island.drawn), .log_z = island.log_z};
   return report;
 }

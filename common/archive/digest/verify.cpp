@@ -69,6 +69,7 @@ class Reader {
         find_attribute(find_group(source_, group)->attributes, attribute)->value);
   }
   const Group& group(std::string_view name) const { return *find_group(source_, name); }
+  bool has_group(std::string_view name) const { return find_group(source_, name) != nullptr; }
 
  private:
   const Source& source_;
@@ -300,6 +301,42 @@ class AnimationCheck {
   Rule segments_{"segments follow one another without gap"};
 };
 
+/// What a search found: as many as are kept, in the order of starts, with their segments.
+void check_finds(const Reader& reader, Findings& findings) {
+  if (!reader.has_group(k_finds)) return;
+  for (const char* dim : {"animation", "segment", "throw"})
+    check_progression(reader, k_finds, dim, 1, findings);
+  const std::uint64_t total = reader.size(k_finds, "animation");
+  const std::int64_t found = reader.integer(k_finds, k_found);
+  const std::int64_t keep_max = reader.integer(k_finds, "keep_max");
+  if (std::cmp_not_equal(total, std::min(found, keep_max))) {
+    findings.push_back(
+        fmt::format("/finds holds {}: found is {}, keep_max is {}", total, found, keep_max));
+  }
+  Rule order{"finds are in the order of starts"};
+  Rule segments{"segments of finds follow one another without gap"};
+  std::int64_t start_before = -1;
+  std::int64_t next_segment = 0;
+  for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {
+    const auto start = reader.read<std::int64_t>(k_finds, "start", first, count);
+    const auto begin = reader.read<std::int64_t>(k_finds, "segment_start", first, count);
+    const auto rows = reader.read<std::int64_t>(k_finds, "segment_count", first, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto here = [&] { return fmt::format("animation {}", first + i); };
+      order.expect(start[i] > start_before, here);
+      start_before = start[i];
+      segments.expect(begin[i] == next_segment && rows[i] >= 0, here);
+      // Wraps around instead of overflowing: the numbers may be anything.
+      next_segment = static_cast<std::int64_t>(static_cast<std::uint64_t>(begin[i]) +
+                                               static_cast<std::uint64_t>(rows[i]));
+    }
+  });
+  segments.expect(std::cmp_equal(next_segment, reader.size(k_finds, "segment")),
+                  [] { return std::string("the end of segment"); });
+  order.report(findings);
+  segments.report(findings);
+}
+
 /// Failures are counted under known kinds, and only where there are some.
 void check_failures(const Reader& reader, Findings& findings) {
   for (const Attribute& attribute : reader.group(k_root).attributes) {
@@ -335,6 +372,7 @@ std::vector<std::string> verify(const Source& source) {
   check_scalars(reader, findings);
   check_proposals(reader, findings);
   AnimationCheck(reader).run(findings);
+  check_finds(reader, findings);
   return findings;
 }
 

@@ -91,6 +91,8 @@ void put_scan(const plan::ScanRecord& record, generated::Scan::Builder out) {
       failures.set(kind, record.failures.by_kind[kind]);
   }
   out.setOverlappingStarts(record.overlapping_starts);
+  put_list(out.initMethodValues(static_cast<unsigned>(record.method_values.size())),
+           record.method_values);
 }
 
 /// None, or one of each kind.
@@ -116,6 +118,7 @@ plan::ScanRecord get_scan(generated::Scan::Reader in) {
           .outcome = get_list<double>(in.getOutcome()),
           .failures = get_failures(in),
           .overlapping_starts = in.getOverlappingStarts(),
+          .method_values = get_list<double>(in.getMethodValues()),
           .state = as_bytes(in.getState())};
 }
 

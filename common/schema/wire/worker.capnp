@@ -129,6 +129,7 @@ struct Scan {
   inverseTemperature @8 :Float64;  # at which it was sampled
   failures @9 :List(UInt64);       # simulations of the scan that failed, by kind; empty: none
   overlappingStarts @10 :UInt64;   # simulations of it that could not begin
+  methodValues @11 :List(Float64); # what the method asks of a scan besides
 }
 
 # What a worker's memory of samples has done, for people.

@@ -11,6 +11,7 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
+#include "worker/sampling/blind_throws.h"
 #include "worker/worlds/dice/dice.h"
 #include "worker/worlds/failures/played_out.h"
 #include "worker/worlds/segments/segment_values.h"
@@ -221,6 +222,11 @@ class DiceReader final : public archive::StateReader {
 
   archive::PlaysOut plays_out(base::BytesView state) const override {
     return played_out(world_, world_.simulate(decoded(state)));
+  }
+
+  std::vector<double> log_priors_of_throws(std::size_t count) const override {
+    return sampling::log_priors_of_throws(
+        world_, count, [&](random::Stream& stream) { return world_.draw_prior(stream); });
   }
 
  private:

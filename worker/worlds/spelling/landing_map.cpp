@@ -67,11 +67,12 @@ Landings landings_of(const Spelling& world, std::uint64_t seed, std::uint64_t ba
 }
 
 LandingMap::LandingMap(const Landings& landings) : cell_m_(landings.pitch_m() / Landings::k_cells) {
-  CHECK_GT(landings.total(), 0U);
+  constexpr std::size_t k_all = std::size_t{k_side} * k_side;
   double sum = 0;
-  for (std::size_t cell = 0; cell < std::size_t{k_side} * k_side; ++cell) {
-    const double share =
-        static_cast<double>(landings.count(cell)) / static_cast<double>(landings.total());
+  for (std::size_t cell = 0; cell < k_all; ++cell) {
+    const double share = landings.total() == 0 ? 1.0 / k_all
+                                               : static_cast<double>(landings.count(cell)) /
+                                                     static_cast<double>(landings.total());
     shares_.push_back(share);
     cumulative_.push_back(sum += share);
   }

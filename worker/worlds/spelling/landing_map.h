@@ -62,7 +62,7 @@ Landings landings_of(const Spelling& world, std::uint64_t seed, std::uint64_t ba
 /// Landings as a density that can be drawn from.
 class LandingMap {
  public:
-  /// REQUIRES: some landing.
+  /// Without any landing all displacements within reach are alike.
   explicit LandingMap(const Landings& landings);
 
   /// A displacement from the bin's middle.

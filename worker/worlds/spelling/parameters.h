@@ -12,7 +12,7 @@
 
 namespace sleight::worlds::spelling {
 
-inline constexpr std::uint32_t k_columns_max = 40;
+inline constexpr std::uint32_t k_columns_max = 64;
 inline constexpr std::uint32_t k_rows_max = 12;
 inline constexpr std::uint32_t k_solo_steps_max = 1000;
 
@@ -68,8 +68,9 @@ struct ProposalParameters {
   std::uint32_t solo_steps = 0;
   double vertex_probability = 0.02;  ///< with which each vertex moves
   double vertex_sd_m = 0.00005;      ///< of each coordinate of that move
-  double ball_sd_m = 0.020;          ///< of the way that a ball's drop place moves: a bin's side
-  double flip_probability = 0.25;    ///< with which each ball is disabled or enabled
+  double vertex_redraw = 0;        ///< share of those proposals that draw one vertex from the prior
+  double ball_sd_m = 0.020;        ///< of the way that a ball's drop place moves: a bin's side
+  double flip_probability = 0.25;  ///< with which each ball is disabled or enabled
 };
 
 struct Parameters {

@@ -37,6 +37,8 @@ class PouringBuilder {
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
                                 sampling::SearchEffort& effort, random::Stream& stream) const;
   bool is_solution(const Prefix& prefix) const { return world_->satisfied(prefix.outcome); }
+  const State& state_of(const Prefix& prefix) const { return prefix.state; }
+  const Outcome& outcome_of(const Prefix& prefix) const { return prefix.outcome; }
 
  private:
   /// Where the next ball would fill an empty bin alone; nothing after k_lone_tries_max tries.

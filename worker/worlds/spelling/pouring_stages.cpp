@@ -17,7 +17,57 @@ constexpr double k_drops_of_the_mean = 3;
 /// The least mean share, for pools without any landing.
 constexpr double k_mean_share_min = 1e-5;
 
+/// Which of DropOdds::ByDistance: that of the nearest bin that isn't full.
+std::size_t range_of(const PoolDrop& drop, const std::vector<std::uint8_t>& full) {
+  for (std::size_t i = 0; i < drop.near.size() && drop.near[i] != k_fills_none; ++i) {
+    if (is_full(full, drop.near[i])) continue;
+    const float bins = drop.near_bins[i];
+    return bins < 1 ? 0 : bins < 1.5F ? 1 : bins < 2.5F ? 2 : 3;
+  }
+  return 3;
+}
+
+double odds_of(const DropOdds& odds, const PoolDrop& drop, const std::vector<std::uint8_t>& full) {
+  const bool above_full = is_full(full, drop.below);
+  const bool into_full = is_full(full, drop.alone);
+  const bool fills = drop.alone != k_fills_none && !into_full;
+  if (fills && drop.alone == drop.below) return odds.own_bin;
+  const std::size_t range = range_of(drop, full);
+  if (fills) return above_full ? odds.above_full[range] : odds.beside[range];
+  return above_full || into_full ? odds.meets_full[range] : odds.misses[range];
+}
+
 }  // namespace
+
+PouringGuide StagedSpelling::learn(std::uint64_t seed) const {
+  const Landings landings = landings_of(*this, seed, k_landing_batches);
+  return {.map = LandingMap(landings),
+          .failures = landings.failures(),
+          .takes_part = 1 - std::min(0.02, 0.2 / balls())};
+}
+
+std::vector<sampling::BurnInValue> StagedSpelling::burn_in_values() const {
+  // A ball alone has nobody to help it.
+  return {{.name = "helped_balls", .starts_at_one_end = balls() > 1},
+          {.name = "log_prior"},
+          {.name = "filled"},
+          {.name = "elsewhere"}};
+}
+
+std::vector<double> StagedSpelling::burn_in_values_of(const State& state,
+                                                      const Outcome& outcome) const {
+  return {static_cast<double>(helped_balls(state, outcome)), log_prior(state),
+          static_cast<double>(outcome.filled), static_cast<double>(outcome.elsewhere)};
+}
+
+std::uint32_t StagedSpelling::helped_balls(const State& state, const Outcome& outcome) const {
+  std::uint32_t helped = 0;
+  for (std::size_t ball = 0; ball < outcome.filling.size(); ++ball) {
+    if (state.active[ball] == 0 || outcome.filling[ball] == k_fills_none) continue;
+    if (fall_alone(state.offsets_m, state.drops_m[ball]).bin != outcome.filling[ball]) ++helped;
+  }
+  return helped;
+}
 
 std::uint32_t StagedSpelling::drops_per_bin(const Guide& guide) const {
   return std::max(guide.drops_per_bin, balls());
@@ -54,6 +104,22 @@ void StagedSpelling::look_at(const Guide& guide, const Vec2& drop_m, std::size_t
   if (alone.failure != nullptr) ground.failed.push_back({.failure = alone.failure});
   drop.alone = alone.bin;
   drop.below = number_below(drop_m);
+  find_near_bins(drop);
+}
+
+void StagedSpelling::find_near_bins(PoolDrop& drop) const {
+  std::vector<std::pair<double, std::int16_t>> all;
+  for (std::size_t bin = 0; bin < balls(); ++bin) {
+    all.emplace_back((middle_m(bin) - drop.drop_m).norm() / bins().pitch_m(),
+                     static_cast<std::int16_t>(bin));
+  }
+  const std::size_t count = std::min(all.size(), drop.near.size());
+  std::partial_sort(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), all.end());
+  drop.near.fill(k_fills_none);
+  for (std::size_t i = 0; i < count; ++i) {
+    drop.near[i] = all[i].second;
+    drop.near_bins[i] = static_cast<float>(all[i].first);
+  }
 }
 
 void StagedSpelling::fill_pool(const Guide& guide, random::Stream& stream, Ground& ground,
@@ -126,12 +192,10 @@ StagedSpelling::Choices StagedSpelling::choices(const Guide& guide, const Ground
   const std::uint32_t n = drops_per_bin(guide);
   const std::vector<std::uint8_t> full = full_bins(balls(), prefix.pouring.outcome.filling);
   const auto guess = [&](const PoolDrop& drop) {
-    if (drop.alone == k_fills_none || is_full(full, drop.alone))
-      return guide.odds.other / ground.mean_share;
-    const double odds = is_full(full, drop.below)  ? guide.odds.above_full
-                        : drop.below == drop.alone ? guide.odds.own_bin
-                                                   : guide.odds.beside;
-    return odds / ground.bin_share[static_cast<std::size_t>(drop.alone)];
+    const double odds = odds_of(guide.odds, drop, full);
+    const bool fills = drop.alone != k_fills_none && !is_full(full, drop.alone);
+    return odds /
+           (fills ? ground.bin_share[static_cast<std::size_t>(drop.alone)] : ground.mean_share);
   };
   Choices choices;
   for (std::size_t place = 0; place < ground.pool.size(); ++place) {

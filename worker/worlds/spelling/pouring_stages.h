@@ -35,36 +35,47 @@
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "common/random/stream.h"
+#include "worker/sampling/burn_in_judge.h"
 #include "worker/sampling/stages.h"
 #include "worker/worlds/spelling/landing_map.h"
 #include "worker/worlds/spelling/pouring.h"
+#include "worker/worlds/spelling/pouring_builder.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
 
-/// How likely it is that a ball fills an empty bin, by whether it would alone and by what lies
-/// below its drop. Any values above 0 are right; these are guesses.
+/// How likely it is that a ball fills an empty bin, by what it would do alone, what lies below its
+/// drop, and how far the nearest empty bin is. Any values above 0 are right; these are guesses,
+/// from how often balls did in islands of HI.
 struct DropOdds {
-  double own_bin = 0.95;     ///< fills the empty bin below it
-  double beside = 0.85;      ///< fills an empty bin, and is not above a full one
-  double above_full = 0.25;  ///< fills an empty bin, but is above a full one
-  double other = 0.03;       ///< fills a full bin or none
+  /// By distance of the nearest empty bin's middle from the drop, in bins: below 1, 1.5, 2.5, more.
+  using ByDistance = std::array<double, 4>;
+  double own_bin = 0.95;                     ///< alone it fills the empty bin below it
+  ByDistance beside{0.96, 0.8, 0.54, 0.45};  ///< another empty bin, and is not above a full one
+  ByDistance above_full{0.41, 0.12, 0.12, 0.01};  ///< an empty bin, but is above a full one
+  ByDistance meets_full{0.2, 0.1, 0.045, 0.003};  ///< none; it falls onto or into a full one
+  ByDistance misses{0.03, 0.012, 0.005, 0.001};   ///< none, far from full ones
 };
 
 /// Frozen before anything counts.
 struct PouringGuide {
   LandingMap map;
+  std::vector<plan::FailurePointer> failures{};  ///< of the lone balls that the map is made of
   DropOdds odds{};
-  double takes_part = 0.98;   ///< in (0, 1)
+  double takes_part = 0.98;   ///< in (0, 1); learn gives all balls together one fifth to stay out
   double log_elsewhere = -3;  ///< -infinity: prefixes with a ball elsewhere are never gone on with
   double prior_share = 0.15;  ///< in (0, 1]
   std::uint32_t drops_per_bin = 40;  ///< at least; never fewer than there are balls
 };
+
+/// Batches of lone balls that a run's map is learnt from: 2,000 balls; more make no search faster.
+inline constexpr std::uint64_t k_landing_batches = 20;
 
 /// A drop of an island's pool.
 struct PoolDrop {
@@ -72,6 +83,9 @@ struct PoolDrop {
   double v = 0;                       ///< 0: outside of the region that balls are dropped from
   std::int16_t alone = k_fills_none;  ///< the bin that it fills alone
   std::int16_t below = k_fills_none;  ///< the designated bin below it
+  /// The nearest designated bins, with their distances in bins; k_fills_none where there are fewer.
+  std::array<std::int16_t, 8> near{};
+  std::array<float, 8> near_bins{};
 };
 
 struct PouringGround {
@@ -98,6 +112,20 @@ class StagedSpelling : public Spelling {
   using Ground = PouringGround;
   using Prefix = PouringPrefix;
   using Spelling::Spelling;
+
+  /// The guide of all runs with this seed.
+  Guide learn(std::uint64_t seed) const;
+  std::span<const plan::FailurePointer> failures_of(const Guide& guide) const {
+    return guide.failures;
+  }
+  PouringBuilder builder(const Guide& guide) const { return PouringBuilder(*this, guide.map); }
+  /// A search leaves out balls that another one helped into their bins (helped_balls), and so does
+  /// every chain's start.
+  std::vector<sampling::BurnInValue> burn_in_values() const;
+  std::vector<double> burn_in_values_of(const State& state, const Outcome& outcome) const;
+  /// Balls that fill a bin which they would not fill alone. One that the simulator can't carry out
+  /// alone counts among them: it is looked at, and no sample.
+  std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
   std::uint32_t stages() const { return balls(); }
   Ground draw_ground(const Guide& guide, random::Stream& stream) const;
@@ -132,6 +160,7 @@ class StagedSpelling : public Spelling {
   Vec2 draw_of_stratum(const Guide& guide, std::size_t bin, random::Stream& stream) const;
   /// A ground without drops.
   Ground empty_ground(const Guide& guide, std::vector<Vec3> offsets_m) const;
+  void find_near_bins(PoolDrop& drop) const;
   /// Puts a drop of the pool in its place, and simulates it alone.
   void look_at(const Guide& guide, const Vec2& drop_m, std::size_t place, Ground& ground) const;
   /// Draws the places that hold no retained drop, and looks at all.

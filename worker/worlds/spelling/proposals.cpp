@@ -145,6 +145,12 @@ sampling::Proposal<State> propose_of(Kind kind, const Prior& prior, const Propos
         proposal.log_q_ratio = prior.log_density(state) - prior.log_density(candidate);
       break;
     case Kind::change_vertices:
+      if (p.vertex_redraw > 0 && stream.uniform() < p.vertex_redraw) {
+        const auto which = random::UniformInteger{.count = candidate.offsets_m.size()}.draw(stream);
+        candidate.offsets_m[which] = draw_offset(p.kernel, prior.vertex_sd_m, stream);
+        proposal.log_q_ratio = prior.log_density(state) - prior.log_density(candidate);
+        break;
+      }
       for (Vec3& offset_m : candidate.offsets_m) {
         if (stream.uniform() < p.vertex_probability)
           offset_m += draw_offset(p.kernel, p.vertex_sd_m * scale, stream);

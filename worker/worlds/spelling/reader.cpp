@@ -5,6 +5,7 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
+#include "worker/sampling/blind_throws.h"
 #include "worker/worlds/failures/played_out.h"
 #include "worker/worlds/segments/segment_values.h"
 #include "worker/worlds/spelling/spelling.h"
@@ -127,6 +128,11 @@ class SpellingReader final : public archive::StateReader {
       }
     }
     return recording;
+  }
+
+  std::vector<double> log_priors_of_throws(std::size_t count) const override {
+    return sampling::log_priors_of_throws(
+        world_, count, [&](random::Stream& stream) { return world_.draw_throw(stream); });
   }
 
  private:

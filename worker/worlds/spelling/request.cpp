@@ -7,6 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "common/math/elementary.h"
+#include "common/request/text.h"
+
 namespace sleight::worlds::spelling {
 namespace {
 
@@ -229,6 +232,13 @@ void bind_world(request::Binder& world, WorldParameters& p) {
 /// Methods other than the thesis's own build upon the distribution that the kernel should have.
 void check_kernel(request::Binder& sampler, Kernel kernel) {
   if (kernel != Kernel::thesis || !sampler.valid("method")) return;
+  const auto start = std::ranges::find(
+      sampler.keys(), "start", [](const auto& bound) { return std::string_view(bound.spec.key); });
+  if (start != sampler.keys().end() && start->value == "\"search\"") {
+    sampler.error("kernel",
+                  "\"thesis\" is biased, so no burn-in by it is judged: start = \"prior\"");
+    return;
+  }
   const auto method = std::ranges::find(
       sampler.keys(), "method", [](const auto& bound) { return std::string_view(bound.spec.key); });
   if (method->value != "\"metropolis_hastings\"") {
@@ -259,6 +269,14 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   share("vertex_probability", p.vertex_probability, "with which a proposal moves each vertex");
   length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m,
             {.minimum_mm = 1e-6, .help = "standard deviation of each coordinate of that move"});
+  std::optional<double> vertex_redraw;
+  sampler.optional_number("vertex_redraw", vertex_redraw,
+                          {.minimum = 0,
+                           .above_minimum = true,
+                           .maximum = 1,
+                           .help = "share of change_vertices that draws one vertex anew, wherever "
+                                   "it was; 0 if absent"});
+  p.vertex_redraw = vertex_redraw.value_or(0);
   length_mm(sampler, "ball_move_sd_mm", p.ball_sd_m,
             {.help = "standard deviation of how far a ball's drop moves"});
   sampler.number("flip_probability", p.flip_probability,
@@ -286,11 +304,101 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
     sampler.error("scatter_ball", "goes with aim_ball: one is the other's way back");
   if (p.kernel == Kernel::thesis && p.aim_ball > 0)
     sampler.error("aim_ball", "is not of A.2.2, and kernel \"thesis\" is that as printed");
+  if (p.kernel == Kernel::thesis && p.vertex_redraw > 0)
+    sampler.error("vertex_redraw", "is not of A.2.2, and kernel \"thesis\" is that as printed");
   if (p.kernel == Kernel::thesis && p.solo_steps > 0)
     sampler.error("solo_steps", "are not of A.2.2, and kernel \"thesis\" is that as printed");
 }
 
 }  // namespace
+
+/// Words of more balls are drawn by chains from a search: islands of 32 particles then differ so
+/// much in weight that chains of them hardly move.
+constexpr std::uint32_t k_balls_by_islands_max = 20;
+
+/// Settles keys that a request leaves open.
+class Settled {
+ public:
+  Settled(request::Binder& constraint, request::Binder& sampler)
+      : constraint_(constraint), sampler_(sampler) {}
+
+  void log_lambda(double& value, double chosen) {
+    if (constraint_.given("log_lambda")) return;
+    value = chosen;
+    constraint_.settle("log_lambda", request::toml_number(chosen));
+  }
+  void word(std::string_view key, std::string_view chosen) {
+    sampler_.settle(key, request::toml_string(chosen));
+  }
+  void count(std::string_view key, auto& value, std::uint32_t chosen) {
+    value = chosen;
+    sampler_.settle(key, fmt::format("{}", chosen));
+  }
+  void number(std::string_view key, double& value, double chosen) {
+    value = chosen;
+    sampler_.settle(key, request::toml_number(chosen));
+  }
+
+ private:
+  request::Binder& constraint_;
+  request::Binder& sampler_;
+};
+
+/// Independence steps of islands renew all balls and the box at once. The constraint is so strict
+/// that most of what is drawn satisfies: a missing ball weighs as much as their number, times
+/// e^6.
+void settle_islands(Settled& settled, std::uint32_t balls, request::SamplerParameters& sampler,
+                    Parameters& parameters) {
+  settled.log_lambda(parameters.constraint.log_lambda, std::round(6 + math::log(balls)));
+  sampler.method = request::Method::sequential;
+  settled.word("method", "sequential");
+  settled.count("chains", sampler.chains, 4);
+  settled.count("particles", sampler.particles, 32);
+  settled.count("round_scans", sampler.round_scans, 2);
+  settled.count("burn_in_rounds", sampler.burn_in_rounds, 1);
+  settled.count("iterations_per_scan", sampler.iterations_per_scan, 4 * balls);
+}
+
+/// A scan has a proposal for each ball. The constraint is loose enough that balls come and go, and
+/// strict enough that of ACM one scan in a hundred satisfies.
+void settle_judged_chains(Settled& settled, std::uint32_t balls,
+                          request::SamplerParameters& sampler, Parameters& parameters) {
+  settled.log_lambda(parameters.constraint.log_lambda, std::round(2.6 + math::log(balls)));
+  sampler.method = request::Method::metropolis_hastings;
+  settled.word("method", "metropolis_hastings");
+  sampler.start = request::Start::search;
+  settled.word("start", "search");
+  settled.count("chains", sampler.chains, 8);
+  settled.count("round_scans", sampler.round_scans, 32);
+  settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
+}
+
+/// What serves a request that leaves the sampler open. docs/SAMPLING says how the numbers were
+/// found.
+void serve_best(request::Binder& constraint, request::Binder& sampler,
+                request::SamplerParameters& sampling, const request::StopRule& stop,
+                Parameters& parameters) {
+  Settled settled(constraint, sampler);
+  const std::uint32_t balls = parameters.pattern.count();
+  // Judged chains find out for themselves how many rounds they take.
+  if (balls <= k_balls_by_islands_max || stop.rounds) {
+    settle_islands(settled, balls, sampling, parameters);
+  } else {
+    settle_judged_chains(settled, balls, sampling, parameters);
+  }
+  ProposalParameters& p = parameters.proposal;
+  settled.number("change_all", p.change_all, 0.01);
+  settled.number("change_vertices", p.change_vertices, 0.25);
+  settled.number("change_ball", p.change_ball, 0.14);
+  settled.number("disable_balls", p.disable_balls, 0.02);
+  settled.number("enable_balls", p.enable_balls, 0.02);
+  settled.number("aim_ball", p.aim_ball, 0.28);
+  settled.number("scatter_ball", p.scatter_ball, 0.28);
+  settled.number("vertex_redraw", p.vertex_redraw, 1);
+  double ball_move_sd_mm = 0;
+  settled.number("ball_move_sd_mm", ball_move_sd_mm, 2);
+  p.ball_sd_m = ball_move_sd_mm / 1e3;
+}
 
 request::WorldBinding request_binding(Parameters& parameters) {
   return {
@@ -304,6 +412,11 @@ request::WorldBinding request_binding(Parameters& parameters) {
                            .maximum = 100,
                            .help = "p_c = lambda^k for k filled bins; the natural logarithm"});
         bind_proposal(sampler, parameters.proposal);
+      },
+      /*acts_in_stages=*/true,
+      [&parameters](request::Binder& constraint, request::Binder& sampler,
+                    request::SamplerParameters& sampling, const request::StopRule& stop) {
+        serve_best(constraint, sampler, sampling, stop, parameters);
       }};
 }
 

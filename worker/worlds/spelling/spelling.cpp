@@ -318,6 +318,15 @@ std::unique_ptr<BoxGeometry> Spelling::new_geometry() const {
                                        bins_.vertex_count());
 }
 
+State Spelling::draw_throw(random::Stream& stream) const {
+  State state = draw_prior(stream);
+  for (std::size_t ball = 0; ball < balls(); ++ball) {
+    state.active[ball] = 1;
+    state.drops_m[ball] = prior_.draw_drop(stream);
+  }
+  return state;
+}
+
 Outcome Spelling::simulate(const State& state) const {
   return simulated(state, Until::decided).outcome;
 }

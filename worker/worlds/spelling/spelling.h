@@ -104,6 +104,8 @@ class Spelling {
   State draw_prior(random::Stream& stream) const {
     return draw_state(prior_, parameters_.proposal.kernel, stream);
   }
+  /// All balls dropped into a box of the prior.
+  State draw_throw(random::Stream& stream) const;
   double log_prior(const State& state) const { return prior_.log_density(state); }
   /// As far as it takes to know the outcome.
   Outcome simulate(const State& state) const;

@@ -76,6 +76,13 @@ class FakeReader : public StateReader {
     return recording;
   }
 
+  std::vector<double> log_priors_of_throws(std::size_t count) const override {
+    std::vector<double> all;
+    for (std::uint64_t nth = 0; nth < count; ++nth)
+      all.push_back(-unit_of(nth));
+    return all;
+  }
+
   static base::Bytes state_of(std::uint64_t key) {
     base::ByteWriter writer;
     writer.put(key);
@@ -100,6 +107,7 @@ struct FakeRunOptions {
   std::uint64_t thin = 10;
   double satisfied_share = 0.3;
   std::uint64_t lineages = 7;  ///< small: lineages return, as replicas do under tempering
+  std::uint64_t finds = 0;     ///< of a search: of every second start
 };
 
 class FakeRun : public RunView {
@@ -108,6 +116,15 @@ class FakeRun : public RunView {
 
   std::uint32_t chains() const override { return options_.chains; }
   std::uint64_t draws() const override { return options_.scans; }
+  std::uint64_t finds() const override { return options_.finds; }
+  void for_each_find(
+      const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const override {
+    for (std::uint64_t i = 0; i < options_.finds; ++i) {
+      plan::ScanRecord found = record({9}, options_.thin * i);
+      found.satisfied = true;
+      visit(2 * i, found);
+    }
+  }
 
   void for_each_draw(
       base::ChainId chain,

@@ -141,6 +141,56 @@ TEST(Layout, AnimationsCarryTheirMotion) {
   }
 }
 
+/// In which NaN equals NaN.
+std::string bits_of(const Values& values) {
+  return std::visit(
+      [](const auto& elements) {
+        std::string bits;
+        for (const auto& element : elements) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(element)>, std::string>)
+            bits += element + '\0';
+          else
+            bits.append(reinterpret_cast<const char*>(&element), sizeof(element));
+        }
+        return bits;
+      },
+      values);
+}
+
+TEST(Layout, FindsLieBesideDraws) {
+  // Goal: what a search found has a group of its own, with its motion, its starts and the throws
+  // that it is compared with; draws and animations are as without it. Method: one run with finds
+  // and without, and one of a search alone.
+  const FakeRunOptions options{.finds = 6};
+  const FakeRun run(options);
+  MemoryArchive archive;
+  write_digested(archive, filler(options));
+  MemoryArchive without;
+  write_digested(without, filler({}));
+  for (const std::string_view group : {k_posterior, k_sample_stats, k_animations}) {
+    for (const DatasetSpec& spec : find_group(without, group)->datasets) {
+      EXPECT_EQ(bits_of(archive.values(group, spec.name)),
+                bits_of(without.values(group, spec.name)))
+          << spec.name;
+    }
+  }
+  EXPECT_EQ(find_group(without, k_finds), nullptr);
+  const Summary summary = summary_of(archive);
+  EXPECT_EQ(summary.finds.found, 6U);
+  EXPECT_EQ(summary.finds.animations, 6U);
+  EXPECT_EQ(summary.warning, "");
+  EXPECT_EQ(one<std::int64_t>(archive, k_finds, "start", 5), 10);
+  EXPECT_EQ(one<double>(archive, k_finds, "log_prior", 2), run.record({9}, 20).log_prior);
+  EXPECT_EQ(find_dataset(*find_group(archive, k_finds), "log_prior_of_throw")->dims[0].size,
+            k_throws);
+
+  MemoryArchive search;
+  write_digested(search, filler({.chains = 0, .scans = 0, .finds = 3}));
+  EXPECT_EQ(summary_of(search).finds.animations, 3U);
+  EXPECT_EQ(summary_of(search).scans, 0U);
+  EXPECT_EQ(summary_of(search).warning, k_finds_warning);
+}
+
 TEST(Layout, SmallestRuns) {
   for (const double share : {0.0, 1.0}) {
     MemoryArchive archive;

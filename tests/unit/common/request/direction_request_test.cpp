@@ -151,14 +151,69 @@ TEST(ReadRequest, ChecksOfSeveralKeysAreAnchoredAtAKey) {
               ElementsAre("r.toml:4:2: 'word' in [constraint]: nothing to spell"));
 }
 
-TEST(ReadRequest, StopNeedsARule) {
-  EXPECT_THAT(toy::errors_of("[world]\nname = 'toy'\n"),
-              ElementsAre(HasSubstr("1:1: missing section [stop]")));
-  EXPECT_THAT(toy::errors_of("[world]\nname = 'toy'\n[stop]\n"),
-              ElementsAre(HasSubstr("3:2: [stop] needs at least one of")));
-  for (const std::string rule : {"scans = 1", "rounds = 1", "independent_solutions = 1"}) {
-    EXPECT_THAT(toy::errors_of("[world]\nname = 'toy'\n[stop]\n" + rule), IsEmpty());
+TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
+  // Goal: the rule that follows is in the request and its normalised text, and no rule that is
+  // given is added to. Method: no section, an empty one, and each rule.
+  for (const std::string stop : {"", "[stop]\n"}) {
+    const DirectionRequest request = read("[world]\nname = 'toy'\n" + stop);
+    EXPECT_EQ(request.stop, (StopRule{{}, {}, 5, {}}));
+    EXPECT_THAT(normalised_text(request), HasSubstr("[stop]\nindependent_solutions = 5\n\n"));
+    EXPECT_EQ(normalised_text(read(normalised_text(request))), normalised_text(request));
   }
+  for (const std::string rule : {"scans = 1", "rounds = 1", "independent_solutions = 1"}) {
+    const DirectionRequest request = read("[world]\nname = 'toy'\n[stop]\n" + rule);
+    EXPECT_THAT(normalised_text(request), HasSubstr("[stop]\n" + rule + "\n\n"));
+  }
+}
+
+TEST(ReadRequest, ASearchHasFewKeys) {
+  // Goal: what says nothing of a search is refused where it is given, and not repeated where it
+  // isn't. Method: the keys of a search, one by one; its normalised text.
+  const std::string least = "[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n";
+  toy::Parameters parameters;
+  toy::Parameters others;
+  const std::array worlds{toy::binding(others), toy::staged_binding(parameters)};
+  const auto read_staged = [&](const std::string& text) {
+    auto request = read_request(text, "r.toml", worlds);
+    EXPECT_TRUE(request.ok()) << text;
+    return std::move(request).value();
+  };
+  const auto staged_errors = [&](const std::string& text) {
+    std::vector<std::string> lines;
+    const auto request = read_request(text, "r.toml", worlds);
+    for (const Diagnostic& error : request ? std::vector<Diagnostic>{} : request.error())
+      lines.push_back(to_string(error));
+    return lines;
+  };
+  const DirectionRequest request = read_staged(least + "seed = 3\n");
+  EXPECT_EQ(request.sampler.chains, 0U);
+  EXPECT_EQ(request.stop, (StopRule{{}, {}, {}, 5}));
+  EXPECT_THAT(normalised_text(request),
+              HasSubstr("[sampler]\nmethod = \"search\"\nseed = 3\n\n[stop]\nfound = 5\n\n"
+                        "[output]\nkeep_max = 5000\n"));
+  EXPECT_EQ(read_staged(normalised_text(request)), request);
+  EXPECT_EQ(normalised_text(with_solutions(request, 8)),
+            normalised_text(read_staged(least + "seed = 3\n[stop]\nfound = 8\n")));
+  EXPECT_THAT(staged_errors(least + "chains = 2\nstep = 0.5\n"),
+              ElementsAre(HasSubstr("'chains' in [sampler]: says nothing of method"),
+                          HasSubstr("'step' in [sampler]: says nothing of method")));
+  EXPECT_THAT(staged_errors(least + "[stop]\nscans = 7\n"),
+              ElementsAre(HasSubstr("it ends by 'found'")));
+  EXPECT_THAT(staged_errors(least + "[output]\nmin_distance = 1\n"),
+              ElementsAre(HasSubstr("is of chains")));
+  std::string other = least;
+  other.replace(other.find("staged"), 6, "toy");
+  EXPECT_THAT(staged_errors(other),
+              ElementsAre(HasSubstr("'method' in [sampler]: goes with worlds that act in stages "
+                                    "(staged), not with toy")));
+}
+
+TEST(WithSolutions, ReplacesTheRules) {
+  const DirectionRequest request = read("[world]\nname='toy'\n[stop]\nscans = 7\nrounds = 2\n");
+  const DirectionRequest other = with_solutions(request, 9);
+  EXPECT_EQ(other.stop, (StopRule{{}, {}, 9, {}}));
+  EXPECT_THAT(normalised_text(other), HasSubstr("[stop]\nindependent_solutions = 9\n\n"));
+  EXPECT_EQ(identity_text(other), identity_text(request));
 }
 
 TEST(ReadRequest, PlainChainsGiveOneSolutionEach) {
@@ -215,7 +270,7 @@ TEST(NormalisedText, CanBeStoppedElsewhere) {
               HasSubstr("[stop]\nrounds = 3\nindependent_solutions = 2\n\n"));
   std::string expected(k_least_normalised);
   expected.replace(expected.find("scans = 10"), 10, "scans = 77");
-  EXPECT_EQ(normalised_text_of_scans(request, 77), expected);
+  EXPECT_EQ(normalised_text_of(request, {.scans = 77}), expected);
   EXPECT_EQ(normalised_text(read(expected)), expected);
 }
 
@@ -279,15 +334,16 @@ TEST(RequestKeys, ListEveryKeyOnce) {
       keys += " " + spec.key;
     keys += "\n";
   }
-  EXPECT_EQ(keys,
-            "world: name height_m tilt_deg balls spinning surface peg\n"
-            "[world.peg]: x_m y_m\n"
-            "constraint: word lambda\n"
-            "sampler: method chains replicas ladder_power seed iterations_per_scan round_scans "
-            "anneal_scans burn_in_rounds "
-            "lanes steps_per_level step\n"
-            "stop: scans rounds independent_solutions\n"
-            "output: thin keep_max keep_per_lineage min_distance\n");
+  EXPECT_EQ(
+      keys,
+      "world: name height_m tilt_deg balls spinning surface peg\n"
+      "[world.peg]: x_m y_m\n"
+      "constraint: word lambda\n"
+      "sampler: method start chains replicas ladder_power seed iterations_per_scan round_scans "
+      "anneal_scans burn_in_rounds "
+      "lanes steps_per_level particles step\n"
+      "stop: scans rounds independent_solutions found\n"
+      "output: thin keep_max keep_per_lineage min_distance\n");
 }
 
 TEST(KeyTable, IsAligned) {

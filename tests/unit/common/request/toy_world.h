@@ -61,6 +61,13 @@ inline WorldBinding binding(Parameters& p, std::string name = "toy") {
 }
 
 /// Errors as the command line prints them, one in each element; empty for a good request.
+/// The same as a world that acts in stages.
+inline WorldBinding staged_binding(Parameters& p) {
+  WorldBinding staged = binding(p, "staged");
+  staged.acts_in_stages = true;
+  return staged;
+}
+
 inline std::vector<std::string> errors_of(std::string_view text) {
   Parameters parameters;
   const std::array worlds{binding(parameters), binding(parameters, "toy_2")};

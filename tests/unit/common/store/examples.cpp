@@ -46,6 +46,7 @@ plan::ScanRecord record_of(std::uint32_t chain, std::uint64_t scan) {
   record.outcome = {stream.uniform(), payload, k_infinity, -k_infinity, 0.0, -0.0};
   if (scan % 5 == 2) record.failures.by_kind = {scan, 0, 1, 0, chain, 0};
   record.overlapping_starts = scan % 7;
+  if (scan % 4 != 1) record.method_values = {stream.uniform(), -k_infinity, -0.0};
   if (scan % 3 != 0) record.state = noise(1 + scan % 17, stream);
   return record;
 }
@@ -78,6 +79,7 @@ plan::UnitResult forged(plan::UnitResult result) {
     scan.outcome = {9};
     scan.failures.by_kind = {9};
     scan.overlapping_starts = 9;
+    scan.method_values = {9, 9, 9};
     scan.state = base::Bytes(3, std::byte{9});
   }
   result.state_after = base::Bytes(5, std::byte{9});
@@ -89,7 +91,7 @@ bool same_bits(const plan::ScanRecord& a, const plan::ScanRecord& b) {
          a.satisfied == b.satisfied && a.lineage == b.lineage &&
          same(a.inverse_temperature, b.inverse_temperature) && a.proposed == b.proposed &&
          a.accepted == b.accepted && a.state == b.state && a.failures == b.failures &&
-         a.overlapping_starts == b.overlapping_starts &&
+         a.overlapping_starts == b.overlapping_starts && a.method_values == b.method_values &&
          std::equal(a.outcome.begin(), a.outcome.end(), b.outcome.begin(), b.outcome.end(),
                     [](double x, double y) { return same(x, y); });
 }

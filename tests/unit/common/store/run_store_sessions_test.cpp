@@ -51,10 +51,10 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneVersion) {
   other_version.program_version = "1.1";
   EXPECT_THAT(conflict_of(other_version),
               AllOf(HasSubstr("version 1.0"), HasSubstr("this is 1.1"), HasSubstr("--fresh")));
-  execute("UPDATE run SET value=4 WHERE key='format_version'");
+  execute("UPDATE run SET value=5 WHERE key='format_version'");
   EXPECT_THAT(conflict_of(example_identity(1)),
-              AllOf(HasSubstr("format 4"), HasSubstr("writes 3")));
-  execute("UPDATE run SET value=3 WHERE key='format_version'");
+              AllOf(HasSubstr("format 5"), HasSubstr("writes 4")));
+  execute("UPDATE run SET value=4 WHERE key='format_version'");
 
   RunStore store(folder(), example_identity(1));
   EXPECT_EQ(store.epoch(), 2U);

@@ -171,10 +171,10 @@ TEST_F(StoredRunOf, ChangedRowsAreDamage) {
   // Goal: what a disk or a person changed never becomes another animation, nor decides how a run
   // goes on. Method: change each column of one stored scan in turn; reading it and replaying it
   // must fail, and name chain and scan.
-  for (const char* change :
-       {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied", "lineage=-1",
-        "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)", "failures=x'01'",
-        "overlapping_starts=1", "state=zeroblob(5)", "checksum=0"}) {
+  for (const char* change : {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied",
+                             "lineage=-1", "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)",
+                             "failures=x'01'", "overlapping_starts=1", "method_values=NULL",
+                             "method_values=zeroblob(24)", "state=zeroblob(5)", "checksum=0"}) {
     const std::string place = folder() + "/" + std::to_string(std::hash<std::string>()(change));
     const RunLock lock(place);
     {

@@ -52,8 +52,8 @@ class BallRuns : public archive::testing::Scratch {
         {.request = request.value(),
          .reader = *reader,
          .plan = *plan,
-         .plan_of_scans =
-             [&](std::uint64_t scans) { return run::make_plan(request.value(), world, scans); },
+         .plan_of =
+             [&](const request::Cut& cut) { return run::make_plan(request.value(), world, cut); },
          .crew = crew,
          .clock = clock,
          .files = files},

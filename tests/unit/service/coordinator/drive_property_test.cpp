@@ -88,7 +88,7 @@ TEST_F(DriveProperty, AnyCrewAndAnyStopsGiveOneResult) {
       }
       states_held += crew.states_held();
     }
-    EXPECT_EQ(outcome.scans_common, end);
+    EXPECT_EQ(outcome.reached.scans, end);
     store::RunStore store(folder, store::testing::example_identity(k_chains));
     for (std::uint32_t chain = 0; chain < k_chains; ++chain)
       store::testing::expect_stored(folder, store, chain, end);

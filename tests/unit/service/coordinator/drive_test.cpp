@@ -59,7 +59,7 @@ TEST_F(Drive, RunsAPlanToItsEnd) {
   // of three chains; counts against the records themselves.
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001});
   EXPECT_EQ(outcome.end, DriveEnd::finished);
-  EXPECT_EQ(outcome.scans_common, 500U);
+  EXPECT_EQ(outcome.reached.scans, 500U);
   std::uint64_t satisfied = 0;
   std::uint64_t proposed = 0;
   std::uint64_t accepted = 0;
@@ -96,12 +96,12 @@ TEST_F(Drive, NothingToDoIsFinished) {
   (void)session(scans(40), {});
   const DriveOutcome again = session(scans(40), {});
   EXPECT_EQ(again.end, DriveEnd::finished);
-  EXPECT_EQ(again.scans_common, 40U);
+  EXPECT_EQ(again.reached.scans, 40U);
   EXPECT_TRUE(crew_->submitted().empty());
   EXPECT_EQ(again.progress.scans_done, 120U);
   EXPECT_EQ(again.progress.session_scans, 0U);
   const DriveOutcome nearer = session(scans(25), {});
-  EXPECT_EQ(nearer.scans_common, 25U);
+  EXPECT_EQ(nearer.reached.scans, 25U);
   EXPECT_TRUE(crew_->submitted().empty());
   EXPECT_EQ(nearer.progress.scans_done, 75U);
 }
@@ -121,7 +121,7 @@ TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
   EXPECT_EQ(committed_scans(), submitted);
   EXPECT_EQ(outcome.progress.scans_done, submitted);
   EXPECT_LT(submitted, 1500U);
-  EXPECT_GT(outcome.scans_common, 0U);
+  EXPECT_GT(outcome.reached.scans, 0U);
 
   const DriveOutcome rest = session(scans(500), {.seconds_per_scan = 0.001});
   EXPECT_EQ(rest.end, DriveEnd::finished);
@@ -135,7 +135,7 @@ TEST_F(Drive, StopBeforeTheFirstUnit) {
   // Goal: a stop that comes before anything leaves an empty run. Method: always asked to stop.
   const DriveOutcome outcome = session(scans(5), {}, {.stop_requested = [] { return true; }});
   EXPECT_EQ(outcome.end, DriveEnd::stop_requested);
-  EXPECT_EQ(outcome.scans_common, 0U);
+  EXPECT_EQ(outcome.reached.scans, 0U);
   EXPECT_TRUE(crew_->submitted().empty());
 }
 
@@ -156,7 +156,7 @@ TEST_F(Drive, TimeLimitEndsInOrder) {
   EXPECT_GE(outcome.progress.elapsed_s, 2);
   // At most six units were given out.
   EXPECT_LT(outcome.progress.elapsed_s, 2.005 + 6 * core::BlockSizeOptions{}.target_s);
-  EXPECT_NEAR(static_cast<double>(outcome.scans_common), 200.0 / k_chains, 10);
+  EXPECT_NEAR(static_cast<double>(outcome.reached.scans), 200.0 / k_chains, 10);
 }
 
 TEST_F(Drive, UnitsFollowWhatScansCost) {
@@ -187,7 +187,7 @@ TEST_F(Drive, StrangeCostsDoNoHarm) {
   FakeCrewOptions strange;
   strange.cost_s = [&](const plan::Unit&) { return costs[next++ % costs.size()]; };
   const DriveOutcome outcome = session(scans(300), strange);
-  EXPECT_EQ(outcome.scans_common, 300U);
+  EXPECT_EQ(outcome.reached.scans, 300U);
   for (const plan::Unit& unit : crew_->submitted()) {
     EXPECT_GE(unit.scans, 1U);
     EXPECT_LE(unit.scans, core::BlockSizeOptions{}.scans_max);
@@ -218,7 +218,8 @@ TEST_F(Drive, CheckpointsFindAllThatTheyNeed) {
   // Goal: a checkpoint comes about every checkpoint_every_s, and every chain has its scans
   // committed. Method: read the run at each, as an archive would; 60 s of work, one every 10 s.
   std::vector<std::uint64_t> cuts;
-  const auto checkpoint = [&](std::uint64_t common) {
+  const auto checkpoint = [&](const Reached& reached) {
+    const std::uint64_t common = reached.scans;
     ASSERT_GT(common, 0U);
     if (!cuts.empty()) {
       ASSERT_GT(common, cuts.back());
@@ -236,7 +237,7 @@ TEST_F(Drive, CostlyCheckpointsAreRare) {
   // Goal: checkpoints take a small share of a run. Method: each takes 30 s of the clock; in a run
   // of 3,000 s of work they must stay under a tenth.
   int checkpoints = 0;
-  const auto checkpoint = [&](std::uint64_t) {
+  const auto checkpoint = [&](const Reached&) {
     ++checkpoints;
     clock_.advance(30);
   };
@@ -320,7 +321,7 @@ TEST_F(Drive, NobodyIsSilentWhileNobodyListens) {
   // a million seconds old, and checkpoints that take 200 s each.
   clock_.advance(1e6);
   int checkpoints = 0;
-  const auto checkpoint = [&](std::uint64_t) {
+  const auto checkpoint = [&](const Reached&) {
     ++checkpoints;
     clock_.advance(200);
   };

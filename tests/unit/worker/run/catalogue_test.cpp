@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "common/request/direction_request.h"
 #include "worker/run/chain_worker.h"
@@ -100,7 +103,8 @@ TEST(Catalogue, UnitsHaveTheRequestsSeed) {
     for (const std::uint64_t anneal_scans : {0U, 5U}) {
       request.sampler.method = method;
       request.sampler.anneal_scans = anneal_scans;
-      const auto plan = make_plan(request, catalogue.world(request.world), 40);
+      const auto plan =
+          make_plan(request, catalogue.world(request.world), request::Cut{.scans = 40});
       std::map<plan::ReplicaKey, base::Bytes> states;
       while (const auto unit = plan->next_unit(10)) {
         ASSERT_EQ(unit->seed, 9U);
@@ -109,6 +113,37 @@ TEST(Catalogue, UnitsHaveTheRequestsSeed) {
         plan->consume(unit->replica, unit->first_scan, result.scans);
       }
       EXPECT_TRUE(plan->finished());
+    }
+  }
+}
+
+TEST(Catalogue, WhatItChoosesReadsBack) {
+  // Goal: what serves a request without a sampler goes with whatever stop rules it has, and repeats
+  // the run exactly when read again. Method: each subset of the rules, for a short and a long word
+  // and the other worlds; a request that is refused is refused for its rules alone.
+  Catalogue catalogue;
+  const std::vector<std::pair<std::string, bool>> worlds{
+      {"name = \"spelling\"\nword = \"HI\"", true},
+      {"name = \"spelling\"\nword = \"ACM\"", true},
+      {"name = \"ball_2d\"", false},
+      {"name = \"dice\"\n[[world.die]]", false}};
+  const std::vector<std::string> rules{"scans = 1000", "rounds = 3", "independent_solutions = 4",
+                                       "found = 2"};
+  for (const auto& [world, acts_in_stages] : worlds) {
+    for (unsigned subset = 0; subset < 1U << rules.size(); ++subset) {
+      std::string text = "[world]\n" + world + "\n[stop]\n";
+      for (unsigned rule = 0; rule < rules.size(); ++rule) {
+        if ((subset >> rule) % 2 == 1) text += rules[rule] + "\n";
+      }
+      const auto request = request::read_request(text, "r.toml", catalogue.bindings());
+      const bool has_found = (subset >> 3U) % 2 == 1;
+      ASSERT_EQ(request.ok(), acts_in_stages || !has_found) << text;
+      if (!request.ok()) continue;
+      const std::string normal = request::normalised_text(request.value());
+      const auto again = request::read_request(normal, "normal.toml", catalogue.bindings());
+      ASSERT_TRUE(again.ok()) << normal;
+      EXPECT_EQ(again.value(), request.value()) << normal;
+      EXPECT_EQ(request::normalised_text(again.value()), normal);
     }
   }
 }

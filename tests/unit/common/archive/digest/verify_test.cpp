@@ -54,6 +54,29 @@ TEST_F(Verify, AnyChangeBreaksTheDigest) {
   EXPECT_THAT(verify(archive_), Contains(HasSubstr("content_digest")));
 }
 
+TEST_F(Verify, FindsHaveRules) {
+  const auto broken = [this](auto&& change, const char* expected) {
+    archive_ = MemoryArchive();
+    write_digested(archive_, filler({.finds = 5}));
+    EXPECT_THAT(verify(archive_), IsEmpty());
+    change();
+    EXPECT_THAT(findings(), Contains(HasSubstr(expected)));
+  };
+  const auto integers = [&](std::string_view name) -> auto& {
+    return values<std::int64_t>(k_finds, name);
+  };
+  broken([&] { std::swap(integers("start")[1], integers("start")[2]); }, "order of starts");
+  broken([&] { ++integers("segment_start")[3]; }, "segments of finds follow");
+  broken([&] { ++integers("segment_count")[4]; }, "segments of finds follow");
+  broken([&] { ++integers("animation")[0]; }, "/finds/animation counts");
+  broken(
+      [&] {
+        for (Attribute& attribute : archive_.group(k_finds).attributes)
+          if (attribute.name == k_found) attribute.value = std::int64_t{4};
+      },
+      "/finds holds 5: found is 4");
+}
+
 TEST_F(Verify, NamesEachBrokenRule) {
   const auto broken = [this](auto&& change, const char* expected) {
     archive_ = MemoryArchive();

@@ -33,7 +33,8 @@ bool same(const plan::ScanRecord& a, const plan::ScanRecord& b) {
          a.satisfied == b.satisfied && a.lineage == b.lineage &&
          same(a.inverse_temperature, b.inverse_temperature) && a.proposed == b.proposed &&
          a.accepted == b.accepted && a.state == b.state && same(a.outcome, b.outcome) &&
-         a.failures == b.failures && a.overlapping_starts == b.overlapping_starts;
+         a.failures == b.failures && a.overlapping_starts == b.overlapping_starts &&
+         same(a.method_values, b.method_values);
 }
 
 template <class T>
@@ -229,6 +230,7 @@ plan::UnitResult example_result(std::uint32_t scans) {
                             .outcome = awkward,
                             .failures = {.by_kind = {i % 3 == 1 ? i : 0U, 0, 0, 0, 0, i % 3}},
                             .overlapping_starts = i % 4 == 0 ? k_largest_long : 0,
+                            .method_values = i % 3 == 0 ? awkward : std::vector<double>{},
                             .state = base::Bytes(i % 9, std::byte{7})});
     if (i % 3 != 1 || result.failed.size() == plan::k_failed_told_max) continue;
     result.failed.push_back(

@@ -56,6 +56,8 @@ TEST(Messages, ComparerSeesOneBit) {
       [](Delivery& d) { ++d.results[1].scans[0].accepted[1]; },
       [](Delivery& d) { ++d.results[1].scans[0].failures.by_kind[2]; },
       [](Delivery& d) { ++d.results[1].scans[0].overlapping_starts; },
+      [](Delivery& d) { d.results[1].scans[0].method_values.pop_back(); },
+      [](Delivery& d) { d.results[1].scans[0].method_values[1] = 0.25; },
       [](Delivery& d) { d.results[1].failed.push_back({}); },
   };
   for (const DeliveryChange change : delivery_changes)

@@ -18,8 +18,12 @@ const std::string k_plain_chains = "method = \"metropolis_hastings\"\n";
 base::Result<request::DirectionRequest, std::vector<request::Diagnostic>> read(
     Parameters& parameters, const std::string& keys) {
   const std::array worlds{request_binding(parameters)};
-  return request::read_request("[world]\nname = \"spelling\"\n" + keys + "\n[stop]\nscans = 1\n",
-                               "r.toml", worlds);
+  // A sampler that is left open would be the world's choice.
+  const std::string open = keys.find("[sampler]") == std::string::npos
+                               ? "\n[sampler]\nmethod = \"parallel_tempering\""
+                               : "";
+  return request::read_request(
+      "[world]\nname = \"spelling\"\n" + keys + open + "\n[stop]\nscans = 1\n", "r.toml", worlds);
 }
 
 /// The first diagnostic's text; empty if there is none.
@@ -54,6 +58,46 @@ TEST(SpellingRequest, DefaultsAreTheThesis) {
   EXPECT_EQ(parameters.world.bin_m, 0.020);
   EXPECT_EQ(parameters.world.partition_height_m, 0.012);
   EXPECT_EQ(parameters.world.drop_height_m, 0.072);
+}
+
+TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
+  // Goal: what is chosen is in the normalised text, which repeats it; it hangs on the word and on
+  // which rules there are, not on their numbers; what is given stays. Method: words of either kind.
+  Parameters parameters;
+  const std::array worlds{request_binding(parameters)};
+  const auto chosen = [&](const std::string& text) {
+    auto request = request::read_request("[world]\nname = \"spelling\"\n" + text, "r.toml", worlds);
+    EXPECT_TRUE(request.ok()) << text;
+    return std::move(request).value();
+  };
+  const auto islands = chosen("word = \"HI\"\n[stop]\nindependent_solutions = 7\n");
+  EXPECT_EQ(islands.sampler.method, request::Method::sequential);
+  EXPECT_EQ(islands.stop.found, 7U);
+  EXPECT_EQ(parameters.proposal.vertex_redraw, 1);
+  EXPECT_EQ(parameters.constraint.log_lambda, 9);
+  const std::string text = normalised_text(islands);
+  EXPECT_NE(text.find("method = \"sequential\""), std::string::npos);
+  EXPECT_NE(text.find("[stop]\nindependent_solutions = 7\nfound = 7\n"), std::string::npos);
+  const auto again = request::read_request(text, "r.toml", worlds);
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again.value(), islands);
+  EXPECT_EQ(parameters.proposal.ball_sd_m, 0.002);
+  EXPECT_EQ(parameters.constraint.log_lambda, 9);
+
+  const auto chains = chosen("word = \"SLEIGHT\"\n[constraint]\nlog_lambda = 5\n");
+  EXPECT_EQ(chains.sampler.method, request::Method::metropolis_hastings);
+  EXPECT_EQ(chains.sampler.start, request::Start::search);
+  EXPECT_EQ(parameters.constraint.log_lambda, 5);
+  EXPECT_EQ(chains.stop.independent_solutions, 5U);
+  EXPECT_EQ(identity_text(chosen("word = \"HI\"\n[stop]\nindependent_solutions = 70\n")),
+            identity_text(islands));
+  const auto seeded = chosen("word = \"HI\"\n[sampler]\nseed = 8\n[stop]\nscans = 30\n");
+  EXPECT_EQ(seeded.sampler.method, request::Method::sequential);
+  EXPECT_EQ(seeded.sampler.seed, 8U);
+  EXPECT_EQ(seeded.stop.found, std::nullopt);
+  const auto given = chosen("word = \"HI\"\n[sampler]\nchains = 2\n");
+  EXPECT_EQ(given.sampler.method, request::Method::parallel_tempering);
+  EXPECT_EQ(parameters.proposal.vertex_redraw, 0);
 }
 
 TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
@@ -99,7 +143,7 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
   EXPECT_NE(complaint("word = \"\u00c9\"").find("picture of '\u00c9'"), std::string::npos);
   EXPECT_NE(complaint("bitmap = \"#\\t\"").find("\\u{9}"), std::string::npos);
   EXPECT_NE(complaint("columns = 6").find("the pattern needs 7"), std::string::npos);
-  EXPECT_NE(complaint("word = \"ABCDEFGHIJKL\"").find("48 x 7 bins, and 40 x 12"),
+  EXPECT_NE(complaint("word = \"ABCDEFGHIJKLMNOPQ\"").find("72 x 7 bins, and 64 x 12"),
             std::string::npos);
   EXPECT_NE(complaint("ball_diameter_mm = 20").find("at most 19.99"), std::string::npos);
   EXPECT_NE(complaint("drop_height_mm = 12").find("at least 13"), std::string::npos);

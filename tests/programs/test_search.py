@@ -1,0 +1,190 @@
+"""Goal: words are found at a word's cost, by any number of threads and ranks, through kills and
+Ctrl-C, and nobody takes what was found for draws. Method: the programs as people call them."""
+
+import re
+import signal
+import time
+
+import h5py
+import numpy
+import harness
+from harness import ProgramTest, kill_group, run, sleight, start
+
+SEARCH = """
+[world]
+name = "spelling"
+word = "{word}"
+[sampler]
+method = "search"
+seed = 3
+[stop]
+found = {found}
+"""
+
+ISLANDS = """
+[world]
+name = "spelling"
+word = "I"
+font = "5 rows"
+[sampler]
+method = "sequential"
+chains = 3
+particles = 16
+round_scans = 4
+iterations_per_scan = 2
+[stop]
+scans = 12
+found = 3
+"""
+
+
+class Search(ProgramTest):
+    def search(self, found=4, word="HI"):
+        path = self.path("search.toml")
+        path.write_text(SEARCH.format(found=found, word=word))
+        return path
+
+    def test_what_is_found_spells(self):
+        self.direct(self.search(), self.path("hi.h5"))
+        self.succeed(sleight("archive", "verify", self.path("hi.h5")))
+        with h5py.File(self.path("hi.h5")) as archive:
+            finds = archive["finds"]
+            self.assertEqual(finds.attrs["found"], 4)
+            self.assertEqual(len(finds["start"]), 4)
+            self.assertTrue((finds["filled"][:] == 16).all())
+            self.assertTrue((finds["elsewhere"][:] == 0).all())
+            # Plausible by themselves: as likely as blind throws are.
+            throws = finds["log_prior_of_throw"][:]
+            self.assertEqual(len(throws), 1000)
+            spread = throws.std()
+            self.assertTrue((numpy.abs(finds["log_prior"][:] - throws.mean()) < 6 * spread).all())
+            # All balls end at rest.
+            for first, count in zip(finds["segment_start"][:], finds["segment_count"][:]):
+                ball = finds["moving_ball"][first:first + count]
+                mode = finds["mode"][first:first + count]
+                ends = [numpy.flatnonzero(ball == one)[-1] for one in range(16)]
+                self.assertTrue((mode[ends] == 3).all())
+            self.assertEqual(archive["posterior/drop_m"].size, 0)
+
+    def test_it_is_labelled_wherever_it_appears(self):
+        output = self.path("hi.h5")
+        self.direct(self.search(), output)
+        info = sleight("archive", "info", output)
+        self.assertIn("warning      found by search", info.stdout)
+        self.assertIn("found        4, not in the model's proportions", info.stdout)
+        self.assertRegex(info.stdout, r"log p [-\d.]+ to [-\d.]+; of blind throws nine in ten have")
+        self.assertNotIn("by chance", info.stdout)
+        self.assertNotIn("satisfied", info.stdout)
+        numbers = self.info(output)
+        self.assertEqual((numbers["found"], numbers["scans"]), (4, 0))
+        self.assertNotIn("tempering", numbers)
+        judged = sleight("diagnose", output)
+        self.assertEqual(judged.returncode, 2)
+        self.assertIn("found by search and are no draws", judged.stderr)
+        trace = sleight("plot", output, "-o", self.path("trace.svg"))
+        self.assertEqual(trace.returncode, 2)
+        self.assertIn("try --what animations", trace.stderr)
+        picture = self.path("hi.svg")
+        self.succeed(sleight("plot", output, "--what", "animations", "--count", "2", "-o", picture))
+        self.assertIn("find 1 of start", picture.read_text())
+        self.assertIn("not in proportion", picture.read_text())
+        table = self.succeed(sleight("archive", "export", output, "--csv", "--table", "finds"))
+        self.assertEqual(len(table.stdout.splitlines()), 5)
+
+    def test_the_same_by_threads_ranks_and_kills(self):
+        request = self.search(found=300)
+        straight = self.path("straight.h5")
+        self.direct(request, straight, "-j", "1")
+        digest = self.digest(straight)
+        self.direct(request, self.path("threads.h5"), "-j", "4")
+        self.assertEqual(self.digest(self.path("threads.h5")), digest)
+        self.succeed(run(harness.batch(3, request, self.path("ranks.h5"), "-q")))
+        self.assertEqual(self.digest(self.path("ranks.h5")), digest)
+        killed = self.path("killed.h5")
+        for _ in range(3):
+            process = start([harness.program("sleight"), "direct", request, "-o", killed, "-q"])
+            time.sleep(0.2)
+            kill_group(process)
+        self.direct(request, killed)
+        self.assertEqual(self.digest(killed), digest)
+
+    def test_islands_give_the_same_by_threads_and_ranks(self):
+        request = self.path("islands.toml")
+        request.write_text(ISLANDS)
+        self.direct(request, self.path("one.h5"), "-j", "1")
+        digest = self.digest(self.path("one.h5"))
+        self.direct(request, self.path("four.h5"), "-j", "4")
+        self.assertEqual(self.digest(self.path("four.h5")), digest)
+        self.succeed(run(harness.batch(2, request, self.path("ranks.h5"), "-q")))
+        self.assertEqual(self.digest(self.path("ranks.h5")), digest)
+        with h5py.File(self.path("one.h5")) as archive:
+            self.assertEqual(archive["tempering/island_log_z"].shape, (3, 33))
+            self.assertEqual(archive["posterior/draw"].size, 8)
+            self.assertEqual(archive["finds/start"].size, 3)
+
+    def test_ctrl_c_keeps_what_was_found(self):
+        output = self.path("many.h5")
+        process = start([harness.program("sleight"), "direct", self.search(found=100000), "-o",
+                         output, "-q"])
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.succeed(sleight("archive", "verify", output))
+        found = self.info(output)["found"]
+        self.assertGreater(found, 10)
+        self.assertIn(f"found = {found}\n", self.info(output)["request"])
+
+    def test_a_word_is_enough(self):
+        shown = sleight("direct", "--word", 'A"B', "--print-request", "-n", "7")
+        self.assertEqual(shown.returncode, 3)  # no such letter
+        shown = self.succeed(sleight("direct", "--word", "HI", "--print-request", "-n", "7"))
+        self.assertEqual(shown.stdout, '[world]\nname = "spelling"\nword = "HI"\n\n'
+                                       '[stop]\nindependent_solutions = 7\n')
+        fewer = self.succeed(sleight("direct", self.search(found=9), "-n", "2", "--print-request"))
+        self.assertIn("[stop]\nfound = 2\n", fewer.stdout)
+        for arguments, complaint in [
+                ([], "REQUEST.toml or --word WORD is required"),
+                (["--word", "HI"], "-o OUTPUT.h5 is required"),
+                (["--word", "HI", "x.toml", "-o", "x.h5"], "request excludes --word"),
+                (["--word", "HI", "-n", "0", "-o", "x.h5"], "not in range")]:
+            result = sleight("direct", *arguments)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(complaint, result.stderr)
+
+    def test_what_can_not_be_found_is_said(self):
+        # Balls that never come to rest in time.
+        request = self.path("never.toml")
+        request.write_text(SEARCH.format(found=2, word="I").replace(
+            'word = "I"', 'word = "I"\ntime_limit_s = 0.01'))
+        output = self.path("never.h5")
+        result = self.succeed(sleight("direct", request, "-o", output, "-q"))
+        self.assertIn("Nothing found", result.stdout)
+        self.assertFalse(output.exists())
+
+    def test_bad_requests(self):
+        for text, complaint in [
+                (SEARCH.format(found=2, word="HI").replace("seed = 3", "chains = 3"),
+                 "'chains' in [sampler]: says nothing of method \"search\""),
+                (SEARCH.format(found=2, word="HI").replace("found = 2", "scans = 2"),
+                 "'scans' in [stop]: counts scans or samples"),
+                (SEARCH.format(found=2, word="HI").replace("seed = 3", "solo_steps = 3"),
+                 "'solo_steps' in [sampler]: says nothing of method \"search\""),
+                (SEARCH.format(found=2, word="HI") + "[output]\nthin = 3\n",
+                 "'thin' in [output]: is of chains"),
+                (SEARCH.format(found=2, word="HE~"), "'word' in [world]"),
+                (SEARCH.format(found=2, word="MMMMMMMMMMMM"), "can be had"),
+                ('[world]\nname = "ball_2d"\n[sampler]\nmethod = "search"\n',
+                 "'method' in [sampler]: goes with worlds that act in stages (spelling)"),
+                ('[world]\nname = "ball_2d"\n[stop]\nscans = 100\nfound = 3\n',
+                 "'found' in [stop]: goes with worlds that act in stages (spelling)")]:
+            path = self.path("bad.toml")
+            path.write_text(text)
+            result = sleight("check", path)
+            self.assertEqual(result.returncode, 3, text)
+            self.assertIn(complaint, result.stderr)
+            self.assertRegex(result.stderr, r"bad\.toml:\d+:\d+: ")
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,195 @@
+// Goal: runs that search, alone or before chains, give the same archive whoever computes them and
+// however often they are stopped, and keep what they have found. Method: whole runs of a word of
+// two bins.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/archive/digest/verify.h"
+#include "common/archive/format.h"
+#include "common/archive/hdf5/reader.h"
+#include "common/archive/summary.h"
+#include "tests/unit/service/coordinator/ball_runs.h"
+
+namespace sleight::coordinator {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class SearchRuns : public testing::BallRuns {
+ protected:
+  static std::string words(const std::string& sampler, const std::string& stop) {
+    return "[world]\nname = \"spelling\"\nbitmap = \"\"\"\n.#.\n.#.\n\"\"\"\n[sampler]\nseed = "
+           "5\n" +
+           sampler + "[stop]\n" + stop;
+  }
+  static std::string search(int found) {
+    return words("method = \"search\"\n", "found = " + std::to_string(found) + "\n");
+  }
+  static std::string islands(const std::string& stop) {
+    return words(
+        "method = \"sequential\"\nchains = 2\nparticles = 8\niterations_per_scan = 3\n"
+        "round_scans = 4\n",
+        stop);
+  }
+  static archive::Summary checked(const std::string& path) {
+    const auto source = archive::hdf5::open_file(path);
+    EXPECT_THAT(archive::verify(*source), IsEmpty());
+    return archive::summary_of(*source);
+  }
+};
+
+TEST_F(SearchRuns, FindTheSameWithAnyNumberOfThreads) {
+  const RunSummary one = session(search(20), {.output = path("one.h5")});
+  EXPECT_EQ(one.end, DriveEnd::finished);
+  EXPECT_EQ(one.found, 20U);
+  EXPECT_EQ(one.scans, 0U);
+  for (const std::uint32_t threads : {2U, 5U}) {
+    const std::string output = path(std::to_string(threads) + ".h5");
+    EXPECT_EQ(session(search(20), {.output = output}, threads).digest, one.digest);
+  }
+  const archive::Summary summary = checked(path("one.h5"));
+  EXPECT_EQ(summary.finds.found, 20U);
+  EXPECT_EQ(summary.finds.animations, 20U);
+  EXPECT_EQ(summary.scans, 0U);
+  EXPECT_EQ(summary.animations, 0U);
+  EXPECT_THAT(summary.warning, HasSubstr("not in the model's proportions"));
+}
+
+TEST_F(SearchRuns, GoOnAndAreCutShort) {
+  // More finds extend a run, fewer cut its archive, a stop keeps what was found; each is the
+  // straight run of so many.
+  const std::string straight = session(search(12), {.output = path("s.h5")}).digest;
+  const std::string shorter = session(search(3), {.output = path("t.h5")}).digest;
+  EXPECT_EQ(session(search(3), {.output = path("a.h5")}).digest, shorter);
+  EXPECT_EQ(session(search(12), {.output = path("a.h5")}).digest, straight);
+  EXPECT_EQ(session(search(3), {.output = path("a.h5")}).digest, shorter);
+
+  const RunSummary stopped =
+      session(search(400), {.output = path("b.h5"), .stop_requested = stop_at(30)});
+  EXPECT_EQ(stopped.end, DriveEnd::stop_requested);
+  ASSERT_GT(stopped.found, 0U);
+  EXPECT_LT(stopped.found, 400U);
+  const archive::Summary summary = checked(path("b.h5"));
+  EXPECT_THAT(summary.request_text,
+              HasSubstr("[stop]\nfound = " + std::to_string(stopped.found) + "\n"));
+  EXPECT_EQ(session(search(static_cast<int>(stopped.found)), {.output = path("c.h5")}).digest,
+            stopped.digest);
+  EXPECT_EQ(session(search(12), {.output = path("b.h5")}).digest, straight);
+}
+
+TEST_F(SearchRuns, StandBeforeChains) {
+  // What was found lies beside the draws and changes none of them.
+  const RunSummary both =
+      session(islands("scans = 12\nfound = 4\n"), {.output = path("both.h5")}, 2);
+  EXPECT_EQ(both.found, 4U);
+  EXPECT_EQ(both.scans, 12U);
+  const archive::Summary summary = checked(path("both.h5"));
+  EXPECT_EQ(summary.finds.animations, 4U);
+  EXPECT_EQ(summary.scans, 8U);  // a round of 4 is burn-in
+  EXPECT_EQ(summary.warning, "");
+  EXPECT_THAT(summary.request_text, HasSubstr("[stop]\nscans = 12\nfound = 4\n"));
+  const RunSummary again = session(summary.request_text, {.output = path("again.h5")});
+  EXPECT_EQ(again.digest, both.digest);
+
+  const RunSummary alone = session(islands("scans = 12\n"), {.output = path("alone.h5")});
+  EXPECT_EQ(alone.found, 0U);
+  const auto with = archive::hdf5::open_file(path("both.h5"));
+  const auto without = archive::hdf5::open_file(path("alone.h5"));
+  EXPECT_EQ(archive::find_group(*without, archive::k_finds), nullptr);
+  for (const char* dataset : {"lp", "filled", "log_prior"}) {
+    EXPECT_EQ(with->read(archive::k_sample_stats, dataset, 0, 16),
+              without->read(archive::k_sample_stats, dataset, 0, 16));
+  }
+}
+
+TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
+  // Goal: Ctrl-C in the burn-in keeps what was found. Method: a burn-in that is never over.
+  const std::string endless = words(
+      "method = \"sequential\"\nchains = 2\nparticles = 8\nround_scans = 1000\n"
+      "iterations_per_scan = 100\n",
+      "independent_solutions = 2\nfound = 3\n");
+  std::uint64_t found = 0;
+  RunOptions options{.output = path("cut.h5")};
+  options.report = [&](const Progress& progress) { found = progress.finds.found; };
+  options.stop_requested = [&] { return found == 3; };
+  const RunSummary stopped = session(endless, options);
+  EXPECT_EQ(stopped.end, DriveEnd::stop_requested);
+  EXPECT_THAT(stopped.digest, Not(IsEmpty()));
+  const archive::Summary summary = checked(path("cut.h5"));
+  EXPECT_EQ(summary.finds.found, 3U);
+  EXPECT_EQ(summary.scans, 0U);
+}
+
+TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
+  // Goal: as above of chains that start from a search; their draws are the rounds that passed, and
+  // each counted scan is a kept animation. Method: a run by threads, by sessions, and cut at where
+  // it ended; more solutions extend it.
+  const auto judged = [](const std::string& stop) {
+    return words(
+        "method = \"metropolis_hastings\"\nstart = \"search\"\nchains = 4\nround_scans = 8\n"
+        "iterations_per_scan = 4\naim_ball = 0.2\nscatter_ball = 0.2\nchange_ball = 0.1\n"
+        "change_vertices = 0.14\nvertex_redraw = 1.0\n",
+        stop);
+  };
+  const std::string four = judged("independent_solutions = 4\nfound = 2\n");
+  const RunSummary straight = session(four, {.output = path("s.h5")});
+  ASSERT_EQ(straight.end, DriveEnd::finished);
+  EXPECT_GE(straight.progress.solutions, 4U);
+  EXPECT_EQ(session(four, {.output = path("t.h5")}, 3).digest, straight.digest);
+  RunSummary last{.end = DriveEnd::stop_requested};
+  for (int i = 0; last.end != DriveEnd::finished && i < 1000; ++i)
+    last = session(four, {.output = path("p.h5"), .stop_requested = stop_at(40)});
+  EXPECT_EQ(last.digest, straight.digest);
+  const archive::Summary summary = checked(path("s.h5"));
+  EXPECT_LT(summary.scans, straight.scans);
+  EXPECT_GE(summary.animations, 4U);
+  EXPECT_EQ(session(summary.request_text, {.output = path("cut.h5")}).digest, straight.digest);
+
+  const auto source = archive::hdf5::open_file(path("s.h5"));
+  const auto counted =
+      std::get<std::vector<double>>(source->read(archive::k_tempering, "counted_scan", 0, 4));
+  const auto begin =
+      std::get<std::vector<double>>(source->read(archive::k_tempering, "tour_judged_from", 0, 1));
+  const auto drawn = std::get<std::vector<std::int64_t>>(
+      source->read(archive::k_animations, "draw", 0, summary.animations));
+  const auto of_chain = std::get<std::vector<std::int64_t>>(
+      source->read(archive::k_animations, "chain", 0, summary.animations));
+  for (std::size_t chain = 0; chain < 4; ++chain) {
+    if (std::isnan(counted[chain])) continue;
+    // The counted scan is the first that is kept of its chain.
+    std::int64_t first = -1;
+    for (std::size_t i = 0; i < drawn.size() && first < 0; ++i)
+      if (of_chain[i] == static_cast<std::int64_t>(chain)) first = drawn[i];
+    EXPECT_EQ(static_cast<double>(first), counted[chain] - begin[0]) << chain;
+  }
+
+  const RunSummary more =
+      session(judged("independent_solutions = 8\nfound = 2\n"), {.output = path("s.h5")});
+  EXPECT_GE(more.progress.solutions, 8U);
+  EXPECT_GT(more.scans, straight.scans);
+  EXPECT_EQ(session(four, {.output = path("s.h5")}).digest, straight.digest);
+}
+
+TEST_F(SearchRuns, IslandsGiveTheSameBits) {
+  // By threads, and by sessions that are stopped again and again.
+  const std::string straight = session(islands("scans = 16\n"), {.output = path("s.h5")}).digest;
+  EXPECT_EQ(session(islands("scans = 16\n"), {.output = path("t.h5")}, 3).digest, straight);
+  RunSummary last{.end = DriveEnd::stop_requested};
+  int sessions = 0;
+  while (last.end != DriveEnd::finished && sessions < 50) {
+    last = session(islands("scans = 16\n"), {.output = path("p.h5"), .stop_requested = stop_at(5)});
+    ++sessions;
+  }
+  EXPECT_GT(sessions, 2);
+  EXPECT_EQ(last.digest, straight);
+}
+
+}  // namespace
+}  // namespace sleight::coordinator

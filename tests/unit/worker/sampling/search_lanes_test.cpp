@@ -1,0 +1,199 @@
+#include "worker/sampling/search_lanes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "common/random/discrete_distributions.h"
+#include "tests/support/property.h"
+#include "worker/sampling/search_first.h"
+
+namespace sleight::sampling {
+namespace {
+
+/// A search whose starts find something with a probability of their own.
+struct Starts {
+  std::uint64_t seed = 0;
+  double odds = 0;
+  bool finds(std::uint64_t start) const {
+    random::Stream stream({.seed = seed, .purpose = random::Purpose::search}, start);
+    return stream.uniform() < odds;
+  }
+  /// Starts up to and with the n-th find.
+  std::uint64_t until(std::uint64_t n) const {
+    std::uint64_t start = 0;
+    for (std::uint64_t found = 0; found < n; ++start)
+      found += finds(start) ? 1 : 0;
+    return start;
+  }
+};
+
+std::vector<plan::ScanRecord> results(const Starts& starts, const plan::Unit& unit) {
+  std::vector<plan::ScanRecord> records(unit.scans);
+  for (std::uint32_t nth = 0; nth < unit.scans; ++nth) {
+    records[nth].satisfied =
+        starts.finds(plan::start_number(unit.replica.chain, unit.first_scan.value + nth));
+  }
+  return records;
+}
+
+/// Hands out to so many workers, whose results come in any order, until nothing is left or so many
+/// results have come. What was out is lost then.
+void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random::Stream& stream,
+          std::uint64_t results_max = UINT64_MAX) {
+  std::vector<plan::Unit> out;
+  for (std::uint64_t came = 0; came < results_max; ++came) {
+    while (out.size() < workers) {
+      const auto unit = lanes.next_unit(
+          static_cast<std::uint32_t>(1 + random::UniformInteger{.count = 9}.draw(stream)));
+      if (!unit) break;
+      EXPECT_TRUE(unit->starts && unit->searches());
+      out.push_back(*unit);
+    }
+    if (out.empty()) return;
+    const auto which = random::UniformInteger{.count = out.size()}.draw(stream);
+    std::swap(out[which], out.back());
+    lanes.consume(out.back().replica.chain, out.back().first_scan, results(starts, out.back()));
+    out.pop_back();
+  }
+}
+
+TEST(SearchLanes, FindTheSameWhoeverSearches) {
+  // Goal: a search ends with exactly the finds asked for, those of the first starts; so many
+  // workers, cut units, arrivals and sessions change nothing, and a raised number extends it.
+  // Method: random ones of each, against the starts counted one by one.
+  for (const std::uint64_t i : property::cases(300)) {
+    random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
+    const Starts starts{.seed = i, .odds = 0.3 + 0.7 * stream.uniform()};
+    const std::uint64_t wanted = 1 + random::UniformInteger{.count = 400}.draw(stream);
+    const std::size_t workers = 1 + random::UniformInteger{.count = 100}.draw(stream);
+    SearchLanes lanes(i, wanted);
+    const bool in_sessions = stream.uniform() < 0.5;
+    work(lanes, starts, workers, stream,
+         in_sessions ? random::UniformInteger{.count = 400}.draw(stream) : UINT64_MAX);
+    if (in_sessions) {
+      // A fresh plan goes on from what was stored: each lane's results without a gap.
+      SearchLanes again(i, wanted + 5);
+      const std::uint64_t per_lane = (lanes.starts() + 32) / plan::k_search_lanes;
+      for (std::uint32_t lane = 0; lane < plan::k_search_lanes && per_lane > 0; ++lane) {
+        const plan::Unit unit{.replica = {base::ChainId{plan::k_first_lane + lane}, {}},
+                              .first_scan = {},
+                              .scans = static_cast<std::uint32_t>(per_lane)};
+        again.consume(unit.replica.chain, {}, results(starts, unit));
+      }
+      work(again, starts, workers, stream);
+      EXPECT_EQ(again.finds().found, wanted + 5);
+      EXPECT_GE(again.starts(), starts.until(wanted + 5));
+      continue;
+    }
+    EXPECT_TRUE(lanes.finished());
+    EXPECT_FALSE(lanes.finds().gave_up);
+    EXPECT_EQ(lanes.finds().found, wanted);
+    EXPECT_GE(lanes.starts(), starts.until(wanted));
+  }
+}
+
+TEST(SearchLanes, HardlySearchesTooMuch) {
+  // Goal: of starts that all find something none is made in vain, and no more are out than finds
+  // are missing. Method: one worker asks for as much as there is.
+  SearchLanes lanes(1, 5);
+  std::vector<plan::Unit> out;
+  while (const auto unit = lanes.next_unit(100))
+    out.push_back(*unit);
+  ASSERT_EQ(out.size(), 5U);
+  for (const plan::Unit& unit : out)
+    lanes.consume(unit.replica.chain, unit.first_scan, results({.odds = 1.1}, unit));
+  EXPECT_TRUE(lanes.finished());
+  EXPECT_EQ(lanes.starts(), 5U);
+  EXPECT_FALSE(lanes.next_unit(1).has_value());
+}
+
+TEST(SearchLanes, GivesUpWhenNothingIsFound) {
+  // Goal: what can't be found ends a search after k_starts_in_vain_max starts in a row, and not
+  // before. Method: starts that never find anything, and some that do so at last.
+  random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
+  SearchLanes lanes(1, 5);
+  work(lanes, {.odds = 0}, 3, stream);
+  EXPECT_TRUE(lanes.finished() && lanes.finds().gave_up);
+  EXPECT_EQ(lanes.finds().found, 0U);
+  EXPECT_GE(lanes.starts(), k_starts_in_vain_max);
+
+  SearchLanes late(1, 1);
+  std::vector<plan::ScanRecord> nothing(1);
+  std::vector<plan::ScanRecord> find(1);
+  find[0].satisfied = true;
+  for (std::uint32_t lane = 0; lane < plan::k_search_lanes; ++lane) {
+    EXPECT_FALSE(late.finished());
+    late.consume(base::ChainId{plan::k_first_lane + lane}, {},
+                 lane + 1 == plan::k_search_lanes ? find : nothing);
+  }
+  EXPECT_EQ(late.finds().found, 1U);
+  EXPECT_FALSE(late.finds().gave_up);
+}
+
+/// One chain of three scans.
+class ThreeScans final : public plan::Plan {
+ public:
+  std::optional<plan::Unit> next_unit(std::uint32_t) override {
+    if (handed_out_ == 3) return std::nullopt;
+    const base::ScanIndex scan{handed_out_++};
+    return plan::Unit{.replica = {}, .first_scan = scan, .scans = 1, .starts = scan.value == 0};
+  }
+  void consume(plan::ReplicaKey, base::ScanIndex, std::span<const plan::ScanRecord>) override {
+    ++consumed_;
+  }
+  bool finished() const override { return consumed_ == 3; }
+  std::uint64_t scans_common() const override { return consumed_; }
+  std::uint64_t solutions_found() const override { return 2; }
+  std::optional<std::uint64_t> solutions_wanted() const override { return 7; }
+  std::uint64_t scans_consumed() const override { return consumed_; }
+  std::optional<std::uint64_t> scans_total() const override { return 3; }
+
+ private:
+  std::uint64_t handed_out_ = 0;
+  std::uint64_t consumed_ = 0;
+};
+
+TEST(SearchFirst, SearchesAndThenGoesOn) {
+  // Goal: the search comes first, the plan after it is itself, and each gets its own results.
+  // Method: a chain of three scans behind a search for two.
+  SearchFirst plan(SearchLanes(1, 2), std::make_unique<ThreeScans>());
+  std::vector<bool> searched;
+  while (const auto unit = plan.next_unit(1)) {
+    searched.push_back(unit->searches());
+    EXPECT_FALSE(plan.finished());
+    std::vector<plan::ScanRecord> records(1);
+    records[0].satisfied = true;
+    plan.consume(unit->replica, unit->first_scan, records);
+  }
+  EXPECT_EQ(searched, (std::vector<bool>{true, true, false, false, false}));
+  EXPECT_TRUE(plan.finished());
+  EXPECT_EQ(plan.finds().found, 2U);
+  EXPECT_FALSE(plan.finds().is_all);
+  EXPECT_EQ(plan.scans_common(), 3U);
+  EXPECT_EQ(plan.scans_consumed(), 5U);
+  EXPECT_EQ(plan.scans_total(), 5U);
+  EXPECT_EQ(plan.solutions_found(), 2U);
+  EXPECT_EQ(plan.solutions_wanted(), 7U);
+}
+
+TEST(SearchFirst, MayBeAll) {
+  // Goal: without a plan after it a search is a whole run. Method: one find ends it.
+  SearchFirst plan(SearchLanes(1, 1), nullptr);
+  EXPECT_TRUE(plan.finds().is_all);
+  EXPECT_FALSE(plan.finished());
+  EXPECT_EQ(plan.scans_total(), std::nullopt);
+  std::vector<plan::ScanRecord> records(1);
+  records[0].satisfied = true;
+  const auto unit = plan.next_unit(1);
+  plan.consume(unit->replica, unit->first_scan, records);
+  EXPECT_TRUE(plan.finished());
+  EXPECT_EQ(plan.scans_common(), 0U);
+}
+
+}  // namespace
+}  // namespace sleight::sampling

@@ -1,0 +1,83 @@
+// What islands do to a chain of a sequential run: they give it its start, and end each of its scans
+// with a conditional step and some independence steps (worker/sampling/particle_steps.h), for which
+// the conditional one has told Z. Which steps there are never hangs on the chain's state: the
+// target stays.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/plan/unit.h"
+#include "worker/run/search_start.h"
+#include "worker/sampling/island.h"
+#include "worker/sampling/island_estimate.h"
+#include "worker/sampling/particle_steps.h"
+
+namespace sleight::run {
+
+/// Free islands of a scan.
+inline constexpr std::uint32_t k_free_islands = 3;
+/// Islands of a chain are numbered: so many to a scan, one of its conditional step and two of each
+/// independence step; and those of its start from far on.
+inline constexpr std::uint64_t k_islands_of_scan = 1 + 2 * k_free_islands;
+inline constexpr std::uint64_t k_first_start_island = std::uint64_t{1} << 48U;
+/// Islands that may die before a chain starts otherwise.
+inline constexpr std::uint32_t k_start_islands_max = 100;
+
+template <StagedWorld W>
+class IslandScan {
+ public:
+  using Sample = sampling::Sample<W>;
+  using Told = typename sampling::Islands<W>::Told;
+
+  /// REQUIRES: world and guide outlive it.
+  IslandScan(const W& world, const typename W::Guide& guide, std::uint32_t particles,
+             const sampling::ChainStreams& streams, Told told)
+      : islands_(world, guide, {.particles = particles}, streams, std::move(told)) {}
+
+  /// The draw of the first island that has one; nothing if none has.
+  std::optional<Sample> start() const {
+    for (std::uint32_t nth = 0; nth < k_start_islands_max; ++nth) {
+      sampling::Island<W> island = islands_.free(k_first_start_island + nth);
+      if (island.drawn) return std::move(island.drawn);
+    }
+    return std::nullopt;
+  }
+
+  struct Visit {
+    Sample sample;
+    bool is_new = false;                  ///< a free island's draw
+    std::vector<double> method_values{};  ///< of all free islands (island_estimate.h)
+  };
+
+  /// After a scan's local moves.
+  Visit visit(std::uint64_t scan, Sample before) const {
+    const std::uint64_t number = scan * k_islands_of_scan;
+    sampling::ParticleSample<W> current{.sample = std::move(before), .log_z = {}};
+    if (current.sample.log_constraint == sampling::k_log_zero) {
+      // Where the target has no mass any island is better.
+      current.log_z = sampling::k_log_zero;
+    } else {
+      sampling::conditional_step(islands_, number, current);
+    }
+    Visit visit{.sample = {}, .is_new = false, .method_values = {}};
+    for (std::uint32_t nth = 0; nth < k_free_islands; ++nth) {
+      const auto report = sampling::independence_step(islands_, number + 1 + 2 * nth, current);
+      visit.is_new = visit.is_new || report.accepted;
+      sampling::IslandEstimate{.log_z = report.log_z,
+                               .log_satisfied = report.log_satisfied,
+                               .effective_size = report.effective_size,
+                               .accepted = report.accepted}
+          .append_to(visit.method_values);
+    }
+    visit.sample = std::move(current.sample);
+    return visit;
+  }
+
+ private:
+  sampling::Islands<W> islands_;
+};
+
+}  // namespace sleight::run

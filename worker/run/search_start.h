@@ -1,0 +1,111 @@
+// Starts of a search (worker/sampling/stage_search.h), as a worker makes them: one after another of
+// a lane, or one for a chain.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/plan/failure.h"
+#include "common/plan/unit.h"
+#include "common/random/stream.h"
+#include "worker/run/scan_counts.h"
+#include "worker/sampling/burn_in_judge.h"
+#include "worker/sampling/log_sum.h"
+#include "worker/sampling/metropolis_hastings.h"
+#include "worker/sampling/stage_search.h"
+#include "worker/sampling/stages.h"
+
+namespace sleight::run {
+
+/// A world that acts in stages, and can be searched. What it learns of itself hangs on the run's
+/// seed alone, so that every worker learns the same.
+template <class W>
+concept StagedWorld = sampling::ActsInStages<W> &&
+    requires(const W& world, std::uint64_t seed, const typename W::Guide& guide,
+             const typename W::State& state, const typename W::Outcome& outcome) {
+  { world.learn(seed) } -> std::same_as<typename W::Guide>;
+  /// Of simulations that it was learnt from.
+  { world.failures_of(guide) } -> std::convertible_to<std::span<const plan::FailurePointer>>;
+  requires sampling::StageBuilder<decltype(world.builder(guide))>;
+  /// What a satisfying state's whole motion comes to: only ones that still satisfy are finds.
+  { world.simulate_to_rest(state) } -> std::same_as<typename W::Outcome>;
+  /// What chains that start from a search are judged by (burn_in_judge.h), and of a state.
+  { world.burn_in_values() } -> std::same_as<std::vector<sampling::BurnInValue>>;
+  { world.burn_in_values_of(state, outcome) } -> std::same_as<std::vector<double>>;
+};
+
+/// Starts of one chain at one scan, at most.
+inline constexpr std::uint64_t k_starts_max = 256;
+
+/// The find of the `number`-th start of a lane, or of a chain; nothing if it gave up. All that was
+/// simulated is counted in `effort`.
+template <StagedWorld W>
+std::optional<sampling::Sample<W>> search_start(const W& world, const typename W::Guide& guide,
+                                                const sampling::ChainStreams& streams,
+                                                std::uint64_t number,
+                                                sampling::SearchEffort& effort) {
+  random::Stream stream = streams.at(random::Purpose::search, number);
+  const auto builder = world.builder(guide);
+  const auto prefix = sampling::search(builder, sampling::SearchLimits{}, stream, effort);
+  if (!prefix) return std::nullopt;
+  typename W::State state = builder.state_of(*prefix);
+  ++effort.simulations;
+  const typename W::Outcome at_rest = world.simulate_to_rest(state);
+  if (const auto failure = sampling::report_of(world, at_rest).failure) {
+    effort.failures.push_back(failure);
+    return std::nullopt;
+  }
+  if (!world.satisfied(at_rest)) return std::nullopt;
+  typename W::Outcome outcome = builder.outcome_of(*prefix);
+  const double log_prior = world.log_prior(state);
+  const double log_constraint = world.log_constraint(outcome);
+  return sampling::Sample<W>{std::move(state), std::move(outcome), log_prior, log_constraint};
+}
+
+/// A start's record. Without a find it has no densities.
+template <StagedWorld W>
+plan::ScanRecord start_record(const W& world, const std::optional<sampling::Sample<W>>& find,
+                              std::uint64_t scan, const ScanCounts& counts) {
+  plan::ScanRecord record{.log_prior = sampling::k_log_zero,
+                          .log_constraint = sampling::k_log_zero,
+                          .lineage = scan,
+                          .failures = counts.failures,
+                          .overlapping_starts = counts.overlapping_starts};
+  if (!find) return record;
+  record.log_prior = find->log_prior;
+  record.log_constraint = find->log_constraint;
+  record.satisfied = true;
+  record.outcome = world.outcome_values(find->outcome);
+  record.state = world.encode(find->state);
+  return record;
+}
+
+/// Starts of a lane, a scan each. The first lane's first one tells what failed as the guide was
+/// learnt, if it should. REQUIRES: unit.searches().
+template <StagedWorld W>
+plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, const plan::Unit& unit,
+                             bool tells_guide) {
+  plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
+  const sampling::ChainStreams streams{
+      .seed = unit.seed, .chain = unit.replica.chain, .replica = unit.replica.replica};
+  for (std::uint32_t nth = 0; nth < unit.scans; ++nth) {
+    const std::uint64_t scan = unit.first_scan.value + nth;
+    sampling::SearchEffort effort;
+    const auto find = search_start(world, guide, streams, scan, effort);
+    ScanCounts counts(0);
+    if (tells_guide && plan::start_number(unit.replica.chain, scan) == 0)
+      counts.add(world.failures_of(guide));
+    counts.add(effort.failures);
+    counts.overlapping_starts = effort.overlapping_starts;
+    counts.tell_failed(scan, result.failed);
+    result.simulations += effort.simulations;
+    result.scans.push_back(start_record(world, find, scan, counts));
+  }
+  return result;
+}
+
+}  // namespace sleight::run

@@ -1,0 +1,22 @@
+#include "worker/sampling/burn_in_judge.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/sampling/diagnostics/r_hat.h"
+
+namespace sleight::sampling {
+
+ValueVerdict judge_value(const BurnInValue& value, double start, const Chains& draws) {
+  ValueVerdict verdict{.r_hat = r_hat(draws)};
+  const bool has_left =
+      std::ranges::any_of(draws.values, [start](double draw) { return draw != start; });
+  if (value.starts_at_one_end && !has_left) return verdict;
+  // What never changes in any chain, and need not, says nothing.
+  const bool is_constant =
+      std::ranges::all_of(draws.values, [&](double draw) { return draw == draws.values.front(); });
+  verdict.passes = is_constant || verdict.r_hat <= k_burnt_in_r_hat;
+  return verdict;
+}
+
+}  // namespace sleight::sampling

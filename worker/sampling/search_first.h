@@ -1,0 +1,41 @@
+// A search, and the plan that comes after it, if any does: people see at once what they will get,
+// before anything is drawn in the model's proportions. The two share nothing but workers.
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "common/plan/plan.h"
+#include "worker/sampling/search_lanes.h"
+
+namespace sleight::sampling {
+
+class SearchFirst final : public plan::Plan {
+ public:
+  /// Null: the search is all.
+  SearchFirst(SearchLanes lanes, std::unique_ptr<plan::Plan> then);
+
+  std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
+  std::optional<plan::Block> next_block(const plan::BlockLimits& limits) override;
+  void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
+               std::span<const plan::ScanRecord> records) override;
+  bool finished() const override { return lanes_.finished() && (!then_ || then_->finished()); }
+  std::uint64_t scans_common() const override { return then_ ? then_->scans_common() : 0; }
+  plan::Draws draws() const override { return then_ ? then_->draws() : plan::Draws{}; }
+  std::uint64_t solutions_found() const override { return then_ ? then_->solutions_found() : 0; }
+  std::optional<std::uint64_t> solutions_wanted() const override;
+  plan::Finds finds() const override;
+  std::optional<std::uint64_t> round_trips() const override;
+  std::uint64_t scans_consumed() const override;
+  std::optional<std::uint64_t> scans_total() const override;
+  plan::Report report() const override;
+
+ private:
+  SearchLanes lanes_;
+  std::unique_ptr<plan::Plan> then_;
+};
+
+}  // namespace sleight::sampling

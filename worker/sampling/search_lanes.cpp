@@ -1,0 +1,73 @@
+#include "worker/sampling/search_lanes.h"
+
+#include <algorithm>
+
+#include "common/base/check.h"
+
+namespace sleight::sampling {
+
+using plan::k_search_lanes;
+
+SearchLanes::SearchLanes(std::uint64_t seed, std::uint64_t wanted)
+    : seed_(seed), lanes_(k_search_lanes), finds_{.wanted = wanted} {
+  for (std::uint32_t lane = 0; lane < k_search_lanes; ++lane)
+    idle_.emplace(0, lane);
+}
+
+std::optional<plan::Unit> SearchLanes::next_unit(std::uint32_t scans_max) {
+  CHECK_GE(scans_max, 1U);
+  if (finished() || idle_.empty()) return std::nullopt;
+  const std::uint64_t missing = finds_.wanted - finds_.found;
+  const std::uint64_t expected = out_ + found_ahead_;
+  // Where a start before these found nothing, nothing else may be out.
+  if (expected >= missing && out_ > 0) return std::nullopt;
+
+  // Several starts of a lane at once only if every lane gets as many.
+  const std::uint64_t each = expected >= missing ? 0 : (missing - expected) / k_search_lanes;
+  const auto [scan, id] = *idle_.begin();
+  idle_.erase(idle_.begin());
+  const std::uint64_t scans = std::clamp<std::uint64_t>(each, 1, scans_max);
+  lanes_[id].handed_out = scan + scans;
+  out_ += scans;
+  return plan::Unit{.replica = {base::ChainId{plan::k_first_lane + id}, base::ReplicaId{0}},
+                    .seed = seed_,
+                    .first_scan = base::ScanIndex{scan},
+                    .scans = static_cast<std::uint32_t>(scans),
+                    .starts = true};
+}
+
+void SearchLanes::consume(base::ChainId chain, base::ScanIndex first_scan,
+                          std::span<const plan::ScanRecord> records) {
+  const std::uint32_t id = chain.value - plan::k_first_lane;
+  CHECK_LT(id, k_search_lanes);
+  Lane& lane = lanes_[id];
+  CHECK_EQ(first_scan.value, lane.found.size());
+  idle_.erase({lane.found.size(), id});  // there when it comes from a run store
+  if (lane.handed_out > lane.found.size()) out_ -= records.size();
+  for (const plan::ScanRecord& record : records) {
+    lane.found.push_back(record.satisfied);
+    if (record.satisfied) ++found_ahead_;
+  }
+  starts_ += records.size();
+  lane.handed_out = std::max<std::uint64_t>(lane.handed_out, lane.found.size());
+  if (lane.handed_out == lane.found.size()) idle_.emplace(lane.found.size(), id);
+  count();
+}
+
+void SearchLanes::count() {
+  while (!finished()) {
+    const Lane& lane = lanes_[counted_ % k_search_lanes];
+    const std::uint64_t scan = counted_ / k_search_lanes;
+    if (scan >= lane.found.size()) return;
+    ++counted_;
+    ++in_vain_;
+    if (lane.found[scan]) {
+      ++finds_.found;
+      --found_ahead_;
+      in_vain_ = 0;
+    }
+    finds_.gave_up = in_vain_ >= k_starts_in_vain_max;
+  }
+}
+
+}  // namespace sleight::sampling
