@@ -48,7 +48,7 @@ ArchiveOdds weighted_of(const archive::Source& source, std::uint64_t chains) {
   }
   const double size = effective_size_of_all(source);
   ArchiveOdds odds{
-      .weighted = true,
+      .from = OddsFrom::weights,
       .log_z = {.all = combined(log_z),
                 .doubts = doubts_of_weights(log_z, size, k_effective_size_min)},
       .log_p_satisfied = {.all = combined(log_p),
@@ -59,6 +59,70 @@ ArchiveOdds weighted_of(const archive::Source& source, std::uint64_t chains) {
                         .at_least = remedy.at_least,
                         .besides = "more steps_per_level under [sampler] makes weights more equal"};
   }
+  return odds;
+}
+
+constexpr std::string_view k_island_log_z = "island_log_z";
+constexpr std::string_view k_island_log_p = "island_log_satisfied";
+/// What is asked for where nothing says better: P to a tenth.
+constexpr double k_odds_asked_for = 0.1;
+
+/// A number of [stop], where the request can be read.
+std::optional<double> stop_number(const archive::Source& source, const archive::Summary& summary,
+                                  std::string_view key) {
+  if (!method_of(summary.request_text)) return std::nullopt;
+  return RequestNumbers(summary.request_text, source.name()).find("stop", key);
+}
+
+IslandNumber island_number_of(const archive::Source& source, const archive::Summary& summary,
+                              bool is_sized) {
+  if (is_sized) return IslandNumber::sized;
+  if (!method_of(summary.request_text)) return IslandNumber::unknown;
+  if (stop_number(source, summary, "odds")) return IslandNumber::unfinished;
+  const bool by_solutions = stop_number(source, summary, "independent_solutions").has_value();
+  return by_solutions ? IslandNumber::by_solutions : IslandNumber::fixed;
+}
+
+JudgedEstimate judge_islands(const archive::Source& source, std::string_view name,
+                             const ArchiveOdds& odds) {
+  math::IslandSums sums;
+  for_each_of_islands(source, name, odds.odds_from_island.value_or(0),
+                      [&](double log_estimate) { sums.add(log_estimate); });
+  const math::IslandOdds islands = sums.odds();
+  return {.all = combined(islands), .doubts = doubts_of_islands(islands, odds.island_number)};
+}
+
+/// A rule that sizes the islands; a smaller error than the one asked for, where that gave too few.
+HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> asked_for) {
+  const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
+  const Remedy remedy = remedy_of(doubts);
+  const bool is_usable =
+      asked_for && *asked_for >= request::k_odds_min && *asked_for <= request::k_odds_max;
+  HowToKnow how{.longer = remedy.longer,
+                .at_least = remedy.at_least,
+                .odds = is_usable ? *asked_for : k_odds_asked_for};
+  // Errors fall as the square root of the islands.
+  if (odds.island_number == IslandNumber::sized)
+    how.odds = std::max(*how.odds / std::sqrt(remedy.longer), request::k_odds_min);
+  if (std::ranges::find(doubts, DoubtOf::heavy_tail, &Doubt::kind) != doubts.end())
+    how.besides = "more particles under [sampler] make islands more equal";
+  return how;
+}
+
+/// None where the archive has no islands.
+std::optional<ArchiveOdds> islands_say(const archive::Source& source,
+                                       const archive::Summary& summary) {
+  const std::uint64_t chains = summary.chains;
+  const auto islands = islands_of_chain(source, k_island_log_p, chains);
+  const auto islands_of_z = islands_of_chain(source, k_island_log_z, chains);
+  if (!islands || !islands_of_z) return std::nullopt;
+  ArchiveOdds odds{.from = OddsFrom::islands};
+  odds.odds_from_island = odds_from_island(source, chains, std::min(*islands, *islands_of_z));
+  odds.island_number = island_number_of(source, summary, odds.odds_from_island.has_value());
+  odds.log_z = judge_islands(source, k_island_log_z, odds);
+  odds.log_p_satisfied = judge_islands(source, k_island_log_p, odds);
+  if (!odds.log_p_satisfied.known())
+    odds.how_to_know = how_to_know_by_islands(odds, stop_number(source, summary, "odds"));
   return odds;
 }
 
@@ -141,7 +205,48 @@ HowToKnow how_to_know(const Ladders& ladders, std::span<const Doubt> doubts) {
 
 std::string round_name(std::size_t round, const ArchiveOdds& odds) {
   return fmt::format("round {} of {}{}", round + 1, odds.rounds,
-                     odds.burn_in ? " of the burn-in" : "");
+                     odds.from == OddsFrom::burn_in ? " of the burn-in" : "");
+}
+
+bool has_rounds(OddsFrom from) {
+  return from == OddsFrom::ladders || from == OddsFrom::burn_in;
+}
+
+/// What `CombinedEstimate::ladders` counts.
+const char* counted_by(OddsFrom from) {
+  switch (from) {
+    case OddsFrom::ladders:
+    case OddsFrom::burn_in:
+      return "ladder";
+    case OddsFrom::weights:
+      return "chain";
+    case OddsFrom::islands:
+      return "island";
+  }
+  return "ladder";
+}
+
+/// None where the archive has no ladders.
+std::optional<ArchiveOdds> ladders_say(const archive::Source& source,
+                                       const archive::Summary& summary, bool burn_in) {
+  std::vector<Round> rounds = rounds_of(
+      source, summary.chains, burn_in ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
+  if (rounds.empty()) return std::nullopt;
+  const std::size_t judged = judged_round(rounds);
+  ArchiveOdds odds{.from = burn_in ? OddsFrom::burn_in : OddsFrom::ladders,
+                   .rounds = rounds.size(),
+                   .judged = judged};
+  const Ladders ladders{.source = source,
+                        .summary = summary,
+                        .rounds = std::move(rounds),
+                        .judged = judged,
+                        .judged_name = round_name(judged, odds)};
+  odds.log_z = judge(ladders, "log_z");
+  odds.log_p_satisfied = judge(ladders, "log_p_satisfied");
+  odds.without_trips = without_round_trip(source, summary.chains, judged).size();
+  if (!odds.log_p_satisfied.known())
+    odds.how_to_know = how_to_know(ladders, odds.log_p_satisfied.doubts);
+  return odds;
 }
 
 /// "-4.54 +- 0.02 (2 ladders, jackknife within ladders), round 7 of 7"; weights are chains'.
@@ -149,13 +254,13 @@ std::string shown(const JudgedEstimate& estimate, double log_of_unit, const Arch
   const CombinedEstimate& all = estimate.all;
   if (all.ladders == 0) return "unknown";
   const double value = all.log.value - log_of_unit;
-  const std::string from = fmt::format("{} {}{}", all.ladders, odds.weighted ? "chain" : "ladder",
-                                       all.ladders == 1 ? "" : "s");
+  const std::string from =
+      fmt::format("{} {}{}", all.ladders, counted_by(odds.from), all.ladders == 1 ? "" : "s");
   const std::string round =
-      odds.weighted ? "" : fmt::format(", {}", round_name(estimate.round, odds));
+      has_rounds(odds.from) ? fmt::format(", {}", round_name(estimate.round, odds)) : "";
   if (!estimate.known()) return fmt::format("{:.2f}, error unknown ({}){}", value, from, round);
   return fmt::format("{:.2f} +- {:.2f} ({}, {}){}", value, all.log.error, from,
-                     name_of(all.error_from, odds.weighted), round);
+                     name_of(all.error_from, odds.from == OddsFrom::weights), round);
 }
 
 constexpr const char* k_indent = "               ";
@@ -169,19 +274,38 @@ std::string lines_of(std::span<const Doubt> doubts) {
 
 std::string in_words(const HowToKnow& how, const ArchiveOdds& odds) {
   std::string what;
-  if (!how.rounds) {
+  if (how.odds) {
+    what = fmt::format("odds = {:.2g} under [stop], in place of other rules", *how.odds);
+  } else if (!how.rounds) {
     what = fmt::format("{:.1f} times as many scans", how.longer);
-  } else if (odds.burn_in) {
+  } else if (odds.from == OddsFrom::burn_in) {
     what = fmt::format("burn_in_rounds = {} under [sampler]", *how.rounds);
   } else {
     what = fmt::format("rounds = {} under [stop]", *how.rounds);
   }
-  std::string text =
-      fmt::format("{}to know it: {}{}", k_indent, how.at_least ? "at least " : "", what);
+  std::string text = fmt::format("{}to know it: {}{}", k_indent,
+                                 how.at_least && !how.odds ? "at least " : "", what);
   if (how.scans) text += fmt::format(" ({} scans of each ladder)", *how.scans);
   text += "\n";
   if (!how.besides.empty()) text += fmt::format("{}{}\n", k_indent, how.besides);
   return text;
+}
+
+/// Where something satisfies, for people.
+const char* place_of(OddsFrom from) {
+  if (from == OddsFrom::weights) return "draw";
+  return from == OddsFrom::islands ? "island" : "round";
+}
+
+/// How an estimate whose error can't be trusted may be off.
+const char* caution_of(const ArchiveOdds& odds) {
+  if (has_rounds(odds.from)) return "which mostly is too low while ladders have not mixed";
+  if (odds.from == OddsFrom::weights)
+    return "which mostly is too low where few draws have all the weight";
+  const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
+  if (std::ranges::find(doubts, DoubtOf::not_sized, &Doubt::kind) != doubts.end())
+    return "which hangs on when the run ended";
+  return "which mostly is too low where few islands have most of the sum";
 }
 
 /// Of an estimate whose error can't be trusted.
@@ -189,7 +313,7 @@ std::string unknown_in_words(const ArchiveOdds& odds) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   std::string text = "  by chance    unknown";
   if (log_p.all.ladders == 0)
-    text += fmt::format(": nothing satisfied in any {}", odds.weighted ? "draw" : "round");
+    text += fmt::format(": nothing satisfied in any {}", place_of(odds.from));
   text += "\n";
   text += lines_of(log_p.doubts);
   if (odds.how_to_know) text += in_words(*odds.how_to_know, odds);
@@ -197,21 +321,34 @@ std::string unknown_in_words(const ArchiveOdds& odds) {
   text +=
       fmt::format("{}so far log P {}{}{}\n", k_indent, shown(log_p, odds.log_natural_throw, odds),
                   odds.natural_throw.empty() ? "" : ", where ", odds.natural_throw);
-  text += fmt::format(
-      "{}which mostly is too low {}\n", k_indent,
-      odds.weighted ? "where few draws have all the weight" : "while ladders have not mixed");
+  text += fmt::format("{}{}\n", k_indent, caution_of(odds));
   return text;
 }
 
-nlohmann::ordered_json as_json(const JudgedEstimate& estimate, double log_of_unit, bool weighted) {
+const char* name_of(OddsFrom from) {
+  switch (from) {
+    case OddsFrom::ladders:
+      return "ladders";
+    case OddsFrom::burn_in:
+      return "burn_in";
+    case OddsFrom::weights:
+      return "weights";
+    case OddsFrom::islands:
+      return "islands";
+  }
+  return "ladders";
+}
+
+nlohmann::ordered_json as_json(const JudgedEstimate& estimate, double log_of_unit, OddsFrom from) {
   const CombinedEstimate& all = estimate.all;
   const bool known = estimate.known();
   nlohmann::ordered_json json{
       {"value", all.log.value - log_of_unit},
       {"error", known ? nlohmann::ordered_json(all.log.error) : nlohmann::ordered_json(nullptr)},
-      {"error_from", name_of(known ? all.error_from : ErrorFrom::unknown, weighted)},
-      {"ladders", all.ladders}};
-  if (!weighted) json["round"] = estimate.round + 1;
+      {"error_from",
+       name_of(known ? all.error_from : ErrorFrom::unknown, from == OddsFrom::weights)},
+      {from == OddsFrom::islands ? "islands" : "ladders", all.ladders}};
+  if (has_rounds(from)) json["round"] = estimate.round + 1;
   json["doubts"] = nlohmann::ordered_json::array();
   for (const Doubt& doubt : estimate.doubts)
     json["doubts"].push_back(doubt.reason);
@@ -222,27 +359,11 @@ nlohmann::ordered_json as_json(const JudgedEstimate& estimate, double log_of_uni
 
 std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive::Summary& summary) {
   const auto method = method_of(summary.request_text);
-  std::optional<ArchiveOdds> odds;
-  if (method == request::Method::annealed_importance) {
-    odds = weighted_of(source, summary.chains);
-  } else {
-    std::vector<Round> rounds =
-        rounds_of(source, summary.chains,
-                  burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
-    if (rounds.empty()) return std::nullopt;
-    const std::size_t judged = judged_round(rounds);
-    odds = {.burn_in = burns_in(method), .rounds = rounds.size(), .judged = judged};
-    const Ladders ladders{.source = source,
-                          .summary = summary,
-                          .rounds = std::move(rounds),
-                          .judged = judged,
-                          .judged_name = round_name(judged, *odds)};
-    odds->log_z = judge(ladders, "log_z");
-    odds->log_p_satisfied = judge(ladders, "log_p_satisfied");
-    odds->without_trips = without_round_trip(source, summary.chains, judged).size();
-    if (!odds->log_p_satisfied.known())
-      odds->how_to_know = how_to_know(ladders, odds->log_p_satisfied.doubts);
-  }
+  std::optional<ArchiveOdds> odds = method == request::Method::annealed_importance
+                                        ? weighted_of(source, summary.chains)
+                                        : islands_say(source, summary);
+  if (!odds) odds = ladders_say(source, summary, burns_in(method));
+  if (!odds) return std::nullopt;
   odds->log_natural_throw = log_natural_throw(source);
   odds->natural_throw = natural_throw_of(summary.world, odds->log_natural_throw);
   return odds;
@@ -266,32 +387,31 @@ nlohmann::ordered_json as_json(const ArchiveOdds& odds) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const ThrowOdds throws =
       log_p.known() ? odds_of(log_p.all.log, odds.log_natural_throw) : ThrowOdds{nan, nan, nan};
-  nlohmann::ordered_json json{
-      {"from", odds.weighted  ? "weights"
-               : odds.burn_in ? "burn_in"
-                              : "ladders"},
-      {"rounds", odds.rounds},
-      {"log_z", as_json(odds.log_z, 0, odds.weighted)},
-      {"log_p_satisfied", as_json(log_p, 0, odds.weighted)},
-      {"log_p_throw", as_json(log_p, odds.log_natural_throw, odds.weighted)},
-      {"ladders_without_round_trip", odds.without_trips},
-      {"log_natural_throw", odds.log_natural_throw},
-      {"natural_throw", odds.natural_throw},
-      {"known", log_p.known()},
-      {"log10_throws", throws.log10_throws},
-      {"log10_throws_low", throws.log10_low},
-      {"log10_throws_high", throws.log10_high},
-      {"to_know", nullptr}};
+  nlohmann::ordered_json json{{"from", name_of(odds.from)},
+                              {"rounds", odds.rounds},
+                              {"log_z", as_json(odds.log_z, 0, odds.from)},
+                              {"log_p_satisfied", as_json(log_p, 0, odds.from)},
+                              {"log_p_throw", as_json(log_p, odds.log_natural_throw, odds.from)},
+                              {"ladders_without_round_trip", odds.without_trips},
+                              {"log_natural_throw", odds.log_natural_throw},
+                              {"natural_throw", odds.natural_throw},
+                              {"known", log_p.known()},
+                              {"log10_throws", throws.log10_throws},
+                              {"log10_throws_low", throws.log10_low},
+                              {"log10_throws_high", throws.log10_high},
+                              {"to_know", nullptr}};
   if (odds.how_to_know) {
     const HowToKnow& how = *odds.how_to_know;
     json["to_know"] = {{"longer", how.longer}, {"at_least", how.at_least}};
     if (how.rounds) json["to_know"]["rounds"] = *how.rounds;
     if (how.scans) json["to_know"]["scans"] = *how.scans;
+    if (how.odds) json["to_know"]["odds"] = *how.odds;
   }
-  if (odds.weighted) {
+  if (!has_rounds(odds.from)) {
     json.erase("rounds");
     json.erase("ladders_without_round_trip");
   }
+  if (odds.odds_from_island) json["odds_from_island"] = *odds.odds_from_island;
   return json;
 }
 

@@ -1,6 +1,6 @@
 // What `sleight archive info` says of log Z and of the odds of a blind throw: an archive's own
-// estimates, of its ladders or of its weighted ascents, with an error only where nothing speaks
-// against it (odds_doubts.h).
+// estimates, of its ladders, its weighted ascents or its free islands, with an error only where
+// nothing speaks against it (odds_doubts.h).
 //
 // The odds are those of a natural throw, which need not be a draw from the prior: for words the
 // prior drops each ball by chance, and a throw drops all of them (WorldLayout::log_natural_throw).
@@ -33,17 +33,25 @@ struct JudgedEstimate {
 
 /// How to come to know what is doubted.
 struct HowToKnow {
-  double longer = 1;      ///< so many times as long a round, or as many weighted draws
+  double longer = 1;      ///< so many times as long a round, or as many weighted draws or islands
   bool at_least = false;  ///< of it
-  /// So many rounds of each ladder in all, and their scans; none for weighted draws.
+  /// So many rounds of each ladder in all, and their scans; none for weighted draws and islands.
   std::optional<std::uint32_t> rounds{};
   std::optional<std::uint64_t> scans{};
-  std::string besides{};  ///< other keys that help, for people; may be empty
+  std::optional<double> odds{};  ///< of islands: the rule in [stop] that sizes them
+  std::string besides{};         ///< other keys that help, for people; may be empty
+};
+
+/// Whose estimates they are.
+enum class OddsFrom : std::uint8_t {
+  ladders,
+  burn_in,  ///< of ladders too
+  weights,  ///< of ascents: no round is told, chains take the ladders' place
+  islands,  ///< no round is told, islands take the ladders' place
 };
 
 struct ArchiveOdds {
-  bool weighted = false;  ///< of ascents: then no round is told
-  bool burn_in = false;   ///< the rounds are a burn-in's
+  OddsFrom from = OddsFrom::ladders;
   std::size_t rounds = 0;
   std::size_t judged = 0;  ///< the round whose ladders are doubted, counted from 0
   JudgedEstimate log_z{};
@@ -54,9 +62,12 @@ struct ArchiveOdds {
   double log_natural_throw = 0;
   std::string natural_throw{};  ///< what a throw is, if no draw: "a throw drops all balls"
   std::optional<HowToKnow> how_to_know{};  ///< none where log P is known
+  IslandNumber island_number = IslandNumber::unknown;
+  /// Of each chain; those from here on count, which were sized.
+  std::optional<std::uint64_t> odds_from_island{};
 };
 
-/// None where the archive has neither ladders nor weights.
+/// None where the archive has neither ladders nor weights nor islands.
 std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive::Summary& summary);
 
 /// Lines for people.

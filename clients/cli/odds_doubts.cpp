@@ -121,6 +121,22 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
   }
 }
 
+/// Why their number can't be trusted; empty where it can.
+const char* reason_not_sized(IslandNumber number) {
+  switch (number) {
+    case IslandNumber::fixed:
+    case IslandNumber::sized:
+      return "";
+    case IslandNumber::unfinished:
+      return "the last round, whose islands alone tell the odds, is not sized or not complete";
+    case IslandNumber::by_solutions:
+      return "the run could end by solutions, so islands themselves chose how many they are";
+    case IslandNumber::unknown:
+      return "its request does not say what chose the number of islands";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<Doubt> doubts_of(const LadderFacts& facts) {
@@ -162,6 +178,37 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
                       .at_least = true});
   }
   doubt_spread(doubts, all, k_chains);
+  return doubts;
+}
+
+std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number) {
+  std::vector<Doubt> doubts;
+  if (const std::string reason = reason_not_sized(number); !reason.empty())
+    doubts.push_back({.kind = DoubtOf::not_sized, .reason = reason, .at_least = true});
+  if (!std::isfinite(islands.log_mean)) {
+    doubts.push_back(
+        {.kind = DoubtOf::no_value,
+         .reason = fmt::format("none of {} islands has a value above 0", islands.islands),
+         .at_least = true});
+    return doubts;
+  }
+  const auto count = static_cast<double>(islands.islands);
+  if (islands.islands < math::k_islands_min) {
+    doubts.push_back({.kind = DoubtOf::few_draws,
+                      .reason = fmt::format("there are {} islands, and it takes {}",
+                                            islands.islands, math::k_islands_min),
+                      .longer = static_cast<double>(math::k_islands_min) / count,
+                      .at_least = true});
+  }
+  if (islands.largest_share > math::k_largest_share_max) {
+    doubts.push_back(
+        {.kind = DoubtOf::heavy_tail,
+         .reason = fmt::format("one of {} islands has {:.1f}% of the sum, and may have {:.0f}%",
+                               islands.islands, 100 * islands.largest_share,
+                               100 * math::k_largest_share_max),
+         .longer = std::max(islands.largest_share / math::k_largest_share_max, 2.0),
+         .at_least = true});
+  }
   return doubts;
 }
 

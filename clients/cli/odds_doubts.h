@@ -29,6 +29,15 @@
 // burn-in did. They are doubted where they are worth too few draws, where one chain alone is wide,
 // or where chains disagree.
 //
+// Free islands are independent too, and each estimate is right on average. Two things cast doubts:
+//
+//   heavy tail  One island has more than a tenth of the sum. Then larger ones are yet to come, and
+//               neither the mean nor its error knows them.
+//   not sized   What the islands said has chosen how many there are: the run ended by solutions,
+//               which come of large islands, or while the odds were not known well enough. A number
+//               is good if it was fixed before (scans, rounds) or chosen by earlier islands that
+//               don't count themselves (odds).
+//
 // Thread safety: pure functions.
 #pragma once
 
@@ -39,6 +48,7 @@
 #include <vector>
 
 #include "clients/cli/throw_odds.h"
+#include "common/math/island_odds.h"
 
 namespace sleight::cli {
 
@@ -63,6 +73,8 @@ enum class DoubtOf : std::uint8_t {
   rounds_disagree,
   wide,
   ladders_disagree,
+  heavy_tail,  ///< of islands
+  not_sized,   ///< of islands
 };
 
 struct Doubt {
@@ -87,6 +99,18 @@ std::vector<Doubt> doubts_of(const LadderFacts& facts);
 /// The same of weighted draws: an estimate of each chain, and what all draws together are worth.
 std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double effective_size,
                                      double effective_size_min);
+
+/// What has chosen how many islands there are.
+enum class IslandNumber : std::uint8_t {
+  fixed,         ///< scans or rounds
+  sized,         ///< earlier islands, which don't count
+  unfinished,    ///< the odds are asked for, and the round that they size isn't complete
+  by_solutions,  ///< the run could end by solutions
+  unknown,
+};
+
+/// The same of free islands.
+std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number);
 
 /// What it takes to remove all of them: the longest. REQUIRES: not empty.
 struct Remedy {

@@ -23,7 +23,7 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// More entries than any table of ours has along a dimension.
 std::uint64_t most_along(std::string_view dim) {
-  if (dim == "chain" || dim == "draw") return k_run_scans_max;
+  if (dim == "chain" || dim == "draw" || dim == "island") return k_run_scans_max;
   if (dim == "round") return k_rounds_max;
   if (dim == "proposal_kind") return k_kinds_max;
   return dim == "level" || dim == "walk_level" ? k_levels_max : k_steps_max;
@@ -209,6 +209,48 @@ void for_each_of_draws(const archive::Source& source, std::string_view name,
     for (const double value : values)
       visit(value);
   }
+}
+
+std::optional<std::uint64_t> islands_of_chain(const archive::Source& source, std::string_view name,
+                                              std::uint64_t chains) {
+  const archive::DatasetSpec* spec = find_table(source, name, {"chain", "island"});
+  if (spec == nullptr) return std::nullopt;
+  if (spec->dims[0].size != chains) refuse(source, name, "another number of chains");
+  const std::uint64_t islands = spec->dims[1].size;
+  if (chains > 0 && islands > k_run_scans_max / chains)
+    refuse(source, name, "more islands than any run has");
+  return islands;
+}
+
+void for_each_of_islands(const archive::Source& source, std::string_view name, std::uint64_t first,
+                         const std::function<void(double)>& visit) {
+  const archive::DatasetSpec* spec = find_table(source, name, {"chain", "island"});
+  if (spec == nullptr) return;
+  const std::uint64_t islands = spec->dims[1].size;
+  for (std::uint64_t chain = 0; chain < spec->dims[0].size; ++chain) {
+    for (std::uint64_t begin = first; begin < islands; begin += archive::k_batch_elements) {
+      const std::uint64_t count =
+          std::min<std::uint64_t>(archive::k_batch_elements, islands - begin);
+      const auto values = std::get<std::vector<double>>(
+          source.read(archive::k_tempering, name, chain * islands + begin, count));
+      for (const double value : values) {
+        if (!(value < std::numeric_limits<double>::infinity()))
+          refuse(source, name, fmt::format("{} is no log of an estimate", value));
+        visit(value);
+      }
+    }
+  }
+}
+
+std::optional<std::uint64_t> odds_from_island(const archive::Source& source, std::uint64_t chains,
+                                              std::uint64_t islands) {
+  constexpr std::string_view k_name = "odds_from_island";
+  if (find_table(source, k_name, {"chain"}) == nullptr) return std::nullopt;
+  const std::vector<double> from = of_chains(source, k_name, chains);
+  if (from.empty()) return std::nullopt;
+  if (std::ranges::any_of(from, [&](double other) { return other != from.front(); }))
+    refuse(source, k_name, "chains have different ones");
+  return count_of(source, k_name, from.front(), islands);
 }
 
 std::vector<std::string> proposal_kinds(const archive::Source& source) {

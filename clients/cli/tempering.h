@@ -80,6 +80,21 @@ std::vector<double> row_of_chain(const archive::Source& source, std::string_view
 void for_each_of_draws(const archive::Source& source, std::string_view name,
                        const std::function<void(double)>& visit);
 
+/// Free islands of each chain in a table over (chain, island) of `chains` chains; none where the
+/// archive has no such table.
+std::optional<std::uint64_t> islands_of_chain(const archive::Source& source, std::string_view name,
+                                              std::uint64_t chains);
+
+/// Visits each chain's entries from island `first` on, chain after chain: logs of estimates, which
+/// are -infinity or finite. REQUIRES: islands_of_chain has some, and `first` of them at least.
+void for_each_of_islands(const archive::Source& source, std::string_view name, std::uint64_t first,
+                         const std::function<void(double)>& visit);
+
+/// From which island of each chain on they tell the odds, at most `islands`; none where no round
+/// was sized for it and is complete.
+std::optional<std::uint64_t> odds_from_island(const archive::Source& source, std::uint64_t chains,
+                                              std::uint64_t islands);
+
 /// Names of the kinds of proposals, as /sample_stats has them.
 std::vector<std::string> proposal_kinds(const archive::Source& source);
 

@@ -60,6 +60,8 @@ const char* name_of(ErrorFrom from, bool weighted) {
       return weighted ? "standard error between chains" : "standard error between ladders";
     case ErrorFrom::mean_of_logs:
       return weighted ? "half the variance between chains" : "half the variance between ladders";
+    case ErrorFrom::islands:
+      return "spread of islands";
   }
   return "unknown";
 }
@@ -99,6 +101,19 @@ CombinedEstimate combined(std::span<const LogEstimate> ladders) {
   consider(all.own_error, ErrorFrom::jackknife);
   consider(all.between_error, ErrorFrom::between);
   consider(half_variance, ErrorFrom::mean_of_logs);
+  return all;
+}
+
+CombinedEstimate combined(const math::IslandOdds& islands) {
+  CombinedEstimate all{.log = {k_nan, k_nan},
+                       .error_from = ErrorFrom::islands,
+                       .ladders = 0,
+                       .own_error = k_nan,
+                       .between_error = k_nan};
+  if (!std::isfinite(islands.log_mean)) return all;
+  all.log = {islands.log_mean, islands.log_error()};
+  all.own_error = all.log.error;
+  all.ladders = islands.islands;
   return all;
 }
 

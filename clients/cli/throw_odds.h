@@ -8,6 +8,9 @@
 // does, but is itself rough with few ladders; and half the variance between ladders, by which a
 // mean of logs lies below the log of a mean, and which more ladders don't make smaller.
 //
+// Free islands need no logs averaged: each gives an unbiased estimate of P(satisfied) itself, and
+// there are many (common/math/island_odds.h).
+//
 // Whether such an error can be trusted, odds_doubts.h says.
 //
 // Thread safety: pure functions.
@@ -17,6 +20,8 @@
 #include <cstdint>
 #include <span>
 #include <string>
+
+#include "common/math/island_odds.h"
 
 namespace sleight::cli {
 
@@ -31,6 +36,7 @@ enum class ErrorFrom : std::uint8_t {
   jackknife,     ///< within the ladders
   between,       ///< from ladder to ladder
   mean_of_logs,  ///< half the variance between ladders
+  islands,       ///< from island to island
 };
 
 /// "jackknife within ladders": for people and JSON. Of weighted draws chains take the ladders'
@@ -40,7 +46,7 @@ const char* name_of(ErrorFrom from, bool weighted = false);
 struct CombinedEstimate {
   LogEstimate log;
   ErrorFrom error_from = ErrorFrom::unknown;
-  std::size_t ladders = 0;  ///< that had a finite value: the others are left out
+  std::size_t ladders = 0;  ///< that had a finite value: the others are left out. Of islands all
   double own_error = 0;     ///< of the mean, from the ladders' own errors; NaN where one is unknown
   double between_error = 0;  ///< of the mean, from ladder to ladder; NaN with fewer than two
 };
@@ -48,6 +54,9 @@ struct CombinedEstimate {
 /// `ladders` is 0, and the value NaN, where no ladder has a finite value. A ladder whose own error
 /// is unknown makes the combined jackknife error unknown.
 CombinedEstimate combined(std::span<const LogEstimate> ladders);
+
+/// Of the mean of islands' estimates: `ladders` is their number, or 0 where each is 0.
+CombinedEstimate combined(const math::IslandOdds& islands);
 
 /// One throw in so many, as powers of ten: 1e400 is no double.
 struct ThrowOdds {

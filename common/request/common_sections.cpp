@@ -152,6 +152,12 @@ void bind_stop(Binder& stop, StopRule& p) {
                          .maximum = k_independent_solutions_max,
                          .help = "ends when so many lineages have a satisfying animation; 5 if no "
                                  "rule is given"});
+  stop.optional_number("odds", p.odds,
+                       {.minimum = k_odds_min,
+                        .maximum = k_odds_max,
+                        .unit = "nats",
+                        .help = "ends after a round whose islands know log P(satisfied) to this "
+                                "standard error: sequential; 0.1 is a tenth of P"});
   stop.optional_integer("found", p.found,
                         {.minimum = 1,
                          .maximum = k_found_max,
@@ -229,11 +235,21 @@ void settle_stop(SectionBinders& sections, DirectionRequest& request) {
   Binder& stop = sections.stop;
   const auto given = [&](const char* key) { return stop.given(key); };
   const bool some = searches ? given("found")
-                             : given("scans") || given("rounds") || given("independent_solutions");
+                             : given("scans") || given("rounds") ||
+                                   given("independent_solutions") || given("odds");
   if (some) return;
   const char* key = searches ? "found" : "independent_solutions";
   (searches ? request.stop.found : request.stop.independent_solutions) = k_solutions_asked_for;
   stop.settle(key, fmt::format("{}", k_solutions_asked_for));
+}
+
+/// Nothing else estimates P(satisfied) as it goes with an error that can be planned.
+void check_odds(SectionBinders& sections, const DirectionRequest& request) {
+  const Method method = request.sampler.method;
+  if (method == Method::sequential || !sections.sampler.valid("method")) return;
+  if (method == Method::search) return;  // which has no such rules at all
+  if (!sections.stop.given("odds") || !sections.stop.valid("odds")) return;
+  sections.stop.error("odds", "goes with method \"sequential\", whose islands tell the odds");
 }
 
 /// Burn-ins are judged over all chains, in rounds of their own.
@@ -311,6 +327,7 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
   check_start(sections, request);
   settle_stop(sections, request);
   settle_default(sections, request, *chosen);
+  check_odds(sections, request);
   return chosen;
 }
 

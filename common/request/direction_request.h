@@ -93,6 +93,9 @@ struct StopRule {
   /// A search's rule; chains of a world that acts in stages may have a search before them, which
   /// ends then.
   std::optional<std::uint32_t> found{};
+  /// Standard error of log P(satisfied), in nats, that free islands are to know it to: of
+  /// sequential. Sized at the ends of rounds (worker/sampling/stop_rule.h).
+  std::optional<double> odds{};
   friend bool operator==(const StopRule&, const StopRule&) = default;
 };
 
@@ -153,6 +156,10 @@ inline constexpr std::uint32_t k_rounds_max = 40;
 inline constexpr std::uint32_t k_round_scans_max = 1000000;
 inline constexpr std::uint32_t k_independent_solutions_max = 1000000;
 inline constexpr std::uint32_t k_found_max = 1000000;
+/// Nats: the islands that it takes grow with the inverse square, and above 1 the odds are open by a
+/// factor of 2.7 to either side.
+inline constexpr double k_odds_min = 0.001;
+inline constexpr double k_odds_max = 1;
 /// Where no rule is given: independent solutions, or finds.
 inline constexpr std::uint32_t k_solutions_asked_for = 5;
 inline constexpr std::uint32_t k_particles = 64;
@@ -175,8 +182,10 @@ struct Cut {
 };
 
 /// As normalised_text with these for [stop], those that are not 0: the request that reproduces
-/// exactly what an archive holds. REQUIRES: one is not 0; scans <= k_scans_max, found <=
-/// k_found_max.
+/// exactly what an archive holds. Beside the scans of islands it keeps the rules that end a run by
+/// what islands say, odds and independent_solutions: by them an archive tells whether it may count
+/// its islands, and the run that they ended before ends there again. REQUIRES: one is not 0; scans
+/// <= k_scans_max, found <= k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
 /// [world], [constraint] and [sampler] of the normalised text. Requests for which it is equal walk

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "common/request/direction_request.h"
 
@@ -25,6 +26,11 @@ NormalisedSection& section_of(DirectionRequest& request, std::string_view name) 
   return *at;
 }
 
+/// Whether a rule of [stop] ends runs of islands by what these say.
+bool hangs_on_islands(std::string_view rule) {
+  return rule == "independent_solutions" || rule == "odds";
+}
+
 }  // namespace
 
 std::string normalised_text(const DirectionRequest& request) {
@@ -37,8 +43,10 @@ std::string normalised_text_of(const DirectionRequest& request, const Cut& cut) 
   CHECK_LE(cut.found, k_found_max);
   DirectionRequest stopped = request;
   auto& rules = section_of(stopped, "stop").keys;
-  rules.clear();
-  if (cut.scans > 0) rules.emplace_back("scans", fmt::format("{}", cut.scans));
+  const bool has_islands = request.sampler.method == Method::sequential && cut.scans > 0;
+  std::erase_if(rules,
+                [&](const auto& rule) { return !has_islands || !hangs_on_islands(rule.first); });
+  if (cut.scans > 0) rules.emplace(rules.begin(), "scans", fmt::format("{}", cut.scans));
   if (cut.found > 0) rules.emplace_back("found", fmt::format("{}", cut.found));
   return normalised_text(stopped);
 }

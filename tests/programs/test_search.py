@@ -37,6 +37,38 @@ scans = 12
 found = 3
 """
 
+DICE = """
+[world]
+name = "dice"
+[[world.die]]
+y_mm = -40
+[[world.die]]
+y_mm = 40
+[[constraint.place]]
+die = 1
+x_mm = 30
+y_mm = -40
+sigma_mm = 5
+tolerance_mm = 10
+[[constraint.face]]
+die = 1
+up = 6
+[[constraint.face]]
+die = 2
+up = 1
+[stop]
+"""
+
+ODDS = """
+[world]
+name = "spelling"
+word = "I"
+font = "5 rows"
+[stop]
+odds = 0.4
+found = 2
+"""
+
 
 class Search(ProgramTest):
     def search(self, found=4, word="HI"):
@@ -122,6 +154,37 @@ class Search(ProgramTest):
             self.assertEqual(archive["posterior/draw"].size, 8)
             self.assertEqual(archive["finds/start"].size, 3)
 
+    def test_dice_without_a_sampler(self):
+        # Found die by die, then drawn in proportion.
+        request = self.path("dice.toml")
+        request.write_text(DICE + "found = 3\nindependent_solutions = 1\n")
+        self.direct(request, self.path("one.h5"), "-j", "1")
+        digest = self.digest(self.path("one.h5"))
+        self.succeed(run(harness.batch(3, request, self.path("ranks.h5"), "-q")))
+        self.assertEqual(self.digest(self.path("ranks.h5")), digest)
+        with h5py.File(self.path("one.h5")) as archive:
+            self.assertEqual(len(archive["finds/start"]), 3)
+            # How far off each goal is, all within their tolerances.
+            self.assertTrue((archive["finds/goal_1_place_m"][:] <= 0.010).all())
+            for face in ("finds/goal_2_face_rad", "finds/goal_3_face_rad"):
+                self.assertTrue((archive[face][:] < numpy.pi / 4).all())
+        self.assertIn("3, not in the model's proportions",
+                      sleight("archive", "info", self.path("one.h5")).stdout)
+
+    def test_islands_tell_the_odds(self):
+        request = self.path("odds.toml")
+        request.write_text(ODDS)
+        output = self.path("odds.h5")
+        self.direct(request, output, "-j", "1")
+        self.direct(request, self.path("two.h5"), "-j", "2")
+        self.assertEqual(self.digest(self.path("two.h5")), self.digest(output))
+        with h5py.File(output) as archive:
+            first = archive["tempering/odds_from_island"][:]
+            self.assertTrue((first > 0).all())
+        info = sleight("archive", "info", output)
+        self.assertIn("by chance", info.stdout)
+        self.assertEqual(self.info(output)["tempering"]["from"], "islands")
+
     def test_ctrl_c_keeps_what_was_found(self):
         output = self.path("many.h5")
         process = start([harness.program("sleight"), "direct", self.search(found=100000), "-o",
@@ -175,9 +238,9 @@ class Search(ProgramTest):
                 (SEARCH.format(found=2, word="HE~"), "'word' in [world]"),
                 (SEARCH.format(found=2, word="MMMMMMMMMMMM"), "can be had"),
                 ('[world]\nname = "ball_2d"\n[sampler]\nmethod = "search"\n',
-                 "'method' in [sampler]: goes with worlds that act in stages (spelling)"),
+                 "'method' in [sampler]: goes with worlds that act in stages (dice, spelling)"),
                 ('[world]\nname = "ball_2d"\n[stop]\nscans = 100\nfound = 3\n',
-                 "'found' in [stop]: goes with worlds that act in stages (spelling)")]:
+                 "'found' in [stop]: goes with worlds that act in stages (dice, spelling)")]:
             path = self.path("bad.toml")
             path.write_text(text)
             result = sleight("check", path)

@@ -17,9 +17,9 @@
 #include "worker/sampling/simulated_tempering.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/request.h"
-#include "worker/worlds/dice/dice.h"
 #include "worker/worlds/dice/reader.h"
 #include "worker/worlds/dice/request.h"
+#include "worker/worlds/dice/throw_stages.h"
 #include "worker/worlds/spelling/pouring_stages.h"
 #include "worker/worlds/spelling/reader.h"
 #include "worker/worlds/spelling/request.h"
@@ -41,7 +41,7 @@ namespace spelling = worlds::spelling;
 using Ball2dEntry = EntryOf<ball_2d::Ball2d, ball_2d::Parameters, &ball_2d::request_binding,
                             &ball_2d::make_state_reader>;
 using DiceEntry =
-    EntryOf<dice::Dice, dice::Parameters, &dice::request_binding, &dice::make_state_reader>;
+    EntryOf<dice::StagedDice, dice::Parameters, &dice::request_binding, &dice::make_state_reader>;
 using SpellingEntry = EntryOf<spelling::StagedSpelling, spelling::Parameters,
                               &spelling::request_binding, &spelling::make_state_reader>;
 
@@ -93,10 +93,15 @@ namespace {
 
 sampling::StopRule stop_of(const request::DirectionRequest& request,
                            const std::optional<request::Cut>& cut) {
-  if (cut) return {.scans = cut->scans, .rounds = {}, .independent_solutions = {}};
+  // A cut keeps what sized the last round, so that it tells from where on islands tell the odds.
+  if (cut) {
+    return {
+        .scans = cut->scans, .rounds = {}, .independent_solutions = {}, .odds = request.stop.odds};
+  }
   return {.scans = request.stop.scans,
           .rounds = request.stop.rounds,
-          .independent_solutions = request.stop.independent_solutions};
+          .independent_solutions = request.stop.independent_solutions,
+          .odds = request.stop.odds};
 }
 
 sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,

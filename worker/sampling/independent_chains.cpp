@@ -15,18 +15,30 @@ IndependentChains::IndependentChains(const IndependentChainsOptions& options)
       chains_(options.chains),
       stop_(options.stop, options.round_scans, scans_before_draws_) {
   CHECK_GE(options.chains, 1U);
+  CHECK(options.has_islands || !options.stop.odds);
   for (std::uint32_t id = 0; id < options.chains; ++id)
     by_progress_.emplace_hint(by_progress_.end(), 0, id);
   idle_ = by_progress_;
 }
 
 void IndependentChains::judge_rounds() {
-  stop_.judge(common_consumed(), [&](std::uint64_t round_end) {
+  const auto solutions_before = [this](std::uint64_t round_end) {
     std::uint64_t solutions = 0;
     for (const Chain& chain : chains_)
       solutions += chain.solutions.before(round_end);
     return solutions;
-  });
+  };
+  const auto odds = [this](std::uint64_t first, std::uint64_t end) {
+    return odds_between(islands_of_chains(), first, end);
+  };
+  stop_.judge(common_consumed(), solutions_before, odds);
+}
+
+std::vector<const IslandsOfChain*> IndependentChains::islands_of_chains() const {
+  std::vector<const IslandsOfChain*> islands;
+  for (const Chain& chain : chains_)
+    islands.push_back(&chain.islands);
+  return islands;
 }
 
 std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) {
@@ -111,10 +123,11 @@ std::uint64_t IndependentChains::scans_consumed() const {
 
 plan::Report IndependentChains::report() const {
   if (!has_islands_) return {};
-  std::vector<const IslandsOfChain*> islands;
-  for (const Chain& chain : chains_)
-    islands.push_back(&chain.islands);
-  return report_of(islands, scans_common());
+  // The last round tells the odds only when it is complete: a part of it is no sized number.
+  const auto& last = stop_.sized_round();
+  const bool is_complete = last && scans_common() >= last->end;
+  return report_of(islands_of_chains(), scans_common(),
+                   is_complete ? std::optional(last->first) : std::nullopt);
 }
 
 std::optional<std::uint64_t> IndependentChains::scans_total() const {

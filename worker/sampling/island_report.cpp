@@ -1,7 +1,7 @@
 #include "worker/sampling/island_report.h"
 
-#include <algorithm>
 #include <functional>
+#include <utility>
 
 #include "common/base/check.h"
 
@@ -15,7 +15,18 @@ void IslandsOfChain::add(const plan::ScanRecord& record) {
   ends_.push_back(estimates_.size());
 }
 
-plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans) {
+math::IslandOdds odds_between(std::span<const IslandsOfChain* const> chains, std::uint64_t first,
+                              std::uint64_t end) {
+  math::IslandSums sums;
+  for (const IslandsOfChain* chain : chains) {
+    for (std::size_t i = chain->count_of(first); i < chain->count_of(end); ++i)
+      sums.add(chain->estimates()[i].log_satisfied);
+  }
+  return sums.odds();
+}
+
+plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans,
+                       std::optional<std::uint64_t> odds_from) {
   std::size_t islands = chains.empty() ? 0 : chains.front()->count_of(scans);
   if (islands == 0) return {};
   plan::Report report;
@@ -40,6 +51,18 @@ plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint6
       [](const IslandEstimate& island) { return island.effective_size; });
   add("island_accepted", "1 if the island's draw became the chain's state, else 0",
       [](const IslandEstimate& island) { return island.accepted ? 1.0 : 0.0; });
+  if (odds_from) {
+    CHECK_LE(*odds_from, scans);
+    plan::Table table{.name = "odds_from_island",
+                      .meaning =
+                          "the chain's first island that tells the odds: how many come from "
+                          "there on was chosen by those before it",
+                      .dims = {{"chain", chains.size()}},
+                      .values = {}};
+    for (const IslandsOfChain* chain : chains)
+      table.values.push_back(static_cast<double>(chain->count_of(*odds_from)));
+    report.tables.push_back(std::move(table));
+  }
   return report;
 }
 

@@ -1,11 +1,13 @@
 // What the free islands of chains have said of the target, for archives: tables by chain and
-// island.
+// island. And what they say of P(satisfied) together, for the stop rule that asks for it.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "common/math/island_odds.h"
 #include "common/plan/report.h"
 #include "common/plan/unit.h"
 #include "worker/sampling/island_estimate.h"
@@ -27,7 +29,15 @@ class IslandsOfChain {
   std::vector<std::size_t> ends_;  ///< by scan: estimates up to and with it
 };
 
-/// Of the islands of each chain's first `scans` scans; nothing where these have none.
-plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans);
+/// Of P(satisfied), by the islands of each chain's scans from `first` on and before `end`, chain
+/// after chain. REQUIRES: they are there.
+math::IslandOdds odds_between(std::span<const IslandsOfChain* const> chains, std::uint64_t first,
+                              std::uint64_t end);
+
+/// Of the islands of each chain's first `scans` scans; nothing where these have none. The islands
+/// from scan `odds_from` on alone tell the odds, where a stop rule chose how many these are; then
+/// they are told too. REQUIRES: odds_from at most `scans`.
+plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans,
+                       std::optional<std::uint64_t> odds_from = {});
 
 }  // namespace sleight::sampling

@@ -25,25 +25,47 @@ std::uint64_t sum_of(std::uint64_t a, std::uint64_t b) {
 StopJudge::StopJudge(const StopRule& rule, std::uint64_t round_scans, std::uint64_t before)
     : rule_(rule), round_scans_(round_scans), before_(before) {
   CHECK_GE(round_scans, 1U);
-  CHECK(rule.scans || rule.rounds || rule.independent_solutions);
+  CHECK(rule.scans || rule.rounds || rule.independent_solutions || rule.odds);
   if (rule.scans) end_ = *rule.scans;
   if (rule.rounds)
     end_ = std::min(end_, sum_of(before, scans_through_round(round_scans, *rule.rounds)));
   judge(0, [](std::uint64_t) { return std::uint64_t{0}; });
 }
 
-std::uint64_t StopJudge::round_end() const {
-  return sum_of(before_, scans_through_round(round_scans_, round_));
+std::uint64_t StopJudge::end_of_round(std::uint32_t round) const {
+  return sum_of(before_, scans_through_round(round_scans_, round));
 }
 
-void StopJudge::judge(std::uint64_t reached_by_all,
-                      const std::function<std::uint64_t(std::uint64_t)>& solutions_before) {
+bool StopJudge::has_enough_solutions(const SolutionsBefore& solutions_before) const {
+  return rule_.independent_solutions &&
+         solutions_before(round_end()) >= *rule_.independent_solutions;
+}
+
+bool StopJudge::sizes_next_round(const OddsBetween& odds_between) const {
+  if (!rule_.odds) return false;
+  CHECK(odds_between != nullptr);
+  const math::IslandOdds odds = odds_between(before_, round_end());
+  if (!odds.is_half_known()) return false;
+  // Each scan has as many islands.
+  const double islands_of_scan =
+      static_cast<double>(odds.islands) / static_cast<double>(round_end() - before_);
+  const std::uint64_t next_scans = end_of_round(round_ + 1) - round_end();
+  return odds.log_error_of(islands_of_scan * static_cast<double>(next_scans)) <= *rule_.odds;
+}
+
+void StopJudge::judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before,
+                      const OddsBetween& odds_between) {
   horizon_ = end_;
-  if (!rule_.independent_solutions) return;
+  if (!rule_.independent_solutions && !rule_.odds) return;
+  // Once the last round is sized, it is judged no more.
   while (reached_by_all >= round_end() && round_end() < end_) {
-    if (solutions_before(round_end()) >= *rule_.independent_solutions) {
+    if (has_enough_solutions(solutions_before)) {
       end_ = round_end();
       break;
+    }
+    if (sizes_next_round(odds_between)) {
+      sized_round_ = {.first = round_end(), .end = end_of_round(round_ + 1)};
+      end_ = std::min(end_, sized_round_->end);
     }
     ++round_;
   }

@@ -98,7 +98,13 @@ physics::Scene Dice::scene(const State& state) const {
 }
 
 Outcome Dice::simulate(const State& state) const {
-  return simulated(state, false, nullptr);
+  return simulated(state, {}, nullptr);
+}
+
+ViewedOutcome Dice::simulate_and_view(const State& state) const {
+  ViewedOutcome seen;
+  seen.outcome = simulated(state, {.views = &seen.views}, nullptr);
+  return seen;
 }
 
 Outcome Dice::simulate_from(const State& candidate, const State& state,
@@ -106,12 +112,11 @@ Outcome Dice::simulate_from(const State& candidate, const State& state,
   // Where nothing is alike there is nothing to go on from, nor does the candidate keep a history:
   // mostly it is rejected, and if it isn't, the next one that resembles it does.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
-  return simulated(candidate, true, outcome.history);
+  return simulated(candidate, {.history = true}, outcome.history);
 }
 
-Outcome Dice::simulated(const State& state, bool keeps_history,
-                        const std::shared_ptr<const physics::History>& history,
-                        physics::Recording* recording) const {
+Outcome Dice::simulated(const State& state, const Wanted& wanted,
+                        const std::shared_ptr<const physics::History>& history) const {
   const physics::Scene scene = this->scene(state);
   const auto stopped = [&](const physics::SceneError& error) {
     plan::FailurePointer failure = failure_of(error, encode(state));
@@ -120,7 +125,7 @@ Outcome Dice::simulated(const State& state, bool keeps_history,
                    .failure = std::move(failure)};
   };
   auto started =
-      physics::Simulation::start(scene, {.record = true, .keep_history = keeps_history}, history);
+      physics::Simulation::start(scene, {.record = true, .keep_history = wanted.history}, history);
   if (!started) return stopped(started.error());
   physics::Simulation simulation = std::move(started).value();
 
@@ -160,9 +165,10 @@ Outcome Dice::simulated(const State& state, bool keeps_history,
   outcome.end_s = *std::ranges::max_element(views.rest_s);
   outcome.judgement = judge(parameters_.goals, parameters_.numbering, views, times_s_);
   look_at_contacts(state, scene, simulation.surface_touches(), outcome);
-  if (keeps_history) outcome.history = simulation.history();
-  if (recording != nullptr) *recording = recorded;
-  outcome.at_end = std::move(views.at_end);
+  if (wanted.history) outcome.history = simulation.history();
+  if (wanted.recording != nullptr) *wanted.recording = recorded;
+  outcome.at_end = views.at_end;
+  if (wanted.views != nullptr) *wanted.views = std::move(views);
   return outcome;
 }
 
@@ -236,7 +242,7 @@ std::vector<double> Dice::outcome_values(const Outcome& outcome) const {
 
 Animation Dice::animate(const State& state) const {
   Animation animation;
-  const Outcome outcome = simulated(state, false, nullptr, &animation.recording);
+  const Outcome outcome = simulated(state, {.recording = &animation.recording}, nullptr);
   CHECK(outcome.is_animation());
   animation.numberings = outcome.judgement.numberings;
   animation.collisions = outcome.collisions;

@@ -79,6 +79,12 @@ struct Outcome {
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
 
+/// What a simulation came to, and what goals look at; empty if there is no animation.
+struct ViewedOutcome {
+  Outcome outcome;
+  Views views;
+};
+
 /// A whole animation, to rest or to the time limit.
 struct Animation {
   physics::Recording recording;
@@ -102,6 +108,12 @@ class Dice {
   State draw_prior(random::Stream& stream) const { return draw_state(parameters_.world, stream); }
   double log_prior(const State& state) const { return log_density_of(parameters_.world, state); }
   Outcome simulate(const State& state) const;
+  /// The same with what goals look at.
+  ViewedOutcome simulate_and_view(const State& state) const;
+  /// Of all goals (goals.h). REQUIRES: views of an animation of this world.
+  std::vector<Miss> signed_misses(const Views& views) const {
+    return dice::signed_misses(parameters_.goals, views, times_s_);
+  }
   /// The same of a candidate, for less, if it resembles a state whose outcome is known.
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
   double log_constraint(const Outcome& outcome) const;
@@ -148,9 +160,14 @@ class Dice {
   Animation animate(const State& state) const;
 
  private:
-  Outcome simulated(const State& state, bool keeps_history,
-                    const std::shared_ptr<const physics::History>& history,
-                    physics::Recording* recording = nullptr) const;
+  /// What else is wanted of a simulation.
+  struct Wanted {
+    bool history = false;  ///< in the outcome
+    physics::Recording* recording = nullptr;
+    Views* views = nullptr;
+  };
+  Outcome simulated(const State& state, const Wanted& wanted,
+                    const std::shared_ptr<const physics::History>& history) const;
   void look_at_contacts(const State& state, const physics::Scene& scene,
                         std::span<const physics::SurfaceTouch> touches, Outcome& outcome) const;
 

@@ -61,17 +61,24 @@ std::vector<double> goal_times(std::span<const Goal> goals) {
   return times;
 }
 
-double distance_of(const Goal& goal, const Views& views, std::span<const double> times,
-                   std::uint32_t numbering) {
+namespace {
+
+/// The goal's die when the goal looks at it.
+const DieView& die_of(const Goal& goal, const Views& views, std::span<const double> times) {
   const std::size_t dice = views.at_end.size();
   CHECK_LT(goal.die, dice);
-  const DieView* die = &views.at_end[goal.die];
-  if (goal.at_s) {
-    const auto time = std::ranges::lower_bound(times, *goal.at_s);
-    CHECK(time != times.end() && *time == *goal.at_s);
-    const auto nth = static_cast<std::size_t>(time - times.begin());
-    die = &views.at_times.at(nth * dice + goal.die);
-  }
+  if (!goal.at_s) return views.at_end[goal.die];
+  const auto time = std::ranges::lower_bound(times, *goal.at_s);
+  CHECK(time != times.end() && *time == *goal.at_s);
+  const auto nth = static_cast<std::size_t>(time - times.begin());
+  return views.at_times.at(nth * dice + goal.die);
+}
+
+}  // namespace
+
+double distance_of(const Goal& goal, const Views& views, std::span<const double> times,
+                   std::uint32_t numbering) {
+  const DieView* die = &die_of(goal, views, times);
   return std::visit(
       Overloaded{
           [&](const Place& place) {
@@ -97,6 +104,28 @@ double distance_of(const Goal& goal, const Views& views, std::span<const double>
             return std::max(0.0, views.rest_s[goal.die] - before.time_s);
           }},
       goal.wanted);
+}
+
+std::vector<Miss> signed_misses(std::span<const Goal> goals, const Views& views,
+                                std::span<const double> times) {
+  std::vector<Miss> misses;
+  for (const Goal& goal : goals) {
+    const DieView& die = die_of(goal, views, times);
+    if (const auto* place = std::get_if<Place>(&goal.wanted)) {
+      for (const Eigen::Index axis : {0, 1})
+        misses.push_back({die.position_m[axis] - place->centre_m[axis], goal.sigma});
+    } else if (const auto* region = std::get_if<Region>(&goal.wanted)) {
+      for (const Eigen::Index axis : {0, 1}) {
+        const double half = 0.5 * (region->high_m[axis] - region->low_m[axis]);
+        misses.push_back(
+            {die.position_m[axis] - (region->low_m[axis] + half), goal.sigma + 0.5 * half});
+      }
+    } else if (const auto* velocity = std::get_if<Velocity>(&goal.wanted)) {
+      for (const Eigen::Index axis : {0, 1, 2})
+        misses.push_back({die.velocity_mps[axis] - velocity->velocity_mps[axis], goal.sigma});
+    }
+  }
+  return misses;
 }
 
 Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& views,

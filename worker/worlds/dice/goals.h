@@ -109,6 +109,17 @@ std::vector<double> goal_times(std::span<const Goal> goals);
 double distance_of(const Goal& goal, const Views& views, std::span<const double> times,
                    std::uint32_t numbering);
 
+/// By how much a goal is missed in one direction, with a sign.
+struct Miss {
+  double by = 0;
+  double sigma = 1;  ///< how far off is as good as not: the goal's, in the same unit
+};
+
+/// Of goals that say where to or how fast: two for a place or a region (from its middle), three for
+/// a velocity. The others have none. `times` are goal_times.
+std::vector<Miss> signed_misses(std::span<const Goal> goals, const Views& views,
+                                std::span<const double> times);
+
 /// log p_c, whether all goals are met, and the numbering that is shown. `times` are goal_times.
 Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& views,
                 std::span<const double> times);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/math/elementary.h"
+#include "common/request/settled.h"
 
 namespace sleight::worlds::dice {
 namespace {
@@ -494,6 +495,41 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
     sampler.error("change_all", fmt::format("the shares add up to {:.6g}, not to 1", sum));
 }
 
+/// Islands, which the odds are asked of. A scan's local moves change what conditional steps keep.
+void settle_islands(request::Settled& settled, std::uint32_t dice,
+                    request::SamplerParameters& sampler) {
+  sampler.method = request::Method::sequential;
+  settled.word("method", "sequential");
+  settled.count("chains", sampler.chains, 4);
+  settled.count("particles", sampler.particles, 32);
+  settled.count("round_scans", sampler.round_scans, 1);
+  settled.count("burn_in_rounds", sampler.burn_in_rounds, 1);
+  settled.count("iterations_per_scan", sampler.iterations_per_scan, 10 * dice);
+}
+
+/// Parallel tempering, whose rounds are short: temperatures and sizes are soon learnt.
+void settle_tempering(request::Settled& settled, std::uint32_t dice,
+                      request::SamplerParameters& sampler) {
+  sampler.method = request::Method::parallel_tempering;
+  settled.word("method", "parallel_tempering");
+  settled.count("chains", sampler.chains, 2);
+  settled.count("round_scans", sampler.round_scans, 20);
+  settled.count("iterations_per_scan", sampler.iterations_per_scan, dice == 1 ? 1 : 3 * dice);
+}
+
+/// What serves a request that leaves the sampler open. docs/SAMPLING says how the numbers were
+/// found.
+void serve_best(Binder& sampler, request::SamplerParameters& sampling,
+                const request::StopRule& stop, const Parameters& parameters) {
+  request::Settled settled(sampler);
+  const auto dice = static_cast<std::uint32_t>(parameters.world.dice.size());
+  if (stop.odds) {
+    settle_islands(settled, dice, sampling);
+  } else {
+    settle_tempering(settled, dice, sampling);
+  }
+}
+
 }  // namespace
 
 request::WorldBinding request_binding(Parameters& parameters) {
@@ -507,6 +543,11 @@ request::WorldBinding request_binding(Parameters& parameters) {
             GoalBinder{constraint, parameters.world, parameters.goals}.bind_all();
             check_faces(constraint, parameters);
             bind_proposal(sampler, parameters.proposal);
+          },
+          /*acts_in_stages=*/true,
+          [&parameters](Binder& /*constraint*/, Binder& sampler,
+                        request::SamplerParameters& sampling, const request::StopRule& stop) {
+            serve_best(sampler, sampling, stop, parameters);
           }};
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/math/elementary.h"
+#include "common/request/settled.h"
 #include "common/request/text.h"
 
 namespace sleight::worlds::spelling {
@@ -310,60 +311,39 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
     sampler.error("solo_steps", "are not of A.2.2, and kernel \"thesis\" is that as printed");
 }
 
-}  // namespace
-
 /// Words of more balls are drawn by chains from a search: islands of 32 particles then differ so
 /// much in weight that chains of them hardly move.
 constexpr std::uint32_t k_balls_by_islands_max = 20;
 
-/// Settles keys that a request leaves open.
-class Settled {
- public:
-  Settled(request::Binder& constraint, request::Binder& sampler)
-      : constraint_(constraint), sampler_(sampler) {}
+void settle_log_lambda(request::Binder& constraint, Parameters& parameters, double chosen) {
+  if (constraint.given("log_lambda")) return;
+  parameters.constraint.log_lambda = chosen;
+  constraint.settle("log_lambda", request::toml_number(chosen));
+}
 
-  void log_lambda(double& value, double chosen) {
-    if (constraint_.given("log_lambda")) return;
-    value = chosen;
-    constraint_.settle("log_lambda", request::toml_number(chosen));
-  }
-  void word(std::string_view key, std::string_view chosen) {
-    sampler_.settle(key, request::toml_string(chosen));
-  }
-  void count(std::string_view key, auto& value, std::uint32_t chosen) {
-    value = chosen;
-    sampler_.settle(key, fmt::format("{}", chosen));
-  }
-  void number(std::string_view key, double& value, double chosen) {
-    value = chosen;
-    sampler_.settle(key, request::toml_number(chosen));
-  }
-
- private:
-  request::Binder& constraint_;
-  request::Binder& sampler_;
-};
+/// More balls, more that can go wrong in an island of few particles.
+std::uint32_t particles_for_odds(std::uint32_t balls) {
+  return balls <= k_balls_by_islands_max ? 128 : 256;
+}
 
 /// Independence steps of islands renew all balls and the box at once. The constraint is so strict
 /// that most of what is drawn satisfies: a missing ball weighs as much as their number, times
 /// e^6.
-void settle_islands(Settled& settled, std::uint32_t balls, request::SamplerParameters& sampler,
-                    Parameters& parameters) {
-  settled.log_lambda(parameters.constraint.log_lambda, std::round(6 + math::log(balls)));
+void settle_islands(request::Settled& settled, std::uint32_t balls, bool tells_odds,
+                    request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
   settled.word("method", "sequential");
   settled.count("chains", sampler.chains, 4);
-  settled.count("particles", sampler.particles, 32);
-  settled.count("round_scans", sampler.round_scans, 2);
+  settled.count("particles", sampler.particles, tells_odds ? particles_for_odds(balls) : 32);
+  settled.count("round_scans", sampler.round_scans, tells_odds ? 1 : 2);
   settled.count("burn_in_rounds", sampler.burn_in_rounds, 1);
   settled.count("iterations_per_scan", sampler.iterations_per_scan, 4 * balls);
 }
 
 /// A scan has a proposal for each ball. The constraint is loose enough that balls come and go, and
 /// strict enough that of ACM one scan in a hundred satisfies.
-void settle_judged_chains(Settled& settled, std::uint32_t balls,
-                          request::SamplerParameters& sampler, Parameters& parameters) {
-  settled.log_lambda(parameters.constraint.log_lambda, std::round(2.6 + math::log(balls)));
+void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
+                          request::SamplerParameters& sampler) {
   sampler.method = request::Method::metropolis_hastings;
   settled.word("method", "metropolis_hastings");
   sampler.start = request::Start::search;
@@ -378,13 +358,15 @@ void settle_judged_chains(Settled& settled, std::uint32_t balls,
 void serve_best(request::Binder& constraint, request::Binder& sampler,
                 request::SamplerParameters& sampling, const request::StopRule& stop,
                 Parameters& parameters) {
-  Settled settled(constraint, sampler);
+  request::Settled settled(sampler);
   const std::uint32_t balls = parameters.pattern.count();
-  // Judged chains find out for themselves how many rounds they take.
-  if (balls <= k_balls_by_islands_max || stop.rounds) {
-    settle_islands(settled, balls, sampling, parameters);
+  // Judged chains find out for themselves how many rounds they take, and tell no odds.
+  if (balls <= k_balls_by_islands_max || stop.rounds || stop.odds) {
+    settle_log_lambda(constraint, parameters, std::round(6 + math::log(balls)));
+    settle_islands(settled, balls, stop.odds.has_value(), sampling);
   } else {
-    settle_judged_chains(settled, balls, sampling, parameters);
+    settle_log_lambda(constraint, parameters, std::round(2.6 + math::log(balls)));
+    settle_judged_chains(settled, balls, sampling);
   }
   ProposalParameters& p = parameters.proposal;
   settled.number("change_all", p.change_all, 0.01);
@@ -399,6 +381,8 @@ void serve_best(request::Binder& constraint, request::Binder& sampler,
   settled.number("ball_move_sd_mm", ball_move_sd_mm, 2);
   p.ball_sd_m = ball_move_sd_mm / 1e3;
 }
+
+}  // namespace
 
 request::WorldBinding request_binding(Parameters& parameters) {
   return {

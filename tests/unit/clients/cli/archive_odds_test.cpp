@@ -9,9 +9,14 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
+#include "common/base/error.h"
 
 namespace sleight::cli {
 namespace {
@@ -187,6 +192,169 @@ TEST(ArchiveOdds, WhatNeverSatisfiedIsUnknown) {
   EXPECT_THAT(text, HasSubstr("by chance    unknown: nothing satisfied in any round\n"));
   EXPECT_THAT(text, HasSubstr("to know it: at least rounds = 4 under [stop]"));
   EXPECT_THAT(text, Not(HasSubstr("so far log P")));
+}
+
+/// Islands of chains; of each three the first is larger than the others.
+struct IslandTables {
+  std::uint64_t chains = 4;
+  std::uint64_t islands = 60;
+  double log_p = -4.8;              ///< of the first ones
+  double log_low = std::log(0.25);  ///< of the others, to that
+  std::vector<double> odds_from{};  ///< by chain; empty: no such table
+  std::string stop = "scans = 20\n";
+  std::vector<double> values{};  ///< if not empty, all of log P
+};
+
+Made islands_archive(const IslandTables& tables) {
+  Made made;
+  made.source.create_group(archive::k_tempering);
+  made.source.set_attribute(archive::k_tempering, {"log_natural_throw", 0.0});
+  const auto table = [&](const char* name, std::vector<archive::Dimension> dims,
+                         const std::vector<double>& values) {
+    const auto handle =
+        made.source.create_dataset(archive::k_tempering, {.name = name, .dims = std::move(dims)});
+    made.source.append(handle, std::span<const double>(values));
+  };
+  std::vector<double> values = tables.values;
+  for (std::uint64_t i = 0; tables.values.empty() && i < tables.chains * tables.islands; ++i)
+    values.push_back(tables.log_p + (i % 3 == 0 ? 0 : tables.log_low));
+  const std::vector<archive::Dimension> dims{{"chain", tables.chains}, {"island", tables.islands}};
+  table("island_log_z", dims, values);
+  table("island_log_satisfied", dims, values);
+  if (!tables.odds_from.empty())
+    table("odds_from_island", {{"chain", tables.odds_from.size()}}, tables.odds_from);
+  made.summary.world = "ball_2d";
+  made.summary.request_text = "[sampler]\nmethod = \"sequential\"\n[stop]\n" + tables.stop;
+  made.summary.chains = tables.chains;
+  made.summary.scans = 20;
+  return made;
+}
+
+std::string words_of(const IslandTables& tables) {
+  const Made made = islands_archive(tables);
+  return in_words(odds_of(made.source, made.summary).value());
+}
+
+nlohmann::ordered_json json_of(const IslandTables& tables) {
+  const Made made = islands_archive(tables);
+  return as_json(odds_of(made.source, made.summary).value());
+}
+
+TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
+  // Of each three one is 1 and two are 1/4: mean 1/2, relative variance 1/2 (times 240 / 239).
+  const double log_p = -4.8 + std::log(0.5);
+  const double error = std::sqrt(0.5 / 239);
+  const nlohmann::ordered_json said = json_of(IslandTables{});
+  EXPECT_EQ(said["from"], "islands");
+  EXPECT_EQ(said["known"], true);
+  EXPECT_EQ(said["log_p_satisfied"]["islands"], 240);
+  EXPECT_NEAR(said["log_p_satisfied"]["value"].get<double>(), log_p, 1e-9);
+  EXPECT_NEAR(said["log_p_satisfied"]["error"].get<double>(), error, 1e-9);
+  EXPECT_EQ(said["log_p_satisfied"]["error_from"], "spread of islands");
+  EXPECT_NEAR(said["log10_throws_high"].get<double>(), (error - log_p) / std::log(10), 1e-9);
+  EXPECT_FALSE(said.contains("rounds"));
+  EXPECT_FALSE(said.contains("odds_from_island"));
+  EXPECT_FALSE(said["log_z"].contains("round"));
+  EXPECT_TRUE(said["to_know"].is_null());
+  EXPECT_THAT(words_of(IslandTables{}),
+              HasSubstr("               log P -5.49 +- 0.05 (240 islands, spread of islands)\n"));
+}
+
+TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
+  // Those before, a third of which would carry the sum, don't. Method: the first 20 of each chain
+  // are e^9 times as large.
+  IslandTables tables;
+  for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
+    tables.values.push_back((i % tables.islands < 20 ? 9 : 0) + (i % 3 == 0 ? -4.8 : -5.8));
+  tables.odds_from.assign(4, 20);
+  tables.stop = "scans = 20\nodds = 0.1\n";
+  const nlohmann::ordered_json said = json_of(tables);
+  EXPECT_EQ(said["known"], true);
+  EXPECT_EQ(said["odds_from_island"], 20);
+  EXPECT_EQ(said["log_p_satisfied"]["islands"], 160);
+  EXPECT_LT(said["log_p_satisfied"]["value"].get<double>(), -4.8);
+}
+
+TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
+  IslandTables tables;
+  tables.stop = "scans = 20\nindependent_solutions = 2\n";
+  std::string text = words_of(tables);
+  EXPECT_THAT(text, HasSubstr("  by chance    unknown\n"
+                              "               the run could end by solutions, so islands "
+                              "themselves chose how many they are\n"
+                              "               to know it: odds = 0.1 under [stop], in place of "
+                              "other rules\n"
+                              "               so far log P -5.49, error unknown (240 islands)\n"
+                              "               which hangs on when the run ended\n"));
+  tables.stop = "scans = 20\nodds = 0.3\n";
+  text = words_of(tables);
+  EXPECT_THAT(text, HasSubstr("the last round, whose islands alone tell the odds, is not sized"));
+  EXPECT_THAT(text, HasSubstr("odds = 0.3 under [stop]"));
+  EXPECT_EQ(json_of(tables)["to_know"]["odds"], 0.3);
+  // A number that no request has is not repeated.
+  tables.stop = "scans = 20\nodds = 7.0\n";
+  EXPECT_THAT(words_of(tables), HasSubstr("odds = 0.1 under [stop]"));
+  Made made = islands_archive(IslandTables{});
+  made.summary.request_text = "= no request";
+  EXPECT_THAT(in_words(odds_of(made.source, made.summary).value()),
+              HasSubstr("its request does not say what chose the number of islands"));
+}
+
+TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
+  // A sized round whose largest island has 4 tenths: four times as many islands, half the error.
+  IslandTables tables;
+  tables.values.assign(240, -210);
+  tables.values[100] = -210 + std::log(160);
+  tables.odds_from.assign(4, 0);
+  tables.stop = "scans = 20\nodds = 0.1\n";
+  const std::string text = words_of(tables);
+  EXPECT_THAT(text, HasSubstr("one of 240 islands has 40.1% of the sum, and may have 10%\n"
+                              "               to know it: odds = 0.05 under [stop], in place of "
+                              "other rules\n"
+                              "               more particles under [sampler] make islands more "
+                              "equal\n"));
+  EXPECT_THAT(text, HasSubstr("which mostly is too low where few islands have most of the sum"));
+}
+
+TEST(ArchiveOdds, IslandsKnowOddsThatNoDoubleHolds) {
+  IslandTables tables;
+  tables.log_p = -90 * std::log(10);
+  tables.log_low = 0;
+  EXPECT_THAT(words_of(tables), HasSubstr("  by chance    one throw in 1.000e90 (1.000e90 to "
+                                          "1.000e90)\n"));
+  tables.log_p = -k_infinity;
+  EXPECT_THAT(words_of(tables),
+              HasSubstr("by chance    unknown: nothing satisfied in any island\n"));
+}
+
+TEST(ArchiveOdds, IslandsThatCannotBeAreRefused) {
+  // Goal: what no run writes is a bad archive, not a crash. Method: numbers that are no logs of
+  // estimates, other numbers of chains, islands that are not there.
+  const auto expect_refused = [](const IslandTables& tables, const char* what) {
+    const Made made = islands_archive(tables);
+    EXPECT_THROW(odds_of(made.source, made.summary), base::Error) << what;
+  };
+  for (const double bad : {k_infinity, std::numeric_limits<double>::quiet_NaN()}) {
+    IslandTables tables;
+    tables.values.assign(240, -5);
+    tables.values[77] = bad;
+    expect_refused(tables, "values");
+  }
+  for (const std::vector<double>& from :
+       {std::vector<double>(3, 0), std::vector<double>{0, 0, 0, 1}, std::vector<double>(4, 61),
+        std::vector<double>(4, -1), std::vector<double>(4, 0.5),
+        std::vector<double>(4, std::numeric_limits<double>::quiet_NaN())}) {
+    IslandTables tables;
+    tables.odds_from = from;
+    expect_refused(tables, "odds_from_island");
+  }
+  Made made = islands_archive(IslandTables{});
+  made.summary.chains = 5;
+  EXPECT_THROW(odds_of(made.source, made.summary), base::Error);
+  // A last round without islands is told as one.
+  IslandTables none;
+  none.odds_from.assign(4, 60);
+  EXPECT_THAT(words_of(none), HasSubstr("none of 0 islands has a value above 0"));
 }
 
 TEST(ArchiveOdds, ARequestThatCannotBeReadIsNoMatter) {

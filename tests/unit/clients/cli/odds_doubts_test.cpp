@@ -186,6 +186,58 @@ TEST(OddsDoubts, WeightedDrawsHaveToBeWorthEnough) {
   EXPECT_THAT(kinds(doubts_of_weights(none, 1000, 100)), ElementsAre(DoubtOf::no_value));
 }
 
+math::IslandOdds islands(std::uint64_t count, double largest_share) {
+  return {.islands = count, .log_mean = -207, .relative_sd = 1, .largest_share = largest_share};
+}
+
+TEST(OddsDoubts, FixedAndSizedNumbersOfIslandsHaveNone) {
+  for (const IslandNumber number : {IslandNumber::fixed, IslandNumber::sized})
+    EXPECT_THAT(doubts_of_islands(islands(math::k_islands_min, 0.1), number), IsEmpty());
+}
+
+TEST(OddsDoubts, IslandsMustNotChooseTheirOwnNumber) {
+  for (const IslandNumber number :
+       {IslandNumber::unfinished, IslandNumber::by_solutions, IslandNumber::unknown}) {
+    const std::vector<Doubt> doubts = doubts_of_islands(islands(1000, 0.01), number);
+    ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::not_sized));
+    EXPECT_FALSE(doubts[0].reason.empty());
+  }
+  EXPECT_THAT(doubts_of_islands(islands(1000, 0.01), IslandNumber::by_solutions)[0].reason,
+              HasSubstr("the run could end by solutions"));
+}
+
+TEST(OddsDoubts, NoIslandMayHaveMostOfTheSum) {
+  const std::vector<Doubt> doubts = doubts_of_islands(islands(1000, 0.304), IslandNumber::sized);
+  ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::heavy_tail));
+  EXPECT_EQ(doubts[0].reason, "one of 1000 islands has 30.4% of the sum, and may have 10%");
+  EXPECT_NEAR(doubts[0].longer, 3.04, 1e-12);
+  EXPECT_TRUE(doubts[0].at_least);
+  EXPECT_THAT(kinds(doubts_of_islands(islands(1000, 0.304), IslandNumber::by_solutions)),
+              ElementsAre(DoubtOf::not_sized, DoubtOf::heavy_tail));
+}
+
+TEST(OddsDoubts, IslandsHaveToBeMany) {
+  const std::vector<Doubt> doubts = doubts_of_islands(islands(10, 0.1), IslandNumber::fixed);
+  ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_draws));
+  EXPECT_EQ(doubts[0].reason, "there are 10 islands, and it takes 40");
+  EXPECT_EQ(doubts[0].longer, 4);
+  // Where nothing satisfied there is nothing else to doubt; nor where there is none at all.
+  const math::IslandOdds none{.islands = 1000, .log_mean = -k_infinity};
+  EXPECT_THAT(kinds(doubts_of_islands(none, IslandNumber::fixed)), ElementsAre(DoubtOf::no_value));
+  EXPECT_THAT(kinds(doubts_of_islands({}, IslandNumber::fixed)), ElementsAre(DoubtOf::no_value));
+}
+
+TEST(OddsDoubts, IslandsWithoutDoubtsAreKnown) {
+  // The doubts and what common/math calls known agree, but for the number.
+  for (const std::uint64_t count :
+       {std::uint64_t{0}, math::k_islands_min - 1, math::k_islands_min}) {
+    for (const double share : {0.01, 0.1, 0.11, 1.0}) {
+      const math::IslandOdds odds = islands(count, share);
+      EXPECT_EQ(doubts_of_islands(odds, IslandNumber::fixed).empty(), odds.known());
+    }
+  }
+}
+
 TEST(Remedy, IsTheLongest) {
   const Doubt doubts[] = {{.kind = DoubtOf::wide, .longer = 3, .at_least = true},
                           {.kind = DoubtOf::few_round_trips, .longer = 5, .at_least = false}};

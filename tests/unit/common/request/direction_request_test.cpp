@@ -208,6 +208,71 @@ TEST(ReadRequest, ASearchHasFewKeys) {
                                     "(staged), not with toy")));
 }
 
+TEST(ReadRequest, OddsAreARuleOfIslands) {
+  // Goal: the rule stands by itself or with others, for sequential alone, within its range, and
+  // reads back. Method: each, in a world that acts in stages.
+  const std::string islands = "[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n";
+  toy::Parameters parameters;
+  const std::array worlds{toy::staged_binding(parameters)};
+  const auto read_staged = [&](const std::string& text) {
+    auto request = read_request(text, "r.toml", worlds);
+    EXPECT_TRUE(request.ok()) << text;
+    return std::move(request).value();
+  };
+  const auto staged_errors = [&](const std::string& text) {
+    std::vector<std::string> lines;
+    const auto request = read_request(text, "r.toml", worlds);
+    for (const Diagnostic& error : request ? std::vector<Diagnostic>{} : request.error())
+      lines.push_back(to_string(error));
+    return lines;
+  };
+  const DirectionRequest alone = read_staged(islands + "[stop]\nodds = 0.1\n");
+  EXPECT_EQ(alone.stop, (StopRule{{}, {}, {}, {}, 0.1}));
+  EXPECT_THAT(normalised_text(alone), HasSubstr("[stop]\nodds = 0.1\n\n"));
+  EXPECT_EQ(read_staged(normalised_text(alone)), alone);
+  EXPECT_EQ(normalised_text(with_solutions(alone, 3)).find("odds"), std::string::npos);
+  const DirectionRequest both =
+      read_staged(islands + "[stop]\nfound = 2\nodds = 1\nscans = 100000\n");
+  EXPECT_THAT(normalised_text(both),
+              HasSubstr("[stop]\nscans = 100000\nodds = 1.0\nfound = 2\n\n"));
+  for (const std::string bad : {"0", "0.0009", "1.1", "-0.1"}) {
+    EXPECT_THAT(staged_errors(islands + "[stop]\nodds = " + bad + "\n"),
+                ElementsAre(HasSubstr("'odds' in [stop]: expected a number from 0.001 to 1")));
+  }
+  for (const std::string method :
+       {"metropolis_hastings", "parallel_tempering", "simulated_tempering", "tempered_transitions",
+        "annealed_importance"}) {
+    EXPECT_THAT(
+        staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
+                      "'\n[stop]\nscans = 100000\nodds = 0.1\n"),
+        ElementsAre("r.toml:7:1: 'odds' in [stop]: goes with method \"sequential\", whose islands "
+                    "tell the odds"));
+  }
+  EXPECT_THAT(staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n[stop]\n"
+                            "odds = 0.1\n"),
+              ElementsAre(HasSubstr("it ends by 'found'")));
+}
+
+TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
+  // Goal: a cut of islands has the rules that hang on them beside its scans, one of other methods
+  // its scans alone. Method: all rules at once, of both.
+  toy::Parameters parameters;
+  const std::array worlds{toy::staged_binding(parameters)};
+  const auto cut_of = [&](const std::string& method, const std::string& odds) {
+    const auto request =
+        read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
+                         "'\n[stop]\nscans = 5000\nrounds = 6\nindependent_solutions = 2\n" + odds,
+                     "r.toml", worlds);
+    EXPECT_TRUE(request.ok());
+    const std::string text = normalised_text_of(request.value(), {.scans = 777, .found = 0});
+    EXPECT_EQ(normalised_text(read_request(text, "c.toml", worlds).value()), text);
+    return text;
+  };
+  EXPECT_THAT(cut_of("sequential", "odds = 0.1\nfound = 2\n"),
+              HasSubstr("[stop]\nscans = 777\nindependent_solutions = 2\nodds = 0.1\n\n"));
+  EXPECT_THAT(cut_of("parallel_tempering", ""), HasSubstr("[stop]\nscans = 777\n\n"));
+}
+
 TEST(WithSolutions, ReplacesTheRules) {
   const DirectionRequest request = read("[world]\nname='toy'\n[stop]\nscans = 7\nrounds = 2\n");
   const DirectionRequest other = with_solutions(request, 9);
@@ -342,7 +407,7 @@ TEST(RequestKeys, ListEveryKeyOnce) {
       "sampler: method start chains replicas ladder_power seed iterations_per_scan round_scans "
       "anneal_scans burn_in_rounds "
       "lanes steps_per_level particles step\n"
-      "stop: scans rounds independent_solutions found\n"
+      "stop: scans rounds independent_solutions odds found\n"
       "output: thin keep_max keep_per_lineage min_distance\n");
 }
 

@@ -4,13 +4,18 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <set>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include "common/math/island_odds.h"
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
 #include "tests/support/property.h"
 #include "worker/sampling/independent_chains.h"
+#include "worker/sampling/island_estimate.h"
 
 namespace sleight::sampling {
 namespace {
@@ -22,6 +27,7 @@ constexpr std::uint64_t k_scans_max = 400;
 
 struct Case {
   IndependentChainsOptions options;
+  std::uint64_t islands_of_scan = 1;
   std::vector<std::vector<plan::ScanRecord>> results;  ///< by chain, then scan
 };
 
@@ -38,6 +44,17 @@ class Dice {
   random::Stream stream_;
 };
 
+/// Of islands of which most satisfy, unequally.
+std::vector<double> random_islands(Dice& dice, std::uint64_t count) {
+  std::vector<double> values;
+  for (; count > 0; --count) {
+    IslandEstimate island{.log_z = -1, .log_satisfied = k_log_zero};
+    if (!dice.once_in(4)) island.log_satisfied = -200 - static_cast<double>(dice.below(300)) / 100;
+    island.append_to(values);
+  }
+  return values;
+}
+
 Case random_case(Dice& dice) {
   Case made;
   made.options.chains = static_cast<std::uint32_t>(1 + dice.below(6));
@@ -46,6 +63,9 @@ Case random_case(Dice& dice) {
   if (dice.once_in(2)) stop.independent_solutions = 1 + dice.below(12);
   if (dice.once_in(2)) stop.rounds = static_cast<std::uint32_t>(1 + dice.below(4));
   if (dice.once_in(2) || !stop.rounds) stop.scans = 1 + dice.below(k_scans_max);
+  if (dice.once_in(2)) stop.odds = 0.05 * static_cast<double>(1 + dice.below(10));
+  made.options.has_islands = stop.odds || dice.once_in(4);
+  made.islands_of_scan = 1 + dice.below(3);
   const std::uint64_t rarity = 1 + dice.below(60);
   for (std::uint32_t chain = 0; chain < made.options.chains; ++chain) {
     std::uint64_t lineage = 0;
@@ -54,31 +74,60 @@ Case random_case(Dice& dice) {
       if (dice.once_in(20)) lineage += 1 + dice.below(3);
       scan.lineage = lineage;
       scan.satisfied = dice.once_in(rarity);
+      if (made.options.has_islands) scan.method_values = random_islands(dice, made.islands_of_scan);
     }
   }
   return made;
 }
 
+struct Stop {
+  std::uint64_t end = 0;
+  std::optional<std::uint64_t> odds_from{};  ///< the first scan whose islands tell the odds
+};
+
+/// Whether the islands before `scans` say that `next_scans` more will know the odds.
+bool sizes_next_round(const Case& given, std::uint64_t scans, std::uint64_t next_scans) {
+  if (!given.options.stop.odds) return false;
+  std::vector<double> logs;
+  for (const std::vector<plan::ScanRecord>& records : given.results) {
+    for (std::uint64_t scan = 0; scan < std::min<std::uint64_t>(scans, records.size()); ++scan) {
+      const std::span<const double> values = records[scan].method_values;
+      for (std::size_t i = 0; i < values.size(); i += IslandEstimate::k_values)
+        logs.push_back(IslandEstimate::of(values.subspan(i)).log_satisfied);
+    }
+  }
+  const math::IslandOdds odds = math::island_odds(logs);
+  const std::uint64_t next = given.islands_of_scan * given.options.chains * next_scans;
+  return odds.is_half_known() &&
+         odds.log_error_of(static_cast<double>(next)) <= *given.options.stop.odds;
+}
+
+bool has_enough_solutions(const Case& given, std::uint64_t scans) {
+  std::set<std::pair<std::size_t, std::uint64_t>> solved;
+  for (std::size_t chain = 0; chain < given.results.size(); ++chain) {
+    for (std::uint64_t scan = 0; scan < scans; ++scan) {
+      const plan::ScanRecord& record = given.results[chain].at(scan);
+      if (record.satisfied) solved.emplace(chain, record.lineage);
+    }
+  }
+  const auto& wanted = given.options.stop.independent_solutions;
+  return wanted && solved.size() >= *wanted;
+}
+
 /// The reference: where the run must stop, from all results, by the rules as they are written.
-std::uint64_t scans_at_stop(const Case& given) {
+Stop stop_of(const Case& given) {
   const StopRule& stop = given.options.stop;
   std::uint64_t round_end = 0;
   std::uint64_t round_length = given.options.round_scans;
+  std::optional<std::uint64_t> sized_from;
   for (std::uint32_t round = 1;; ++round) {
     round_end += round_length;
     round_length *= 2;
-    if (stop.scans && *stop.scans <= round_end) return *stop.scans;
-    if (stop.rounds && *stop.rounds == round) return round_end;
-    std::set<std::pair<std::size_t, std::uint64_t>> solved;
-    for (std::size_t chain = 0; chain < given.results.size(); ++chain) {
-      for (std::uint64_t scan = 0; scan < round_end; ++scan) {
-        const plan::ScanRecord& record = given.results[chain].at(scan);
-        if (record.satisfied) solved.emplace(chain, record.lineage);
-      }
-    }
-    if (stop.independent_solutions && solved.size() >= *stop.independent_solutions) {
-      return round_end;
-    }
+    if (stop.scans && *stop.scans < round_end) return {.end = *stop.scans};
+    const bool is_last = sized_from || stop.scans == round_end || stop.rounds == round;
+    if (is_last) return {.end = round_end, .odds_from = sized_from};
+    if (has_enough_solutions(given, round_end)) return {.end = round_end};
+    if (sizes_next_round(given, round_end, round_length)) sized_from = round_end;
   }
 }
 
@@ -164,12 +213,26 @@ class Session {
   std::vector<plan::Unit> running_;
 };
 
-void expect_end(Session& session, const Case& given, std::uint64_t end) {
+/// From which island on the archive's odds count; none where it doesn't say.
+std::optional<double> odds_from_island(const plan::Report& report, std::uint32_t chains) {
+  for (const plan::Table& table : report.tables) {
+    if (table.name != "odds_from_island") continue;
+    EXPECT_EQ(table.values, std::vector<double>(chains, table.values.at(0)));
+    return table.values.at(0);
+  }
+  return std::nullopt;
+}
+
+void expect_end(Session& session, const Case& given, const Stop& stop) {
+  const std::uint64_t end = stop.end;
   EXPECT_TRUE(session.plan().finished());
   EXPECT_EQ(session.plan().scans_common(), end);
   EXPECT_EQ(session.plan().scans_consumed(), end * given.options.chains);
   EXPECT_EQ(session.plan().scans_total(), end * given.options.chains);
   EXPECT_EQ(session.plan().next_unit(1), std::nullopt);
+  std::optional<double> from;
+  if (stop.odds_from) from = static_cast<double>(*stop.odds_from * given.islands_of_scan);
+  EXPECT_EQ(odds_from_island(session.plan().report(), given.options.chains), from);
 }
 
 TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
@@ -179,13 +242,13 @@ TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(index);
     const Case given = random_case(dice);
-    const std::uint64_t end = scans_at_stop(given);
+    const Stop stop = stop_of(given);
     for (int repeat = 0; repeat < 4; ++repeat) {
       Session session(given, dice);
       session.run();
-      expect_end(session, given, end);
+      expect_end(session, given, stop);
       for (const std::uint64_t consumed : session.consumed())
-        EXPECT_EQ(consumed, end);
+        EXPECT_EQ(consumed, stop.end);
       if (HasFailure()) return;
     }
   }
@@ -198,14 +261,45 @@ TEST(IndependentChainsProperty, GoesOnFromAnyStoredResults) {
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_cases + index);
     const Case given = random_case(dice);
-    const std::uint64_t end = scans_at_stop(given);
-    const std::uint64_t most = dice.once_in(2) ? end : k_scans_max;
+    const Stop stop = stop_of(given);
+    const std::uint64_t most = dice.once_in(2) ? stop.end : k_scans_max;
     Session session(given, dice);
     for (std::uint32_t chain = 0; chain < given.options.chains; ++chain)
       session.replay(chain, dice.below(most + 1));
     session.run();
-    expect_end(session, given, end);
+    expect_end(session, given, stop);
     if (HasFailure()) return;
+  }
+}
+
+TEST(IndependentChainsProperty, ACutTellsOddsFromTheSameIsland) {
+  // Goal: a plan that ends by scans where the run was, or has got to, reports what the run did: so
+  // the request in an archive repeats it. Method: runs with the rule of odds, cut at their end and
+  // before; only a whole last round tells the odds.
+  std::uint64_t sized = 0;
+  for (const std::uint64_t index : property::cases(k_cases)) {
+    Dice dice(3 * k_cases + index);
+    Case given = random_case(dice);
+    given.options.stop.odds = 0.5;
+    if (!given.options.has_islands) continue;
+    const Stop stop = stop_of(given);
+    for (const std::uint64_t scans : {stop.end, 1 + dice.below(stop.end)}) {
+      Case cut = given;
+      cut.options.stop = {.scans = scans,
+                          .rounds = {},
+                          .independent_solutions = {},
+                          .odds = given.options.stop.odds};
+      Session session(cut, dice);
+      session.run();
+      Stop expected{.end = scans};
+      if (scans == stop.end) expected.odds_from = stop.odds_from;
+      expect_end(session, cut, expected);
+    }
+    sized += stop.odds_from ? 1 : 0;
+    if (HasFailure()) return;
+  }
+  if (property::all_cases()) {
+    EXPECT_GT(sized, k_cases / 20);
   }
 }
 
@@ -228,7 +322,7 @@ TEST(IndependentChainsProperty, GoesOnAfterAStop) {
     EXPECT_EQ(resumed.plan().scans_total(), stopped.plan().scans_total());
     for (Session* session : {&stopped, &resumed}) {
       session->run();
-      expect_end(*session, given, scans_at_stop(given));
+      expect_end(*session, given, stop_of(given));
     }
     if (HasFailure()) return;
   }

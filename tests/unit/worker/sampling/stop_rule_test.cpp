@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+#include <vector>
+
 namespace sleight::sampling {
 namespace {
 
@@ -54,6 +58,94 @@ TEST(StopJudge, FirstRuleEnds) {
   EXPECT_EQ(judge.end(), 25U);
 }
 
+/// So many islands of this spread, of which one has this share.
+math::IslandOdds islands(std::uint64_t count, double relative_sd, double largest_share = 0.05) {
+  return {.islands = count,
+          .log_mean = -200,
+          .relative_sd = relative_sd,
+          .largest_share = largest_share};
+}
+
+constexpr StopRule k_to_a_tenth{
+    .scans = {}, .rounds = {}, .independent_solutions = {}, .odds = 0.1};
+
+TEST(StopJudge, OddsSizeTheLastRound) {
+  // Goal: once the islands so far say that the next round's will do, that one is the last, whatever
+  // its own islands say. Method: rounds end at 17, 37, 77 and 157; six islands a scan of spread 2:
+  // it takes 400, the third round of 240 has too few and the fourth of 480 is enough.
+  StopJudge judge(k_to_a_tenth, 10, 7);
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> asked;
+  const auto odds = [&](std::uint64_t first, std::uint64_t end) {
+    asked.emplace_back(first, end);
+    return islands(6 * (end - first), 2);
+  };
+  EXPECT_EQ(judge.horizon(), 17U);
+  judge.judge(16, none, odds);
+  EXPECT_TRUE(asked.empty());
+  judge.judge(17, none, odds);
+  EXPECT_EQ(judge.horizon(), 37U);
+  judge.judge(76, none, odds);
+  EXPECT_EQ(judge.horizon(), 77U);
+  EXPECT_FALSE(judge.sized_round());
+  judge.judge(77, none, odds);
+  EXPECT_EQ(judge.horizon(), 157U);
+  EXPECT_EQ(judge.end(), 157U);
+  ASSERT_TRUE(judge.sized_round());
+  EXPECT_EQ(judge.sized_round()->first, 77U);
+  EXPECT_EQ(judge.sized_round()->end, 157U);
+  // The burn-in's islands do not size, and what the last round says changes nothing.
+  EXPECT_EQ(asked,
+            (std::vector<std::pair<std::uint64_t, std::uint64_t>>{{7, 17}, {7, 37}, {7, 77}}));
+  judge.judge(157, none, odds);
+  EXPECT_EQ(asked.size(), 3U);
+  EXPECT_EQ(judge.end(), 157U);
+  // At once, as after a replay.
+  StopJudge replayed(k_to_a_tenth, 10, 7);
+  replayed.judge(1000, none, odds);
+  EXPECT_EQ(replayed.end(), 157U);
+  EXPECT_EQ(replayed.sized_round()->first, 77U);
+}
+
+TEST(StopJudge, OddsAreSizedByWhatIsHalfKnownOnly) {
+  // Goal: too few islands, a heavy tail, or none that satisfies size nothing. Method: each, of no
+  // spread that would matter.
+  const auto sizes = [](const math::IslandOdds& odds) {
+    StopJudge judge(k_to_a_tenth, 10, 7);
+    judge.judge(17, none, [&](std::uint64_t, std::uint64_t) { return odds; });
+    return judge.sized_round().has_value();
+  };
+  EXPECT_TRUE(sizes(islands(60, 0.1)));
+  EXPECT_TRUE(sizes(islands(60, 0.1, 0.2)));
+  EXPECT_FALSE(sizes(islands(60, 0.1, 0.21)));
+  EXPECT_FALSE(sizes(islands(19, 0.1)));
+  EXPECT_FALSE(sizes(islands(60, std::nan(""), std::nan(""))));
+  EXPECT_FALSE(sizes({}));
+}
+
+TEST(StopJudge, OtherRulesMayEndASizedRound) {
+  // Goal: the first rule that holds ends the run, sized or not; solutions are not judged within
+  // the last round. Method: odds that size at the first end, 17, to end at 37.
+  const auto good = [](std::uint64_t, std::uint64_t) { return islands(60, 0.1); };
+  StopRule rule = k_to_a_tenth;
+  rule.scans = 30;
+  StopJudge cut(rule, 10, 7);
+  cut.judge(17, none, good);
+  EXPECT_EQ(cut.end(), 30U);
+  EXPECT_EQ(cut.sized_round()->end, 37U);
+  rule.scans = 37;
+  StopJudge whole(rule, 10, 7);
+  whole.judge(37, none, good);
+  EXPECT_EQ(whole.end(), 37U);
+  EXPECT_EQ(whole.sized_round()->end, 37U);
+  rule = k_to_a_tenth;
+  rule.independent_solutions = 1;
+  StopJudge solved(rule, 10, 7);
+  solved.judge(
+      17, [](std::uint64_t) -> std::uint64_t { return 1; }, good);
+  EXPECT_EQ(solved.end(), 17U);
+  EXPECT_FALSE(solved.sized_round());
+}
+
 TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
   // Goal: no endless loop. Method: the largest count reached without a solution.
   const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 1};
@@ -69,6 +161,8 @@ TEST(StopJudgeDeathTest, WantsARuleAndARound) {
                "check failed");
   EXPECT_DEATH(StopJudge({.scans = 1, .rounds = {}, .independent_solutions = {}}, 0),
                "check failed");
+  StopJudge without_islands(k_to_a_tenth, 10);
+  EXPECT_DEATH(without_islands.judge(10, none), "check failed");
 }
 
 }  // namespace

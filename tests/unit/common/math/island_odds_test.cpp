@@ -1,0 +1,130 @@
+#include "common/math/island_odds.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "common/random/linear_distributions.h"
+#include "common/random/stream.h"
+
+namespace sleight::math {
+namespace {
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+std::vector<double> logs_of(const std::vector<double>& estimates, double shift = 0) {
+  std::vector<double> logs;
+  for (const double estimate : estimates)
+    logs.push_back(std::log(estimate) + shift);
+  return logs;
+}
+
+TEST(IslandOdds, AreMeanErrorAndShare) {
+  // Goal: the textbook's mean, standard error over it, and largest share, in any order and far
+  // below what doubles hold. Method: 1, 2, 3 and 6 by hand: mean 3, variance 14 / 3.
+  for (const double shift : {0.0, -207.0, -5000.0, 5000.0}) {
+    for (const std::vector<double>& estimates :
+         {std::vector{1.0, 2.0, 3.0, 6.0}, std::vector{6.0, 3.0, 1.0, 2.0}}) {
+      const IslandOdds odds = island_odds(logs_of(estimates, shift));
+      EXPECT_EQ(odds.islands, 4U);
+      EXPECT_NEAR(odds.log_mean, std::log(3) + shift, 1e-12 * (1 + std::abs(shift)));
+      EXPECT_NEAR(odds.relative_sd, std::sqrt(14.0 / 3) / 3, 1e-11);
+      EXPECT_NEAR(odds.log_error(), std::sqrt(14.0 / 3) / 3 / 2, 1e-11);
+      EXPECT_NEAR(odds.log_error_of(16), std::sqrt(14.0 / 3) / 3 / 4, 1e-11);
+      EXPECT_NEAR(odds.largest_share, 0.5, 1e-11);
+    }
+  }
+}
+
+TEST(IslandOdds, IslandsWithoutASolutionCount) {
+  // Goal: an estimate of 0 is one. Method: two of four; mean 1/2, variance 1/3. All of four.
+  const IslandOdds half = island_odds(logs_of({0, 1, 0, 1}, -300));
+  EXPECT_NEAR(half.log_mean, std::log(0.5) - 300, 1e-11);
+  EXPECT_NEAR(half.relative_sd, 2 / std::sqrt(3.0), 1e-12);
+  const IslandOdds none = island_odds(logs_of({0, 0, 0, 0}));
+  EXPECT_EQ(none.islands, 4U);
+  EXPECT_EQ(none.log_mean, -k_infinity);
+  EXPECT_TRUE(std::isnan(none.relative_sd));
+  EXPECT_TRUE(std::isnan(none.largest_share));
+}
+
+TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
+  // Goal: too few, and numbers that no estimate has, are never known. Method: each.
+  EXPECT_TRUE(std::isnan(island_odds({}).log_mean));
+  const IslandOdds one = island_odds(logs_of({2}));
+  EXPECT_NEAR(one.log_mean, std::log(2), 1e-15);
+  EXPECT_EQ(one.largest_share, 1);
+  EXPECT_TRUE(std::isnan(one.log_error()));
+  for (const double bad : {std::nan(""), k_infinity}) {
+    std::vector<double> logs(100, -3);
+    EXPECT_TRUE(island_odds(logs).known());
+    logs[50] = bad;
+    EXPECT_TRUE(std::isnan(island_odds(logs).log_mean));
+    EXPECT_FALSE(island_odds(logs).known());
+    EXPECT_FALSE(island_odds(logs).is_half_known());
+  }
+  EXPECT_FALSE(island_odds(std::vector<double>(100, -k_infinity)).is_half_known());
+}
+
+TEST(IslandOdds, EqualIslandsHaveNoError) {
+  // Goal: no NaN from a variance that rounding makes negative. Method: equal numbers whose sums
+  // round.
+  for (const double log_estimate : {0.0, -0.1, -207.3, 1e300, -1e300}) {
+    const IslandOdds odds = island_odds(std::vector<double>(77, log_estimate));
+    EXPECT_TRUE(odds.known());
+    EXPECT_NEAR(odds.relative_sd, 0, 1e-7);
+    EXPECT_NEAR(odds.log_mean, log_estimate, 1e-14 * std::abs(log_estimate) + 1e-14);
+  }
+}
+
+TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
+  // Goal: both sides of each limit. Method: islands of 1, and one of them of `largest`.
+  const auto odds = [](std::size_t count, double largest) {
+    std::vector<double> estimates(count, 1);
+    estimates[count / 2] = largest;
+    return island_odds(logs_of(estimates));
+  };
+  EXPECT_TRUE(odds(k_islands_min, 1).known());
+  EXPECT_FALSE(odds(k_islands_min - 1, 1).known());
+  EXPECT_TRUE(odds(100, 10.9).known());   // of 109.9
+  EXPECT_FALSE(odds(100, 11.1).known());  // of 110.1
+  EXPECT_TRUE(odds(k_half_known_islands_min, 1).is_half_known());
+  EXPECT_FALSE(odds(k_half_known_islands_min - 1, 1).is_half_known());
+  EXPECT_TRUE(odds(101, 24.9).is_half_known());   // of 124.9
+  EXPECT_FALSE(odds(101, 25.1).is_half_known());  // of 125.1
+}
+
+TEST(IslandSums, AreThoseOfAllAtOnce) {
+  // Goal: one by one, wherever the largest comes, equals sums in long doubles. Method: normal logs
+  // in ascending, descending and random order.
+  random::Stream stream({.seed = 40417, .purpose = random::Purpose::prior}, 0);
+  std::vector<double> logs;
+  for (int i = 0; i < 500; ++i)
+    logs.push_back(random::Normal{.mean = -80, .sd = 2}.draw(stream));
+  long double sum = 0;
+  long double squares = 0;
+  for (const double log_estimate : logs) {
+    const long double estimate = std::exp(static_cast<long double>(log_estimate) + 80);
+    sum += estimate;
+    squares += estimate * estimate;
+  }
+  const long double mean = sum / 500;
+  const long double variance = (squares - 500 * mean * mean) / 499;
+  std::vector<double> ascending = logs;
+  std::sort(ascending.begin(), ascending.end());
+  for (const std::vector<double>& order :
+       {logs, ascending, std::vector<double>(ascending.rbegin(), ascending.rend())}) {
+    IslandSums sums;
+    for (const double log_estimate : order)
+      sums.add(log_estimate);
+    const IslandOdds odds = sums.odds();
+    EXPECT_NEAR(odds.log_mean, static_cast<double>(std::log(mean)) - 80, 1e-12);
+    EXPECT_NEAR(odds.relative_sd, static_cast<double>(std::sqrt(variance) / mean), 1e-10);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::math

@@ -1,0 +1,252 @@
+// Dice in stages: what a map of throws is worth, and that prefixes are what a whole simulation
+// says.
+#include "worker/worlds/dice/throw_stages.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/unit/worker/worlds/dice/support.h"
+#include "worker/sampling/stage_search.h"
+
+namespace sleight::worlds::dice {
+namespace {
+
+constexpr std::uint64_t k_seed = 20261124;
+
+Goal place_of(std::uint32_t die, double x_m, double y_m) {
+  return {.die = die, .wanted = Place{{x_m, y_m}}, .sigma = 0.01, .tolerance = 0.015};
+}
+
+/// Two dice beside each other, which shall end 60 mm apart.
+Parameters two_dice() {
+  Parameters parameters;
+  parameters.world.dice.assign(2, DieStart{});
+  parameters.world.dice[0].position_m.y() = -0.03;
+  parameters.world.dice[1].position_m.y() = 0.03;
+  parameters.goals = {place_of(0, 0.03, -0.03), place_of(1, 0.03, 0.03)};
+  return parameters;
+}
+
+std::vector<LoneThrow> throws_that_land_ahead(const DieStart& start, int count) {
+  // Lands where its speed carries it, half of a second's way on, give or take nothing.
+  std::vector<LoneThrow> throws;
+  random::Stream stream = testing::stream_of(k_seed, 1);
+  for (int i = 0; i < count; ++i) {
+    const DieThrow one = draw_throw(start, stream);
+    throws.push_back({.thrown = one, .misses = {{0.5 * one.velocity_mps.x() - 0.4, 0.001}}});
+  }
+  return throws;
+}
+
+TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
+  // Goal: the map leads to throws that miss little, and weighs them by p / q. Method: a die that
+  // lands half of a second's way ahead, wanted where one speed alone brings it, one standard
+  // deviation off: four in five of the draws have that speed, and the mean of p / q over them is 1.
+  const DieStart start;
+  const ThrowMap map(start, throws_that_land_ahead(start, 200));
+  ASSERT_FALSE(map.is_prior());
+  random::Stream stream = testing::stream_of(k_seed, 2);
+  constexpr int k_draws = 20'000;
+  int near = 0;
+  double sum = 0;
+  double squares = 0;
+  for (int i = 0; i < k_draws; ++i) {
+    const DieThrow one = map.draw(stream);
+    near += std::abs(one.velocity_mps.x() - 0.8) < 0.02 ? 1 : 0;
+    const double v = map.prior_over_q(one);
+    EXPECT_GT(v, 0);
+    EXPECT_LE(v, 1 / ThrowMap::k_prior_share);
+    sum += v;
+    squares += v * v;
+  }
+  EXPECT_GT(near / double{k_draws}, 0.75);
+  const double mean = sum / k_draws;
+  const double error = std::sqrt((squares / k_draws - mean * mean) / k_draws);
+  EXPECT_NEAR(mean, 1, 4 * error);
+  EXPECT_LT(error, 0.03) << "says little";
+}
+
+TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
+  // Goal: without goals that say where to, with too few throws, or with nothing random but the
+  // orientation, draws are the prior's and weigh 1. Method: each of these, number by number.
+  const DieStart start;
+  DieStart fixed;
+  fixed.position_sd_m = fixed.velocity_sd_mps = fixed.spin_sd_radps = {0, 0, 0};
+  std::vector<LoneThrow> aimless = throws_that_land_ahead(start, 200);
+  for (LoneThrow& one : aimless)
+    one.misses.clear();
+  for (const auto& [of, throws] :
+       {std::pair{start, aimless}, std::pair{start, throws_that_land_ahead(start, 20)},
+        std::pair{start, std::vector<LoneThrow>{}},
+        std::pair{fixed, throws_that_land_ahead(fixed, 200)}}) {
+    const ThrowMap map(of, throws);
+    EXPECT_TRUE(map.is_prior());
+    random::Stream by_map = testing::stream_of(k_seed, 3);
+    random::Stream by_prior = testing::stream_of(k_seed, 3);
+    for (int i = 0; i < 20; ++i) {
+      const DieThrow one = map.draw(by_map);
+      EXPECT_EQ(one, draw_throw(of, by_prior));
+      EXPECT_EQ(map.prior_over_q(one), 1);
+    }
+  }
+}
+
+TEST(ThrowMap, SurvivesThrowsThatSayNothing) {
+  // Goal: throws that are all alike, or miss by the same, make a map whose numbers are finite.
+  // Method: such throws; draws and their weights.
+  const DieStart start;
+  random::Stream stream = testing::stream_of(k_seed, 4);
+  const DieThrow one = draw_throw(start, stream);
+  const std::vector<LoneThrow> alike(200, LoneThrow{.thrown = one, .misses = {{0.1, 1e-6}}});
+  std::vector<LoneThrow> same_miss = throws_that_land_ahead(start, 200);
+  for (LoneThrow& each : same_miss)
+    each.misses = {{1e6, 1e-6}, {0, 1e-6}};
+  for (const auto& throws : {alike, same_miss}) {
+    const ThrowMap map(start, throws);
+    for (int i = 0; i < 200; ++i) {
+      const DieThrow drawn = map.draw(stream);
+      EXPECT_TRUE(std::isfinite(drawn.velocity_mps.x()));
+      const double v = map.prior_over_q(drawn);
+      EXPECT_TRUE(v >= 0 && v <= 1 / ThrowMap::k_prior_share) << v;
+    }
+  }
+}
+
+TEST(SignedMisses, AreAsLongAsDistances) {
+  // Goal: misses of places and velocities are their distances, with directions; regions are missed
+  // from their middles; faces and times have none. Method: two dice at known places.
+  const std::vector<Goal> goals{place_of(1, 0.1, -0.2),
+                                {.die = 0, .wanted = Region{{0, 0}, {0.2, 0.4}}, .sigma = 0.01},
+                                {.die = 0, .wanted = Velocity{{0.1, 0.2, 0.3}}, .sigma = 0.5},
+                                {.die = 0, .wanted = FaceDirection{.face = 2}},
+                                {.die = 0, .wanted = RestBefore{1}}};
+  Views views;
+  views.at_end.resize(2);
+  views.rest_s = {0.5, 0.5};
+  views.at_end[0].position_m = {0.3, 0.1, 0};
+  views.at_end[1].position_m = {0.4, 0.2, 0};
+  const auto misses = signed_misses(goals, views, {});
+  ASSERT_EQ(misses.size(), 2U + 2U + 3U);
+  EXPECT_NEAR(std::hypot(misses[0].by, misses[1].by), distance_of(goals[0], views, {}, 0), 1e-12);
+  EXPECT_NEAR(misses[0].by, 0.3, 1e-12);
+  EXPECT_NEAR(misses[2].by, 0.2, 1e-12);
+  EXPECT_NEAR(misses[3].by, -0.1, 1e-12);
+  EXPECT_NEAR(misses[2].sigma, 0.06, 1e-12);
+  EXPECT_EQ(misses[5].by, -0.2);
+  EXPECT_EQ(misses[5].sigma, 0.5);
+}
+
+TEST(StagedDice, PrefixesAreWholeSimulations) {
+  // Goal: a prefix of all stages is the state's own simulation, bit for bit, and one of the first
+  // die that of this die with its goals. Method: extended prefixes of free and given grounds.
+  const StagedDice world(two_dice());
+  auto guide = world.learn(k_seed);
+  guide.throws_of_pool = 3;
+  random::Stream stream = testing::stream_of(k_seed, 5);
+  for (int nth = 0; nth < 5; ++nth) {
+    const auto ground = world.draw_ground(guide, stream);
+    auto prefix = world.no_stages(guide, ground);
+    world.extend(guide, ground, 0, prefix, stream);
+    EXPECT_EQ(prefix.outcome.judgement.distances,
+              world.first(1).simulate(prefix.state).judgement.distances);
+    EXPECT_EQ(prefix.outcome.judgement.distances.size(), 1U);
+    EXPECT_GE(world.log_potential(guide, ground, prefix), guide.log_floor);
+    world.extend(guide, ground, 1, prefix, stream);
+    const State state = world.state_of(ground, prefix);
+    const Outcome fresh = world.simulate(state);
+    EXPECT_EQ(prefix.outcome.judgement.distances, fresh.judgement.distances);
+    EXPECT_EQ(prefix.outcome.end_s, fresh.end_s);
+    EXPECT_EQ(world.simulations_of(ground).size(), 6U);
+
+    // The same state again, by its own throws.
+    const auto given = world.ground_given(guide, state, stream);
+    auto again = world.no_stages(guide, given);
+    for (std::uint32_t stage = 0; stage < 2; ++stage) {
+      EXPECT_EQ(given.pools[stage].throws[0].thrown, state.dice[stage]);
+      world.extend_as(guide, given, state, stage, again);
+    }
+    EXPECT_EQ(world.state_of(given, again), state);
+    EXPECT_EQ(again.outcome.judgement.distances, fresh.judgement.distances);
+  }
+}
+
+TEST(StagedDice, GivenTablesKeepTheirOverrides) {
+  // Goal: a state's changed control points are part of its ground. Method: one is changed; the
+  // state that comes back has it, and its end is that of a fresh simulation.
+  const StagedDice world(two_dice());
+  auto guide = world.learn(k_seed);
+  guide.throws_of_pool = 2;
+  random::Stream stream = testing::stream_of(k_seed, 6);
+  State state = world.draw_prior(stream);
+  GridIndex index{};
+  index.i = 20;
+  index.j = 30;
+  SurfaceControl control = control_at(world.parameters().world, state, index);
+  control.height_m += 0.002;
+  state.overrides.push_back({index, control});
+  const auto ground = world.ground_given(guide, state, stream);
+  auto prefix = world.no_stages(guide, ground);
+  for (std::uint32_t stage = 0; stage < 2; ++stage)
+    world.extend_as(guide, ground, state, stage, prefix);
+  EXPECT_EQ(world.state_of(ground, prefix), state);
+  EXPECT_EQ(prefix.outcome.judgement.distances, world.simulate(state).judgement.distances);
+}
+
+TEST(StagedDice, WeightsOfAPoolAreItsSum) {
+  // Goal: throw j weighs S / (n g_j), of the pool alone. Method: by hand, of each throw chosen.
+  const StagedDice world(two_dice());
+  auto guide = world.learn(k_seed);
+  guide.throws_of_pool = 4;
+  random::Stream stream = testing::stream_of(k_seed, 7);
+  const auto ground = world.draw_ground(guide, stream);
+  double sum = 0;
+  for (const PoolThrow& one : ground.pools[0].throws) {
+    EXPECT_EQ(one.v, guide.maps[0].prior_over_q(one.thrown));
+    const State alone{ground.table_key, {}, {one.thrown}};
+    EXPECT_EQ(
+        one.log_guess,
+        std::max(guide.log_floor, world.alone(0).log_constraint(world.alone(0).simulate(alone))));
+    sum += one.v * std::exp(one.log_guess);
+  }
+  for (int nth = 0; nth < 10; ++nth) {
+    auto prefix = world.no_stages(guide, ground);
+    const double log_weight = world.extend(guide, ground, 0, prefix, stream).log_weight;
+    for (const PoolThrow& one : ground.pools[0].throws) {
+      if (one.thrown == prefix.state.dice[0]) {
+        EXPECT_NEAR(log_weight, std::log(sum / 4) - one.log_guess, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(ThrowBuilder, FindsThrowsThatEndAsWanted) {
+  // Goal: what a search of dice finds satisfies, by a fresh simulation, and is a throw of the
+  // prior's region; the same numbers find the same. Method: two dice, three starts.
+  const StagedDice world(two_dice());
+  const auto guide = world.learn(k_seed);
+  const ThrowBuilder builder = world.builder(guide);
+  int found = 0;
+  for (std::uint64_t start = 0; start < 3; ++start) {
+    random::Stream stream = testing::stream_of(k_seed, 100 + start);
+    random::Stream same = testing::stream_of(k_seed, 100 + start);
+    sampling::SearchEffort effort;
+    sampling::SearchEffort again;
+    const auto throw_found = sampling::search(builder, {}, stream, effort);
+    const auto found_again = sampling::search(builder, {}, same, again);
+    ASSERT_EQ(throw_found.has_value(), found_again.has_value());
+    EXPECT_EQ(effort.guesses, again.guesses);
+    EXPECT_GT(effort.guesses, 0U);
+    if (!throw_found) continue;
+    ++found;
+    EXPECT_EQ(throw_found->state, found_again->state);
+    EXPECT_TRUE(world.satisfied(world.simulate(throw_found->state)));
+    EXPECT_TRUE(std::isfinite(world.log_prior(throw_found->state)));
+  }
+  EXPECT_GT(found, 0);
+}
+
+}  // namespace
+}  // namespace sleight::worlds::dice
