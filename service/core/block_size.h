@@ -36,10 +36,12 @@ class BlockSize {
     std::uint64_t all = 1;
     std::uint64_t at_work = 1;
   };
-  /// What a block may have. `scans_max`: of one replica.
+  /// What a block may have. `scans_max`: of one replica, unless the coordinator could not keep up
+  /// with blocks so short.
   plan::BlockLimits limits(const Threads& threads, std::uint64_t scans_max) const;
-  /// A block with as many scans took so long. `moving`: those that made proposals; a start costs
-  /// next to nothing. A time that is none (it comes from another rank) is left out.
+  /// A block with as many scans took so long. `moving`: those that made proposals. A start costs
+  /// next to nothing, or as much as a scan where it is an island: it counts as long as nothing else
+  /// is known. A time that is none (it comes from another rank) is left out.
   void measured(std::uint64_t scans, std::uint64_t moving, double cost_s);
   /// A thread found no work although a plan goes on; or it found some.
   void starved() { slack_ = std::max(slack_ * k_narrowing, slack_min()); }
@@ -51,13 +53,15 @@ class BlockSize {
  private:
   static constexpr double k_narrowing = 0.7;
   static constexpr double k_widening = 1.01;
+  static constexpr double k_growth = 8;
   /// What least_s leaves of target_s: less would not show, and take long to come back from.
   double slack_min() const { return std::min(options_.least_s / options_.target_s, 1.0); }
   BlockSizeOptions options_;
   /// Scans that the blocks of a split ladder have on average, however many they may have.
   static constexpr double k_part_scans = 4;
   double scan_cost_s_ = 0;
-  double scans_max_ = 1;  ///< at most four times as many as some block had
+  double start_cost_s_ = 0;
+  double scans_max_ = 1;  ///< at most k_growth times as many as some block had
   double slack_ = 1;      ///< in [slack_min, 1]: smaller where workers waited
 };
 

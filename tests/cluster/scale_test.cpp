@@ -14,6 +14,7 @@
 #include "common/math/elementary.h"
 #include "tests/cluster/cluster.h"
 #include "tests/support/property.h"
+#include "worker/sampling/independent_chains.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 
@@ -102,6 +103,49 @@ TEST(Scale, AThousandWorkersAreBusy) {
     if (run.ladders >= run.workers) {
       EXPECT_GE(outcome.utilisation_amid, 0.95);
     }
+  }
+}
+
+/// Four chains of islands for each worker, whose scans take 9 ms on average.
+Case case_of_islands(std::uint32_t workers, double handling_s) {
+  sampling::IndependentChainsOptions options;
+  options.chains = 4 * workers;
+  options.round_scans = 25;
+  options.has_islands = true;
+  options.stop.scans = 100;
+  Case of;
+  Scenario& scenario = of.scenario;
+  scenario.method = Method::islands;
+  scenario.make_plan = [options] { return std::make_unique<sampling::IndependentChains>(options); };
+  scenario.workers = workers;
+  scenario.work.costs.least_s = 9e-3 / Costs{.seed = 1, .least_s = 1}.mean_s();
+  scenario.work.states_held_bytes = 1'000'000;
+  scenario.handling_s = handling_s;
+  scenario.scheduler.size.handling_s = handling_s;
+  scenario.hello_every_s = 10;
+  expect_serial(of);
+  return of;
+}
+
+TEST(Scale, IslandsKeepAThousandWorkersBusy) {
+  // Goal: chains of islands wait for nobody. Of 1,024 workers' time nearly all is used over a whole
+  // run of some 3.6 s, ramps at its ends included. What the first messages of all of them take the
+  // coordinator bounds it. Method: runs by how long a message takes; each comes to what the serial
+  // one does.
+  constexpr std::uint32_t k_workers = 1024;
+  struct Asked {
+    double handling_s;
+    double utilisation;
+  };
+  for (const Asked asked : {Asked{50e-6, 0.95}, Asked{10e-6, 0.97}}) {
+    const Case of = case_of_islands(k_workers, asked.handling_s);
+    const Outcome outcome = checked_run(of);
+    print_line(fmt::format(
+        "islands, {} workers, {:.0f} us a message: {:.1f}% amid the run, {:.1f}% over a whole run "
+        "of {:.2f} s, at best {:.2f} s",
+        k_workers, 1e6 * asked.handling_s, 100 * outcome.utilisation_amid,
+        100 * outcome.utilisation, outcome.end_s, of.work_s / k_workers));
+    EXPECT_GE(outcome.utilisation, asked.utilisation);
   }
 }
 

@@ -26,6 +26,17 @@ void choose_independent(Scenario& scenario, Dice& dice, std::uint64_t units) {
   options.chains = static_cast<std::uint32_t>(dice.log_uniform(workers / 4 + 1, 2 * workers + 1));
   const std::uint64_t scans = quotient_up(units, options.chains);
   options.round_scans = scans;
+  if (scenario.method == Method::islands) {
+    // Rounds that don't count come first.
+    options.has_islands = true;
+    options.round_scans = std::max<std::uint64_t>(scans / 8, 1);
+    options.burn_in_scans = options.round_scans;
+    options.stop.scans = scans + options.burn_in_scans;
+    scenario.make_plan = [options] {
+      return std::make_unique<sampling::IndependentChains>(options);
+    };
+    return;
+  }
   if (dice.chance(0.3)) options.anneal_scans = dice.whole(1, scans);
   switch (dice.whole(0, 2)) {
     case 0:
@@ -98,6 +109,7 @@ void choose_burnt_in(Scenario& scenario, Dice& dice, std::uint64_t units) {
 void choose_plan(Scenario& scenario, Dice dice, std::uint64_t units) {
   switch (scenario.method) {
     case Method::independent:
+    case Method::islands:
       return choose_independent(scenario, dice, units);
     case Method::tempering:
       return choose_tempering(scenario, dice, units);
@@ -119,14 +131,15 @@ core::SchedulerOptions scheduler_options(Dice& dice) {
   return options;
 }
 
-constexpr Method k_methods[] = {
-    Method::independent, Method::independent,         Method::tempering,          Method::tempering,
-    Method::tempering,   Method::simulated_tempering, Method::annealed_importance};
+constexpr Method k_methods[] = {Method::independent,        Method::islands,
+                                Method::tempering,          Method::tempering,
+                                Method::tempering,          Method::simulated_tempering,
+                                Method::annealed_importance};
 
 }  // namespace
 
 std::string Case::name() const {
-  static constexpr const char* k_names[] = {"independent chains", "parallel tempering",
+  static constexpr const char* k_names[] = {"independent chains", "islands", "parallel tempering",
                                             "simulated tempering", "annealed importance"};
   return fmt::format("{}, {} workers, {} scans, {} faults",
                      k_names[static_cast<std::size_t>(scenario.method)], scenario.workers,

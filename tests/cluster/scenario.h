@@ -22,7 +22,7 @@ inline constexpr std::uint32_t k_workers_max = 4096;
 /// A run has at least so many units (scans of one replica) for each worker.
 inline constexpr std::uint64_t k_units_per_worker = 20;
 
-enum class Method { independent, tempering, simulated_tempering, annealed_importance };
+enum class Method { independent, islands, tempering, simulated_tempering, annealed_importance };
 
 struct Scenario {
   std::uint64_t seed = 1;
