@@ -96,12 +96,23 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
                                summary.first_failure));
 }
 
+/// What the last starts of a search had in common.
+std::string why_it_gave_up(const plan::Finds& finds) {
+  if (finds.stuck_at.empty())
+    return fmt::format("{} starts in a row did not end as is wanted once all moved together.",
+                       sampling::k_starts_in_vain_max);
+  return fmt::format(
+      "Of {} starts in a row none got past {}: nothing that was tried there ended as is wanted. "
+      "`sleight check` prints what is asked for, limits of time included.",
+      sampling::k_starts_in_vain_max, finds.stuck_at);
+}
+
 /// Why there is no archive.
 std::string what_is_missing(const coordinator::RunSummary& summary) {
-  if (summary.progress.finds.is_all)
-    return summary.progress.finds.gave_up ? fmt::format("Nothing found in {} starts: no archive.",
-                                                        sampling::k_starts_in_vain_max)
-                                          : "Stopped before anything was found: no archive yet.";
+  const plan::Finds& finds = summary.progress.finds;
+  if (finds.is_all && finds.gave_up)
+    return fmt::format("Nothing found: no archive. {}", why_it_gave_up(finds));
+  if (finds.is_all) return "Stopped before anything was found: no archive yet.";
   return "Stopped before every chain had its first draw: no archive yet.";
 }
 
@@ -141,8 +152,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
                coordinator::grouped(summary.scans), request.sampler.seed, summary.digest);
   }
   if (!summary.digest.empty() && summary.progress.finds.gave_up)
-    fmt::print("The search gave up: its last {} starts found nothing.\n",
-               sampling::k_starts_in_vain_max);
+    fmt::print("The search gave up. {}\n", why_it_gave_up(summary.progress.finds));
   print_effort(summary);
   print_failures(arguments, summary);
   if (summary.end == coordinator::DriveEnd::simulation_failed) {

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/plan/block.h"
@@ -43,7 +44,10 @@ struct Finds {
   std::uint64_t found = 0;
   std::uint64_t wanted = 0;  ///< 0: nothing is searched for
   bool gave_up = false;      ///< too many starts in a row found nothing
-  bool is_all = false;       ///< no chains come after the search
+  /// Then, for people: at what the best of these were stuck, "ball 3 of 16"; empty if all stages
+  /// stood, and only the whole did not end as is wanted.
+  std::string stuck_at{};
+  bool is_all = false;  ///< no chains come after the search
 };
 
 class Plan {

@@ -34,7 +34,8 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
          "\"sequential\"");
   refuse("anneal_scans", !has_islands, "that has no islands");
   refuse("particles", has_islands, "\"sequential\"");
-  refuse("start", method == Method::metropolis_hastings, "\"metropolis_hastings\"");
+  refuse("start", method == Method::metropolis_hastings || method == Method::parallel_tempering,
+         "\"metropolis_hastings\" or \"parallel_tempering\"");
   refuse("lanes", ascends, "\"annealed_importance\"");
   refuse("steps_per_level", has_steps, "\"tempered_transitions\" or \"annealed_importance\"");
 }
@@ -102,7 +103,8 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
                                        Named<Start>{"search", Start::search}};
   sampler.choice(
       "start", p.start, std::span<const Named<Start>>(k_starts),
-      "where chains of metropolis_hastings start; from a search their burn-in is judged");
+      "where chains of metropolis_hastings and replicas of parallel_tempering start; from a search "
+      "their burn-in is judged");
   sampler.integer(
       "chains", p.chains,
       {.minimum = 1, .maximum = k_chains_max, .help = "chains, independent of each other"});
@@ -252,10 +254,13 @@ void check_odds(SectionBinders& sections, const DirectionRequest& request) {
   sections.stop.error("odds", "goes with method \"sequential\", whose islands tell the odds");
 }
 
-/// Burn-ins are judged over all chains, in rounds of their own.
+/// Burn-ins of plain chains are judged over all of them, in rounds of their own; those of ladders
+/// by where lineages began.
 void check_start(SectionBinders& sections, const DirectionRequest& request) {
   const SamplerParameters& p = request.sampler;
   if (p.start == Start::prior) return sections.sampler.settle("start", "");
+  if (p.anneal_scans) sections.sampler.error("anneal_scans", "does not go with start = \"search\"");
+  if (p.method == Method::parallel_tempering) return;
   constexpr std::uint32_t k_chains_judged_min = 2;
   constexpr std::uint32_t k_judged_round_min = 4;
   const std::string why = "start = \"search\"";
@@ -268,8 +273,6 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
     sections.sampler.error("round_scans",
                            fmt::format("must be at least {} with {}", k_judged_round_min, why));
   }
-  if (p.anneal_scans)
-    sections.sampler.error("anneal_scans", fmt::format("does not go with {}", why));
   if (request.stop.rounds) {
     sections.stop.error("rounds", fmt::format("does not go with {}: how many rounds a burn-in "
                                               "takes is judged; ask for independent_solutions",

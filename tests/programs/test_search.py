@@ -222,8 +222,24 @@ class Search(ProgramTest):
             'word = "I"', 'word = "I"\ntime_limit_s = 0.01'))
         output = self.path("never.h5")
         result = self.succeed(sleight("direct", request, "-o", output, "-q"))
-        self.assertIn("Nothing found", result.stdout)
+        self.assertIn("Nothing found: no archive. Of 64 starts in a row none got past ball 1 of 5: ",
+                      result.stdout)
         self.assertFalse(output.exists())
+        # A die that would have to come to rest ten metres away, after one that can do as is wanted.
+        request = self.path("far.toml")
+        request.write_text(DICE.replace("[stop]", """[[constraint.place]]
+die = 2
+x_mm = 10000
+y_mm = 0
+sigma_mm = 5
+tolerance_mm = 10
+[sampler]
+method = "search"
+[stop]
+found = 1
+"""))
+        result = self.succeed(sleight("direct", request, "-o", self.path("far.h5"), "-q"))
+        self.assertIn("none got past die 2 of 2: ", result.stdout)
 
     def test_bad_requests(self):
         for text, complaint in [

@@ -55,15 +55,16 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                                sampler.method != request::Method::annealed_importance;
   const bool is_tempered = sampler.method == request::Method::parallel_tempering;
   // Nor is it where burn-ins are judged as they go.
-  const bool is_judged = sampler.start == request::Start::search;
+  const bool starts_by_search = sampler.start == request::Start::search;
   return {.iterations_per_scan = sampler.iterations_per_scan,
-          .thin = scans_are_draws && !is_judged ? request.output.thin : 1,
+          .thin = scans_are_draws && !starts_by_search ? request.output.thin : 1,
           .first_draw = request::scans_before_draws(sampler),
           .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0,
           .particles = sampler.method == request::Method::sequential
                            ? sampler.particles.value_or(request::k_particles)
                            : 0,
-          .starts_by_search = is_judged,
+          .starts_by_search = starts_by_search,
+          .is_judged = starts_by_search && !is_tempered,
           .cache_bytes_max = resources.cache_bytes_max};
 }
 
@@ -116,7 +117,8 @@ sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,
           .ladder_adapts = true,
           .has_scale = world.kinds_with_scale(),
           .round_scans = sampler.round_scans,
-          .anneal_scans = sampler.anneal_scans.value_or(0)};
+          .anneal_scans = sampler.anneal_scans.value_or(0),
+          .starts_by_search = sampler.start == request::Start::search};
 }
 
 using GoOn = std::function<std::unique_ptr<sampling::ChainPart>(const sampling::BurnIn&)>;
@@ -198,8 +200,8 @@ std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
   auto chains = plan_of_chains(request, world, stop_of(request, cut));
   const std::uint64_t found = cut ? cut->found : request.stop.found.value_or(0);
   if (chains && found == 0) return chains;
-  return std::make_unique<sampling::SearchFirst>(sampling::SearchLanes(request.sampler.seed, found),
-                                                 std::move(chains));
+  return std::make_unique<sampling::SearchFirst>(
+      sampling::SearchLanes(request.sampler.seed, found, world.stage_names()), std::move(chains));
 }
 
 }  // namespace sleight::run

@@ -51,8 +51,10 @@ struct ChainWorkerOptions {
   std::uint64_t hot_thin = 0;
   /// Of the islands that end each scan (island_scan.h); 0: none do.
   std::uint32_t particles = 0;
-  /// Chains start from a search, and records have what their burn-in is judged by.
+  /// Chains start from a search: whole tours of them, or the first replicas of a ladder.
   bool starts_by_search = false;
+  /// Records have what a burn-in is judged by.
+  bool is_judged = false;
   /// Of samples held for their replicas' next units; 0: none are. Changes no result.
   std::size_t cache_bytes_max = k_cache_bytes_max;
 };
@@ -126,11 +128,16 @@ class ChainWorker final : public plan::UnitWorker {
   }
 
   /// A chain's state from islands, or from a search of its own: nothing where they give none.
-  std::optional<Sample> start_in_stages(Walk& walk, std::uint64_t scan, Counts& counts) const {
-    if (options_.particles == 0 && !options_.starts_by_search) return std::nullopt;
+  /// The hottest replica of a ladder, and those that join it later, draw from the prior.
+  std::optional<Sample> start_in_stages(Walk& walk, std::uint64_t scan, double beta,
+                                        Counts& counts) const {
+    const bool by_search =
+        options_.starts_by_search && (options_.is_judged || (scan == 0 && beta > 0));
+    if (options_.particles == 0 && !by_search) return std::nullopt;
     if constexpr (StagedWorld<W>) {
       const auto& guide = this->guide(walk.streams.seed);
-      if (walk.streams.chain.value == 0 && scan == 0) counts.add(world_.failures_of(guide));
+      const bool is_first = walk.streams.chain.value == 0 && scan == 0 && beta == 1;
+      if (is_first) counts.add(world_.failures_of(guide));
       if (options_.particles > 0) return islands(walk, counts).start();
       for (std::uint64_t nth = 0; nth < k_starts_max; ++nth) {
         sampling::SearchEffort effort;
@@ -160,9 +167,9 @@ class ChainWorker final : public plan::UnitWorker {
   }
 
   /// A new lineage: from islands or a search where the chain starts so, else from the prior.
-  void draw_afresh(Walk& walk, std::uint64_t scan, base::ReplicaId replica, Counts& counts) const {
-    walk.lineage = plan::lineage_from(replica, scan);
-    walk.current = start_in_stages(walk, scan, counts);
+  void draw_afresh(Walk& walk, std::uint64_t scan, double beta, Counts& counts) const {
+    walk.lineage = plan::lineage_from(walk.streams.replica, scan);
+    walk.current = start_in_stages(walk, scan, beta, counts);
     if (!walk.current)
       walk.current = sampling::draw_afresh(world_, walk.streams, scan, told(walk, counts));
   }
@@ -202,7 +209,7 @@ class ChainWorker final : public plan::UnitWorker {
       walk.method_values.clear();
       // One scan: a draw from the prior where it is the replica's first, or nothing constrains.
       if ((unit.starts && nth == 0) || beta == 0) {
-        draw_afresh(walk, number, unit.replica.replica, counts);
+        draw_afresh(walk, number, beta, counts);
       } else {
         scan(walk, unit, number, beta, counts);
       }
@@ -251,7 +258,7 @@ class ChainWorker final : public plan::UnitWorker {
     const bool keep_state = beta == 1 ? satisfied || is_thin : is_hot_thin;
     std::vector<double> method_values = walk.method_values;
     if constexpr (StagedWorld<W>)
-      if (options_.starts_by_search)
+      if (options_.is_judged)
         method_values = world_.burn_in_values_of(sample.state, sample.outcome);
     return {.log_prior = sample.log_prior,
             .log_constraint = sample.log_constraint,

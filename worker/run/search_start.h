@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,8 @@ concept StagedWorld = sampling::ActsInStages<W> &&
   /// What chains that start from a search are judged by (burn_in_judge.h), and of a state.
   { world.burn_in_values() } -> std::same_as<std::vector<sampling::BurnInValue>>;
   { world.burn_in_values_of(state, outcome) } -> std::same_as<std::vector<double>>;
+  /// For people: "ball 3 of 16".
+  { world.stage_name(std::uint32_t{}) } -> std::same_as<std::string>;
 };
 
 /// Starts of one chain at one scan, at most.
@@ -66,16 +69,20 @@ std::optional<sampling::Sample<W>> search_start(const W& world, const typename W
   return sampling::Sample<W>{std::move(state), std::move(outcome), log_prior, log_constraint};
 }
 
-/// A start's record. Without a find it has no densities.
+/// A start's record. Without a find it has no densities, but how many stages stood at most.
 template <StagedWorld W>
 plan::ScanRecord start_record(const W& world, const std::optional<sampling::Sample<W>>& find,
-                              std::uint64_t scan, const ScanCounts& counts) {
+                              std::uint64_t scan, std::uint32_t furthest,
+                              const ScanCounts& counts) {
   plan::ScanRecord record{.log_prior = sampling::k_log_zero,
                           .log_constraint = sampling::k_log_zero,
                           .lineage = scan,
                           .failures = counts.failures,
                           .overlapping_starts = counts.overlapping_starts};
-  if (!find) return record;
+  if (!find) {
+    record.method_values = {static_cast<double>(furthest)};
+    return record;
+  }
   record.log_prior = find->log_prior;
   record.log_constraint = find->log_constraint;
   record.satisfied = true;
@@ -103,7 +110,7 @@ plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, con
     counts.overlapping_starts = effort.overlapping_starts;
     counts.tell_failed(scan, result.failed);
     result.simulations += effort.simulations;
-    result.scans.push_back(start_record(world, find, scan, counts));
+    result.scans.push_back(start_record(world, find, scan, effort.furthest, counts));
   }
   return result;
 }

@@ -55,6 +55,15 @@ class EntryOf final : public WorldEntry {
     if constexpr (StagedWorld<World>) return World(parameters_).burn_in_values();
     return {};
   }
+  std::vector<std::string> stage_names() const override {
+    std::vector<std::string> names;
+    if constexpr (StagedWorld<World>) {
+      const World world(parameters_);
+      for (std::uint32_t stage = 0; stage < world.stages(); ++stage)
+        names.push_back(world.stage_name(stage));
+    }
+    return names;
+  }
 
  private:
   Parameters parameters_;

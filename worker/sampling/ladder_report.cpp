@@ -124,15 +124,23 @@ void write_rounds(Tables& tables) {
                    [](const RoundReport& round) {
                      return predicted_round_trip_rate(round.statistics.rejections());
                    });
-  tables.per_round(
-      "log_z", "log of the mean of the constraint's density under the prior, by stepping stones",
-      [](const RoundReport& round) { return round.statistics.log_z().value; });
-  tables.per_round("log_z_error", "its standard error, by jackknife",
-                   [](const RoundReport& round) { return round.statistics.log_z().error; });
-  tables.per_round("log_p_satisfied", "log of the probability that a prior draw satisfies",
-                   [](const RoundReport& round) { return round.statistics.log_satisfied().value; });
-  tables.per_round("log_p_satisfied_error", "its standard error, by jackknife",
-                   [](const RoundReport& round) { return round.statistics.log_satisfied().error; });
+}
+
+void write_odds(Tables& tables, std::uint64_t burnt_in_at) {
+  const auto estimate = [&](const char* name, const char* meaning, auto value) {
+    tables.per_round(name, meaning, [value, burnt_in_at](const RoundReport& round) {
+      return round.first_scan < burnt_in_at ? k_nan : value(round.statistics);
+    });
+  };
+  estimate("log_z",
+           "log of the mean of the constraint's density under the prior, by stepping stones",
+           [](const RoundStatistics& round) { return round.log_z().value; });
+  estimate("log_z_error", "its standard error, by jackknife",
+           [](const RoundStatistics& round) { return round.log_z().error; });
+  estimate("log_p_satisfied", "log of the probability that a prior draw satisfies",
+           [](const RoundStatistics& round) { return round.log_satisfied().value; });
+  estimate("log_p_satisfied_error", "its standard error, by jackknife",
+           [](const RoundStatistics& round) { return round.log_satisfied().error; });
 }
 
 void write_levels(Tables& tables) {
@@ -165,10 +173,11 @@ void write_levels(Tables& tables) {
 
 }  // namespace
 
-plan::Report report_of(std::span<const LadderRun* const> ladders) {
+plan::Report report_of(std::span<const LadderRun* const> ladders, std::uint64_t burnt_in_at) {
   Tables tables(ladders);
   if (tables.empty()) return {};
   write_rounds(tables);
+  write_odds(tables, burnt_in_at);
   write_levels(tables);
   return tables.finish();
 }

@@ -2,6 +2,7 @@
 // and ladders: a table's dimensions are those of the largest, and the rest is NaN.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "common/plan/report.h"
@@ -9,6 +10,7 @@
 
 namespace sleight::sampling {
 
-plan::Report report_of(std::span<const LadderRun* const> ladders);
+/// Rounds that begin before `burnt_in_at`, in scans, tell no log Z: their states know of a search.
+plan::Report report_of(std::span<const LadderRun* const> ladders, std::uint64_t burnt_in_at = 0);
 
 }  // namespace sleight::sampling

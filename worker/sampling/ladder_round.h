@@ -30,6 +30,8 @@ struct LadderOptions {
   /// Simulated annealing first: so many scans in which each replica goes from the prior to its own
   /// temperature in equal steps. They belong to no round.
   std::uint64_t anneal_scans = 0;
+  /// The first replicas start from searches, all but the hottest; then nothing is annealed.
+  bool starts_by_search = false;
 };
 
 /// What one round came to; of the present one, so far.

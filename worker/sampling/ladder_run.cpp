@@ -155,6 +155,17 @@ void LadderRun::settle(std::vector<std::uint32_t>& ready) {
   }
 }
 
+const Solutions& LadderRun::solutions_since(std::uint64_t first_scan) const {
+  const auto found = std::ranges::find(solutions_, first_scan, &SolutionsSince::first_scan);
+  CHECK(found != solutions_.end());
+  return found->since;
+}
+
+/// Of the first replicas all but the hottest begin with a search's find.
+bool LadderRun::began_by_search(std::uint64_t lineage) const {
+  return options_.starts_by_search && lineage != 0 && plan::scan_of_lineage(lineage) == 0;
+}
+
 /// Scans that all levels have are counted, in order.
 void LadderRun::retire() {
   while (!rows_.empty() && retired_ < round_end() &&
@@ -165,10 +176,12 @@ void LadderRun::retire() {
       const Result& result = *rows_.front().result[level];
       scan.push_back({.log_constraint = result.log_constraint, .satisfied = result.satisfied});
       round.counts[level].add(result.proposed, result.accepted);
+      if (began_by_search(result.lineage)) searched_until_ = retired_ + 1;
       count_trip(rows_.front().replica[level], level);
     }
     round.statistics.add(scan);
-    solutions_.add(retired_, *rows_.front().result.back());
+    for (SolutionsSince& solutions : solutions_)
+      solutions.since.add(retired_, *rows_.front().result.back());
     rows_.pop_front();
     ++retired_;
     records_counted_ += levels();
@@ -190,6 +203,7 @@ void LadderRun::count_trip(std::uint32_t id, std::uint32_t level) {
 /// All replicas have reached the round's end.
 void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
   rounds_.push_back(next_round(options_, rounds_.back()));
+  if (options_.starts_by_search) solutions_.push_back({.first_scan = retired_});
   const std::vector<std::uint32_t> at = replicas_of_new_round();
   flow_ = flow_of(options_, ladder());
   rows_.clear();

@@ -59,7 +59,14 @@ class LadderRun {
   std::uint64_t records_counted() const;
   /// Of all rounds.
   std::uint64_t round_trips() const;
-  const Solutions& solutions() const { return solutions_; }
+  const Solutions& solutions() const { return solutions_.front().since; }
+  /// Of lineages in the scans from a round's first one on. REQUIRES: replicas start from searches;
+  /// a round that has begun.
+  const Solutions& solutions_since(std::uint64_t first_scan) const;
+  /// The first scan at which no level's state descends from where a search has put a replica: all
+  /// levels' lineages have then begun at the hottest level, with a draw from the prior. It is as
+  /// far as is known: scans() if the last one had some.
+  std::uint64_t searched_until() const { return searched_until_; }
   /// All rounds, the present one last.
   const std::vector<RoundReport>& rounds() const { return rounds_; }
   std::uint32_t replicas() const { return static_cast<std::uint32_t>(replicas_.size()); }
@@ -106,6 +113,7 @@ class LadderRun {
   Row& row(std::uint64_t scan);
   void place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan);
   void settle(std::vector<std::uint32_t>& ready);
+  bool began_by_search(std::uint64_t lineage) const;
   void retire();
   void count_trip(std::uint32_t replica, std::uint32_t level);
   void begin_round(std::vector<std::uint32_t>& ready);
@@ -132,7 +140,13 @@ class LadderRun {
   std::uint64_t records_counted_ = 0;  ///< of rounds
   std::vector<RoundReport> rounds_;
   SwapFlow flow_;  ///< of the present round
-  Solutions solutions_;
+  struct SolutionsSince {
+    std::uint64_t first_scan = 0;
+    Solutions since{};
+  };
+  /// From the start on, and, of replicas that start from searches, from each round on.
+  std::vector<SolutionsSince> solutions_{1};
+  std::uint64_t searched_until_ = 0;
 };
 
 }  // namespace sleight::sampling

@@ -12,8 +12,12 @@ namespace sleight::sampling {
 
 ParallelTempering::ParallelTempering(const ParallelTemperingOptions& options)
     : anneal_scans_(options.ladder.anneal_scans),
+      round_scans_(options.ladder.round_scans),
+      starts_by_search_(options.ladder.starts_by_search),
       order_(options.ladders),
       stop_(options.stop, options.ladder.round_scans, options.ladder.anneal_scans) {
+  CHECK(!starts_by_search_ || anneal_scans_ == 0);
+  if (!starts_by_search_) burnt_in_at_ = anneal_scans_;
   LadderOptions ladder = options.ladder;
   for (std::uint32_t id = 0; id < options.ladders; ++id) {
     ladder.chain = base::ChainId{id};
@@ -43,12 +47,31 @@ void ParallelTempering::consume(plan::ReplicaKey replica, base::ScanIndex first_
   LadderRun& consumer = ladders_[replica.chain.value];
   consumer.consume(replica.replica, first_scan.value, records);
   order_.moved(replica.chain.value, consumer.scans());
-  stop_.judge(order_.least(), [&](std::uint64_t round_end) {
-    std::uint64_t solutions = 0;
-    for (const LadderRun& ladder : ladders_)
-      solutions += ladder.solutions().before(round_end);
-    return solutions;
-  });
+  judge_burn_in();
+  stop_.judge(order_.least(),
+              [this](std::uint64_t round_end) { return solutions_before(round_end); });
+}
+
+void ParallelTempering::judge_burn_in() {
+  while (!burnt_in_at_) {
+    const std::uint64_t round_end = scans_through_round(round_scans_, rounds_judged_ + 1);
+    if (round_end > order_.least()) return;
+    ++rounds_judged_;
+    const bool all_are_clean = std::ranges::all_of(
+        ladders_, [&](const LadderRun& ladder) { return ladder.searched_until() < round_end; });
+    if (all_are_clean) burnt_in_at_ = round_end;
+  }
+}
+
+std::uint64_t ParallelTempering::solutions_before(std::uint64_t scan) const {
+  if (!burnt_in_at_) return 0;
+  std::uint64_t sum = 0;
+  for (const LadderRun& ladder : ladders_) {
+    const Solutions& solutions =
+        starts_by_search_ ? ladder.solutions_since(*burnt_in_at_) : ladder.solutions();
+    sum += solutions.before(scan);
+  }
+  return sum;
 }
 
 bool ParallelTempering::finished() const {
@@ -61,14 +84,12 @@ std::uint64_t ParallelTempering::scans_common() const {
 
 plan::Draws ParallelTempering::draws() const {
   const std::uint64_t scans = scans_common();
-  return {.first_scan = anneal_scans_, .count = scans - std::min(scans, anneal_scans_)};
+  const std::uint64_t first_scan = burnt_in_at_.value_or(scans);
+  return {.first_scan = first_scan, .count = scans - std::min(scans, first_scan)};
 }
 
 std::uint64_t ParallelTempering::solutions_found() const {
-  std::uint64_t sum = 0;
-  for (const LadderRun& ladder : ladders_)
-    sum += ladder.solutions().count();
-  return sum;
+  return solutions_before(std::numeric_limits<std::uint64_t>::max());
 }
 
 std::uint64_t ParallelTempering::scans_consumed() const {
@@ -100,7 +121,7 @@ plan::Report ParallelTempering::report() const {
   std::vector<const LadderRun*> ladders;
   for (const LadderRun& ladder : ladders_)
     ladders.push_back(&ladder);
-  return report_of(ladders);
+  return report_of(ladders, starts_by_search_ ? burnt_in_at_.value_or(scans_common()) : 0);
 }
 
 }  // namespace sleight::sampling

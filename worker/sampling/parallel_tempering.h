@@ -1,5 +1,12 @@
 // Parallel tempering as a Plan: several independent ladders (ladder_run.h), each a chain of the
 // archive, whose draws are the states at inverse temperature 1.
+//
+// Replicas may start from searches, so that ladders know from their first round on what solutions
+// are like. Then they burn in: until the end of the first round whose last scan has no state, at
+// any level of any ladder, that descends from a search. Each replica has then been at the hottest
+// level, where it was drawn from the prior anew. Earlier scans are no draws, and neither their
+// solutions nor their log Z count. A ladder whose swaps don't bring all replicas there never burns
+// in.
 #pragma once
 
 #include <cstdint>
@@ -49,6 +56,15 @@ class ParallelTempering final : public plan::Plan {
 
  private:
   std::uint64_t anneal_scans_;
+  /// What follows from all ladders' having come so far.
+  void judge_burn_in();
+  std::uint64_t solutions_before(std::uint64_t scan) const;
+
+  std::uint64_t round_scans_;
+  bool starts_by_search_;
+  /// The end of the burn-in, in scans, once it is known; without a search there is none.
+  std::optional<std::uint64_t> burnt_in_at_;
+  std::uint32_t rounds_judged_ = 0;
   std::vector<LadderRun> ladders_;
   FurthestBehind order_;  ///< of ladders
   StopJudge stop_;

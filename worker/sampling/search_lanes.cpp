@@ -1,6 +1,7 @@
 #include "worker/sampling/search_lanes.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/check.h"
 
@@ -8,8 +9,12 @@ namespace sleight::sampling {
 
 using plan::k_search_lanes;
 
-SearchLanes::SearchLanes(std::uint64_t seed, std::uint64_t wanted)
-    : seed_(seed), lanes_(k_search_lanes), finds_{.wanted = wanted} {
+SearchLanes::SearchLanes(std::uint64_t seed, std::uint64_t wanted,
+                         std::vector<std::string> stage_names)
+    : seed_(seed),
+      stage_names_(std::move(stage_names)),
+      lanes_(k_search_lanes),
+      finds_{.wanted = wanted} {
   for (std::uint32_t lane = 0; lane < k_search_lanes; ++lane)
     idle_.emplace(0, lane);
 }
@@ -46,6 +51,9 @@ void SearchLanes::consume(base::ChainId chain, base::ScanIndex first_scan,
   if (lane.handed_out > lane.found.size()) out_ -= records.size();
   for (const plan::ScanRecord& record : records) {
     lane.found.push_back(record.satisfied);
+    lane.furthest.push_back(record.method_values.empty()
+                                ? 0
+                                : static_cast<std::uint32_t>(record.method_values.front()));
     if (record.satisfied) ++found_ahead_;
   }
   starts_ += records.size();
@@ -61,12 +69,16 @@ void SearchLanes::count() {
     if (scan >= lane.found.size()) return;
     ++counted_;
     ++in_vain_;
+    furthest_ = std::max(furthest_, lane.furthest[scan]);
     if (lane.found[scan]) {
       ++finds_.found;
       --found_ahead_;
       in_vain_ = 0;
+      furthest_ = 0;
     }
-    finds_.gave_up = in_vain_ >= k_starts_in_vain_max;
+    if (in_vain_ < k_starts_in_vain_max) continue;
+    finds_.gave_up = true;
+    if (furthest_ < stage_names_.size()) finds_.stuck_at = stage_names_[furthest_];
   }
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,8 +25,8 @@ inline constexpr std::uint64_t k_starts_in_vain_max = 64;
 
 class SearchLanes {
  public:
-  /// `wanted` finds; 0: nothing is searched for.
-  SearchLanes(std::uint64_t seed, std::uint64_t wanted);
+  /// `wanted` finds; 0: nothing is searched for. `stage_names`: of the world, for people.
+  SearchLanes(std::uint64_t seed, std::uint64_t wanted, std::vector<std::string> stage_names = {});
 
   static bool has(base::ChainId chain) { return chain.value >= plan::k_first_lane; }
   /// As Plan's.
@@ -40,7 +41,8 @@ class SearchLanes {
  private:
   struct Lane {
     std::uint64_t handed_out = 0;
-    std::vector<bool> found{};  ///< by scan consumed
+    std::vector<bool> found{};              ///< by scan consumed
+    std::vector<std::uint32_t> furthest{};  ///< likewise: stages that stood, of those in vain
   };
   using Next = std::pair<std::uint64_t, std::uint32_t>;  ///< (scan, lane)
 
@@ -48,11 +50,13 @@ class SearchLanes {
   void count();
 
   std::uint64_t seed_;
+  std::vector<std::string> stage_names_;
   std::vector<Lane> lanes_;
   std::set<Next> idle_;  ///< lanes with nothing out, by their next scans
   plan::Finds finds_;
-  std::uint64_t counted_ = 0;  ///< starts, of which finds_ tells
-  std::uint64_t in_vain_ = 0;  ///< of these, the last ones without a find
+  std::uint64_t counted_ = 0;   ///< starts, of which finds_ tells
+  std::uint64_t in_vain_ = 0;   ///< of these, the last ones without a find
+  std::uint32_t furthest_ = 0;  ///< stages that stood in these at most
   std::uint64_t starts_ = 0;
   std::uint64_t out_ = 0;          ///< starts handed out whose results have not come
   std::uint64_t found_ahead_ = 0;  ///< finds that do not count yet

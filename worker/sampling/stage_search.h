@@ -13,6 +13,7 @@
 // A builder is a world together with what it has learnt of itself. Thread safety: as the builder's.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <optional>
@@ -30,6 +31,7 @@ struct SearchEffort {
   std::uint64_t simulations = 0;  ///< of prefixes
   std::uint64_t guesses = 0;      ///< cheap simulations that say whether a try is worth one
   std::uint64_t steps_back = 0;
+  std::uint32_t furthest = 0;  ///< stages that stood at most
   std::uint64_t overlapping_starts = 0;
   std::vector<plan::FailurePointer> failures{};
 };
@@ -83,6 +85,7 @@ std::optional<typename B::Prefix> search(const B& builder, const SearchLimits& l
     auto longer = builder.attempt(prefixes.back(), stage, effort, stream);
     if (!longer) continue;
     prefixes.push_back(*std::move(longer));
+    effort.furthest = std::max(effort.furthest, stage + 1);
     tries_here = 0;
   }
 }

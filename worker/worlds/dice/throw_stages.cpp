@@ -1,5 +1,7 @@
 #include "worker/worlds/dice/throw_stages.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -40,6 +42,10 @@ StagedDice::StagedDice(const Parameters& parameters, Replays replays) : Dice(par
     first_.emplace_back(with_dice(parameters, 0, die + 1), replays);
     if (die > 0) alone_.emplace_back(with_dice(parameters, die, 1), replays);
   }
+}
+
+std::string StagedDice::stage_name(std::uint32_t stage) const {
+  return fmt::format("die {} of {}", stage + 1, stages());
 }
 
 ThrowGuide StagedDice::learn(std::uint64_t seed) const {

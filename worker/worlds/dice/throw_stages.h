@@ -30,6 +30,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/plan/failure.h"
@@ -102,6 +103,8 @@ class StagedDice : public Dice {
   Outcome simulate_to_rest(const State& state) const { return simulate(state); }
 
   std::uint32_t stages() const { return static_cast<std::uint32_t>(dice()); }
+  /// "die 2 of 6".
+  std::string stage_name(std::uint32_t stage) const;
   Ground draw_ground(const Guide& guide, random::Stream& stream) const;
   Ground ground_given(const Guide& guide, const State& state, random::Stream& stream) const;
   Prefix no_stages(const Guide& guide, const Ground& ground) const;

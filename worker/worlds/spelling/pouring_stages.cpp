@@ -1,5 +1,7 @@
 #include "worker/worlds/spelling/pouring_stages.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -38,6 +40,10 @@ double odds_of(const DropOdds& odds, const PoolDrop& drop, const std::vector<std
 }
 
 }  // namespace
+
+std::string StagedSpelling::stage_name(std::uint32_t stage) const {
+  return fmt::format("ball {} of {}", stage + 1, stages());
+}
 
 PouringGuide StagedSpelling::learn(std::uint64_t seed) const {
   const Landings landings = landings_of(*this, seed, k_landing_batches);

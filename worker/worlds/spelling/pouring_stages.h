@@ -38,6 +38,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/random/stream.h"
@@ -128,6 +129,8 @@ class StagedSpelling : public Spelling {
   std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
   std::uint32_t stages() const { return balls(); }
+  /// "ball 3 of 16".
+  std::string stage_name(std::uint32_t stage) const;
   Ground draw_ground(const Guide& guide, random::Stream& stream) const;
   Ground ground_given(const Guide& guide, const State& state, random::Stream& stream) const;
   Prefix no_stages(const Guide& guide, const Ground& ground) const;

@@ -171,7 +171,7 @@ TEST_F(Drive, UnitsFollowWhatScansCost) {
   (void)session(scans(40'000), {.seconds_per_scan = 1e-9});
   std::uint32_t largest = 1;
   for (const plan::Unit& unit : crew_->submitted()) {
-    EXPECT_LE(unit.scans, std::min(4 * largest, size.scans_max));
+    EXPECT_LE(unit.scans, std::min(8 * largest, size.scans_max));
     largest = std::max(largest, unit.scans);
   }
   EXPECT_EQ(largest, size.scans_max);

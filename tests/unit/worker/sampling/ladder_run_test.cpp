@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -59,6 +60,7 @@ Case random_case(Dice& dice) {
   if (dice.once_in(2)) stop.independent_solutions = 1 + dice.below(40);
   if (dice.once_in(2)) stop.rounds = static_cast<std::uint32_t>(1 + dice.below(3));
   if (dice.once_in(2) || !stop.rounds) stop.scans = 1 + dice.below(k_scans_max);
+  made.options.ladder.starts_by_search = dice.once_in(3);
   return made;
 }
 
@@ -76,22 +78,56 @@ std::vector<SlowLadder> slow_ladders(const Case& given, std::uint64_t scans) {
   return ladders;
 }
 
+std::uint64_t end_of_round(const Case& given, std::uint32_t round) {
+  return given.options.ladder.round_scans * ((std::uint64_t{1} << round) - 1);
+}
+
+/// The end of the first round whose last scan has no state that descends from a search's find; none
+/// among so many scans.
+std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<SlowLadder>& all,
+                                         std::uint64_t scans) {
+  if (!given.options.ladder.starts_by_search) return 0;
+  for (std::uint32_t round = 1; end_of_round(given, round) <= scans; ++round) {
+    const std::uint64_t end = end_of_round(given, round);
+    const auto descends = [&](const auto& run) {
+      const auto& [place, result] = run;
+      const std::uint64_t lineage = result.scans.front().lineage;
+      // The hottest replica's first state is a draw from the prior.
+      return place.second + 1 == end && lineage != plan::lineage_from(base::ReplicaId{0}, 0) &&
+             plan::scan_of_lineage(lineage) == 0;
+    };
+    if (std::ranges::none_of(all, [&](const SlowLadder& ladder) {
+          return std::ranges::any_of(ladder.results, descends);
+        }))
+      return end;
+  }
+  return std::nullopt;
+}
+
+/// Lineages that satisfied at inverse temperature 1 within these scans.
+std::uint64_t solutions_between(const SlowLadder& ladder, std::uint64_t first, std::uint64_t end) {
+  std::set<std::uint64_t> lineages;
+  for (const auto& [place, result] : ladder.results) {
+    const plan::ScanRecord& record = result.scans.front();
+    if (place.second >= first && place.second < end && record.satisfied &&
+        record.inverse_temperature == 1)
+      lineages.insert(record.lineage);
+  }
+  return lineages.size();
+}
+
 /// Where the run must stop, from all results, by the rules as they are written.
 std::uint64_t scans_at_stop(const Case& given) {
   const StopRule& stop = given.options.stop;
   const std::vector<SlowLadder> all = slow_ladders(given, k_scans_max);
-  std::uint64_t round_end = 0;
-  std::uint64_t round_length = given.options.ladder.round_scans;
+  const auto burnt_in = burnt_in_at(given, all, k_scans_max);
   for (std::uint32_t round = 1;; ++round) {
-    round_end += round_length;
-    round_length *= 2;
+    const std::uint64_t round_end = end_of_round(given, round);
     if (stop.scans && *stop.scans <= round_end) return *stop.scans;
     if (stop.rounds && *stop.rounds == round) return round_end;
     std::uint64_t solutions = 0;
-    for (const SlowLadder& ladder : all) {
-      solutions += static_cast<std::uint64_t>(std::ranges::count_if(
-          ladder.solutions, [&](std::uint64_t scan) { return scan < round_end; }));
-    }
+    for (const SlowLadder& ladder : all)
+      solutions += burnt_in ? solutions_between(ladder, *burnt_in, round_end) : 0;
     if (stop.independent_solutions && solutions >= *stop.independent_solutions) return round_end;
   }
 }
@@ -191,12 +227,34 @@ class Session {
   std::vector<plan::UnitResult> running_;
 };
 
-void expect_end(Session& session, const std::vector<SlowLadder>& expected, std::uint64_t end) {
+/// Rounds of the burn-in say nothing of the odds, all others do.
+void expect_odds_after(const plan::Report& report, const std::vector<SlowLadder>& expected,
+                       std::uint64_t burnt_in) {
+  const auto table = std::ranges::find(report.tables, "log_z", &plan::Table::name);
+  ASSERT_NE(table, report.tables.end());
+  const std::size_t rounds = table->dims[1].second;
+  for (std::size_t l = 0; l < expected.size(); ++l) {
+    for (std::size_t r = 0; r < rounds; ++r) {
+      const bool is_begun =
+          r < expected[l].rounds.size() && expected[l].rounds[r].statistics.scans() > 0;
+      const bool tells = is_begun && expected[l].rounds[r].first_scan >= burnt_in;
+      const double value = table->values[l * rounds + r];
+      EXPECT_EQ(std::isnan(value), !tells) << l << ' ' << r;
+      if (tells) {
+        EXPECT_EQ(value, expected[l].rounds[r].statistics.log_z().value);
+      }
+    }
+  }
+}
+
+void expect_end(const Case& given, Session& session, const std::vector<SlowLadder>& expected,
+                std::uint64_t end) {
   ParallelTempering& plan = session.plan();
   EXPECT_TRUE(plan.finished());
   EXPECT_EQ(plan.scans_common(), end);
   EXPECT_EQ(plan.next_unit(1), std::nullopt);
   session.expect_all_ran();
+  const auto burnt_in = burnt_in_at(given, expected, end);
   std::uint64_t solutions = 0;
   std::uint64_t scans = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -205,9 +263,12 @@ void expect_end(Session& session, const std::vector<SlowLadder>& expected, std::
     EXPECT_EQ(ladder.solutions().scans(), expected[i].solutions);
     EXPECT_EQ(fingerprint(ladder.rounds(), ladder.solutions().scans()),
               fingerprint(expected[i].rounds, expected[i].solutions));
-    solutions += expected[i].solutions.size();
+    solutions += burnt_in ? solutions_between(expected[i], *burnt_in, end) : 0;
     scans += expected[i].units.size();
   }
+  EXPECT_EQ(plan.draws().first_scan, burnt_in.value_or(end));
+  EXPECT_EQ(plan.draws().count, end - std::min(end, burnt_in.value_or(end)));
+  expect_odds_after(plan.report(), expected, burnt_in.value_or(end));
   EXPECT_EQ(plan.solutions_found(), solutions);
   EXPECT_EQ(plan.scans_consumed(), scans);
   EXPECT_EQ(plan.scans_total(), scans);
@@ -232,6 +293,7 @@ TEST(LadderRun, EqualsTheLockstepReference) {
   // the order in which units complete. Method: random cases with ladders that grow and shrink,
   // results that remember all that units said, several random sessions of each.
   std::set<std::size_t> level_counts;
+  std::uint64_t burn_ins = 0;
   bool grew = false;
   bool shrank = false;
   std::uint64_t trips = 0;
@@ -243,9 +305,10 @@ TEST(LadderRun, EqualsTheLockstepReference) {
     for (int repeat = 0; repeat < 3; ++repeat) {
       Session session(given, expected, dice);
       session.run();
-      expect_end(session, expected, end);
+      expect_end(given, session, expected, end);
       if (HasFailure()) return;
     }
+    burn_ins += burnt_in_at(given, expected, end).value_or(0) > 0 ? 1 : 0;
     for (const SlowLadder& ladder : expected) {
       for (std::size_t r = 0; r < ladder.rounds.size(); ++r) {
         const std::size_t levels = ladder.rounds[r].counts.size();
@@ -259,6 +322,7 @@ TEST(LadderRun, EqualsTheLockstepReference) {
   }
   if (!property::all_cases()) return;
   // The cases have in them what the test is for.
+  EXPECT_GE(burn_ins, 5U);
   EXPECT_TRUE(grew);
   EXPECT_TRUE(shrank);
   EXPECT_GE(level_counts.size(), 6U);
@@ -286,7 +350,7 @@ TEST(LadderRun, GoesOnFromAnyStoredResults) {
     EXPECT_EQ(resumed.plan().solutions_found(), stopped.plan().solutions_found());
     expect_equal(resumed.plan().report(), stopped.plan().report());
     resumed.run();
-    expect_end(resumed, expected, end);
+    expect_end(given, resumed, expected, end);
     if (HasFailure()) return;
   }
 }
@@ -313,7 +377,7 @@ TEST(LadderRun, CutAtAnyScanIsTheRunOfThatManyScans) {
     const std::vector<SlowLadder> expected_shorter = slow_ladders(shorter, cut);
     Session learner(shorter, expected_shorter, dice);
     learner.replay(kept, true);
-    expect_end(learner, expected_shorter, cut);
+    expect_end(shorter, learner, expected_shorter, cut);
     Session direct(shorter, expected_shorter, dice);
     direct.run();
     expect_equal(learner.plan().report(), direct.plan().report());
@@ -336,7 +400,7 @@ TEST(LadderRun, KnowsHowMuchThereIsToDo) {
     ASSERT_EQ(session.plan().scans_total(), 2U * 4 * 50);
     session.run(1);
   }
-  expect_end(session, expected, 50);
+  expect_end(given, session, expected, 50);
 }
 
 }  // namespace

@@ -135,6 +135,32 @@ TEST(SearchLanes, GivesUpWhenNothingIsFound) {
   EXPECT_FALSE(late.finds().gave_up);
 }
 
+TEST(SearchLanes, SaysWhatTheyAreStuckAt) {
+  // Goal: a search that gives up names the stage that the best of its last starts were stuck at,
+  // and no stage where all stood. Method: starts in vain with more and fewer stages, a find among
+  // them.
+  const auto stuck_at = [](std::uint32_t furthest_before_find, std::uint32_t furthest_after) {
+    SearchLanes lanes(1, 5, {"ball 1", "ball 2", "ball 3"});
+    for (std::uint64_t scan = 0; !lanes.finished(); ++scan) {
+      for (std::uint32_t lane = 0; lane < plan::k_search_lanes; ++lane) {
+        std::vector<plan::ScanRecord> start(1);
+        const std::uint64_t number = scan * plan::k_search_lanes + lane;
+        start[0].satisfied = number == 20;
+        const std::uint32_t furthest = number < 20 ? furthest_before_find : furthest_after;
+        if (number != 20)
+          start[0].method_values = {static_cast<double>(number % 7 == 0 ? furthest : 0)};
+        lanes.consume(base::ChainId{plan::k_first_lane + lane}, base::ScanIndex{scan}, start);
+      }
+    }
+    EXPECT_TRUE(lanes.finds().gave_up);
+    return lanes.finds().stuck_at;
+  };
+  EXPECT_EQ(stuck_at(0, 0), "ball 1");
+  EXPECT_EQ(stuck_at(3, 1), "ball 2");
+  EXPECT_EQ(stuck_at(1, 2), "ball 3");
+  EXPECT_EQ(stuck_at(1, 3), "");
+}
+
 /// One chain of three scans.
 class ThreeScans final : public plan::Plan {
  public:
