@@ -53,7 +53,7 @@ std::optional<sampling::Sample<W>> search_start(const W& world, const typename W
                                                 sampling::SearchEffort& effort) {
   random::Stream stream = streams.at(random::Purpose::search, number);
   const auto builder = world.builder(guide);
-  const auto prefix = sampling::search(builder, sampling::SearchLimits{}, stream, effort);
+  const auto prefix = sampling::search(builder, builder.limits(), stream, effort);
   if (!prefix) return std::nullopt;
   typename W::State state = builder.state_of(*prefix);
   ++effort.simulations;

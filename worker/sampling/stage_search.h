@@ -36,11 +36,17 @@ struct SearchEffort {
   std::vector<plan::FailurePointer> failures{};
 };
 
+struct SearchLimits {
+  std::uint32_t tries_of_stage = 200;  ///< then the stage before is taken back
+  std::uint32_t turns_per_stage = 40;  ///< tries and steps back; all stages' together: it gives up
+};
+
 template <class B>
 concept StageBuilder = std::copyable<typename B::Prefix> &&
     requires(const B& builder, const typename B::Prefix& prefix, std::uint32_t stage,
              SearchEffort& effort, random::Stream& stream) {
   { builder.stages() } -> std::same_as<std::uint32_t>;
+  { builder.limits() } -> std::same_as<SearchLimits>;
   /// The prefix without stages, on a ground of the prior.
   { builder.start(stream) } -> std::same_as<typename B::Prefix>;
   /// One try at the stage after a prefix of `stage` stages; nothing if it isn't promising. Counts
@@ -50,11 +56,6 @@ concept StageBuilder = std::copyable<typename B::Prefix> &&
     } -> std::same_as<std::optional<typename B::Prefix>>;
   /// REQUIRES: the prefix has all stages.
   { builder.is_solution(prefix) } -> std::same_as<bool>;
-};
-
-struct SearchLimits {
-  std::uint32_t tries_of_stage = 200;  ///< then the stage before is taken back
-  std::uint32_t turns_per_stage = 40;  ///< tries and steps back; all stages' together: it gives up
 };
 
 /// All random numbers come from the stream. Nothing, when it gave up.

@@ -56,15 +56,19 @@ std::optional<ThrowBuilder::Lone> ThrowBuilder::promising_throw(const Prefix& pr
   Lone best{.state = {}, .outcome = {}, .log_target = sampling::k_log_zero};
   for (std::uint32_t nth = 0; nth < k_draws; ++nth) {
     state.dice = {guide_->maps[die].draw(stream)};
+    if (!guide_->maps[die].is_plausible(state.dice.front())) continue;
     Lone lone = looked_at(die, state, effort);
     if (world.satisfied(lone.outcome)) return lone;
-    if (nth == 0 || lone.log_target > best.log_target) best = std::move(lone);
+    if (best.state.dice.empty() || lone.log_target > best.log_target) best = std::move(lone);
   }
+
+  if (best.state.dice.empty()) return std::nullopt;
 
   // Change the best of these, a component at a time.
   for (std::uint32_t step = 0; step < k_walk_steps; ++step) {
-    Lone lone = looked_at(
-        die, propose(one_start, best.state, best.outcome.contacts, {}, stream).candidate, effort);
+    State changed = propose(one_start, best.state, best.outcome.contacts, {}, stream).candidate;
+    if (!guide_->maps[die].is_plausible(changed.dice.front())) continue;
+    Lone lone = looked_at(die, std::move(changed), effort);
     if (world.satisfied(lone.outcome)) return lone;
     const double log_u = math::log(stream.uniform());
     if (lone.log_target - best.log_target > log_u) best = std::move(lone);

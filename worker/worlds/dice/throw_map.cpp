@@ -97,6 +97,16 @@ ThrowMap::Scores ThrowMap::scores_of(const DieThrow& one) const {
   return scores;
 }
 
+bool ThrowMap::is_plausible(const DieThrow& one) const {
+  const double t = math::log(1e4);
+  const auto n = static_cast<double>(components_.size());
+  const Scores scores = scores_of(one);
+  double squares = 0;
+  for (std::size_t i = 0; i < components_.size(); ++i)
+    squares += scores[i] * scores[i];
+  return squares <= n + 2 * std::sqrt(n * t) + 2 * t;
+}
+
 void ThrowMap::learn(std::span<const LoneThrow> throws) {
   if (components_.empty() || throws.empty() || throws.front().misses.empty()) return;
   const std::size_t scores = components_.size();

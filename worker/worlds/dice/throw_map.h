@@ -43,6 +43,11 @@ class ThrowMap {
   /// v = p / q. REQUIRES: the components that are fixed are as the start has them.
   double prior_over_q(const DieThrow& one) const;
   bool is_prior() const { return is_prior_; }
+  /// Not so if fewer than one in 10,000 throws of the prior are as far from the start's means: the
+  /// squares of n scores add up to n + 2 sqrt(n t) + 2 t with probability e^-t at most (B. Laurent,
+  /// P. Massart, Adaptive estimation of a quadratic functional by model selection, Annals of
+  /// Statistics 28, 2000, lemma 1).
+  bool is_plausible(const DieThrow& one) const;
 
  private:
   /// Position, velocity and spin along three axes.

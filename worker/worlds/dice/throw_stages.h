@@ -147,6 +147,8 @@ class ThrowBuilder {
   ThrowBuilder(const StagedDice& world, const ThrowGuide& guide);
 
   std::uint32_t stages() const { return world_->stages(); }
+  /// A try is a walk of many simulations.
+  sampling::SearchLimits limits() const { return {.tries_of_stage = 10, .turns_per_stage = 10}; }
   /// A table of the prior without dice.
   Prefix start(random::Stream& stream) const;
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,

@@ -32,6 +32,7 @@ class PouringBuilder {
       : world_(&world), drops_(world, map) {}
 
   std::uint32_t stages() const { return world_->balls(); }
+  sampling::SearchLimits limits() const { return {}; }
   /// A box of the prior without balls.
   Prefix start(random::Stream& stream) const;
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,

@@ -18,6 +18,7 @@ struct SearchedToy : StagedToy {
   struct Builder {
     using Prefix = StagedToy::Prefix;
     std::uint32_t stages() const { return k_stages; }
+    static sampling::SearchLimits limits() { return {}; }
     Prefix start(random::Stream& stream) const {
       const Ground ground = StagedToy{}.draw_ground({}, stream);
       return StagedToy{}.no_stages({}, ground);

@@ -18,6 +18,7 @@ struct Lock {
   bool has_a_solution = true;
 
   std::uint32_t stages() const { return digits; }
+  static SearchLimits limits() { return {}; }
   Prefix start(random::Stream&) const { return {}; }
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage, SearchEffort& effort,
                                 random::Stream& stream) const {
