@@ -59,6 +59,27 @@ up = 1
 [stop]
 """
 
+TEMPERED = """
+[world]
+name = "dice"
+[[constraint.face]]
+up = 6
+[[constraint.place]]
+x_mm = 30
+y_mm = 0
+sigma_mm = 5
+tolerance_mm = 10
+[sampler]
+method = "parallel_tempering"
+start = "search"
+chains = 2
+round_scans = 20
+[stop]
+rounds = 5
+[output]
+thin = 1
+"""
+
 ODDS = """
 [world]
 name = "spelling"
@@ -171,6 +192,22 @@ class Search(ProgramTest):
         self.assertIn("3, not in the model's proportions",
                       sleight("archive", "info", self.path("one.h5")).stdout)
 
+    def test_ladders_from_searches_burn_in(self):
+        request = self.path("tempered.toml")
+        request.write_text(TEMPERED)
+        output = self.path("tempered.h5")
+        self.direct(request, output, "-j", "1")
+        self.succeed(run(harness.batch(3, request, self.path("ranks.h5"), "-q")))
+        self.assertEqual(self.digest(self.path("ranks.h5")), self.digest(output))
+        with h5py.File(output) as archive:
+            log_z = archive["tempering/log_z"][:]
+            begins = archive["tempering/first_scan"][:]
+            draws = archive["posterior/draw"].size
+            # Rounds that know of a search tell no log Z and have no draws; later ones do.
+            burnt_in = 20 * 31 - draws
+            self.assertIn(burnt_in, [20, 60, 140, 300])
+            self.assertTrue((numpy.isnan(log_z) == (begins < burnt_in)).all())
+
     def test_islands_tell_the_odds(self):
         request = self.path("odds.toml")
         request.write_text(ODDS)
@@ -236,7 +273,7 @@ tolerance_mm = 10
 [sampler]
 method = "search"
 [stop]
-found = 1
+found = 8
 """))
         result = self.succeed(sleight("direct", request, "-o", self.path("far.h5"), "-q"))
         self.assertIn("none got past die 2 of 2: ", result.stdout)
