@@ -35,18 +35,28 @@ constexpr int k_bad_archive = static_cast<int>(base::ExitCode::bad_archive);
 constexpr std::uint64_t k_batch = 65536;
 
 /// Sum over a whole dataset of /sample_stats without holding it.
-double sum_of(const archive::Source& source, std::string_view dataset) {
+struct Sum {
+  double value = 0;
+  std::uint64_t count = 0;  ///< of what is there: NaN stands for nothing
+  double mean() const { return value / static_cast<double>(count); }
+};
+
+Sum sum_of(const archive::Source& source, std::string_view dataset) {
   const std::uint64_t count = stats_size(source, dataset);
-  double sum = 0;
+  Sum sum;
   for (std::uint64_t first = 0; first < count; first += k_batch) {
     const archive::Values values =
         source.read(archive::k_sample_stats, dataset, first, std::min(k_batch, count - first));
     if (const auto* doubles = std::get_if<std::vector<double>>(&values)) {
-      for (const double value : *doubles)
-        sum += std::isnan(value) ? 0 : value;
+      for (const double value : *doubles) {
+        if (std::isnan(value)) continue;
+        sum.value += value;
+        ++sum.count;
+      }
     } else if (const auto* flags = std::get_if<std::vector<std::int8_t>>(&values)) {
       for (const std::int8_t value : *flags)
-        sum += value;
+        sum.value += value;
+      sum.count += flags->size();
     }
   }
   return sum;
@@ -102,11 +112,9 @@ Facts facts_of(const archive::Source& source) {
   const std::uint64_t scans = facts.summary.chains * facts.summary.scans;
   if (scans == 0) return facts;
   facts.odds = odds_of(source, facts.summary);
-  facts.satisfied = sum_of(source, "satisfied") / static_cast<double>(scans);
-  const std::uint64_t moving = facts.summary.chains * (facts.summary.scans - 1);
-  if (moving > 0) {
-    facts.acceptance = sum_of(source, "acceptance_rate") / static_cast<double>(moving);
-  }
+  facts.satisfied = sum_of(source, "satisfied").value / static_cast<double>(scans);
+  const Sum acceptance = sum_of(source, "acceptance_rate");
+  if (acceptance.count > 0) facts.acceptance = acceptance.mean();
   return facts;
 }
 

@@ -200,13 +200,17 @@ class Search(ProgramTest):
         self.succeed(run(harness.batch(3, request, self.path("ranks.h5"), "-q")))
         self.assertEqual(self.digest(self.path("ranks.h5")), self.digest(output))
         with h5py.File(output) as archive:
-            log_z = archive["tempering/log_z"][:]
-            begins = archive["tempering/first_scan"][:]
-            draws = archive["posterior/draw"].size
-            # Rounds that know of a search tell no log Z and have no draws; later ones do.
-            burnt_in = 20 * 31 - draws
+            # Rounds that know of a search are not told, and have no draws; later ones are and do.
+            burnt_in = 20 * 31 - archive["posterior/draw"].size
             self.assertIn(burnt_in, [20, 60, 140, 300])
-            self.assertTrue((numpy.isnan(log_z) == (begins < burnt_in)).all())
+            begins = archive["tempering/first_scan"][:]
+            self.assertTrue((begins[:, 0] == burnt_in).all())
+            self.assertTrue(numpy.isfinite(archive["tempering/log_z"][:]).all())
+        info = sleight("archive", "info", output)
+        self.assertEqual(info.returncode, 0, info.stderr)
+        self.assertIn("log Z", info.stdout)
+        judged = sleight("diagnose", output)
+        self.assertIn(judged.returncode, (0, 7), judged.stderr)  # sampled well enough, or not
 
     def test_islands_tell_the_odds(self):
         request = self.path("odds.toml")

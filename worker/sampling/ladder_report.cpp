@@ -21,18 +21,21 @@ struct Sizes {
   std::size_t kinds = 0;
 };
 
-/// Rounds that have a scan.
-std::span<const RoundReport> begun(const LadderRun& ladder) {
+/// Rounds that have a scan, from a scan on.
+std::span<const RoundReport> begun(const LadderRun& ladder, std::uint64_t first_scan) {
   const std::vector<RoundReport>& rounds = ladder.rounds();
   const bool has_scans = rounds.back().statistics.scans() > 0;
-  return std::span(rounds).first(rounds.size() - (has_scans ? 0 : 1));
+  const auto first = static_cast<std::size_t>(
+      std::ranges::lower_bound(rounds, first_scan, {}, &RoundReport::first_scan) - rounds.begin());
+  const std::size_t end = rounds.size() - (has_scans ? 0 : 1);
+  return std::span(rounds).subspan(std::min(first, end), end - std::min(first, end));
 }
 
-Sizes sizes_of(std::span<const LadderRun* const> ladders) {
+Sizes sizes_of(std::span<const LadderRun* const> ladders, std::uint64_t first_scan) {
   Sizes sizes{.ladders = ladders.size()};
   for (const LadderRun* ladder : ladders) {
-    sizes.rounds = std::max(sizes.rounds, begun(*ladder).size());
-    for (const RoundReport& round : begun(*ladder)) {
+    sizes.rounds = std::max(sizes.rounds, begun(*ladder, first_scan).size());
+    for (const RoundReport& round : begun(*ladder, first_scan)) {
       sizes.levels = std::max(sizes.levels, round.statistics.ladder().size());
       for (const KindCounts& counts : round.counts)
         sizes.kinds = std::max(sizes.kinds, counts.proposed.size());
@@ -44,8 +47,8 @@ Sizes sizes_of(std::span<const LadderRun* const> ladders) {
 /// Tables that are filled round by round.
 class Tables {
  public:
-  explicit Tables(std::span<const LadderRun* const> ladders)
-      : ladders_(ladders), sizes_(sizes_of(ladders)) {}
+  Tables(std::span<const LadderRun* const> ladders, std::uint64_t first_scan)
+      : ladders_(ladders), first_scan_(first_scan), sizes_(sizes_of(ladders, first_scan)) {}
 
   bool empty() const { return sizes_.rounds == 0; }
   plan::Report finish() { return std::move(report_); }
@@ -84,7 +87,7 @@ class Tables {
                       .values = std::vector<double>(sizes_.ladders * sizes_.rounds * width, k_nan)};
     table.dims.insert(table.dims.end(), inner.begin(), inner.end());
     for (std::size_t l = 0; l < ladders_.size(); ++l) {
-      const std::span<const RoundReport> rounds = begun(*ladders_[l]);
+      const std::span<const RoundReport> rounds = begun(*ladders_[l], first_scan_);
       for (std::size_t r = 0; r < rounds.size(); ++r)
         write(rounds[r], std::span(table.values).subspan((l * sizes_.rounds + r) * width, width));
     }
@@ -92,6 +95,7 @@ class Tables {
   }
 
   std::span<const LadderRun* const> ladders_;
+  std::uint64_t first_scan_;
   Sizes sizes_;
   plan::Report report_;
 };
@@ -124,23 +128,15 @@ void write_rounds(Tables& tables) {
                    [](const RoundReport& round) {
                      return predicted_round_trip_rate(round.statistics.rejections());
                    });
-}
-
-void write_odds(Tables& tables, std::uint64_t burnt_in_at) {
-  const auto estimate = [&](const char* name, const char* meaning, auto value) {
-    tables.per_round(name, meaning, [value, burnt_in_at](const RoundReport& round) {
-      return round.first_scan < burnt_in_at ? k_nan : value(round.statistics);
-    });
-  };
-  estimate("log_z",
-           "log of the mean of the constraint's density under the prior, by stepping stones",
-           [](const RoundStatistics& round) { return round.log_z().value; });
-  estimate("log_z_error", "its standard error, by jackknife",
-           [](const RoundStatistics& round) { return round.log_z().error; });
-  estimate("log_p_satisfied", "log of the probability that a prior draw satisfies",
-           [](const RoundStatistics& round) { return round.log_satisfied().value; });
-  estimate("log_p_satisfied_error", "its standard error, by jackknife",
-           [](const RoundStatistics& round) { return round.log_satisfied().error; });
+  tables.per_round(
+      "log_z", "log of the mean of the constraint's density under the prior, by stepping stones",
+      [](const RoundReport& round) { return round.statistics.log_z().value; });
+  tables.per_round("log_z_error", "its standard error, by jackknife",
+                   [](const RoundReport& round) { return round.statistics.log_z().error; });
+  tables.per_round("log_p_satisfied", "log of the probability that a prior draw satisfies",
+                   [](const RoundReport& round) { return round.statistics.log_satisfied().value; });
+  tables.per_round("log_p_satisfied_error", "its standard error, by jackknife",
+                   [](const RoundReport& round) { return round.statistics.log_satisfied().error; });
 }
 
 void write_levels(Tables& tables) {
@@ -174,10 +170,9 @@ void write_levels(Tables& tables) {
 }  // namespace
 
 plan::Report report_of(std::span<const LadderRun* const> ladders, std::uint64_t burnt_in_at) {
-  Tables tables(ladders);
+  Tables tables(ladders, burnt_in_at);
   if (tables.empty()) return {};
   write_rounds(tables);
-  write_odds(tables, burnt_in_at);
   write_levels(tables);
   return tables.finish();
 }

@@ -10,7 +10,7 @@
 
 namespace sleight::sampling {
 
-/// Rounds that begin before `burnt_in_at`, in scans, tell no log Z: their states know of a search.
+/// Rounds that begin before `burnt_in_at`, in scans, are left out: their states know of a search.
 plan::Report report_of(std::span<const LadderRun* const> ladders, std::uint64_t burnt_in_at = 0);
 
 }  // namespace sleight::sampling

@@ -84,7 +84,8 @@ std::uint64_t ParallelTempering::scans_common() const {
 
 plan::Draws ParallelTempering::draws() const {
   const std::uint64_t scans = scans_common();
-  const std::uint64_t first_scan = burnt_in_at_.value_or(scans);
+  std::uint64_t first_scan = burnt_in_at_.value_or(scans);
+  if (starts_by_search_) first_scan = std::min(first_scan, scans);
   return {.first_scan = first_scan, .count = scans - std::min(scans, first_scan)};
 }
 

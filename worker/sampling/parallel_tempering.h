@@ -5,8 +5,8 @@
 // are like. Then they burn in: until the end of the first round whose last scan has no state, at
 // any level of any ladder, that descends from a search. Each replica has then been at the hottest
 // level, where it was drawn from the prior anew. Earlier scans are no draws, and neither their
-// solutions nor their log Z count. A ladder whose swaps don't bring all replicas there never burns
-// in.
+// solutions nor their rounds are told. A ladder whose swaps don't bring all replicas there never
+// burns in.
 #pragma once
 
 #include <cstdint>

@@ -17,6 +17,8 @@ constexpr std::size_t k_throws_per_number = 3;
 /// g is wider than what was learnt of so few throws, so that it covers what they don't show.
 constexpr double k_widened = 1.2;
 constexpr double k_variance_min = 1e-4;
+/// Of a component's mean: below, its standard deviation is taken for none.
+constexpr double k_sd_min = 1e-9;
 
 double& at(DieThrow& one, std::size_t place) {
   const auto axis = static_cast<Eigen::Index>(place % 3);
@@ -83,7 +85,9 @@ ThrowMap::ThrowMap(const DieStart& start, std::span<const LoneThrow> throws) : s
                .velocity_mps = start.velocity_sd_mps,
                .spin_radps = start.spin_sd_radps};
   for (std::size_t place = 0; place < k_components_max; ++place) {
-    if (at(sds, place) > 0) components_.push_back({place, at(means, place), at(sds, place)});
+    // Within rounding of the mean a score says nothing.
+    if (at(sds, place) > k_sd_min * std::fabs(at(means, place)))
+      components_.push_back({place, at(means, place), at(sds, place)});
   }
   learn(throws);
 }

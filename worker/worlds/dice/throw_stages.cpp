@@ -38,6 +38,9 @@ double promise_of(const Dice& world, const Outcome& outcome, double log_floor) {
 }  // namespace
 
 StagedDice::StagedDice(const Parameters& parameters, Replays replays) : Dice(parameters, replays) {
+  const std::vector<DieStart>& starts = parameters.world.dice;
+  thrown_at_once_ = std::ranges::all_of(
+      starts, [&](const DieStart& start) { return start.start_s == starts.front().start_s; });
   for (std::size_t die = 0; die < dice(); ++die) {
     first_.emplace_back(with_dice(parameters, 0, die + 1), replays);
     if (die > 0) alone_.emplace_back(with_dice(parameters, die, 1), replays);
@@ -129,7 +132,10 @@ sampling::Extension StagedDice::add(const Ground& ground, std::uint32_t stage, s
     prefix.outcome = first(stage + 1).simulate(prefix.state);
     extension.simulation = sampling::report_of(first(stage + 1), prefix.outcome);
   }
-  if (!prefix.outcome.is_animation()) return extension;
+  // Dice that are all thrown at once and overlap do so in any company. Where one is thrown later, a
+  // die that comes between may have pushed away what it would start in.
+  const bool is_last = stage + 1 == stages();
+  if (!prefix.outcome.is_animation() && (is_last || thrown_at_once_)) return extension;
   extension.log_weight =
       pool.log_sum - math::log(static_cast<double>(pool.throws.size())) - one.log_guess;
   return extension;

@@ -131,6 +131,7 @@ class StagedDice : public Dice {
   sampling::Extension add(const Ground& ground, std::uint32_t stage, std::size_t place,
                           Prefix& prefix) const;
 
+  bool thrown_at_once_ = true;
   std::vector<Dice> first_;  ///< by number of dice, from 1
   std::vector<Dice> alone_;  ///< by die, from the second on: the first one alone is first_[0]
 };
