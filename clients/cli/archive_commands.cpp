@@ -34,13 +34,13 @@ constexpr int k_bad_archive = static_cast<int>(base::ExitCode::bad_archive);
 /// Scans read at a time for statistics over the whole run.
 constexpr std::uint64_t k_batch = 65536;
 
-/// Sum over a whole dataset of /sample_stats without holding it.
 struct Sum {
   double value = 0;
   std::uint64_t count = 0;  ///< of what is there: NaN stands for nothing
   double mean() const { return value / static_cast<double>(count); }
 };
 
+/// Over a whole dataset of /sample_stats, without holding it.
 Sum sum_of(const archive::Source& source, std::string_view dataset) {
   const std::uint64_t count = stats_size(source, dataset);
   Sum sum;

@@ -225,6 +225,9 @@ class Search(ProgramTest):
         info = sleight("archive", "info", output)
         self.assertIn("by chance", info.stdout)
         self.assertEqual(self.info(output)["tempering"]["from"], "islands")
+        # Every draw after the burn-in has proposals.
+        accepted = re.search(r"accepted +([\d.]+)% of proposals", info.stdout)
+        self.assertLessEqual(float(accepted[1]), 100)
 
     def test_ctrl_c_keeps_what_was_found(self):
         output = self.path("many.h5")

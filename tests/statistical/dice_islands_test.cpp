@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/statistical/support/compare_islands.h"
 #include "tests/statistical/support/rank_tests.h"
 #include "tests/support/property.h"
 #include "worker/sampling/particle_steps.h"
@@ -65,18 +66,8 @@ TEST(DiceIslands, AgreeWithRejection) {
     z.push_back(std::exp(island.log_z));
     satisfied.push_back(std::exp(island.log_satisfied));
   }
-  const auto expect_equal = [](const char* name, const std::vector<double>& a,
-                               const std::vector<double>& b) {
-    const MeanWithError first = mean_of_independent(a);
-    const MeanWithError second = mean_of_independent(b);
-    const double off =
-        (first.mean - second.mean) / std::hypot(first.standard_error, second.standard_error);
-    fmt::print("{}: islands {:.4g} +- {:.2g}, rejection {:.4g} +- {:.2g}: {:.2f} errors\n", name,
-               first.mean, first.standard_error, second.mean, second.standard_error, off);
-    EXPECT_LT(std::abs(off), 4) << name;
-  };
-  expect_equal("Z", z, blind_z);
-  expect_equal("P(satisfied)", satisfied, blind_satisfied);
+  expect_equal_means("Z", z, blind_z);
+  expect_equal_means("P(satisfied)", satisfied, blind_satisfied);
 }
 
 TEST(DiceIslands, PoolsGiveThePrior) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/statistical/support/chi_square.h"
+#include "tests/statistical/support/compare_islands.h"
 #include "tests/statistical/support/rank_tests.h"
 #include "tests/statistical/support/spelling_fixture.h"
 #include "tests/support/property.h"
@@ -40,16 +41,6 @@ struct Estimates {
   std::vector<double> z;
   std::vector<double> satisfied;
 };
-
-void expect_equal(const char* name, const std::vector<double>& a, const std::vector<double>& b) {
-  const MeanWithError first = mean_of_independent(a);
-  const MeanWithError second = mean_of_independent(b);
-  const double off =
-      (first.mean - second.mean) / std::hypot(first.standard_error, second.standard_error);
-  fmt::print("{}: islands {:.4g} +- {:.2g}, rejection {:.4g} +- {:.2g}: {:.2f} errors\n", name,
-             first.mean, first.standard_error, second.mean, second.standard_error, off);
-  EXPECT_LT(std::abs(off), 4) << name;
-}
 
 void expect_mean(const char* name, const std::vector<double>& draws, double expected) {
   const MeanWithError found = mean_of_independent(draws);
@@ -97,8 +88,8 @@ TEST(SpellingIslands, AgreeWithRejection) {
         EXPECT_EQ(fresh.filling, island.drawn->outcome.filling);
       }
     }
-    expect_equal("Z", by_islands.z, blind.z);
-    expect_equal("P(satisfied)", by_islands.satisfied, blind.satisfied);
+    expect_equal_means("Z", by_islands.z, blind.z);
+    expect_equal_means("P(satisfied)", by_islands.satisfied, blind.satisfied);
   }
 }
 

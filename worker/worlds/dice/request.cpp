@@ -517,8 +517,8 @@ void settle_tempering(request::Settled& settled, std::uint32_t dice,
   settled.count("iterations_per_scan", sampler.iterations_per_scan, dice == 1 ? 1 : 3 * dice);
 }
 
-/// What serves a request that leaves the sampler open. docs/SAMPLING says how the numbers were
-/// found.
+/// What serves a request that leaves the sampler open; docs/SAMPLING, "Without a sampler", tells it
+/// to people.
 void serve_best(Binder& sampler, request::SamplerParameters& sampling,
                 const request::StopRule& stop, const Parameters& parameters) {
   request::Settled settled(sampler);

@@ -7,8 +7,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Draws from the map before the walk, and steps of it: half of the walks that arrive do so in
-/// fewer.
+/// Draws from the map before the walk, and steps of it.
 constexpr std::uint32_t k_draws = 8;
 constexpr std::uint32_t k_walk_steps = 60;
 

@@ -156,6 +156,45 @@ TEST(SignedMisses, AreAsLongAsDistances) {
   EXPECT_EQ(misses[5].sigma, 0.5);
 }
 
+TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
+  // Goal: a component whose standard deviation is lost beside its mean does not count: what a throw
+  // weighs is what it weighs with none. Method: the same throws for both starts.
+  DieStart without;
+  without.position_m.x() = -0.15;
+  without.position_sd_m.x() = 0;
+  DieStart lost = without;
+  lost.position_sd_m.x() = 1e-20;
+  const auto throws = throws_that_land_ahead(without, 200);
+  const ThrowMap map(without, throws);
+  const ThrowMap map_of_lost(lost, throws);
+  ASSERT_FALSE(map.is_prior());
+  for (const LoneThrow& one : throws)
+    EXPECT_EQ(map.prior_over_q(one.thrown), map_of_lost.prior_over_q(one.thrown));
+}
+
+TEST(StagedDice, LaterDiceMayMakeRoom) {
+  // Goal: a prefix in which dice overlap is given up where all are thrown at once, and only there.
+  // Method: three dice, two of them in one place, the third one thrown with them or later.
+  for (const double start_s : {0.0, 0.2}) {
+    Parameters parameters;
+    parameters.world.dice.assign(3, DieStart{});
+    parameters.world.dice[1].position_sd_m.setZero();
+    parameters.world.dice[0] = parameters.world.dice[1];
+    parameters.world.dice[2].position_m.y() = 0.2;
+    parameters.world.dice[2].start_s = start_s;
+    const StagedDice world(parameters);
+    auto guide = world.learn(k_seed);
+    guide.throws_of_pool = 2;
+    random::Stream stream = testing::stream_of(k_seed, 7);
+    const auto ground = world.draw_ground(guide, stream);
+    auto prefix = world.no_stages(guide, ground);
+    EXPECT_TRUE(std::isfinite(world.extend(guide, ground, 0, prefix, stream).log_weight));
+    const double log_weight = world.extend(guide, ground, 1, prefix, stream).log_weight;
+    ASSERT_EQ(prefix.outcome.end, End::impossible);
+    EXPECT_EQ(std::isfinite(log_weight), start_s > 0);
+  }
+}
+
 TEST(StagedDice, PrefixesAreWholeSimulations) {
   // Goal: a prefix of all stages is the state's own simulation, bit for bit, and one of the first
   // die that of this die with its goals. Method: extended prefixes of free and given grounds.
