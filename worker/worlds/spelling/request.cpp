@@ -326,9 +326,7 @@ std::uint32_t particles_for_odds(std::uint32_t balls) {
   return balls <= k_balls_by_islands_max ? 128 : 256;
 }
 
-/// Independence steps of islands renew all balls and the box at once. The constraint is so strict
-/// that most of what is drawn satisfies: a missing ball weighs as much as their number, times
-/// e^6.
+/// Independence steps of islands renew all balls and the box at once.
 void settle_islands(request::Settled& settled, std::uint32_t balls, bool tells_odds,
                     request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
@@ -340,15 +338,15 @@ void settle_islands(request::Settled& settled, std::uint32_t balls, bool tells_o
   settled.count("iterations_per_scan", sampler.iterations_per_scan, 4 * balls);
 }
 
-/// A scan has a proposal for each ball. The constraint is loose enough that balls come and go, and
-/// strict enough that of ACM one scan in a hundred satisfies.
+/// A scan has a proposal for each ball. As many chains as solutions are mostly asked for: each of
+/// them has to burn in, and most give one.
 void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
                           request::SamplerParameters& sampler) {
   sampler.method = request::Method::metropolis_hastings;
   settled.word("method", "metropolis_hastings");
   sampler.start = request::Start::search;
   settled.word("start", "search");
-  settled.count("chains", sampler.chains, 8);
+  settled.count("chains", sampler.chains, 5);
   settled.count("round_scans", sampler.round_scans, 32);
   settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
 }
@@ -360,12 +358,13 @@ void serve_best(request::Binder& constraint, request::Binder& sampler,
                 Parameters& parameters) {
   request::Settled settled(sampler);
   const std::uint32_t balls = parameters.pattern.count();
+  // So strict that most of what is drawn satisfies: a missing ball weighs as much as their number,
+  // times e^6.
+  settle_log_lambda(constraint, parameters, std::round(6 + math::log(balls)));
   // Judged chains find out for themselves how many rounds they take, and tell no odds.
   if (balls <= k_balls_by_islands_max || stop.rounds || stop.odds) {
-    settle_log_lambda(constraint, parameters, std::round(6 + math::log(balls)));
     settle_islands(settled, balls, stop.odds.has_value(), sampling);
   } else {
-    settle_log_lambda(constraint, parameters, std::round(2.6 + math::log(balls)));
     settle_judged_chains(settled, balls, sampling);
   }
   ProposalParameters& p = parameters.proposal;

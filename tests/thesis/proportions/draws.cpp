@@ -1,0 +1,121 @@
+#include "tests/thesis/proportions/draws.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/random/discrete_distributions.h"
+#include "tests/statistical/support/run_serially.h"
+#include "worker/run/catalogue.h"
+#include "worker/worlds/spelling/pouring_stages.h"
+#include "worker/worlds/spelling/request.h"
+
+namespace sleight::thesis {
+namespace {
+
+namespace spelling = worlds::spelling;
+
+/// A request with its plan and its worker.
+class Run {
+ public:
+  explicit Run(const std::string& text) {
+    request_ = read(text, catalogue_.bindings());
+    spelling::Parameters parameters;
+    const std::vector<request::WorldBinding> alone{spelling::request_binding(parameters)};
+    read(text, alone);
+    world_ = std::make_unique<spelling::StagedSpelling>(parameters);
+    const run::WorldEntry& entry = catalogue_.world("spelling");
+    plan_ = run::make_plan(request_, entry);
+    worker_ = entry.make_worker(request_);
+  }
+
+  const request::SamplerParameters& sampler() const { return request_.sampler; }
+  std::uint32_t balls() const { return world_->balls(); }
+  std::uint64_t scans_before_draws() const { return request::scans_before_draws(request_.sampler); }
+
+  /// `observe(chain, scan, record)` of each scan at inverse temperature 1.
+  template <class Observe>
+  void carry_out(const Observe& observe) {
+    statistical::run_serially(*plan_, *worker_, [&](const plan::UnitResult& result) {
+      if (result.unit.searches()) return;
+      for (std::uint64_t nth = 0; nth < result.scans.size(); ++nth) {
+        const plan::ScanRecord& record = result.scans[nth];
+        if (record.inverse_temperature == 1)
+          observe(result.unit.replica.chain.value, result.unit.first_scan.value + nth, record);
+      }
+    });
+  }
+
+  Values values_of(const plan::ScanRecord& record) const {
+    const auto state = world_->decode(record.state);
+    CHECK(state.has_value());
+    const auto outcome = world_->simulate(*state);
+    const std::uint32_t balls = world_->balls();
+    const std::uint32_t middle = balls / 2;
+    const auto bin = static_cast<std::size_t>(outcome.filling[middle]);
+    return {static_cast<double>(world_->helped_balls(*state, outcome)),
+            static_cast<double>(outcome.filling.front()),
+            static_cast<double>(outcome.filling.back()),
+            record.log_prior,
+            state->offsets_m[state->offsets_m.size() / 2].z(),
+            state->drops_m.back().x(),
+            (state->drops_m[middle] - world_->middle_m(bin)).norm()};
+  }
+
+ private:
+  static request::DirectionRequest read(const std::string& text,
+                                        const std::vector<request::WorldBinding>& worlds) {
+    auto request = request::read_request(text, "request", worlds);
+    if (!request) throw base::Error("the request has an error: " + request.error().front().message);
+    return std::move(request.value());
+  }
+
+  run::Catalogue catalogue_;
+  request::DirectionRequest request_;
+  std::unique_ptr<spelling::StagedSpelling> world_;
+  std::unique_ptr<plan::Plan> plan_;
+  std::unique_ptr<plan::UnitWorker> worker_;
+};
+
+}  // namespace
+
+std::uint32_t balls_of(const std::string& request_text) {
+  return Run(request_text).balls();
+}
+
+Series satisfying_draws(const std::string& request_text, std::uint64_t first_scan) {
+  Run run(request_text);
+  Series series(run.sampler().chains);
+  run.carry_out([&](std::uint32_t chain, std::uint64_t scan, const plan::ScanRecord& record) {
+    if (scan >= first_scan && record.satisfied) series[chain].push_back(run.values_of(record));
+  });
+  return series;
+}
+
+Counted counted_solutions(const std::string& request_text) {
+  Run run(request_text);
+  const std::uint64_t before = run.scans_before_draws();
+  std::set<std::pair<std::uint32_t, std::uint64_t>> lineages;
+  std::vector<plan::ScanRecord> satisfying;
+  Counted counted;
+  run.carry_out([&](std::uint32_t chain, std::uint64_t scan, const plan::ScanRecord& record) {
+    if (scan < before || !record.satisfied) return;
+    satisfying.push_back(record);
+    if (plan::scan_of_lineage(record.lineage) >= before &&
+        lineages.emplace(chain, record.lineage).second)
+      counted.solutions.push_back(run.values_of(record));
+  });
+  if (!satisfying.empty()) {
+    random::Stream stream({.seed = run.sampler().seed, .purpose = random::Purpose::prior}, 0);
+    const auto any = random::UniformInteger{.count = satisfying.size()}.draw(stream);
+    counted.any_scan.push_back(run.values_of(satisfying[any]));
+  }
+  return counted;
+}
+
+}  // namespace sleight::thesis

@@ -1,0 +1,49 @@
+// Satisfying draws of a word, by whichever way, and what is compared of them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sleight::thesis {
+
+/// What is compared of a pouring. By each of them a way of sampling could be wrong alone.
+enum class Quantity : std::uint8_t {
+  helped_balls,       ///< balls that others helped into their bins
+  bin_of_first_ball,  ///< its number
+  bin_of_last_ball,
+  log_prior,
+  vertex_z,      ///< of a partition vertex in the middle, m
+  drop_x,        ///< of the last ball, m
+  drop_distance  ///< of the middle ball's drop from the middle of the bin that it fills, m
+};
+inline constexpr std::array<const char*, 7> k_quantities{
+    "helped balls", "bin of first ball", "bin of last ball", "log p", "vertex z",
+    "drop x",       "drop distance"};
+/// Compared as counts; others are continuous.
+inline constexpr bool is_count(std::size_t quantity) {
+  return quantity < 3;
+}
+
+using Values = std::array<double, k_quantities.size()>;
+
+/// Series of draws, one for each chain.
+using Series = std::vector<std::vector<Values>>;
+
+/// The satisfying scans of a request of a word, from `first_scan` on. Throws base::Error where the
+/// request has errors.
+Series satisfying_draws(const std::string& request_text, std::uint64_t first_scan);
+
+/// Of a run that ends by its own rule: each solution that it counts, at the first scan at which its
+/// lineage satisfies, and one of all satisfying scans that are draws, by the seed.
+struct Counted {
+  std::vector<Values> solutions;
+  std::vector<Values> any_scan;  ///< one; none if no scan that is a draw satisfies
+};
+/// How many balls a request of a word has.
+std::uint32_t balls_of(const std::string& request_text);
+
+Counted counted_solutions(const std::string& request_text);
+
+}  // namespace sleight::thesis

@@ -1,0 +1,237 @@
+// Whether ways of sampling agree on a word: islands, tempering from searches and long plain chains
+// on what they draw; and what a request without a sampler counts as solutions, over many seeds,
+// with these. Prints a table, and exits with 1 if a p-value is below --p-min.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/version.h"
+#include "tests/statistical/support/chi_square.h"
+#include "tests/statistical/support/rank_tests.h"
+#include "tests/thesis/proportions/draws.h"
+
+namespace {
+
+using sleight::thesis::Counted;
+using sleight::thesis::is_count;
+using sleight::thesis::k_quantities;
+using sleight::thesis::Series;
+using sleight::thesis::Values;
+
+struct Arguments {
+  std::string word = "HI";
+  double effort = 1;
+  std::uint32_t seeds = 400;
+  unsigned threads = 2;
+  double p_min = 1e-4;
+};
+
+/// Draws of one quantity that are as good as independent, and what they were thinned from.
+struct Sample {
+  std::string way;
+  std::vector<double> thinned;
+  double mean = 0;
+  double error = 0;
+};
+
+/// Draws that are independent as they come.
+Sample independent(const std::string& way, const std::vector<Values>& draws, std::size_t quantity) {
+  Sample sample{.way = way, .thinned = {}};
+  for (const Values& values : draws)
+    sample.thinned.push_back(values.at(quantity));
+  const auto mean = sleight::statistical::mean_of_independent(sample.thinned);
+  sample.mean = mean.mean;
+  sample.error = mean.standard_error;
+  return sample;
+}
+
+/// Of each chain as many draws, evenly spaced, as it has effective ones of this quantity.
+Sample thinned(const std::string& way, const Series& series, std::size_t quantity) {
+  Sample sample{.way = way, .thinned = {}};
+  std::vector<std::vector<double>> chains;
+  for (const auto& chain : series) {
+    if (chain.size() < 10) continue;
+    std::vector<double>& values = chains.emplace_back();
+    for (const Values& draw : chain)
+      values.push_back(draw.at(quantity));
+    const double size = std::clamp(sleight::statistical::effective_sample_size(values), 1.0,
+                                   static_cast<double>(values.size()));
+    const auto count = static_cast<std::size_t>(size);
+    for (std::size_t i = 0; i < count; ++i)
+      sample.thinned.push_back(values[(2 * i + 1) * values.size() / (2 * count)]);
+  }
+  if (chains.empty()) return sample;
+  const auto mean = sleight::statistical::mean_of_chains(chains);
+  sample.mean = mean.mean;
+  sample.error = mean.standard_error;
+  return sample;
+}
+
+double p_value(const Sample& a, const Sample& b, std::size_t quantity) {
+  if (a.thinned.empty() || b.thinned.empty()) return 1;
+  if (!is_count(quantity)) return sleight::statistical::kolmogorov_smirnov_p(a.thinned, b.thinned);
+  constexpr std::size_t k_cells = 100;
+  std::vector<double> counts_a(k_cells, 0);
+  std::vector<double> counts_b(k_cells, 0);
+  for (const double value : a.thinned)
+    ++counts_a.at(static_cast<std::size_t>(value));
+  for (const double value : b.thinned)
+    ++counts_b.at(static_cast<std::size_t>(value));
+  // Cells of fewer than ten count as one.
+  double rare_a = 0;
+  double rare_b = 0;
+  std::vector<double> a_of;
+  std::vector<double> b_of;
+  for (std::size_t cell = 0; cell < k_cells; ++cell) {
+    const bool is_rare = counts_a[cell] + counts_b[cell] < 10;
+    (is_rare ? rare_a : a_of.emplace_back()) += counts_a[cell];
+    (is_rare ? rare_b : b_of.emplace_back()) += counts_b[cell];
+  }
+  a_of.push_back(rare_a);
+  b_of.push_back(rare_b);
+  // All in one cell: nothing to tell apart.
+  const auto is_used = [&](std::size_t cell) { return a_of[cell] + b_of[cell] > 0; };
+  std::size_t used = 0;
+  for (std::size_t cell = 0; cell < a_of.size(); ++cell)
+    used += is_used(cell) ? 1 : 0;
+  if (used < 2) return 1;
+  return sleight::statistical::two_sample_p(a_of, b_of);
+}
+
+std::string request_of(const Arguments& arguments, const std::string& sampler,
+                       const std::string& stop) {
+  return fmt::format("[world]\nname = \"spelling\"\nword = \"{}\"\n{}[stop]\n{}\n", arguments.word,
+                     sampler, stop);
+}
+
+/// The same constraint and shares of proposals as a request without a sampler has.
+std::string sampler_of(const Arguments& arguments, const std::string& keys) {
+  const auto balls =
+      static_cast<double>(sleight::thesis::balls_of(request_of(arguments, "", "scans = 100")));
+  return fmt::format(
+      "[constraint]\nlog_lambda = {}\n[sampler]\nchange_all = 0.01\nchange_vertices = 0.25\n"
+      "change_ball = 0.14\ndisable_balls = 0.02\nenable_balls = 0.02\naim_ball = 0.28\n"
+      "scatter_ball = 0.28\nvertex_redraw = 1.0\nball_move_sd_mm = 2.0\n{}",
+      std::round(6 + std::log(balls)), keys);
+}
+
+struct Way {
+  std::string name;
+  std::function<Series()> draw;
+  Series series{};
+};
+
+std::vector<Way> all_ways(const Arguments& arguments) {
+  const auto scans = [&](double of_full) {
+    return std::max<std::uint64_t>(40, static_cast<std::uint64_t>(of_full * arguments.effort));
+  };
+  const auto way = [&](const std::string& name, const std::string& keys, std::uint64_t count,
+                       std::uint64_t burn_in) {
+    const std::string text =
+        request_of(arguments, sampler_of(arguments, keys), fmt::format("scans = {}", count));
+    return Way{.name = name, .draw = [text, burn_in] {
+                 return sleight::thesis::satisfying_draws(text, burn_in);
+               }};
+  };
+  std::vector<Way> ways;
+  // Tempering is slowest: it begins first.
+  ways.push_back(way("tempering",
+                     "method = \"parallel_tempering\"\nstart = \"search\"\nchains = 2\n"
+                     "iterations_per_scan = 40\nround_scans = 50\n",
+                     scans(6350), scans(6350) / 2));
+  ways.push_back(way("plain chains",
+                     "method = \"metropolis_hastings\"\nchains = 4\niterations_per_scan = 100\n",
+                     scans(5000), scans(5000) / 10));
+  ways.push_back(way("islands",
+                     "method = \"sequential\"\nparticles = 32\nchains = 4\n"
+                     "iterations_per_scan = 64\nround_scans = 10\n",
+                     scans(600), 20));
+  return ways;
+}
+
+/// All tasks, so many at a time.
+void run_all(const std::vector<std::function<void()>>& tasks, unsigned threads) {
+  std::atomic<std::size_t> next = 0;
+  std::vector<std::jthread> workers;
+  for (unsigned thread = 0; thread < threads; ++thread) {
+    workers.emplace_back([&] {
+      for (std::size_t i = next++; i < tasks.size(); i = next++)
+        tasks[i]();
+    });
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Whether ways of sampling a word agree, and what counts as a solution with them"};
+  app.set_version_flag("--version", "sleight-proportions " + std::string(sleight::base::version()));
+  Arguments arguments;
+  app.add_option("--word", arguments.word)->capture_default_str();
+  app.add_option("--effort", arguments.effort,
+                 "Of the three ways; 1 gives each some hundreds of draws")
+      ->capture_default_str();
+  app.add_option("--seeds", arguments.seeds, "Of requests without a sampler")
+      ->capture_default_str();
+  app.add_option("--threads", arguments.threads)->capture_default_str();
+  app.add_option("--p-min", arguments.p_min, "Below it the program fails")->capture_default_str();
+  app.footer(
+      "Examples:\n  sleight-proportions\n  sleight-proportions --word I --effort 0.1 --seeds 20");
+  CLI11_PARSE(app, argc, argv);
+
+  std::vector<Way> ways = all_ways(arguments);
+  std::vector<Counted> counted(arguments.seeds);
+  std::vector<std::function<void()>> tasks;
+  for (Way& way : ways)
+    tasks.emplace_back([&way] { way.series = way.draw(); });
+  for (std::uint32_t seed = 1; seed <= arguments.seeds; ++seed) {
+    tasks.emplace_back([&arguments, &result = counted[seed - 1], seed] {
+      result = sleight::thesis::counted_solutions(
+          request_of(arguments, fmt::format("[sampler]\nseed = {}\n", seed),
+                     "independent_solutions = 5\nfound = 1"));
+    });
+  }
+  run_all(tasks, std::max(1U, arguments.threads));
+
+  // Of each seed's solutions one: they hang together.
+  std::vector<Values> first_of_seed;
+  std::vector<Values> any_of_seed;
+  std::vector<Values> last_of_seed;
+  for (const Counted& each : counted) {
+    if (!each.solutions.empty()) first_of_seed.push_back(each.solutions.front());
+    if (!each.solutions.empty()) last_of_seed.push_back(each.solutions.back());
+    any_of_seed.insert(any_of_seed.end(), each.any_scan.begin(), each.any_scan.end());
+  }
+  fmt::print("{}: {} seeds without a sampler, {} with solutions\n\n", arguments.word,
+             arguments.seeds, first_of_seed.size());
+  double least = 1;
+  for (std::size_t quantity = 0; quantity < k_quantities.size(); ++quantity) {
+    std::vector<Sample> samples;
+    for (const Way& way : ways)
+      samples.push_back(thinned(way.name, way.series, quantity));
+    samples.push_back(independent("default, first counted", first_of_seed, quantity));
+    samples.push_back(independent("default, last counted", last_of_seed, quantity));
+    samples.push_back(independent("default, any scan", any_of_seed, quantity));
+    fmt::print("{}\n", k_quantities.at(quantity));
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      fmt::print("  {:22} {:10.5g} +- {:<8.2g} {:5} draws", samples[i].way, samples[i].mean,
+                 samples[i].error, samples[i].thinned.size());
+      for (std::size_t j = 0; j < std::min<std::size_t>(i, ways.size()); ++j) {
+        const double p = p_value(samples[i], samples[j], quantity);
+        least = std::min(least, p);
+        fmt::print("  p {:.2g}", p);
+      }
+      fmt::print("\n");
+    }
+  }
+  fmt::print("\nleast p-value: {:.2g}\n", least);
+  return least < arguments.p_min ? 1 : 0;
+}
