@@ -36,6 +36,10 @@ class Run {
 
   const request::SamplerParameters& sampler() const { return request_.sampler; }
   std::uint32_t balls() const { return world_->balls(); }
+  const spelling::StagedSpelling& world() const { return *world_; }
+  bool satisfies(const spelling::State& state) const {
+    return world_->satisfied(world_->simulate(state));
+  }
   std::uint64_t scans_before_draws() const { return request::scans_before_draws(request_.sampler); }
 
   /// `observe(chain, scan, record)` of each scan at inverse temperature 1.
@@ -83,6 +87,16 @@ class Run {
 };
 
 }  // namespace
+
+std::uint64_t satisfying_throws(const std::string& request_text, std::uint64_t throws) {
+  const Run run(request_text);
+  std::uint64_t satisfying = 0;
+  for (std::uint64_t number = 0; number < throws; ++number) {
+    random::Stream stream({.seed = run.sampler().seed, .purpose = random::Purpose::prior}, number);
+    if (run.satisfies(run.world().draw_throw(stream))) ++satisfying;
+  }
+  return satisfying;
+}
 
 std::uint32_t balls_of(const std::string& request_text) {
   return Run(request_text).balls();

@@ -41,6 +41,9 @@ struct Counted {
   std::vector<Values> solutions;
   std::vector<Values> any_scan;  ///< one; none if no scan that is a draw satisfies
 };
+/// How many of so many throws of all balls satisfy a request of a word.
+std::uint64_t satisfying_throws(const std::string& request_text, std::uint64_t throws);
+
 /// How many balls a request of a word has.
 std::uint32_t balls_of(const std::string& request_text);
 

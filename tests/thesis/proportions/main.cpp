@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -32,6 +33,7 @@ struct Arguments {
   std::uint32_t seeds = 400;
   unsigned threads = 2;
   double p_min = 1e-4;
+  std::uint64_t throws = 0;
 };
 
 /// Draws of one quantity that are as good as independent, and what they were thinned from.
@@ -112,15 +114,17 @@ std::string request_of(const Arguments& arguments, const std::string& sampler,
                      sampler, stop);
 }
 
-/// The same constraint and shares of proposals as a request without a sampler has.
-std::string sampler_of(const Arguments& arguments, const std::string& keys) {
+/// The same shares of proposals as a request without a sampler has, and the same constraint unless
+/// another one is given: lambda changes how many draws satisfy, and not the proportions of those.
+std::string sampler_of(const Arguments& arguments, const std::string& keys,
+                       std::optional<double> log_lambda) {
   const auto balls =
       static_cast<double>(sleight::thesis::balls_of(request_of(arguments, "", "scans = 100")));
   return fmt::format(
       "[constraint]\nlog_lambda = {}\n[sampler]\nchange_all = 0.01\nchange_vertices = 0.25\n"
       "change_ball = 0.14\ndisable_balls = 0.02\nenable_balls = 0.02\naim_ball = 0.28\n"
       "scatter_ball = 0.28\nvertex_redraw = 1.0\nball_move_sd_mm = 2.0\n{}",
-      std::round(6 + std::log(balls)), keys);
+      log_lambda.value_or(std::round(6 + std::log(balls))), keys);
 }
 
 struct Way {
@@ -134,22 +138,22 @@ std::vector<Way> all_ways(const Arguments& arguments) {
     return std::max<std::uint64_t>(40, static_cast<std::uint64_t>(of_full * arguments.effort));
   };
   const auto way = [&](const std::string& name, const std::string& keys, std::uint64_t count,
-                       std::uint64_t burn_in) {
-    const std::string text =
-        request_of(arguments, sampler_of(arguments, keys), fmt::format("scans = {}", count));
+                       std::uint64_t burn_in, std::optional<double> log_lambda = {}) {
+    const std::string text = request_of(arguments, sampler_of(arguments, keys, log_lambda),
+                                        fmt::format("scans = {}", count));
     return Way{.name = name, .draw = [text, burn_in] {
                  return sleight::thesis::satisfying_draws(text, burn_in);
                }};
   };
   std::vector<Way> ways;
-  // Tempering is slowest: it begins first.
+  // Tempering is slowest: it begins first. Plain chains are looser, so that balls come and go.
   ways.push_back(way("tempering",
                      "method = \"parallel_tempering\"\nstart = \"search\"\nchains = 2\n"
                      "iterations_per_scan = 40\nround_scans = 50\n",
                      scans(6350), scans(6350) / 2));
   ways.push_back(way("plain chains",
-                     "method = \"metropolis_hastings\"\nchains = 4\niterations_per_scan = 100\n",
-                     scans(5000), scans(5000) / 10));
+                     "method = \"metropolis_hastings\"\nchains = 16\niterations_per_scan = 100\n",
+                     scans(3000), scans(3000) / 10, 6));
   ways.push_back(way("islands",
                      "method = \"sequential\"\nparticles = 32\nchains = 4\n"
                      "iterations_per_scan = 64\nround_scans = 10\n",
@@ -183,10 +187,19 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--threads", arguments.threads)->capture_default_str();
   app.add_option("--p-min", arguments.p_min, "Below it the program fails")->capture_default_str();
+  app.add_option("--throws", arguments.throws,
+                 "Nothing but this: how many of so many blind throws spell it");
   app.footer(
       "Examples:\n  sleight-proportions\n  sleight-proportions --word I --effort 0.1 --seeds 20");
   CLI11_PARSE(app, argc, argv);
 
+  if (arguments.throws > 0) {
+    const auto text = request_of(arguments, "", "scans = 100");
+    fmt::print("{} of {} throws spell {}\n",
+               sleight::thesis::satisfying_throws(text, arguments.throws), arguments.throws,
+               arguments.word);
+    return 0;
+  }
   std::vector<Way> ways = all_ways(arguments);
   std::vector<Counted> counted(arguments.seeds);
   std::vector<std::function<void()>> tasks;

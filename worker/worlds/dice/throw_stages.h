@@ -51,7 +51,9 @@ struct ThrowGuide {
   std::vector<ThrowMap> maps;                    ///< by die
   std::vector<plan::FailurePointer> failures{};  ///< of the throws that the maps are made of
   std::uint32_t throws_of_pool = 64;             ///< of each die
-  double log_floor = -8;                         ///< of guesses and potentials
+  /// Of guesses and potentials. Lower, a die that another one pushes to its place weighs so much
+  /// that few islands have most of Z: at -8 the largest of 300 had 18% of it, at -3 3% (two dice).
+  double log_floor = -3;
 };
 
 /// A throw of a die's pool.
