@@ -1,10 +1,13 @@
 // Pourings built ball by ball (worker/worlds/spelling/pouring_builder.h), from a map of landings
-// that is learnt before: solutions a second, as items. And that map.
+// that is learnt before: solutions a second, as items. And that map. And six dice, built die by die
+// (worker/worlds/dice/throw_stages.h).
 #include <benchmark/benchmark.h>
 
 #include <string>
 
 #include "tests/bench/harness.h"
+#include "tests/support/dice_scenes.h"
+#include "worker/worlds/dice/throw_stages.h"
 #include "worker/worlds/spelling/pouring_builder.h"
 
 namespace sleight::bench {
@@ -27,6 +30,21 @@ spelling::Pattern word(const char* letters) {
   return spelling::pattern_of_word(letters, spelling::Font::rows_5).value();
 }
 
+/// Goes on with the search while it is measured, from the start of this number on; `guesses` is the
+/// counter's name.
+template <class Find>
+void measure(benchmark::State& state, const Find& find, std::uint64_t number,
+             sampling::SearchEffort& effort, const char* guesses) {
+  effort = {};
+  std::int64_t solutions = 0;
+  for (auto _ : state)
+    solutions += find(number++) ? 1 : 0;
+  state.SetItemsProcessed(solutions);
+  const auto each = static_cast<double>(solutions);
+  state.counters["simulations"] = static_cast<double>(effort.simulations) / each;
+  state.counters[guesses] = static_cast<double>(effort.guesses) / each;
+}
+
 /// `hashed` pourings decide the hash; more are made while it is measured.
 void search(benchmark::State& state, const spelling::Pattern& pattern, std::uint64_t hashed,
             std::uint64_t expected) {
@@ -44,15 +62,7 @@ void search(benchmark::State& state, const spelling::Pattern& pattern, std::uint
     hash.add(found ? world.log_prior(found->state) : 0.0);
     if (found) hash.add(found->state.drops_m.back().x());
   }
-  effort = {};
-  std::uint64_t number = hashed;
-  std::int64_t solutions = 0;
-  for (auto _ : state)
-    solutions += find(number++) ? 1 : 0;
-  state.SetItemsProcessed(solutions);
-  const auto each = static_cast<double>(solutions);
-  state.counters["simulations"] = static_cast<double>(effort.simulations) / each;
-  state.counters["lone_balls"] = static_cast<double>(effort.guesses) / each;
+  measure(state, find, hashed, effort, "lone_balls");
   verify(state, hash.value(), expected);
 }
 BENCHMARK_CAPTURE(search, hi, spelling::hi(), 20, 0x3f7d4ba28c0574cdU)
@@ -64,6 +74,27 @@ BENCHMARK_CAPTURE(search, acm, word("ACM"), 5, 0x5b6bc4abcefc1fbaU)
 BENCHMARK_CAPTURE(search, sleight, word("SLEIGHT"), 2, 0x63f68c445fa08feeU)
     ->Name("search/sleight")
     ->Unit(benchmark::kMillisecond);
+
+void search_six_dice(benchmark::State& state) {
+  constexpr std::uint64_t k_hashed = 2;
+  const worlds::dice::StagedDice world(tests::six_dice());
+  const auto guide = world.learn(k_seed);
+  const auto builder = world.builder(guide);
+  sampling::SearchEffort effort;
+  const auto find = [&](std::uint64_t number) {
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::search}, number);
+    return sampling::search(builder, builder.limits(), stream, effort);
+  };
+  ResultHash hash;
+  for (std::uint64_t number = 0; number < k_hashed; ++number) {
+    const auto found = find(number);
+    hash.add(found ? world.log_prior(found->state) : 0.0);
+    if (found) hash.add(world.log_constraint(found->outcome));
+  }
+  measure(state, find, k_hashed, effort, "lone_throws");
+  verify(state, hash.value(), 0x1d3a4b4a3718c335U);
+}
+BENCHMARK(search_six_dice)->Name("search/six_dice")->Unit(benchmark::kMillisecond);
 
 /// A batch of lone balls in the box of ACM.
 void landings(benchmark::State& state) {

@@ -1,4 +1,9 @@
 // `sleight-sampling-table`: independent satisfying solutions by each method, for docs/MEASUREMENTS.
+//
+// Rows "search, in no proportions", "islands" and "chains from a search, judged" are of worlds that
+// act in stages: balls that spell, and dice, which have no judged chains here. Those of balls have
+// lambda and the shares of proposals as requests without a sampler do, not the scene's lambda: it
+// changes how often a method's draws satisfy, and not the proportions of those that do.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,15 +12,18 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "common/base/version.h"
+#include "common/math/elementary.h"
+#include "tests/support/dice_scenes.h"
 #include "tests/thesis/sampling/methods.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/dice/dice.h"
+#include "worker/worlds/dice/throw_stages.h"
+#include "worker/worlds/spelling/pouring_stages.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace {
@@ -25,7 +33,9 @@ using thesis::Method;
 using thesis::Score;
 using worlds::ball_2d::Ball2d;
 using worlds::dice::Dice;
+using worlds::dice::StagedDice;
 using worlds::spelling::Spelling;
+using worlds::spelling::StagedSpelling;
 
 struct Arguments {
   std::uint64_t simulations = 300'000;
@@ -42,8 +52,9 @@ struct Row {
   Score score{};
 };
 
-/// Proposals: A.2.2's, with drops that aim, and these judged by balls that fall alone first.
-enum class Kernel { a_2_2, aimed, solo };
+/// Proposals: A.2.2's, with drops that aim, these judged by balls that fall alone first, and those
+/// of requests without a sampler (serve_best in worker/worlds/spelling/request.cpp).
+enum class Kernel { a_2_2, aimed, solo, served };
 struct NamedKernel {
   Kernel kernel;
   const char* name;
@@ -70,6 +81,14 @@ worlds::spelling::Parameters spelling(const worlds::spelling::Pattern& pattern, 
     proposal.disable_balls = proposal.enable_balls = 0.01;
     proposal.aim_ball = proposal.scatter_ball = 0.47;
     proposal.solo_steps = 10;
+  } else if (kernel == Kernel::served) {
+    proposal.change_all = 0.01;
+    proposal.change_vertices = 0.25;
+    proposal.change_ball = 0.14;
+    proposal.disable_balls = proposal.enable_balls = 0.02;
+    proposal.aim_ball = proposal.scatter_ball = 0.28;
+    proposal.vertex_redraw = 1;
+    proposal.ball_sd_m = 0.002;
   }
   return parameters;
 }
@@ -113,6 +132,50 @@ void add_plans(const Arguments& arguments, const std::string& scene, const std::
   }
 }
 
+/// The scan of islands is of `iterations_per_scan` proposals, and three free islands.
+template <run::StagedWorld World, class Parameters>
+Row islands_row(const Arguments& arguments, const std::string& scene, const Parameters& parameters,
+                std::uint32_t iterations_per_scan) {
+  return {scene, "islands", [=] {
+            return thesis::carried_out<World>(*thesis::islands(arguments.seed), parameters,
+                                              {.iterations_per_scan = iterations_per_scan,
+                                               .thin = 1U << 30U,
+                                               .particles = thesis::k_particles},
+                                              arguments.simulations);
+          }};
+}
+
+template <run::StagedWorld World, class Parameters>
+Row search_row(const Arguments& arguments, const std::string& scene, const Parameters& parameters,
+               thesis::LoneSimulations lone) {
+  return {scene, "search, in no proportions", [=] {
+            return thesis::searched<World>(parameters, arguments.seed, arguments.simulations, lone);
+          }};
+}
+
+/// Methods that act in stages, as requests without a sampler have them (serve_best again); islands
+/// and judged chains whatever the number of balls.
+void add_spelling_in_stages(const Arguments& arguments, const std::string& scene,
+                            const worlds::spelling::Pattern& pattern, std::vector<Row>& rows) {
+  const std::uint32_t balls = pattern.count();
+  const double log_balls = math::log(balls);
+  const auto strict = spelling(pattern, std::round(6 + log_balls), Kernel::served);
+
+  rows.push_back(
+      search_row<StagedSpelling>(arguments, scene, strict, thesis::LoneSimulations::left_out));
+  rows.push_back(islands_row<StagedSpelling>(arguments, scene, strict, 4 * balls));
+  rows.push_back({scene, "chains from a search, judged", [=] {
+                    const auto judged = StagedSpelling(strict).burn_in_values();
+                    return thesis::carried_out<StagedSpelling>(
+                        *thesis::judged_chains(arguments.seed, judged), strict,
+                        {.iterations_per_scan = balls,
+                         .thin = 1U << 30U,
+                         .starts_by_search = true,
+                         .is_judged = true},
+                        arguments.simulations);
+                  }});
+}
+
 void add_spelling(const Arguments& arguments, const std::string& scene,
                   const worlds::spelling::Pattern& pattern, double log_lambda,
                   std::vector<Row>& rows) {
@@ -139,50 +202,7 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
                           arguments.simulations);
                     }});
   }
-}
-
-/// One die at a place, to within a tolerance, with a six on top; and with its two along the table.
-worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool turned) {
-  constexpr double k_degree = std::numbers::pi / 180;
-  worlds::dice::Parameters parameters;
-  parameters.goals = {{.wanted = worlds::dice::Place{.centre_m = {0.03, 0}},
-                       .sigma = sigma_m,
-                       .tolerance = tolerance_m},
-                      {.wanted = worlds::dice::FaceDirection{.face = 6},
-                       .sigma = 10 * k_degree,
-                       .tolerance = 30 * k_degree}};
-  if (turned) {
-    parameters.goals.push_back(
-        {.wanted = worlds::dice::FaceDirection{.face = 2, .direction = {1, 0, 0}},
-         .sigma = 5 * k_degree,
-         .tolerance = 10 * k_degree});
-  }
-  return parameters;
-}
-
-/// requests/six_dice.toml: a row of six dice that are thrown together and show 1 to 6.
-worlds::dice::Parameters six_dice() {
-  constexpr double k_degree = std::numbers::pi / 180;
-  worlds::dice::Parameters parameters;
-  parameters.world.dice.clear();
-  for (std::uint32_t die = 0; die < 6; ++die) {
-    worlds::dice::DieStart start;
-    start.position_m.y() = -0.1 + 0.04 * die;
-    start.position_sd_m.y() = 0.002;
-    parameters.world.dice.push_back(start);
-    parameters.goals.push_back(
-        {.die = die,
-         .wanted = worlds::dice::Place{.centre_m = {0.03, -0.15 + 0.06 * die}},
-         .sigma = 0.005,
-         .tolerance = 0.01});
-  }
-  for (std::uint32_t die = 0; die < 6; ++die) {
-    parameters.goals.push_back({.die = die,
-                                .wanted = worlds::dice::FaceDirection{.face = die + 1},
-                                .sigma = 10 * k_degree,
-                                .tolerance = 30 * k_degree});
-  }
-  return parameters;
+  add_spelling_in_stages(arguments, scene, pattern, rows);
 }
 
 /// Throws without direction are those of dice that are numbered before.
@@ -201,6 +221,10 @@ void add_dice(const Arguments& arguments, const std::string& scene,
                                                           arguments.simulations);
                   }});
   add_plans<Dice>(arguments, scene, "", parameters, iterations_per_scan, rows);
+  rows.push_back(
+      search_row<StagedDice>(arguments, scene, parameters, thesis::LoneSimulations::counted));
+  const auto dice = static_cast<std::uint32_t>(parameters.world.dice.size());
+  rows.push_back(islands_row<StagedDice>(arguments, scene, parameters, 10 * dice));
 }
 
 std::vector<Row> all_rows(const Arguments& arguments) {
@@ -221,9 +245,9 @@ std::vector<Row> all_rows(const Arguments& arguments) {
   add_spelling(arguments, "ACM",
                worlds::spelling::pattern_of_word("ACM", worlds::spelling::Font::rows_5).value(),
                7.25, rows);
-  add_dice(arguments, "die", die(0.005, 0.005, false), 2, rows);
-  add_dice(arguments, "die_exact", die(0.002, 0.001, true), 2, rows);
-  add_dice(arguments, "six_dice", six_dice(), 20, rows);
+  add_dice(arguments, "die", tests::die(0.005, 0.005, false), 2, rows);
+  add_dice(arguments, "die_exact", tests::die(0.002, 0.001, true), 2, rows);
+  add_dice(arguments, "six_dice", tests::six_dice(), 20, rows);
   if (!arguments.only.empty())
     std::erase_if(rows, [&](const Row& row) { return row.scene != arguments.only; });
   return rows;
@@ -261,7 +285,11 @@ void print(const std::vector<Row>& rows) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Independent satisfying solutions by each method: the table of docs/MEASUREMENTS"};
+  CLI::App app{
+      "Independent satisfying solutions by each method: the table of docs/MEASUREMENTS.\n"
+      "Dice and balls that spell also have rows of methods that act in stages: a search, whose\n"
+      "finds are in no proportions, and islands; balls that spell also chains from a search, "
+      "judged."};
   app.set_version_flag("--version", "sleight-sampling-table " + std::string(base::version()));
   Arguments arguments;
   app.add_option("--simulations", arguments.simulations, "Of each method and scene")

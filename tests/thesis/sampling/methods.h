@@ -10,13 +10,18 @@
 #include <map>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "worker/run/chain_worker.h"
+#include "worker/run/search_start.h"
 #include "worker/sampling/annealed_importance.h"
 #include "worker/sampling/burnt_in_chains.h"
 #include "worker/sampling/excursions.h"
+#include "worker/sampling/independent_chains.h"
+#include "worker/sampling/judged_chains.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
+#include "worker/sampling/search_lanes.h"
 #include "worker/sampling/simulated_tempering.h"
 
 namespace sleight::thesis {
@@ -88,13 +93,41 @@ Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t sim
   return score;
 }
 
-/// A plan, carried out until so much is simulated.
+/// Whether simulations of one ball or die alone count. In the table they do for dice, where the
+/// pools of islands count too, and not for balls: those are in the core-seconds alone.
+enum class LoneSimulations { counted, left_out };
+
+/// Starts of a search, one after another: its finds are solutions, and not in the proportions of
+/// p_w p_c. Ends early where the method `search` gives up. What the guide is learnt from is in the
+/// core-seconds, not in the simulations.
+template <run::StagedWorld World, class Parameters>
+Score searched(const Parameters& parameters, std::uint64_t seed, std::uint64_t simulations,
+               LoneSimulations lone) {
+  Score score;
+  const double begin_s = thread_cpu_s();
+  const World world(parameters);
+  const auto guide = world.learn(seed);
+  const sampling::ChainStreams streams{.seed = seed, .chain = {}, .replica = {}};
+  std::uint64_t in_vain = 0;
+  for (std::uint64_t start = 0;
+       score.simulations < simulations && in_vain < sampling::k_starts_in_vain_max; ++start) {
+    sampling::SearchEffort effort;
+    const bool found = run::search_start(world, guide, streams, start, effort).has_value();
+    score.solutions += found ? 1 : 0;
+    in_vain = found ? 0 : in_vain + 1;
+    score.simulations += effort.simulations;
+    if (lone == LoneSimulations::counted) score.simulations += effort.guesses;
+  }
+  score.cpu_s = thread_cpu_s() - begin_s;
+  return score;
+}
+
+/// A plan, carried out until so much is simulated. Simulations are those that the worker tells.
 template <class World, class Parameters>
 Score carried_out(plan::Plan& plan, const Parameters& parameters,
                   const run::ChainWorkerOptions& options, std::uint64_t simulations) {
   Score score;
-  const run::ChainWorker<Counted<World>> worker(Counted<World>(parameters, score.simulations),
-                                                options);
+  const run::ChainWorker<World> worker(World(parameters), options);
   const double begin_s = thread_cpu_s();
   std::map<plan::ReplicaKey, base::Bytes> states;
   while (score.simulations < simulations) {
@@ -103,6 +136,7 @@ Score carried_out(plan::Plan& plan, const Parameters& parameters,
     base::Bytes& state = states[unit->replica];
     plan::UnitResult result = worker.run(*unit, state);
     state = std::move(result.state_after);
+    score.simulations += result.simulations;
     plan.consume(unit->replica, unit->first_scan, result.scans);
   }
   score.solutions = plan.solutions_found();
@@ -164,6 +198,35 @@ inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::Ladder
   };
   return std::make_unique<sampling::BurntInChains>(sampling::BurntInOptions{
       .chains = 1, .ladder = ladder, .burn_in_rounds = 3, .stop = k_no_stop, .go_on = go_on});
+}
+
+/// Particles of an island, as requests without a sampler have them.
+inline constexpr std::uint32_t k_particles = 32;
+
+/// `sequential`: one chain whose scans end with islands. A solution is the draw of a free island
+/// that was accepted after the burn-in, if it satisfies in that scan or a later one.
+inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
+  constexpr std::uint64_t k_burn_in_scans = 7;
+  return std::make_unique<sampling::IndependentChains>(
+      sampling::IndependentChainsOptions{.seed = seed,
+                                         .chains = 1,
+                                         .round_scans = 1,
+                                         .burn_in_scans = k_burn_in_scans,
+                                         .has_islands = true,
+                                         .stop = k_no_stop});
+}
+
+/// Chains that start from a search, with a burn-in that is judged. Those of a tour that is cut
+/// short have no solutions.
+inline std::unique_ptr<plan::Plan> judged_chains(std::uint64_t seed,
+                                                 std::vector<sampling::BurnInValue> judged) {
+  return std::make_unique<sampling::JudgedChains>(
+      sampling::JudgedChainsOptions{.seed = seed,
+                                    .chains = 5,
+                                    .round_scans = 32,
+                                    .judged = std::move(judged),
+                                    .scans = k_no_stop.scans,
+                                    .independent_solutions = {}});
 }
 
 }  // namespace sleight::thesis
