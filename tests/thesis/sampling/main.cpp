@@ -160,7 +160,6 @@ void add_spelling_in_stages(const Arguments& arguments, const std::string& scene
   const std::uint32_t balls = pattern.count();
   const double log_balls = math::log(balls);
   const auto strict = spelling(pattern, std::round(6 + log_balls), Kernel::served);
-
   rows.push_back(
       search_row<StagedSpelling>(arguments, scene, strict, thesis::LoneSimulations::left_out));
   rows.push_back(islands_row<StagedSpelling>(arguments, scene, strict, 4 * balls));
