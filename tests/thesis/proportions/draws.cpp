@@ -1,8 +1,5 @@
 #include "tests/thesis/proportions/draws.h"
 
-#include <fmt/format.h>
-
-#include <map>
 #include <memory>
 #include <set>
 #include <utility>

@@ -41,12 +41,12 @@ struct Counted {
   std::vector<Values> solutions;
   std::vector<Values> any_scan;  ///< one; none if no scan that is a draw satisfies
 };
+Counted counted_solutions(const std::string& request_text);
+
 /// How many of so many throws of all balls satisfy a request of a word.
 std::uint64_t satisfying_throws(const std::string& request_text, std::uint64_t throws);
 
 /// How many balls a request of a word has.
 std::uint32_t balls_of(const std::string& request_text);
-
-Counted counted_solutions(const std::string& request_text);
 
 }  // namespace sleight::thesis

@@ -326,9 +326,9 @@ std::uint32_t particles_for_odds(std::uint32_t balls) {
   return balls <= k_balls_by_islands_max ? 128 : 256;
 }
 
-/// Independence steps of islands renew all balls and the box at once. Of what a start lacks of
-/// helped balls a scan leaves two thirds (HI), so seven of them some 5%. Odds need no burn-in, as
-/// islands hang on no chain.
+/// Independence steps of islands renew all balls and the box at once. Two
+/// scans of burn-in left HI 0.5 helped balls short; if each scan leaves as much of that, seven
+/// leave a tenth. Odds need no burn-in, as islands hang on no chain.
 void settle_islands(request::Settled& settled, std::uint32_t balls, bool tells_odds,
                     request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
