@@ -328,7 +328,7 @@ std::uint32_t particles_for_odds(std::uint32_t balls) {
 
 /// Independence steps of islands renew all balls and the box at once. Two
 /// scans of burn-in left HI 0.5 helped balls short; if each scan leaves as much of that, seven
-/// leave a tenth. Odds need no burn-in, as islands hang on no chain.
+/// leave an eighth. Odds need no burn-in, as islands hang on no chain.
 void settle_islands(request::Settled& settled, std::uint32_t balls, bool tells_odds,
                     request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
