@@ -113,8 +113,7 @@ class Kill(ProgramTest):
             os.kill(self.victim(process, which), signal.SIGKILL)
         except (ProcessLookupError, FileNotFoundError):
             pass  # it ended just now
-        # mpirun ends a job whose rank is gone by itself, within some seconds.
-        _, errors = process.communicate(timeout=60)
+        errors = harness.await_job_without_a_rank(process)
         harness.kill_group(process)
         if process.returncode == 0:
             self.assertTrue(output.exists(), "it ended well, without its archive")

@@ -6,9 +6,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <thread>
@@ -33,6 +35,7 @@ struct Arguments {
   std::uint32_t seeds = 400;
   unsigned threads = 2;
   double p_min = 1e-4;
+  double limit_s = std::numeric_limits<double>::infinity();
   std::uint64_t throws = 0;
 };
 
@@ -161,14 +164,27 @@ std::vector<Way> all_ways(const Arguments& arguments) {
   return ways;
 }
 
-/// All tasks, so many at a time.
-void run_all(const std::vector<std::function<void()>>& tasks, unsigned threads) {
+/// All tasks, so many at a time; from the limit on no other one of those that can be left out
+/// begins.
+void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be_left_out_from,
+             const Arguments& arguments) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  const unsigned threads = std::max(1U, arguments.threads);
   std::atomic<std::size_t> next = 0;
+  std::atomic<std::size_t> done = 0;
   std::vector<std::jthread> workers;
   for (unsigned thread = 0; thread < threads; ++thread) {
     workers.emplace_back([&] {
-      for (std::size_t i = next++; i < tasks.size(); i = next++)
+      for (std::size_t i = next++; i < tasks.size(); i = next++) {
+        if (i >= can_be_left_out_from && seconds() > arguments.limit_s) return;
         tasks[i]();
+        const std::size_t count = ++done;
+        if (i < can_be_left_out_from || count % 20 == 0)
+          fmt::print(stderr, "{} of {} runs after {:.0f} s\n", count, tasks.size(), seconds());
+      }
     });
   }
 }
@@ -186,6 +202,7 @@ int main(int argc, char** argv) {
   app.add_option("--seeds", arguments.seeds, "Of requests without a sampler")
       ->capture_default_str();
   app.add_option("--threads", arguments.threads)->capture_default_str();
+  app.add_option("--limit", arguments.limit_s, "Seconds; no seed begins after them");
   app.add_option("--p-min", arguments.p_min, "Below it the program fails")->capture_default_str();
   app.add_option("--throws", arguments.throws,
                  "Nothing but this: how many of so many blind throws spell it");
@@ -212,19 +229,21 @@ int main(int argc, char** argv) {
                      "independent_solutions = 5\nfound = 1"));
     });
   }
-  run_all(tasks, std::max(1U, arguments.threads));
+  run_all(tasks, ways.size(), arguments);
 
   // Of each seed's solutions one: they hang together.
   std::vector<Values> first_of_seed;
   std::vector<Values> any_of_seed;
   std::vector<Values> last_of_seed;
+  const auto ran =
+      std::ranges::count_if(counted, [](const Counted& each) { return !each.any_scan.empty(); });
   for (const Counted& each : counted) {
     if (!each.solutions.empty()) first_of_seed.push_back(each.solutions.front());
     if (!each.solutions.empty()) last_of_seed.push_back(each.solutions.back());
     any_of_seed.insert(any_of_seed.end(), each.any_scan.begin(), each.any_scan.end());
   }
-  fmt::print("{}: {} seeds without a sampler, {} with solutions\n\n", arguments.word,
-             arguments.seeds, first_of_seed.size());
+  fmt::print("{}: {} seeds without a sampler, {} with solutions\n\n", arguments.word, ran,
+             first_of_seed.size());
   double least = 1;
   for (std::size_t quantity = 0; quantity < k_quantities.size(); ++quantity) {
     std::vector<Sample> samples;
