@@ -181,11 +181,16 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
   if (!stop.valid("scans") || !request.stop.scans) return;
   const std::uint64_t before = scans_before_draws(request.sampler);
   if (*request.stop.scans > before) return;
+  // Who gave none of the keys that decide it did not choose it.
+  const bool is_chosen = sampler.given("method") || sampler.given("anneal_scans") ||
+                         sampler.given("burn_in_rounds") || sampler.given("round_scans");
   stop.error("scans",
-             fmt::format("expected more than {}, which annealing and burn-in take of each chain "
-                         "before its first animation counts, found {}; ask for more scans, or for "
-                         "less anneal_scans, burn_in_rounds or round_scans in [sampler]",
-                         before, *request.stop.scans));
+             fmt::format(
+                 "expected more than {}, which annealing and burn-in take of each chain before its "
+                 "first animation counts{}, found {}; ask for more scans, or for {}",
+                 before, is_chosen ? "" : " where [sampler] leaves them open", *request.stop.scans,
+                 is_chosen ? "less anneal_scans, burn_in_rounds or round_scans in [sampler]"
+                           : "independent_solutions in their place, which decides by itself"));
 }
 
 void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& request) {

@@ -100,6 +100,21 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   EXPECT_EQ(parameters.proposal.vertex_redraw, 0);
 }
 
+TEST(SpellingRequest, TooFewScansOfTheDefaultNameNoKeysThatNobodySet) {
+  Parameters parameters;
+  const std::array worlds{request_binding(parameters)};
+  const auto complaint_of = [&](const std::string& sampler) {
+    const auto request = request::read_request(
+        "[world]\nname = \"spelling\"\nword = \"HI\"\n" + sampler + "[stop]\nscans = 5\n", "r.toml",
+        worlds);
+    return request.ok() ? "" : request.error().front().message;
+  };
+  EXPECT_NE(complaint_of("").find("independent_solutions in their place"), std::string::npos);
+  EXPECT_NE(complaint_of("[sampler]\nmethod = \"sequential\"\nburn_in_rounds = 5\n")
+                .find("less anneal_scans, burn_in_rounds or round_scans"),
+            std::string::npos);
+}
+
 TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
   // Goal: any word or bitmap, in a grid of its own or a given one. Method: each.
   Parameters parameters;
