@@ -23,6 +23,8 @@ namespace sleight::programs {
 namespace {
 
 constexpr std::size_t k_request_file_bytes_max = 1U << 20U;
+/// Of a word where it names a request.
+constexpr std::size_t k_shown_word_characters_max = 40;
 
 /// A line on stderr; where that is lost, the exit code still tells.
 void complain(const std::string& line) {
@@ -130,6 +132,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
         {"session_scans", summary.progress.session_scans},
         {"session_satisfied", summary.progress.session_satisfied},
         {"found", summary.found},
+        {"found_in_proportion", false},
         {"independent_solutions", summary.progress.solutions},
         {"session_seconds", summary.progress.elapsed_s},
         {"session_simulations", summary.progress.session_simulations},
@@ -144,8 +147,9 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
   if (summary.digest.empty()) {
     fmt::print("{}\n", what_is_missing(summary));
   } else if (summary.scans == 0) {
-    fmt::print("{}: {} found, seed {}, digest {}\n", arguments.output,
-               coordinator::grouped(summary.found), request.sampler.seed, summary.digest);
+    fmt::print("{}: {} found, not in the model's proportions; seed {}, digest {}\n",
+               arguments.output, coordinator::grouped(summary.found), request.sampler.seed,
+               summary.digest);
   } else {
     fmt::print("{}: {} chain{} of {} scans, seed {}, digest {}\n", arguments.output,
                request.sampler.chains, request.sampler.chains == 1 ? "" : "s",
@@ -226,6 +230,8 @@ double parse_duration_s(const std::string& text) {
 void check_arguments(const DirectArguments& arguments) {
   if (arguments.request_path.empty() && arguments.word.empty())
     throw base::Error(base::ExitCode::usage, "REQUEST.toml or --word WORD is required");
+  if (!request::is_utf8(arguments.word))
+    throw base::Error(base::ExitCode::usage, "--word: expected UTF-8 text");
   if (arguments.output.empty() && !arguments.print_request)
     throw base::Error(base::ExitCode::usage, "-o OUTPUT.h5 is required");
 }
@@ -247,7 +253,8 @@ struct Source {
 Source source_of(const DirectArguments& arguments) {
   if (arguments.request_path.empty()) {
     const std::uint32_t number = arguments.number.value_or(request::k_solutions_asked_for);
-    return {.name = "--word " + arguments.word, .text = request_of_word(arguments.word, number)};
+    return {.name = "--word " + request::printable(arguments.word, k_shown_word_characters_max),
+            .text = request_of_word(arguments.word, number)};
   }
   return {.name = arguments.request_path,
           .text = base::read_text_file(arguments.request_path, k_request_file_bytes_max)};
@@ -255,8 +262,9 @@ Source source_of(const DirectArguments& arguments) {
 
 /// Prints errors, unless another rank does.
 std::optional<request::DirectionRequest> read(run::Catalogue& catalogue, const Source& source,
+                                              std::optional<std::uint32_t> solutions,
                                               bool errors_elsewhere) {
-  auto read = request::read_request(source.text, source.name, catalogue.bindings());
+  auto read = request::read_request(source.text, source.name, catalogue.bindings(), solutions);
   if (read) return std::move(read).value();
   if (errors_elsewhere) return std::nullopt;
   for (const request::Diagnostic& error : read.error())
@@ -268,18 +276,12 @@ std::optional<request::DirectionRequest> read(run::Catalogue& catalogue, const S
 
 std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
                                                            const DirectArguments& arguments) {
-  const Source source = source_of(arguments);
-  auto request = read(catalogue, source, arguments.errors_elsewhere);
+  Source source = source_of(arguments);
+  const auto asked = arguments.request_path.empty() ? std::nullopt : arguments.number;
+  if (asked) source.name += fmt::format(" with -n {}", *asked);
+  auto request = read(catalogue, source, asked, arguments.errors_elsewhere);
   if (!request) return std::nullopt;
   if (arguments.seed) request = request::with_seed(*std::move(request), *arguments.seed);
-  if (arguments.number && !arguments.request_path.empty()) {
-    // Read once more: it may ask for more than its method can give.
-    const Source asked{
-        .name = fmt::format("{} with -n {}", source.name, *arguments.number),
-        .text = request::normalised_text(request::with_solutions(*request, *arguments.number))};
-    request = read(catalogue, asked, arguments.errors_elsewhere);
-    if (!request) return std::nullopt;
-  }
   base::add_repeat_note(fmt::format("request {}, world {}, seed {}, version {}", source.name,
                                     request->world, request->sampler.seed, base::version()));
   return request;
@@ -301,8 +303,8 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   if (is_of_chains && request.stop.independent_solutions && !request.stop.scans &&
       !request.stop.rounds) {
     logging::warn(
-        "[stop] has independent_solutions alone: a chain that never arrives keeps the run going; "
-        "give scans as well to bound it");
+        "the run ends by independent solutions alone: a chain that never arrives keeps it going; "
+        "scans under [stop] bound it, and --time-limit a session");
   }
   const run::WorldEntry& world = catalogue.world(request.world);
   const auto reader = world.make_reader();
@@ -313,10 +315,16 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   coordinator::RunOptions options{.output = arguments.output,
                                   .fresh = arguments.fresh,
                                   .stop_requested = &coordinator::stop_requested,
+                                  .stopping = {},
                                   .report = {},
                                   .strict = arguments.strict};
   if (!arguments.time_limit.empty()) options.time_limit_s = parse_duration_s(arguments.time_limit);
   if (!arguments.quiet) {
+    options.stopping = [&] {
+      printer.say(
+          "stopping when what is being computed ends; Ctrl-C again leaves at once, and that "
+          "is then computed again");
+    };
     options.report = [&](const coordinator::Progress& progress) { printer.show(progress); };
     options.say = [&](const std::string& phase) { printer.say(phase); };
   }

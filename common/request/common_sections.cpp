@@ -34,6 +34,7 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
          "\"sequential\"");
   refuse("anneal_scans", !has_islands, "that has no islands");
   refuse("particles", has_islands, "\"sequential\"");
+  refuse("tour_scans", has_islands, "\"sequential\"");
   refuse("start", method == Method::metropolis_hastings || method == Method::parallel_tempering,
          "\"metropolis_hastings\" or \"parallel_tempering\"");
   refuse("lanes", ascends, "\"annealed_importance\"");
@@ -86,6 +87,12 @@ void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
   sampler.optional_integer(
       "particles", p.particles,
       {.minimum = 2, .maximum = k_particles_max, .help = "of an island: sequential; 64 if absent"});
+  sampler.optional_integer("tour_scans", p.tour_scans,
+                           {.minimum = 2,
+                            .maximum = 1000000,
+                            .unit = "scans",
+                            .help = "after which chains start anew; the last of them alone is a "
+                                    "draw: sequential; they never do if absent"});
 }
 
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
@@ -163,8 +170,8 @@ void bind_stop(Binder& stop, StopRule& p) {
   stop.optional_integer("found", p.found,
                         {.minimum = 1,
                          .maximum = k_found_max,
-                         .help = "a search ends with so many finds, 5 if absent; where there are "
-                                 "chains, a search before them"});
+                         .help = "a search ends with so many finds, 5 if absent; beside other "
+                                 "rules, a search before the chains"});
 }
 
 void bind_output(Binder& output, OutputParameters& p) {
@@ -216,15 +223,33 @@ void settle_search(SectionBinders& sections, DirectionRequest& request) {
   request.sampler.chains = 0;
 }
 
+bool leaves_sampler_open(const Binder& sampler) {
+  const auto& keys = sampler.keys();
+  return std::none_of(keys.begin(), keys.end(), [&](const BoundKey& bound) {
+    return bound.spec.key != "seed" && sampler.given(bound.spec.key);
+  });
+}
+
+/// Who asks for finds and nothing else wants a search.
+void settle_method(SectionBinders& sections, DirectionRequest& request, const WorldBinding& world) {
+  const auto& rules = sections.stop.keys();
+  const bool asks_for_finds_alone =
+      sections.stop.given("found") &&
+      std::none_of(rules.begin(), rules.end(), [&](const BoundKey& bound) {
+        return bound.spec.key != "found" && sections.stop.given(bound.spec.key);
+      });
+  if (!world.acts_in_stages || !asks_for_finds_alone || !leaves_sampler_open(sections.sampler))
+    return;
+  request.sampler.method = Method::search;
+  sections.sampler.settle("method", "\"search\"");
+}
+
 /// Without a sampler the world says what serves it best; people see what is found before anything
 /// is drawn in proportion.
 void settle_default(SectionBinders& sections, DirectionRequest& request,
                     const WorldBinding& world) {
-  const auto& keys = sections.sampler.keys();
-  const bool is_open = std::none_of(keys.begin(), keys.end(), [&](const BoundKey& bound) {
-    return bound.spec.key != "seed" && sections.sampler.given(bound.spec.key);
-  });
-  if (!is_open || !world.serve_best) return;
+  if (request.sampler.method == Method::search) return;
+  if (!leaves_sampler_open(sections.sampler) || !world.serve_best) return;
   world.serve_best(sections.constraint, sections.sampler, request.sampler, request.stop);
   if (request.stop.found || !request.stop.independent_solutions) return;
   request.stop.found = request.stop.independent_solutions;
@@ -280,6 +305,20 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
+/// Tours have their own burn-in, and no rounds.
+void check_tours(SectionBinders& sections, const DirectionRequest& request) {
+  if (!request.sampler.tour_scans || !sections.sampler.valid("tour_scans")) return;
+  if (sections.sampler.given("burn_in_rounds"))
+    sections.sampler.error("burn_in_rounds",
+                           "does not go with tour_scans: a tour's scans but the "
+                           "last one burn in");
+  for (const char* rule : {"rounds", "odds"})
+    if (sections.stop.given(rule))
+      sections.stop.error(rule,
+                          "does not go with tour_scans: ask for scans or "
+                          "independent_solutions");
+}
+
 /// Islands and searches are for worlds that act in stages.
 void check_stages(SectionBinders& sections, const DirectionRequest& request,
                   const WorldBinding& world, std::span<const WorldBinding> worlds) {
@@ -325,12 +364,14 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
   if (chosen == nullptr) return nullptr;
   request.world = chosen->name;
   chosen->bind(sections.world, sections.constraint, sections.sampler);
+  settle_method(sections, request, *chosen);
   check_stages(sections, request, *chosen, worlds);
   if (request.sampler.method == Method::search) settle_search(sections, request);
   check_start(sections, request);
   settle_stop(sections, request);
   settle_default(sections, request, *chosen);
   check_odds(sections, request);
+  check_tours(sections, request);
   return chosen;
 }
 

@@ -75,6 +75,9 @@ struct SamplerParameters {
   std::optional<std::uint32_t> steps_per_level{};
   /// Of an island of sequential; none: k_particles.
   std::optional<std::uint32_t> particles{};
+  /// Of sequential: a chain starts anew after so many scans, of which the last one alone is a draw;
+  /// none: it never does.
+  std::optional<std::uint32_t> tour_scans{};
   Start start = Start::prior;
   friend bool operator==(const SamplerParameters&, const SamplerParameters&) = default;
 };
@@ -168,9 +171,13 @@ inline constexpr std::uint32_t k_island_burn_in_rounds = 1;
 
 /// Reads a request. `file` is named in the errors and not opened. The chosen world's parameters
 /// then hold the request's values; on errors they hold some of them.
-/// REQUIRES: worlds is not empty, its names are distinct.
+/// With `solutions` as if [stop] asked for so many alone: independent ones, and as many finds where
+/// [stop] asks for finds; of method search finds.
+/// REQUIRES: worlds is not empty, its names are distinct; solutions at least 1, at most
+/// k_independent_solutions_max.
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
-    std::string_view text, std::string_view file, std::span<const WorldBinding> worlds);
+    std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
+    std::optional<std::uint32_t> solutions = {});
 
 /// The whole request, canonically: what an archive stores of a run that ended by its own rule.
 std::string normalised_text(const DirectionRequest& request);
@@ -182,9 +189,10 @@ struct Cut {
 };
 
 /// As normalised_text with these for [stop], those that are not 0: the request that reproduces
-/// exactly what an archive holds. Beside the scans of islands it keeps the rules that end a run by
-/// what islands say, odds and independent_solutions: by them an archive tells whether it may count
-/// its islands, and the run that they ended before ends there again. REQUIRES: one is not 0; scans
+/// exactly what an archive holds. Without scans it is the search alone. Beside the scans of islands
+/// it keeps the rules that end a run by what islands say, odds and independent_solutions: by them
+/// an archive tells whether it may count its islands, and the run that they ended before ends there
+/// again. REQUIRES: one is not 0; scans
 /// <= k_scans_max, found <= k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
@@ -195,9 +203,9 @@ std::string identity_text(const DirectionRequest& request);
 /// The request with another seed, as if its file had it. REQUIRES: seed <= k_seed_max.
 DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
 
-/// The request for so many solutions, in place of its [stop]: independent ones, and as many finds
-/// where it searches. REQUIRES: at least 1, at most k_independent_solutions_max.
-DirectionRequest with_solutions(DirectionRequest request, std::uint32_t number);
+/// The search that comes before a request's chains, as a request of its own: it finds the same.
+/// REQUIRES: stop.found.
+DirectionRequest search_of(DirectionRequest request);
 
 /// A section, or any table of an array, and what its keys are.
 struct SectionKeys {

@@ -42,6 +42,10 @@ std::string normalised_text_of(const DirectionRequest& request, const Cut& cut) 
   CHECK_LE(cut.scans, k_scans_max);
   CHECK_LE(cut.found, k_found_max);
   DirectionRequest stopped = request;
+  if (cut.scans == 0 && request.sampler.method != Method::search) {
+    stopped.stop.found = static_cast<std::uint32_t>(cut.found);
+    stopped = search_of(std::move(stopped));
+  }
   auto& rules = section_of(stopped, "stop").keys;
   const bool has_islands = request.sampler.method == Method::sequential && cut.scans > 0;
   std::erase_if(rules,
@@ -68,20 +72,23 @@ DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed) {
   return request;
 }
 
-DirectionRequest with_solutions(DirectionRequest request, std::uint32_t number) {
-  CHECK(number >= 1 && number <= k_independent_solutions_max);
-  auto& rules = section_of(request, "stop").keys;
-  const bool has_search = request.stop.found.has_value();
-  request.stop = {};
-  rules.clear();
-  if (request.sampler.method != Method::search) {
-    request.stop.independent_solutions = number;
-    rules.emplace_back("independent_solutions", fmt::format("{}", number));
-  }
-  if (has_search) {
-    request.stop.found = number;
-    rules.emplace_back("found", fmt::format("{}", number));
-  }
+DirectionRequest search_of(DirectionRequest request) {
+  CHECK(request.stop.found.has_value());
+  const auto keep_only = [&](std::string_view section,
+                             std::initializer_list<std::string_view> kept) {
+    std::erase_if(section_of(request, section).keys, [&](const auto& key) {
+      return std::find(kept.begin(), kept.end(), key.first) == kept.end();
+    });
+  };
+  keep_only("sampler", {"method", "seed"});
+  keep_only("stop", {"found"});
+  keep_only("output", {"keep_max"});
+  section_of(request, "sampler").keys.front().second = "\"search\"";
+  const std::uint64_t seed = request.sampler.seed;
+  request.sampler = {.method = Method::search, .chains = 0, .seed = seed};
+  request.stop = {
+      .scans = {}, .rounds = {}, .independent_solutions = {}, .found = request.stop.found};
+  request.output = {.keep_max = request.output.keep_max};
   return request;
 }
 

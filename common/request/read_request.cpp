@@ -175,7 +175,8 @@ bool is_mentioned(const Document& document, std::string_view section) {
 
 /// Some scan is left to count.
 void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& request) {
-  for (const char* key : {"method", "round_scans", "burn_in_rounds", "anneal_scans"}) {
+  for (const char* key :
+       {"method", "round_scans", "burn_in_rounds", "anneal_scans", "tour_scans"}) {
     if (!sampler.valid(key)) return;
   }
   if (!stop.valid("scans") || !request.stop.scans) return;
@@ -183,14 +184,16 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
   if (*request.stop.scans > before) return;
   // Who gave none of the keys that decide it did not choose it.
   const bool is_chosen = sampler.given("method") || sampler.given("anneal_scans") ||
-                         sampler.given("burn_in_rounds") || sampler.given("round_scans");
-  stop.error("scans",
-             fmt::format(
-                 "expected more than {}, which annealing and burn-in take of each chain before its "
-                 "first animation counts{}, found {}; ask for more scans, or for {}",
-                 before, is_chosen ? "" : " where [sampler] leaves them open", *request.stop.scans,
-                 is_chosen ? "less anneal_scans, burn_in_rounds or round_scans in [sampler]"
-                           : "independent_solutions in their place, which decides by itself"));
+                         sampler.given("burn_in_rounds") || sampler.given("round_scans") ||
+                         sampler.given("tour_scans");
+  stop.error(
+      "scans",
+      fmt::format(
+          "expected more than {}, which annealing and burn-in take of each chain before its "
+          "first animation counts{}, found {}; ask for more scans, or for {}",
+          before, is_chosen ? "" : " where [sampler] leaves them open", *request.stop.scans,
+          is_chosen ? "less anneal_scans, burn_in_rounds, round_scans or tour_scans in [sampler]"
+                    : "independent_solutions in their place, which decides by itself"));
 }
 
 void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& request) {
@@ -243,9 +246,32 @@ std::vector<NormalisedSection> normalised_sections(const SectionBinders& section
   return normalised;
 }
 
+/// Puts so many solutions in the place of [stop].
+void ask_for(Document& document, std::uint32_t solutions) {
+  CHECK(solutions >= 1 && solutions <= k_independent_solutions_max);
+  const Section* sampler = document.find("sampler");
+  const Entry* method = sampler == nullptr ? nullptr : sampler->find("method");
+  const auto* name = method == nullptr ? nullptr : std::get_if<std::string>(&method->value.held);
+  const bool is_search = name != nullptr && *name == "search";
+  const Section* given = document.find("stop");
+  const bool has_finds = given != nullptr && given->find("found") != nullptr;
+  Section stop{.name = "stop", .place = given == nullptr ? Place{} : given->place, .entries = {}};
+  const auto ask = [&](const char* rule) {
+    stop.entries.push_back(
+        {.key = rule,
+         .place = stop.place,
+         .value = {.held = static_cast<std::int64_t>(solutions), .place = stop.place}});
+  };
+  if (!is_search) ask("independent_solutions");
+  if (is_search || has_finds) ask("found");
+  std::erase_if(document.sections, [](const Section& section) { return section.name == "stop"; });
+  document.sections.push_back(std::move(stop));
+}
+
 }  // namespace
 
 std::uint64_t scans_before_draws(const SamplerParameters& sampler) {
+  if (sampler.tour_scans) return *sampler.tour_scans - 1;
   const bool has_islands = sampler.method == Method::sequential;
   const bool burns_in = has_islands || (sampler.method != Method::metropolis_hastings &&
                                         sampler.method != Method::parallel_tempering);
@@ -256,19 +282,22 @@ std::uint64_t scans_before_draws(const SamplerParameters& sampler) {
 }
 
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
-    std::string_view text, std::string_view file, std::span<const WorldBinding> worlds) {
-  const auto document = parse_document(text, file);
-  if (!document) return std::vector{document.error()};
+    std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
+    std::optional<std::uint32_t> solutions) {
+  auto parsed = parse_document(text, file);
+  if (!parsed) return std::vector{parsed.error()};
+  Document document = std::move(parsed).value();
+  if (solutions) ask_for(document, *solutions);
 
   // Every key that is declared takes its value from the file.
   Diagnostics diagnostics(file);
   DirectionRequest request;
-  SectionBinders sections(document.value(), diagnostics);
+  SectionBinders sections(document, diagnostics);
   const WorldBinding* world = bind_sections(sections, worlds, request);
 
   // What is left over, missing or at odds is an error too.
-  report_unknown(document.value(), sections, world != nullptr, diagnostics);
-  if (!is_mentioned(document.value(), "world")) {
+  report_unknown(document, sections, world != nullptr, diagnostics);
+  if (!is_mentioned(document, "world")) {
     diagnostics.add({}, fmt::format("missing section [world]; it needs 'name', for instance "
                                     "name = \"{}\"",
                                     worlds.front().name));

@@ -96,6 +96,15 @@ std::string toml_number(double value) {
   return digits;
 }
 
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::optional<CodePoint> c = front_code_point(text);
+    if (!c) return false;
+    text.remove_prefix(c->bytes);
+  }
+  return true;
+}
+
 std::string toml_string(std::string_view text) {
   std::string quoted = "\"";
   while (!text.empty()) {

@@ -22,6 +22,8 @@ struct CodePoint {
 /// surrogates are not). REQUIRES: text is not empty.
 std::optional<CodePoint> front_code_point(std::string_view text);
 
+bool is_utf8(std::string_view text);
+
 /// Characters (code points) in `text`. REQUIRES: text is UTF-8.
 std::size_t character_count(std::string_view text);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -44,14 +45,27 @@ void refuse_unusable_output(const std::string& output, base::FileSystem& files) 
   files.remove(trial);
 }
 
+/// With which the request of an archive of this run begins.
+std::vector<std::string> beginnings_of(const request::DirectionRequest& request) {
+  std::vector<std::string> beginnings{request::identity_text(request)};
+  if (request.stop.found) beginnings.push_back(request::identity_text(request::search_of(request)));
+  return beginnings;
+}
+
 /// Refuses to replace a file that is no archive, or one whose request begins otherwise: somebody
 /// has put it in the place of ours. Read in a guarded child, since it may be anything.
-void refuse_foreign_file(const std::string& output, const std::string& identity_text) {
+void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings) {
   bool ours = false;
   try {
     ours = archive::hdf5::guarded(output, {}, [&] {
              const auto source = archive::hdf5::open_file(output);
-             return archive::summary_of(*source).request_text.starts_with(identity_text) ? 0 : 1;
+             const std::string request = archive::summary_of(*source).request_text;
+             return std::ranges::any_of(beginnings,
+                                        [&](const std::string& beginning) {
+                                          return request.starts_with(beginning);
+                                        })
+                        ? 0
+                        : 1;
            }) == 0;
   } catch (const base::Error& failure) {
     if (failure.exit_code() == base::ExitCode::interrupted) throw;
@@ -78,7 +92,7 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
                     output, database));
   }
   if (!fresh || !has_run) return;
-  if (files.exists(output)) refuse_foreign_file(output, "");
+  if (files.exists(output)) refuse_foreign_file(output, {""});
   logging::info(fmt::format("--fresh: giving up the earlier run of {}", output));
   // The archive goes first: an archive without its store would be refused above.
   files.remove(output);
@@ -206,7 +220,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                                      .chains = inputs.request.sampler.chains});
 
   if (files.exists(options.output)) {
-    refuse_foreign_file(options.output, request::identity_text(inputs.request));
+    refuse_foreign_file(options.output, beginnings_of(inputs.request));
   }
 
   // Drive the plan from where it stands.
@@ -221,6 +235,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   const DriveOptions drive_options{
       .time_limit_s = options.time_limit_s,
       .stop_requested = options.stop_requested,
+      .stopping = options.stopping,
       .report = options.report,
       .checkpoint =
           [&](const Reached& reached) {

@@ -1,6 +1,8 @@
 """Goal: words are found at a word's cost, by any number of threads and ranks, through kills and
 Ctrl-C, and nobody takes what was found for draws. Method: the programs as people call them."""
 
+import json
+import os
 import re
 import signal
 import time
@@ -175,6 +177,49 @@ class Search(ProgramTest):
             self.assertEqual(archive["posterior/draw"].size, 8)
             self.assertEqual(archive["finds/start"].size, 3)
 
+    def test_tours_give_the_same_by_threads_ranks_and_kills(self):
+        request = self.path("tours.toml")
+        request.write_text(ISLANDS.replace("round_scans = 4", "tour_scans = 4").replace(
+            "scans = 12", "independent_solutions = 7"))
+        one = self.path("one.h5")
+        self.direct(request, one, "-j", "1")
+        self.direct(request, self.path("four.h5"), "-j", "4")
+        self.assertEqual(self.digest(self.path("four.h5")), self.digest(one))
+        self.succeed(run(harness.batch(2, request, self.path("ranks.h5"), "-q")))
+        self.assertEqual(self.digest(self.path("ranks.h5")), self.digest(one))
+        killed = self.path("killed.h5")
+        for wait_s in (0.3, 0.6):
+            process = start([harness.program("sleight"), "direct", request, "-o", killed, "-q"])
+            time.sleep(wait_s)
+            kill_group(process)
+        said = json.loads(self.direct(request, killed, "--json").stdout)
+        self.assertEqual(self.digest(killed), self.digest(one))
+        # Draws are tours' last scans; those that satisfy are the solutions, and these are kept.
+        self.assertGreaterEqual(said["independent_solutions"], 7)
+        with h5py.File(one) as archive:
+            self.assertEqual(archive["posterior/draw"].size * 4, said["scans"])
+            satisfied = archive["sample_stats/satisfied"][:] != 0
+            self.assertEqual(satisfied.sum(), said["independent_solutions"])
+        again = self.path("again.toml")
+        again.write_text(self.info(one)["request"])
+        self.direct(again, self.path("again.h5"))
+        self.assertEqual(self.digest(self.path("again.h5")), self.digest(one))
+
+    def test_an_archive_of_finds_alone_names_what_repeats_it(self):
+        # Of a run that was stopped before its first draw: the search alone. The run goes on.
+        request = self.path("tours.toml")
+        request.write_text(ISLANDS.replace("round_scans = 4", "tour_scans = 100000").replace(
+            "scans = 12", "independent_solutions = 1"))
+        output = self.path("cut.h5")
+        self.direct(request, output, "--time-limit", "1s")
+        again = self.path("again.toml")
+        again.write_text(self.info(output)["request"])
+        self.assertIn('method = "search"\nseed = 1\n\n[stop]\nfound = 3\n', again.read_text())
+        self.direct(again, self.path("again.h5"))
+        self.assertEqual(self.digest(self.path("again.h5")), self.digest(output))
+        self.direct(request, output, "--time-limit", "1s")
+        self.assertEqual(self.digest(self.path("again.h5")), self.digest(output))
+
     def test_dice_without_a_sampler(self):
         # Found die by die, then drawn in proportion.
         request = self.path("dice.toml")
@@ -254,8 +299,9 @@ class Search(ProgramTest):
                 ([], "REQUEST.toml or --word WORD is required"),
                 (["--word", "HI"], "-o OUTPUT.h5 is required"),
                 (["--word", "HI", "x.toml", "-o", "x.h5"], "request excludes --word"),
+                (["--word", b"A\xff", "-o", "x.h5"], "--word: expected UTF-8 text"),
                 (["--word", "HI", "-n", "0", "-o", "x.h5"], "not in range")]:
-            result = sleight("direct", *arguments)
+            result = sleight("direct", *map(os.fsdecode, arguments))
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(complaint, result.stderr)
 

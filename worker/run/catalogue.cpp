@@ -13,6 +13,7 @@
 #include "worker/sampling/judged_chains.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
+#include "worker/sampling/restarted_chains.h"
 #include "worker/sampling/search_first.h"
 #include "worker/sampling/simulated_tempering.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
@@ -57,7 +58,10 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
   // Nor is it where burn-ins are judged as they go.
   const bool starts_by_search = sampler.start == request::Start::search;
   return {.iterations_per_scan = sampler.iterations_per_scan,
-          .thin = scans_are_draws && !starts_by_search ? request.output.thin : 1,
+          // Of tours one scan each is a draw.
+          .thin = scans_are_draws && !starts_by_search
+                      ? std::uint64_t{request.output.thin} * sampler.tour_scans.value_or(1)
+                      : 1,
           .first_draw = request::scans_before_draws(sampler),
           .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0,
           .particles = sampler.method == request::Method::sequential
@@ -165,6 +169,14 @@ std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& requ
                                           .judged = world.burn_in_values(),
                                           .scans = stop.scans,
                                           .independent_solutions = stop.independent_solutions});
+      }
+      if (sampler.tour_scans) {
+        return std::make_unique<sampling::RestartedChains>(
+            sampling::RestartedChainsOptions{.seed = sampler.seed,
+                                             .chains = sampler.chains,
+                                             .tour_scans = *sampler.tour_scans,
+                                             .scans = stop.scans,
+                                             .independent_solutions = stop.independent_solutions});
       }
       const std::uint64_t anneal_scans = sampler.anneal_scans.value_or(0);
       return std::make_unique<sampling::IndependentChains>(sampling::IndependentChainsOptions{

@@ -138,7 +138,7 @@ class ChainWorker final : public plan::UnitWorker {
       const auto& guide = this->guide(walk.streams.seed);
       const bool is_first = walk.streams.chain.value == 0 && scan == 0 && beta == 1;
       if (is_first) counts.add(world_.failures_of(guide));
-      if (options_.particles > 0) return islands(walk, counts).start();
+      if (options_.particles > 0) return islands(walk, counts).start(scan);
       for (std::uint64_t nth = 0; nth < k_starts_max; ++nth) {
         sampling::SearchEffort effort;
         auto find = search_start(world_, guide, walk.streams, scan * k_starts_max + nth, effort);

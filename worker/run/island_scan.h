@@ -20,7 +20,7 @@ namespace sleight::run {
 /// Free islands of a scan.
 inline constexpr std::uint32_t k_free_islands = 3;
 /// Islands of a chain are numbered: so many to a scan, one of its conditional step and two of each
-/// independence step; and those of its start from far on.
+/// independence step; and those of its starts from far on.
 inline constexpr std::uint64_t k_islands_of_scan = 1 + 2 * k_free_islands;
 inline constexpr std::uint64_t k_first_start_island = std::uint64_t{1} << 48U;
 /// Islands that may die before a chain starts otherwise.
@@ -37,10 +37,11 @@ class IslandScan {
              const sampling::ChainStreams& streams, Told told)
       : islands_(world, guide, {.particles = particles}, streams, std::move(told)) {}
 
-  /// The draw of the first island that has one; nothing if none has.
-  std::optional<Sample> start() const {
+  /// At a scan, the draw of the first island that has one; nothing if none has.
+  std::optional<Sample> start(std::uint64_t scan) const {
+    const std::uint64_t first = k_first_start_island + scan * k_start_islands_max;
     for (std::uint32_t nth = 0; nth < k_start_islands_max; ++nth) {
-      sampling::Island<W> island = islands_.free(k_first_start_island + nth);
+      sampling::Island<W> island = islands_.free(first + nth);
       if (island.drawn) return std::move(island.drawn);
     }
     return std::nullopt;

@@ -7,10 +7,11 @@
 
 namespace sleight::sampling {
 
-ValueVerdict judge_value(const BurnInValue& value, double start, const Chains& draws) {
+ValueVerdict judge_value(const BurnInValue& value, std::span<const double> starts,
+                         const Chains& draws) {
   ValueVerdict verdict{.r_hat = r_hat(draws)};
-  const bool has_left =
-      std::ranges::any_of(draws.values, [start](double draw) { return draw != start; });
+  const bool has_left = std::ranges::any_of(
+      draws.values, [&](double draw) { return std::ranges::find(starts, draw) == starts.end(); });
   if (value.starts_at_one_end && !has_left) return verdict;
   // What never changes in any chain, and need not, says nothing.
   const bool is_constant =

@@ -103,8 +103,10 @@ std::optional<JudgedChains::Tour> JudgedChains::burnt_in() const {
       const auto begin = chain.values[value].begin() + static_cast<std::ptrdiff_t>(first);
       draws.values.insert(draws.values.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
     }
-    const ValueVerdict verdict =
-        judge_value(options_.judged[value], chains_.front().values[value].front(), draws.view());
+    std::vector<double> starts;
+    for (const Chain& chain : chains_)
+      starts.push_back(chain.values[value].front());
+    const ValueVerdict verdict = judge_value(options_.judged[value], starts, draws.view());
     tour.r_hats.push_back(verdict.r_hat);
     passes = passes && verdict.passes;
   }

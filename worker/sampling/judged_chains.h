@@ -2,9 +2,8 @@
 //
 //   until there are enough independent solutions:
 //     each chain starts from a search of its own
-//     rounds of round_scans, 2 round_scans, 4 round_scans, ... scans, until the last one, judged
-//     over
-//       all chains, has forgotten how they started (burn_in_judge.h)
+//     rounds of round_scans, 2 round_scans, 4 round_scans, ... scans, until the last one,
+//       judged over all chains, has forgotten how they started (burn_in_judge.h)
 //     each chain that satisfied in that round has one solution: a satisfying scan drawn by the seed
 //
 // The scans of the rounds that passed are the draws; those before are none. A tour that is cut
@@ -12,9 +11,10 @@
 //
 // Invariants
 //   1. What a tour comes to is a function of its results alone; all chains wait for each other at
-//   the
-//      ends of rounds.
-//   2. No chain is left out, or begun again, for how it looks.
+//      the ends of rounds.
+//   2. No chain is left out, or begun again, for how it looks by itself. The round that passes is
+//      the one that is drawn from, so its R-hat has chosen it.
+// Memory: what is judged of a tour's scans, until it ends.
 // Not thread-safe.
 #pragma once
 

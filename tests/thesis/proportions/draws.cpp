@@ -108,6 +108,16 @@ Series satisfying_draws(const std::string& request_text, std::uint64_t first_sca
   return series;
 }
 
+std::vector<std::vector<double>> helped_by_scan(const std::string& request_text) {
+  Run run(request_text);
+  std::vector<std::vector<double>> helped;
+  run.carry_out([&](std::uint32_t, std::uint64_t scan, const plan::ScanRecord& record) {
+    if (helped.size() <= scan) helped.resize(scan + 1);
+    if (record.satisfied) helped[scan].push_back(run.values_of(record).front());
+  });
+  return helped;
+}
+
 Counted counted_solutions(const std::string& request_text) {
   Run run(request_text);
   const std::uint64_t before = run.scans_before_draws();

@@ -35,6 +35,9 @@ using Series = std::vector<std::vector<Values>>;
 /// request has errors.
 Series satisfying_draws(const std::string& request_text, std::uint64_t first_scan);
 
+/// The helped balls of all chains that satisfy, by scan.
+std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
+
 /// Of a run that ends by its own rule: each solution that it counts, at the first scan at which its
 /// lineage satisfies, and one of all satisfying scans that are draws, by the seed.
 struct Counted {

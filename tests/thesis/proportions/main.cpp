@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -32,11 +33,15 @@ using sleight::thesis::Values;
 struct Arguments {
   std::string word = "HI";
   double effort = 1;
+  std::uint32_t first_seed = 1;
   std::uint32_t seeds = 400;
   unsigned threads = 2;
   double p_min = 1e-4;
   double limit_s = std::numeric_limits<double>::infinity();
   std::uint64_t throws = 0;
+  std::uint32_t tours = 0;
+  std::uint32_t scans = 16;
+  std::vector<std::string> keys{};
 };
 
 /// Draws of one quantity that are as good as independent, and what they were thinned from.
@@ -56,6 +61,23 @@ Sample independent(const std::string& way, const std::vector<Values>& draws, std
   sample.mean = mean.mean;
   sample.error = mean.standard_error;
   return sample;
+}
+
+/// Of each seed the mean of what it counted: less noise than one of its solutions, and no sample.
+Sample mean_of_seeds(const std::vector<Counted>& counted, std::size_t quantity) {
+  std::vector<double> means;
+  for (const Counted& each : counted) {
+    if (each.solutions.empty()) continue;
+    double sum = 0;
+    for (const Values& values : each.solutions)
+      sum += values.at(quantity);
+    means.push_back(sum / static_cast<double>(each.solutions.size()));
+  }
+  const auto mean = sleight::statistical::mean_of_independent(means);
+  return {.way = "default, all counted",
+          .thinned = {},
+          .mean = mean.mean,
+          .error = mean.standard_error};
 }
 
 /// Of each chain as many draws, evenly spaced, as it has effective ones of this quantity.
@@ -189,6 +211,44 @@ void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be
   }
 }
 
+/// How far chains have come from where they start, scan by scan: the helped balls of those that
+/// satisfy.
+void show_burn_in(const Arguments& arguments) {
+  std::string keys = "method = \"sequential\"\nburn_in_rounds = 1\nround_scans = 1\n";
+  for (const std::string& key : arguments.keys)
+    keys += key + "\n";
+  const unsigned threads = std::max(1U, arguments.threads);
+  std::vector<std::vector<std::vector<double>>> helped(threads);  // by thread, by scan
+  std::vector<std::function<void()>> tasks;
+  for (unsigned thread = 0; thread < threads; ++thread) {
+    tasks.emplace_back([&, thread] {
+      const std::string text =
+          request_of(arguments,
+                     sampler_of(arguments,
+                                fmt::format("{}chains = {}\nseed = {}\n", keys,
+                                            (arguments.tours + thread) / threads,
+                                            arguments.first_seed + thread),
+                                {}),
+                     fmt::format("scans = {}", arguments.scans));
+      helped[thread] = sleight::thesis::helped_by_scan(text);
+    });
+  }
+  const auto begin = std::clock();
+  run_all(tasks, tasks.size(), arguments);
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  fmt::print("{}: {} tours of {} scans, {:.3f} s of processor a scan\n", arguments.word,
+             arguments.tours, arguments.scans, seconds / arguments.tours / arguments.scans);
+  for (std::uint32_t scan = 0; scan < arguments.scans; ++scan) {
+    std::vector<double> values;
+    for (const auto& of_thread : helped)
+      if (scan < of_thread.size())
+        values.insert(values.end(), of_thread[scan].begin(), of_thread[scan].end());
+    const auto mean = sleight::statistical::mean_of_independent(values);
+    fmt::print("{:4} {:8.3f} +- {:.3f}  {:.0f}% satisfied\n", scan, mean.mean, mean.standard_error,
+               100.0 * static_cast<double>(values.size()) / arguments.tours);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -197,15 +257,20 @@ int main(int argc, char** argv) {
   Arguments arguments;
   app.add_option("--word", arguments.word)->capture_default_str();
   app.add_option("--effort", arguments.effort,
-                 "Of the three ways; 1 gives each some hundreds of draws")
+                 "Of the three ways; 1 gives each some hundreds of draws, 0 leaves them out")
       ->capture_default_str();
   app.add_option("--seeds", arguments.seeds, "Of requests without a sampler")
       ->capture_default_str();
+  app.add_option("--first-seed", arguments.first_seed)->capture_default_str();
   app.add_option("--threads", arguments.threads)->capture_default_str();
   app.add_option("--limit", arguments.limit_s, "Seconds; no seed begins after them");
   app.add_option("--p-min", arguments.p_min, "Below it the program fails")->capture_default_str();
   app.add_option("--throws", arguments.throws,
                  "Nothing but this: how many of so many blind throws spell it");
+  app.add_option("--tours", arguments.tours,
+                 "Nothing but this: helped balls by scan of so many chains of islands");
+  app.add_option("--scans", arguments.scans, "Of each tour")->capture_default_str();
+  app.add_option("--keys", arguments.keys, "Of the tours' [sampler], \"particles = 128\"");
   app.footer(
       "Examples:\n  sleight-proportions\n  sleight-proportions --word I --effort 0.1 --seeds 20");
   CLI11_PARSE(app, argc, argv);
@@ -217,13 +282,18 @@ int main(int argc, char** argv) {
                arguments.word);
     return 0;
   }
-  std::vector<Way> ways = all_ways(arguments);
+  if (arguments.tours > 0) {
+    show_burn_in(arguments);
+    return 0;
+  }
+  std::vector<Way> ways = arguments.effort > 0 ? all_ways(arguments) : std::vector<Way>{};
   std::vector<Counted> counted(arguments.seeds);
   std::vector<std::function<void()>> tasks;
   for (Way& way : ways)
     tasks.emplace_back([&way] { way.series = way.draw(); });
-  for (std::uint32_t seed = 1; seed <= arguments.seeds; ++seed) {
-    tasks.emplace_back([&arguments, &result = counted[seed - 1], seed] {
+  for (std::uint32_t nth = 0; nth < arguments.seeds; ++nth) {
+    const std::uint32_t seed = arguments.first_seed + nth;
+    tasks.emplace_back([&arguments, &result = counted[nth], seed] {
       result = sleight::thesis::counted_solutions(
           request_of(arguments, fmt::format("[sampler]\nseed = {}\n", seed),
                      "independent_solutions = 5\nfound = 1"));
@@ -252,10 +322,13 @@ int main(int argc, char** argv) {
     samples.push_back(independent("default, first counted", first_of_seed, quantity));
     samples.push_back(independent("default, last counted", last_of_seed, quantity));
     samples.push_back(independent("default, any scan", any_of_seed, quantity));
+    samples.push_back(mean_of_seeds(counted, quantity));
     fmt::print("{}\n", k_quantities.at(quantity));
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      fmt::print("  {:22} {:10.5g} +- {:<8.2g} {:5} draws", samples[i].way, samples[i].mean,
-                 samples[i].error, samples[i].thinned.size());
+      const std::size_t draws = samples[i].thinned.size();
+      fmt::print("  {:22} {:10.5g} +- {:<8.2g} {}", samples[i].way, samples[i].mean,
+                 samples[i].error,
+                 draws > 0 ? fmt::format("{:5} draws", draws) : "      of seeds' means");
       for (std::size_t j = 0; j < std::min<std::size_t>(i, ways.size()); ++j) {
         const double p = p_value(samples[i], samples[j], quantity);
         least = std::min(least, p);

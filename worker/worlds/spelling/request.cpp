@@ -20,6 +20,22 @@ constexpr std::array<request::Named<Font>, 2> k_fonts{
 constexpr std::array<request::Named<Kernel>, 2> k_kernels{
     {{"correct", Kernel::correct}, {"thesis", Kernel::thesis}}};
 
+/// Of an island, of one worker at a time.
+constexpr std::uint64_t k_island_bytes_max = std::uint64_t{1} << 30U;
+/// Of a ball in a simulated pouring, its history included: 6.5 to 7.1 kB of I, HI and SLEIGHT.
+constexpr std::uint64_t k_bytes_of_ball = 7200;
+
+/// What a particle holds of so many balls: the pouring, and which drops of the pool it has used.
+std::uint64_t prefix_bytes(std::uint64_t balls) {
+  constexpr std::uint64_t k_drops_per_bin = 40;  // PouringGuide's
+  return balls * (k_bytes_of_ball + std::max(k_drops_per_bin, balls));
+}
+
+/// There are as many prefixes again while particles are resampled.
+std::uint64_t particles_max(std::uint64_t balls) {
+  return k_island_bytes_max / (2 * prefix_bytes(balls));
+}
+
 /// So many times bounce_end rest_speed and rest_time are at least.
 constexpr double k_bounce_ends_min = 2;
 
@@ -230,6 +246,27 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   check_sizes(world, p);
 }
 
+/// What a sampler's key is set to; nothing where it has no value.
+std::optional<std::string> value_of(const request::Binder& sampler, std::string_view key) {
+  const auto at = std::ranges::find(
+      sampler.keys(), key, [](const auto& bound) { return std::string_view(bound.spec.key); });
+  if (at == sampler.keys().end() || at->value.empty()) return std::nullopt;
+  return at->value;
+}
+
+void check_memory(request::Binder& sampler, std::uint32_t balls) {
+  if (!sampler.valid("method") || !sampler.valid("particles")) return;
+  if (value_of(sampler, "method") != "\"sequential\"") return;
+  const std::optional<std::string> given = value_of(sampler, "particles");
+  const std::uint64_t particles = given ? std::stoull(*given) : request::k_particles;
+  if (particles <= particles_max(balls)) return;
+  sampler.error("particles",
+                fmt::format("{} particles of {} balls take {} MB of each worker, and {} can be "
+                            "had; ask for at most {}",
+                            particles, balls, (2 * particles * prefix_bytes(balls)) >> 20U,
+                            k_island_bytes_max >> 20U, particles_max(balls)));
+}
+
 /// Methods other than the thesis's own build upon the distribution that the kernel should have.
 void check_kernel(request::Binder& sampler, Kernel kernel) {
   if (kernel != Kernel::thesis || !sampler.valid("method")) return;
@@ -315,6 +352,13 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
 /// much in weight that chains of them hardly move.
 constexpr std::uint32_t k_balls_by_islands_max = 20;
 
+/// How long a tour of islands goes on, and of how many particles: docs/SAMPLING has what was
+/// measured of HI.
+constexpr std::uint32_t k_tour_scans = 16;
+constexpr std::uint32_t k_tour_particles = 32;
+/// One more than the solutions that are mostly asked for: of six draws of HI, five satisfy.
+constexpr std::uint32_t k_island_chains = 6;
+
 void settle_log_lambda(request::Binder& constraint, Parameters& parameters, double chosen) {
   if (constraint.given("log_lambda")) return;
   parameters.constraint.log_lambda = chosen;
@@ -323,21 +367,49 @@ void settle_log_lambda(request::Binder& constraint, Parameters& parameters, doub
 
 /// More balls, more that can go wrong in an island of few particles.
 std::uint32_t particles_for_odds(std::uint32_t balls) {
-  return balls <= k_balls_by_islands_max ? 128 : 256;
+  const std::uint32_t wanted = balls <= k_balls_by_islands_max ? 128 : 256;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, particles_max(balls)));
 }
 
-/// Independence steps of islands renew all balls and the box at once. Two
-/// scans of burn-in left HI 0.5 helped balls short; if each scan leaves as much of that, seven
-/// leave an eighth. Odds need no burn-in, as islands hang on no chain.
-void settle_islands(request::Settled& settled, std::uint32_t balls, bool tells_odds,
-                    request::SamplerParameters& sampler) {
+void settle_sequential(request::Settled& settled, std::uint32_t balls, std::uint32_t particles,
+                       request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
   settled.word("method", "sequential");
-  settled.count("chains", sampler.chains, tells_odds ? 4 : 2);
-  settled.count("particles", sampler.particles, tells_odds ? particles_for_odds(balls) : 32);
+  settled.count("chains", sampler.chains, k_island_chains);
+  settled.count("particles", sampler.particles, particles);
   settled.count("round_scans", sampler.round_scans, 1);
-  settled.count("burn_in_rounds", sampler.burn_in_rounds, tells_odds ? 1 : 3);
   settled.count("iterations_per_scan", sampler.iterations_per_scan, 4 * balls);
+}
+
+/// Islands know the odds at once, as they hang on no chain.
+void settle_islands_for_odds(request::Settled& settled, std::uint32_t balls,
+                             const request::StopRule& stop, request::SamplerParameters& sampler) {
+  settle_sequential(settled, balls, particles_for_odds(balls), sampler);
+  settled.count("burn_in_rounds", sampler.burn_in_rounds, stop.independent_solutions ? 4 : 1);
+}
+
+/// Chains of islands: for solutions they start anew for each one, else they go on. Islands give too
+/// few helped balls, since these weigh much where they come: a tour's steps bring in more.
+void settle_islands(request::Settled& settled, std::uint32_t balls, const request::StopRule& stop,
+                    request::SamplerParameters& sampler) {
+  settle_sequential(settled, balls, k_tour_particles, sampler);
+  if (stop.scans || stop.rounds) {
+    settled.count("burn_in_rounds", sampler.burn_in_rounds, 4);
+  } else {
+    settled.count("tour_scans", sampler.tour_scans, k_tour_scans);
+  }
+}
+
+/// Where a long word's rounds are asked for.
+void settle_tempering(request::Settled& settled, std::uint32_t balls,
+                      request::SamplerParameters& sampler) {
+  sampler.method = request::Method::parallel_tempering;
+  settled.word("method", "parallel_tempering");
+  sampler.start = request::Start::search;
+  settled.word("start", "search");
+  settled.count("chains", sampler.chains, 2);
+  settled.count("round_scans", sampler.round_scans, 32);
+  settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
 }
 
 /// A scan has a proposal for each ball. As many chains as solutions are mostly asked for: each of
@@ -364,8 +436,12 @@ void serve_best(request::Binder& constraint, request::Binder& sampler,
   // times e^6.
   settle_log_lambda(constraint, parameters, std::round(6 + math::log(balls)));
   // Judged chains find out for themselves how many rounds they take, and tell no odds.
-  if (balls <= k_balls_by_islands_max || stop.rounds || stop.odds) {
-    settle_islands(settled, balls, stop.odds.has_value(), sampling);
+  if (stop.odds) {
+    settle_islands_for_odds(settled, balls, stop, sampling);
+  } else if (balls <= k_balls_by_islands_max) {
+    settle_islands(settled, balls, stop, sampling);
+  } else if (stop.rounds) {
+    settle_tempering(settled, balls, sampling);
   } else {
     settle_judged_chains(settled, balls, sampling);
   }
@@ -397,6 +473,8 @@ request::WorldBinding request_binding(Parameters& parameters) {
                            .maximum = 100,
                            .help = "p_c = lambda^k for k filled bins; the natural logarithm"});
         bind_proposal(sampler, parameters.proposal);
+        if (world.valid("word") && world.valid("bitmap"))
+          check_memory(sampler, parameters.pattern.count());
       },
       /*acts_in_stages=*/true,
       [&parameters](request::Binder& constraint, request::Binder& sampler,

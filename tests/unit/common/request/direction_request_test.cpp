@@ -192,8 +192,8 @@ TEST(ReadRequest, ASearchHasFewKeys) {
               HasSubstr("[sampler]\nmethod = \"search\"\nseed = 3\n\n[stop]\nfound = 5\n\n"
                         "[output]\nkeep_max = 5000\n"));
   EXPECT_EQ(read_staged(normalised_text(request)), request);
-  EXPECT_EQ(normalised_text(with_solutions(request, 8)),
-            normalised_text(read_staged(least + "seed = 3\n[stop]\nfound = 8\n")));
+  EXPECT_EQ(read_request(least + "seed = 3\n[stop]\nfound = 2\n", "r.toml", worlds, 8).value(),
+            read_staged(least + "seed = 3\n[stop]\nfound = 8\n"));
   EXPECT_THAT(staged_errors(least + "chains = 2\nstep = 0.5\n"),
               ElementsAre(HasSubstr("'chains' in [sampler]: says nothing of method"),
                           HasSubstr("'step' in [sampler]: says nothing of method")));
@@ -230,7 +230,8 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
   EXPECT_EQ(alone.stop, (StopRule{{}, {}, {}, {}, 0.1}));
   EXPECT_THAT(normalised_text(alone), HasSubstr("[stop]\nodds = 0.1\n\n"));
   EXPECT_EQ(read_staged(normalised_text(alone)), alone);
-  EXPECT_EQ(normalised_text(with_solutions(alone, 3)).find("odds"), std::string::npos);
+  EXPECT_EQ(read_request(islands + "[stop]\nodds = 0.1\n", "r.toml", worlds, 3).value().stop,
+            (StopRule{{}, {}, 3, {}}));
   const DirectionRequest both =
       read_staged(islands + "[stop]\nfound = 2\nodds = 1\nscans = 100000\n");
   EXPECT_THAT(normalised_text(both),
@@ -273,9 +274,12 @@ TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
   EXPECT_THAT(cut_of("parallel_tempering", ""), HasSubstr("[stop]\nscans = 777\n\n"));
 }
 
-TEST(WithSolutions, ReplacesTheRules) {
-  const DirectionRequest request = read("[world]\nname='toy'\n[stop]\nscans = 7\nrounds = 2\n");
-  const DirectionRequest other = with_solutions(request, 9);
+TEST(ReadRequest, SolutionsAskedForReplaceTheRules) {
+  toy::Parameters parameters;
+  const std::array worlds{toy::binding(parameters)};
+  const std::string text = "[world]\nname='toy'\n[stop]\nscans = 7\nrounds = 2\n";
+  const DirectionRequest request = read(text);
+  const DirectionRequest other = read_request(text, "r.toml", worlds, 9).value();
   EXPECT_EQ(other.stop, (StopRule{{}, {}, 9, {}}));
   EXPECT_THAT(normalised_text(other), HasSubstr("[stop]\nindependent_solutions = 9\n\n"));
   EXPECT_EQ(identity_text(other), identity_text(request));

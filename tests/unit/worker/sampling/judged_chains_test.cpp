@@ -192,12 +192,13 @@ TEST(JudgeValue, SeesDriftsAndChainsThatDisagree) {
   // Goal: what has not forgotten its start fails. Method: 8 chains of 200 draws: of one
   // distribution; drifting all together; each about a mean of its own; constant.
   random::Stream stream({.seed = 2, .purpose = random::Purpose::scene}, 0);
+  std::vector<double> starts{0};
   const auto judged = [&](auto&& value, bool starts_at_one_end = true) {
     OwnedChains draws{.values = {}, .chains = 8, .draws = 200};
     for (std::size_t chain = 0; chain < draws.chains; ++chain)
       for (std::size_t draw = 0; draw < draws.draws; ++draw)
         draws.values.push_back(value(chain, static_cast<double>(draw)));
-    return judge_value({.name = "x", .starts_at_one_end = starts_at_one_end}, 0, draws.view());
+    return judge_value({.name = "x", .starts_at_one_end = starts_at_one_end}, starts, draws.view());
   };
   const auto normal = [&] { return random::Normal{}.draw(stream); };
   EXPECT_TRUE(judged([&](std::size_t, double) { return normal(); }).passes);
@@ -209,6 +210,11 @@ TEST(JudgeValue, SeesDriftsAndChainsThatDisagree) {
   EXPECT_TRUE(judged([](std::size_t, double) { return 0.0; }, false).passes);
   EXPECT_FALSE(
       judged([](std::size_t chain, double) { return static_cast<double>(chain); }, false).passes);
+  // Chains may start at one value or another of those at the end: only a third one has left it.
+  const auto bit = [&](std::size_t, double) { return normal() > 0 ? 1.0 : 0.0; };
+  EXPECT_TRUE(judged(bit).passes);
+  starts = {0, 1};
+  EXPECT_FALSE(judged(bit).passes);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/request/document.h"
@@ -73,6 +75,7 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   const auto islands = chosen("word = \"HI\"\n[stop]\nindependent_solutions = 7\n");
   EXPECT_EQ(islands.sampler.method, request::Method::sequential);
   EXPECT_EQ(islands.stop.found, 7U);
+  EXPECT_EQ(islands.sampler.tour_scans, 16U);
   EXPECT_EQ(parameters.proposal.vertex_redraw, 1);
   EXPECT_EQ(parameters.constraint.log_lambda, 9);
   const std::string text = normalised_text(islands);
@@ -95,12 +98,20 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   EXPECT_EQ(seeded.sampler.method, request::Method::sequential);
   EXPECT_EQ(seeded.sampler.seed, 8U);
   EXPECT_EQ(seeded.stop.found, std::nullopt);
+  EXPECT_EQ(seeded.sampler.tour_scans, std::nullopt);  // a chain that goes on has more draws
+  const auto rounds = chosen("word = \"SLEIGHT\"\n[stop]\nrounds = 3\n");
+  EXPECT_EQ(rounds.sampler.method, request::Method::parallel_tempering);
+  EXPECT_EQ(rounds.sampler.start, request::Start::search);
+  const auto finds = chosen("word = \"HI\"\n[stop]\nfound = 3\n");
+  EXPECT_EQ(finds.sampler.method, request::Method::search);
+  EXPECT_EQ(finds.stop.independent_solutions, std::nullopt);
   const auto given = chosen("word = \"HI\"\n[sampler]\nchains = 2\n");
   EXPECT_EQ(given.sampler.method, request::Method::parallel_tempering);
   EXPECT_EQ(parameters.proposal.vertex_redraw, 0);
 }
 
 TEST(SpellingRequest, TooFewScansOfTheDefaultNameNoKeysThatNobodySet) {
+  // Goal: who left the sampler open is told what he can do. Method: without one and with one.
   Parameters parameters;
   const std::array worlds{request_binding(parameters)};
   const auto complaint_of = [&](const std::string& sampler) {
@@ -111,8 +122,29 @@ TEST(SpellingRequest, TooFewScansOfTheDefaultNameNoKeysThatNobodySet) {
   };
   EXPECT_NE(complaint_of("").find("independent_solutions in their place"), std::string::npos);
   EXPECT_NE(complaint_of("[sampler]\nmethod = \"sequential\"\nburn_in_rounds = 5\n")
-                .find("less anneal_scans, burn_in_rounds or round_scans"),
+                .find("less anneal_scans, burn_in_rounds, round_scans or tour_scans"),
             std::string::npos);
+}
+
+TEST(SpellingRequest, IslandsHaveAStatedMemory) {
+  // Goal: particles that would take more than is stated are refused. Method: boxes full of balls.
+  Parameters parameters;
+  const std::array worlds{request_binding(parameters)};
+  const auto complaint_of = [&](std::uint32_t columns, std::uint32_t particles) {
+    std::string bitmap;
+    for (std::uint32_t row = 0; row < 12; ++row)
+      bitmap += std::string(columns, '#') + "\\n";
+    const auto request = request::read_request(
+        "[world]\nname = \"spelling\"\nbitmap = \"" + bitmap +
+            "\"\n[sampler]\nmethod = \"sequential\"\nparticles = " + std::to_string(particles) +
+            "\n[stop]\nscans = 50000\n",
+        "r.toml", worlds);
+    return request.ok() ? "" : request.error().front().message;
+  };
+  EXPECT_EQ(complaint_of(10, 256), "");
+  EXPECT_EQ(complaint_of(64, 64), "");
+  EXPECT_NE(complaint_of(64, 4096).find("4096 particles of 768 balls take"), std::string::npos)
+      << complaint_of(64, 4096);
 }
 
 TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
