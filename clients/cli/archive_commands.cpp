@@ -104,6 +104,7 @@ struct Facts {
   double acceptance = 0;  ///< mean over scans with proposals
   std::optional<ArchiveOdds> odds{};
   std::optional<Plausibility> finds{};
+  bool has_one_lineage = false;  ///< of each chain, whose method has no way to another one
 };
 
 Facts facts_of(const archive::Source& source) {
@@ -111,6 +112,9 @@ Facts facts_of(const archive::Source& source) {
   facts.finds = plausibility_of(source, facts.summary);
   const std::uint64_t scans = facts.summary.chains * facts.summary.scans;
   if (scans == 0) return facts;
+  const auto method = method_of(facts.summary.request_text);
+  facts.has_one_lineage =
+      method == request::Method::metropolis_hastings && !draws_are_burnt_in(source, method);
   facts.odds = odds_of(source, facts.summary);
   facts.satisfied = sum_of(source, "satisfied").value / static_cast<double>(scans);
   const Sum acceptance = sum_of(source, "acceptance_rate");
@@ -119,18 +123,18 @@ Facts facts_of(const archive::Source& source) {
 }
 
 /// "9 kept (at most 3 of each of 4 chains)": the rule that bounds their number first.
-std::string kept_animations(const archive::Summary& summary) {
+std::string kept_animations(const Facts& facts) {
+  const archive::Summary& summary = facts.summary;
   if (summary.keep_max <= 0) return "none kept (keep_max is 0)";
   if (summary.keep_per_lineage <= 0) return "none kept (keep_per_lineage is 0)";
   const auto most = static_cast<std::uint64_t>(summary.keep_max);
   const auto each = static_cast<std::uint64_t>(summary.keep_per_lineage);
-  // All other methods have a way back to the prior.
-  const bool one_lineage = method_of(summary.request_text) == request::Method::metropolis_hastings;
-  if (one_lineage && summary.chains > 0 && each <= most / summary.chains) {
+  if (facts.has_one_lineage && summary.chains > 0 && each <= most / summary.chains) {
     return fmt::format("{} kept (at most {} of each of {} chains)", summary.animations, each,
                        summary.chains);
   }
-  if (one_lineage) return fmt::format("{} kept (at most {} in all)", summary.animations, most);
+  if (facts.has_one_lineage)
+    return fmt::format("{} kept (at most {} in all)", summary.animations, most);
   return fmt::format("{} kept (at most {} of each lineage, {} in all)", summary.animations, each,
                      most);
 }
@@ -143,7 +147,7 @@ void print_chains(const Facts& facts) {
              summary.thin == 1 ? "every scan" : fmt::format("every {} scans", summary.thin));
   fmt::print("  satisfied    {:.1f}% of scans\n", 100 * facts.satisfied);
   fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
-  fmt::print("  animations   {}, {} segments of motion\n", kept_animations(summary),
+  fmt::print("  animations   {}, {} segments of motion\n", kept_animations(facts),
              summary.segments);
 }
 

@@ -410,7 +410,7 @@ TEST(RequestKeys, ListEveryKeyOnce) {
       "constraint: word lambda\n"
       "sampler: method start chains replicas ladder_power seed iterations_per_scan round_scans "
       "anneal_scans burn_in_rounds "
-      "lanes steps_per_level particles step\n"
+      "lanes steps_per_level particles tour_scans step\n"
       "stop: scans rounds independent_solutions odds found\n"
       "output: thin keep_max keep_per_lineage min_distance\n");
 }
