@@ -1,5 +1,8 @@
 #include "tests/thesis/proportions/draws.h"
 
+#include <algorithm>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <set>
 #include <utility>
@@ -37,6 +40,7 @@ class Run {
   bool satisfies(const spelling::State& state) const {
     return world_->satisfied(world_->simulate(state));
   }
+  plan::Draws draws() const { return plan_->draws(); }
   std::uint64_t scans_before_draws() const { return request::scans_before_draws(request_.sampler); }
 
   /// `observe(chain, scan, record)` of each scan at inverse temperature 1.
@@ -118,23 +122,56 @@ std::vector<std::vector<double>> helped_by_scan(const std::string& request_text)
   return helped;
 }
 
+namespace {
+
+using Where = std::pair<std::uint64_t, std::uint32_t>;  ///< (scan, chain)
+using Satisfying = std::map<Where, plan::ScanRecord>;
+
+/// The scans that a plan of tours counts and, of those that satisfy, the draws.
+void count_parts(const plan::Draws& draws, std::vector<Where>& counted, Satisfying& satisfying) {
+  for (const plan::DrawPart& part : draws.parts)
+    for (std::uint32_t chain = 0; chain < part.counted.size(); ++chain)
+      if (part.counted[chain]) counted.emplace_back(*part.counted[chain], chain);
+  std::erase_if(satisfying, [&](const auto& entry) {
+    return std::ranges::none_of(draws.parts, [&](const plan::DrawPart& part) {
+      return entry.first.first - part.first_scan < part.count;
+    });
+  });
+}
+
+/// The first satisfying scans of lineages that began after a burn-in.
+void count_lineages(std::uint64_t before, std::vector<Where>& counted, Satisfying& satisfying) {
+  std::erase_if(satisfying, [&](const auto& entry) { return entry.first.first < before; });
+  std::set<std::pair<std::uint32_t, std::uint64_t>> lineages;
+  for (const auto& [where, record] : satisfying)
+    if (plan::scan_of_lineage(record.lineage) >= before &&
+        lineages.emplace(where.second, record.lineage).second)
+      counted.push_back(where);
+}
+
+}  // namespace
+
 Counted counted_solutions(const std::string& request_text) {
   Run run(request_text);
-  const std::uint64_t before = run.scans_before_draws();
-  std::set<std::pair<std::uint32_t, std::uint64_t>> lineages;
-  std::vector<plan::ScanRecord> satisfying;
-  Counted counted;
+  Satisfying satisfying;
   run.carry_out([&](std::uint32_t chain, std::uint64_t scan, const plan::ScanRecord& record) {
-    if (scan < before || !record.satisfied) return;
-    satisfying.push_back(record);
-    if (plan::scan_of_lineage(record.lineage) >= before &&
-        lineages.emplace(chain, record.lineage).second)
-      counted.solutions.push_back(run.values_of(record));
+    if (record.satisfied) satisfying.emplace(Where{scan, chain}, record);
   });
+  std::vector<Where> counted_at;
+  const plan::Draws draws = run.draws();
+  if (draws.parts.empty()) {
+    count_lineages(run.scans_before_draws(), counted_at, satisfying);
+  } else {
+    count_parts(draws, counted_at, satisfying);
+  }
+  Counted counted{.has_run = true, .solutions = {}, .any_scan = {}};
+  for (const Where& where : counted_at)
+    counted.solutions.push_back(run.values_of(satisfying.at(where)));
   if (!satisfying.empty()) {
     random::Stream stream({.seed = run.sampler().seed, .purpose = random::Purpose::prior}, 0);
     const auto any = random::UniformInteger{.count = satisfying.size()}.draw(stream);
-    counted.any_scan.push_back(run.values_of(satisfying[any]));
+    counted.any_scan.push_back(
+        run.values_of(std::next(satisfying.begin(), static_cast<std::ptrdiff_t>(any))->second));
   }
   return counted;
 }

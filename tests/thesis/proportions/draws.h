@@ -38,9 +38,11 @@ Series satisfying_draws(const std::string& request_text, std::uint64_t first_sca
 /// The helped balls of all chains that satisfy, by scan.
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
 
-/// Of a run that ends by its own rule: each solution that it counts, at the first scan at which its
-/// lineage satisfies, and one of all satisfying scans that are draws, by the seed.
+/// Of a run that ends by its own rule: each solution that it counts (of a plan that says which
+/// scans are draws and which of these count, these; else the first satisfying scan of each
+/// lineage), and one of all satisfying scans that are draws, by the seed.
 struct Counted {
+  bool has_run = false;
   std::vector<Values> solutions;
   std::vector<Values> any_scan;  ///< one; none if no scan that is a draw satisfies
 };

@@ -1,6 +1,8 @@
 // Whether ways of sampling agree on a word: islands, tempering from searches and long plain chains
 // on what they draw; and what a request without a sampler counts as solutions, over many seeds,
-// with these. Prints a table, and exits with 1 if a p-value is below --p-min.
+// with these. Prints a table, and exits with 1 if a p-value is below --p-min. With --tours, how far
+// chains of islands have come from their starts, scan by scan; with --throws, how many throws do
+// it.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -217,7 +219,7 @@ void show_burn_in(const Arguments& arguments) {
   std::string keys = "method = \"sequential\"\nburn_in_rounds = 1\nround_scans = 1\n";
   for (const std::string& key : arguments.keys)
     keys += key + "\n";
-  const unsigned threads = std::max(1U, arguments.threads);
+  const unsigned threads = std::clamp(arguments.threads, 1U, arguments.tours);
   std::vector<std::vector<std::vector<double>>> helped(threads);  // by thread, by scan
   std::vector<std::function<void()>> tasks;
   for (unsigned thread = 0; thread < threads; ++thread) {
@@ -305,8 +307,7 @@ int main(int argc, char** argv) {
   std::vector<Values> first_of_seed;
   std::vector<Values> any_of_seed;
   std::vector<Values> last_of_seed;
-  const auto ran =
-      std::ranges::count_if(counted, [](const Counted& each) { return !each.any_scan.empty(); });
+  const auto ran = std::ranges::count_if(counted, &Counted::has_run);
   for (const Counted& each : counted) {
     if (!each.solutions.empty()) first_of_seed.push_back(each.solutions.front());
     if (!each.solutions.empty()) last_of_seed.push_back(each.solutions.back());
