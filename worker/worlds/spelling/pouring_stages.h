@@ -64,6 +64,9 @@ struct DropOdds {
   ByDistance misses{0.03, 0.012, 0.005, 0.001};   ///< none, far from full ones
 };
 
+/// Drops of an island's pool by designated bin, where there are not more balls.
+inline constexpr std::uint32_t k_drops_per_bin_min = 40;
+
 /// Frozen before anything counts.
 struct PouringGuide {
   LandingMap map;
@@ -72,7 +75,8 @@ struct PouringGuide {
   double takes_part = 0.98;   ///< in (0, 1); learn gives all balls together one fifth to stay out
   double log_elsewhere = -3;  ///< -infinity: prefixes with a ball elsewhere are never gone on with
   double prior_share = 0.15;  ///< in (0, 1]
-  std::uint32_t drops_per_bin = 40;  ///< at least; never fewer than there are balls
+  std::uint32_t drops_per_bin =
+      k_drops_per_bin_min;  ///< at least; never fewer than there are balls
 };
 
 /// Batches of lone balls that a run's map is learnt from: 2,000 balls; more make no search faster.

@@ -10,6 +10,7 @@
 #include "common/math/elementary.h"
 #include "common/request/settled.h"
 #include "common/request/text.h"
+#include "worker/worlds/spelling/pouring_stages.h"
 
 namespace sleight::worlds::spelling {
 namespace {
@@ -27,8 +28,7 @@ constexpr std::uint64_t k_bytes_of_ball = 7200;
 
 /// What a particle holds of so many balls: the pouring, and which drops of the pool it has used.
 std::uint64_t prefix_bytes(std::uint64_t balls) {
-  constexpr std::uint64_t k_drops_per_bin = 40;  // PouringGuide's
-  return balls * (k_bytes_of_ball + std::max(k_drops_per_bin, balls));
+  return balls * (k_bytes_of_ball + std::max<std::uint64_t>(k_drops_per_bin_min, balls));
 }
 
 /// There are as many prefixes again while particles are resampled.
@@ -270,21 +270,17 @@ void check_memory(request::Binder& sampler, std::uint32_t balls) {
 /// Methods other than the thesis's own build upon the distribution that the kernel should have.
 void check_kernel(request::Binder& sampler, Kernel kernel) {
   if (kernel != Kernel::thesis || !sampler.valid("method")) return;
-  const auto start = std::ranges::find(
-      sampler.keys(), "start", [](const auto& bound) { return std::string_view(bound.spec.key); });
-  if (start != sampler.keys().end() && start->value == "\"search\"") {
+  if (value_of(sampler, "start") == "\"search\"") {
     sampler.error("kernel",
                   "\"thesis\" is biased, so no burn-in by it is judged: start = \"prior\"");
     return;
   }
-  const auto method = std::ranges::find(
-      sampler.keys(), "method", [](const auto& bound) { return std::string_view(bound.spec.key); });
-  if (method->value != "\"metropolis_hastings\"") {
-    sampler.error(
-        "kernel",
-        fmt::format("\"thesis\" is biased and goes with method \"metropolis_hastings\" "
-                    "alone, found {}{}",
-                    method->value, sampler.given("method") ? "" : ", the default: set method"));
+  const std::string method = value_of(sampler, "method").value_or("");
+  if (method != "\"metropolis_hastings\"") {
+    sampler.error("kernel",
+                  fmt::format("\"thesis\" is biased and goes with method \"metropolis_hastings\" "
+                              "alone, found {}{}",
+                              method, sampler.given("method") ? "" : ", the default: set method"));
   }
 }
 
@@ -352,12 +348,12 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
 /// much in weight that chains of them hardly move.
 constexpr std::uint32_t k_balls_by_islands_max = 20;
 
-/// How long a tour of islands goes on, and of how many particles: docs/SAMPLING has what was
+/// How long a tour of islands goes on, and of how many particles: docs/MEASUREMENTS has what was
 /// measured of HI.
 constexpr std::uint32_t k_tour_scans = 16;
 constexpr std::uint32_t k_tour_particles = 32;
 /// One more than the solutions that are mostly asked for: of six draws of HI, five satisfy.
-constexpr std::uint32_t k_island_chains = 6;
+constexpr std::uint32_t k_tour_chains = 6;
 
 void settle_log_lambda(request::Binder& constraint, Parameters& parameters, double chosen) {
   if (constraint.given("log_lambda")) return;
@@ -371,12 +367,17 @@ std::uint32_t particles_for_odds(std::uint32_t balls) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, particles_max(balls)));
 }
 
-void settle_sequential(request::Settled& settled, std::uint32_t balls, std::uint32_t particles,
+struct IslandSizes {
+  std::uint32_t chains;
+  std::uint32_t particles;
+};
+
+void settle_sequential(request::Settled& settled, std::uint32_t balls, const IslandSizes& sizes,
                        request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
   settled.word("method", "sequential");
-  settled.count("chains", sampler.chains, k_island_chains);
-  settled.count("particles", sampler.particles, particles);
+  settled.count("chains", sampler.chains, sizes.chains);
+  settled.count("particles", sampler.particles, sizes.particles);
   settled.count("round_scans", sampler.round_scans, 1);
   settled.count("iterations_per_scan", sampler.iterations_per_scan, 4 * balls);
 }
@@ -384,7 +385,7 @@ void settle_sequential(request::Settled& settled, std::uint32_t balls, std::uint
 /// Islands know the odds at once, as they hang on no chain.
 void settle_islands_for_odds(request::Settled& settled, std::uint32_t balls,
                              const request::StopRule& stop, request::SamplerParameters& sampler) {
-  settle_sequential(settled, balls, particles_for_odds(balls), sampler);
+  settle_sequential(settled, balls, {.chains = 4, .particles = particles_for_odds(balls)}, sampler);
   settled.count("burn_in_rounds", sampler.burn_in_rounds, stop.independent_solutions ? 4 : 1);
 }
 
@@ -392,7 +393,8 @@ void settle_islands_for_odds(request::Settled& settled, std::uint32_t balls,
 /// few helped balls, since these weigh much where they come: a tour's steps bring in more.
 void settle_islands(request::Settled& settled, std::uint32_t balls, const request::StopRule& stop,
                     request::SamplerParameters& sampler) {
-  settle_sequential(settled, balls, k_tour_particles, sampler);
+  settle_sequential(settled, balls, {.chains = k_tour_chains, .particles = k_tour_particles},
+                    sampler);
   if (stop.scans || stop.rounds) {
     settled.count("burn_in_rounds", sampler.burn_in_rounds, 4);
   } else {

@@ -102,6 +102,11 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   const auto rounds = chosen("word = \"SLEIGHT\"\n[stop]\nrounds = 3\n");
   EXPECT_EQ(rounds.sampler.method, request::Method::parallel_tempering);
   EXPECT_EQ(rounds.sampler.start, request::Start::search);
+  const auto odds = chosen("word = \"HI\"\n[stop]\nodds = 0.3\n");
+  EXPECT_EQ(odds.sampler.chains, 4U);
+  EXPECT_EQ(odds.sampler.burn_in_rounds, 1U);
+  const auto both = chosen("word = \"HI\"\n[stop]\nodds = 0.3\nindependent_solutions = 2\n");
+  EXPECT_EQ(both.sampler.burn_in_rounds, 4U);
   const auto finds = chosen("word = \"HI\"\n[stop]\nfound = 3\n");
   EXPECT_EQ(finds.sampler.method, request::Method::search);
   EXPECT_EQ(finds.stop.independent_solutions, std::nullopt);
