@@ -13,6 +13,13 @@ FurthestBehind::FurthestBehind(std::size_t chains) : scans_(chains, 0) {
   may_give_ = by_scans_;
 }
 
+std::uint64_t FurthestBehind::sum(std::uint64_t end) const {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t scans : scans_)
+    sum += std::min(scans, end);
+  return sum;
+}
+
 std::size_t FurthestBehind::going(std::uint64_t horizon) {
   if (horizon != horizon_) {
     horizon_ = horizon;

@@ -28,6 +28,8 @@ class FurthestBehind {
 
   /// Scans that all have.
   std::uint64_t least() const { return by_scans_.begin()->first; }
+  /// Scans over all chains, of each at most so many.
+  std::uint64_t sum(std::uint64_t end) const;
   /// Chains with fewer scans than this.
   std::size_t going(std::uint64_t horizon);
 

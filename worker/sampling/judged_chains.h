@@ -55,7 +55,7 @@ class JudgedChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return options_.independent_solutions;
   }
-  std::uint64_t scans_consumed() const override;
+  std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
   /// Of tours: when they began, what was judged, R-hat of each value.
   plan::Report report() const override;

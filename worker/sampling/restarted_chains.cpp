@@ -85,13 +85,6 @@ plan::Draws RestartedChains::draws() const {
   return draws;
 }
 
-std::uint64_t RestartedChains::scans_consumed() const {
-  std::uint64_t sum = 0;
-  for (const Chain& chain : chains_)
-    sum += std::min(chain.consumed, end_);
-  return sum;
-}
-
 std::optional<std::uint64_t> RestartedChains::scans_total() const {
   if (end_ == k_no_end) return std::nullopt;
   return end_ * chains_.size();

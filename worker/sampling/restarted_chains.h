@@ -49,7 +49,7 @@ class RestartedChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return options_.independent_solutions;
   }
-  std::uint64_t scans_consumed() const override;
+  std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
   /// Of the free islands of all scans but tours' first ones.
   plan::Report report() const override;

@@ -72,6 +72,10 @@ TEST(FurthestBehind, IsWhoASearchFinds) {
       });
       ASSERT_EQ(found, expected) << "history " << history << " step " << step;
       ASSERT_EQ(order.least(), std::ranges::min(chains.scans));
+      std::uint64_t sum = 0;
+      for (const std::uint64_t scans : chains.scans)
+        sum += std::min<std::uint64_t>(scans, 5);
+      ASSERT_EQ(order.sum(5), sum);
       ASSERT_EQ(order.going(horizon), chains.going(horizon));
       ++(found ? given : dry);
     }
