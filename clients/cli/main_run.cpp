@@ -315,16 +315,10 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   coordinator::RunOptions options{.output = arguments.output,
                                   .fresh = arguments.fresh,
                                   .stop_requested = &coordinator::stop_requested,
-                                  .stopping = {},
                                   .report = {},
                                   .strict = arguments.strict};
   if (!arguments.time_limit.empty()) options.time_limit_s = parse_duration_s(arguments.time_limit);
   if (!arguments.quiet) {
-    options.stopping = [&] {
-      printer.say(
-          "stopping when what is being computed ends; Ctrl-C again leaves at once, and that "
-          "is then computed again");
-    };
     options.report = [&](const coordinator::Progress& progress) { printer.show(progress); };
     options.say = [&](const std::string& phase) { printer.say(phase); };
   }

@@ -104,7 +104,7 @@ class Driver {
     const std::optional<DriveEnd> early = asked_to_stop();
     if (!early) return;
     end = *early;
-    if (options_.stopping) options_.stopping();
+    if (end == DriveEnd::stop_requested && options_.stopping) options_.stopping();
     carry_out(core::StopAsked{});
   }
 

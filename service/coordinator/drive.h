@@ -52,8 +52,8 @@ struct Reached {
 struct DriveOptions {
   double time_limit_s = 0;  ///< 0 for none
   double report_every_s = 0.1;
-  std::function<bool()> stop_requested{};  ///< asked often; may be empty
-  std::function<void()> stopping{};        ///< once, when asked to, or out of time; may be empty
+  std::function<bool()> stop_requested{};         ///< asked often; may be empty
+  std::function<void()> stopping{};               ///< once, when asked to; may be empty
   std::function<void(const Progress&)> report{};  ///< may be empty
   /// Called now and then between units when everything is committed up to there, so that people who
   /// watch have a recent archive; may be empty.

@@ -171,6 +171,13 @@ void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& 
       path ? "to repeat it: sleight replay " + *path : "no more of them are kept as files"));
 }
 
+/// Units that have begun may take a while.
+void say_stopping() {
+  logging::info(
+      "stopping when what is being computed has ended; the same signal again ends the program at "
+      "once, and that is then computed again");
+}
+
 /// Keeps failures as files, and says the first one at once; progress and summary count the others.
 class FailureNotes {
  public:
@@ -235,7 +242,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   const DriveOptions drive_options{
       .time_limit_s = options.time_limit_s,
       .stop_requested = options.stop_requested,
-      .stopping = options.stopping,
+      .stopping = [] { say_stopping(); },
       .report = options.report,
       .checkpoint =
           [&](const Reached& reached) {

@@ -41,7 +41,6 @@ struct RunOptions {
   bool fresh = false;       ///< give up an earlier run of this output
   double time_limit_s = 0;  ///< 0 for none
   std::function<bool()> stop_requested{};
-  std::function<void()> stopping{};  ///< once, when a run is asked to stop before its end
   std::function<void(const Progress&)> report{};
   std::function<void(const std::string& phase)> say{};  ///< what goes on when nothing is counted
   double checkpoint_every_s = 60;  ///< an archive of the run so far, for people who watch
