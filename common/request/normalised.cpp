@@ -83,7 +83,8 @@ DirectionRequest search_of(DirectionRequest request) {
   keep_only("sampler", {"method", "seed"});
   keep_only("stop", {"found"});
   keep_only("output", {"keep_max"});
-  section_of(request, "sampler").keys.front().second = "\"search\"";
+  for (auto& [key, value] : section_of(request, "sampler").keys)
+    if (key == "method") value = "\"search\"";
   const std::uint64_t seed = request.sampler.seed;
   request.sampler = {.method = Method::search, .chains = 0, .seed = seed};
   request.stop = {

@@ -246,15 +246,20 @@ std::vector<NormalisedSection> normalised_sections(const SectionBinders& section
   return normalised;
 }
 
-/// Puts so many solutions in the place of [stop].
+/// Puts so many solutions in the place of [stop]: finds of what is a search, by its method or since
+/// it asks for finds alone and leaves the sampler open.
 void ask_for(Document& document, std::uint32_t solutions) {
   CHECK(solutions >= 1 && solutions <= k_independent_solutions_max);
   const Section* sampler = document.find("sampler");
   const Entry* method = sampler == nullptr ? nullptr : sampler->find("method");
   const auto* name = method == nullptr ? nullptr : std::get_if<std::string>(&method->value.held);
-  const bool is_search = name != nullptr && *name == "search";
+  const bool is_open =
+      sampler == nullptr || std::all_of(sampler->entries.begin(), sampler->entries.end(),
+                                        [](const Entry& entry) { return entry.key == "seed"; });
   const Section* given = document.find("stop");
   const bool has_finds = given != nullptr && given->find("found") != nullptr;
+  const bool is_search = (name != nullptr && *name == "search") ||
+                         (is_open && has_finds && given->entries.size() == 1);
   Section stop{.name = "stop", .place = given == nullptr ? Place{} : given->place, .entries = {}};
   const auto ask = [&](const char* rule) {
     stop.entries.push_back(

@@ -280,8 +280,9 @@ class Search(ProgramTest):
                          output, "-q"])
         time.sleep(1.5)
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130)
+        self.assertIn("the same signal again ends the program at once", errors)
         self.succeed(sleight("archive", "verify", output))
         found = self.info(output)["found"]
         self.assertGreater(found, 10)
@@ -295,6 +296,12 @@ class Search(ProgramTest):
                                        '[stop]\nindependent_solutions = 7\n')
         fewer = self.succeed(sleight("direct", self.search(found=9), "-n", "2", "--print-request"))
         self.assertIn("[stop]\nfound = 2\n", fewer.stdout)
+        # In place of the rules: what serves solutions best, not what served them.
+        odds = self.path("odds.toml")
+        odds.write_text(ODDS)
+        anew = self.succeed(sleight("direct", odds, "-n", "2", "--print-request")).stdout
+        self.assertIn("tour_scans = 16\n", anew)
+        self.assertIn("[stop]\nindependent_solutions = 2\nfound = 2\n", anew)
         for arguments, complaint in [
                 ([], "REQUEST.toml or --word WORD is required"),
                 (["--word", "HI"], "-o OUTPUT.h5 is required"),

@@ -12,6 +12,7 @@
 namespace sleight::request {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -252,6 +253,48 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
   EXPECT_THAT(staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n[stop]\n"
                             "odds = 0.1\n"),
               ElementsAre(HasSubstr("it ends by 'found'")));
+}
+
+TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
+  // Goal: what tours do not go with is an error that says why; what they go with reads back.
+  // Method: each key and rule, in a world that acts in stages.
+  toy::Parameters parameters;
+  const std::array worlds{toy::staged_binding(parameters)};
+  const auto staged_errors = [&](const std::string& method, const std::string& rest) {
+    std::vector<std::string> lines;
+    const auto request = read_request(
+        "[world]\nname = 'staged'\n[sampler]\nmethod = '" + method + "'\ntour_scans = 8\n" + rest,
+        "r.toml", worlds);
+    for (const Diagnostic& error : request ? std::vector<Diagnostic>{} : request.error())
+      lines.push_back(to_string(error));
+    return lines;
+  };
+  EXPECT_THAT(staged_errors("sequential", "[stop]\nindependent_solutions = 3\n"), IsEmpty());
+  EXPECT_THAT(staged_errors("sequential", "[stop]\nscans = 8\n"), IsEmpty());
+  EXPECT_THAT(staged_errors("sequential", "[stop]\nscans = 7\n"),
+              ElementsAre(HasSubstr("'scans' in [stop]: expected more than 7")));
+  EXPECT_THAT(staged_errors("sequential", "burn_in_rounds = 2\n[stop]\nscans = 50\n"),
+              ElementsAre(HasSubstr("'burn_in_rounds' in [sampler]: does not go with tour_scans")));
+  EXPECT_THAT(staged_errors("sequential", "[stop]\nrounds = 2\n"),
+              ElementsAre(HasSubstr("'rounds' in [stop]: does not go with tour_scans")));
+  EXPECT_THAT(staged_errors("sequential", "[stop]\nodds = 0.1\n"),
+              ElementsAre(HasSubstr("'odds' in [stop]: does not go with tour_scans")));
+  EXPECT_THAT(staged_errors("parallel_tempering", "[stop]\nrounds = 2\n"),
+              Contains(HasSubstr("'tour_scans' in [sampler]: goes with method \"sequential\"")));
+}
+
+TEST(ReadRequest, FindsAskedForStayFinds) {
+  // Goal: so many solutions of a request that asks for finds alone are finds, beside other rules
+  // both. Method: with the sampler left open, and with chains.
+  toy::Parameters parameters;
+  const std::array worlds{toy::staged_binding(parameters)};
+  const auto rules_of = [&](const std::string& text) {
+    return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, 4).value().stop;
+  };
+  EXPECT_EQ(rules_of("[stop]\nfound = 2\n"), (StopRule{{}, {}, {}, 4}));
+  EXPECT_EQ(rules_of("[sampler]\nseed = 2\n[stop]\nfound = 2\n"), (StopRule{{}, {}, {}, 4}));
+  EXPECT_EQ(rules_of("[stop]\nfound = 2\nscans = 9\n"), (StopRule{{}, {}, 4, 4}));
+  EXPECT_EQ(rules_of("[sampler]\nchains = 2\n[stop]\nfound = 2\n"), (StopRule{{}, {}, 4, 4}));
 }
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
