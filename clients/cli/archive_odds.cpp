@@ -67,11 +67,16 @@ constexpr std::string_view k_island_log_p = "island_log_satisfied";
 /// What is asked for where nothing says better: P to a tenth.
 constexpr double k_odds_asked_for = 0.1;
 
-/// A number of [stop], where the request can be read.
+/// A number of the request, where that can be read.
+std::optional<double> number_of(const archive::Source& source, const archive::Summary& summary,
+                                std::string_view section, std::string_view key) {
+  if (!method_of(summary.request_text)) return std::nullopt;
+  return RequestNumbers(summary.request_text, source.name()).find(section, key);
+}
+
 std::optional<double> stop_number(const archive::Source& source, const archive::Summary& summary,
                                   std::string_view key) {
-  if (!method_of(summary.request_text)) return std::nullopt;
-  return RequestNumbers(summary.request_text, source.name()).find("stop", key);
+  return number_of(source, summary, "stop", key);
 }
 
 IslandNumber island_number_of(const archive::Source& source, const archive::Summary& summary,
@@ -83,17 +88,43 @@ IslandNumber island_number_of(const archive::Source& source, const archive::Summ
   return by_solutions ? IslandNumber::by_solutions : IslandNumber::fixed;
 }
 
-JudgedEstimate judge_islands(const archive::Source& source, std::string_view name,
-                             const ArchiveOdds& odds) {
+math::IslandOdds islands_in(const archive::Source& source, std::string_view name,
+                            IslandRange islands) {
   math::IslandSums sums;
-  for_each_of_islands(source, name, odds.odds_from_island.value_or(0),
-                      [&](double log_estimate) { sums.add(log_estimate); });
-  const math::IslandOdds islands = sums.odds();
-  return {.all = combined(islands), .doubts = doubts_of_islands(islands, odds.island_number)};
+  for_each_of_islands(source, name, islands, [&](double log_estimate) { sums.add(log_estimate); });
+  return sums.odds();
+}
+
+JudgedEstimate judge_islands(const archive::Source& source, std::string_view name,
+                             const ArchiveOdds& odds, std::optional<double> particles) {
+  const math::IslandOdds islands =
+      islands_in(source, name, {.first = odds.odds_from_island.value_or(0)});
+  return {.all = combined(islands),
+          .doubts = doubts_of_islands(islands, odds.island_number, particles)};
+}
+
+/// What the islands before the sized round said that its error would be; none where no round was
+/// sized, or they can't say it.
+std::optional<double> error_foretold(const archive::Source& source, const ArchiveOdds& odds) {
+  const std::size_t sized = odds.log_p_satisfied.all.ladders;
+  if (!odds.odds_from_island || sized == 0) return std::nullopt;
+  const double error = islands_in(source, k_island_log_p, {.end = *odds.odds_from_island})
+                           .log_error_of(static_cast<double>(sized));
+  return std::isfinite(error) ? std::optional(error) : std::nullopt;
+}
+
+/// An error for the rule `odds`: to two digits, and not above this one, with which the same round
+/// might be sized again.
+double error_to_ask_for(double error) {
+  const double within = std::clamp(error, request::k_odds_min, request::k_odds_max);
+  const double unit = std::pow(10, std::floor(std::log10(within)) - 1);
+  return std::max(std::floor(within / unit) * unit, request::k_odds_min);
 }
 
 /// A rule that sizes the islands; a smaller error than the one asked for, where that gave too few.
-HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> asked_for) {
+/// Only who asks for less than was foretold gets a longer round.
+HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> asked_for,
+                                 std::optional<double> foretold) {
   const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
   const Remedy remedy = remedy_of(doubts);
   const bool is_usable =
@@ -102,10 +133,14 @@ HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> 
                 .at_least = remedy.at_least,
                 .odds = is_usable ? *asked_for : k_odds_asked_for};
   // Errors fall as the square root of the islands.
-  if (odds.island_number == IslandNumber::sized)
-    how.odds = std::max(*how.odds / std::sqrt(remedy.longer), request::k_odds_min);
-  if (std::ranges::find(doubts, DoubtOf::heavy_tail, &Doubt::kind) != doubts.end())
-    how.besides = "more particles under [sampler] make islands more equal";
+  if (odds.island_number == IslandNumber::sized) {
+    const double smaller = *how.odds / std::sqrt(remedy.longer);
+    how.odds = error_to_ask_for(foretold ? std::min(smaller, 0.9 * *foretold) : smaller);
+  }
+  for (const Doubt& doubt : doubts) {
+    if (doubt.kind == DoubtOf::heavy_tail || doubt.kind == DoubtOf::few_particles)
+      how.besides = "more particles under [sampler] make islands more equal";
+  }
   return how;
 }
 
@@ -119,10 +154,16 @@ std::optional<ArchiveOdds> islands_say(const archive::Source& source,
   ArchiveOdds odds{.from = OddsFrom::islands};
   odds.odds_from_island = odds_from_island(source, chains, std::min(*islands, *islands_of_z));
   odds.island_number = island_number_of(source, summary, odds.odds_from_island.has_value());
-  odds.log_z = judge_islands(source, k_island_log_z, odds);
-  odds.log_p_satisfied = judge_islands(source, k_island_log_p, odds);
+  const std::optional<double> particles = number_of(source, summary, "sampler", "particles");
+  odds.log_z = judge_islands(source, k_island_log_z, odds, particles);
+  odds.log_p_satisfied = judge_islands(source, k_island_log_p, odds, particles);
   if (!odds.log_p_satisfied.known())
-    odds.how_to_know = how_to_know_by_islands(odds, stop_number(source, summary, "odds"));
+    odds.how_to_know = how_to_know_by_islands(odds, stop_number(source, summary, "odds"),
+                                              error_foretold(source, odds));
+  if (odds.how_to_know && tour_scans_of(summary.request_text))
+    odds.how_to_know->besides =
+        "without tour_scans under [sampler]" +
+        (odds.how_to_know->besides.empty() ? "" : "; " + odds.how_to_know->besides);
   return odds;
 }
 

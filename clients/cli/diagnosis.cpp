@@ -265,6 +265,15 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   judged.diagnosis.weights = std::move(report);
 }
 
+/// Draws of tours agree from the first scan on, so that they do says nothing.
+void refuse_tours(Diagnosis& diagnosis, std::int64_t tour_scans) {
+  diagnosis.reasons.insert(
+      diagnosis.reasons.begin(),
+      fmt::format("each draw ends a tour of {} scans of its own, so draws are independent however "
+                  "far tours get; a run of longer tours should have the same means",
+                  tour_scans));
+}
+
 /// `draws_are_burnt_in`: the archive has no others, of islands or of chains from a search.
 void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
                   std::span<const Round> rounds, bool draws_are_burnt_in) {
@@ -366,12 +375,15 @@ Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
       rounds_of(source, summary.chains,
                 burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
   choose_scans(diagnosis, method, rounds, draws_are_burnt_in(source, method));
+  const std::optional<std::int64_t> tour_scans = tour_scans_of(summary.request_text);
+  if (tour_scans) diagnosis.which = JudgedDraws::tours;
   Judged judged{.source = source, .rules = rules, .diagnosis = diagnosis};
   if (diagnosis.which == JudgedDraws::weighted) {
     judge_weights(judged, summary.chains);
   } else {
     judge_draws(judged, summary);
   }
+  if (tour_scans) refuse_tours(diagnosis, *tour_scans);
   if (!rounds.empty()) judge_ladders(judged, summary.chains, rounds, burns_in(method));
   if (method == request::Method::simulated_tempering) judge_walks(judged, summary.chains);
   if (method == request::Method::tempered_transitions)

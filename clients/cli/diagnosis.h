@@ -6,6 +6,9 @@
 // learnt before its first draw, and all its draws are judged. State variables are judged by their
 // archived states of these scans.
 //
+// Where each draw ends a tour of its own, draws are independent, and all measures are good however
+// little a tour has burnt in. So such a run is never said to have mixed.
+//
 // Draws of annealed importance sampling are no Markov chain: they are independent and have weights.
 // Of them their effective size is judged, and nothing else.
 //
@@ -116,6 +119,7 @@ enum class JudgedDraws : std::uint8_t {
   second_half,
   round,     ///< in which neither ladder nor sizes change
   all,       ///< after a burn-in
+  tours,     ///< one at the end of each: independent, so that nothing here says how far they got
   weighted,  ///< all, by their weights alone
 };
 

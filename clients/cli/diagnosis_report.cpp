@@ -295,6 +295,8 @@ const char* name_of(JudgedDraws which) {
       return "round";
     case JudgedDraws::all:
       return "all";
+    case JudgedDraws::tours:
+      return "tours";
     case JudgedDraws::weighted:
       return "weighted";
   }
@@ -309,6 +311,8 @@ const char* in_words(JudgedDraws which) {
       return "a round, in which neither ladder nor sizes of proposals change";
     case JudgedDraws::all:
       return "all after the burn-in";
+    case JudgedDraws::tours:
+      return "all, each the last scan of a tour";
     case JudgedDraws::weighted:
       return "all, by their weights";
   }
@@ -324,7 +328,8 @@ void append_verdict(std::string& text, const Diagnosis& diagnosis) {
                      : "\nNothing here says that the chains have not mixed.\n";
     return;
   }
-  text += weighted ? "\nNot enough:\n" : "\nNot mixed:\n";
+  const bool of_tours = diagnosis.which == JudgedDraws::tours;
+  text += weighted ? "\nNot enough:\n" : of_tours ? "\nCan't be judged:\n" : "\nNot mixed:\n";
   const std::size_t shown = std::min(diagnosis.reasons.size(), k_reasons_shown);
   for (std::size_t i = 0; i < shown; ++i)
     text += fmt::format("  {}\n", diagnosis.reasons[i]);

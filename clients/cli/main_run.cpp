@@ -171,8 +171,9 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
 const char* const k_exit_codes =
     "Exit codes: 0 done (also at a time limit); 1 a bug; 2 wrong usage; 3 errors in the request;\n"
     "4 the output belongs to another run; 5 the environment (disk, files); 6 a bad archive;\n"
-    "7 chains that have not mixed (diagnose); 8 a simulation failed (with --strict, or replayed);\n"
-    "130 interrupted, with everything stored.";
+    "7 chains that have not mixed, or that nobody can judge (diagnose); 8 a simulation failed "
+    "(with\n"
+    "--strict, or replayed); 130 interrupted, with everything stored.";
 
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher) {
   base::report_uncaught_exceptions();

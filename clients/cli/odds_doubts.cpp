@@ -181,7 +181,8 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
   return doubts;
 }
 
-std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number) {
+std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number,
+                                     std::optional<double> particles) {
   std::vector<Doubt> doubts;
   if (const std::string reason = reason_not_sized(number); !reason.empty())
     doubts.push_back({.kind = DoubtOf::not_sized, .reason = reason, .at_least = true});
@@ -198,6 +199,13 @@ std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumb
                       .reason = fmt::format("there are {} islands, and it takes {}",
                                             islands.islands, math::k_islands_min),
                       .longer = static_cast<double>(math::k_islands_min) / count,
+                      .at_least = true});
+  }
+  if (particles && *particles < k_particles_min) {
+    doubts.push_back({.kind = DoubtOf::few_particles,
+                      .reason = fmt::format("islands have {:.0f} particles, and it takes {:.0f}: "
+                                            "of fewer the large islands mostly have not come",
+                                            *particles, k_particles_min),
                       .at_least = true});
   }
   if (islands.largest_share > math::k_largest_share_max) {

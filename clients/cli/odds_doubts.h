@@ -29,10 +29,12 @@
 // burn-in did. They are doubted where they are worth too few draws, where one chain alone is wide,
 // or where chains disagree.
 //
-// Free islands are independent too, and each estimate is right on average. Two things cast doubts:
+// Free islands are independent too, and each estimate is right on average. These cast doubts:
 //
 //   heavy tail  One island has more than a tenth of the sum. Then larger ones are yet to come, and
 //               neither the mean nor its error knows them.
+//   few particles  Islands of fewer than 16: the large ones that carry the mean mostly have not
+//               come, and the others look alike.
 //   not sized   What the islands said has chosen how many there are: the run ended by solutions,
 //               which come of large islands, or while the odds were not known well enough. A number
 //               is good if it was fixed before (scans, rounds) or chosen by earlier islands that
@@ -43,6 +45,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -63,6 +66,8 @@ inline constexpr double k_renewals_in_all = 40;
 inline constexpr double k_spread_max = 1;
 /// Standard errors of the difference that two rounds may differ by.
 inline constexpr double k_drift_max = 3;
+/// Of an island. The doubt was measured (docs/MEASUREMENTS, "Intervals by islands").
+inline constexpr double k_particles_min = 16;
 /// How many times what ladders' own errors come to their spread may be.
 inline constexpr double k_disagreement_max = 3;
 enum class DoubtOf : std::uint8_t {
@@ -73,8 +78,9 @@ enum class DoubtOf : std::uint8_t {
   rounds_disagree,
   wide,
   ladders_disagree,
-  heavy_tail,  ///< of islands
-  not_sized,   ///< of islands
+  heavy_tail,     ///< of islands
+  few_particles,  ///< of islands
+  not_sized,      ///< of islands
 };
 
 struct Doubt {
@@ -109,8 +115,9 @@ enum class IslandNumber : std::uint8_t {
   unknown,
 };
 
-/// The same of free islands.
-std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number);
+/// The same of free islands. `particles`: of each, where the request says it.
+std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number,
+                                     std::optional<double> particles = {});
 
 /// What it takes to remove all of them: the longest. REQUIRES: not empty.
 struct Remedy {

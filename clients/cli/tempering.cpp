@@ -222,17 +222,17 @@ std::optional<std::uint64_t> islands_of_chain(const archive::Source& source, std
   return islands;
 }
 
-void for_each_of_islands(const archive::Source& source, std::string_view name, std::uint64_t first,
+void for_each_of_islands(const archive::Source& source, std::string_view name, IslandRange islands,
                          const std::function<void(double)>& visit) {
   const archive::DatasetSpec* spec = find_table(source, name, {"chain", "island"});
   if (spec == nullptr) return;
-  const std::uint64_t islands = spec->dims[1].size;
+  const std::uint64_t all = spec->dims[1].size;
+  const std::uint64_t end = std::min(islands.end.value_or(all), all);
   for (std::uint64_t chain = 0; chain < spec->dims[0].size; ++chain) {
-    for (std::uint64_t begin = first; begin < islands; begin += archive::k_batch_elements) {
-      const std::uint64_t count =
-          std::min<std::uint64_t>(archive::k_batch_elements, islands - begin);
+    for (std::uint64_t begin = islands.first; begin < end; begin += archive::k_batch_elements) {
+      const std::uint64_t count = std::min<std::uint64_t>(archive::k_batch_elements, end - begin);
       const auto values = std::get<std::vector<double>>(
-          source.read(archive::k_tempering, name, chain * islands + begin, count));
+          source.read(archive::k_tempering, name, chain * all + begin, count));
       for (const double value : values) {
         if (!(value < std::numeric_limits<double>::infinity()))
           refuse(source, name, fmt::format("{} is no log of an estimate", value));

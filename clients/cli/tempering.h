@@ -85,9 +85,15 @@ void for_each_of_draws(const archive::Source& source, std::string_view name,
 std::optional<std::uint64_t> islands_of_chain(const archive::Source& source, std::string_view name,
                                               std::uint64_t chains);
 
-/// Visits each chain's entries from island `first` on, chain after chain: logs of estimates, which
-/// are -infinity or finite. REQUIRES: islands_of_chain has some, and `first` of them at least.
-void for_each_of_islands(const archive::Source& source, std::string_view name, std::uint64_t first,
+/// Islands of each chain from `first` on and before `end`, which is all where it is left out.
+struct IslandRange {
+  std::uint64_t first = 0;
+  std::optional<std::uint64_t> end{};
+};
+
+/// Visits these entries of each chain, chain after chain: logs of estimates, which are -infinity or
+/// finite. REQUIRES: islands_of_chain has some, and `first` of them at least.
+void for_each_of_islands(const archive::Source& source, std::string_view name, IslandRange islands,
                          const std::function<void(double)>& visit);
 
 /// From which island of each chain on they tell the odds, at most `islands`; none where no round

@@ -32,7 +32,7 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
   refuse("burn_in_rounds", burns_in,
          "\"simulated_tempering\", \"tempered_transitions\", \"annealed_importance\" or "
          "\"sequential\"");
-  refuse("anneal_scans", !has_islands, "that has no islands");
+  refuse("anneal_scans", !has_islands, "\"metropolis_hastings\" and others without islands");
   refuse("particles", has_islands, "\"sequential\"");
   refuse("tour_scans", has_islands, "\"sequential\"");
   refuse("start", method == Method::metropolis_hastings || method == Method::parallel_tempering,
@@ -313,7 +313,7 @@ void check_tours(SectionBinders& sections, const DirectionRequest& request) {
                            "does not go with tour_scans: a tour's scans but the "
                            "last one burn in");
   for (const char* rule : {"rounds", "odds"})
-    if (sections.stop.given(rule))
+    if (sections.stop.given(rule) && sections.stop.valid(rule))
       sections.stop.error(rule,
                           "does not go with tour_scans: ask for scans or "
                           "independent_solutions");

@@ -59,7 +59,10 @@ std::vector<SectionKeys> request_keys(const WorldBinding& world) {
 }
 
 std::string key_table(const WorldBinding& world) {
-  const std::vector<SectionKeys> sections = request_keys(world);
+  std::vector<SectionKeys> sections = request_keys(world);
+  // Few people need [sampler], which has the most keys.
+  std::stable_partition(sections.begin(), sections.end(),
+                        [](const SectionKeys& keys) { return keys.name != "sampler"; });
   const Row title{"key", "unit", "range", "default", "what it is"};
   Row widest = title;
   for (const SectionKeys& section : sections) {

@@ -186,14 +186,15 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
   const bool is_chosen = sampler.given("method") || sampler.given("anneal_scans") ||
                          sampler.given("burn_in_rounds") || sampler.given("round_scans") ||
                          sampler.given("tour_scans");
-  stop.error(
-      "scans",
-      fmt::format(
-          "expected more than {}, which annealing and burn-in take of each chain before its "
-          "first animation counts{}, found {}; ask for more scans, or for {}",
-          before, is_chosen ? "" : " where [sampler] leaves them open", *request.stop.scans,
-          is_chosen ? "less anneal_scans, burn_in_rounds, round_scans or tour_scans in [sampler]"
-                    : "independent_solutions in their place, which decides by itself"));
+  stop.error("scans",
+             fmt::format(
+                 "expected more than {}, which annealing and burn-in take of each chain before its "
+                 "first animation counts{}, found {}; ask for more scans, or for {}",
+                 before, is_chosen ? "" : " where [sampler] leaves them open", *request.stop.scans,
+                 !is_chosen ? "independent_solutions in their place, which decides by itself"
+                 : request.sampler.tour_scans
+                     ? "less tour_scans in [sampler]"
+                     : "less anneal_scans, burn_in_rounds or round_scans in [sampler]"));
 }
 
 void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& request) {

@@ -42,6 +42,13 @@ add_library(sleight_options_tests INTERFACE)
 target_compile_options(sleight_options_tests INTERFACE $<$<CONFIG:Release>:-O1;-g0>)
 add_library(sleight_options_computing_tests INTERFACE)
 target_compile_options(sleight_options_computing_tests INTERFACE $<$<CONFIG:Release>:-g0>)
+# With sanitizers -Og in place of -O1 saves three tenths of what a test's object takes to compile
+# (six of them: 47 s of processor in place of 66 s), with all checks.
+if(SLEIGHT_SANITIZE MATCHES undefined)
+  foreach(kind IN ITEMS tests computing_tests)
+    target_compile_options(sleight_options_${kind} INTERFACE -Og)
+  endforeach()
+endif()
 
 find_program(SLEIGHT_CCACHE ccache)
 if(SLEIGHT_CCACHE)

@@ -178,6 +178,20 @@ void say_stopping() {
       "once, and that is then computed again");
 }
 
+/// An earlier session asked for more, and its archive has just been replaced by a shorter one.
+void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
+                          std::uint64_t scans) {
+  std::optional<std::uint64_t> stored;
+  for (const store::ReplicaProgress& at : run_store.progress()) {
+    if (at.replica.chain.value < plan::k_first_lane)
+      stored = std::min(stored.value_or(at.next_scan), at.next_scan);
+  }
+  if (stored.value_or(0) <= scans) return;
+  logging::info(fmt::format(
+      "{}: has the first {} scans of each chain, which were asked for; its store has {}", output,
+      scans, *stored));
+}
+
 /// Keeps failures as files, and says the first one at once; progress and summary count the others.
 class FailureNotes {
  public:
@@ -269,6 +283,8 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
     request::Cut cut = cut_of(outcome.reached);
     summary.digest = archive_of(cut);
     summary.scans = cut.scans;
+    if (summary.end == DriveEnd::finished)
+      say_what_is_left_out(run_store, options.output, outcome.reached.scans);
   }
   return summary;
 }

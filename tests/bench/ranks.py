@@ -3,14 +3,20 @@
 
   tests/bench/ranks.py --bin build/release/bin                 three runs of each, by turns
   tests/bench/ranks.py --bin ... --ranks 1 2 4 --repeats 5 --request requests/hi_tempered.toml
+  tests/bench/ranks.py --bin ... --unrelated                   beside as many runs of one rank each
 
 Each run directs the same request from its beginning to its end with `mpirun -n N sleight-batch`. The
 digests must be equal. Times are those of the run itself, without the start of processes (about half
 a second); a speed-up is the ratio of median simulations per second to that of the first number of
-ranks. Prints a table and, with --json, the same for programs.
+ranks. With --unrelated, N runs of one rank that know nothing of each other go on at once after each run
+of N ranks: what the cores give when nothing is passed. Prints a table and, with --json, the same for
+programs.
 """
 
 import argparse
+import concurrent.futures
+import contextlib
+import itertools
 import json
 import os
 import pathlib
@@ -35,6 +41,18 @@ def run(arguments, ranks, folder):
     return json.loads(result.stdout)
 
 
+def rate(summary):
+    return summary["session_simulations"] / summary["session_seconds"]
+
+
+def run_unrelated(arguments, count):
+    """`count` runs of one rank at once."""
+    with contextlib.ExitStack() as folders, concurrent.futures.ThreadPoolExecutor(count) as pool:
+        own = [folders.enter_context(tempfile.TemporaryDirectory(prefix="sleight-ranks-"))
+               for _ in range(count)]
+        return list(pool.map(lambda folder: run(arguments, 1, folder), own))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -43,21 +61,26 @@ def main():
                         default=pathlib.Path(__file__).parents[2] / "requests/hi_tempered.toml")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--unrelated", action="store_true")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
 
     runs = {ranks: [] for ranks in arguments.ranks}
+    unrelated = {ranks: [] for ranks in arguments.ranks}
     with tempfile.TemporaryDirectory(prefix="sleight-ranks-") as folder:
         for _ in range(arguments.repeats):
             for ranks in arguments.ranks:
                 runs[ranks].append(run(arguments, ranks, folder))
-    digests = {summary["digest"] for all_runs in runs.values() for summary in all_runs}
+                if arguments.unrelated and ranks > 1:
+                    unrelated[ranks].append(run_unrelated(arguments, ranks))
+    beside = [summary for of_ranks in unrelated.values() for at_once in of_ranks for summary in at_once]
+    digests = {summary["digest"] for summary in itertools.chain(*runs.values(), beside)}
     if len(digests) != 1:
         sys.exit(f"digests differ: {digests}")
 
     rows = []
     for ranks, all_runs in runs.items():
-        rates = [r["session_simulations"] / r["session_seconds"] for r in all_runs]
+        rates = [rate(r) for r in all_runs]
         last = all_runs[-1]
         handling = last["handling"]
         simulations = last["session_simulations"]
@@ -76,6 +99,11 @@ def main():
         })
     for row in rows[::-1]:
         row["speed_up"] /= rows[0]["speed_up"]
+        sums = [sum(map(rate, at_once)) for at_once in unrelated[row["ranks"]]]
+        if sums:
+            row |= {"unrelated_simulations_per_s": statistics.median(sums),
+                    "unrelated_simulations_per_s_least": min(sums),
+                    "unrelated_simulations_per_s_most": max(sums)}
     if arguments.json:
         print(json.dumps({"request": arguments.request.name, "digest": digests.pop(),
                           "rows": rows}, indent=2))
@@ -89,6 +117,14 @@ def main():
               f"({row['simulations_per_s_least']:.0f} to {row['simulations_per_s_most']:.0f})"
               f"{'':8}{row['speed_up']:9.2f}  {row['messages_per_simulation']:13.3f}  "
               f"{row['bytes_per_simulation']:10.0f}  {100 * row['states_held']:10.0f}%")
+    for row in rows:
+        if "unrelated_simulations_per_s" not in row:
+            continue
+        together = row["unrelated_simulations_per_s"]
+        print(f"{row['ranks']} unrelated runs beside each other: {together:.0f} simulations/s "
+              f"({row['unrelated_simulations_per_s_least']:.0f} to "
+              f"{row['unrelated_simulations_per_s_most']:.0f}); {row['ranks']} ranks reach "
+              f"{row['simulations_per_s'] / together:.3f} of that")
 
 
 if __name__ == "__main__":

@@ -149,9 +149,9 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--bin", required=True, help="folder of the built programs")
     parser.add_argument("--source", required=True, help="folder of the sources")
-    parser.add_argument("--kills", type=int, default=20, help="for test_kill")
+    parser.add_argument("--kills", type=int, default=10, help="for test_kill")
     parser.add_argument("--only", choices=["direct", "batch"], help="of test_kill")
-    parser.add_argument("--seconds", type=float, default=20, help="of work in a run of test_kill")
+    parser.add_argument("--seconds", type=float, default=10, help="of work in a run of test_kill")
     parser.add_argument("--seed", type=int, default=1, help="for random moments")
     arguments, rest = parser.parse_known_args()
     # The tests import this file as a module of its own: they look there.

@@ -204,6 +204,12 @@ class Search(ProgramTest):
         again.write_text(self.info(one)["request"])
         self.direct(again, self.path("again.h5"))
         self.assertEqual(self.digest(self.path("again.h5")), self.digest(one))
+        # Who asks for fewer is told that the store has more; who asks for as many is not.
+        self.assertNotIn("its store has", self.direct(request, one).stderr)
+        request.write_text(request.read_text().replace("independent_solutions = 7",
+                                                       "independent_solutions = 1"))
+        self.assertIn("has the first 4 scans of each chain, which were asked for; its store has "
+                      f"{said['scans']}\n", self.direct(request, one).stderr)
 
     def test_an_archive_of_finds_alone_names_what_repeats_it(self):
         # Of a run that was stopped before its first draw: the search alone. The run goes on.

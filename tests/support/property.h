@@ -25,6 +25,8 @@
 //   1. Loops over cases don't nest, and their bodies run in one thread. Threads that a body starts
 //      and joins may fail too.
 //   2. What is expected of all cases together is asked only where `all_cases()`.
+//      With sanitizers a loop has the first quarter of its cases, and at least ten: the claim is
+//      the release build's to test, memory and undefined behaviour theirs.
 //   3. tests/support/main.cpp prints the commands, also for a CHECK, a crash or an exception.
 #pragma once
 
@@ -83,7 +85,8 @@ inline Cases in_turn(std::uint64_t count) {
   return {0, count, Order::in_turn};
 }
 
-/// False where SLEIGHT_CASE names one: what many cases together must come to is not to be asked.
+/// False where SLEIGHT_CASE names one, and with sanitizers, which run a part: what many cases
+/// together must come to is not to be asked.
 bool all_cases();
 
 /// Whether tests run at the length of deploy/soak.

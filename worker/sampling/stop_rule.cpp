@@ -49,8 +49,10 @@ bool StopJudge::sizes_next_round(const OddsBetween& odds_between) const {
   // Each scan has as many islands.
   const double islands_of_scan =
       static_cast<double>(odds.islands) / static_cast<double>(round_end() - before_);
-  const std::uint64_t next_scans = end_of_round(round_ + 1) - round_end();
-  return odds.log_error_of(islands_of_scan * static_cast<double>(next_scans)) <= *rule_.odds;
+  const double next_islands =
+      islands_of_scan * static_cast<double>(end_of_round(round_ + 1) - round_end());
+  return next_islands >= static_cast<double>(math::k_islands_min) &&
+         odds.log_error_of(next_islands) <= *rule_.odds;
 }
 
 void StopJudge::judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before,

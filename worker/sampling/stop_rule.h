@@ -6,10 +6,10 @@
 // other rules need no barrier.
 //
 // Odds. Where the islands of all rounds so far say that those of the next round will know log
-// P(satisfied) to the error asked for, the next round is the last one. It is then sized, and its
-// islands alone give the estimate, whatever they come to. Earlier islands have chosen how many
-// there are, so they may not count: a run that ends when its own estimate looks good ends before
-// the rare large islands have come, and says too little.
+// P(satisfied) to the error asked for, and are enough to tell it, the next round is the last one.
+// It is then sized, and its islands alone give the estimate, whatever they come to. Earlier islands
+// have chosen how many there are, so they may not count: a run that ends when its own estimate
+// looks good ends before the rare large islands have come, and says too little.
 //
 // Invariant: what a judge says is a function of the results before the round ends that it passed.
 #pragma once

@@ -17,10 +17,10 @@
 #include "worker/sampling/annealed_importance.h"
 #include "worker/sampling/burnt_in_chains.h"
 #include "worker/sampling/excursions.h"
-#include "worker/sampling/independent_chains.h"
 #include "worker/sampling/judged_chains.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
+#include "worker/sampling/restarted_chains.h"
 #include "worker/sampling/search_lanes.h"
 #include "worker/sampling/simulated_tempering.h"
 
@@ -203,17 +203,16 @@ inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::Ladder
 /// Particles of an island, as requests without a sampler have them.
 inline constexpr std::uint32_t k_particles = 32;
 
-/// `sequential`: one chain whose scans end with islands. A solution is the draw of a free island
-/// that was accepted after the burn-in, if it satisfies in that scan or a later one.
+/// `sequential`, as short words have it: one chain that goes on tours, whose last scans alone are
+/// draws. A tour that is cut short has no solution.
 inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
-  constexpr std::uint64_t k_burn_in_scans = 7;
-  return std::make_unique<sampling::IndependentChains>(
-      sampling::IndependentChainsOptions{.seed = seed,
-                                         .chains = 1,
-                                         .round_scans = 1,
-                                         .burn_in_scans = k_burn_in_scans,
-                                         .has_islands = true,
-                                         .stop = k_no_stop});
+  constexpr std::uint64_t k_tour_scans = 16;
+  return std::make_unique<sampling::RestartedChains>(
+      sampling::RestartedChainsOptions{.seed = seed,
+                                       .chains = 1,
+                                       .tour_scans = k_tour_scans,
+                                       .scans = k_no_stop.scans,
+                                       .independent_solutions = {}});
 }
 
 /// Chains that start from a search, with a burn-in that is judged. Those of a tour that is cut

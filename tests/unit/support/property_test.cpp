@@ -89,6 +89,13 @@ TEST(Planted, DISABLED_NoFailure) {
   if (all_cases()) say(1000);
 }
 
+TEST(Planted, DISABLED_ManyCases) {
+  // Goal: a loop of which a build may run a part. Method: a hundred cases.
+  for (const std::uint64_t n : cases(100))
+    say(n);
+  if (all_cases()) say(1000);
+}
+
 TEST(Planted, DISABLED_InTurn) {
   // Goal: a case that needs those before it. Method: case 7 of nine.
   std::uint64_t before = 0;
@@ -221,11 +228,29 @@ TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
   // Goal: SLEIGHT_CASE runs that case, and nothing about all. Method: two loops, numbers in both,
   // and in one of them.
   const std::string test = "Planted.DISABLED_NoFailure";
-  EXPECT_THAT(ended_test("", test).cases(),
+  EXPECT_THAT(ended_test("SLEIGHT_SOAK=1", test).cases(),
               ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 101, 102, 103, 1000));
   EXPECT_THAT(ended_test("SLEIGHT_CASE=3", test).cases(), ElementsAre(3, 103));
   EXPECT_THAT(ended_test("SLEIGHT_CASE=0", test).cases(), ElementsAre(0));
   EXPECT_EQ(ended_test("SLEIGHT_CASE=3", test).status, 0);
+}
+
+TEST(Property, SanitizersRunTheFirstQuarter) {
+  // Goal: with sanitizers a loop has a quarter of its cases, and nothing is asked of all; each can
+  // still be asked for, and long runs have all. Method: a loop of a hundred; all other builds.
+  const std::string test = "Planted.DISABLED_ManyCases";
+  const std::vector<std::uint64_t> whole = ended_test("SLEIGHT_SOAK=1", test).cases();
+  ASSERT_EQ(whole.size(), 101U);
+  EXPECT_EQ(whole.front(), 0U);
+  EXPECT_EQ(whole[99], 99U);
+  EXPECT_EQ(whole.back(), 1000U);
+#ifdef SLEIGHT_SANITIZED
+  const std::vector<std::uint64_t> expected(whole.begin(), whole.begin() + 25);
+#else
+  const std::vector<std::uint64_t>& expected = whole;
+#endif
+  EXPECT_EQ(ended_test("", test).cases(), expected);
+  EXPECT_THAT(ended_test("SLEIGHT_CASE=99", test).cases(), ElementsAre(99));
 }
 
 TEST(Property, ACaseThatNoTestHasIsAnError) {

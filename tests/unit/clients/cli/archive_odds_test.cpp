@@ -17,6 +17,7 @@
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
 #include "common/base/error.h"
+#include "common/request/direction_request.h"
 
 namespace sleight::cli {
 namespace {
@@ -201,6 +202,7 @@ struct IslandTables {
   double log_p = -4.8;              ///< of the first ones
   double log_low = std::log(0.25);  ///< of the others, to that
   std::vector<double> odds_from{};  ///< by chain; empty: no such table
+  std::string sampler{};
   std::string stop = "scans = 20\n";
   std::vector<double> values{};  ///< if not empty, all of log P
 };
@@ -224,7 +226,8 @@ Made islands_archive(const IslandTables& tables) {
   if (!tables.odds_from.empty())
     table("odds_from_island", {{"chain", tables.odds_from.size()}}, tables.odds_from);
   made.summary.world = "ball_2d";
-  made.summary.request_text = "[sampler]\nmethod = \"sequential\"\n[stop]\n" + tables.stop;
+  made.summary.request_text =
+      "[sampler]\nmethod = \"sequential\"\n" + tables.sampler + "[stop]\n" + tables.stop;
   made.summary.chains = tables.chains;
   made.summary.scans = 20;
   return made;
@@ -309,11 +312,58 @@ TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
   tables.stop = "scans = 20\nodds = 0.1\n";
   const std::string text = words_of(tables);
   EXPECT_THAT(text, HasSubstr("one of 240 islands has 40.1% of the sum, and may have 10%\n"
-                              "               to know it: odds = 0.05 under [stop], in place of "
+                              "               to know it: odds = 0.049 under [stop], in place of "
                               "other rules\n"
                               "               more particles under [sampler] make islands more "
                               "equal\n"));
   EXPECT_THAT(text, HasSubstr("which mostly is too low where few islands have most of the sum"));
+}
+
+TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
+  // Goal: who asks for the error that is advised gets more islands than he has. Method: a round of
+  // 160 islands with a heavy tail, sized by 80 of which a third is larger: they foretold sqrt(0.5 *
+  // 80 / 79 / 160) = 0.0563, so that any error from there on sizes the same round. Nine tenths of
+  // it, and not a digit more.
+  IslandTables tables;
+  for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i) {
+    const bool is_large = i % tables.islands < 20 ? (i / 60 * 20 + i % 60) % 3 == 0 : i == 30;
+    tables.values.push_back(is_large ? -4.8 : -4.8 + std::log(0.25));
+  }
+  tables.values[30] = 1;
+  tables.odds_from.assign(4, 20);
+  tables.stop = "scans = 20\nodds = 0.3\n";
+  EXPECT_THAT(words_of(tables), HasSubstr("to know it: odds = 0.05 under [stop]"));
+  EXPECT_LT(json_of(tables)["to_know"]["odds"].get<double>(), 0.9 * 0.0564);
+}
+
+TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
+  // Goal: no NaN and nothing below the range. Method: a heavy tail after equal islands, which
+  // foretell an error of 0; one after islands none of which satisfies, which foretell nothing.
+  IslandTables tables;
+  tables.odds_from.assign(4, 20);
+  tables.stop = "scans = 20\nodds = 0.3\n";
+  tables.values.assign(240, -210);
+  tables.values[100] = -200;
+  EXPECT_EQ(json_of(tables)["to_know"]["odds"], request::k_odds_min);
+  for (std::size_t i = 0; i < tables.values.size(); ++i)
+    if (i % 60 < 20) tables.values[i] = -k_infinity;
+  const double advised = json_of(tables)["to_know"]["odds"];
+  EXPECT_GT(advised, request::k_odds_min);
+  EXPECT_LT(advised, 0.3);
+}
+
+TEST(ArchiveOdds, ToursHaveToGoForOdds) {
+  // Goal: what is advised is a request, and all of it is said. Method: the default of short words,
+  // and islands of too few particles.
+  IslandTables tables;
+  tables.sampler = "tour_scans = 16\n";
+  tables.stop = "independent_solutions = 2\n";
+  const std::string advised =
+      "to know it: odds = 0.1 under [stop], in place of other rules\n"
+      "               without tour_scans under [sampler]";
+  EXPECT_THAT(words_of(tables), HasSubstr(advised + "\n"));
+  tables.sampler += "particles = 2\n";
+  EXPECT_THAT(words_of(tables), HasSubstr(advised + "; more particles under [sampler] make"));
 }
 
 TEST(ArchiveOdds, IslandsKnowOddsThatNoDoubleHolds) {

@@ -26,6 +26,7 @@ using archive::MemoryArchive;
 using archive::testing::FakeReader;
 using archive::testing::FakeRun;
 using archive::testing::FakeRunOptions;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -156,6 +157,27 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
   EXPECT_EQ(diagnose().judged.first_scan, 30U);
   EXPECT_EQ(shown_.at("lp").draws, 60U);
   EXPECT_EQ(shown_.at("height_m").draws, 6U);
+}
+
+TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
+  // Goal: independent draws pass all measures however far tours get, so no measure may pass them;
+  // means are still shown. Method: draws that are liked, and one that isn't.
+  archive::ArchiveOptions of_tours = archive::testing::options_for(options(201));
+  of_tours.request_text = "[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n";
+  archive::write_digested(archive_, [&](archive::Sink& sink) {
+    archive::write_archive(FakeRun(options(201)), FakeReader(), of_tours, sink);
+  });
+  disliked_ = {"lp"};
+  const Diagnosis diagnosis = diagnose();
+  EXPECT_EQ(diagnosis.which, JudgedDraws::tours);
+  EXPECT_EQ(shown_.at("lp").draws, 201U);
+  ASSERT_FALSE(diagnosis.reasons.empty());
+  EXPECT_THAT(diagnosis.reasons[0], HasSubstr("each draw ends a tour of 16 scans of its own"));
+  EXPECT_THAT(diagnosis.reasons, Contains("lp: disliked"));
+  EXPECT_THAT(for_people("a.h5", diagnosis), HasSubstr("\nCan't be judged:\n  each draw ends"));
+  EXPECT_EQ(as_json("a.h5", diagnosis)["judged"]["what"], "tours");
+  disliked_.clear();
+  EXPECT_THAT(diagnose().reasons.at(0), HasSubstr("each draw ends a tour"));
 }
 
 TEST_F(DiagnosisTest, DrawsBeginWithTheFirstRound) {

@@ -219,12 +219,22 @@ TEST(OddsDoubts, NoIslandMayHaveMostOfTheSum) {
 TEST(OddsDoubts, IslandsHaveToBeMany) {
   const std::vector<Doubt> doubts = doubts_of_islands(islands(10, 0.1), IslandNumber::fixed);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_draws));
-  EXPECT_EQ(doubts[0].reason, "there are 10 islands, and it takes 40");
-  EXPECT_EQ(doubts[0].longer, 4);
+  EXPECT_EQ(doubts[0].reason, "there are 10 islands, and it takes 100");
+  EXPECT_EQ(doubts[0].longer, 10);
   // Where nothing satisfied there is nothing else to doubt; nor where there is none at all.
   const math::IslandOdds none{.islands = 1000, .log_mean = -k_infinity};
   EXPECT_THAT(kinds(doubts_of_islands(none, IslandNumber::fixed)), ElementsAre(DoubtOf::no_value));
   EXPECT_THAT(kinds(doubts_of_islands({}, IslandNumber::fixed)), ElementsAre(DoubtOf::no_value));
+}
+
+TEST(OddsDoubts, IslandsNeedParticles) {
+  const auto of_particles = [](std::optional<double> particles) {
+    return doubts_of_islands(islands(1000, 0.01), IslandNumber::sized, particles);
+  };
+  EXPECT_THAT(of_particles({}), IsEmpty());
+  EXPECT_THAT(of_particles(16), IsEmpty());
+  ASSERT_THAT(kinds(of_particles(15)), ElementsAre(DoubtOf::few_particles));
+  EXPECT_THAT(of_particles(2)[0].reason, HasSubstr("islands have 2 particles, and it takes 16"));
 }
 
 TEST(OddsDoubts, IslandsWithoutDoubtsAreKnown) {

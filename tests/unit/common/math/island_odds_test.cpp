@@ -73,7 +73,7 @@ TEST(IslandOdds, EqualIslandsHaveNoError) {
   // Goal: no NaN from a variance that rounding makes negative. Method: equal numbers whose sums
   // round.
   for (const double log_estimate : {0.0, -0.1, -207.3, 1e300, -1e300}) {
-    const IslandOdds odds = island_odds(std::vector<double>(77, log_estimate));
+    const IslandOdds odds = island_odds(std::vector<double>(177, log_estimate));
     EXPECT_TRUE(odds.known());
     EXPECT_NEAR(odds.relative_sd, 0, 1e-7);
     EXPECT_NEAR(odds.log_mean, log_estimate, 1e-14 * std::abs(log_estimate) + 1e-14);
@@ -89,12 +89,12 @@ TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
   };
   EXPECT_TRUE(odds(k_islands_min, 1).known());
   EXPECT_FALSE(odds(k_islands_min - 1, 1).known());
-  EXPECT_TRUE(odds(100, 10.9).known());   // of 109.9
-  EXPECT_FALSE(odds(100, 11.1).known());  // of 110.1
+  EXPECT_TRUE(odds(101, 11.1).known());   // of 111.1
+  EXPECT_FALSE(odds(101, 11.2).known());  // of 111.2
   EXPECT_TRUE(odds(k_half_known_islands_min, 1).is_half_known());
   EXPECT_FALSE(odds(k_half_known_islands_min - 1, 1).is_half_known());
-  EXPECT_TRUE(odds(101, 24.9).is_half_known());   // of 124.9
-  EXPECT_FALSE(odds(101, 25.1).is_half_known());  // of 125.1
+  EXPECT_TRUE(odds(101, 11.1).is_half_known());   // of 111.1
+  EXPECT_FALSE(odds(101, 11.2).is_half_known());  // of 111.2
 }
 
 TEST(IslandSums, AreThoseOfAllAtOnce) {

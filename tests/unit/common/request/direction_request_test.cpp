@@ -458,6 +458,16 @@ TEST(RequestKeys, ListEveryKeyOnce) {
       "output: thin keep_max keep_per_lineage min_distance\n");
 }
 
+TEST(KeyTable, ShowsTheSamplerLast) {
+  // Goal: people read what most of them need first. Method: where sections begin.
+  toy::Parameters parameters;
+  const std::string table = key_table(toy::binding(parameters));
+  const std::size_t sampler = table.find("\n[sampler]\n");
+  ASSERT_NE(sampler, std::string::npos);
+  for (const std::string section : {"world", "constraint", "stop", "output"})
+    EXPECT_LT(table.find("\n[" + section + "]\n"), sampler) << section;
+}
+
 TEST(KeyTable, IsAligned) {
   toy::Parameters parameters;
   const std::string table = key_table(toy::binding(parameters));

@@ -98,7 +98,7 @@ bool sizes_next_round(const Case& given, std::uint64_t scans, std::uint64_t next
   }
   const math::IslandOdds odds = math::island_odds(logs);
   const std::uint64_t next = given.islands_of_scan * given.options.chains * next_scans;
-  return odds.is_half_known() &&
+  return odds.is_half_known() && next >= math::k_islands_min &&
          odds.log_error_of(static_cast<double>(next)) <= *given.options.stop.odds;
 }
 

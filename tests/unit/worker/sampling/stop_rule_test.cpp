@@ -115,9 +115,21 @@ TEST(StopJudge, OddsAreSizedByWhatIsHalfKnownOnly) {
     return judge.sized_round().has_value();
   };
   EXPECT_TRUE(sizes(islands(60, 0.1)));
-  EXPECT_TRUE(sizes(islands(60, 0.1, 0.2)));
-  EXPECT_FALSE(sizes(islands(60, 0.1, 0.21)));
-  EXPECT_FALSE(sizes(islands(19, 0.1)));
+  EXPECT_TRUE(sizes(islands(60, 0.1, 0.1)));
+  EXPECT_FALSE(sizes(islands(60, 0.1, 0.101)));
+  EXPECT_FALSE(sizes(islands(49, 0.1)));
+  EXPECT_TRUE(sizes(islands(50, 0.1)));
+  // After a second round of twice as many the next has less than twice as many as both together:
+  // those have to be enough to be told.
+  const auto sizes_after_two = [](std::uint64_t of_both) {
+    StopJudge judge(k_to_a_tenth, 10, 7);
+    judge.judge(37, none, [&](std::uint64_t, std::uint64_t end) {
+      return islands(end == 37 ? of_both : 1, 0.1);
+    });
+    return judge.sized_round().has_value();
+  };
+  EXPECT_TRUE(sizes_after_two(75));   // and then 100
+  EXPECT_FALSE(sizes_after_two(72));  // and then 96
   EXPECT_FALSE(sizes(islands(60, std::nan(""), std::nan(""))));
   EXPECT_FALSE(sizes({}));
 }

@@ -9,6 +9,7 @@
 #include "common/archive/hdf5/reader.h"
 #include "common/archive/hdf5/writer.h"
 #include "common/base/error.h"
+#include "tests/support/property.h"
 #include "tests/unit/common/archive/fake_world.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 
@@ -16,13 +17,6 @@ namespace sleight::archive::hdf5 {
 namespace {
 
 using archive::testing::mixed;
-
-// Sanitizers make each child some twenty times as dear.
-#ifdef SLEIGHT_SANITIZED
-constexpr std::uint64_t k_flips = 150;
-#else
-constexpr std::uint64_t k_flips = 1500;
-#endif
 
 enum class Outcome : int { equal = 0, found = 1, refused = 2 };
 
@@ -73,7 +67,7 @@ TEST_F(Damage, FlippedBitsNeverPassForSound) {
   int equal = 0;
   int found = 0;
   int refused = 0;
-  for (std::uint64_t seed = 0; seed < k_flips; ++seed) {
+  for (const std::uint64_t seed : property::cases(property::long_run() ? 5000 : 600)) {
     std::string bytes = whole_;
     // A third in the first 4 KiB, where the structures are dense.
     const std::uint64_t place = mixed(seed) % (seed % 3 == 0 ? 4096 : bytes.size());
@@ -84,6 +78,7 @@ TEST_F(Damage, FlippedBitsNeverPassForSound) {
     refused += outcome == Outcome::refused;
     ASSERT_FALSE(HasFailure()) << "seed " << seed << ", byte " << place;
   }
+  if (!property::all_cases()) return;
   // All three kinds occur, else the flips did not test what they are for.
   EXPECT_GT(equal, 0);
   EXPECT_GT(found, 0);
@@ -94,7 +89,7 @@ TEST_F(Damage, FlippedBitsNeverPassForSound) {
 }
 
 TEST_F(Damage, OverwrittenBlocksNeverPassForSound) {
-  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+  for (const std::uint64_t seed : property::cases(property::long_run() ? 1666 : 200)) {
     std::string bytes = whole_;
     const std::uint64_t place = mixed(seed) % (bytes.size() - 512);
     for (std::size_t i = 0; i < 1 + mixed(seed + 1) % 512; ++i) {

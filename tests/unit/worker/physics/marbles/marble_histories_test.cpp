@@ -24,12 +24,7 @@ using testing::Dice;
 constexpr std::uint64_t k_seed = 20261121;
 
 std::uint64_t scene_count() {
-#ifdef SLEIGHT_SANITIZED
-  constexpr std::uint64_t k_quick = 60;
-#else
-  constexpr std::uint64_t k_quick = 300;
-#endif
-  return property::long_run() ? 20'000 : k_quick;
+  return property::long_run() ? 20'000 : 300;
 }
 
 ::testing::AssertionResult same_end(const Marbles& a, const Marbles& b) {

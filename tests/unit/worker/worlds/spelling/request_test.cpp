@@ -127,7 +127,10 @@ TEST(SpellingRequest, TooFewScansOfTheDefaultNameNoKeysThatNobodySet) {
   };
   EXPECT_NE(complaint_of("").find("independent_solutions in their place"), std::string::npos);
   EXPECT_NE(complaint_of("[sampler]\nmethod = \"sequential\"\nburn_in_rounds = 5\n")
-                .find("less anneal_scans, burn_in_rounds, round_scans or tour_scans"),
+                .find("less anneal_scans, burn_in_rounds or round_scans in"),
+            std::string::npos);
+  EXPECT_NE(complaint_of("[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n")
+                .find("or for less tour_scans in [sampler]"),
             std::string::npos);
 }
 
