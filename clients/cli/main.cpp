@@ -224,7 +224,7 @@ int main_of(int argc, char** argv) {
       "different\n"
       "plausible animations that end so."};
   app.name("sleight");
-  app.set_version_flag("--version", "sleight " + std::string(base::version()));
+  app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.footer(std::string("`sleight COMMAND --help` has examples.\n\n") + k_exit_codes);
   bool verbose = false;

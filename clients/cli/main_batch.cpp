@@ -15,6 +15,7 @@
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_worlds.h"
 #include "clients/cli/output.h"
+#include "clients/cli/results_version.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
@@ -42,7 +43,7 @@ bool started_by_mpirun() {
 }
 
 schema::Hello hello_of(const request::DirectionRequest& request) {
-  return {.program_version = std::string(base::version()),
+  return {.results_version = std::string(results_version()),
           .identity = coordinator::run_identity(request),
           .threads = 1};
 }
@@ -52,7 +53,7 @@ struct Rank0End {
   bool all_have_left = true;  ///< no other rank is still there
 };
 
-Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi) {
+Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi, cli::EndReport& end_report) {
   check_arguments(arguments);
   coordinator::catch_stop_signals();
   run::Catalogue catalogue = worlds_of_program();
@@ -64,10 +65,10 @@ Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi) {
   const sampling::BlockRunner runner(*worker, clock);
   if (!with_mpi) {
     coordinator::LocalCrew crew(runner, 1);
-    return {.code = run_and_report(*request, catalogue, arguments, crew)};
+    return {.code = run_and_report(*request, catalogue, arguments, crew, end_report)};
   }
   coordinator::MpiCrew crew(runner, clock, 1, hello_of(*request));
-  const int code = run_and_report(*request, catalogue, arguments, crew);
+  const int code = run_and_report(*request, catalogue, arguments, crew, end_report);
   return {.code = code, .all_have_left = crew.dismiss()};
 }
 
@@ -93,7 +94,8 @@ std::string name_of_rank(int rank) {
 }
 
 /// Runs this rank and returns the job's exit code; never lets an exception past MPI.
-int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
+int run_ranks(const DirectArguments& arguments, cli::EndReport& end_report, int* argc,
+              char*** argv) {
   int provided = 0;
   MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
   CHECK_GE(provided, MPI_THREAD_FUNNELED);
@@ -114,10 +116,12 @@ int run_ranks(const DirectArguments& arguments, int* argc, char*** argv) {
   }
   try {
     bool all_have_left = true;
-    const int code = cli::with_results([&] {
-      const Rank0End end = run_rank_0(arguments, true);
-      all_have_left = end.all_have_left;
-      return end.code;
+    const int code = end_report.watch([&] {
+      return cli::with_results([&] {
+        const Rank0End end = run_rank_0(arguments, true, end_report);
+        all_have_left = end.all_have_left;
+        return end.code;
+      });
     });
     if (!all_have_left)
       logging::warn("some ranks don't answer; everything is stored, and the job ends without them");
@@ -150,7 +154,7 @@ int main_of(int argc, char** argv) {
       "Runs a direction request over the ranks of an MPI job; the archive is the same for any\n"
       "number of ranks."};
   app.name("sleight-batch");
-  app.set_version_flag("--version", "sleight " + std::string(base::version()));
+  app.set_version_flag("--version", version_text());
   DirectArguments arguments;
   add_run_options(app, arguments);
   app.footer(std::string("Examples:\n"
@@ -166,9 +170,13 @@ int main_of(int argc, char** argv) {
     return code == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
   }
   logging::log_to_stderr("sleight-batch", false);
-  if (started_by_mpirun()) return run_ranks(arguments, &argc, &argv);
   try {
-    return cli::with_results([&] { return run_rank_0(arguments, false).code; });
+    // Of every rank, for bugs; how the session ended is told by rank 0 alone.
+    cli::EndReport end_report(arguments.end_report);
+    if (started_by_mpirun()) return run_ranks(arguments, end_report, &argc, &argv);
+    return end_report.watch([&] {
+      return cli::with_results([&] { return run_rank_0(arguments, false, end_report).code; });
+    });
   } catch (...) {
     return report_failure("sleight-batch");
   }

@@ -17,9 +17,7 @@ namespace {
 
 constexpr int k_bad_request = static_cast<int>(base::ExitCode::bad_request);
 
-}  // namespace
-
-int direct(const DirectArguments& arguments) {
+int direct(const DirectArguments& arguments, cli::EndReport& end_report) {
   check_arguments(arguments);
   coordinator::catch_stop_signals();
   run::Catalogue catalogue = worlds_of_program();
@@ -32,7 +30,14 @@ int direct(const DirectArguments& arguments) {
   const sampling::BlockRunner runner(*worker, clock);
   const std::size_t threads = arguments.threads > 0 ? arguments.threads : cores;
   coordinator::LocalCrew crew(runner, static_cast<std::uint32_t>(threads));
-  return run_and_report(*request, catalogue, arguments, crew);
+  return run_and_report(*request, catalogue, arguments, crew, end_report);
+}
+
+}  // namespace
+
+int direct(const DirectArguments& arguments) {
+  cli::EndReport end_report(arguments.end_report);
+  return end_report.watch([&] { return direct(arguments, end_report); });
 }
 
 int check_request(const std::string& path) {

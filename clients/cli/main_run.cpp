@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "clients/cli/failure_counts.h"
+#include "clients/cli/results_version.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
@@ -43,19 +44,6 @@ const char* name_of(coordinator::DriveEnd end) {
       return "simulation_failed";
   }
   return "?";
-}
-
-base::ExitCode exit_code_of(coordinator::DriveEnd end) {
-  switch (end) {
-    case coordinator::DriveEnd::finished:
-    case coordinator::DriveEnd::time_limit:
-      return base::ExitCode::ok;
-    case coordinator::DriveEnd::stop_requested:
-      return base::ExitCode::interrupted;
-    case coordinator::DriveEnd::simulation_failed:
-      break;
-  }
-  return base::ExitCode::simulation_failed;
 }
 
 nlohmann::ordered_json handling_json(const coordinator::Handling& handling) {
@@ -140,6 +128,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
         {"failed_simulations", cli::failures_json(summary.progress.failures)},
         {"handling", handling_json(summary.handling)},
         {"version", base::version()},
+        {"results_version", results_version()},
         {"digest", summary.digest}};
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return;
@@ -213,6 +202,14 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
   app.add_flag("--strict", arguments.strict,
                "End the run when a simulation fails, instead of refusing that state");
   app.add_flag("-q,--quiet", arguments.quiet, "No progress on stderr");
+  app.add_option(
+         "--end-report", arguments.end_report,
+         "For supervisors: a pipe (mkfifo) that gets one JSON line of how the session ended")
+      ->type_name("PIPE");
+}
+
+std::string version_text() {
+  return fmt::format("sleight {}\nresults {}", base::version(), results_version());
 }
 
 double parse_duration_s(const std::string& text) {
@@ -297,7 +294,8 @@ int print_request(run::Catalogue& catalogue, const DirectArguments& arguments) {
 }
 
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
-                   const DirectArguments& arguments, coordinator::Crew& crew) {
+                   const DirectArguments& arguments, coordinator::Crew& crew,
+                   cli::EndReport& end_report) {
   const base::SteadyClock clock;
   const bool is_of_chains = request.sampler.method != request::Method::sequential &&
                             request.sampler.start == request::Start::prior;
@@ -313,11 +311,13 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   const auto plan = run::make_plan(request, world, {});
   base::PosixFileSystem files;
   coordinator::ProgressPrinter printer(request.world, stderr);
-  coordinator::RunOptions options{.output = arguments.output,
-                                  .fresh = arguments.fresh,
-                                  .stop_requested = &coordinator::stop_requested,
-                                  .report = {},
-                                  .strict = arguments.strict};
+  coordinator::RunOptions options{
+      .output = arguments.output,
+      .fresh = arguments.fresh,
+      .stop_requested = &coordinator::stop_requested,
+      .report = {},
+      .strict = arguments.strict,
+      .ended = [&](const events::RunEnd& end) { end_report.tell(end); }};
   if (!arguments.time_limit.empty()) options.time_limit_s = parse_duration_s(arguments.time_limit);
   if (!arguments.quiet) {
     options.report = [&](const coordinator::Progress& progress) { printer.show(progress); };
@@ -330,11 +330,12 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
        .plan_of = [&](const request::Cut& cut) { return run::make_plan(request, world, cut); },
        .crew = crew,
        .clock = clock,
-       .files = files},
+       .files = files,
+       .results_version = std::string(results_version())},
       options);
   printer.finish();
   print_summary(arguments, request, summary);
-  return static_cast<int>(exit_code_of(summary.end));
+  return static_cast<int>(coordinator::exit_code_of(summary.end));
 }
 
 int report_failure(const std::string& program) {

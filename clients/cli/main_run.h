@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "clients/cli/end_report.h"
 #include "common/request/direction_request.h"
 #include "service/coordinator/run.h"
 #include "worker/run/catalogue.h"
@@ -25,6 +26,7 @@ struct DirectArguments {
   bool strict = false;            ///< a simulation that fails ends the run
   bool errors_elsewhere = false;  ///< another rank prints the request's errors
   std::string time_limit;         ///< "20s", "5m", "1h"; empty for none
+  std::string end_report;         ///< a pipe that hears how the session ended; empty for none
   std::optional<std::uint64_t> seed;
   std::size_t threads = 0;  ///< 0: one a core
   std::size_t cache_mb = run::k_cache_bytes_max >> 20U;
@@ -59,7 +61,11 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
 /// Runs a read request with the given crew, with progress on stderr and a summary on stdout.
 /// Returns the exit code.
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
-                   const DirectArguments& arguments, coordinator::Crew& crew);
+                   const DirectArguments& arguments, coordinator::Crew& crew,
+                   cli::EndReport& end_report);
+
+/// What --version says.
+std::string version_text();
 
 /// Prints a base::Error or any other exception as "program: message" and gives its exit code; of a
 /// bug also what repeats it.

@@ -20,6 +20,15 @@ void print(const std::string& message) {
   std::fflush(stderr);
 }
 
+/// In two, since 16 bytes are not atomic everywhere: a listener is set with its context first.
+std::atomic<void*> listener_context = nullptr;
+std::atomic<decltype(BugListener::heard)> listener_heard = nullptr;
+
+void tell_listener(const std::string& place, const std::string& words) {
+  const auto heard = listener_heard.exchange(nullptr);  // once
+  if (heard != nullptr) heard(listener_context, place, words);
+}
+
 [[noreturn]] void print_uncaught_and_abort() {
   std::string reason = "no exception";
   try {
@@ -30,6 +39,7 @@ void print(const std::string& message) {
     reason = "an exception of an unknown type";
   }
   print(fmt::format("terminated: {}\n", reason));
+  tell_listener("", reason);
   std::abort();
 }
 
@@ -37,7 +47,10 @@ void print(const std::string& message) {
 
 void check_failed(std::string_view condition, std::string_view operands, const char* file,
                   int line) {
-  print(fmt::format("{}:{}: check failed: {} ({})\n", file, line, condition, operands));
+  const std::string place = fmt::format("{}:{}", file, line);
+  const std::string words = fmt::format("check failed: {} ({})", condition, operands);
+  print(fmt::format("{}: {}\n", place, words));
+  tell_listener(place, words);
   std::abort();
 }
 
@@ -45,6 +58,12 @@ void add_repeat_note(std::string_view line) {
   auto* note = new Note{.line = std::string(line), .before = last_note};
   while (!last_note.compare_exchange_weak(note->before, note)) {
   }
+}
+
+void set_bug_listener(BugListener listener) {
+  listener_heard = nullptr;
+  listener_context = listener.context;
+  listener_heard = listener.heard;
 }
 
 std::string repeat_notes() {

@@ -3,9 +3,9 @@
 // is never a CHECK: see result.h and error.h.
 //
 // A bug's report should say how to see it again. So a program's main notes what repeats its run:
-// the command line, the request, the seed. These notes are the one state of a process as a whole
-// that this library has; they change nothing but what is printed when a check fails, in whatever
-// thread, or an exception is caught by nobody.
+// the command line, the request, the seed. These notes, and who hears of a bug, are the one state
+// of a process as a whole that this library has; they change nothing but what is told when a check
+// fails, in whatever thread, or an exception is caught by nobody.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,6 +26,16 @@ void add_repeat_note(std::string_view line);
 
 /// The notes in the order in which they were added, each ended by a newline.
 std::string repeat_notes();
+
+/// Hears of a check that fails, and of an exception that nobody catches (`place` is then empty),
+/// before the process aborts; in whatever thread, so that it may call little but write(2).
+struct BugListener {
+  void (*heard)(void* context, const std::string& place, const std::string& words) = nullptr;
+  void* context = nullptr;
+};
+
+/// In place of the one before; an empty one takes it away. For a program's main. Thread-safe.
+void set_bug_listener(BugListener listener);
 
 /// Arguments as one line that a shell reads as the same ones.
 std::string command_line(int argc, const char* const* argv);

@@ -11,7 +11,7 @@
 namespace sleight::schema {
 
 struct Hello {
-  std::string program_version;
+  std::string results_version;  ///< of the program
   std::string identity;
   std::uint32_t threads = 1;  ///< that compute
 };

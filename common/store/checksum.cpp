@@ -73,6 +73,17 @@ std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica,
   return sum.value();
 }
 
+std::int64_t checksum_of(const SessionKey& session, std::string_view program_version,
+                         std::uint64_t scans_before, std::string_view end) {
+  Checksum sum;
+  sum.add(session.salt);
+  sum.add(session.epoch);
+  sum.array(base::bytes_of(std::span<const char>(program_version)));
+  sum.add(scans_before);
+  sum.array(base::bytes_of(std::span<const char>(end)));
+  return sum.value();
+}
+
 void refuse_damaged(const std::string& path, const std::string& what) {
   throw base::Error(fmt::format(
       "{}: damaged: {}; restore it from a backup, or start over with --fresh", path, what));

@@ -21,6 +21,16 @@ std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica, st
 std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica,
                          std::uint64_t next_scan, base::BytesView state);
 
+/// A session's place.
+struct SessionKey {
+  std::uint64_t salt = 0;
+  std::uint64_t epoch = 0;
+};
+
+/// Of a session's row; `end` is its line, or empty.
+std::int64_t checksum_of(const SessionKey& session, std::string_view program_version,
+                         std::uint64_t scans_before, std::string_view end);
+
 /// Throws base::Error: what is in the database at `path` was not written by us as it stands.
 [[noreturn]] void refuse_damaged(const std::string& path, const std::string& what);
 

@@ -21,7 +21,7 @@
 namespace sleight::store {
 namespace {
 
-constexpr std::int64_t k_format_version = 4;
+constexpr std::int64_t k_format_version = 5;
 
 // The densities have no type: a REAL column would give a stored -0 back as 0. Failures are NULL
 // where there are none, so that the index of those that have some is empty in most runs.
@@ -40,7 +40,18 @@ constexpr const char* k_schema = R"(
     chain INTEGER, replica INTEGER, next_scan INTEGER NOT NULL, state BLOB NOT NULL,
     checksum INTEGER NOT NULL,
     PRIMARY KEY(chain, replica)) WITHOUT ROWID;
+  CREATE TABLE IF NOT EXISTS session(
+    epoch INTEGER PRIMARY KEY, program_version TEXT NOT NULL, scans_before INTEGER NOT NULL,
+    ended TEXT NOT NULL, checksum INTEGER NOT NULL);
 )";
+
+/// SQLite may have rolled back on its own; a second rollback's complaint is of no interest.
+void roll_back(Database& database) {
+  try {
+    database.execute("ROLLBACK");
+  } catch (const base::Error&) {
+  }
+}
 
 }  // namespace
 
@@ -139,13 +150,15 @@ void RunStore::create_or_check(const RunIdentity& identity) {
                     "that run up",
                     path));
   }
-  if (const auto version = stored_text("program_version");
-      version && *version != identity.program_version) {
+  if (const auto version = stored_text("results_version");
+      version && *version != identity.results_version) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: begun by version {}, this is {}: one run must not mix two versions' "
-                    "results; go on with that version, or --fresh to start over",
-                    path, *version, identity.program_version));
+        fmt::format("{}: holds results {} (of sleight {}), this program makes results {} (sleight "
+                    "{}): one run must not mix them; go on with that version, or --fresh to start "
+                    "over",
+                    path, *version, stored_text("program_version").value_or("?"),
+                    identity.results_version, identity.program_version));
   }
 
   // Refuse stored results without the keys that say whose they are.
@@ -154,7 +167,7 @@ void RunStore::create_or_check(const RunIdentity& identity) {
       database_.prepare("SELECT EXISTS(SELECT 1 FROM scan), EXISTS(SELECT 1 FROM replica)");
   const bool has_rows = any.step() && (any.integer(0) != 0 || any.integer(1) != 0);
   any.reset();
-  for (const char* key : {"format_version", "identity", "program_version", "epoch"}) {
+  for (const char* key : {"format_version", "identity", "results_version", "epoch"}) {
     if (!stored_text(key) && (has_rows || !is_new)) {
       refuse_damaged(path, fmt::format("it has no {}", key));
     }
@@ -176,9 +189,57 @@ void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdent
   set.bind(1, "format_version").bind(2, k_format_version).run();
   set.bind(1, "identity").bind(2, identity.identity_text).run();
   set.bind(1, "request").bind(2, identity.request_text).run();
+  set.bind(1, "results_version").bind(2, identity.results_version).run();
   set.bind(1, "program_version").bind(2, identity.program_version).run();
   set.bind(1, "chains").bind(2, std::int64_t{identity.chains}).run();
   set.bind(1, "epoch").bind(2, static_cast<std::int64_t>(epoch_)).run();
+
+  // The session is known before it has done anything: one that dies leaves this.
+  program_version_ = identity.program_version;
+  Statement sum = database_.prepare("SELECT COALESCE(SUM(next_scan), 0) FROM replica");
+  if (sum.step()) scans_before_ = static_cast<std::uint64_t>(sum.integer(0));
+  sum.reset();
+  set_session("");
+}
+
+void RunStore::set_session(const std::string& end) {
+  const std::int64_t sum =
+      checksum_of(SessionKey{.salt = salt_, .epoch = epoch_}, program_version_, scans_before_, end);
+  database_.prepare("INSERT OR REPLACE INTO session VALUES(?1,?2,?3,?4,?5)")
+      .bind(1, static_cast<std::int64_t>(epoch_))
+      .bind(2, program_version_)
+      .bind(3, static_cast<std::int64_t>(scans_before_))
+      .bind(4, end)
+      .bind(5, sum)
+      .run();
+}
+
+void RunStore::close(events::RunEnd end) {
+  // The writer's thread goes, so that the connection is this thread's alone.
+  if (end.end != events::End::failed) writer_->group_commit.flush();
+  writer_.reset();
+  end.epoch = epoch_;
+  Statement current = database_.prepare("SELECT value FROM run WHERE key='epoch'");
+  database_.execute("BEGIN IMMEDIATE");
+  try {
+    refuse_if_fenced(current);
+    set_session(events::to_line(end));
+    database_.execute("COMMIT");
+  } catch (...) {
+    roll_back(database_);
+    throw;
+  }
+}
+
+void RunStore::refuse_if_fenced(Statement& current_epoch) const {
+  CHECK(current_epoch.step());
+  const auto epoch = static_cast<std::uint64_t>(current_epoch.integer(0));
+  current_epoch.reset();
+  if (epoch == epoch_) return;
+  throw base::Error(base::ExitCode::conflict,
+                    fmt::format("{}: a newer session (epoch {}) has taken over this run; this "
+                                "one (epoch {}) stops",
+                                database_.path(), epoch, epoch_));
 }
 
 std::vector<ReplicaProgress> RunStore::progress() {
@@ -214,14 +275,17 @@ void RunStore::replay(plan::ReplicaKey replica, const ReplayVisit& visit) {
 }
 
 void RunStore::put(plan::UnitResult result) {
+  CHECK(writer_ != nullptr);
   writer_->group_commit.put(std::move(result));
 }
 
 void RunStore::flush() {
+  CHECK(writer_ != nullptr);
   writer_->group_commit.flush();
 }
 
 std::uint64_t RunStore::committed() const {
+  CHECK(writer_ != nullptr);
   return writer_->group_commit.committed();
 }
 
@@ -229,25 +293,12 @@ void RunStore::commit(std::span<const plan::UnitResult> group) {
   database_.execute("BEGIN IMMEDIATE");
   try {
     // Fence: a session that was taken for dead must not write beside its successor.
-    Statement& current = writer_->current_epoch;
-    CHECK(current.step());
-    const auto epoch = static_cast<std::uint64_t>(current.integer(0));
-    current.reset();
-    if (epoch != epoch_) {
-      throw base::Error(base::ExitCode::conflict,
-                        fmt::format("{}: a newer session (epoch {}) has taken over this run; this "
-                                    "one (epoch {}) stops",
-                                    database_.path(), epoch, epoch_));
-    }
+    refuse_if_fenced(writer_->current_epoch);
     for (const plan::UnitResult& result : group)
       insert(result);
     database_.execute("COMMIT");
   } catch (...) {
-    // SQLite may have rolled back on its own; a second rollback's complaint is of no interest.
-    try {
-      database_.execute("ROLLBACK");
-    } catch (const base::Error&) {
-    }
+    roll_back(database_);
     throw;
   }
 }

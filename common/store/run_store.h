@@ -6,11 +6,13 @@
 // Invariants
 //   1. What committed() has counted survives kill -9 of any process and loss of power.
 //   2. A key's first result stays: a doubled or late one changes nothing.
-//   3. A store belongs to one request and one program version; every session that writes takes a
+//   3. A store belongs to one request and one results version; every session that writes takes a
 //      new epoch, and a writer of an older epoch is refused (fencing).
 //   4. Of each replica, the scans from its first, mostly 0, to next_scan-1 are present without a
 //      gap, and the state after the last of them; all of a unit becomes visible in one transaction.
 //   5. Every row carries a checksum: what a disk or a person changed is refused when it is read.
+//   6. A session that ends in order, or by an error, leaves how it ended (sessions.h); one without
+//      that runs, or died.
 // Thread safety: put, flush and committed may be called from any thread; the rest from one.
 #pragma once
 
@@ -21,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "common/events/run_end.h"
 #include "common/plan/unit.h"
 #include "common/store/database.h"
 #include "common/store/group_commit.h"
@@ -32,7 +35,8 @@ namespace sleight::store {
 struct RunIdentity {
   std::string identity_text;    ///< the part of the normalised request that decides the chains
   std::string request_text;     ///< the whole normalised request of this session
-  std::string program_version;  ///< base::version()
+  std::string results_version;  ///< of the program: decides whether it may go on
+  std::string program_version;  ///< base::version(): for people
   std::uint32_t chains = 0;
 };
 
@@ -60,7 +64,8 @@ class RunLock {
 class RunStore {
  public:
   /// Opens or makes the store in a folder, under a new epoch. Throws base::Error(conflict) when it
-  /// belongs to another request or version. REQUIRES: the caller holds the folder's RunLock.
+  /// belongs to another request or results version. REQUIRES: the caller holds the folder's
+  /// RunLock.
   RunStore(const std::string& folder, const RunIdentity& identity);
   /// Commits what was put, if it can; failures are not told: flush() first.
   ~RunStore();
@@ -79,6 +84,10 @@ class RunStore {
   void put(plan::UnitResult result);
   /// Returns when all that was put is committed; throws as put does.
   void flush();
+  /// Commits what was put and records how the session ended, under the store's epoch whatever
+  /// `end.epoch` says; throws as put does. A session that failed is recorded so even where what was
+  /// put last can't be committed. Nothing may be put or flushed afterwards.
+  void close(events::RunEnd end);
   /// Scans committed in this session.
   std::uint64_t committed() const;
 
@@ -88,11 +97,15 @@ class RunStore {
   void create_or_check(const RunIdentity& identity);
   void take_epoch(const std::optional<std::string>& last, const RunIdentity& identity);
   void commit(std::span<const plan::UnitResult> group);
+  void refuse_if_fenced(Statement& current_epoch) const;
+  void set_session(const std::string& end);
   void insert(const plan::UnitResult& result);
 
   Database database_;
   std::uint64_t salt_ = 0;
   std::uint64_t epoch_ = 0;
+  std::string program_version_;
+  std::uint64_t scans_before_ = 0;
   struct Writer;
   std::unique_ptr<Writer> writer_;
 };

@@ -1,6 +1,6 @@
 # How a folder declares what it holds.
 #
-#   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen...)   one per folder
+#   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen... [DECIDES_NOTHING])   one per folder
 #   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
 #   sleight_program_parts(mains SOURCES main_run.cpp LINKS ...)       that several programs share
 #   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds] [COMPUTES])
@@ -8,7 +8,9 @@
 # A test's own objects are built with less optimisation than what they test, as compiling them takes
 # longer than running them; COMPUTES says that it is the other way round.
 #
-# A library's name is its folder with '/' as '_': common/math is common_math.
+# A library's name is its folder with '/' as '_': common/math is common_math. DECIDES_NOTHING: what it
+# does with a run's rows comes after them, so its changes make no other results version
+# (SleightResultsVersion.cmake).
 
 function(sleight_folder_name out)
   file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
@@ -17,7 +19,7 @@ function(sleight_folder_name out)
 endfunction()
 
 function(sleight_library)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "DECIDES_NOTHING" "" "SOURCES;LINKS" ${ARGN})
   sleight_folder_name(name)
   if(ARG_SOURCES)
     add_library(${name} STATIC ${ARG_SOURCES})
@@ -27,6 +29,8 @@ function(sleight_library)
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE sleight_options ${ARG_LINKS})
   endif()
+  set_target_properties(${name} PROPERTIES SLEIGHT_LINKS "${ARG_LINKS}"
+    SLEIGHT_FOLDER ${CMAKE_CURRENT_SOURCE_DIR} SLEIGHT_DECIDES_NOTHING ${ARG_DECIDES_NOTHING})
 endfunction()
 
 function(sleight_program name)

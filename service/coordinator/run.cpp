@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -223,28 +224,12 @@ std::string run_folder(const std::string& output) {
   return output + ".run";
 }
 
-RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
+namespace {
+
+/// Drives the plan from where the store stands, and derives the archive.
+RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
+                            const std::string& folder, store::RunStore& run_store) {
   base::FileSystem& files = inputs.files;
-  const std::string folder = run_folder(options.output);
-
-  // Take the output for this process and this request.
-  refuse_unusable_output(options.output, files);
-  if (files.exists(options.output) && !files.exists(folder)) {
-    claim_output(options.output, folder, options.fresh, files);  // refuses, and makes no folder
-  }
-  const store::RunLock lock(folder);
-  claim_output(options.output, folder, options.fresh, files);
-  remove_leftovers(options.output, files);
-  store::RunStore run_store(folder, {.identity_text = run_identity(inputs.request),
-                                     .request_text = request::normalised_text(inputs.request),
-                                     .program_version = std::string(base::version()),
-                                     .chains = inputs.request.sampler.chains});
-
-  if (files.exists(options.output)) {
-    refuse_foreign_file(options.output, beginnings_of(inputs.request));
-  }
-
-  // Drive the plan from where it stands.
   const auto say = [&](const std::string& phase) {
     if (options.say) options.say(phase);
   };
@@ -287,6 +272,98 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
       say_what_is_left_out(run_store, options.output, outcome.reached.scans);
   }
   return summary;
+}
+
+events::End end_of(const RunSummary& summary) {
+  switch (summary.end) {
+    case DriveEnd::finished:
+      return summary.digest.empty() ? events::End::gave_up : events::End::finished;
+    case DriveEnd::time_limit:
+      return events::End::time_limit;
+    case DriveEnd::stop_requested:
+      return events::End::stop_requested;
+    case DriveEnd::simulation_failed:
+      break;
+  }
+  return events::End::simulation_failed;
+}
+
+events::RunEnd record_of(const RunSummary& summary) {
+  return {.epoch = summary.epoch,
+          .end = end_of(summary),
+          .exit_code = exit_code_of(summary.end),
+          .scans = summary.scans,
+          .found = summary.found,
+          .solutions = summary.progress.solutions,
+          .digest = summary.digest};
+}
+
+/// Where the store can't take the record, the caller's supervisor has it all the same, and the
+/// session ends as it would have.
+void leave_record(store::RunStore& run_store, const events::RunEnd& end,
+                  const RunOptions& options) {
+  try {
+    run_store.close(end);
+  } catch (const base::Error& failure) {
+    logging::warn(fmt::format("how this session ended is not in its store: {}", failure.what()));
+  }
+  if (options.ended) options.ended(end);
+}
+
+}  // namespace
+
+base::ExitCode exit_code_of(DriveEnd end) {
+  switch (end) {
+    case DriveEnd::finished:
+    case DriveEnd::time_limit:
+      return base::ExitCode::ok;
+    case DriveEnd::stop_requested:
+      return base::ExitCode::interrupted;
+    case DriveEnd::simulation_failed:
+      break;
+  }
+  return base::ExitCode::simulation_failed;
+}
+
+RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
+  base::FileSystem& files = inputs.files;
+  const std::string folder = run_folder(options.output);
+
+  // Take the output for this process and this request.
+  refuse_unusable_output(options.output, files);
+  if (files.exists(options.output) && !files.exists(folder)) {
+    claim_output(options.output, folder, options.fresh, files);  // refuses, and makes no folder
+  }
+  const store::RunLock lock(folder);
+  claim_output(options.output, folder, options.fresh, files);
+  remove_leftovers(options.output, files);
+  store::RunStore run_store(folder, {.identity_text = run_identity(inputs.request),
+                                     .request_text = request::normalised_text(inputs.request),
+                                     .results_version = inputs.results_version,
+                                     .program_version = std::string(base::version()),
+                                     .chains = inputs.request.sampler.chains});
+
+  // Whatever becomes of the session, its store has how it ended.
+  const auto failed = [&](base::ExitCode code, const std::string& words) {
+    leave_record(
+        run_store,
+        {.epoch = run_store.epoch(), .end = events::End::failed, .exit_code = code, .words = words},
+        options);
+  };
+  try {
+    if (files.exists(options.output)) {
+      refuse_foreign_file(options.output, beginnings_of(inputs.request));
+    }
+    RunSummary summary = drive_and_derive(inputs, options, folder, run_store);
+    leave_record(run_store, record_of(summary), options);
+    return summary;
+  } catch (const base::Error& error) {
+    failed(error.exit_code(), error.what());
+    throw;
+  } catch (const std::exception& error) {
+    failed(base::ExitCode::bug, error.what());
+    throw;
+  }
 }
 
 }  // namespace sleight::coordinator

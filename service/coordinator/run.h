@@ -15,6 +15,7 @@
 #include "common/archive/world_layout.h"
 #include "common/base/clock.h"
 #include "common/base/file_system.h"
+#include "common/events/run_end.h"
 #include "common/plan/plan.h"
 #include "common/request/direction_request.h"
 #include "service/coordinator/crew.h"
@@ -34,6 +35,8 @@ struct RunInputs {
   const base::Clock& clock;
   /// Through which the output is taken and the archive written; the run store has SQLite's own.
   base::FileSystem& files;
+  /// Of the program; a run goes on only under the one that it began with.
+  std::string results_version;
 };
 
 struct RunOptions {
@@ -45,6 +48,9 @@ struct RunOptions {
   std::function<void(const std::string& phase)> say{};  ///< what goes on when nothing is counted
   double checkpoint_every_s = 60;  ///< an archive of the run so far, for people who watch
   bool strict = false;             ///< a simulation that fails ends the run
+  /// Hears how the session ended, once, when the store has it or can't take it; may be empty. Not
+  /// called where the session is refused before it has the store.
+  std::function<void(const events::RunEnd&)> ended{};
 };
 
 struct RunSummary {
@@ -58,9 +64,12 @@ struct RunSummary {
   Handling handling{};
 };
 
-/// Throws base::Error: conflict where the output belongs to another request, to another program
+/// Throws base::Error: conflict where the output belongs to another request, to another results
 /// version, to a running process or to nobody known; environment where the disk fails.
 RunSummary run_request(const RunInputs& inputs, const RunOptions& options);
+
+/// With which a program ends that ends so.
+base::ExitCode exit_code_of(DriveEnd end);
 
 /// What decides the stored results of a run: two requests with one identity can share a run store,
 /// so that one goes on where the other stopped. [stop] and what is kept in the archive may differ;

@@ -74,6 +74,7 @@ void commit(benchmark::State& state) {
   const std::vector<plan::UnitResult> all = results();
   const store::RunIdentity identity{.identity_text = "bench",
                                     .request_text = "bench",
+                                    .results_version = "bench",
                                     .program_version = "bench",
                                     .chains = k_chains};
   std::uint64_t hash = 0;

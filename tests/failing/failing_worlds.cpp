@@ -3,6 +3,7 @@
 #include "tests/failing/failing_ball.h"
 #include "worker/run/world_entry.h"
 #include "worker/worlds/ball_2d/request.h"
+#include "worker/worlds/readers/ball_2d_reader.h"
 
 namespace sleight::programs {
 

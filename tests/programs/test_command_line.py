@@ -28,7 +28,7 @@ class Help(ProgramTest):
     def test_version_is_exact(self):
         text = self.succeed(sleight("--version")).stdout
         self.assertRegex(text, r"^sleight \d+\.\d+\.\d+\+(g[0-9a-f]{12}(\.dirty\.[0-9a-f]{12})?"
-                               r"|src\.[0-9a-f]{12})\n$")
+                               r"|src\.[0-9a-f]{12})\nresults [0-9a-f]{16}\n$")
 
     def test_exit_codes_are_documented(self):
         text = sleight("--help").stdout

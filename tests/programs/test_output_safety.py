@@ -112,14 +112,18 @@ class Conflicts(ProgramTest):
         self.direct(self.write_request(), output)
         self.assertEqual(output.read_bytes(), before)
 
-    def test_another_version_is_refused(self):
+    def test_other_results_are_refused(self):
         output = self.path("a.h5")
         self.direct(self.write_request(), output)
         store = sqlite3.connect(self.path("a.h5.run/store.sqlite"))
         store.execute("UPDATE run SET value='0.0.0+gffffffffffff' WHERE key='program_version'")
         store.commit()
+        # Another program of the same results goes on.
+        self.direct(self.write_request(), output)
+        store.execute("UPDATE run SET value='0123456789abcdef' WHERE key='results_version'")
+        store.commit()
         store.close()
-        self.refuse(sleight("direct", self.write_request(), "-o", output), "0.0.0+gffffffffffff")
+        self.refuse(sleight("direct", self.write_request(), "-o", output), "0123456789abcdef")
 
     def test_a_damaged_store_is_an_error_with_advice(self):
         output = self.path("a.h5")

@@ -18,11 +18,12 @@
 #include "worker/sampling/simulated_tempering.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/request.h"
-#include "worker/worlds/dice/reader.h"
 #include "worker/worlds/dice/request.h"
 #include "worker/worlds/dice/throw_stages.h"
+#include "worker/worlds/readers/ball_2d_reader.h"
+#include "worker/worlds/readers/dice_reader.h"
+#include "worker/worlds/readers/spelling_reader.h"
 #include "worker/worlds/spelling/pouring_stages.h"
-#include "worker/worlds/spelling/reader.h"
 #include "worker/worlds/spelling/request.h"
 
 namespace sleight::run {

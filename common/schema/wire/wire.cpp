@@ -272,7 +272,7 @@ struct Put {
 
   void operator()(const Hello& hello) {
     auto builder = out.initHello();
-    builder.setProgramVersion(as_text(hello.program_version));
+    builder.setResultsVersion(as_text(hello.results_version));
     builder.setIdentity(as_text(hello.identity));
     builder.setThreads(hello.threads);
   }
@@ -296,7 +296,7 @@ base::Result<Message, std::string> get_message(generated::Message::Reader in) {
     case generated::Message::HELLO: {
       const auto hello = in.getHello();
       if (hello.getThreads() == 0) return std::string("a hello of no threads");
-      return Message(Hello{.program_version = as_string(hello.getProgramVersion()),
+      return Message(Hello{.results_version = as_string(hello.getResultsVersion()),
                            .identity = as_string(hello.getIdentity()),
                            .threads = hello.getThreads()});
     }

@@ -1,7 +1,7 @@
 # What the coordinator (rank 0) and the workers (all other ranks) of one batch job say to each other.
 #
 #   worker                         coordinator
-#     │──── Hello ────────────────────▶│   once, first: both sides must be of one version and request
+#     │──── Hello ────────────────────▶│   once, first: both sides must make the same results of one request
 #     │◀─── Assignment 17 ─────────────│   a block of units; at most two a thread are before a worker
 #     │◀─── Assignment 21 ─────────────│
 #     │──── Delivery 17 ──────────────▶│   in the order in which they are done
@@ -43,7 +43,7 @@ struct Message {
 
 # What must be equal for ranks to work on one run, and what a rank is.
 struct Hello {
-  programVersion @0 :Text;
+  resultsVersion @0 :Text;   # of the program; deploy/version says how it is made
   identity @1 :Text;   # the request's identity text, as this rank reads it
   threads @2 :UInt32;  # that compute, at least 1
 }

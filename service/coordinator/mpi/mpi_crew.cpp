@@ -139,10 +139,10 @@ void MpiCrew::await_hellos(const schema::Hello& expected) {
     }
     const auto* hello = std::get_if<schema::Hello>(&received->message);
     if (hello == nullptr) throw unexpected_from(received->rank);
-    if (hello->program_version != expected.program_version) {
+    if (hello->results_version != expected.results_version) {
       throw base::Error(fmt::format(
-          "rank {} runs version {}, rank 0 runs {}: install the same version on every host",
-          received->rank, hello->program_version, expected.program_version));
+          "rank {} makes results {}, rank 0 makes {}: install the same version on every host",
+          received->rank, hello->results_version, expected.results_version));
     }
     if (hello->identity != expected.identity) {
       throw base::Error(

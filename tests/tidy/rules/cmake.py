@@ -5,7 +5,8 @@ import posixpath
 import re
 
 SIDES = ("common", "worker", "service", "clients")
-_KEYWORDS = {"SOURCES", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL", "COMPUTES"}
+_KEYWORDS = {"SOURCES", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL", "COMPUTES",
+             "DECIDES_NOTHING"}
 _DECLARATION = re.compile(r"\bsleight_(library|program_parts|program)\s*\(")
 
 

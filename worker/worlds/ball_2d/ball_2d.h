@@ -13,11 +13,9 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include "common/archive/world_layout.h"
 #include "common/base/bytes.h"
 #include "common/random/stream.h"
 #include "worker/sampling/target.h"
@@ -63,9 +61,5 @@ class Ball2d {
 };
 
 static_assert(sampling::ScalesProposals<Ball2d>);
-
-/// How its archives name things. Likeness distance: the largest difference between the places of
-/// equal-numbered collisions, landing included, in ball diameters.
-std::unique_ptr<archive::StateReader> make_state_reader(const Parameters& parameters);
 
 }  // namespace sleight::worlds::ball_2d

@@ -99,6 +99,7 @@ bool same_bits(const plan::ScanRecord& a, const plan::ScanRecord& b) {
 RunIdentity example_identity(std::uint32_t chains) {
   return {.identity_text = "[world]\nname = \"example\"\n",
           .request_text = "[world]\nname = \"example\"\n[stop]\nscans = 10\n",
+          .results_version = "r1",
           .program_version = "1.0",
           .chains = chains};
 }

@@ -36,7 +36,7 @@ class RunStoreSessions : public testing::RunFolder {
   }
 };
 
-TEST_F(RunStoreSessions, BelongToOneRequestAndOneVersion) {
+TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
   // Goal: no store mixes two requests, versions or formats (invariant 3), and the refusal says what
   // to do. Method: open with each of the three changed; afterwards the owner finds all as it was.
   {
@@ -48,15 +48,20 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneVersion) {
   EXPECT_THAT(conflict_of(other_request),
               AllOf(HasSubstr(folder()), HasSubstr("another request"), HasSubstr("--fresh")));
   RunIdentity other_version = example_identity(1);
+  other_version.results_version = "r2";
   other_version.program_version = "1.1";
   EXPECT_THAT(conflict_of(other_version),
-              AllOf(HasSubstr("version 1.0"), HasSubstr("this is 1.1"), HasSubstr("--fresh")));
-  execute("UPDATE run SET value=5 WHERE key='format_version'");
+              AllOf(HasSubstr("holds results r1 (of sleight 1.0)"),
+                    HasSubstr("makes results r2 (sleight 1.1)"), HasSubstr("--fresh")));
+  execute("UPDATE run SET value=6 WHERE key='format_version'");
   EXPECT_THAT(conflict_of(example_identity(1)),
-              AllOf(HasSubstr("format 5"), HasSubstr("writes 4")));
-  execute("UPDATE run SET value=4 WHERE key='format_version'");
+              AllOf(HasSubstr("format 6"), HasSubstr("writes 5")));
+  execute("UPDATE run SET value=5 WHERE key='format_version'");
 
-  RunStore store(folder(), example_identity(1));
+  // A later program that makes the same results may go on.
+  RunIdentity later_program = example_identity(1);
+  later_program.program_version = "1.1";
+  RunStore store(folder(), later_program);
   EXPECT_EQ(store.epoch(), 2U);
   expect_stored(folder(), store, 0, 4);
 }

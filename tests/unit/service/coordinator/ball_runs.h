@@ -56,7 +56,8 @@ class BallRuns : public archive::testing::Scratch {
              [&](const request::Cut& cut) { return run::make_plan(request.value(), world, cut); },
          .crew = crew,
          .clock = clock,
-         .files = files},
+         .files = files,
+         .results_version = "results of tests"},
         options);
   }
 

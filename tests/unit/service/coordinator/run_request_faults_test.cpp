@@ -10,6 +10,7 @@
 #include "common/archive/digest/verify.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/base/error.h"
+#include "common/store/sessions.h"
 #include "service/coordinator/run.h"
 #include "tests/unit/common/base/faulty_file_system.h"
 #include "tests/unit/service/coordinator/ball_runs.h"
@@ -109,6 +110,11 @@ TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
         failure_of(fault, request),
         AllOf(HasSubstr(output()), HasSubstr(std::make_error_code(fault.reason).message())));
     EXPECT_EQ(std::filesystem::exists(output()), fault.call == FileCall::sync_directory);
+    const auto sessions = store::sessions_of(run_folder(output()));
+    ASSERT_TRUE(sessions.size() == 1 && sessions[0].end.has_value());
+    EXPECT_EQ(sessions[0].end->end, events::End::failed);
+    EXPECT_EQ(sessions[0].end->exit_code, base::ExitCode::environment);
+    EXPECT_THAT(sessions[0].end->words, HasSubstr(output()));
     const RunSummary next = session(request, {.output = output()});
     EXPECT_EQ(next.progress.session_scans, 0U);
     EXPECT_EQ(next.digest, expected);

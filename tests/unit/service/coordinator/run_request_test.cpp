@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <vector>
 
 #include "common/archive/digest/digest.h"
 #include "common/archive/digest/verify.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/base/error.h"
 #include "common/store/run_store.h"
+#include "common/store/sessions.h"
 #include "tests/unit/service/coordinator/ball_runs.h"
 
 namespace sleight::coordinator {
@@ -133,6 +135,51 @@ TEST_F(RunRequest, GoesOnWhereItStopped) {
   EXPECT_EQ(more.progress.session_scans, 3U * 200U);
   EXPECT_EQ(session(shorter, {.output = path("a.h5")}).digest, finished.digest);
   EXPECT_EQ(session(longer, {.output = path("b.h5")}).digest, more.digest);
+}
+
+TEST_F(RunRequest, LeavesHowEachSessionEnded) {
+  // Goal: each session's record is in the store and was heard once, with the archive's digest, and
+  // a refusal that has the store is recorded too. Method: a session that is stopped, one whose time
+  // is over, one that finds another file in its place, one that finishes.
+  const std::string request = request_text("scans = 300", k_slow);
+  std::vector<events::RunEnd> heard;
+  RunOptions options{.output = output(),
+                     .ended = [&](const events::RunEnd& end) { heard.push_back(end); }};
+  options.stop_requested = stop_at(6);
+  const RunSummary stopped = session(request, options);
+  options.stop_requested = {};
+  options.time_limit_s = 1e-9;
+  const RunSummary late = session(request, options);
+  options.time_limit_s = 0;
+  put_bytes(output(), "mine");
+  EXPECT_THROW(session(request, options), base::Error);
+  std::filesystem::remove(output());
+  const RunSummary finished = session(request, options);
+
+  ASSERT_EQ(heard.size(), 4U);
+  EXPECT_EQ(heard[0], (events::RunEnd{.epoch = 1,
+                                      .end = events::End::stop_requested,
+                                      .exit_code = base::ExitCode::interrupted,
+                                      .scans = stopped.scans,
+                                      .solutions = stopped.progress.solutions,
+                                      .digest = stopped.digest}));
+  EXPECT_EQ(heard[1], (events::RunEnd{.epoch = 2,
+                                      .end = events::End::time_limit,
+                                      .scans = late.scans,
+                                      .solutions = late.progress.solutions,
+                                      .digest = late.digest}));
+  EXPECT_EQ(heard[2].end, events::End::failed);
+  EXPECT_EQ(heard[2].exit_code, base::ExitCode::conflict);
+  EXPECT_THAT(heard[2].words, HasSubstr("is not overwritten"));
+  EXPECT_EQ(heard[3], (events::RunEnd{.epoch = 4,
+                                      .end = events::End::finished,
+                                      .scans = 300,
+                                      .solutions = finished.progress.solutions,
+                                      .digest = finished.digest}));
+  const auto sessions = store::sessions_of(run_folder(output()));
+  ASSERT_EQ(sessions.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(sessions[i].end, heard[i]);
 }
 
 TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {

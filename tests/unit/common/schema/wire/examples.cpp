@@ -67,7 +67,7 @@ bool same(const plan::Block& a, const plan::Block& b) {
 /// Compares two messages of one kind.
 struct Same {
   bool operator()(const Hello& a, const Hello& b) const {
-    return a.program_version == b.program_version && a.identity == b.identity &&
+    return a.results_version == b.results_version && a.identity == b.identity &&
            a.threads == b.threads;
   }
   bool operator()(const Assignment& a, const Assignment& b) const {
@@ -107,9 +107,9 @@ plan::Unit example_unit(std::uint32_t scans) {
 
 std::vector<Message> hellos_and_failures() {
   return {
-      Hello{.program_version = "1.2+gabc", .identity = "[world]\nname = \"x\"\n", .threads = 64},
+      Hello{.results_version = "1.2+gabc", .identity = "[world]\nname = \"x\"\n", .threads = 64},
       Hello{},
-      Hello{.program_version = std::string("a\0b", 3),
+      Hello{.results_version = std::string("a\0b", 3),
             .identity = std::string(300'000, 'i'),
             .threads = k_largest},
       Stop{},

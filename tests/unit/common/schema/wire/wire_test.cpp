@@ -135,7 +135,7 @@ TEST(Messages, ResultWithoutScansIsRefused) {
 
 TEST(Messages, HelloOfNoThreadsIsRefused) {
   // Goal: a worker that could run nothing is not one. Method: 0 threads.
-  EXPECT_THAT(refusal(Hello{.program_version = "1", .identity = "i", .threads = 0}),
+  EXPECT_THAT(refusal(Hello{.results_version = "1", .identity = "i", .threads = 0}),
               HasSubstr("no threads"));
 }
 

@@ -1,3 +1,5 @@
+#include "worker/worlds/readers/ball_2d_reader.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

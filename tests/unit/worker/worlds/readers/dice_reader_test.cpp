@@ -1,5 +1,5 @@
 // States as bytes, and what archives say of them.
-#include "worker/worlds/dice/reader.h"
+#include "worker/worlds/readers/dice_reader.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "worker/worlds/dice/reader.h"
+#include "worker/worlds/readers/dice_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "worker/physics/simulator/segment.h"
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/dice/dice.h"
-#include "worker/worlds/failures/played_out.h"
+#include "worker/worlds/readers/played_out.h"
 #include "worker/worlds/segments/segment_values.h"
 
 namespace sleight::worlds::dice {

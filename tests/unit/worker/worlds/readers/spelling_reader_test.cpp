@@ -1,5 +1,5 @@
 // States as bytes, and what archives say of them.
-#include "worker/worlds/spelling/reader.h"
+#include "worker/worlds/readers/spelling_reader.h"
 
 #include <gtest/gtest.h>
 

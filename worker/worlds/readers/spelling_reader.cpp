@@ -1,4 +1,4 @@
-#include "worker/worlds/spelling/reader.h"
+#include "worker/worlds/readers/spelling_reader.h"
 
 #include <vector>
 
@@ -6,7 +6,7 @@
 #include "common/math/elementary.h"
 #include "worker/physics/simulator/segment.h"
 #include "worker/sampling/blind_throws.h"
-#include "worker/worlds/failures/played_out.h"
+#include "worker/worlds/readers/played_out.h"
 #include "worker/worlds/segments/segment_values.h"
 #include "worker/worlds/spelling/spelling.h"
 

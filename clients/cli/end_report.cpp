@@ -1,0 +1,67 @@
+#include "clients/cli/end_report.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <exception>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+
+EndReport::EndReport(const std::string& path) {
+  if (path.empty()) return;
+  // Not blocking: a supervisor that does not read must not hold the run up.
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor_ < 0) {
+    const std::string reason = errno == ENXIO ? "nobody reads it" : std::strerror(errno);
+    throw base::Error(base::ExitCode::usage, fmt::format("--end-report: {}: {}", path, reason));
+  }
+  base::set_bug_listener({.heard = &EndReport::tell_bug, .context = this});
+}
+
+EndReport::~EndReport() {
+  if (descriptor_ < 0) return;
+  base::set_bug_listener({});
+  ::close(descriptor_);
+}
+
+void EndReport::tell(const events::RunEnd& end) {
+  if (descriptor_ < 0 || has_told_.exchange(true)) return;
+  const std::string line = events::to_line(end);
+  // A pipe takes a line of this length whole or not at all; one that nobody reads any more must not
+  // end the process.
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  const ssize_t written = ::write(descriptor_, line.data(), line.size());
+  static_cast<void>(written);
+  std::signal(SIGPIPE, before);
+}
+
+int EndReport::watch(const std::function<int()>& work) {
+  const auto failed = [&](base::ExitCode code, const std::string& words) {
+    tell({.end = events::End::failed, .exit_code = code, .words = words});
+  };
+  try {
+    const int code = work();
+    if (code != 0) failed(static_cast<base::ExitCode>(code), "the reasons were printed");
+    return code;
+  } catch (const base::Error& error) {
+    failed(error.exit_code(), error.what());
+    throw;
+  } catch (const std::exception& error) {
+    failed(base::ExitCode::bug, error.what());
+    throw;
+  }
+}
+
+void EndReport::tell_bug(void* self, const std::string& place, const std::string& words) {
+  static_cast<EndReport*>(self)->tell(
+      {.end = events::End::bug, .exit_code = base::ExitCode::bug, .words = words, .place = place});
+}
+
+}  // namespace sleight::cli

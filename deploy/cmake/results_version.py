@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""The results version of a build: a hash of what decides the rows that runs store.
+
+    deploy/version --results BUILD [--source FOLDER] [--list] [--cpp FILE]
+
+BUILD is a preset's build folder, in which CMake has put `results_version.json`: the libraries that
+decide, the folders left out, the compiler. Hashed are, for all objects of these libraries: each file that the compiler opened for them, by its
+place in the source tree (others by their whole path) and content; the flags that can change what is
+computed; and the compiler. Not hashed: generated files, files that lie in a folder left out, and
+flags that change only speed, checks, warnings or places (FLAGS_LEFT_OUT): builds of all presets
+have one results version, and tests compare their digests.
+
+The files come from Ninja's record of what the compiler said (`.ninja_deps`). Ninja writes it object
+by object, before it starts what depends on the object; so it may be read while a build goes on.
+--source hashes another tree's files in place of the build's, which is how a test plants changes.
+"""
+import argparse
+import hashlib
+import json
+import os
+import re
+import shlex
+import struct
+import sys
+
+MAGIC = b"# ninjadeps\n"
+DEPS_RECORD = 0x80000000
+FLAGS_LEFT_OUT = re.compile(
+    r"-(O|g|W|I|M|fsanitize|fno-sanitize|fno-omit-frame-pointer|fdiagnostics|pthread|Winvalid"
+    r"|DNDEBUG$|DSLEIGHT_SANITIZED)")
+FLAGS_WITH_VALUE = {"-I", "-isystem", "-include", "-o", "-c", "-MF", "-MT", "-MQ", "-x", "--param"}
+
+
+class CannotTell(Exception):
+    """The build doesn't say which files it was made of."""
+
+
+def dependencies(build):
+    """Of each output the files that its compiler opened, from Ninja's record (format 3 or 4)."""
+    path = os.path.join(build, ".ninja_deps")
+    with open(path, "rb") as file:
+        data = file.read()
+    if not data.startswith(MAGIC):
+        raise CannotTell(f"{path}: is no record of Ninja's")
+    version, = struct.unpack_from("<i", data, len(MAGIC))
+    if version not in (3, 4):
+        raise CannotTell(f"{path}: format {version}; 3 and 4 are known")
+    head = 4 + (8 if version == 4 else 4)  # output, then its time
+    names, found = [], {}
+    place = len(MAGIC) + 4
+    while place + 4 <= len(data):
+        size, = struct.unpack_from("<I", data, place)
+        is_deps = bool(size & DEPS_RECORD)
+        size &= ~DEPS_RECORD
+        place += 4
+        if place + size > len(data):
+            break  # being written
+        if is_deps:
+            output, = struct.unpack_from("<i", data, place)
+            count = (size - head) // 4
+            found[names[output]] = [
+                names[i] for i in struct.unpack_from(f"<{count}i", data, place + head)]
+        else:
+            names.append(data[place:place + size - 4].rstrip(b"\0").decode())
+        place += size
+    return found
+
+
+def objects_of(build, libraries):
+    """(object, flags) of all sources of these libraries."""
+    with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
+        commands = json.load(file)
+    folders = {f"CMakeFiles/{library}.dir/" for library in libraries}
+    objects = []
+    for command in commands:
+        words = shlex.split(command["command"])
+        output = words[words.index("-o") + 1]
+        if any(f"/{folder}" in f"/{output}" for folder in folders):
+            objects.append((output, flags_of(words)))
+    return objects
+
+
+def flags_of(words):
+    """The flags that can change what is computed, in their order."""
+    flags, i = [], 0
+    while i < len(words):
+        word = words[i]
+        if word in FLAGS_WITH_VALUE:
+            i += 2
+            continue
+        if word.startswith("-") and not FLAGS_LEFT_OUT.match(word):
+            flags.append(word)
+        i += 1
+    return tuple(flags)
+
+
+def expanded(name, found, build, seen):
+    """A file, or in place of a precompiled header what that was made of."""
+    path = os.path.normpath(os.path.join(build, name))
+    if path in seen:
+        return
+    seen.add(path)
+    relative = os.path.relpath(path, build)
+    for inner in found.get(name, found.get(relative, [])):
+        expanded(inner, found, build, seen)
+
+
+def deciding_files(build, libraries, left_out):
+    """Absolute paths of all files that decide, and the flags of the objects made of them."""
+    found = dependencies(build)
+    objects = objects_of(build, libraries)
+    if not objects:
+        raise CannotTell(f"{build}: no object of {', '.join(libraries)}")
+    opened, flags = set(), set()
+    for output, its_flags in objects:
+        if output not in found:
+            raise CannotTell(f"{build}: nothing is known of {output}; build it first")
+        for name in found[output]:
+            expanded(name, found, build, opened)
+        flags.add(its_flags)
+    files = [path for path in opened
+             if not path.startswith(build + os.sep) and os.path.dirname(path) not in left_out]
+    return files, sorted(flags)
+
+
+def main():
+    """Prints the version, or its files, or writes it as C++."""
+    parser = argparse.ArgumentParser(prog="deploy/version --results", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build")
+    parser.add_argument("--source", help="a tree whose files are hashed in place of the build's")
+    parser.add_argument("--list", action="store_true", help="the files, one a line")
+    parser.add_argument("--cpp", metavar="FILE", help="writes C++, where that differs from FILE")
+    arguments = parser.parse_args()
+
+    # Which files decide.
+    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+    build = os.path.abspath(arguments.build)
+    with open(os.path.join(build, "results_version.json"), encoding="utf-8") as file:
+        decides = json.load(file)
+    files, flags = deciding_files(build, decides["libraries"], set(decides["left_out"]))
+    named = {}
+    for path in files:
+        inside = path.startswith(root + os.sep)
+        name = os.path.relpath(path, root) if inside else path
+        named[name] = (os.path.join(arguments.source, name) if inside and arguments.source
+                       else path)
+    if arguments.list:
+        print("\n".join(sorted(named)))
+        return
+
+    # Their content, the flags and the compiler.
+    total = hashlib.sha256()
+    for name in sorted(named):
+        with open(named[name], "rb") as file:
+            content = hashlib.sha256(file.read()).hexdigest()
+        total.update(f"{name}\0{content}\n".encode())
+    for group in flags:
+        total.update((" ".join(group) + "\n").encode())
+    total.update(decides["compiler"].encode())
+    version = total.hexdigest()[:16]
+    if not arguments.cpp:
+        print(version)
+        return
+    text = ('#include "clients/cli/results_version.h"\n\nnamespace sleight::programs {\n'
+            f'std::string_view results_version() {{ return "{version}"; }}\n'
+            "}  // namespace sleight::programs\n")
+    if not os.path.exists(arguments.cpp) or open(arguments.cpp, encoding="utf-8").read() != text:
+        with open(arguments.cpp, "w", encoding="utf-8") as file:
+            file.write(text)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (CannotTell, OSError, ValueError, KeyError) as failure:
+        sys.exit(f"deploy/version --results: {failure}")

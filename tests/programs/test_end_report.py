@@ -1,0 +1,169 @@
+"""Goal: whoever starts a run learns how its session ended, whatever happens: from the run store, or, where
+that can't take it, through the pipe. Method: real runs of both programs that end in every way, with a
+pipe that the test reads."""
+
+import json
+import os
+import pathlib
+import signal
+import sqlite3
+import subprocess
+import time
+import unittest
+
+import harness
+from harness import ProgramTest
+
+KEYS = ["epoch", "end", "exit_code", "scans", "found", "solutions", "digest", "words", "place"]
+
+
+class EndReport(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.pipe = self.path("pipe")
+        os.mkfifo(self.pipe)
+        self.reader = os.open(self.pipe, os.O_RDONLY | os.O_NONBLOCK)
+        self.addCleanup(lambda: os.close(self.reader))
+
+    def told(self):
+        """The one line; None if there was none."""
+        try:
+            data = os.read(self.reader, 1 << 16)
+        except BlockingIOError:
+            return None
+        if not data:
+            return None
+        self.assertEqual(data.count(b"\n"), 1, data)
+        self.assertTrue(data.endswith(b"\n"))
+        record = json.loads(data)
+        self.assertEqual(list(record), KEYS)
+        return record
+
+    def stored(self, output):
+        """How each session ended, by the store."""
+        store = sqlite3.connect(f"file:{output}.run/store.sqlite?mode=ro", uri=True)
+        ends = [json.loads(text) if text else None
+                for text, in store.execute("SELECT ended FROM session ORDER BY epoch")]
+        store.close()
+        return ends
+
+    def run_direct(self, request, output, *args, **options):
+        return harness.sleight("direct", request, "-o", output, "-q", "--end-report", self.pipe, *args,
+                               **options)
+
+    def test_finished_and_stopped(self):
+        output = self.path("a.h5")
+        request = self.write_request(chains=2, scans=200_000_000)
+        self.succeed(self.run_direct(request, output, "--time-limit", "0.3s"))
+        stopped = self.told()
+        self.assertEqual((stopped["epoch"], stopped["end"], stopped["exit_code"]), (1, "time_limit", 0))
+        self.assertGreater(stopped["scans"], 0)
+        self.assertEqual(stopped["digest"], self.digest(output))
+        request = self.write_request(chains=2, scans=50)
+        self.succeed(self.run_direct(request, output))
+        finished = self.told()
+        self.assertEqual((finished["epoch"], finished["end"], finished["scans"]), (2, "finished", 50))
+        self.assertEqual(self.stored(output), [stopped, finished])
+
+    def test_a_signal_and_a_kill(self):
+        output = self.path("a.h5")
+        request = self.write_request(chains=2, scans=200_000_000)
+        for number, end in [(signal.SIGKILL, None), (signal.SIGINT, "stop_requested")]:
+            process = harness.start([harness.program("sleight"), "direct", request, "-o", output, "-q",
+                                     "--end-report", self.pipe])
+            store = pathlib.Path(f"{output}.run/store.sqlite-wal")
+            while not store.exists() or store.stat().st_size < 100_000:
+                time.sleep(0.02)
+            process.send_signal(number)
+            process.communicate(timeout=60)
+            record = self.told()
+            self.assertEqual(record and record["end"], end)
+            if end:
+                self.assertEqual((record["epoch"], record["exit_code"]), (2, 130))
+        self.assertEqual(self.stored(output), [None, record])
+
+    def test_refused_before_there_is_a_store(self):
+        output = self.path("a.h5")
+        bad = self.write_request("bad.toml", scans=0)
+        self.assertEqual(self.run_direct(bad, output).returncode, 3)
+        record = self.told()
+        self.assertEqual((record["epoch"], record["end"], record["exit_code"]), (0, "failed", 3))
+        self.assertEqual(self.run_direct(self.path("none.toml"), output).returncode, 5)
+        self.assertIn("none.toml", self.told()["words"])
+        output.write_bytes(b"mine")
+        self.assertEqual(self.run_direct(self.write_request(scans=20), output).returncode, 4)
+        record = self.told()
+        self.assertEqual((record["epoch"], record["exit_code"]), (0, 4))
+        self.assertIn("is not overwritten", record["words"])
+
+    def test_refused_with_a_store(self):
+        """Somebody put another file in the archive's place."""
+        output = self.path("a.h5")
+        request = self.write_request(scans=20)
+        self.succeed(self.run_direct(request, output))
+        first = self.told()
+        output.write_bytes(b"mine")
+        self.assertEqual(self.run_direct(request, output).returncode, 4)
+        second = self.told()
+        self.assertEqual((second["epoch"], second["end"], second["exit_code"]), (2, "failed", 4))
+        self.assertIn("is not overwritten", second["words"])
+        self.assertEqual(self.stored(output), [first, second])
+
+    def test_a_full_disk(self):
+        """A file may grow to 300 kB: the store can't take the rows, the pipe takes the record."""
+        output = self.path("a.h5")
+        request = self.write_request(chains=2, scans=100_000)
+        command = f"ulimit -f 300; exec \"$0\" direct {request} -o {output} -q --end-report {self.pipe}"
+        result = harness.run(["bash", "-c", command, harness.program("sleight")])
+        self.assertEqual(result.returncode, 5, result.stderr)
+        record = self.told()
+        self.assertEqual((record["epoch"], record["end"], record["exit_code"]), (1, "failed", 5))
+        self.assertIn("store.sqlite", record["words"])
+
+    def test_a_check_that_fails(self):
+        library = pathlib.Path(harness.arguments.bin).parent / "tests/libsleight_failing_calls.so"
+        request = self.write_request(chains=2, scans=50)
+        result = self.run_direct(request, self.path("a.h5"), env={"LD_PRELOAD": str(library)})
+        self.assertEqual(result.returncode, -signal.SIGABRT)
+        record = self.told()
+        self.assertEqual((record["end"], record["exit_code"]), ("bug", 1))
+        self.assertRegex(record["place"], r"sha256\.cpp:\d+$")
+        self.assertIn("check failed: EVP_DigestInit_ex", record["words"])
+        self.assertEqual(self.stored(self.path("a.h5")), [None])
+
+    def test_ranks(self):
+        output = self.path("a.h5")
+        request = self.write_request(chains=2, scans=50)
+        job = harness.batch(2, request, output, "-q", "--end-report", self.pipe, folder=self.folder)
+        self.succeed(harness.run(job))
+        record = self.told()
+        self.assertEqual((record["end"], record["scans"]), ("finished", 50))
+        self.assertEqual(self.stored(output), [record])
+        bad = self.write_request("bad.toml", scans=0)
+        job = harness.batch(2, bad, output, "-q", "--end-report", self.pipe, folder=self.folder)
+        self.assertEqual(harness.run(job).returncode, 3)
+        self.assertEqual(self.told()["exit_code"], 3)
+
+    def test_no_pipe(self):
+        request = self.write_request(scans=20)
+        for path, words in [(self.path("none"), "No such file"), (self.path("unread"), "nobody reads")]:
+            if "unread" in str(path):
+                os.mkfifo(path)
+            result = harness.sleight("direct", request, "-o", self.path("a.h5"), "--end-report", path)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(words, result.stderr)
+        self.assertFalse(self.path("a.h5").exists())
+
+    def test_a_supervisor_that_has_gone(self):
+        process = subprocess.Popen([harness.program("sleight"), "direct",
+                                    self.write_request(chains=2, scans=3000), "-o", self.path("a.h5"),
+                                    "-q", "--end-report", str(self.pipe)], env=harness.environment())
+        while not self.path("a.h5.run").exists():
+            time.sleep(0.005)
+        os.close(self.reader)
+        self.reader = os.open("/dev/null", os.O_RDONLY)
+        self.assertEqual(process.wait(timeout=60), 0)
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,112 @@
+// What a supervisor learns of a run's sessions from its store.
+#include "common/store/sessions.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/error.h"
+#include "common/store/run_store.h"
+#include "tests/unit/common/store/examples.h"
+
+namespace sleight::store {
+namespace {
+
+using testing::example_identity;
+using ::testing::HasSubstr;
+using testing::result_of;
+
+class Sessions : public testing::RunFolder {
+ protected:
+  void execute(const std::string& sql) const {
+    Database(RunStore::database_path(folder()), Access::read_write).execute(sql);
+  }
+  std::string failure() const {
+    try {
+      (void)sessions_of(folder());
+    } catch (const base::Error& error) {
+      return error.what();
+    }
+    return {};
+  }
+};
+
+TEST_F(Sessions, TellHowEachEnded) {
+  // Goal: a session that ended is told with all that it said, one that died or runs without; and
+  // whether anything was committed since the one before. Method: sessions that die before and after
+  // they commit, one that fails, one that finishes, one that runs.
+  { RunStore died(folder(), example_identity(1)); }
+  {
+    RunStore died(folder(), example_identity(1));
+    died.put(result_of(0, 0, 4));
+  }
+  const events::RunEnd full{
+      .end = events::End::failed, .exit_code = base::ExitCode::environment, .words = "disk full"};
+  {
+    RunStore failed(folder(), example_identity(1));
+    failed.close(full);
+  }
+  RunIdentity later = example_identity(1);
+  later.program_version = "1.1";
+  const events::RunEnd done{.epoch = 99, .end = events::End::finished, .scans = 9, .digest = "ab"};
+  {
+    RunStore finished(folder(), later);
+    finished.put(result_of(0, 4, 5));
+    finished.close(done);
+    EXPECT_EQ(sessions_of(folder()).back().end->epoch, 4U);
+  }
+  const RunStore running(folder(), later);
+
+  events::RunEnd failed_end = full;
+  failed_end.epoch = 3;
+  events::RunEnd finished_end = done;
+  finished_end.epoch = 4;
+  EXPECT_EQ(sessions_of(folder()),
+            (std::vector<Session>{
+                {.epoch = 1, .program_version = "1.0"},
+                {.epoch = 2, .program_version = "1.0"},
+                {.epoch = 3, .program_version = "1.0", .end = failed_end, .scans_before = 4},
+                {.epoch = 4, .program_version = "1.1", .end = finished_end, .scans_before = 4},
+                {.epoch = 5, .program_version = "1.1", .scans_before = 9}}));
+}
+
+TEST_F(Sessions, OneThatWasTakenForDeadSaysNothing) {
+  // Goal: a session whose successor has begun leaves no record, of whatever kind; the successor's
+  // is untouched. Method: two stores open, the older one closes.
+  RunStore older(folder(), example_identity(1));
+  RunStore newer(folder(), example_identity(1));
+  try {
+    older.close({.end = events::End::finished});
+    ADD_FAILURE() << "it was recorded";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::conflict);
+    EXPECT_THAT(error.what(), HasSubstr("newer session (epoch 2)"));
+  }
+  newer.close({.end = events::End::time_limit});
+  const std::vector<Session> sessions = sessions_of(folder());
+  ASSERT_EQ(sessions.size(), 2U);
+  EXPECT_FALSE(sessions[0].end.has_value());
+  EXPECT_EQ(sessions[1].end->end, events::End::time_limit);
+}
+
+TEST_F(Sessions, WhatWasChangedIsRefused) {
+  // Goal: a supervisor never acts on a row that the disk changed. Method: each column in turn.
+  {
+    RunStore store(folder(), example_identity(1));
+    store.close({.end = events::End::finished, .scans = 10});
+  }
+  EXPECT_EQ(failure(), "");
+  for (const char* change :
+       {"program_version='2'", "scans_before=1", "ended=''", "ended=replace(ended, '10', '11')",
+        "ended='x'", "epoch=2", "checksum=checksum+1"}) {
+    execute("CREATE TABLE copy AS SELECT * FROM session");
+    execute(std::string("UPDATE session SET ") + change);
+    EXPECT_THAT(failure(), HasSubstr("damaged: how session")) << change;
+    execute("DELETE FROM session");
+    execute("INSERT INTO session SELECT * FROM copy");
+    execute("DROP TABLE copy");
+  }
+  EXPECT_EQ(failure(), "");
+}
+
+}  // namespace
+}  // namespace sleight::store
