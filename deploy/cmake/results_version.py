@@ -23,6 +23,7 @@ import shlex
 import struct
 import sys
 
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MAGIC = b"# ninjadeps\n"
 DEPS_RECORD = 0x80000000
 FLAGS_LEFT_OUT = re.compile(
@@ -67,7 +68,7 @@ def dependencies(build):
 
 
 def objects_of(build, libraries):
-    """(object, flags) of all sources of these libraries."""
+    """(object, flags) of all sources of these libraries, and the folder that they are built in."""
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
         commands = json.load(file)
     folders = {f"CMakeFiles/{library}.dir/" for library in libraries}
@@ -77,7 +78,9 @@ def objects_of(build, libraries):
         output = words[words.index("-o") + 1]
         if any(f"/{folder}" in f"/{output}" for folder in folders):
             objects.append((output, flags_of(words)))
-    return objects
+    if not objects:
+        raise CannotTell(f"{build}: no object of {', '.join(libraries)}")
+    return objects, commands[0]["directory"]
 
 
 def flags_of(words):
@@ -94,33 +97,55 @@ def flags_of(words):
     return tuple(flags)
 
 
-def expanded(name, found, build, seen):
-    """A file, or in place of a precompiled header what that was made of."""
-    path = os.path.normpath(os.path.join(build, name))
-    if path in seen:
+def add_opened(name, found, folder, opened):
+    """Adds a file, and of a precompiled header what that was made of."""
+    path = os.path.normpath(os.path.join(folder, name))
+    if path in opened:
         return
-    seen.add(path)
-    relative = os.path.relpath(path, build)
-    for inner in found.get(name, found.get(relative, [])):
-        expanded(inner, found, build, seen)
+    opened.add(path)
+    for inner in found.get(name, found.get(os.path.relpath(path, folder), [])):
+        add_opened(inner, found, folder, opened)
 
 
-def deciding_files(build, libraries, left_out):
-    """Absolute paths of all files that decide, and the flags of the objects made of them."""
-    found = dependencies(build)
-    objects = objects_of(build, libraries)
-    if not objects:
-        raise CannotTell(f"{build}: no object of {', '.join(libraries)}")
-    opened, flags = set(), set()
-    for output, its_flags in objects:
-        if output not in found:
-            raise CannotTell(f"{build}: nothing is known of {output}; build it first")
-        for name in found[output]:
-            expanded(name, found, build, opened)
-        flags.add(its_flags)
-    files = [path for path in opened
-             if not path.startswith(build + os.sep) and os.path.dirname(path) not in left_out]
-    return files, sorted(flags)
+class Deciding:
+    """What decides the results of a build: files, by their names in the hash; flags; compiler."""
+
+    def __init__(self, build):
+        with open(os.path.join(build, "results_version.json"), encoding="utf-8") as file:
+            settings = json.load(file)
+        self.compiler = settings["compiler"]
+        found = dependencies(build)
+        objects, folder = objects_of(build, settings["libraries"])
+        opened, flags = set(), set()
+        for output, its_flags in objects:
+            if output not in found:
+                raise CannotTell(f"{build}: nothing is known of {output}; build it first")
+            for name in found[output]:
+                add_opened(name, found, folder, opened)
+            flags.add(its_flags)
+        self.flags = sorted(flags)
+        left_out = set(settings["left_out"])
+        self.files = {}
+        for path in opened:
+            if path.startswith(folder + os.sep) or os.path.dirname(path) in left_out:
+                continue
+            inside = path.startswith(ROOT + os.sep)
+            self.files[os.path.relpath(path, ROOT) if inside else path] = path
+
+    def version(self, source=None):
+        """The hash; with another tree's files in place of this one's, where one is given."""
+        total = hashlib.sha256()
+        for name in sorted(self.files):
+            path = self.files[name]
+            if source and not os.path.isabs(name):
+                path = os.path.join(source, name)
+            with open(path, "rb") as file:
+                content = hashlib.sha256(file.read()).hexdigest()
+            total.update(f"{name}\0{content}\n".encode())
+        for group in self.flags:
+            total.update((" ".join(group) + "\n").encode())
+        total.update(self.compiler.encode())
+        return total.hexdigest()[:16]
 
 
 def main():
@@ -133,32 +158,11 @@ def main():
     parser.add_argument("--cpp", metavar="FILE", help="writes C++, where that differs from FILE")
     arguments = parser.parse_args()
 
-    # Which files decide.
-    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-    build = os.path.abspath(arguments.build)
-    with open(os.path.join(build, "results_version.json"), encoding="utf-8") as file:
-        decides = json.load(file)
-    files, flags = deciding_files(build, decides["libraries"], set(decides["left_out"]))
-    named = {}
-    for path in files:
-        inside = path.startswith(root + os.sep)
-        name = os.path.relpath(path, root) if inside else path
-        named[name] = (os.path.join(arguments.source, name) if inside and arguments.source
-                       else path)
+    deciding = Deciding(arguments.build)
     if arguments.list:
-        print("\n".join(sorted(named)))
+        print("\n".join(sorted(deciding.files)))
         return
-
-    # Their content, the flags and the compiler.
-    total = hashlib.sha256()
-    for name in sorted(named):
-        with open(named[name], "rb") as file:
-            content = hashlib.sha256(file.read()).hexdigest()
-        total.update(f"{name}\0{content}\n".encode())
-    for group in flags:
-        total.update((" ".join(group) + "\n").encode())
-    total.update(decides["compiler"].encode())
-    version = total.hexdigest()[:16]
+    version = deciding.version(arguments.source)
     if not arguments.cpp:
         print(version)
         return

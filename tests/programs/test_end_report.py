@@ -51,6 +51,25 @@ class EndReport(ProgramTest):
         return harness.sleight("direct", request, "-o", output, "-q", "--end-report", self.pipe, *args,
                                **options)
 
+    def await_session(self, output, number):
+        """Until so many sessions have begun and the last has stored something."""
+        deadline = time.monotonic() + 60
+        before = None
+        while time.monotonic() < deadline:
+            try:
+                store = sqlite3.connect(f"file:{output}.run/store.sqlite?mode=ro", uri=True)
+                begun, = store.execute("SELECT COUNT(*) FROM session").fetchone()
+                scans, = store.execute("SELECT SUM(next_scan) FROM replica").fetchone()
+                store.close()
+            except sqlite3.Error:
+                begun, scans = 0, None
+            if begun == number and scans is not None:
+                if before is not None and scans > before:
+                    return
+                before = scans if before is None else before
+            time.sleep(0.02)
+        self.fail("no session has stored anything")
+
     def test_finished_and_stopped(self):
         output = self.path("a.h5")
         request = self.write_request(chains=2, scans=200_000_000)
@@ -68,12 +87,12 @@ class EndReport(ProgramTest):
     def test_a_signal_and_a_kill(self):
         output = self.path("a.h5")
         request = self.write_request(chains=2, scans=200_000_000)
+        sessions = 0
         for number, end in [(signal.SIGKILL, None), (signal.SIGINT, "stop_requested")]:
             process = harness.start([harness.program("sleight"), "direct", request, "-o", output, "-q",
                                      "--end-report", self.pipe])
-            store = pathlib.Path(f"{output}.run/store.sqlite-wal")
-            while not store.exists() or store.stat().st_size < 100_000:
-                time.sleep(0.02)
+            sessions += 1
+            self.await_session(output, sessions)
             process.send_signal(number)
             process.communicate(timeout=60)
             record = self.told()
