@@ -9,6 +9,7 @@
 
 #include "clients/cli/archive_commands.h"
 #include "clients/cli/diagnose_command.h"
+#include "clients/cli/main_derive.h"
 #include "clients/cli/main_direct.h"
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_scenes.h"
@@ -108,7 +109,24 @@ struct ArchiveArguments {
   bool csv = false;
 };
 
-void add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action) {
+void add_derive(CLI::App& archive, DeriveArguments& arguments, Action& action) {
+  CLI::App* command =
+      archive.add_subcommand("derive", "The archive of a run so far, out of its store");
+  command->add_option("run", arguments.folder, "The run's folder")
+      ->required()
+      ->type_name("NAME.h5.run");
+  command->add_option("-o,--output", arguments.output, "The archive")
+      ->required()
+      ->type_name("OUTPUT.h5");
+  command->add_flag("--json", arguments.json, "What it holds, as JSON");
+  command->footer(
+      "Works beside the running job, and on a copy of its folder. The archive is the one that the\n"
+      "run would have if it ended now.\n\nExample:\n"
+      "  sleight archive derive ball.h5.run -o ball_so_far.h5");
+  command->callback([&] { action = [&] { return derive(arguments); }; });
+}
+
+CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action) {
   CLI::App* archive = app.add_subcommand("archive", "Look into a sample archive");
   archive->require_subcommand(1);
   std::string& path = arguments.export_options.path;
@@ -147,6 +165,7 @@ void add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action) {
       "Examples:\n"
       "  sleight archive export ball.h5 --csv > stats.csv\n"
       "  sleight archive export ball.h5 --csv --table posterior -o normals.csv");
+  return archive;
 }
 
 struct DiagnoseArguments {
@@ -236,12 +255,13 @@ int main_of(int argc, char** argv) {
   std::string world;
   ReplayArguments replay_arguments;
   ArchiveArguments archive_arguments;
+  DeriveArguments derive_arguments;
   DiagnoseArguments diagnose_arguments;
   cli::PlotOptions plot_options;
   add_direct(app, direct_arguments, action);
   add_request_help(app, check_path, world, action);
   add_replay(app, replay_arguments, action);
-  add_archive(app, archive_arguments, action);
+  add_derive(*add_archive(app, archive_arguments, action), derive_arguments, action);
   add_diagnose(app, diagnose_arguments, action);
   add_plot(app, plot_options, action);
 

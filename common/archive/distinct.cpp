@@ -37,7 +37,7 @@ void DistinctSelector::offer(base::ChainId chain, base::ScanIndex scan,
 }
 
 bool DistinctSelector::plays_out(const plan::ScanRecord& record) {
-  const PlaysOut ends = reader_.plays_out(record.state);
+  const PlaysOut ends = reader_.play(record.state).ends;
   if (ends == PlaysOut::failed) ++failed_;
   return ends == PlaysOut::yes;
 }

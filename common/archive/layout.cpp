@@ -401,7 +401,7 @@ class AnimationsWriter {
     const std::size_t width = segments_->width();
     std::size_t rows = 0;
     if (width != 0) {
-      const Recording recording = reader_.record(record.state);
+      const Recording recording = reader_.play(record.state).recording;
       CHECK_EQ(recording.columns, width);
       CHECK_EQ(recording.values.size() % width, 0U);
       rows = recording.rows();
@@ -436,7 +436,7 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
       Address{"lineage", "visit of the chain to the prior from which the state descends"}};
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
                               sink);
-  // Each kept animation is simulated once more, for its motion.
+  // Each kept animation is asked for once more, for its motion (remembering_reader.h).
   for (const KeptAnimation& kept : selector.finish())
     animations.push({kept.chain.value, signed_of(kept.scan.value), signed_of(kept.record.lineage)},
                     kept.record);

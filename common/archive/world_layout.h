@@ -64,6 +64,12 @@ enum class PlaysOut : std::uint8_t {
   failed      ///< the simulator can't carry it out
 };
 
+/// The whole motion of a satisfying state, simulated to its end: it was perhaps decided early.
+struct Motion {
+  PlaysOut ends = PlaysOut::yes;
+  Recording recording{};  ///< empty unless it plays out
+};
+
 /// Reads the opaque state bytes of one world with one request. Thread-safe.
 /// REQUIRES of every function: `state` came from this world's worker (a run store is ours).
 class StateReader {
@@ -74,11 +80,8 @@ class StateReader {
   virtual std::vector<double> variables(base::BytesView state) const = 0;
   /// How unlike two animations look, in the world's own stated unit: 0 for equal ones.
   virtual double likeness_distance(base::BytesView a, base::BytesView b) const = 0;
-  /// How the whole motion of a satisfying state ends, which was perhaps decided early. Only states
-  /// that play out are kept as animations.
-  virtual PlaysOut plays_out(base::BytesView /*state*/) const { return PlaysOut::yes; }
-  /// The whole motion, simulated to its end. REQUIRES: plays_out(state) is yes.
-  virtual Recording record(base::BytesView state) const = 0;
+  /// The motion of a state. Only states that play out are kept as animations.
+  virtual Motion play(base::BytesView state) const = 0;
   /// log p_w of so many blind throws, as a person would make them: what the log p_w of something
   /// found is to be compared with. Always the same ones.
   virtual std::vector<double> log_priors_of_throws(std::size_t /*count*/) const { return {}; }

@@ -95,6 +95,8 @@ class Plan {
 
   /// What was learnt from the scans consumed so far; nothing if the method learns nothing.
   virtual Report report() const { return {}; }
+  /// False: report() is empty, and all scans are draws, whatever is consumed.
+  virtual bool learns() const { return true; }
 };
 
 inline std::optional<Block> Plan::next_block(const BlockLimits& limits) {

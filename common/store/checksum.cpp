@@ -84,6 +84,16 @@ std::int64_t checksum_of(const SessionKey& session, std::string_view program_ver
   return sum.value();
 }
 
+std::int64_t checksum_of_motion(base::BytesView state, std::int64_t ends, std::uint64_t columns,
+                                base::BytesView numbers) {
+  Checksum sum;
+  sum.array(state);
+  sum.add(ends);
+  sum.add(columns);
+  sum.array(numbers);
+  return sum.value();
+}
+
 void refuse_damaged(const std::string& path, const std::string& what) {
   throw base::Error(fmt::format(
       "{}: damaged: {}; restore it from a backup, or start over with --fresh", path, what));

@@ -21,8 +21,6 @@
 namespace sleight::store {
 namespace {
 
-constexpr std::int64_t k_format_version = 5;
-
 // The densities have no type: a REAL column would give a stored -0 back as 0. Failures are NULL
 // where there are none, so that the index of those that have some is empty in most runs.
 constexpr const char* k_schema = R"(
@@ -136,11 +134,11 @@ void RunStore::create_or_check(const RunIdentity& identity) {
   // Refuse a store that is somebody else's.
   const std::string& path = database_.path();
   if (const auto format = stored_text("format_version");
-      format && *format != std::to_string(k_format_version)) {
+      format && *format != std::to_string(k_store_format)) {
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: run store of format {}, this program writes {}; use --fresh "
                                   "to start over or another output",
-                                  path, *format, k_format_version));
+                                  path, *format, k_store_format));
   }
   if (const auto text = stored_text("identity"); text && *text != identity.identity_text) {
     throw base::Error(
@@ -186,7 +184,7 @@ void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdent
     ++epoch_;
   }
   Statement set = database_.prepare("INSERT OR REPLACE INTO run VALUES(?1,?2)");
-  set.bind(1, "format_version").bind(2, k_format_version).run();
+  set.bind(1, "format_version").bind(2, k_store_format).run();
   set.bind(1, "identity").bind(2, identity.identity_text).run();
   set.bind(1, "request").bind(2, identity.request_text).run();
   set.bind(1, "results_version").bind(2, identity.results_version).run();

@@ -31,6 +31,9 @@
 
 namespace sleight::store {
 
+/// Of the tables; a store of another format is refused.
+inline constexpr std::int64_t k_store_format = 5;
+
 /// Whose results a store holds.
 struct RunIdentity {
   std::string identity_text;    ///< the part of the normalised request that decides the chains

@@ -2,13 +2,35 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
 #include <utility>
 
+#include "common/base/error.h"
 #include "common/store/checksum.h"
 #include "common/store/database.h"
 #include "common/store/run_store.h"
 
 namespace sleight::store {
+
+StoredRequest stored_request_of(const std::string& folder) {
+  Database database(RunStore::database_path(folder), Access::read_only);
+  Statement find = database.prepare("SELECT value FROM run WHERE key=?1");
+  const auto text = [&](std::string_view key) {
+    find.reset();
+    find.bind(1, key);
+    if (!find.step()) refuse_damaged(database.path(), fmt::format("it has no {}", key));
+    return find.text(0);
+  };
+  if (const std::string format = text("format_version"); format != std::to_string(k_store_format)) {
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: run store of format {}, this program reads {}",
+                                  database.path(), format, k_store_format));
+  }
+  return {.identity_text = text("identity"),
+          .request_text = text("request"),
+          .results_version = text("results_version"),
+          .program_version = text("program_version")};
+}
 
 std::vector<Session> sessions_of(const std::string& folder) {
   Database database(RunStore::database_path(folder), Access::read_only);

@@ -23,6 +23,17 @@ struct Session {
   bool operator==(const Session&) const = default;
 };
 
+/// Whose store it is, and what it was asked for last.
+struct StoredRequest {
+  std::string identity_text;    ///< as RunIdentity (run_store.h)
+  std::string request_text;     ///< of the newest session
+  std::string results_version;  ///< under which all of it was made
+  std::string program_version;  ///< of the newest session
+};
+
+/// Throws base::Error where the folder has no store that can be read, or one of another format.
+StoredRequest stored_request_of(const std::string& folder);
+
 /// In order. Throws base::Error where the folder has no store that can be read, or a row was
 /// changed.
 std::vector<Session> sessions_of(const std::string& folder);

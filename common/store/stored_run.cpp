@@ -179,4 +179,30 @@ void StoredRun::replay(const std::function<void(const plan::ReplicaKey&, base::S
   }
 }
 
+void for_each_stored(const std::string& folder,
+                     const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
+                                              std::span<const plan::ScanRecord>)>& visit) {
+  Database database(RunStore::database_path(folder), Access::read_only);
+  database.execute("BEGIN");  // one moment for all that is read
+  Statement identity = database.prepare("SELECT value FROM run WHERE key='identity'");
+  if (!identity.step()) refuse_damaged(database.path(), "it has no identity");
+  const std::uint64_t salt = salt_of(identity.text(0));
+  Statement select =
+      database.prepare("SELECT chain, replica, next_scan FROM replica ORDER BY chain, replica");
+  while (select.step()) {
+    const plan::ReplicaKey key{base::ChainId{static_cast<std::uint32_t>(select.integer(0))},
+                               base::ReplicaId{static_cast<std::uint32_t>(select.integer(1))}};
+    const auto end = static_cast<std::uint64_t>(select.integer(2));
+    const std::uint64_t reached =
+        replay_rows(database, salt, key, end,
+                    [&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
+                      visit(key, first, records);
+                    });
+    if (reached != end) {
+      refuse_damaged(database.path(),
+                     fmt::format("scan {} of chain {} is missing", reached, key.chain.value));
+    }
+  }
+}
+
 }  // namespace sleight::store

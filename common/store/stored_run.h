@@ -65,4 +65,11 @@ class StoredRun final : public archive::RunView {
   plan::Report report_;
 };
 
+/// Visits all scans that are committed, replica by replica in order, in batches, as one moment left
+/// them; records come without state and outcome. Beside a writer: what it commits meanwhile is not
+/// seen. Throws base::Error where the store can't be read, or has been changed.
+void for_each_stored(const std::string& folder,
+                     const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
+                                              std::span<const plan::ScanRecord>)>& visit);
+
 }  // namespace sleight::store

@@ -11,9 +11,6 @@
 namespace sleight::coordinator {
 namespace {
 
-/// A late checkpoint is written when its cost is below this share of the time since the last.
-constexpr double k_checkpoint_share_max = 0.05;
-
 class Driver {
  public:
   Driver(plan::Plan& plan, store::RunStore& store, Crew& crew, const base::Clock& clock,
@@ -24,12 +21,10 @@ class Driver {
         clock_(clock),
         options_(options),
         scheduler_(plan, {.epoch = store.epoch()}),
-        begin_s_(clock.now_s()),
-        checkpoint_s_(begin_s_) {}
+        begin_s_(clock.now_s()) {}
 
   DriveOutcome run() {
     catch_up();
-    heard_s_ = clock_.now_s();
     DriveEnd end = DriveEnd::finished;
     carry_out(tick());
     stop_if_asked(end);  // before anything is handed out
@@ -40,7 +35,6 @@ class Driver {
         carry_out(std::move(input));
       carry_out(tick());
       report_now_and_then();
-      checkpoint_now_and_then();
       stop_if_asked(end);
     }
     store_.flush();
@@ -91,12 +85,7 @@ class Driver {
     counted_.finds = finds;
   }
 
-  /// The scheduler's time stands still while a checkpoint is written: silence that nobody listened
-  /// to is none.
-  core::Tick tick() {
-    heard_s_ = std::max(heard_s_, clock_.now_s() - deaf_s_);  // rounding must not turn it back
-    return {.now_s = heard_s_};
-  }
+  core::Tick tick() const { return {.now_s = clock_.now_s()}; }
 
   /// Once: what is running then ends, so that nothing computed is thrown away.
   void stop_if_asked(DriveEnd& end) {
@@ -166,23 +155,13 @@ class Driver {
 
   void report_now_and_then() {
     const double now_s = clock_.now_s();
-    if (!options_.report || now_s - report_s_ < options_.report_every_s) return;
+    if (now_s - report_s_ < options_.report_every_s) return;
     report_s_ = now_s;
-    options_.report(progress());
-  }
-
-  void checkpoint_now_and_then() {
-    const Reached now = reached();
-    if (!options_.checkpoint || (now.scans == 0 && now.found == 0)) return;
-    const double now_s = clock_.now_s();
-    const double since_s = now_s - checkpoint_s_;
-    if (since_s < options_.checkpoint_every_s) return;
-    if (checkpoint_cost_s_ > k_checkpoint_share_max * since_s) return;
-    store_.flush();
-    options_.checkpoint(reached());
-    checkpoint_s_ = clock_.now_s();
-    checkpoint_cost_s_ = checkpoint_s_ - now_s;
-    deaf_s_ += checkpoint_cost_s_;
+    if (options_.report) options_.report(progress());
+    if (options_.reached) {
+      const Reached now = reached();
+      options_.reached(now, now.found > 0 || plan_.solutions_found() > 0);
+    }
   }
 
   plan::Plan& plan_;
@@ -196,10 +175,6 @@ class Driver {
   std::uint64_t earlier_scans_ = 0;
   double begin_s_;
   double report_s_ = 0;
-  double checkpoint_s_;
-  double checkpoint_cost_s_ = 0;
-  double deaf_s_ = 0;   ///< spent on checkpoints
-  double heard_s_ = 0;  ///< the scheduler's time; set at the beginning
 };
 
 }  // namespace

@@ -55,10 +55,9 @@ struct DriveOptions {
   std::function<bool()> stop_requested{};         ///< asked often; may be empty
   std::function<void()> stopping{};               ///< once, when asked to; may be empty
   std::function<void(const Progress&)> report{};  ///< may be empty
-  /// Called now and then between units when everything is committed up to there, so that people who
-  /// watch have a recent archive; may be empty.
-  std::function<void(const Reached&)> checkpoint{};
-  double checkpoint_every_s = 60;
+  /// Hears every report_every_s what is reached, though perhaps not committed yet, and whether
+  /// there is a solution; must not take long; may be empty.
+  std::function<void(const Reached&, bool has_solution)> reached{};
   /// Hears of simulations that failed in this session, once each, of a unit the first few; may be
   /// empty.
   std::function<void(const plan::ReplicaKey&, const plan::FailedSimulation&)> failed{};

@@ -3,24 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <optional>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "common/archive/hdf5/guarded.h"
-#include "common/archive/hdf5/reader.h"
-#include "common/archive/hdf5/writer.h"
-#include "common/archive/layout.h"
-#include "common/archive/summary.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
 #include "common/logging/log.h"
 #include "common/store/run_store.h"
-#include "common/store/stored_run.h"
+#include "common/store/stored_motions.h"
+#include "service/coordinator/checkpoints.h"
+#include "service/coordinator/derive.h"
 #include "service/coordinator/failure_files.h"
+#include "service/coordinator/foreign_file.h"
 
 namespace sleight::coordinator {
 namespace {
@@ -53,31 +53,6 @@ std::vector<std::string> beginnings_of(const request::DirectionRequest& request)
   return beginnings;
 }
 
-/// Refuses to replace a file that is no archive, or one whose request begins otherwise: somebody
-/// has put it in the place of ours. Read in a guarded child, since it may be anything.
-void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings) {
-  bool ours = false;
-  try {
-    ours = archive::hdf5::guarded(output, {}, [&] {
-             const auto source = archive::hdf5::open_file(output);
-             const std::string request = archive::summary_of(*source).request_text;
-             return std::ranges::any_of(beginnings,
-                                        [&](const std::string& beginning) {
-                                          return request.starts_with(beginning);
-                                        })
-                        ? 0
-                        : 1;
-           }) == 0;
-  } catch (const base::Error& failure) {
-    if (failure.exit_code() == base::ExitCode::interrupted) throw;
-  }
-  if (ours) return;
-  throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: is not the archive of this run, so it is not overwritten; "
-                                "move it away, or choose another output",
-                                output));
-}
-
 /// Refuses an output that no run of ours explains, and gives up an earlier run when asked to.
 /// REQUIRES: the folder's lock is held.
 void claim_output(const std::string& output, const std::string& folder, bool fresh,
@@ -99,8 +74,10 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   files.remove(output);
   // Then the database, then its log: a log alone is ignored, a database without its log may be
   // torn.
-  for (const char* suffix : {"", "-wal", "-shm"})
+  for (const char* suffix : {"", "-wal", "-shm"}) {
     files.remove(database + suffix);
+    files.remove(store::StoredMotions::path(folder) + suffix);
+  }
   FailureFiles::remove_all(folder, files);
 }
 
@@ -121,41 +98,6 @@ void remove_leftovers(const std::string& output, base::FileSystem& files) {
   for (const std::string& name : names) {
     if (name.starts_with(beginning)) attempt([&] { files.remove(folder + "/" + name); });
   }
-}
-
-/// The digest; empty, and no archive, while the run is in its burn-in and has found nothing. `cut`
-/// is then what the archive holds: no scans where these are no draws yet.
-std::string write_archive_of_run(const RunInputs& inputs, const std::string& output,
-                                 const std::string& folder, request::Cut& cut,
-                                 base::FileSystem& files) {
-  const std::uint32_t chains = inputs.request.sampler.chains;
-  std::optional<store::StoredRun> view(std::in_place, folder, chains, cut.scans, cut.found);
-  // What the method learnt from these scans and no others, wherever the run itself stands.
-  if (cut.scans > 0 && (!inputs.plan.report().empty() || inputs.plan.draws().first_scan > 0)) {
-    const std::unique_ptr<plan::Plan> learner = inputs.plan_of(cut);
-    view->replay([&](const plan::ReplicaKey& replica, base::ScanIndex first,
-                     std::span<const plan::ScanRecord> records) {
-      learner->consume(replica, first, records);
-    });
-    view->set_report(learner->report());
-    view->set_draws(learner->draws());
-  }
-  if (view->draws() == 0) {
-    cut.scans = 0;
-    if (cut.found == 0) return {};
-    view.emplace(folder, 0, 0, cut.found);
-  }
-  const request::OutputParameters& keep = inputs.request.output;
-  const archive::ArchiveOptions options{
-      .request_text = request::normalised_text_of(inputs.request, cut),
-      .thin = keep.thin,
-      .keep_max = keep.keep_max,
-      .keep_per_lineage = keep.keep_per_lineage,
-      .min_distance = keep.min_distance,
-      .inference_library_version = std::string(base::version())};
-  return archive::hdf5::write_file(output, files, [&](archive::Sink& sink) {
-    archive::write_archive(*view, inputs.reader, options, sink);
-  });
 }
 
 request::Cut cut_of(const Reached& reached) {
@@ -234,25 +176,34 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
     if (options.say) options.say(phase);
   };
   if (run_store.epoch() > 1) say("reading what earlier sessions stored");
-  const auto archive_of = [&](request::Cut& cut) {
-    return write_archive_of_run(inputs, options.output, folder, cut, files);
+  const auto archive_of = [&](const Reached& reached, const std::atomic<bool>* stop) {
+    request::Cut cut = cut_of(reached);
+    const DeriveInputs derive{.request = inputs.request,
+                              .reader = inputs.reader,
+                              .plan_of = inputs.plan_of,
+                              .files = files};
+    std::string digest = derive_archive(derive, folder, options.output, cut, stop);
+    return std::pair(std::move(digest), cut.scans);
   };
+  Checkpoints checkpoints(
+      [&](const Reached& reached, const std::atomic<bool>& stop) {
+        run_store.flush();  // what was reached may be on its way
+        (void)archive_of(reached, &stop);
+      },
+      inputs.clock, options.checkpoint_every_s);
   FailureNotes failures(folder, request::normalised_text(inputs.request), files);
   const DriveOptions drive_options{
       .time_limit_s = options.time_limit_s,
       .stop_requested = options.stop_requested,
       .stopping = [] { say_stopping(); },
       .report = options.report,
-      .checkpoint =
-          [&](const Reached& reached) {
-            request::Cut cut = cut_of(reached);
-            archive_of(cut);
-          },
-      .checkpoint_every_s = options.checkpoint_every_s,
+      .reached = [&](const Reached& reached,
+                     bool has_solution) { checkpoints.offer(reached, has_solution); },
       .failed = [&](const auto& replica, const auto& failed) { failures.note(replica, failed); },
       .strict = options.strict};
   const DriveOutcome outcome =
       drive(inputs.plan, run_store, inputs.crew, inputs.clock, drive_options);
+  checkpoints.stop();
 
   // Derive the archive of the scans that all chains have.
   RunSummary summary{.end = outcome.end,
@@ -265,9 +216,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                      .handling = outcome.handling};
   if (summary.scans > 0 || summary.found > 0) {
     say("writing the archive");
-    request::Cut cut = cut_of(outcome.reached);
-    summary.digest = archive_of(cut);
-    summary.scans = cut.scans;
+    std::tie(summary.digest, summary.scans) = archive_of(outcome.reached, nullptr);
     if (summary.end == DriveEnd::finished)
       say_what_is_left_out(run_store, options.output, outcome.reached.scans);
   }

@@ -46,8 +46,9 @@ struct RunOptions {
   std::function<bool()> stop_requested{};
   std::function<void(const Progress&)> report{};
   std::function<void(const std::string& phase)> say{};  ///< what goes on when nothing is counted
-  double checkpoint_every_s = 60;  ///< an archive of the run so far, for people who watch
-  bool strict = false;             ///< a simulation that fails ends the run
+  /// An archive of the run so far, for people who watch (checkpoints.h); 0: none.
+  double checkpoint_every_s = 60;
+  bool strict = false;  ///< a simulation that fails ends the run
   /// Hears how the session ended, once, when the store has it or can't take it; may be empty. Not
   /// called where the session is refused before it has the store.
   std::function<void(const events::RunEnd&)> ended{};

@@ -13,7 +13,8 @@ import harness
 from harness import ProgramTest, sleight
 
 COMMANDS = [["direct"], ["check"], ["keys"], ["archive"], ["archive", "info"],
-            ["archive", "digest"], ["archive", "verify"], ["archive", "export"], ["diagnose"],
+            ["archive", "digest"], ["archive", "verify"], ["archive", "export"],
+            ["archive", "derive"], ["diagnose"],
             ["plot"]]
 
 

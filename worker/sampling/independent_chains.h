@@ -58,6 +58,7 @@ class IndependentChains final : public plan::Plan {
   /// Of islands, where scans have some; from which on they tell the odds, once the round that the
   /// rule of odds has sized is complete.
   plan::Report report() const override;
+  bool learns() const override { return has_islands_ || scans_before_draws_ > 0; }
 
  private:
   struct Chain {

@@ -32,6 +32,7 @@ class SearchFirst final : public plan::Plan {
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
   plan::Report report() const override;
+  bool learns() const override { return then_ && then_->learns(); }
 
  private:
   SearchLanes lanes_;

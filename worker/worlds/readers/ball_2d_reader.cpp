@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/base/check.h"
@@ -72,7 +73,7 @@ class Ball2dReader final : public archive::StateReader {
     return largest_m / ball_.parameters().world.diameter_m;
   }
 
-  archive::Recording record(base::BytesView state) const override {
+  archive::Motion play(base::BytesView state) const override {
     const NormalAngles normals = decoded(state);
     const Motion simulated = simulate_motion(ball_.parameters().world, normals);
     archive::Recording recording{.columns = 7, .values = {}};
@@ -84,7 +85,7 @@ class Ball2dReader final : public archive::StateReader {
           {flight.start_s, flight.duration_s, flight.position_m.x(), flight.position_m.y(),
            flight.velocity_mps.x(), flight.velocity_mps.y(), normal_rad});
     }
-    return recording;
+    return {.ends = archive::PlaysOut::yes, .recording = std::move(recording)};
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -206,7 +207,9 @@ class DiceReader final : public archive::StateReader {
            std::fabs(left_touches - right_touches) / more;
   }
 
-  archive::Recording record(base::BytesView state) const override {
+  archive::Motion play(base::BytesView state) const override {
+    const archive::PlaysOut ends = played_out(world_, world_.simulate(decoded(state)));
+    if (ends != archive::PlaysOut::yes) return {.ends = ends, .recording = {}};
     const auto animation = animations_.of(world_, state);
     archive::Recording recording{.columns = 19, .values = {}};
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
@@ -217,11 +220,7 @@ class DiceReader final : public archive::StateReader {
                        recording.values);
       }
     }
-    return recording;
-  }
-
-  archive::PlaysOut plays_out(base::BytesView state) const override {
-    return played_out(world_, world_.simulate(decoded(state)));
+    return {.ends = ends, .recording = std::move(recording)};
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {

@@ -1,5 +1,6 @@
 #include "worker/worlds/readers/spelling_reader.h"
 
+#include <utility>
 #include <vector>
 
 #include "common/base/check.h"
@@ -112,12 +113,11 @@ class SpellingReader final : public archive::StateReader {
     return unlike / static_cast<double>(world_.balls());
   }
 
-  archive::PlaysOut plays_out(base::BytesView state) const override {
-    return played_out(world_, world_.simulate_to_rest(decoded(state)));
-  }
-
-  archive::Recording record(base::BytesView state) const override {
-    const Animation animation = world_.animate(decoded(state));
+  archive::Motion play(base::BytesView bytes) const override {
+    const State state = decoded(bytes);
+    const archive::PlaysOut ends = played_out(world_, world_.simulate_to_rest(state));
+    if (ends != archive::PlaysOut::yes) return {.ends = ends, .recording = {}};
+    const Animation animation = world_.animate(state);
     archive::Recording recording{.columns = 22, .values = {}};
     for (std::size_t body = 0; body < animation.balls.size(); ++body) {
       const auto id = physics::BodyId{static_cast<std::uint32_t>(body)};
@@ -127,7 +127,7 @@ class SpellingReader final : public archive::StateReader {
         append_vector(segment.angular_acceleration_radps2, recording.values);
       }
     }
-    return recording;
+    return {.ends = ends, .recording = std::move(recording)};
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {

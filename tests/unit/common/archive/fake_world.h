@@ -67,13 +67,13 @@ class FakeReader : public StateReader {
     return std::abs(unit_of(key_of(a)) - unit_of(key_of(b)));
   }
 
-  Recording record(base::BytesView state) const override {
+  Motion play(base::BytesView state) const override {
     const std::uint64_t key = key_of(state);
     Recording recording{.columns = 3, .values = {}};
     for (std::uint64_t i = 0; i < 3 * (key % 5); ++i) {
       recording.values.push_back(unit_of(key ^ (i << 32)));
     }
-    return recording;
+    return {.ends = PlaysOut::yes, .recording = std::move(recording)};
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {

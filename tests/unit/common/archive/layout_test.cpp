@@ -127,7 +127,7 @@ TEST(Layout, AnimationsCarryTheirMotion) {
     const auto draw = one<std::int64_t>(archive, k_animations, "draw", i);
     const plan::ScanRecord record =
         run.record({static_cast<std::uint32_t>(chain)}, static_cast<std::uint64_t>(draw));
-    const Recording recording = reader.record(record.state);
+    const Recording recording = reader.play(record.state).recording;
     const auto start =
         static_cast<std::uint64_t>(one<std::int64_t>(archive, k_animations, "segment_start", i));
     ASSERT_EQ(one<std::int64_t>(archive, k_animations, "segment_count", i),
@@ -268,8 +268,9 @@ TEST(Layout, FailuresAreCountedByKindAndOnlyWhereThereAreSome) {
 /// Half the motions can't be simulated to their end.
 class StuckReader : public FakeReader {
  public:
-  PlaysOut plays_out(base::BytesView state) const override {
-    return key_of(state) % 2 == 0 ? PlaysOut::yes : PlaysOut::failed;
+  Motion play(base::BytesView state) const override {
+    if (key_of(state) % 2 != 0) return {.ends = PlaysOut::failed, .recording = {}};
+    return FakeReader::play(state);
   }
 };
 

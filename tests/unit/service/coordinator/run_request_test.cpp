@@ -11,6 +11,7 @@
 #include "common/archive/digest/digest.h"
 #include "common/archive/digest/verify.h"
 #include "common/archive/hdf5/reader.h"
+#include "common/archive/summary.h"
 #include "common/base/error.h"
 #include "common/store/run_store.h"
 #include "common/store/sessions.h"
@@ -288,23 +289,37 @@ TEST_F(RunRequest, RunningRunIsNotDisturbed) {
 }
 
 TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
-  // Goal: an archive is there while the run goes on, and the last is the run's. Method: a
-  // checkpoint as often as possible; look at the file at each question; compare the digest with
-  // that of a run without checkpoints.
-  int archives = 0;
-  const RunSummary summary = session(request_text("scans = 3000"),
-                                     {.output = output(),
-                                      .stop_requested =
-                                          [&] {
-                                            if (!std::filesystem::exists(output())) return false;
-                                            if (++archives % 40 != 1) return false;
-                                            const auto open = archive::hdf5::open_file(output());
-                                            EXPECT_THAT(archive::verify(*open), IsEmpty());
-                                            return false;
-                                          },
-                                      .checkpoint_every_s = 1e-3});
-  EXPECT_GT(archives, 0);
-  EXPECT_EQ(session(request_text("scans = 3000"), {.output = path("a.h5")}).digest, summary.digest);
+  // Goal: while a run goes on there are archives, each whole and that of so many scans. Method:
+  // checkpoints as often as possible; copy each one that appears, two of them; afterwards compare
+  // each with the run asked for so many scans.
+  std::vector<std::string> copies;
+  std::filesystem::file_time_type last{};
+  const auto copy_new_one = [&] {
+    if (!std::filesystem::exists(output())) return false;
+    const auto written = std::filesystem::last_write_time(output());
+    if (written == last) return false;
+    last = written;
+    copies.push_back(path("copy" + std::to_string(copies.size()) + ".h5"));
+    std::filesystem::copy(output(), copies.back());
+    return copies.size() == 2;
+  };
+  (void)session(request_text("scans = 100000000", k_slow), {.output = output(),
+                                                            .time_limit_s = 60,
+                                                            .stop_requested = copy_new_one,
+                                                            .checkpoint_every_s = 1e-3});
+  ASSERT_EQ(copies.size(), 2U);
+  std::uint64_t before = 0;
+  for (const std::string& copy : copies) {
+    const auto open = archive::hdf5::open_file(copy);
+    EXPECT_THAT(archive::verify(*open), IsEmpty());
+    const std::uint64_t scans = archive::summary_of(*open).scans;
+    EXPECT_GT(scans, before);
+    before = scans;
+    const std::string exact = request_text("scans = " + std::to_string(scans), k_slow);
+    const std::string straight = path("exact" + std::to_string(scans) + ".h5");
+    EXPECT_EQ(session(exact, {.output = straight, .checkpoint_every_s = 0}).digest,
+              archive::digest(*open));
+  }
 }
 
 TEST_F(RunRequest, IdentityIsWhatDecidesTheStoredResults) {

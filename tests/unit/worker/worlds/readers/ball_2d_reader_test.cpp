@@ -53,7 +53,7 @@ TEST_F(Reader, LayoutFitsWhatIsGiven) {
   EXPECT_EQ(width(layout.variables), 7U);
   EXPECT_EQ(Ball2d(parameters_).outcome_values({}).size(), width(layout.outcomes));
   EXPECT_EQ(layout.proposal_kinds.size(), Ball2d(parameters_).proposal_kinds());
-  const archive::Recording recording = reader_->record(one);
+  const archive::Recording recording = reader_->play(one).recording;
   EXPECT_EQ(recording.columns, width(layout.segment_columns));
   EXPECT_EQ(recording.rows(), 8U);
   EXPECT_EQ(recording.values.size(), recording.columns * recording.rows());
@@ -81,7 +81,7 @@ TEST_F(Reader, RecordingsAreOneMotion) {
   const double g = parameters_.world.gravity_mps2;
   for (std::uint64_t index = 0; index < 200; ++index) {
     const base::Bytes one = state(index);
-    const archive::Recording recording = reader_->record(one);
+    const archive::Recording recording = reader_->play(one).recording;
     const NormalAngles normals = *Ball2d(parameters_).decode(one);
     const Landing landing = simulate_landing(parameters_.world, normals);
     double time_s = 0;

@@ -100,7 +100,7 @@ TEST(DiceReader, NamesFitValues) {
   EXPECT_EQ(values[2], 2);
   EXPECT_EQ(world.outcome_values(world.simulate(state)).size(), outcomes);
 
-  const archive::Recording recording = reader->record(bytes);
+  const archive::Recording recording = reader->play(bytes).recording;
   ASSERT_EQ(recording.columns, columns);
   double die = -1;
   for (std::size_t row = 0; row < recording.rows(); ++row) {
@@ -120,7 +120,7 @@ TEST(DiceReader, NamesFitValues) {
     EXPECT_GT(math::rotated(q, vector_of(direction_of_face(2, 0))).z(), 0.9);
   }
   EXPECT_EQ(die, 1);
-  EXPECT_EQ(reader->plays_out(bytes), archive::PlaysOut::yes);
+  EXPECT_EQ(reader->play(bytes).ends, archive::PlaysOut::yes);
 }
 
 TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
@@ -166,7 +166,7 @@ TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
   std::vector<double> distances;  // from state 0
   for (std::uint64_t number = 0; number < k_states; ++number) {
     states.push_back(world.encode(state_of(world, number)));
-    rows.push_back(make_state_reader(parameters)->record(states.back()).rows());
+    rows.push_back(make_state_reader(parameters)->play(states.back()).recording.rows());
     distances.push_back(make_state_reader(parameters)->likeness_distance(states[0], states.back()));
   }
   std::atomic<int> wrong = 0;
@@ -174,7 +174,7 @@ TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
     random::Stream stream = testing::stream_of(seed, 0);
     for (int i = 0; i < 300; ++i) {
       const auto n = static_cast<std::size_t>(stream.uniform() * k_states);
-      wrong += reader->record(states[n]).rows() != rows[n] ? 1 : 0;
+      wrong += reader->play(states[n]).recording.rows() != rows[n] ? 1 : 0;
       wrong += reader->likeness_distance(states[0], states[n]) != distances[n] ? 1 : 0;
     }
   };

@@ -56,7 +56,7 @@ TEST(SpellingReader, NamesFitValues) {
   const base::Bytes bytes = encode(state);
   EXPECT_EQ(reader->variables(bytes).size(), named);
   EXPECT_EQ(reader->layout().proposal_kinds.size(), k_kinds);
-  const archive::Recording recording = reader->record(bytes);
+  const archive::Recording recording = reader->play(bytes).recording;
   ASSERT_EQ(recording.columns, columns);
   double ball = -1;
   std::uint32_t balls = 0;
@@ -121,9 +121,9 @@ TEST(SpellingReader, WedgedBallsDontPlayOut) {
     random::Stream stream({.seed = 7, .purpose = random::Purpose::prior}, draw);
     const State state = world.draw_prior(stream);
     if (!world.satisfied(world.simulate(state))) continue;
-    if (reader->plays_out(world.encode(state)) == archive::PlaysOut::yes) {
+    if (reader->play(world.encode(state)).ends == archive::PlaysOut::yes) {
       ++plays;
-      EXPECT_GT(reader->record(world.encode(state)).rows(), 1U);
+      EXPECT_GT(reader->play(world.encode(state)).recording.rows(), 1U);
     } else {
       ++fails;
     }

@@ -1,0 +1,125 @@
+#include "clients/cli/main_derive.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "clients/cli/main_worlds.h"
+#include "clients/cli/results_version.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+#include "common/base/network_disk.h"
+#include "common/request/direction_request.h"
+#include "common/store/run_store.h"
+#include "common/store/sessions.h"
+#include "service/coordinator/derive.h"
+#include "service/coordinator/foreign_file.h"
+#include "worker/run/catalogue.h"
+
+namespace sleight::programs {
+namespace {
+
+constexpr std::string_view k_folder_ending = ".run";
+
+/// The archive that the run itself writes.
+std::string own_archive_of(const std::string& folder) {
+  return folder.ends_with(k_folder_ending)
+             ? folder.substr(0, folder.size() - k_folder_ending.size())
+             : std::string();
+}
+
+void refuse_what_cannot_be_read(const std::string& folder) {
+  base::PosixFileSystem files;
+  if (!files.exists(store::RunStore::database_path(folder))) {
+    throw base::Error(fmt::format(
+        "{}: holds no run's store; the folder of a run with output ball.h5 is ball.h5.run",
+        folder));
+  }
+  const auto network = base::network_file_system(folder);
+  if (!network) return;
+  const std::string own = own_archive_of(folder);
+  throw base::Error(fmt::format(
+      "{}: lies on a network disk ({}), where only the process that writes a run can read its "
+      "store; {}or copy the folder to a local disk when nobody writes it",
+      folder, *network,
+      own.empty() || !files.exists(own) ? std::string()
+                                        : fmt::format("take the latest archive, {}, ", own)));
+}
+
+void refuse_unusable_place(const DeriveArguments& arguments, const std::string& identity_text) {
+  base::PosixFileSystem files;
+  const std::string own = own_archive_of(arguments.folder);
+  std::error_code ignored;
+  if (!own.empty() && std::filesystem::weakly_canonical(own, ignored) ==
+                          std::filesystem::weakly_canonical(arguments.output, ignored)) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("-o {}: is the archive that the run itself writes; choose "
+                                  "another name, or run it again to have it there",
+                                  arguments.output));
+  }
+  if (files.exists(arguments.output))
+    coordinator::refuse_foreign_file(arguments.output, {identity_text});
+}
+
+}  // namespace
+
+int derive(const DeriveArguments& arguments) {
+  std::string folder = arguments.folder;
+  while (folder.size() > 1 && folder.ends_with('/'))
+    folder.pop_back();
+  refuse_what_cannot_be_read(folder);
+
+  // Whose run it is; another program might learn something else from its scans.
+  const store::StoredRequest stored = store::stored_request_of(folder);
+  if (stored.results_version != results_version()) {
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: holds results {} (of sleight {}), this program makes results {}: derive "
+                    "with that version",
+                    folder, stored.results_version, stored.program_version, results_version()));
+  }
+  run::Catalogue catalogue = worlds_of_program();
+  const auto read = request::read_request(stored.request_text, folder, catalogue.bindings());
+  if (!read) {
+    throw base::Error(fmt::format("{}: damaged: its request can't be read: {}", folder,
+                                  request::to_string(read.error().front())));
+  }
+  const request::DirectionRequest& request = read.value();
+  refuse_unusable_place({.folder = folder, .output = arguments.output, .json = arguments.json},
+                        request::identity_text(request));
+
+  // Where the run stands, and its archive.
+  const run::WorldEntry& world = catalogue.world(request.world);
+  const auto plan = run::make_plan(request, world);
+  request::Cut cut = coordinator::committed_cut(folder, *plan);
+  const auto reader = world.make_reader();
+  const std::function<std::unique_ptr<plan::Plan>(const request::Cut&)> plan_of =
+      [&](const request::Cut& at) { return run::make_plan(request, world, at); };
+  base::PosixFileSystem files;
+  std::string digest;
+  if (cut.scans > 0 || cut.found > 0) {
+    digest = coordinator::derive_archive(
+        {.request = request, .reader = *reader, .plan_of = plan_of, .files = files}, folder,
+        arguments.output, cut);
+  }
+  if (arguments.json) {
+    const nlohmann::ordered_json json{{"archive", digest.empty() ? "" : arguments.output},
+                                      {"chains", request.sampler.chains},
+                                      {"scans", cut.scans},
+                                      {"found", cut.found},
+                                      {"finished", plan->finished()},
+                                      {"digest", digest}};
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  } else if (digest.empty()) {
+    fmt::print("{}: has no draws and no finds yet: no archive\n", folder);
+  } else {
+    fmt::print("{}: {} chain{} of {} scans, {} found, digest {}{}\n", arguments.output,
+               request.sampler.chains, request.sampler.chains == 1 ? "" : "s", cut.scans, cut.found,
+               digest, plan->finished() ? "" : "; the run has not finished");
+  }
+  return static_cast<int>(base::ExitCode::ok);
+}
+
+}  // namespace sleight::programs

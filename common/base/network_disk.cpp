@@ -1,0 +1,37 @@
+#include "common/base/network_disk.h"
+
+#include <sys/vfs.h>
+
+#include <array>
+#include <utility>
+
+namespace sleight::base {
+namespace {
+
+// statfs(2), and the sources of Lustre and GPFS for theirs.
+constexpr std::array<std::pair<unsigned long, const char*>, 9> k_types{{{0x6969, "NFS"},
+                                                                        {0x517B, "SMB"},
+                                                                        {0xFF534D42, "SMB"},
+                                                                        {0xFE534D42, "SMB"},
+                                                                        {0x0BD00BD0, "Lustre"},
+                                                                        {0x47504653, "GPFS"},
+                                                                        {0x00C36400, "Ceph"},
+                                                                        {0x65735546, "FUSE"},
+                                                                        {0x01021997, "9P"}}};
+
+}  // namespace
+
+std::optional<std::string> network_file_system_of_type(unsigned long type) {
+  for (const auto& [known, name] : k_types) {
+    if (known == type) return name;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> network_file_system(const std::string& path) {
+  struct statfs found {};
+  if (::statfs(path.c_str(), &found) != 0) return std::nullopt;
+  return network_file_system_of_type(static_cast<unsigned long>(found.f_type) & 0xFFFFFFFFUL);
+}
+
+}  // namespace sleight::base

@@ -1,0 +1,107 @@
+#include "service/coordinator/derive.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "common/archive/hdf5/writer.h"
+#include "common/archive/layout.h"
+#include "common/archive/remembering_reader.h"
+#include "common/base/version.h"
+#include "common/store/stored_motions.h"
+#include "common/store/stored_run.h"
+
+namespace sleight::coordinator {
+namespace {
+
+/// Hands on until it is stopped: between two batches, so that nobody waits long.
+class StoppableSink final : public archive::Sink {
+ public:
+  StoppableSink(archive::Sink& sink, std::function<void()> ask)
+      : sink_(sink), ask_(std::move(ask)) {}
+
+  void create_group(std::string_view path) override { sink_.create_group(path); }
+  void set_attribute(std::string_view group, const archive::Attribute& attribute) override {
+    sink_.set_attribute(group, attribute);
+  }
+  DatasetHandle create_dataset(std::string_view group, const archive::DatasetSpec& spec) override {
+    ask_();
+    return sink_.create_dataset(group, spec);
+  }
+  void append(DatasetHandle dataset, const archive::ValuesView& values) override {
+    ask_();
+    sink_.append(dataset, values);
+  }
+  void finish() override { sink_.finish(); }
+
+ private:
+  archive::Sink& sink_;
+  std::function<void()> ask_;
+};
+
+/// On what remembered motions hang besides their states.
+std::string owner_of_motions(const request::DirectionRequest& request) {
+  return fmt::format("{}\n{}", base::version(), request::identity_text(request));
+}
+
+/// Feeds a plan with what the method can learn from a cut, and from no other scan.
+void teach(plan::Plan& learner, const store::StoredRun& view) {
+  view.replay(
+      [&](const plan::ReplicaKey& replica, base::ScanIndex first,
+          std::span<const plan::ScanRecord> records) { learner.consume(replica, first, records); });
+}
+
+}  // namespace
+
+std::string derive_archive(const DeriveInputs& inputs, const std::string& folder,
+                           const std::string& output, request::Cut& cut,
+                           const std::atomic<bool>* stop) {
+  const auto ask = [stop] {
+    if (stop != nullptr && *stop) throw DeriveStopped();
+  };
+
+  // Which scans of the cut are draws, and what was learnt on the way.
+  std::optional<store::StoredRun> view(std::in_place, folder, inputs.request.sampler.chains,
+                                       cut.scans, cut.found);
+  if (cut.scans > 0) {
+    const std::unique_ptr<plan::Plan> learner = inputs.plan_of(cut);
+    if (learner->learns()) {
+      teach(*learner, *view);
+      view->set_report(learner->report());
+      view->set_draws(learner->draws());
+    }
+  }
+  if (view->draws() == 0) {
+    cut.scans = 0;
+    if (cut.found == 0) return {};
+    view.emplace(folder, 0, 0, cut.found);
+  }
+
+  // Write them, with motions that are known or simulated now.
+  const request::OutputParameters& keep = inputs.request.output;
+  const archive::ArchiveOptions options{
+      .request_text = request::normalised_text_of(inputs.request, cut),
+      .thin = keep.thin,
+      .keep_max = keep.keep_max,
+      .keep_per_lineage = keep.keep_per_lineage,
+      .min_distance = keep.min_distance,
+      .inference_library_version = std::string(base::version())};
+  store::StoredMotions motions(folder, owner_of_motions(inputs.request));
+  const archive::RememberingReader reader(inputs.reader, motions, ask);
+  return archive::hdf5::write_file(output, inputs.files, [&](archive::Sink& file) {
+    StoppableSink sink(file, ask);
+    archive::write_archive(*view, reader, options, sink);
+  });
+}
+
+request::Cut committed_cut(const std::string& folder, plan::Plan& fresh_plan) {
+  store::for_each_stored(folder, [&](const plan::ReplicaKey& replica, base::ScanIndex first,
+                                     std::span<const plan::ScanRecord> records) {
+    fresh_plan.consume(replica, first, records);
+  });
+  return {.scans = fresh_plan.scans_common(), .found = fresh_plan.finds().found};
+}
+
+}  // namespace sleight::coordinator

@@ -1,0 +1,95 @@
+"""Goal: `sleight archive derive` gives the archive that a run would have if it ended now, beside the
+running job, of a copy and of one that has ended; and refuses what it can't do with a reason. Method: real
+runs; digests against those of runs asked for so many scans."""
+
+import json
+import pathlib
+import shutil
+import signal
+import sqlite3
+import time
+import unittest
+
+import harness
+from harness import ProgramTest, sleight
+
+
+class Derive(ProgramTest):
+    def derive(self, run, output):
+        result = self.succeed(sleight("archive", "derive", run, "-o", output, "--json"))
+        return json.loads(result.stdout)
+
+    def refused(self, code, words, *args):
+        result = sleight("archive", "derive", *args)
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertIn(words, result.stderr)
+
+    def test_beside_a_running_job_and_of_a_copy(self):
+        output = self.path("a.h5")
+        request = self.write_request(chains=2, scans=200_000_000, iterations_per_scan=20)
+        process = harness.start([harness.program("sleight"), "direct", request, "-o", output, "-q"])
+        store = pathlib.Path(f"{output}.run/store.sqlite-wal")
+        while not store.exists() or store.stat().st_size < 300_000:
+            time.sleep(0.02)
+        first = self.derive(f"{output}.run", self.path("first.h5"))
+        time.sleep(0.3)
+        second = self.derive(f"{output}.run/", self.path("second.h5"))
+        self.assertFalse(second["finished"])
+        self.assertGreater(first["scans"], 0)
+        self.assertGreater(second["scans"], first["scans"])
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+
+        for archive in [first, second]:
+            self.succeed(sleight("archive", "verify", archive["archive"]))
+            exact = self.write_request("exact.toml", chains=2, scans=archive["scans"],
+                                       iterations_per_scan=20)
+            self.direct(exact, self.path("exact.h5"), "--fresh")
+            self.assertEqual(self.digest(self.path("exact.h5")), archive["digest"])
+            self.assertEqual(self.digest(archive["archive"]), archive["digest"])
+        shutil.copytree(f"{output}.run", self.path("copy"))
+        copied = self.derive(self.path("copy"), self.path("copied.h5"))
+        self.assertEqual(copied["digest"], self.digest(output))
+        # Its own archive, or another of the same run, may be replaced.
+        self.assertEqual(self.derive(self.path("copy"), self.path("first.h5")),
+                         {**copied, "archive": str(self.path("first.h5"))})
+
+    def test_a_finished_run_for_people(self):
+        output = self.path("a.h5")
+        self.direct(self.write_request(chains=2, scans=50), output)
+        said = self.succeed(sleight("archive", "derive", f"{output}.run", "-o", self.path("b.h5"))).stdout
+        self.assertEqual(said, f"{self.path('b.h5')}: 2 chains of 50 scans, 0 found, digest "
+                               f"{self.digest(output)}\n")
+        self.assertEqual(self.path("b.h5").read_bytes(), output.read_bytes())
+
+    def test_what_it_refuses(self):
+        output = self.path("a.h5")
+        self.direct(self.write_request(chains=2, scans=50), output)
+        run = f"{output}.run"
+        before = output.read_bytes()
+        self.refused(5, "holds no run's store", self.folder, "-o", self.path("b.h5"))
+        self.refused(5, "holds no run's store", self.path("none.run"), "-o", self.path("b.h5"))
+        self.refused(2, "is the archive that the run itself writes", run, "-o", output)
+        self.path("mine").write_text("mine")
+        self.refused(4, "is not overwritten", run, "-o", self.path("mine"))
+        self.refused(5, "can't be", run, "-o", self.path("nowhere/b.h5"))
+        other = self.path("other.h5")
+        self.direct(self.write_request("other.toml", chains=2, scans=50, seed=9), other)
+        self.refused(4, "is not overwritten", run, "-o", other)
+        self.assertEqual(self.path("mine").read_text(), "mine")
+        self.assertEqual(output.read_bytes(), before)
+        for key, value, code, words in [("results_version", "0123456789abcdef", 4, "0123456789abcdef"),
+                                        ("format_version", "4", 4, "format 4"),
+                                        ("request", "[world]\nname = 3\n", 5, "damaged: its request")]:
+            shutil.copytree(run, self.path("changed"))
+            store = sqlite3.connect(self.path("changed/store.sqlite"))
+            store.execute("UPDATE run SET value=? WHERE key=?", (value, key))
+            store.commit()
+            store.close()
+            self.refused(code, words, self.path("changed"), "-o", self.path("b.h5"))
+            shutil.rmtree(self.path("changed"))
+        self.assertFalse(self.path("b.h5").exists())
+
+
+if __name__ == "__main__":
+    harness.main()

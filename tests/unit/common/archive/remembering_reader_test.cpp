@@ -1,0 +1,99 @@
+// Motions are simulated once, and nothing else changes.
+#include "common/archive/remembering_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <stdexcept>
+
+#include "common/archive/digest/digest.h"
+#include "common/archive/layout.h"
+#include "common/archive/memory_archive.h"
+#include "tests/unit/common/archive/fake_world.h"
+
+namespace sleight::archive {
+namespace {
+
+using namespace testing;
+
+/// Counts what is simulated; half the motions fail.
+class CountingReader final : public FakeReader {
+ public:
+  Motion play(base::BytesView state) const override {
+    ++plays_[base::Bytes(state.begin(), state.end())];
+    if (key_of(state) % 2 != 0) return {.ends = PlaysOut::failed, .recording = {}};
+    return FakeReader::play(state);
+  }
+  std::size_t states() const { return plays_.size(); }
+  std::size_t plays() const {
+    std::size_t sum = 0;
+    for (const auto& [state, count] : plays_)
+      sum += count;
+    return sum;
+  }
+
+ private:
+  mutable std::map<base::Bytes, std::size_t> plays_;
+};
+
+class MapOfMotions final : public Motions {
+ public:
+  std::optional<Motion> find(base::BytesView state) override {
+    const auto found = motions_.find(base::Bytes(state.begin(), state.end()));
+    if (found == motions_.end()) return std::nullopt;
+    return found->second;
+  }
+  void keep(base::BytesView state, const Motion& motion) override {
+    motions_[base::Bytes(state.begin(), state.end())] = motion;
+  }
+
+ private:
+  std::map<base::Bytes, Motion> motions_;
+};
+
+TEST(RememberingReader, SimulatesEachMotionOnce) {
+  // Goal: two archives of a run simulate each motion once, those that fail too, and are the same as
+  // without memory. Method: count; a plain reader simulates what is kept twice for each archive.
+  const FakeRunOptions options;
+  const auto digest_by = [&](const StateReader& reader) {
+    MemoryArchive archive;
+    return write_digested(archive, [&](Sink& sink) {
+      write_archive(FakeRun(options), reader, options_for(options), sink);
+    });
+  };
+  const CountingReader plain;
+  const std::string expected = digest_by(plain);
+  EXPECT_GT(plain.plays(), plain.states());
+  const CountingReader counted;
+  MapOfMotions motions;
+  const RememberingReader remembering(counted, motions);
+  EXPECT_EQ(digest_by(remembering), expected);
+  EXPECT_EQ(digest_by(remembering), expected);
+  EXPECT_GT(counted.states(), 5U);
+  EXPECT_EQ(counted.plays(), counted.states());
+}
+
+TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
+  // Goal: who gives up an archive waits for one motion at most. Method: the question throws.
+  const FakeReader reader;
+  MapOfMotions motions;
+  bool is_stopped = false;
+  const RememberingReader remembering(reader, motions, [&] {
+    if (is_stopped) throw std::runtime_error("stopped");
+  });
+  const base::Bytes one = FakeReader::state_of(2);
+  const base::Bytes other = FakeReader::state_of(4);
+  (void)remembering.play(one);
+  is_stopped = true;
+  EXPECT_NO_THROW((void)remembering.play(one));  // known
+  EXPECT_THROW((void)remembering.play(other), std::runtime_error);
+  EXPECT_THROW((void)remembering.likeness_distance(one, other), std::runtime_error);
+  is_stopped = false;
+  EXPECT_EQ(remembering.likeness_distance(one, other), reader.likeness_distance(one, other));
+  EXPECT_EQ(remembering.variables(one).size(), reader.variables(one).size());
+  EXPECT_EQ(remembering.log_priors_of_throws(3), reader.log_priors_of_throws(3));
+  EXPECT_EQ(&remembering.layout(), &reader.layout());
+}
+
+}  // namespace
+}  // namespace sleight::archive

@@ -1,0 +1,131 @@
+// Motions beside a run's store: they come back bit for bit, or not at all.
+#include "common/store/stored_motions.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <string>
+
+#include "common/store/database.h"
+#include "tests/unit/common/store/examples.h"
+
+namespace sleight::store {
+namespace {
+
+archive::Motion motion_of(int number) {
+  if (number % 5 == 4) return {.ends = archive::PlaysOut::failed, .recording = {}};
+  if (number % 5 == 3) return {.ends = archive::PlaysOut::otherwise, .recording = {}};
+  archive::Motion motion{.ends = archive::PlaysOut::yes, .recording = {.columns = 3, .values = {}}};
+  for (int i = 0; i < 3 * (number % 7); ++i)
+    motion.recording.values.push_back(number / 3.0 + i);
+  if (number % 7 > 0) {
+    motion.recording.values.front() = -0.0;
+    motion.recording.values.back() = std::bit_cast<double>(0x7ff8000000000123ULL);
+  }
+  return motion;
+}
+
+base::Bytes state_of(int number) {
+  base::ByteWriter writer;
+  writer.put(number);
+  return writer.take();
+}
+
+/// Equal in every bit.
+bool same(const archive::Motion& a, const archive::Motion& b) {
+  const auto bits = [](const archive::Motion& motion) {
+    std::vector<std::uint64_t> all;
+    for (const double value : motion.recording.values)
+      all.push_back(std::bit_cast<std::uint64_t>(value));
+    return all;
+  };
+  return a.ends == b.ends && a.recording.columns == b.recording.columns && bits(a) == bits(b);
+}
+
+class StoredMotionsTest : public testing::RunFolder {
+ protected:
+  StoredMotionsTest() { std::filesystem::create_directories(folder()); }
+  /// How many of the first 50 are remembered; those that are, are right.
+  int remembered(const std::string& owner) const {
+    StoredMotions motions(folder(), owner);
+    int count = 0;
+    for (int number = 0; number < 50; ++number) {
+      const auto known = motions.find(state_of(number));
+      if (!known) continue;
+      EXPECT_TRUE(same(*known, motion_of(number))) << number;
+      ++count;
+    }
+    return count;
+  }
+  void keep_fifty(const std::string& owner) const {
+    StoredMotions motions(folder(), owner);
+    for (int number = 0; number < 50; ++number)
+      motions.keep(state_of(number), motion_of(number));
+    EXPECT_TRUE(same(motions.find(state_of(7)).value(), motion_of(7)));  // not written yet
+  }
+  void execute(const std::string& sql) const {
+    Database(StoredMotions::path(folder()), Access::read_write).execute(sql);
+  }
+};
+
+TEST_F(StoredMotionsTest, ComeBackBitForBit) {
+  // Goal: what was kept comes back in another process as it was: NaNs with payloads, zeros of both
+  // signs, motions that failed. Method: fifty motions, written and read by two objects.
+  EXPECT_EQ(remembered("a"), 0);
+  keep_fifty("a");
+  EXPECT_EQ(remembered("a"), 50);
+}
+
+TEST_F(StoredMotionsTest, BelongToOneOwner) {
+  // Goal: motions of another version or request are forgotten. Method: another owner's text.
+  keep_fifty("a");
+  EXPECT_EQ(remembered("b"), 0);
+  EXPECT_EQ(remembered("a"), 0);
+}
+
+TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
+  // Goal: a changed row is never told, a file that is none is made anew, a deleted one too. Method:
+  // each column changed in one row; garbage in the file's place; removal.
+  keep_fifty("a");
+  int left = 50;
+  for (const char* change :
+       {"ends=2", "columns=4", "numbers=zeroblob(24)", "numbers=zeroblob(7)", "checksum=7"}) {
+    execute("UPDATE motion SET " + std::string(change) + " WHERE state=(SELECT state FROM motion " +
+            "WHERE ends=0 AND length(numbers)>0 LIMIT 1)");
+    EXPECT_EQ(remembered("a"), --left) << change;
+  }
+  put_bytes(StoredMotions::path(folder()), std::string(5000, 'x'));
+  EXPECT_EQ(remembered("a"), 0);
+  keep_fifty("a");
+  EXPECT_EQ(remembered("a"), 50);
+  std::filesystem::remove(StoredMotions::path(folder()));
+  EXPECT_EQ(remembered("a"), 0);
+}
+
+TEST_F(StoredMotionsTest, WithoutAFileNothingIsRemembered) {
+  // Goal: a folder in which no file can be made stops nobody. Method: a folder that is not there.
+  StoredMotions motions(folder() + "/nowhere", "a");
+  motions.keep(state_of(1), motion_of(1));
+  EXPECT_FALSE(motions.find(state_of(1)).has_value());
+}
+
+TEST_F(StoredMotionsTest, TwoMayHaveOneFile) {
+  // Goal: a checkpoint and `archive derive` beside it both remember. Method: two objects by turns.
+  StoredMotions one(folder(), "a");
+  {
+    StoredMotions other(folder(), "a");
+    for (int number = 0; number < 25; ++number)
+      other.keep(state_of(number), motion_of(number));
+    for (int number = 20; number < 50; ++number)
+      one.keep(state_of(number), motion_of(number));
+  }
+  EXPECT_TRUE(one.find(state_of(3)).has_value());
+  { StoredMotions third(folder(), "a"); }
+  EXPECT_TRUE(one.find(state_of(49)).has_value());
+}
+
+}  // namespace
+}  // namespace sleight::store

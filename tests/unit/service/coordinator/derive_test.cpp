@@ -1,0 +1,180 @@
+// Archives out of stores: whoever derives one, and whenever, it is the run's own.
+#include "service/coordinator/derive.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include "common/base/error.h"
+#include "tests/unit/service/coordinator/ball_runs.h"
+
+namespace sleight::coordinator {
+namespace {
+
+/// Counts the motions that are simulated, by state.
+class CountingReader final : public archive::StateReader {
+ public:
+  explicit CountingReader(const archive::StateReader& reader) : reader_(reader) {}
+  const archive::WorldLayout& layout() const override { return reader_.layout(); }
+  std::vector<double> variables(base::BytesView state) const override {
+    return reader_.variables(state);
+  }
+  double likeness_distance(base::BytesView a, base::BytesView b) const override {
+    return reader_.likeness_distance(a, b);
+  }
+  archive::Motion play(base::BytesView state) const override {
+    {
+      const std::scoped_lock lock(mutex_);
+      ++plays_[base::Bytes(state.begin(), state.end())];
+    }
+    return reader_.play(state);
+  }
+  std::vector<double> log_priors_of_throws(std::size_t count) const override {
+    return reader_.log_priors_of_throws(count);
+  }
+  std::map<base::Bytes, int> plays() const {
+    const std::scoped_lock lock(mutex_);
+    return plays_;
+  }
+
+ private:
+  const archive::StateReader& reader_;
+  mutable std::mutex mutex_;
+  mutable std::map<base::Bytes, int> plays_;
+};
+
+class DeriveArchive : public testing::BallRuns {
+ protected:
+  /// Derives the archive of a run so far, as a program does that knows its folder alone.
+  std::string derived(const std::string& text, const std::string& output,
+                      const std::string& place) const {
+    run::Catalogue catalogue;
+    const auto request = request::read_request(text, "request.toml", catalogue.bindings()).value();
+    const run::WorldEntry& world = catalogue.world(request.world);
+    const auto reader = world.make_reader();
+    const std::function<std::unique_ptr<plan::Plan>(const request::Cut&)> plan_of =
+        [&](const request::Cut& cut) { return run::make_plan(request, world, cut); };
+    base::PosixFileSystem files;
+    const auto plan = run::make_plan(request, world);
+    request::Cut cut = committed_cut(run_folder(output), *plan);
+    return derive_archive(
+        {.request = request, .reader = *reader, .plan_of = plan_of, .files = files},
+        run_folder(output), place, cut);
+  }
+};
+
+TEST_F(DeriveArchive, IsTheRunsOwn) {
+  // Goal: an archive derived from a folder alone equals the run's byte for byte, of each kind of
+  // method, finished or stopped at any place, and asked for fewer scans than the store has. Method:
+  // runs of the ball and of a word of two bins; stopped runs with two threads.
+  const auto word = [](const std::string& sampler, const std::string& stop) {
+    return "[world]\nname = \"spelling\"\nbitmap = \"#.#\"\n[sampler]\nseed = 5\n" + sampler +
+           "[stop]\n" + stop;
+  };
+  int nth = 0;
+  for (const std::string& text :
+       {request_text("scans = 200"), request_text("independent_solutions = 3\nscans = 100000"),
+        request_text("scans = 150", "replicas = 4\n", "parallel_tempering"),
+        request_text("rounds = 3", "replicas = 4\n", "parallel_tempering"),
+        word("method = \"search\"\n", "found = 20\n"),
+        word("method = \"sequential\"\nchains = 2\nparticles = 8\nround_scans = 4\n",
+             "scans = 20\n"),
+        word("method = \"sequential\"\nchains = 2\nparticles = 8\ntour_scans = 3\n",
+             "independent_solutions = 2\nscans = 60\n")}) {
+    SCOPED_TRACE(text);
+    for (const std::uint64_t question : {3U, 0U}) {
+      const std::string output = path("run" + std::to_string(nth++) + ".h5");
+      RunOptions options{.output = output, .checkpoint_every_s = 0};
+      if (question > 0) options.stop_requested = stop_at(question);
+      const RunSummary run = session(text, options, 2);
+      const std::string place = path("derived.h5");
+      std::filesystem::remove(place);
+      EXPECT_EQ(derived(text, output, place), run.digest);
+      EXPECT_EQ(std::filesystem::exists(place), !run.digest.empty());
+      if (!run.digest.empty()) {
+        EXPECT_EQ(bytes_of(place), bytes_of(output));
+      }
+    }
+  }
+  const std::string output = path("longer.h5");
+  (void)session(request_text("scans = 400"), {.output = output});
+  const RunSummary shorter = session(request_text("scans = 123"), {.output = output});
+  EXPECT_EQ(derived(request_text("scans = 123"), output, path("d.h5")), shorter.digest);
+}
+
+TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
+  // Goal: checkpoints, the archive at the end and one derived later simulate each kept animation
+  // once between them. Method: count motions of a run with checkpoints as often as possible, of a
+  // longer one that goes on from it, and of an archive derived afterwards.
+  run::Catalogue catalogue;
+  const auto read = [&](const std::string& stop) {
+    return request::read_request(
+               "[world]\nname = \"spelling\"\nbitmap = \"#.#\"\n[sampler]\nseed = 5\n"
+               "method = \"parallel_tempering\"\nchains = 2\nreplicas = 4\n[stop]\n" +
+                   stop + "\n[output]\nkeep_per_lineage = 2\n",
+               "request.toml", catalogue.bindings())
+        .value();
+  };
+  std::optional<CountingReader> counted;
+  std::unique_ptr<archive::StateReader> plain;
+  const auto run_once = [&](const request::DirectionRequest& request, double time_limit_s) {
+    const run::WorldEntry& world = catalogue.world(request.world);
+    const auto worker = world.make_worker(request);
+    if (!counted) {
+      plain = world.make_reader();
+      counted.emplace(*plain);
+    }
+    const auto plan = run::make_plan(request, world);
+    const base::SteadyClock clock;
+    base::PosixFileSystem files;
+    const sampling::BlockRunner runner(*worker, clock);
+    LocalCrew crew(runner, 1);
+    return run_request(
+        {.request = request,
+         .reader = *counted,
+         .plan = *plan,
+         .plan_of = [&](const request::Cut& cut) { return run::make_plan(request, world, cut); },
+         .crew = crew,
+         .clock = clock,
+         .files = files,
+         .results_version = "results of tests"},
+        {.output = path("run.h5"), .time_limit_s = time_limit_s, .checkpoint_every_s = 0.01});
+  };
+  const auto request = read("scans = 100000000");
+  (void)run_once(request, 2.5);
+  const std::size_t after_first = counted->plays().size();
+  EXPECT_GT(after_first, 5U);
+  (void)run_once(request, 1.5);
+  EXPECT_GT(counted->plays().size(), after_first);
+  for (const auto& [state, plays] : counted->plays())
+    EXPECT_EQ(plays, 1);
+}
+
+TEST_F(DeriveArchive, CanBeStopped) {
+  // Goal: an archive that is given up leaves what was there, and no file. Method: stopped at once.
+  const std::string text = request_text("scans = 200");
+  const RunSummary run = session(text, {.output = path("run.h5")});
+  run::Catalogue catalogue;
+  const auto request = request::read_request(text, "request.toml", catalogue.bindings()).value();
+  const run::WorldEntry& world = catalogue.world(request.world);
+  const auto reader = world.make_reader();
+  const std::function<std::unique_ptr<plan::Plan>(const request::Cut&)> plan_of =
+      [&](const request::Cut& cut) { return run::make_plan(request, world, cut); };
+  base::PosixFileSystem files;
+  const std::atomic<bool> stop = true;
+  const std::string before = bytes_of(path("run.h5"));
+  request::Cut cut{.scans = 100};
+  EXPECT_THROW(
+      derive_archive({.request = request, .reader = *reader, .plan_of = plan_of, .files = files},
+                     run_folder(path("run.h5")), path("run.h5"), cut, &stop),
+      DeriveStopped);
+  EXPECT_EQ(bytes_of(path("run.h5")), before);
+  EXPECT_THAT(names(), ::testing::UnorderedElementsAre("run.h5", "run.h5.run"));
+}
+
+}  // namespace
+}  // namespace sleight::coordinator
