@@ -30,6 +30,11 @@ std::int64_t sum_of(base::BytesView state, const archive::Motion& motion) {
                             base::bytes_of(std::span<const double>(motion.recording.values)));
 }
 
+/// As a map's key: GCC 12 warns wrongly where vectors of bytes are compared.
+std::string text_of(base::BytesView bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 }  // namespace
 
 struct StoredMotions::File {
@@ -95,8 +100,7 @@ void StoredMotions::give_up(const std::string& reason) {
 
 std::optional<archive::Motion> StoredMotions::find(base::BytesView state) {
   if (!file_) return std::nullopt;
-  if (const auto known = waiting_.find(base::Bytes(state.begin(), state.end()));
-      known != waiting_.end()) {
+  if (const auto known = waiting_.find(text_of(state)); known != waiting_.end()) {
     return known->second;
   }
   try {
@@ -125,7 +129,7 @@ std::optional<archive::Motion> StoredMotions::find(base::BytesView state) {
 void StoredMotions::keep(base::BytesView state, const archive::Motion& motion) {
   if (!file_) return;
   waiting_bytes_ += state.size() + motion.recording.values.size() * sizeof(double);
-  waiting_.insert_or_assign(base::Bytes(state.begin(), state.end()), motion);
+  waiting_.insert_or_assign(text_of(state), motion);
   if (waiting_bytes_ >= k_motions_bytes) write();
 }
 
@@ -134,11 +138,11 @@ void StoredMotions::write() {
   try {
     file_->database.execute("BEGIN IMMEDIATE");
     for (const auto& [state, motion] : waiting_) {
-      file_->insert->bind(1, base::BytesView(state))
+      file_->insert->bind(1, base::bytes_of(std::span<const char>(state)))
           .bind(2, static_cast<std::int64_t>(motion.ends))
           .bind(3, static_cast<std::int64_t>(motion.recording.columns))
           .bind(4, base::bytes_of(std::span<const double>(motion.recording.values)))
-          .bind(5, sum_of(state, motion))
+          .bind(5, sum_of(base::bytes_of(std::span<const char>(state)), motion))
           .run();
     }
     file_->database.execute("COMMIT");

@@ -43,7 +43,7 @@ class StoredMotions final : public archive::Motions {
 
   std::string path_;
   std::unique_ptr<File> file_;                        ///< null: nothing is remembered
-  std::map<base::Bytes, archive::Motion> waiting_{};  ///< by state
+  std::map<std::string, archive::Motion> waiting_{};  ///< by state
   std::size_t waiting_bytes_ = 0;
 };
 

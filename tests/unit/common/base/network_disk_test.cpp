@@ -23,6 +23,8 @@ TEST(NetworkDisk, KnowsTheTypes) {
 }
 
 TEST(NetworkDisk, PathsOfThisMachineAreLocal) {
+  // Goal: what the kernel makes up is no network disk, and no path is no error. Method: /proc,
+  // tmpfs, a path that is not there.
   EXPECT_EQ(network_file_system("/proc"), std::nullopt);
   EXPECT_EQ(network_file_system("/dev/shm"), std::nullopt);
   EXPECT_EQ(network_file_system("/no/such/path"), std::nullopt);
