@@ -15,7 +15,7 @@
 #include "common/store/run_store.h"
 #include "common/store/sessions.h"
 #include "service/coordinator/derive.h"
-#include "service/coordinator/foreign_file.h"
+#include "service/coordinator/output_place.h"
 #include "worker/run/catalogue.h"
 
 namespace sleight::programs {
@@ -48,8 +48,9 @@ void refuse_what_cannot_be_read(const std::string& folder) {
                                         : fmt::format("take the latest archive, {}, ", own)));
 }
 
-void refuse_unusable_place(const DeriveArguments& arguments, const std::string& identity_text) {
+void refuse_unusable_output(const DeriveArguments& arguments, const std::string& identity_text) {
   base::PosixFileSystem files;
+  coordinator::refuse_unusable_place(arguments.output, files);
   const std::string own = own_archive_of(arguments.folder);
   std::error_code ignored;
   if (!own.empty() && std::filesystem::weakly_canonical(own, ignored) ==
@@ -87,8 +88,8 @@ int derive(const DeriveArguments& arguments) {
                                   request::to_string(read.error().front())));
   }
   const request::DirectionRequest& request = read.value();
-  refuse_unusable_place({.folder = folder, .output = arguments.output, .json = arguments.json},
-                        request::identity_text(request));
+  refuse_unusable_output({.folder = folder, .output = arguments.output, .json = arguments.json},
+                         request::identity_text(request));
 
   // Where the run stands, and its archive.
   const run::WorldEntry& world = catalogue.world(request.world);

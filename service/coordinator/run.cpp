@@ -20,31 +20,10 @@
 #include "service/coordinator/checkpoints.h"
 #include "service/coordinator/derive.h"
 #include "service/coordinator/failure_files.h"
-#include "service/coordinator/foreign_file.h"
+#include "service/coordinator/output_place.h"
 
 namespace sleight::coordinator {
 namespace {
-
-/// Finds out now, not after an hour of computing, that no archive can be written there.
-void refuse_unusable_output(const std::string& output, base::FileSystem& files) {
-  if (output.empty() || output.back() == '/' || files.is_directory(output)) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("-o '{}': no file name; say for example -o {}", output,
-                                  output.empty() ? "ball.h5" : output + "/ball.h5"));
-  }
-  const std::string folder = base::directory_of(output);
-  if (files.exists(store::RunStore::database_path(folder))) {
-    throw base::Error(
-        base::ExitCode::conflict,
-        fmt::format("{}: lies in the run store of another output; choose another folder", output));
-  }
-  // The archive is written to a temporary file of such a name: try that, longest suffix included.
-  const std::string trial = output + ".tmp.4194304";
-  if (const auto file = files.create(trial); !file) {
-    throw base::Error(fmt::format("{}: can't be written: {}", output, file.error().message()));
-  }
-  files.remove(trial);
-}
 
 /// With which the request of an archive of this run begins.
 std::vector<std::string> beginnings_of(const request::DirectionRequest& request) {
@@ -279,7 +258,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   const std::string folder = run_folder(options.output);
 
   // Take the output for this process and this request.
-  refuse_unusable_output(options.output, files);
+  refuse_unusable_place(options.output, files);
   if (files.exists(options.output) && !files.exists(folder)) {
     claim_output(options.output, folder, options.fresh, files);  // refuses, and makes no folder
   }

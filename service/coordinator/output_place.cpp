@@ -1,4 +1,4 @@
-#include "service/coordinator/foreign_file.h"
+#include "service/coordinator/output_place.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,29 @@
 #include "common/archive/hdf5/reader.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
+#include "common/store/run_store.h"
 
 namespace sleight::coordinator {
+
+void refuse_unusable_place(const std::string& output, base::FileSystem& files) {
+  if (output.empty() || output.back() == '/' || files.is_directory(output)) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("-o '{}': no file name; say for example -o {}", output,
+                                  output.empty() ? "ball.h5" : output + "/ball.h5"));
+  }
+  const std::string folder = base::directory_of(output);
+  if (files.exists(store::RunStore::database_path(folder))) {
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: lies in the run store of another output; choose another folder", output));
+  }
+  // The archive is written to a temporary file of such a name: try that, longest suffix included.
+  const std::string trial = output + ".tmp.4194304";
+  if (const auto file = files.create(trial); !file) {
+    throw base::Error(fmt::format("{}: can't be written: {}", output, file.error().message()));
+  }
+  files.remove(trial);
+}
 
 void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings) {
   bool ours = false;
