@@ -19,6 +19,9 @@ class SteadyClock final : public Clock {
   double now_s() const override;
 };
 
+/// Processor time of the calling thread, in seconds.
+double thread_processor_s();
+
 /// For tests: stands still until it is moved. Not thread-safe.
 class ManualClock final : public Clock {
  public:

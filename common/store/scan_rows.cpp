@@ -52,33 +52,33 @@ void read_record(const Database& database, const RowKey& key, Statement& select,
 std::uint64_t replay_rows(Database& database, std::uint64_t salt, const plan::ReplicaKey& replica,
                           std::uint64_t end, const ReplayVisit& visit) {
   Statement select = database.prepare(fmt::format(
-      "SELECT scan, {} FROM scan WHERE chain=?1 AND replica=?2 AND scan<?3 ORDER BY scan",
-      k_record_columns));
+      "SELECT scan, {} FROM scan WHERE chain=?1 AND replica=?2 AND scan>=?3 AND scan<?4 "
+      "ORDER BY scan LIMIT {}",
+      k_record_columns, k_replay_batch));
   select.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
-  select.bind(3, static_cast<std::int64_t>(end));
+  select.bind(4, static_cast<std::int64_t>(end));
   std::vector<plan::ScanRecord> batch;
-  std::uint64_t first = 0;
   std::uint64_t next = 0;
-  const auto hand_on = [&] {
-    if (!batch.empty()) visit(base::ScanIndex{first}, batch);
-    first = next;
-    batch.clear();
-  };
   bool has_begun = false;
-  while (select.step()) {
-    const auto scan = static_cast<std::uint64_t>(select.integer(0));
-    // A replica may have come into being later than its chain.
-    if (!has_begun) first = next = scan;
-    has_begun = true;
-    if (scan != next) break;
-    plan::ScanRecord& record = batch.emplace_back();
-    read_record(database, {.salt = salt, .replica = replica, .scan = scan}, select, 1, record);
-    record.outcome = {};
-    record.state = {};
-    ++next;
-    if (batch.size() == k_replay_batch) hand_on();
-  }
-  hand_on();
+  do {
+    select.bind(3, static_cast<std::int64_t>(next));
+    batch.clear();
+    while (select.step()) {
+      const auto scan = static_cast<std::uint64_t>(select.integer(0));
+      // A replica may have come into being later than its chain.
+      if (!has_begun) next = scan;
+      has_begun = true;
+      if (scan != next) break;
+      plan::ScanRecord& record = batch.emplace_back();
+      read_record(database, {.salt = salt, .replica = replica, .scan = scan}, select, 1, record);
+      record.outcome = {};
+      record.state = {};
+      ++next;
+    }
+    // Between batches nothing is being read: a writer's log can be cut short meanwhile.
+    select.reset();
+    if (!batch.empty()) visit(base::ScanIndex{next - batch.size()}, batch);
+  } while (batch.size() == k_replay_batch);
   return next;
 }
 

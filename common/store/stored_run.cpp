@@ -4,12 +4,20 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/store/checksum.h"
 #include "common/store/run_store.h"
 #include "common/store/scan_rows.h"
 
 namespace sleight::store {
+namespace {
+
+/// Draws are read for so many scans of a chain at once.
+constexpr std::uint64_t k_scans_at_a_time = 256;
+
+}  // namespace
 
 StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans,
                      std::uint64_t finds)
@@ -39,38 +47,40 @@ std::uint32_t StoredRun::count_replicas() const {
 void StoredRun::for_each_draw(
     base::ChainId chain,
     const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
-  // The keys of records at inverse temperature 1 first, so that little is sorted; then their rows.
-  Statement who = database_.prepare(
-      "SELECT replica, scan FROM scan WHERE chain=?1 AND scan>=?2 AND scan<?3 AND "
-      "inverse_temperature=1 ORDER BY scan, replica");
-  Statement plain = database_.prepare(fmt::format(
-      "SELECT {}, scan FROM scan WHERE chain=?1 AND replica=0 AND scan>=?2 AND scan<?3 AND "
-      "inverse_temperature=1 ORDER BY scan",
+  Statement select = database_.prepare(fmt::format(
+      "SELECT {}, scan FROM scan WHERE chain=?1 AND replica=?2 AND scan>=?3 AND scan<?4 "
+      "AND inverse_temperature=1 ORDER BY scan",
       k_record_columns));
-  Statement row = database_.prepare(fmt::format(
-      "SELECT {} FROM scan WHERE chain=?1 AND replica=?2 AND scan=?3", k_record_columns));
-  plan::ScanRecord record;
-  std::uint64_t draw = 0;
-  const auto hand_on = [&](Statement& select, std::int64_t replica, std::int64_t scan) {
-    read_record(database_, key_of(chain, replica, scan), select, 0, record);
-    visit(base::ScanIndex{draw++}, record);
+  select.bind(1, std::int64_t{chain.value});
+  struct Draw {
+    std::int64_t scan = 0;
+    std::int64_t replica = 0;
+    plan::ScanRecord record{};
   };
-  Statement& select = replicas_ == 1 ? plain : who;
+  std::vector<Draw> some;
+  std::uint64_t draw = 0;
   for (const auto& [first, end] : draw_ranges()) {
-    select.bind(1, std::int64_t{chain.value});
-    select.bind(2, static_cast<std::int64_t>(first));
-    select.bind(3, static_cast<std::int64_t>(end));
-    while (draw < draws_.count && select.step()) {
-      if (replicas_ == 1) {
-        hand_on(select, 0, select.integer(k_record_column_count));
-        continue;
+    // Some scans at a time, of all replicas, in order. Nothing is being read while they are
+    // visited, which may take long: a writer's log can be cut short meanwhile.
+    for (std::uint64_t scan = first; scan < end; scan += k_scans_at_a_time) {
+      some.clear();
+      select.bind(3, static_cast<std::int64_t>(scan));
+      select.bind(4, static_cast<std::int64_t>(std::min(end, scan + k_scans_at_a_time)));
+      for (std::int64_t replica = 0; replica < std::int64_t{replicas_}; ++replica) {
+        select.bind(2, replica);
+        while (select.step()) {
+          Draw& found = some.emplace_back();
+          found = {.scan = select.integer(k_record_column_count), .replica = replica};
+          read_record(database_, key_of(chain, replica, found.scan), select, 0, found.record);
+        }
+        select.reset();
       }
-      row.bind(1, std::int64_t{chain.value}).bind(2, who.integer(0)).bind(3, who.integer(1));
-      if (!row.step()) break;
-      hand_on(row, who.integer(0), who.integer(1));
-      row.reset();
+      std::ranges::sort(some, {}, [](const Draw& one) { return std::pair(one.scan, one.replica); });
+      for (const Draw& one : some) {
+        if (draw == draws_.count) break;
+        visit(base::ScanIndex{draw++}, one.record);
+      }
     }
-    select.reset();
   }
   if (draw != draws_.count) {
     refuse_damaged(database_.path(),
@@ -124,19 +134,27 @@ void StoredRun::for_each_replica(base::ChainId chain, std::uint64_t thin,
 
 void StoredRun::for_each_find(
     const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const {
-  // Starts are numbered by (scan, lane).
+  // Starts are numbered by (scan, lane). Which ones found something is read first, then each by
+  // itself, so that nothing is being read while it is visited.
   Statement select = database_.prepare(
-      fmt::format("SELECT chain, scan, {} FROM scan WHERE chain>=?1 AND satisfied ORDER BY scan, "
-                  "chain LIMIT ?2",
-                  k_record_columns));
+      "SELECT chain, scan FROM scan WHERE chain>=?1 AND satisfied ORDER BY scan, chain LIMIT ?2");
   select.bind(1, std::int64_t{plan::k_first_lane}).bind(2, static_cast<std::int64_t>(finds_));
+  std::vector<std::pair<std::int64_t, std::int64_t>> places;
+  while (select.step())
+    places.emplace_back(select.integer(0), select.integer(1));
+  select.reset();
+  Statement row = database_.prepare(fmt::format(
+      "SELECT {} FROM scan WHERE chain=?1 AND replica=0 AND scan=?2", k_record_columns));
   plan::ScanRecord record;
   std::uint64_t found = 0;
-  for (; select.step(); ++found) {
-    const base::ChainId chain{static_cast<std::uint32_t>(select.integer(0))};
-    const std::int64_t scan = select.integer(1);
-    read_record(database_, key_of(chain, 0, scan), select, 2, record);
+  for (const auto& [lane, scan] : places) {
+    const base::ChainId chain{static_cast<std::uint32_t>(lane)};
+    row.bind(1, lane).bind(2, scan);
+    if (!row.step()) break;
+    read_record(database_, key_of(chain, 0, scan), row, 0, record);
+    row.reset();
     visit(plan::start_number(chain, static_cast<std::uint64_t>(scan)), record);
+    ++found;
   }
   if (found != finds_)
     refuse_damaged(database_.path(), fmt::format("find {} of its search is missing", found));
@@ -183,21 +201,26 @@ void for_each_stored(const std::string& folder,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit) {
   Database database(RunStore::database_path(folder), Access::read_only);
-  database.execute("BEGIN");  // one moment for all that is read
   Statement identity = database.prepare("SELECT value FROM run WHERE key='identity'");
   if (!identity.step()) refuse_damaged(database.path(), "it has no identity");
   const std::uint64_t salt = salt_of(identity.text(0));
+  identity.reset();
+  // How far each replica is at one moment; rows up to there never change.
   Statement select =
       database.prepare("SELECT chain, replica, next_scan FROM replica ORDER BY chain, replica");
+  std::vector<std::pair<plan::ReplicaKey, std::uint64_t>> replicas;
   while (select.step()) {
     const plan::ReplicaKey key{base::ChainId{static_cast<std::uint32_t>(select.integer(0))},
                                base::ReplicaId{static_cast<std::uint32_t>(select.integer(1))}};
-    const auto end = static_cast<std::uint64_t>(select.integer(2));
-    const std::uint64_t reached =
-        replay_rows(database, salt, key, end,
-                    [&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
-                      visit(key, first, records);
-                    });
+    replicas.emplace_back(key, static_cast<std::uint64_t>(select.integer(2)));
+  }
+  select.reset();
+  for (const auto& [key, end] : replicas) {
+    const std::uint64_t reached = replay_rows(
+        database, salt, key, end,
+        [&, replica = key](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
+          visit(replica, first, records);
+        });
     if (reached != end) {
       refuse_damaged(database.path(),
                      fmt::format("scan {} of chain {} is missing", reached, key.chain.value));

@@ -1,10 +1,9 @@
 #include "service/coordinator/checkpoints.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
-#include <ctime>
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "common/base/error.h"
@@ -12,18 +11,6 @@
 #include "service/coordinator/derive.h"
 
 namespace sleight::coordinator {
-namespace {
-
-constexpr int k_lowest_priority = 19;
-
-/// Of the calling thread.
-double processor_s() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-}  // namespace
 
 Checkpoints::Checkpoints(Derive derive, const base::Clock& clock, double every_s)
     : derive_(std::move(derive)),
@@ -36,23 +23,24 @@ Checkpoints::~Checkpoints() {
   stop();
 }
 
-void Checkpoints::offer(const Reached& reached, bool has_solution) {
-  if (stop_ || every_s_ <= 0 || (reached.scans == 0 && reached.found == 0)) return;
+void Checkpoints::offer(const Standing& now) {
+  if (stop_ || every_s_ <= 0 || (now.reached.scans == 0 && now.reached.found == 0)) return;
   {
     const std::scoped_lock lock(mutex_);
-    if (is_making_ || wanted_ || !is_due(has_solution)) return;
-    wanted_ = reached;
-    has_seen_solution_ = has_seen_solution_ || has_solution;
+    if (is_making_ || wanted_ || !is_due(now)) return;
+    wanted_ = now.reached;
+    has_seen_solution_ = has_seen_solution_ || now.has_solution;
     if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   }
   changed_.notify_all();
 }
 
-bool Checkpoints::is_due(bool has_solution) const {
+bool Checkpoints::is_due(const Standing& now) const {
   const double now_s = clock_.now_s();
-  if (has_solution && !has_seen_solution_) return now_s - begin_s_ >= k_checkpoint_after_s;
+  if (now.has_solution && !has_seen_solution_) return now_s - begin_s_ >= k_checkpoint_after_s;
   const double since_s = now_s - last_end_s_;
-  return since_s >= every_s_ && last_cost_s_ <= k_checkpoint_share_max * since_s;
+  const double work_s = since_s * static_cast<double>(std::max<std::size_t>(1, now.workers));
+  return since_s >= every_s_ && last_cost_s_ <= k_checkpoint_share_max * work_s;
 }
 
 void Checkpoints::stop() {
@@ -78,20 +66,18 @@ void Checkpoints::work() {
     is_making_ = true;
     lock.unlock();
 
-    const double begin_s = processor_s();
+    const double begin_s = base::thread_processor_s();
+    double motions_s = 0;
     bool is_made = false;
     std::string complaint;
     try {
-      derive_(reached, stop_);
+      motions_s = derive_(reached, stop_);
       is_made = true;
     } catch (const DeriveStopped&) {
     } catch (const base::Error& failure) {
       complaint = failure.what();
     }
-    const double cost_s = processor_s() - begin_s;
-
-    // The first one is small and waited for. A thread of Linux has a priority of its own.
-    if (is_made) ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), k_lowest_priority);
+    const double cost_s = base::thread_processor_s() - begin_s - motions_s;
 
     lock.lock();
     is_making_ = false;

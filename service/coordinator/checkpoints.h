@@ -1,9 +1,12 @@
 // Archives of a run so far, for people who watch, made beside the computing.
 //
-// A thread of its own derives them, all but the first at the lowest priority, so that it takes time
-// that workers leave and next to none of theirs; nobody waits for it. The first comes with the
-// first solution; the next ones every so often, and so seldom that deriving takes at most
-// k_checkpoint_share_max of the time.
+// A thread of its own derives them, so that nobody waits. The first comes with the first solution;
+// the next ones every so often, and so seldom that they take at most k_checkpoint_share_max of the
+// workers' time. Motions of kept animations are not counted: each is simulated once for all
+// archives, the last one too, and so costs nothing more.
+//
+// At a low priority it would cost less, but a thread that reads the store slowly keeps SQLite from
+// cutting its log short: at SCHED_IDLE a run's log grew by 1.2 GB in a minute and a half.
 //
 // A checkpoint that can't be written is said once and tried again later: the run goes on, and its
 // end derives an archive anyhow.
@@ -24,16 +27,17 @@
 
 namespace sleight::coordinator {
 
-/// Deriving takes no larger share of a run's time.
+/// Of the workers' time between two checkpoints, one takes no larger share.
 inline constexpr double k_checkpoint_share_max = 0.01;
 /// Before so much of a session nothing is made: a run that is over by then has its archive anyhow.
 inline constexpr double k_checkpoint_after_s = 0.5;
 
 class Checkpoints {
  public:
-  /// Derives the archive of what was reached, in the thread; throws DeriveStopped (derive.h) soon
-  /// after `stop` has become true, and base::Error where it fails.
-  using Derive = std::function<void(const Reached& reached, const std::atomic<bool>& stop)>;
+  /// Derives the archive of what was reached, in the thread, and returns the processor time in
+  /// seconds that new motions took; throws DeriveStopped (derive.h) soon after `stop` has become
+  /// true, and base::Error where it fails.
+  using Derive = std::function<double(const Reached& reached, const std::atomic<bool>& stop)>;
 
   /// Borrows the clock, which must be thread-safe. `every_s` 0: none are made.
   Checkpoints(Derive derive, const base::Clock& clock, double every_s);
@@ -43,8 +47,7 @@ class Checkpoints {
   Checkpoints& operator=(const Checkpoints&) = delete;
 
   /// How the run stands, told as often as one likes: begins a checkpoint when it is time for one.
-  /// `has_solution`: there is something to see.
-  void offer(const Reached& reached, bool has_solution);
+  void offer(const Standing& now);
 
   /// Gives up the one that is being made and waits for that; none is begun afterwards.
   void stop();
@@ -53,7 +56,7 @@ class Checkpoints {
 
  private:
   void work();
-  bool is_due(bool has_solution) const;
+  bool is_due(const Standing& now) const;
 
   Derive derive_;
   const base::Clock& clock_;

@@ -9,6 +9,7 @@
 #include "common/archive/hdf5/writer.h"
 #include "common/archive/layout.h"
 #include "common/archive/remembering_reader.h"
+#include "common/base/clock.h"
 #include "common/base/version.h"
 #include "common/store/stored_motions.h"
 #include "common/store/stored_run.h"
@@ -39,6 +40,34 @@ class StoppableSink final : public archive::Sink {
  private:
   archive::Sink& sink_;
   std::function<void()> ask_;
+};
+
+/// Adds up what motions cost.
+class TimedReader final : public archive::StateReader {
+ public:
+  TimedReader(const archive::StateReader& reader, double* motions_s)
+      : reader_(reader), motions_s_(motions_s) {}
+
+  const archive::WorldLayout& layout() const override { return reader_.layout(); }
+  std::vector<double> variables(base::BytesView state) const override {
+    return reader_.variables(state);
+  }
+  double likeness_distance(base::BytesView a, base::BytesView b) const override {
+    return reader_.likeness_distance(a, b);
+  }
+  archive::Motion play(base::BytesView state) const override {
+    const double begin_s = base::thread_processor_s();
+    archive::Motion motion = reader_.play(state);
+    if (motions_s_ != nullptr) *motions_s_ += base::thread_processor_s() - begin_s;
+    return motion;
+  }
+  std::vector<double> log_priors_of_throws(std::size_t count) const override {
+    return reader_.log_priors_of_throws(count);
+  }
+
+ private:
+  const archive::StateReader& reader_;
+  double* motions_s_;
 };
 
 /// On what remembered motions hang besides their states.
@@ -89,7 +118,8 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
       .min_distance = keep.min_distance,
       .inference_library_version = std::string(base::version())};
   store::StoredMotions motions(folder, owner_of_motions(inputs.request));
-  const archive::RememberingReader reader(inputs.reader, motions, ask);
+  const TimedReader timed(inputs.reader, inputs.motions_s);
+  const archive::RememberingReader reader(timed, motions, ask);
   return archive::hdf5::write_file(output, inputs.files, [&](archive::Sink& file) {
     StoppableSink sink(file, ask);
     archive::write_archive(*view, reader, options, sink);

@@ -27,6 +27,9 @@ struct DeriveInputs {
   /// A fresh plan of the run that ends at a cut.
   const std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)>& plan_of;
   base::FileSystem& files;
+  /// Where the processor time in seconds is added that motions took which were not remembered; may
+  /// be null.
+  double* motions_s = nullptr;
 };
 
 /// Thrown out of derive_archive when it was stopped; nothing was written.

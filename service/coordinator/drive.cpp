@@ -158,9 +158,11 @@ class Driver {
     if (now_s - report_s_ < options_.report_every_s) return;
     report_s_ = now_s;
     if (options_.report) options_.report(progress());
-    if (options_.reached) {
+    if (options_.standing) {
       const Reached now = reached();
-      options_.reached(now, now.found > 0 || plan_.solutions_found() > 0);
+      options_.standing({.reached = now,
+                         .has_solution = now.found > 0 || plan_.solutions_found() > 0,
+                         .workers = scheduler_.threads()});
     }
   }
 

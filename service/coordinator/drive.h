@@ -49,15 +49,21 @@ struct Reached {
   std::uint64_t found = 0;
 };
 
+/// How a run stands for an archive.
+struct Standing {
+  Reached reached{};  ///< though perhaps not committed yet
+  bool has_solution = false;
+  std::size_t workers = 1;  ///< threads that compute
+};
+
 struct DriveOptions {
   double time_limit_s = 0;  ///< 0 for none
   double report_every_s = 0.1;
   std::function<bool()> stop_requested{};         ///< asked often; may be empty
   std::function<void()> stopping{};               ///< once, when asked to; may be empty
   std::function<void(const Progress&)> report{};  ///< may be empty
-  /// Hears every report_every_s what is reached, though perhaps not committed yet, and whether
-  /// there is a solution; must not take long; may be empty.
-  std::function<void(const Reached&, bool has_solution)> reached{};
+  /// Hears every report_every_s how the run stands; must not take long; may be empty.
+  std::function<void(const Standing&)> standing{};
   /// Hears of simulations that failed in this session, once each, of a unit the first few; may be
   /// empty.
   std::function<void(const plan::ReplicaKey&, const plan::FailedSimulation&)> failed{};

@@ -155,19 +155,23 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
     if (options.say) options.say(phase);
   };
   if (run_store.epoch() > 1) say("reading what earlier sessions stored");
+  double motions_s = 0;  // of the thread of checkpoints while that runs
   const auto archive_of = [&](const Reached& reached, const std::atomic<bool>* stop) {
     request::Cut cut = cut_of(reached);
     const DeriveInputs derive{.request = inputs.request,
                               .reader = inputs.reader,
                               .plan_of = inputs.plan_of,
-                              .files = files};
+                              .files = files,
+                              .motions_s = &motions_s};
     std::string digest = derive_archive(derive, folder, options.output, cut, stop);
     return std::pair(std::move(digest), cut.scans);
   };
   Checkpoints checkpoints(
       [&](const Reached& reached, const std::atomic<bool>& stop) {
         run_store.flush();  // what was reached may be on its way
+        motions_s = 0;
         (void)archive_of(reached, &stop);
+        return motions_s;
       },
       inputs.clock, options.checkpoint_every_s);
   FailureNotes failures(folder, request::normalised_text(inputs.request), files);
@@ -176,8 +180,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
       .stop_requested = options.stop_requested,
       .stopping = [] { say_stopping(); },
       .report = options.report,
-      .reached = [&](const Reached& reached,
-                     bool has_solution) { checkpoints.offer(reached, has_solution); },
+      .standing = [&](const Standing& now) { checkpoints.offer(now); },
       .failed = [&](const auto& replica, const auto& failed) { failures.note(replica, failed); },
       .strict = options.strict};
   const DriveOutcome outcome =

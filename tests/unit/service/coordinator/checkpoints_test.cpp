@@ -43,11 +43,14 @@ TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
   // Method: a clock set by hand, an offer each second for five minutes, a solution after ten.
   std::vector<std::uint64_t> cuts;
   Checkpoints checkpoints(
-      [&](const Reached& reached, const std::atomic<bool>&) { cuts.push_back(reached.scans); },
+      [&](const Reached& reached, const std::atomic<bool>&) {
+        cuts.push_back(reached.scans);
+        return 0.0;
+      },
       clock_, 60);
   for (std::uint64_t second = 1; second <= 300; ++second) {
     clock_.advance(1);
-    checkpoints.offer({.scans = second}, second >= 10);
+    checkpoints.offer({.reached = {.scans = second}, .has_solution = second >= 10, .workers = 2});
     if (second >= 10 && (second - 10) % 60 == 0)
       await([&] { return checkpoints.made() == 1 + (second - 10) / 60; });
   }
@@ -59,18 +62,21 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
   // Goal: no checkpoint where nothing is reached, in the first half second, or where none are
   // asked for. Method: offers of each kind.
   std::atomic<int> made = 0;
-  const auto derive = [&](const Reached&, const std::atomic<bool>&) { ++made; };
+  const auto derive = [&](const Reached&, const std::atomic<bool>&) {
+    ++made;
+    return 0.0;
+  };
   {
     Checkpoints none(derive, clock_, 0);
     clock_.advance(100);
-    none.offer({.scans = 5}, true);
+    none.offer({.reached = {.scans = 5}, .has_solution = true, .workers = 2});
   }
   Checkpoints checkpoints(derive, clock_, 60);
-  checkpoints.offer({.scans = 5}, true);
+  checkpoints.offer({.reached = {.scans = 5}, .has_solution = true, .workers = 2});
   clock_.advance(100);
-  checkpoints.offer({}, true);
+  checkpoints.offer({.has_solution = true});
   checkpoints.stop();
-  checkpoints.offer({.scans = 5}, true);
+  checkpoints.offer({.reached = {.scans = 5}, .has_solution = true, .workers = 2});
   EXPECT_EQ(made, 0);
 }
 
@@ -80,7 +86,7 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
   std::atomic<int> begun = 0;
   std::atomic<bool> was_told = false;
   Checkpoints checkpoints(
-      [&](const Reached&, const std::atomic<bool>& stop) {
+      [&](const Reached&, const std::atomic<bool>& stop) -> double {
         ++begun;
         while (!stop)
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -89,11 +95,11 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
       },
       clock_, 60);
   clock_.advance(1);
-  checkpoints.offer({.scans = 1}, true);
+  checkpoints.offer({.reached = {.scans = 1}, .has_solution = true, .workers = 2});
   await([&] { return begun == 1; });
   for (std::uint64_t scans = 2; scans < 100; ++scans) {
     clock_.advance(100);
-    checkpoints.offer({.scans = scans}, true);
+    checkpoints.offer({.reached = {.scans = scans}, .has_solution = true, .workers = 2});
   }
   EXPECT_FALSE(was_told);
   checkpoints.stop();
@@ -103,28 +109,32 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
 }
 
 TEST_F(CheckpointsTest, CostlyOnesAreRare) {
-  // Goal: deriving takes at most a hundredth of the time. Method: a checkpoint that computes for
-  // 0.2 s; the next one comes 20 s later, though one is wanted each second.
-  std::atomic<int> begun = 0;
-  Checkpoints checkpoints(
-      [&](const Reached&, const std::atomic<bool>&) {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
-        while (std::chrono::steady_clock::now() < end) {
-        }
-        ++begun;
-      },
-      clock_, 1);
-  clock_.advance(1);
-  checkpoints.offer({.scans = 1}, true);
-  await([&] { return checkpoints.made() == 1; });
-  for (int second = 0; second < 5; ++second) {
-    clock_.advance(1);
-    checkpoints.offer({.scans = 2}, true);
+  // Goal: deriving takes at most a hundredth of the workers' time, new motions left out. Method:
+  // checkpoints that compute for 0.2 s, all of it or 0.15 s of it by motions; of two workers the
+  // next one comes after 10 s or 2.5 s, though one is wanted each second.
+  for (const double motions_s : {0.0, 0.15}) {
+    Checkpoints checkpoints(
+        [&](const Reached&, const std::atomic<bool>&) {
+          const double end_s = base::thread_processor_s() + 0.2;
+          while (base::thread_processor_s() < end_s) {
+          }
+          return motions_s;
+        },
+        clock_, 1);
+    const auto offer = [&](double after_s) {
+      clock_.advance(after_s);
+      checkpoints.offer({.reached = {.scans = 1}, .has_solution = true, .workers = 2});
+    };
+    offer(1);
+    await([&] { return checkpoints.made() == 1; });
+    offer(2);
+    offer(motions_s > 0 ? 0.2 : 7.5);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    offer(0);
+    EXPECT_EQ(checkpoints.made(), 1U);
+    offer(motions_s > 0 ? 0.8 : 1.5);
+    await([&] { return checkpoints.made() == 2; });
   }
-  EXPECT_EQ(begun, 1);
-  clock_.advance(100);
-  checkpoints.offer({.scans = 3}, true);
-  await([&] { return checkpoints.made() == 2; });
 }
 
 TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
@@ -133,15 +143,16 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
   Checkpoints checkpoints(
       [&](const Reached&, const std::atomic<bool>&) {
         if (++begun == 1) throw base::Error("disk full");
+        return 0.0;
       },
       clock_, 60);
   clock_.advance(1);
-  checkpoints.offer({.scans = 1}, true);
+  checkpoints.offer({.reached = {.scans = 1}, .has_solution = true, .workers = 2});
   await([&] { return begun == 1; });
   clock_.advance(61);
   await([&] {
     clock_.advance(1);
-    checkpoints.offer({.scans = 2}, true);
+    checkpoints.offer({.reached = {.scans = 2}, .has_solution = true, .workers = 2});
     return checkpoints.made() == 1;
   });
   EXPECT_EQ(begun, 2);

@@ -220,17 +220,19 @@ TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
   // each call, as an archive would; 60 s of work.
   std::vector<std::uint64_t> cuts;
   bool had_solution = false;
-  const auto reached = [&](const Reached& now, bool has_solution) {
-    EXPECT_GE(now.scans, cuts.empty() ? 0 : cuts.back());
-    EXPECT_TRUE(has_solution || !had_solution);
-    had_solution = has_solution;
-    cuts.push_back(now.scans);
+  const auto standing = [&](const Standing& now) {
+    const std::uint64_t scans_now = now.reached.scans;
+    EXPECT_GE(scans_now, cuts.empty() ? 0 : cuts.back());
+    EXPECT_TRUE(now.has_solution || !had_solution);
+    EXPECT_EQ(now.workers, 3U);
+    had_solution = now.has_solution;
+    cuts.push_back(scans_now);
     store_->flush();
-    for (std::uint32_t chain = 0; now.scans > 0 && chain < k_chains; ++chain)
-      EXPECT_EQ(store::testing::stored(folder(), chain, now.scans).size(), now.scans);
+    for (std::uint32_t chain = 0; scans_now > 0 && chain < k_chains; ++chain)
+      EXPECT_EQ(store::testing::stored(folder(), chain, scans_now).size(), scans_now);
   };
   (void)session(scans(2000), {.seconds_per_scan = 0.010},
-                {.report_every_s = 5, .reached = reached});
+                {.report_every_s = 5, .standing = standing});
   EXPECT_GE(cuts.size(), 10U);
   EXPECT_LE(cuts.size(), 13U);
   EXPECT_TRUE(had_solution);
