@@ -8,15 +8,16 @@
 #include <nlohmann/json.hpp>
 
 #include "clients/cli/failure_counts.h"
+#include "clients/cli/progress_printer.h"
 #include "clients/cli/results_version.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
+#include "common/events/progress.h"
 #include "common/logging/log.h"
 #include "common/request/text.h"
-#include "service/coordinator/progress.h"
 #include "service/coordinator/stop_signal.h"
 #include "worker/sampling/search_lanes.h"
 
@@ -58,11 +59,10 @@ nlohmann::ordered_json handling_json(const coordinator::Handling& handling) {
 
 /// What the session computed, and how often a chain found its last simulation held.
 void print_effort(const coordinator::RunSummary& summary) {
-  const coordinator::Progress& progress = summary.progress;
+  const events::Progress& progress = summary.progress;
   if (progress.session_simulations == 0) return;
-  fmt::print("{} simulations in {} by {} worker{}",
-             coordinator::grouped(progress.session_simulations),
-             coordinator::clock_time(progress.elapsed_s), progress.workers,
+  fmt::print("{} simulations in {} by {} worker{}", events::grouped(progress.session_simulations),
+             events::clock_time(progress.elapsed_s), progress.workers,
              progress.workers == 1 ? "" : "s");
   const plan::CacheUse& cache = summary.handling.cache;
   const std::uint64_t asked = cache.hits + cache.misses;
@@ -78,7 +78,7 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
   const plan::FailureCounts& failures = summary.progress.failures;
   if (failures.total() == 0) return;
   fmt::print("{} simulation{} failed and {} refused: {}. That is a bug of the simulator; {}\n",
-             coordinator::grouped(failures.total()), failures.total() == 1 ? "" : "s",
+             events::grouped(failures.total()), failures.total() == 1 ? "" : "s",
              failures.total() == 1 ? "was" : "were", plan::to_string(failures),
              summary.first_failure.empty()
                  ? fmt::format("see {}/failures.", coordinator::run_folder(arguments.output))
@@ -137,12 +137,12 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     fmt::print("{}\n", what_is_missing(summary));
   } else if (summary.scans == 0) {
     fmt::print("{}: {} found, not in the model's proportions; seed {}, digest {}\n",
-               arguments.output, coordinator::grouped(summary.found), request.sampler.seed,
+               arguments.output, events::grouped(summary.found), request.sampler.seed,
                summary.digest);
   } else {
     fmt::print("{}: {} chain{} of {} scans, seed {}, digest {}\n", arguments.output,
                request.sampler.chains, request.sampler.chains == 1 ? "" : "s",
-               coordinator::grouped(summary.scans), request.sampler.seed, summary.digest);
+               events::grouped(summary.scans), request.sampler.seed, summary.digest);
   }
   if (!summary.digest.empty() && summary.progress.finds.gave_up)
     fmt::print("The search gave up. {}\n", why_it_gave_up(summary.progress.finds));
@@ -310,7 +310,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   if (!reader->layout().warning.empty()) logging::warn(reader->layout().warning);
   const auto plan = run::make_plan(request, world, {});
   base::PosixFileSystem files;
-  coordinator::ProgressPrinter printer(request.world, stderr);
+  cli::ProgressPrinter printer(request.world, stderr);
   coordinator::RunOptions options{
       .output = arguments.output,
       .fresh = arguments.fresh,
@@ -320,7 +320,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
       .ended = [&](const events::RunEnd& end) { end_report.tell(end); }};
   if (!arguments.time_limit.empty()) options.time_limit_s = parse_duration_s(arguments.time_limit);
   if (!arguments.quiet) {
-    options.report = [&](const coordinator::Progress& progress) { printer.show(progress); };
+    options.report = [&](const events::Progress& progress) { printer.show(progress); };
     options.say = [&](const std::string& phase) { printer.say(phase); };
   }
   const coordinator::RunSummary summary = coordinator::run_request(

@@ -129,8 +129,8 @@ class Driver {
 
   Reached reached() const { return {.scans = plan_.scans_common(), .found = plan_.finds().found}; }
 
-  Progress progress() const {
-    Progress now = counted_;
+  events::Progress progress() const {
+    events::Progress now = counted_;
     now.scans_done = earlier_scans_ + store_.committed();
     now.scans_total = plan_.scans_total().value_or(0);
     now.solutions = plan_.solutions_found();
@@ -173,7 +173,7 @@ class Driver {
   const DriveOptions& options_;
   core::Scheduler scheduler_;
   std::map<core::WorkerId, plan::CacheUse> caches_;
-  Progress counted_;
+  events::Progress counted_;
   std::uint64_t earlier_scans_ = 0;
   double begin_s_;
   double report_s_ = 0;

@@ -10,31 +10,13 @@
 #include <optional>
 
 #include "common/base/clock.h"
+#include "common/events/progress.h"
 #include "common/plan/plan.h"
 #include "common/store/run_store.h"
 #include "service/coordinator/crew.h"
 #include "service/core/scheduler.h"
 
 namespace sleight::coordinator {
-
-/// How a run stands; counts cover earlier sessions only where they say so.
-struct Progress {
-  std::uint64_t scans_done = 0;         ///< over all chains, earlier sessions included, committed
-  std::uint64_t scans_total = 0;        ///< 0 where the stop rule can't tell
-  std::uint64_t session_scans = 0;      ///< consumed in this session
-  std::uint64_t session_satisfied = 0;  ///< of these, satisfied
-  std::uint64_t session_proposed = 0;
-  std::uint64_t session_accepted = 0;
-  std::uint64_t session_simulations = 0;
-  std::uint64_t solutions = 0;                 ///< independent solutions, earlier sessions included
-  std::uint64_t solutions_wanted = 0;          ///< 0 where the stop rule doesn't ask for them
-  plan::Finds finds{};                         ///< of a search, earlier sessions included
-  double found_s = 0;                          ///< of this session: when the last find so far came
-  std::optional<std::uint64_t> round_trips{};  ///< of a ladder's replicas, if there is one
-  plan::FailureCounts failures{};              ///< of simulations, earlier sessions included
-  std::size_t workers = 0;                     ///< threads that compute and are heard of
-  double elapsed_s = 0;                        ///< of this session
-};
 
 /// What the session's work took besides computing, for people who tune runs.
 struct Handling {
@@ -59,9 +41,9 @@ struct Standing {
 struct DriveOptions {
   double time_limit_s = 0;  ///< 0 for none
   double report_every_s = 0.1;
-  std::function<bool()> stop_requested{};         ///< asked often; may be empty
-  std::function<void()> stopping{};               ///< once, when asked to; may be empty
-  std::function<void(const Progress&)> report{};  ///< may be empty
+  std::function<bool()> stop_requested{};                 ///< asked often; may be empty
+  std::function<void()> stopping{};                       ///< once, when asked to; may be empty
+  std::function<void(const events::Progress&)> report{};  ///< may be empty
   /// Hears every report_every_s how the run stands; must not take long; may be empty.
   std::function<void(const Standing&)> standing{};
   /// Hears of simulations that failed in this session, once each, of a unit the first few; may be
@@ -75,7 +57,7 @@ enum class DriveEnd { finished, time_limit, stop_requested, simulation_failed };
 struct DriveOutcome {
   DriveEnd end = DriveEnd::finished;
   Reached reached{};  ///< committed
-  Progress progress{};
+  events::Progress progress{};
   Handling handling{};
 };
 

@@ -15,6 +15,7 @@
 #include "common/archive/world_layout.h"
 #include "common/base/clock.h"
 #include "common/base/file_system.h"
+#include "common/events/progress.h"
 #include "common/events/run_end.h"
 #include "common/plan/plan.h"
 #include "common/request/direction_request.h"
@@ -44,7 +45,7 @@ struct RunOptions {
   bool fresh = false;       ///< give up an earlier run of this output
   double time_limit_s = 0;  ///< 0 for none
   std::function<bool()> stop_requested{};
-  std::function<void(const Progress&)> report{};
+  std::function<void(const events::Progress&)> report{};
   std::function<void(const std::string& phase)> say{};  ///< what goes on when nothing is counted
   /// An archive of the run so far, for people who watch (checkpoints.h); 0: none.
   double checkpoint_every_s = 60;
@@ -61,7 +62,7 @@ struct RunSummary {
   std::string digest{};         ///< of the archive's content; empty: none could be written
   std::uint64_t epoch = 0;      ///< 1 for a run's first session
   std::string first_failure{};  ///< of this session: its file, if it was kept
-  Progress progress{};
+  events::Progress progress{};
   Handling handling{};
 };
 

@@ -72,7 +72,7 @@ TEST_F(Drive, RunsAPlanToItsEnd) {
       accepted += std::uint64_t{record.accepted[0]} + record.accepted[1];
     }
   }
-  const Progress& progress = outcome.progress;
+  const events::Progress& progress = outcome.progress;
   EXPECT_EQ(progress.scans_done, 1500U);
   EXPECT_EQ(progress.scans_total, 1500U);
   EXPECT_EQ(progress.session_scans, 1500U);
@@ -198,8 +198,8 @@ TEST_F(Drive, StrangeCostsDoNoHarm) {
 TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
   // Goal: scans_done never runs ahead of the disk and never goes back; the last report is the
   // outcome's. Method: at each report a reader beside counts the stored scans.
-  std::vector<Progress> reports;
-  const auto report = [&](const Progress& progress) {
+  std::vector<events::Progress> reports;
+  const auto report = [&](const events::Progress& progress) {
     EXPECT_LE(progress.scans_done, committed_scans());
     if (!reports.empty()) {
       EXPECT_GE(progress.scans_done, reports.back().scans_done);
@@ -370,9 +370,10 @@ TEST_F(Drive, ReportsRoundTripsOfItsPlan) {
   store_.emplace(folder(), store::testing::example_identity(k_chains));
   std::vector<std::uint64_t> reported;
   const DriveOutcome outcome =
-      drive(plan, *store_, crew, clock_, {.report_every_s = 0, .report = [&](const Progress& now) {
-                                            reported.push_back(now.round_trips.value_or(0));
-                                          }});
+      drive(plan, *store_, crew, clock_,
+            {.report_every_s = 0, .report = [&](const events::Progress& now) {
+               reported.push_back(now.round_trips.value_or(0));
+             }});
   EXPECT_EQ(outcome.progress.round_trips, 80U * k_chains);
   EXPECT_EQ(outcome.progress.session_simulations, 2 * 30U * k_chains + crew.submitted().size());
   ASSERT_GT(reported.size(), 2U);

@@ -111,7 +111,7 @@ TEST_F(RunRequest, ReadsForeignFilesBeforeAnyThreadStarts) {
   auto at_most = before;
   (void)session(request_text("scans = 400"),
                 {.output = output(),
-                 .report = [&](const Progress&) { at_most = std::max(at_most, threads()); },
+                 .report = [&](const events::Progress&) { at_most = std::max(at_most, threads()); },
                  .say =
                      [&](const std::string& phase) {
                        if (phase.starts_with("reading")) while_reading = threads();

@@ -1,15 +1,11 @@
-#include "service/coordinator/progress.h"
+#include "common/events/progress.h"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
-#include <utility>
 
-namespace sleight::coordinator {
+namespace sleight::events {
 namespace {
 
 /// Longer times are shown as this: a slow start can promise ages that no integer holds.
@@ -101,41 +97,4 @@ std::string progress_line(const std::string& name, const Progress& progress) {
   return line;
 }
 
-ProgressPrinter::ProgressPrinter(std::string name, std::FILE* stream)
-    : name_(std::move(name)), stream_(stream), terminal_(::isatty(::fileno(stream)) == 1) {}
-
-void ProgressPrinter::show(const Progress& progress) {
-  if (terminal_) {
-    renew(progress_line(name_, progress));
-    return;
-  }
-  // That something was found is said at once.
-  const plan::Finds& finds = progress.finds;
-  const bool has_found = finds.wanted > 0 && (finds.found >= finds.wanted || finds.gave_up);
-  const bool is_news = has_found && !std::exchange(said_found_, has_found);
-  if (!is_news && progress.elapsed_s - shown_s_ < k_plain_line_every_s) return;
-  shown_s_ = progress.elapsed_s;
-  std::fputs((progress_line(name_, progress) + "\n").c_str(), stream_);
-}
-
-void ProgressPrinter::say(const std::string& phase) {
-  if (terminal_) renew(fmt::format("{}  {}", name_, phase));
-}
-
-void ProgressPrinter::renew(const std::string& line) {
-  // A line that wraps can't be renewed: cut it to the terminal's width.
-  winsize window{};
-  const bool known = ::ioctl(::fileno(stream_), TIOCGWINSZ, &window) == 0 && window.ws_col > 1;
-  const std::size_t width = known ? window.ws_col - 1U : 79U;
-  // Carriage return, then clear to the end of the line.
-  std::fputs(fmt::format("\r{}\x1b[K", std::string_view(line).substr(0, width)).c_str(), stream_);
-  std::fflush(stream_);
-  line_open_ = true;
-}
-
-void ProgressPrinter::finish() {
-  if (line_open_) std::fputs("\n", stream_);
-  line_open_ = false;
-}
-
-}  // namespace sleight::coordinator
+}  // namespace sleight::events

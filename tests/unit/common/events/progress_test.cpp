@@ -1,12 +1,11 @@
-#include "service/coordinator/progress.h"
+#include "common/events/progress.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <memory>
 
-namespace sleight::coordinator {
+namespace sleight::events {
 namespace {
 
 TEST(Grouped, GroupsByThousands) {
@@ -86,22 +85,5 @@ TEST(ProgressLine, HundredPercentMeansDone) {
   EXPECT_NE(line.find("(99%)"), std::string::npos) << line;
 }
 
-TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
-  // Goal: a log file gets a line every k_plain_line_every_s, without control characters. Method: a
-  // file in place of a terminal, a report every 0.1 s for 20 s.
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
-  ASSERT_NE(file, nullptr);
-  ProgressPrinter printer("x", file.get());
-  for (int i = 0; i <= 200; ++i)
-    printer.show({.scans_done = static_cast<std::uint64_t>(i), .elapsed_s = 0.1 * i});
-  printer.finish();
-  std::rewind(file.get());
-  std::string text(10'000, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4) << text;
-  EXPECT_EQ(text.find('\x1b'), std::string::npos);
-  EXPECT_EQ(text.find('\r'), std::string::npos);
-}
-
 }  // namespace
-}  // namespace sleight::coordinator
+}  // namespace sleight::events
