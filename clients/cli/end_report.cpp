@@ -14,10 +14,11 @@
 
 namespace sleight::cli {
 
-EndReport::EndReport(const std::string& path) {
+EndReport::EndReport(const std::string& path, Missing missing) {
   if (path.empty()) return;
   // Not blocking: a supervisor that does not read must not hold the run up.
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor_ < 0 && missing == Missing::tells_nothing) return;
   if (descriptor_ < 0) {
     const std::string reason = errno == ENXIO ? "nobody reads it" : std::strerror(errno);
     throw base::Error(base::ExitCode::usage, fmt::format("--end-report: {}: {}", path, reason));

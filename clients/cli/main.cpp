@@ -120,8 +120,8 @@ void add_derive(CLI::App& archive, DeriveArguments& arguments, Action& action) {
       ->type_name("OUTPUT.h5");
   command->add_flag("--json", arguments.json, "What it holds, as JSON");
   command->footer(
-      "Works beside the running job, and on a copy of its folder. The archive is the one that the\n"
-      "run would have if it ended now.\n\nExample:\n"
+      "Works beside the running job, and on a copy of its folder that was made while nobody wrote\n"
+      "it. The archive is the one that the run would have if it ended now.\n\nExample:\n"
       "  sleight archive derive ball.h5.run -o ball_so_far.h5");
   command->callback([&] { action = [&] { return derive(arguments); }; });
 }

@@ -171,8 +171,12 @@ int main_of(int argc, char** argv) {
   }
   logging::log_to_stderr("sleight-batch", false);
   try {
-    // Of every rank, for bugs; how the session ended is told by rank 0 alone.
-    cli::EndReport end_report(arguments.end_report);
+    // Of every rank, for bugs; how the session ended is told by rank 0 alone, and other hosts don't
+    // see its pipe.
+    const bool is_rank_0 = rank_by_environment().value_or("0") == "0";
+    cli::EndReport end_report(arguments.end_report, is_rank_0
+                                                        ? cli::EndReport::Missing::is_an_error
+                                                        : cli::EndReport::Missing::tells_nothing);
     if (started_by_mpirun()) return run_ranks(arguments, end_report, &argc, &argv);
     return end_report.watch([&] {
       return cli::with_results([&] { return run_rank_0(arguments, false, end_report).code; });

@@ -23,11 +23,12 @@ namespace {
 
 constexpr std::string_view k_folder_ending = ".run";
 
-/// The archive that the run itself writes.
+/// The archive that the run itself writes, however its folder is named.
 std::string own_archive_of(const std::string& folder) {
-  return folder.ends_with(k_folder_ending)
-             ? folder.substr(0, folder.size() - k_folder_ending.size())
-             : std::string();
+  std::error_code ignored;
+  const std::string whole = std::filesystem::canonical(folder, ignored).string();
+  return whole.ends_with(k_folder_ending) ? whole.substr(0, whole.size() - k_folder_ending.size())
+                                          : std::string();
 }
 
 void refuse_what_cannot_be_read(const std::string& folder) {
@@ -48,7 +49,8 @@ void refuse_what_cannot_be_read(const std::string& folder) {
                                         : fmt::format("take the latest archive, {}, ", own)));
 }
 
-void refuse_unusable_output(const DeriveArguments& arguments, const std::string& identity_text) {
+void refuse_unusable_output(const DeriveArguments& arguments,
+                            const request::DirectionRequest& request) {
   base::PosixFileSystem files;
   coordinator::refuse_unusable_place(arguments.output, files);
   const std::string own = own_archive_of(arguments.folder);
@@ -61,7 +63,7 @@ void refuse_unusable_output(const DeriveArguments& arguments, const std::string&
                                   arguments.output));
   }
   if (files.exists(arguments.output))
-    coordinator::refuse_foreign_file(arguments.output, {identity_text});
+    coordinator::refuse_foreign_file(arguments.output, coordinator::beginnings_of(request));
 }
 
 }  // namespace
@@ -89,7 +91,7 @@ int derive(const DeriveArguments& arguments) {
   }
   const request::DirectionRequest& request = read.value();
   refuse_unusable_output({.folder = folder, .output = arguments.output, .json = arguments.json},
-                         request::identity_text(request));
+                         request);
 
   // Where the run stands, and its archive.
   const run::WorldEntry& world = catalogue.world(request.world);

@@ -38,8 +38,8 @@ void tell_listener(const std::string& place, const std::string& words) {
   } catch (...) {
     reason = "an exception of an unknown type";
   }
-  print(fmt::format("terminated: {}\n", reason));
   tell_listener("", reason);
+  print(fmt::format("terminated: {}\n", reason));
   std::abort();
 }
 
@@ -49,8 +49,8 @@ void check_failed(std::string_view condition, std::string_view operands, const c
                   int line) {
   const std::string place = fmt::format("{}:{}", file, line);
   const std::string words = fmt::format("check failed: {} ({})", condition, operands);
+  tell_listener(place, words);  // first: stderr's reader may have gone, and take us along
   print(fmt::format("{}: {}\n", place, words));
-  tell_listener(place, words);
   std::abort();
 }
 

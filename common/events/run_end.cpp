@@ -10,9 +10,10 @@
 namespace sleight::events {
 namespace {
 
-constexpr std::array<std::pair<End, std::string_view>, 7> k_names{
+constexpr std::array<std::pair<End, std::string_view>, 8> k_names{
     {{End::finished, "finished"},
      {End::gave_up, "gave_up"},
+     {End::no_draws, "no_draws"},
      {End::time_limit, "time_limit"},
      {End::stop_requested, "stop_requested"},
      {End::simulation_failed, "simulation_failed"},

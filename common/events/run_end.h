@@ -26,7 +26,8 @@ inline constexpr std::size_t k_end_line_bytes_max = 4096;
 
 enum class End {
   finished,           ///< what the request asks for is there
-  gave_up,            ///< a search that found nothing: another session would end so too
+  gave_up,            ///< a search that found less than was asked for: another would end so too
+  no_draws,           ///< all scans are made, and the burn-in had not ended: likewise
   time_limit,         ///< stopped in order by its --time-limit
   stop_requested,     ///< stopped in order by a signal
   simulation_failed,  ///< --strict, and a simulation failed
@@ -37,13 +38,13 @@ enum class End {
 struct RunEnd {
   std::uint64_t epoch = 0;  ///< of the session; 0: it ended before it had the run store
   End end = End::finished;
-  base::ExitCode exit_code = base::ExitCode::ok;  ///< that the program returns; of a bug, `bug`
+  base::ExitCode exit_code = base::ExitCode::ok;  ///< of the run so ended; of a bug, `bug`
   std::uint64_t scans = 0;                        ///< that every chain has in the archive
   std::uint64_t found = 0;                        ///< by a search, in the archive
   std::uint64_t solutions = 0;                    ///< independent ones, earlier sessions included
   std::string digest{};                           ///< of the archive; empty: the session wrote none
-  std::string words{};  ///< for people: the error, or why a search gave up
-  std::string place{};  ///< of a failed check: "file.cpp:12"
+  std::string words{};                            ///< for people: the error, or what is missing
+  std::string place{};                            ///< of a failed check: "file.cpp:12"
 
   bool operator==(const RunEnd&) const = default;
 };

@@ -84,9 +84,10 @@ std::int64_t checksum_of(const SessionKey& session, std::string_view program_ver
   return sum.value();
 }
 
-std::int64_t checksum_of_motion(base::BytesView state, std::int64_t ends, std::uint64_t columns,
-                                base::BytesView numbers) {
+std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,
+                                std::uint64_t columns, base::BytesView numbers) {
   Checksum sum;
+  sum.add(salt);
   sum.array(state);
   sum.add(ends);
   sum.add(columns);

@@ -31,9 +31,9 @@ struct SessionKey {
 std::int64_t checksum_of(const SessionKey& session, std::string_view program_version,
                          std::uint64_t scans_before, std::string_view end);
 
-/// Of a remembered motion.
-std::int64_t checksum_of_motion(base::BytesView state, std::int64_t ends, std::uint64_t columns,
-                                base::BytesView numbers);
+/// Of a remembered motion; the salt is its owner's.
+std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,
+                                std::uint64_t columns, base::BytesView numbers);
 
 /// Throws base::Error: what is in the database at `path` was not written by us as it stands.
 [[noreturn]] void refuse_damaged(const std::string& path, const std::string& what);

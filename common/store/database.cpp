@@ -2,14 +2,30 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include "common/base/check.h"
-#include "common/base/error.h"
+#include "common/base/file_system.h"
 
 namespace sleight::store {
 namespace {
 
 constexpr int k_busy_timeout_ms = 10'000;
+
+DatabaseError::Kind kind_of(int basic_code) {
+  switch (basic_code) {
+    case SQLITE_NOTADB:
+    case SQLITE_CORRUPT:
+      return DatabaseError::Kind::damaged;
+    case SQLITE_FULL:
+      return DatabaseError::Kind::full;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return DatabaseError::Kind::busy;
+    default:
+      return DatabaseError::Kind::other;
+  }
+}
 
 [[noreturn]] void fail(sqlite3* connection, const std::string& path, int code) {
   const int basic = code & 0xff;
@@ -21,7 +37,27 @@ constexpr int k_busy_timeout_ms = 10'000;
     advice = "; it is not a run store or is damaged: use --fresh, or another output";
   }
   const char* reason = connection != nullptr ? sqlite3_errmsg(connection) : sqlite3_errstr(code);
-  throw base::Error(fmt::format("{}: {}{}", path, reason, advice));
+  throw DatabaseError(fmt::format("{}: {}{}", path, reason, advice), kind_of(basic), reason);
+}
+
+/// Whether a database stands still: it has no log, and this process may make none beside it. SQLite
+/// would want to, even to read.
+bool nobody_can_write(const std::string& path) {
+  const std::string folder = base::directory_of(path);
+  return ::access((path + "-wal").c_str(), F_OK) != 0 && ::access(folder.c_str(), W_OK) != 0;
+}
+
+/// As SQLite reads it: what has a meaning there is spelt out.
+std::string uri_of(const std::string& path) {
+  std::string uri = "file:";
+  for (const char character : path) {
+    if (character == '%' || character == '?' || character == '#') {
+      uri += fmt::format("%{:02x}", static_cast<unsigned char>(character));
+    } else {
+      uri += character;
+    }
+  }
+  return uri;
 }
 
 }  // namespace
@@ -109,8 +145,11 @@ Database::Database(const std::string& path, Access access)
     : path_(path), connection_(nullptr, &sqlite3_close_v2) {
   const int flags = access == Access::read_only ? SQLITE_OPEN_READONLY
                                                 : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const bool is_still = access == Access::read_only && nobody_can_write(path);
+  const std::string name = is_still ? uri_of(path) + "?immutable=1" : path;
   sqlite3* connection = nullptr;
-  const int code = sqlite3_open_v2(path.c_str(), &connection, flags, nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &connection,
+                                   is_still ? flags | SQLITE_OPEN_URI : flags, nullptr);
   connection_.reset(connection);
   if (code != SQLITE_OK) fail(connection, path, code);
   sqlite3_extended_result_codes(connection, 1);

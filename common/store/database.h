@@ -10,8 +10,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/base/bytes.h"
+#include "common/base/error.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -51,6 +53,21 @@ class Statement {
 };
 
 enum class Access { read_only, read_write };
+
+/// SQLite's failure: base::Error with what a run store's user should do, and for those who do
+/// something else the kind and the bare reason.
+class DatabaseError : public base::Error {
+ public:
+  enum class Kind { damaged, full, busy, other };
+  DatabaseError(const std::string& message, Kind kind, std::string reason)
+      : base::Error(message), kind_(kind), reason_(std::move(reason)) {}
+  Kind kind() const { return kind_; }
+  const std::string& reason() const { return reason_; }
+
+ private:
+  Kind kind_;
+  std::string reason_;
+};
 
 class Database {
  public:

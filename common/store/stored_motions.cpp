@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <span>
 #include <system_error>
-#include <vector>
 
-#include "common/base/error.h"
 #include "common/logging/log.h"
 #include "common/store/checksum.h"
 #include "common/store/database.h"
@@ -25,8 +22,9 @@ constexpr const char* k_schema = R"(
     checksum INTEGER NOT NULL);
 )";
 
-std::int64_t sum_of(base::BytesView state, const archive::Motion& motion) {
-  return checksum_of_motion(state, static_cast<std::int64_t>(motion.ends), motion.recording.columns,
+std::int64_t sum_of(std::uint64_t salt, base::BytesView state, const archive::Motion& motion) {
+  return checksum_of_motion(salt, state, static_cast<std::int64_t>(motion.ends),
+                            motion.recording.columns,
                             base::bytes_of(std::span<const double>(motion.recording.values)));
 }
 
@@ -45,112 +43,121 @@ struct StoredMotions::File {
     database.execute(k_schema);
     find.emplace(
         database.prepare("SELECT ends, columns, numbers, checksum FROM motion WHERE state=?1"));
-    insert.emplace(database.prepare("INSERT OR IGNORE INTO motion VALUES(?1,?2,?3,?4,?5)"));
+    insert.emplace(database.prepare("INSERT OR REPLACE INTO motion VALUES(?1,?2,?3,?4,?5)"));
   }
   Database database;
   std::optional<Statement> find;
   std::optional<Statement> insert;
 };
 
-StoredMotions::StoredMotions(const std::string& folder, const std::string& owner)
-    : path_(path(folder)) {
-  try {
-    open(owner);
-  } catch (const base::Error&) {
-    // Damaged, or something else: made anew.
-    file_.reset();
-    for (const char* suffix : {"", "-wal", "-shm"}) {
-      std::error_code ignored;
-      std::filesystem::remove(path_ + suffix, ignored);
-    }
+StoredMotions::StoredMotions(const std::string& folder, const std::string& owner,
+                             std::uint64_t file_bytes_max)
+    : path_(path(folder)), owner_(owner), salt_(salt_of(owner)), file_bytes_max_(file_bytes_max) {
+  attempt([] {});
+}
+
+StoredMotions::~StoredMotions() {
+  attempt([this] { write(); });
+}
+
+void StoredMotions::attempt(const std::function<void()>& act) {
+  for (int tries = 0; is_usable_ && tries < 2; ++tries) {
     try {
-      open(owner);
-    } catch (const base::Error& failure) {
-      give_up(failure.what());
+      if (!file_) open();
+      act();
+      return;
+    } catch (const DatabaseError& failure) {
+      const bool is_made_anew = failure.kind() == DatabaseError::Kind::damaged && tries == 0;
+      if (is_made_anew || failure.kind() == DatabaseError::Kind::full) remove_file();
+      if (!is_made_anew) give_up(failure.reason());
     }
   }
 }
 
-StoredMotions::~StoredMotions() {
-  write();
-}
-
-void StoredMotions::open(const std::string& owner) {
+void StoredMotions::open() {
   file_ = std::make_unique<File>(path_);
   Database& database = file_->database;
   Statement known = database.prepare("SELECT text FROM owner");
   const bool is_known = known.step();
-  if (is_known && known.text(0) == owner) return;
+  if (is_known && known.text(0) == owner_) return;
   known.reset();
   database.execute("BEGIN IMMEDIATE");
   database.execute("DELETE FROM motion");
   database.execute("DELETE FROM owner");
-  database.prepare("INSERT INTO owner VALUES(?1)").bind(1, owner).run();
+  database.prepare("INSERT INTO owner VALUES(?1)").bind(1, owner_).run();
   database.execute("COMMIT");
 }
 
+void StoredMotions::remove_file() {
+  file_.reset();
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    std::error_code ignored;
+    std::filesystem::remove(path_ + suffix, ignored);
+  }
+}
+
 void StoredMotions::give_up(const std::string& reason) {
+  is_usable_ = false;
   file_.reset();
   waiting_.clear();
-  logging::warn(
-      fmt::format("motions of kept animations are not remembered, and each archive simulates them "
-                  "anew: {}",
-                  reason));
+  logging::warn(fmt::format(
+      "motions of kept animations are not remembered, and each archive simulates them anew: {}: {}",
+      path_, reason));
 }
 
 std::optional<archive::Motion> StoredMotions::find(base::BytesView state) {
-  if (!file_) return std::nullopt;
-  if (const auto known = waiting_.find(text_of(state)); known != waiting_.end()) {
+  if (const auto known = waiting_.find(text_of(state)); known != waiting_.end())
     return known->second;
-  }
-  try {
-    Statement& select = *file_->find;
-    select.reset();
-    select.bind(1, state);
-    if (!select.step()) return std::nullopt;
+  std::optional<archive::Motion> found;
+  attempt([&] { found = read(state); });
+  return found;
+}
+
+std::optional<archive::Motion> StoredMotions::read(base::BytesView state) {
+  Statement& select = *file_->find;
+  select.bind(1, state);
+  std::optional<archive::Motion> motion;
+  bool is_sound = false;
+  if (select.step()) {
     const base::BytesView numbers = select.blob(2);
-    archive::Motion motion{
+    motion = archive::Motion{
         .ends = static_cast<archive::PlaysOut>(select.integer(0)),
         .recording = {.columns = static_cast<std::size_t>(select.integer(1)), .values = {}}};
-    motion.recording.values.resize(numbers.size() / sizeof(double));
-    std::memcpy(motion.recording.values.data(), numbers.data(),
-                motion.recording.values.size() * sizeof(double));
-    const bool is_sound =
-        sum_of(state, motion) == select.integer(3) && numbers.size() % sizeof(double) == 0;
-    select.reset();
-    if (is_sound) return motion;
-    file_->database.prepare("DELETE FROM motion WHERE state=?1").bind(1, state).run();
-  } catch (const base::Error& failure) {
-    give_up(failure.what());
+    std::vector<double>& values = motion->recording.values;
+    values.resize(numbers.size() / sizeof(double));
+    if (!values.empty()) std::memcpy(values.data(), numbers.data(), values.size() * sizeof(double));
+    is_sound =
+        sum_of(salt_, state, *motion) == select.integer(3) && numbers.size() % sizeof(double) == 0;
   }
-  return std::nullopt;
+  select.reset();
+  return is_sound ? motion : std::nullopt;
 }
 
 void StoredMotions::keep(base::BytesView state, const archive::Motion& motion) {
-  if (!file_) return;
+  if (!is_usable_ || is_full_) return;
   waiting_bytes_ += state.size() + motion.recording.values.size() * sizeof(double);
   waiting_.insert_or_assign(text_of(state), motion);
-  if (waiting_bytes_ >= k_motions_bytes) write();
+  if (waiting_bytes_ >= k_motions_bytes) attempt([this] { write(); });
 }
 
 void StoredMotions::write() {
-  if (!file_ || waiting_.empty()) return;
-  try {
-    file_->database.execute("BEGIN IMMEDIATE");
-    for (const auto& [state, motion] : waiting_) {
-      file_->insert->bind(1, base::bytes_of(std::span<const char>(state)))
-          .bind(2, static_cast<std::int64_t>(motion.ends))
-          .bind(3, static_cast<std::int64_t>(motion.recording.columns))
-          .bind(4, base::bytes_of(std::span<const double>(motion.recording.values)))
-          .bind(5, sum_of(base::bytes_of(std::span<const char>(state)), motion))
-          .run();
-    }
-    file_->database.execute("COMMIT");
-    waiting_.clear();
-    waiting_bytes_ = 0;
-  } catch (const base::Error& failure) {
-    give_up(failure.what());
+  if (waiting_.empty()) return;
+  file_->database.execute("BEGIN IMMEDIATE");
+  for (const auto& [text, motion] : waiting_) {
+    const base::BytesView state = base::bytes_of(std::span<const char>(text));
+    file_->insert->bind(1, state)
+        .bind(2, static_cast<std::int64_t>(motion.ends))
+        .bind(3, static_cast<std::int64_t>(motion.recording.columns))
+        .bind(4, base::bytes_of(std::span<const double>(motion.recording.values)))
+        .bind(5, sum_of(salt_, state, motion))
+        .run();
   }
+  file_->database.execute("COMMIT");
+  waiting_.clear();
+  waiting_bytes_ = 0;
+  std::error_code unknown;
+  const std::uintmax_t bytes = std::filesystem::file_size(path_, unknown);
+  is_full_ = !unknown && bytes >= file_bytes_max_;
 }
 
 }  // namespace sleight::store

@@ -39,7 +39,11 @@ RowKey StoredRun::key_of(base::ChainId chain, std::int64_t replica, std::int64_t
 }
 
 std::uint32_t StoredRun::count_replicas() const {
-  Statement most = database_.prepare("SELECT MAX(replica) FROM replica");
+  // Of those that the cut has: a ladder may have got more levels since.
+  Statement most = database_.prepare(
+      "SELECT MAX(replica) FROM replica AS known WHERE chain<?1 AND EXISTS(SELECT 1 FROM scan "
+      "WHERE chain=known.chain AND replica=known.replica AND scan<?2)");
+  most.bind(1, std::int64_t{chains_}).bind(2, static_cast<std::int64_t>(scans_));
   if (!most.step()) return 1;
   return static_cast<std::uint32_t>(most.integer(0)) + 1;
 }

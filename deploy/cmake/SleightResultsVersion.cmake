@@ -33,6 +33,13 @@ endfunction()
 # compiled; results_version.json in the build's folder says what that is.
 function(sleight_results_version root)
   cmake_parse_arguments(ARG "" "OUTPUT" "" ${ARGN})
+  if(NOT CMAKE_GENERATOR STREQUAL "Ninja")
+    message(FATAL_ERROR "Sleight is built by Ninja, whose record tells the results version: "
+                        "cmake --preset release")
+  endif()
+  if(CMAKE_SOURCE_DIR STREQUAL CMAKE_BINARY_DIR)
+    message(FATAL_ERROR "Build in another folder than the sources': cmake --preset release")
+  endif()
   sleight_libraries_under(${root} libraries)
   set(deciding)
   set(left_out)
@@ -69,6 +76,8 @@ function(sleight_results_version root)
   set(decides ${CMAKE_BINARY_DIR}/results_version.json)
   file(CONFIGURE OUTPUT ${decides} CONTENT "{\"libraries\": [${deciding}],
  \"left_out\": [${left_out}],
+ \"source\": \"${CMAKE_SOURCE_DIR}\",
+ \"linked\": [\"${SLEEF_LINK_LIBRARIES}\"],
  \"compiler\": \"${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}\"}\n")
   add_custom_command(OUTPUT ${ARG_OUTPUT}
     COMMAND ${CMAKE_SOURCE_DIR}/deploy/version --results ${CMAKE_BINARY_DIR} --cpp ${ARG_OUTPUT}

@@ -4,9 +4,9 @@
     deploy/version --results BUILD [--source FOLDER] [--list] [--cpp FILE]
 
 BUILD is a preset's build folder, in which CMake has put `results_version.json`: the libraries that
-decide, the folders left out, the compiler. Hashed are, for all objects of these libraries: each file that the compiler opened for them, by its
-place in the source tree (others by their whole path) and content; the flags that can change what is
-computed; and the compiler. Not hashed: generated files, files that lie in a folder left out, and
+decide, the folders left out, the compiler, and what else is linked. Hashed are, for all objects of these libraries: each file that the compiler opened for them, by its
+place in the source tree (others by their whole path) and content; each object's flags that can change
+what is computed; the compiler; and the library of elementary functions. Not hashed: generated files, files that lie in a folder left out, and
 flags that change only speed, checks, warnings or places (FLAGS_LEFT_OUT): builds of all presets
 have one results version, and tests compare their digests.
 
@@ -23,13 +23,13 @@ import shlex
 import struct
 import sys
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MAGIC = b"# ninjadeps\n"
 DEPS_RECORD = 0x80000000
+# -Ofast and what -Wp, and -Wa, hand on are not among them.
 FLAGS_LEFT_OUT = re.compile(
-    r"-(O|g|W|I|M|fsanitize|fno-sanitize|fno-omit-frame-pointer|fdiagnostics|pthread|Winvalid"
-    r"|DNDEBUG$|DSLEIGHT_SANITIZED)")
-FLAGS_WITH_VALUE = {"-I", "-isystem", "-include", "-o", "-c", "-MF", "-MT", "-MQ", "-x", "--param"}
+    r"-(O([0-3gs]|)$|g|W(?![pa],)|I|M|fsanitize|fno-sanitize|fno-omit-frame-pointer|fdiagnostics"
+    r"|pthread$|DNDEBUG$|DSLEIGHT_SANITIZED)")
+VALUES_LEFT_OUT = {"-I", "-isystem", "-include", "-o", "-c", "-MF", "-MT", "-MQ", "-x"}
 
 
 class CannotTell(Exception):
@@ -88,7 +88,12 @@ def flags_of(words):
     flags, i = [], 0
     while i < len(words):
         word = words[i]
-        if word in FLAGS_WITH_VALUE:
+        if word in VALUES_LEFT_OUT:
+            i += 2
+            continue
+        if word == "--param":  # ggc-: how much memory the compiler takes
+            if not words[i + 1].startswith("ggc-"):
+                flags += words[i:i + 2]
             i += 2
             continue
         if word.startswith("-") and not FLAGS_LEFT_OUT.match(word):
@@ -108,42 +113,46 @@ def add_opened(name, found, folder, opened):
 
 
 class Deciding:
-    """What decides the results of a build: files, by their names in the hash; flags; compiler."""
+    """What decides the results of a build: files, by their names in the hash; each object's flags;
+    the compiler; and the libraries of elementary functions that it is linked with."""
 
     def __init__(self, build):
         with open(os.path.join(build, "results_version.json"), encoding="utf-8") as file:
             settings = json.load(file)
         self.compiler = settings["compiler"]
+        source = settings["source"]
         found = dependencies(build)
         objects, folder = objects_of(build, settings["libraries"])
-        opened, flags = set(), set()
+        opened, self.flags = set(), []
         for output, its_flags in objects:
             if output not in found:
                 raise CannotTell(f"{build}: nothing is known of {output}; build it first")
             for name in found[output]:
                 add_opened(name, found, folder, opened)
-            flags.add(its_flags)
-        self.flags = sorted(flags)
+            self.flags.append((output, its_flags))
+        self.flags.sort()
         left_out = set(settings["left_out"])
         self.files = {}
         for path in opened:
             if path.startswith(folder + os.sep) or os.path.dirname(path) in left_out:
                 continue
-            inside = path.startswith(ROOT + os.sep)
-            self.files[os.path.relpath(path, ROOT) if inside else path] = path
+            inside = path.startswith(source + os.sep)
+            self.files[os.path.relpath(path, source) if inside else path] = path
+        for library in settings["linked"]:
+            self.files[os.path.basename(library)] = library
 
     def version(self, source=None):
         """The hash; with another tree's files in place of this one's, where one is given."""
         total = hashlib.sha256()
         for name in sorted(self.files):
             path = self.files[name]
-            if source and not os.path.isabs(name):
+            if source and os.path.exists(os.path.join(source, name)):
                 path = os.path.join(source, name)
             with open(path, "rb") as file:
                 content = hashlib.sha256(file.read()).hexdigest()
             total.update(f"{name}\0{content}\n".encode())
-        for group in self.flags:
-            total.update((" ".join(group) + "\n").encode())
+        for output, its_flags in self.flags:
+            total.update(f"{output} {' '.join(its_flags)}\n".encode())
         total.update(self.compiler.encode())
         return total.hexdigest()[:16]
 

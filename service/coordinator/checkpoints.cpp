@@ -3,20 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <string>
+#include <system_error>
 #include <utility>
 
-#include "common/base/error.h"
 #include "common/logging/log.h"
 #include "service/coordinator/derive.h"
 
 namespace sleight::coordinator {
 
-Checkpoints::Checkpoints(Derive derive, const base::Clock& clock, double every_s)
+Checkpoints::Checkpoints(Derive derive, const base::Clock& clock, double every_s, bool has_archive)
     : derive_(std::move(derive)),
       clock_(clock),
       every_s_(every_s),
       begin_s_(clock.now_s()),
+      has_archive_(has_archive),
       last_end_s_(begin_s_) {}
 
 Checkpoints::~Checkpoints() {
@@ -28,19 +30,35 @@ void Checkpoints::offer(const Standing& now) {
   {
     const std::scoped_lock lock(mutex_);
     if (is_making_ || wanted_ || !is_due(now)) return;
+    try {
+      if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+    } catch (const std::system_error& failure) {
+      complain(failure.what());
+      last_end_s_ = clock_.now_s();
+      return;
+    }
     wanted_ = now.reached;
-    has_seen_solution_ = has_seen_solution_ || now.has_solution;
-    if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+    shows_solution_ = now.has_solution;
   }
   changed_.notify_all();
 }
 
 bool Checkpoints::is_due(const Standing& now) const {
   const double now_s = clock_.now_s();
-  if (now.has_solution && !has_seen_solution_) return now_s - begin_s_ >= k_checkpoint_after_s;
   const double since_s = now_s - last_end_s_;
   const double work_s = since_s * static_cast<double>(std::max<std::size_t>(1, now.workers));
-  return since_s >= every_s_ && last_cost_s_ <= k_checkpoint_share_max * work_s;
+  if (last_cost_s_ > k_checkpoint_share_max * work_s) return false;
+  if (now.has_solution && !has_archive_) {
+    return last_end_s_ == begin_s_ ? since_s >= k_checkpoint_after_s
+                                   : since_s >= std::min(every_s_, k_checkpoint_retry_s);
+  }
+  return since_s >= every_s_;
+}
+
+/// Once, and not again.
+void Checkpoints::complain(const std::string& reason) {
+  if (std::exchange(has_complained_, true)) return;
+  logging::warn(fmt::format("no archive of the run so far: {}", reason));
 }
 
 void Checkpoints::stop() {
@@ -67,26 +85,23 @@ void Checkpoints::work() {
     lock.unlock();
 
     const double begin_s = base::thread_processor_s();
-    double motions_s = 0;
-    bool is_made = false;
+    Made result;
     std::string complaint;
     try {
-      motions_s = derive_(reached, stop_);
-      is_made = true;
+      result = derive_(reached, stop_);
     } catch (const DeriveStopped&) {
-    } catch (const base::Error& failure) {
+    } catch (const std::exception& failure) {
       complaint = failure.what();
     }
-    const double cost_s = base::thread_processor_s() - begin_s - motions_s;
+    const double cost_s = base::thread_processor_s() - begin_s - result.motions_s;
 
     lock.lock();
     is_making_ = false;
     last_end_s_ = clock_.now_s();
     last_cost_s_ = cost_s;
-    made_ += is_made ? 1 : 0;
-    if (!complaint.empty() && !std::exchange(has_complained_, true)) {
-      logging::warn(fmt::format("no archive of the run so far: {}", complaint));
-    }
+    made_ += result.archive ? 1 : 0;
+    has_archive_ = has_archive_ || (result.archive && shows_solution_);
+    if (!complaint.empty()) complain(complaint);
   }
 }
 

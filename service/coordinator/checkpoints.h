@@ -20,6 +20,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "common/base/clock.h"
@@ -31,16 +32,22 @@ namespace sleight::coordinator {
 inline constexpr double k_checkpoint_share_max = 0.01;
 /// Before so much of a session nothing is made: a run that is over by then has its archive anyhow.
 inline constexpr double k_checkpoint_after_s = 0.5;
+/// A first one that could not be made, or shows nothing yet, is tried again after so long.
+inline constexpr double k_checkpoint_retry_s = 1;
 
 class Checkpoints {
  public:
-  /// Derives the archive of what was reached, in the thread, and returns the processor time in
-  /// seconds that new motions took; throws DeriveStopped (derive.h) soon after `stop` has become
-  /// true, and base::Error where it fails.
-  using Derive = std::function<double(const Reached& reached, const std::atomic<bool>& stop)>;
+  struct Made {
+    bool archive = false;  ///< false: there are no draws and no finds yet
+    double motions_s = 0;  ///< processor time that new motions took
+  };
+  /// Derives the archive of what was reached, in the thread; throws DeriveStopped (derive.h) soon
+  /// after `stop` has become true, and any other exception where it fails.
+  using Derive = std::function<Made(const Reached& reached, const std::atomic<bool>& stop)>;
 
-  /// Borrows the clock, which must be thread-safe. `every_s` 0: none are made.
-  Checkpoints(Derive derive, const base::Clock& clock, double every_s);
+  /// Borrows the clock, which must be thread-safe. `every_s` 0: none are made. `has_archive`: an
+  /// earlier session left one, so that none is made at once.
+  Checkpoints(Derive derive, const base::Clock& clock, double every_s, bool has_archive = false);
   /// As stop().
   ~Checkpoints();
   Checkpoints(const Checkpoints&) = delete;
@@ -57,6 +64,7 @@ class Checkpoints {
  private:
   void work();
   bool is_due(const Standing& now) const;
+  void complain(const std::string& reason);
 
   Derive derive_;
   const base::Clock& clock_;
@@ -67,9 +75,10 @@ class Checkpoints {
   std::condition_variable changed_;
   std::optional<Reached> wanted_;  ///< to be made now
   bool is_making_ = false;
-  bool has_seen_solution_ = false;  ///< one of the checkpoints asked for has some
+  bool has_archive_ = false;     ///< one that shows a solution
+  bool shows_solution_ = false;  ///< the one that is being made does
   bool has_complained_ = false;
-  double last_end_s_;  ///< of the last one made, or the session's beginning
+  double last_end_s_;  ///< of the last try, or the session's beginning
   double last_cost_s_ = 0;
   std::uint64_t made_ = 0;
   std::thread thread_;

@@ -76,10 +76,12 @@ std::string owner_of_motions(const request::DirectionRequest& request) {
 }
 
 /// Feeds a plan with what the method can learn from a cut, and from no other scan.
-void teach(plan::Plan& learner, const store::StoredRun& view) {
-  view.replay(
-      [&](const plan::ReplicaKey& replica, base::ScanIndex first,
-          std::span<const plan::ScanRecord> records) { learner.consume(replica, first, records); });
+void teach(plan::Plan& learner, const store::StoredRun& view, const std::function<void()>& ask) {
+  view.replay([&](const plan::ReplicaKey& replica, base::ScanIndex first,
+                  std::span<const plan::ScanRecord> records) {
+    ask();
+    learner.consume(replica, first, records);
+  });
 }
 
 }  // namespace
@@ -97,7 +99,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
   if (cut.scans > 0) {
     const std::unique_ptr<plan::Plan> learner = inputs.plan_of(cut);
     if (learner->learns()) {
-      teach(*learner, *view);
+      teach(*learner, *view, ask);
       view->set_report(learner->report());
       view->set_draws(learner->draws());
     }

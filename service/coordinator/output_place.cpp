@@ -32,6 +32,12 @@ void refuse_unusable_place(const std::string& output, base::FileSystem& files) {
   files.remove(trial);
 }
 
+std::vector<std::string> beginnings_of(const request::DirectionRequest& request) {
+  std::vector<std::string> beginnings{request::identity_text(request)};
+  if (request.stop.found) beginnings.push_back(request::identity_text(request::search_of(request)));
+  return beginnings;
+}
+
 void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings) {
   bool ours = false;
   try {

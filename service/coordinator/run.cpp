@@ -25,13 +25,6 @@
 namespace sleight::coordinator {
 namespace {
 
-/// With which the request of an archive of this run begins.
-std::vector<std::string> beginnings_of(const request::DirectionRequest& request) {
-  std::vector<std::string> beginnings{request::identity_text(request)};
-  if (request.stop.found) beginnings.push_back(request::identity_text(request::search_of(request)));
-  return beginnings;
-}
-
 /// Refuses an output that no run of ours explains, and gives up an earlier run when asked to.
 /// REQUIRES: the folder's lock is held.
 void claim_output(const std::string& output, const std::string& folder, bool fresh,
@@ -170,10 +163,10 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
       [&](const Reached& reached, const std::atomic<bool>& stop) {
         run_store.flush();  // what was reached may be on its way
         motions_s = 0;
-        (void)archive_of(reached, &stop);
-        return motions_s;
+        const std::string digest = archive_of(reached, &stop).first;
+        return Checkpoints::Made{.archive = !digest.empty(), .motions_s = motions_s};
       },
-      inputs.clock, options.checkpoint_every_s);
+      inputs.clock, options.checkpoint_every_s, files.exists(options.output));
   FailureNotes failures(folder, request::normalised_text(inputs.request), files);
   const DriveOptions drive_options{
       .time_limit_s = options.time_limit_s,
@@ -208,7 +201,9 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
 events::End end_of(const RunSummary& summary) {
   switch (summary.end) {
     case DriveEnd::finished:
-      return summary.digest.empty() ? events::End::gave_up : events::End::finished;
+      if (summary.progress.finds.is_all && summary.progress.finds.gave_up)
+        return events::End::gave_up;
+      return summary.digest.empty() ? events::End::no_draws : events::End::finished;
     case DriveEnd::time_limit:
       return events::End::time_limit;
     case DriveEnd::stop_requested:
@@ -219,6 +214,21 @@ events::End end_of(const RunSummary& summary) {
   return events::End::simulation_failed;
 }
 
+/// For people; of most ends there is nothing to say.
+std::string words_of(const RunSummary& summary) {
+  const std::string& stuck_at = summary.progress.finds.stuck_at;
+  switch (end_of(summary)) {
+    case events::End::gave_up:
+      return fmt::format("the search gave up after {} of {} finds{}", summary.found,
+                         summary.progress.finds.wanted,
+                         stuck_at.empty() ? "" : "; it was stuck at " + stuck_at);
+    case events::End::no_draws:
+      return "all scans are made and none of them is a draw: the burn-in takes longer";
+    default:
+      return {};
+  }
+}
+
 events::RunEnd record_of(const RunSummary& summary) {
   return {.epoch = summary.epoch,
           .end = end_of(summary),
@@ -226,7 +236,8 @@ events::RunEnd record_of(const RunSummary& summary) {
           .scans = summary.scans,
           .found = summary.found,
           .solutions = summary.progress.solutions,
-          .digest = summary.digest};
+          .digest = summary.digest,
+          .words = words_of(summary)};
 }
 
 /// Where the store can't take the record, the caller's supervisor has it all the same, and the

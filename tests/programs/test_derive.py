@@ -3,10 +3,12 @@ running job, of a copy and of one that has ended; and refuses what it can't do w
 runs; digests against those of runs asked for so many scans."""
 
 import json
+import os
 import pathlib
 import shutil
 import signal
 import sqlite3
+import tempfile
 import time
 import unittest
 
@@ -62,6 +64,32 @@ class Derive(ProgramTest):
                                f"{self.digest(output)}\n")
         self.assertEqual(self.path("b.h5").read_bytes(), output.read_bytes())
 
+    def test_its_own_output_may_be_renewed(self):
+        """Of finds alone, and then of finds and draws."""
+        output = self.path("hi.h5")
+        run = [harness.program("sleight"), "direct", "--word", "HI", "-n", "50", "-o", output, "-q"]
+        self.succeed(harness.run([*run, "--time-limit", "1s"]))
+        for _ in range(2):
+            self.derive(f"{output}.run", self.path("so_far.h5"))
+        self.assertEqual(self.digest(self.path("so_far.h5")), self.digest(output))
+
+    def test_a_folder_that_nobody_may_write(self):
+        """As somebody who may read it alone, of a run that has ended."""
+        output = self.path("a.h5")
+        self.direct(self.write_request(chains=2, scans=50), output)
+        as_nobody = ["setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups",
+                     harness.program("sleight")]
+        if os.geteuid() != 0 or harness.run([*as_nobody, "--version"]).returncode != 0:
+            self.skipTest("this user can't become nobody")
+        self.folder.chmod(0o755)
+        place = pathlib.Path(tempfile.mkdtemp(prefix="sleight-nobody-"))
+        self.addCleanup(shutil.rmtree, place, ignore_errors=True)
+        place.chmod(0o777)
+        made = self.succeed(harness.run([*as_nobody, "archive", "derive", f"{output}.run", "-o",
+                                         place / "b.h5"]))
+        self.assertIn(self.digest(output), made.stdout)
+        self.assertIn("motions of kept animations are not remembered", made.stderr)
+
     def test_what_it_refuses(self):
         output = self.path("a.h5")
         self.direct(self.write_request(chains=2, scans=50), output)
@@ -70,6 +98,8 @@ class Derive(ProgramTest):
         self.refused(5, "holds no run's store", self.folder, "-o", self.path("b.h5"))
         self.refused(5, "holds no run's store", self.path("none.run"), "-o", self.path("b.h5"))
         self.refused(2, "is the archive that the run itself writes", run, "-o", output)
+        self.path("link").symlink_to(run)
+        self.refused(2, "is the archive that the run itself writes", self.path("link"), "-o", output)
         self.refused(2, "no file name", run, "-o", self.folder)
         self.refused(4, "lies in the run store of another output", run, "-o", f"{run}/b.h5")
         self.path("mine").write_text("mine")

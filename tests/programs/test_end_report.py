@@ -163,6 +163,25 @@ class EndReport(ProgramTest):
         self.assertEqual(harness.run(job).returncode, 3)
         self.assertEqual(self.told()["exit_code"], 3)
 
+    def test_a_rank_elsewhere_sees_no_pipe(self):
+        """Another host has no such pipe, or one that nobody reads: its ranks compute all the same.
+        Method: what a rank other than 0 makes of it, before MPI refuses to start so."""
+        request = self.write_request(scans=20)
+        for rank, words in [("0", "--end-report"), ("1", None)]:
+            result = harness.run([harness.program("sleight-batch"), request, "-o", self.path("a.h5"),
+                                  "--end-report", self.path("none")],
+                                 env={"OMPI_COMM_WORLD_RANK": rank, "OMPI_COMM_WORLD_SIZE": "2"})
+            self.assertEqual("--end-report" in result.stderr, words is not None, result.stderr)
+
+    def test_a_run_that_never_drew(self):
+        request = self.path("judged.toml")
+        request.write_text('[world]\nname = "spelling"\nbitmap = "#.#"\n[sampler]\nmethod = '
+                           '"metropolis_hastings"\nstart = "search"\n[stop]\nscans = 3\n')
+        self.succeed(self.run_direct(request, self.path("a.h5")))
+        record = self.told()
+        self.assertEqual((record["end"], record["digest"]), ("no_draws", ""))
+        self.assertIn("none of them is a draw", record["words"])
+
     def test_no_pipe(self):
         request = self.write_request(scans=20)
         for path, words in [(self.path("none"), "No such file"), (self.path("unread"), "nobody reads")]:

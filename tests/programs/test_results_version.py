@@ -89,10 +89,22 @@ class ResultsVersion(ProgramTest):
                                        ("-std=c++20", "-std=c++20 -mavx2", True),
                                        ("-std=c++20", "-std=c++20 -DLESS=1", True),
                                        ("-std=c++20", "-std=c++20 -ffast-math", True),
+                                       ("-std=c++20", "-std=c++20 -Ofast", True),
+                                       ("-std=c++20", "-std=c++20 -Wp,-DLESS=1", True),
                                        ("-std=c++20", "-std=c++20 -O0 -g3 -Wextra", False),
                                        ("-std=c++20", "-std=c++20 -fsanitize=address", False)]:
             commands.write_text(text.replace(before, after))
             self.assertEqual(self.results(self.records()) != as_built, decides, after)
+        # The same flag on another file is another version.
+        versions = set()
+        for name in ["swap.cpp", "tuning.cpp"]:
+            values = json.loads(text)
+            for value in values:
+                if value["file"].endswith("worker/sampling/" + name):
+                    value["command"] = value["command"].replace("-std=c++20", "-std=c++20 -mfma")
+            commands.write_text(json.dumps(values))
+            versions.add(self.results(self.records()))
+        self.assertEqual(len(versions - {as_built}), 2)
         commands.write_text(text)
         settings = self.records() / "results_version.json"
         values = json.loads(settings.read_text())

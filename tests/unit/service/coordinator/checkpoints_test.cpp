@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <new>
 #include <thread>
 #include <vector>
 
@@ -45,7 +46,7 @@ TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
   Checkpoints checkpoints(
       [&](const Reached& reached, const std::atomic<bool>&) {
         cuts.push_back(reached.scans);
-        return 0.0;
+        return Checkpoints::Made{.archive = true};
       },
       clock_, 60);
   for (std::uint64_t second = 1; second <= 300; ++second) {
@@ -64,7 +65,7 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
   std::atomic<int> made = 0;
   const auto derive = [&](const Reached&, const std::atomic<bool>&) {
     ++made;
-    return 0.0;
+    return Checkpoints::Made{.archive = true};
   };
   {
     Checkpoints none(derive, clock_, 0);
@@ -86,7 +87,7 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
   std::atomic<int> begun = 0;
   std::atomic<bool> was_told = false;
   Checkpoints checkpoints(
-      [&](const Reached&, const std::atomic<bool>& stop) -> double {
+      [&](const Reached&, const std::atomic<bool>& stop) -> Checkpoints::Made {
         ++begun;
         while (!stop)
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -118,7 +119,7 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
           const double end_s = base::thread_processor_s() + 0.2;
           while (base::thread_processor_s() < end_s) {
           }
-          return motions_s;
+          return Checkpoints::Made{.archive = true, .motions_s = motions_s};
         },
         clock_, 1);
     const auto offer = [&](double after_s) {
@@ -138,24 +139,56 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
 }
 
 TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
-  // Goal: a failure ends nothing: the next one is tried. Method: the first fails.
-  std::atomic<int> begun = 0;
+  // Goal: a failure of whatever kind ends nothing, and neither does a cut without draws: the first
+  // archive is tried again after a second until there is one; the next comes a minute later.
+  // Method: failures of two kinds, then nothing to show, then an archive.
+  std::atomic<int> tries = 0;
   Checkpoints checkpoints(
       [&](const Reached&, const std::atomic<bool>&) {
-        if (++begun == 1) throw base::Error("disk full");
-        return 0.0;
+        const int nth = ++tries;
+        if (nth == 1) throw base::Error("disk full");
+        if (nth == 2) throw std::bad_alloc();
+        return Checkpoints::Made{.archive = nth > 3};
       },
       clock_, 60);
-  clock_.advance(1);
-  checkpoints.offer({.reached = {.scans = 1}, .has_solution = true, .workers = 2});
-  await([&] { return begun == 1; });
-  clock_.advance(61);
-  await([&] {
-    clock_.advance(1);
-    checkpoints.offer({.reached = {.scans = 2}, .has_solution = true, .workers = 2});
-    return checkpoints.made() == 1;
-  });
-  EXPECT_EQ(begun, 2);
+  const auto offer = [&](double after_s) {
+    clock_.advance(after_s);
+    checkpoints.offer({.reached = {.scans = 1}, .has_solution = true});
+  };
+  offer(1);
+  await([&] { return tries == 1; });
+  for (int nth = 2; nth <= 4; ++nth) {
+    // A try has ended when the next one can be asked for.
+    await([&] {
+      offer(1.5);
+      return tries >= nth;
+    });
+  }
+  await([&] { return checkpoints.made() == 1; });
+  offer(50);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(tries, 4);
+  offer(11);
+  await([&] { return checkpoints.made() == 2; });
+}
+
+TEST_F(CheckpointsTest, WhatGoesOnHasAnArchive) {
+  // Goal: a session that goes on from one that left an archive makes none at once. Method: the same
+  // offers with an archive and without.
+  for (const bool has_archive : {true, false}) {
+    std::atomic<int> made = 0;
+    Checkpoints checkpoints(
+        [&](const Reached&, const std::atomic<bool>&) {
+          ++made;
+          return Checkpoints::Made{.archive = true};
+        },
+        clock_, 60, has_archive);
+    clock_.advance(5);
+    checkpoints.offer({.reached = {.scans = 1}, .has_solution = true});
+    if (!has_archive) await([&] { return checkpoints.made() == 1; });
+    checkpoints.stop();
+    EXPECT_EQ(made, has_archive ? 0 : 1);
+  }
 }
 
 }  // namespace

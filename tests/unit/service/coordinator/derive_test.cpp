@@ -8,8 +8,11 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string>
 
 #include "common/base/error.h"
+#include "common/store/stored_run.h"
 #include "tests/unit/service/coordinator/ball_runs.h"
 
 namespace sleight::coordinator {
@@ -104,6 +107,25 @@ TEST_F(DeriveArchive, IsTheRunsOwn) {
   (void)session(request_text("scans = 400"), {.output = output});
   const RunSummary shorter = session(request_text("scans = 123"), {.output = output});
   EXPECT_EQ(derived(request_text("scans = 123"), output, path("d.h5")), shorter.digest);
+}
+
+TEST_F(DeriveArchive, HangsOnItsCutAlone) {
+  // Goal: what a store has beyond the cut changes nothing, new levels of a ladder included. Method:
+  // ladders that choose their levels; a long run asked again for fewer scans, beside one that has
+  // no more; the long run has more levels than the short one.
+  const auto text = [](int scans) {
+    return request_text("scans = " + std::to_string(scans), "", "parallel_tempering");
+  };
+  const RunSummary longer = session(text(2000), {.output = path("longer.h5")});
+  const RunSummary cut = session(text(40), {.output = path("longer.h5")});
+  const RunSummary fresh = session(text(40), {.output = path("fresh.h5")});
+  EXPECT_EQ(cut.digest, fresh.digest);
+  EXPECT_EQ(derived(text(40), path("longer.h5"), path("d.h5")), fresh.digest);
+  const auto replicas = [&](const std::string& file, std::uint64_t scans) {
+    return store::StoredRun(run_folder(path(file)), 3, scans).replicas();
+  };
+  EXPECT_GT(replicas("longer.h5", 2000), replicas("longer.h5", 40));
+  EXPECT_EQ(replicas("longer.h5", 40), replicas("fresh.h5", 40));
 }
 
 TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
