@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/store/database.h"
@@ -93,12 +94,18 @@ TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
   // each column changed in one row; garbage in the file's place; removal.
   keep_fifty("a");
   int left = 50;
-  for (const char* change :
-       {"ends=2", "columns=4", "numbers=zeroblob(24)", "numbers=zeroblob(7)", "checksum=7"}) {
-    execute("UPDATE motion SET " + std::string(change) + " WHERE state=(SELECT state FROM motion " +
-            "WHERE ends=0 AND length(numbers)>0 LIMIT 1)");
+  // Of motions that have numbers, by their states: an integer's four bytes.
+  const std::vector<std::pair<std::string, std::string>> changes{{"ends=2", "01"},
+                                                                 {"columns=4", "02"},
+                                                                 {"numbers=zeroblob(24)", "05"},
+                                                                 {"numbers=zeroblob(7)", "06"},
+                                                                 {"checksum=7", "08"}};
+  for (const auto& [change, number] : changes) {
+    execute("UPDATE motion SET " + change + " WHERE state=x'" + number + "000000'");
     EXPECT_EQ(remembered("a"), --left) << change;
   }
+  keep_fifty("a");
+  EXPECT_EQ(remembered("a"), 50);
   // A row of another owner's is none of ours, whatever the file says.
   execute("UPDATE owner SET text='b'");
   {
