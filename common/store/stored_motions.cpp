@@ -33,6 +33,13 @@ std::string text_of(base::BytesView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// 0 if there is none.
+std::uintmax_t bytes_of_file(const std::string& path) {
+  std::error_code failure;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, failure);
+  return failure ? 0 : bytes;
+}
+
 }  // namespace
 
 struct StoredMotions::File {
@@ -155,9 +162,7 @@ void StoredMotions::write() {
   file_->database.execute("COMMIT");
   waiting_.clear();
   waiting_bytes_ = 0;
-  std::error_code unknown;
-  const std::uintmax_t bytes = std::filesystem::file_size(path_, unknown);
-  is_full_ = !unknown && bytes >= file_bytes_max_;
+  is_full_ = bytes_of_file(path_) + bytes_of_file(path_ + "-wal") >= file_bytes_max_;
 }
 
 }  // namespace sleight::store
