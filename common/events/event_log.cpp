@@ -1,0 +1,161 @@
+#include "common/events/event_log.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "common/logging/log.h"
+
+namespace sleight::events {
+namespace {
+
+std::string path_of(const std::string& folder) {
+  return folder + "/events.log";
+}
+
+std::string old_path_of(const std::string& folder) {
+  return folder + "/events.old.log";
+}
+
+/// An open file, or none.
+class Reader {
+ public:
+  explicit Reader(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  ~Reader() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  bool is_file_at(const std::string& path) const {
+    struct stat mine {};
+    struct stat now {};
+    const bool is_there = ::stat(path.c_str(), &now) == 0;
+    if (descriptor_ < 0) return !is_there;
+    return ::fstat(descriptor_, &mine) == 0 && is_there && mine.st_ino == now.st_ino &&
+           mine.st_dev == now.st_dev;
+  }
+  std::string content() const {
+    std::string text;
+    std::array<char, 1U << 16U> piece{};
+    for (ssize_t size = 0; descriptor_ >= 0;) {
+      size = ::read(descriptor_, piece.data(), piece.size());
+      if (size < 0 && errno == EINTR) continue;
+      if (size <= 0) break;
+      text.append(piece.data(), static_cast<std::size_t>(size));
+    }
+    return text;
+  }
+
+ private:
+  int descriptor_;
+};
+
+}  // namespace
+
+EventLog::EventLog(std::string folder, std::uint64_t bytes_max)
+    : folder_(std::move(folder)), bytes_max_(bytes_max) {
+  open();
+}
+
+EventLog::~EventLog() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void EventLog::open() {
+  const std::string path = path_of(folder_);
+  descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
+  if (descriptor_ < 0) {
+    give_up(std::strerror(errno));
+    return;
+  }
+  // A process that was killed may have left a part of a line.
+  const std::string text = Reader(path).content();
+  const std::size_t last = text.rfind('\n');
+  bytes_ = last == std::string::npos ? 0 : last + 1;
+  if (bytes_ != text.size() && ::ftruncate(descriptor_, static_cast<off_t>(bytes_)) != 0)
+    give_up(std::strerror(errno));
+}
+
+void EventLog::append(const RunEvent& event) {
+  if (descriptor_ < 0) return;
+  const std::string line = to_line(event);
+  if (bytes_ > 0 && bytes_ + line.size() > bytes_max_ / 2) turn_over();
+  if (descriptor_ < 0) return;
+  // A part of a line is no line: what follows it would be lost with it.
+  const ssize_t written = ::write(descriptor_, line.data(), line.size());
+  if (written != static_cast<ssize_t>(line.size())) {
+    const std::string reason = written < 0 ? std::strerror(errno) : "no room for a line";
+    if (::ftruncate(descriptor_, static_cast<off_t>(bytes_)) != 0) {
+      // Whoever reads leaves the part out.
+    }
+    give_up(reason);
+    return;
+  }
+  bytes_ += line.size();
+}
+
+void EventLog::turn_over() {
+  ::close(descriptor_);
+  descriptor_ = -1;
+  if (::rename(path_of(folder_).c_str(), old_path_of(folder_).c_str()) != 0) {
+    give_up(std::strerror(errno));
+    return;
+  }
+  open();
+}
+
+void EventLog::give_up(const std::string& reason) {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+  logging::warn(fmt::format("{}: nothing more is written there: {}", path_of(folder_), reason));
+}
+
+std::vector<RunEvent> read_event_log(const std::string& folder) {
+  // Both files of one moment: between opening the two, the writer may turn over.
+  std::string text;
+  for (int tries = 0; tries < 100; ++tries) {
+    const Reader now(path_of(folder));
+    const Reader old(old_path_of(folder));
+    if (!now.is_file_at(path_of(folder))) continue;
+    text = old.content() + now.content();
+    break;
+  }
+  std::vector<RunEvent> events;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    if (end == std::string::npos) break;
+    if (auto event = run_event_of(std::string_view(text).substr(begin, end - begin)))
+      events.push_back(*std::move(event));
+    begin = end + 1;
+  }
+  return events;
+}
+
+std::vector<RunEvent> events_from(std::vector<RunEvent> events, std::uint64_t number) {
+  // Of what is not numbered, the last one of its kind.
+  std::map<std::string_view, std::size_t> newest;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (events[i].number == 0) newest[kind_of(events[i])] = i;
+  }
+  std::vector<RunEvent> wanted;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const bool is_wanted =
+        events[i].number == 0 ? newest[kind_of(events[i])] == i : events[i].number >= number;
+    if (is_wanted) wanted.push_back(std::move(events[i]));
+  }
+  return wanted;
+}
+
+}  // namespace sleight::events

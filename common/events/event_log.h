@@ -1,0 +1,51 @@
+// A run's events as a file in its folder, for whoever watches: other processes, other nodes, a
+// service that was not there when they happened.
+//
+// Two files, `events.log` and `events.old.log`, each of at most half the bound: when the first is
+// full it takes the place of the second. Lines are run_event.h's, appended whole.
+//
+// Nothing rests on the log: what it has lost is made again from the store. So it is not synced to
+// the disk, and a disk that fails ends no run, which is said once.
+//
+// Thread safety: one writer in one thread; any number of readers anywhere.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/events/run_event.h"
+
+namespace sleight::events {
+
+inline constexpr std::uint64_t k_event_log_bytes_max = 4U << 20U;
+
+class EventLog {
+ public:
+  /// Goes on with the log of an earlier session, whose last line may be torn: it is cut off.
+  explicit EventLog(std::string folder, std::uint64_t bytes_max = k_event_log_bytes_max);
+  ~EventLog();
+  EventLog(const EventLog&) = delete;
+  EventLog& operator=(const EventLog&) = delete;
+
+  void append(const RunEvent& event);
+
+ private:
+  void open();
+  void turn_over();
+  void give_up(const std::string& reason);
+
+  std::string folder_;
+  std::uint64_t bytes_max_;
+  int descriptor_ = -1;  ///< -1: nothing is written any more
+  std::uint64_t bytes_ = 0;
+};
+
+/// What the log has, in order; a line that is being written is left out, and one that is damaged.
+/// Nothing where there is no log.
+std::vector<RunEvent> read_event_log(const std::string& folder);
+
+/// Of these: the numbered ones from a number on, and the newest of each other kind.
+std::vector<RunEvent> events_from(std::vector<RunEvent> events, std::uint64_t number);
+
+}  // namespace sleight::events

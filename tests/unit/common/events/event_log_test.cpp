@@ -1,0 +1,124 @@
+// A run's log of events: what it keeps, and what readers see meanwhile.
+#include "common/events/event_log.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::events {
+namespace {
+
+class EventLogTest : public archive::testing::Scratch {
+ protected:
+  static RunEvent numbered(std::uint64_t number) {
+    return {.number = number, .what = RoundEnded{.round = number, .scans = 2 * number}};
+  }
+  std::uint64_t bytes() const {
+    std::uint64_t sum = 0;
+    for (const std::string& name : names())
+      sum += std::filesystem::file_size(path(name));
+    return sum;
+  }
+  std::string folder() const { return path("."); }
+};
+
+TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
+  // Goal: a log goes on where a killed process left it, without its torn line. Method: three
+  // sessions; garbage without an end and a damaged line between them.
+  EXPECT_TRUE(read_event_log(folder()).empty());
+  EXPECT_TRUE(read_event_log(path("nowhere")).empty());
+  {
+    EventLog log(folder());
+    log.append(numbered(1));
+    log.append({.what = Phase{.words = "a"}});
+  }
+  std::ofstream(path("events.log"), std::ios::app) << "no event\n{\"number\":2,\"ki";
+  {
+    EventLog log(folder());
+    log.append(numbered(2));
+  }
+  std::ofstream(path("events.log"), std::ios::app) << "{";
+  EXPECT_EQ(read_event_log(folder()).size(), 3U);  // while it is being written
+  EventLog log(folder());
+  log.append({.what = Phase{.words = "b"}});
+  const auto events = read_event_log(folder());
+  ASSERT_EQ(events.size(), 4U);
+  EXPECT_EQ(events[0].number, 1U);
+  EXPECT_EQ(std::get<Phase>(events[1].what).words, "a");
+  EXPECT_EQ(events[2].number, 2U);
+
+  const auto from_two = events_from(events, 2);
+  ASSERT_EQ(from_two.size(), 2U);
+  EXPECT_EQ(from_two[0].number, 2U);
+  EXPECT_EQ(std::get<Phase>(from_two[1].what).words, "b");
+}
+
+TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
+  // Goal: whatever a run tells, its log keeps to its bound and has the newest events without a gap,
+  // at least half the bound of them once there were so many. Method: many events, a small bound.
+  constexpr std::uint64_t k_bytes_max = 10'000;
+  EventLog log(folder(), k_bytes_max);
+  for (std::uint64_t number = 1; number <= 2000; ++number) {
+    log.append(numbered(number));
+    ASSERT_LE(bytes(), k_bytes_max);
+    if (number % 97 != 0) continue;
+    const auto events = read_event_log(folder());
+    for (std::size_t i = 1; i < events.size(); ++i)
+      ASSERT_EQ(events[i].number, events[i - 1].number + 1);
+    ASSERT_EQ(events.back().number, number);
+    if (number > 200) {
+      ASSERT_GE(bytes(), k_bytes_max / 2 - 200);
+    }
+  }
+}
+
+TEST_F(EventLogTest, ReadersSeeNoGapWhileItTurnsOver) {
+  // Goal: a reader at any moment sees consecutive numbers, and never fewer than before. Method: a
+  // thread that reads all the time beside a writer that turns over every few events.
+  std::atomic<bool> is_over = false;
+  std::atomic<std::uint64_t> looks = 0;
+  std::optional<std::string> complaint;
+  std::thread reader([&] {
+    std::uint64_t last = 0;
+    while (!is_over && !complaint) {
+      const auto events = read_event_log(folder());
+      ++looks;
+      for (std::size_t i = 1; i < events.size(); ++i) {
+        if (events[i].number != events[i - 1].number + 1) complaint = "a gap";
+      }
+      if (events.empty()) continue;
+      if (events.back().number < last) complaint = "fewer than before";
+      last = events.back().number;
+    }
+  });
+  {
+    EventLog log(folder(), 2'000);
+    for (std::uint64_t number = 1; number <= 20'000 || looks < 50; ++number)
+      log.append(numbered(number));
+  }
+  is_over = true;
+  reader.join();
+  EXPECT_EQ(complaint, std::nullopt);
+}
+
+TEST_F(EventLogTest, ADiskThatFailsEndsNothing) {
+  // Goal: a log that can't be written is given up, in silence for the run. Method: a folder that is
+  // not there; a log that has become a folder when it turns over.
+  EventLog nowhere(path("nowhere"));
+  nowhere.append(numbered(1));
+  EventLog log(folder(), 1'000);
+  std::filesystem::create_directories(path("events.old.log/x"));
+  for (std::uint64_t number = 1; number <= 100; ++number)
+    log.append(numbered(number));
+  EXPECT_LE(std::filesystem::file_size(path("events.log")), 500U);
+}
+
+}  // namespace
+}  // namespace sleight::events
