@@ -44,18 +44,16 @@ void EndReport::tell(const events::RunEnd& end) {
 }
 
 int EndReport::watch(const std::function<int()>& work) {
-  const auto failed = [&](base::ExitCode code, const std::string& words) {
-    tell({.end = events::End::failed, .exit_code = code, .words = words});
-  };
   try {
     const int code = work();
-    if (code != 0) failed(static_cast<base::ExitCode>(code), "the reasons were printed");
+    if (code != 0) {
+      tell({.end = events::End::failed,
+            .exit_code = static_cast<base::ExitCode>(code),
+            .words = "the reasons were printed"});
+    }
     return code;
-  } catch (const base::Error& error) {
-    failed(error.exit_code(), error.what());
-    throw;
   } catch (const std::exception& error) {
-    failed(base::ExitCode::bug, error.what());
+    tell(events::end_by(error));
     throw;
   }
 }

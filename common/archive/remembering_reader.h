@@ -6,9 +6,9 @@
 
 #include <functional>
 #include <optional>
-#include <vector>
+#include <utility>
 
-#include "common/archive/world_layout.h"
+#include "common/archive/forwarding_reader.h"
 
 namespace sleight::archive {
 
@@ -20,35 +20,27 @@ class Motions {
   virtual void keep(base::BytesView state, const Motion& motion) = 0;
 };
 
-class RememberingReader final : public StateReader {
+class RememberingReader final : public ForwardingReader {
  public:
   /// `before_each` is called before each motion that has to be simulated and before each
   /// comparison; what it throws ends the work. Everything is borrowed.
   RememberingReader(const StateReader& reader, Motions& motions,
                     std::function<void()> before_each = {})
-      : reader_(reader), motions_(motions), before_each_(std::move(before_each)) {}
+      : ForwardingReader(reader), motions_(motions), before_each_(std::move(before_each)) {}
 
-  const WorldLayout& layout() const override { return reader_.layout(); }
-  std::vector<double> variables(base::BytesView state) const override {
-    return reader_.variables(state);
-  }
   double likeness_distance(base::BytesView a, base::BytesView b) const override {
     if (before_each_) before_each_();
-    return reader_.likeness_distance(a, b);
+    return ForwardingReader::likeness_distance(a, b);
   }
   Motion play(base::BytesView state) const override {
     if (auto known = motions_.find(state)) return *std::move(known);
     if (before_each_) before_each_();
-    Motion motion = reader_.play(state);
+    Motion motion = ForwardingReader::play(state);
     motions_.keep(state, motion);
     return motion;
   }
-  std::vector<double> log_priors_of_throws(std::size_t count) const override {
-    return reader_.log_priors_of_throws(count);
-  }
 
  private:
-  const StateReader& reader_;
   Motions& motions_;
   std::function<void()> before_each_;
 };

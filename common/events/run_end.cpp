@@ -55,6 +55,13 @@ std::string_view name_of(End end) {
   base::check_failed("a known end", "");
 }
 
+RunEnd end_by(const std::exception& error) {
+  const auto* known = dynamic_cast<const base::Error*>(&error);
+  return {.end = End::failed,
+          .exit_code = known != nullptr ? known->exit_code() : base::ExitCode::bug,
+          .words = error.what()};
+}
+
 std::string to_line(const RunEnd& end) {
   std::string line = line_of(end);
   // A character may take six bytes in JSON, so that the words are cut until they fit.

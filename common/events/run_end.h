@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -51,6 +52,9 @@ struct RunEnd {
 
 /// "finished", "time_limit" and so on, as in the enumeration.
 std::string_view name_of(End end);
+
+/// Of a session that an exception ended: base::Error's kind and words; any other is a bug of ours.
+RunEnd end_by(const std::exception& error);
 
 /// The record as a line.
 std::string to_line(const RunEnd& end);

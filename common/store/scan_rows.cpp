@@ -29,6 +29,13 @@ plan::FailureCounts failures_in(base::BytesView bytes) {
 
 }  // namespace
 
+std::string run_value(Database& database, std::string_view key) {
+  Statement find = database.prepare("SELECT value FROM run WHERE key=?1");
+  find.bind(1, key);
+  if (!find.step()) refuse_damaged(database.path(), fmt::format("it has no {}", key));
+  return find.text(0);
+}
+
 void read_record(const Database& database, const RowKey& key, Statement& select, int first,
                  plan::ScanRecord& record) {
   record.log_prior = select.real(first);

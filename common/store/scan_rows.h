@@ -7,11 +7,17 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "common/plan/unit.h"
 #include "common/store/database.h"
 
 namespace sleight::store {
+
+/// What a store says of itself under a key of its table `run`. Throws base::Error where it has no
+/// such key.
+std::string run_value(Database& database, std::string_view key);
 
 /// The columns that read_record reads, in its order, for a SELECT on table scan.
 inline constexpr const char* k_record_columns =

@@ -9,18 +9,13 @@
 #include "common/store/checksum.h"
 #include "common/store/database.h"
 #include "common/store/run_store.h"
+#include "common/store/scan_rows.h"
 
 namespace sleight::store {
 
 StoredRequest stored_request_of(const std::string& folder) {
   Database database(RunStore::database_path(folder), Access::read_only);
-  Statement find = database.prepare("SELECT value FROM run WHERE key=?1");
-  const auto text = [&](std::string_view key) {
-    find.reset();
-    find.bind(1, key);
-    if (!find.step()) refuse_damaged(database.path(), fmt::format("it has no {}", key));
-    return find.text(0);
-  };
+  const auto text = [&](std::string_view key) { return run_value(database, key); };
   if (const std::string format = text("format_version"); format != std::to_string(k_store_format)) {
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: run store of format {}, this program reads {}",
@@ -34,9 +29,7 @@ StoredRequest stored_request_of(const std::string& folder) {
 
 std::vector<Session> sessions_of(const std::string& folder) {
   Database database(RunStore::database_path(folder), Access::read_only);
-  Statement identity = database.prepare("SELECT value FROM run WHERE key='identity'");
-  if (!identity.step()) refuse_damaged(database.path(), "it has no identity");
-  const std::uint64_t salt = salt_of(identity.text(0));
+  const std::uint64_t salt = salt_of(run_value(database, "identity"));
 
   Statement select = database.prepare(
       "SELECT epoch, program_version, scans_before, ended, checksum FROM session ORDER BY epoch");

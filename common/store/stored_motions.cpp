@@ -16,7 +16,6 @@ namespace {
 
 // The key is the whole state: two states never share a motion.
 constexpr const char* k_schema = R"(
-  CREATE TABLE IF NOT EXISTS owner(text TEXT NOT NULL);
   CREATE TABLE IF NOT EXISTS motion(
     state BLOB PRIMARY KEY, ends INTEGER NOT NULL, columns INTEGER NOT NULL, numbers BLOB NOT NULL,
     checksum INTEGER NOT NULL);
@@ -59,7 +58,7 @@ struct StoredMotions::File {
 
 StoredMotions::StoredMotions(const std::string& folder, const std::string& owner,
                              std::uint64_t file_bytes_max)
-    : path_(path(folder)), owner_(owner), salt_(salt_of(owner)), file_bytes_max_(file_bytes_max) {
+    : path_(path(folder)), salt_(salt_of(owner)), file_bytes_max_(file_bytes_max) {
   attempt([] {});
 }
 
@@ -70,7 +69,7 @@ StoredMotions::~StoredMotions() {
 void StoredMotions::attempt(const std::function<void()>& act) {
   for (int tries = 0; is_usable_ && tries < 2; ++tries) {
     try {
-      if (!file_) open();
+      if (!file_) file_ = std::make_unique<File>(path_);
       act();
       return;
     } catch (const DatabaseError& failure) {
@@ -79,20 +78,6 @@ void StoredMotions::attempt(const std::function<void()>& act) {
       if (!is_made_anew) give_up(failure.reason());
     }
   }
-}
-
-void StoredMotions::open() {
-  file_ = std::make_unique<File>(path_);
-  Database& database = file_->database;
-  Statement known = database.prepare("SELECT text FROM owner");
-  const bool is_known = known.step();
-  if (is_known && known.text(0) == owner_) return;
-  known.reset();
-  database.execute("BEGIN IMMEDIATE");
-  database.execute("DELETE FROM motion");
-  database.execute("DELETE FROM owner");
-  database.prepare("INSERT INTO owner VALUES(?1)").bind(1, owner_).run();
-  database.execute("COMMIT");
 }
 
 void StoredMotions::remove_file() {

@@ -30,7 +30,8 @@ inline constexpr std::uint64_t k_motions_file_bytes_max = std::uint64_t{2} << 30
 
 class StoredMotions final : public archive::Motions {
  public:
-  /// Opens or makes the file. `owner`: what the motions hang on besides the state, as text.
+  /// Opens or makes the file. `owner`: what the motions hang on besides the state, as text; those
+  /// of another owner are taken for damaged, and replaced as they are simulated again.
   StoredMotions(const std::string& folder, const std::string& owner,
                 std::uint64_t file_bytes_max = k_motions_file_bytes_max);
   /// Writes what waits, if it can.
@@ -46,7 +47,6 @@ class StoredMotions final : public archive::Motions {
  private:
   struct File;
   std::optional<archive::Motion> read(base::BytesView state);
-  void open();
   void write();
   /// Does it; where the file turns out to be damaged, makes it anew and does it once more.
   void attempt(const std::function<void()>& act);
@@ -54,7 +54,6 @@ class StoredMotions final : public archive::Motions {
   void give_up(const std::string& reason);
 
   std::string path_;
-  std::string owner_;
   std::uint64_t salt_;
   std::uint64_t file_bytes_max_;
   bool is_usable_ = true;  ///< false: nothing is remembered

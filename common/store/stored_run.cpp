@@ -25,9 +25,7 @@ StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint6
       chains_(chains),
       scans_(scans),
       finds_(finds) {
-  Statement identity = database_.prepare("SELECT value FROM run WHERE key='identity'");
-  if (!identity.step()) refuse_damaged(database_.path(), "it has no identity");
-  salt_ = salt_of(identity.text(0));
+  salt_ = salt_of(run_value(database_, "identity"));
   replicas_ = count_replicas();
   draws_ = {.first_scan = 0, .count = scans};
 }
@@ -205,10 +203,7 @@ void for_each_stored(const std::string& folder,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit) {
   Database database(RunStore::database_path(folder), Access::read_only);
-  Statement identity = database.prepare("SELECT value FROM run WHERE key='identity'");
-  if (!identity.step()) refuse_damaged(database.path(), "it has no identity");
-  const std::uint64_t salt = salt_of(identity.text(0));
-  identity.reset();
+  const std::uint64_t salt = salt_of(run_value(database, "identity"));
   // How far each replica is at one moment; rows up to there never change.
   Statement select =
       database.prepare("SELECT chain, replica, next_scan FROM replica ORDER BY chain, replica");

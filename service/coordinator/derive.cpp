@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "common/archive/forwarding_reader.h"
 #include "common/archive/hdf5/writer.h"
 #include "common/archive/layout.h"
 #include "common/archive/remembering_reader.h"
@@ -43,30 +44,19 @@ class StoppableSink final : public archive::Sink {
 };
 
 /// Adds up what motions cost.
-class TimedReader final : public archive::StateReader {
+class TimedReader final : public archive::ForwardingReader {
  public:
   TimedReader(const archive::StateReader& reader, double* motions_s)
-      : reader_(reader), motions_s_(motions_s) {}
+      : ForwardingReader(reader), motions_s_(motions_s) {}
 
-  const archive::WorldLayout& layout() const override { return reader_.layout(); }
-  std::vector<double> variables(base::BytesView state) const override {
-    return reader_.variables(state);
-  }
-  double likeness_distance(base::BytesView a, base::BytesView b) const override {
-    return reader_.likeness_distance(a, b);
-  }
   archive::Motion play(base::BytesView state) const override {
     const double begin_s = base::thread_processor_s();
-    archive::Motion motion = reader_.play(state);
+    archive::Motion motion = ForwardingReader::play(state);
     if (motions_s_ != nullptr) *motions_s_ += base::thread_processor_s() - begin_s;
     return motion;
   }
-  std::vector<double> log_priors_of_throws(std::size_t count) const override {
-    return reader_.log_priors_of_throws(count);
-  }
 
  private:
-  const archive::StateReader& reader_;
   double* motions_s_;
 };
 

@@ -286,12 +286,6 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                                      .chains = inputs.request.sampler.chains});
 
   // Whatever becomes of the session, its store has how it ended.
-  const auto failed = [&](base::ExitCode code, const std::string& words) {
-    leave_record(
-        run_store,
-        {.epoch = run_store.epoch(), .end = events::End::failed, .exit_code = code, .words = words},
-        options);
-  };
   try {
     if (files.exists(options.output)) {
       refuse_foreign_file(options.output, beginnings_of(inputs.request));
@@ -299,11 +293,10 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
     RunSummary summary = drive_and_derive(inputs, options, folder, run_store);
     leave_record(run_store, record_of(summary), options);
     return summary;
-  } catch (const base::Error& error) {
-    failed(error.exit_code(), error.what());
-    throw;
   } catch (const std::exception& error) {
-    failed(base::ExitCode::bug, error.what());
+    events::RunEnd end = events::end_by(error);
+    end.epoch = run_store.epoch();
+    leave_record(run_store, end, options);
     throw;
   }
 }

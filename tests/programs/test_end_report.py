@@ -172,6 +172,7 @@ class EndReport(ProgramTest):
                                   "--end-report", self.path("none")],
                                  env={"OMPI_COMM_WORLD_RANK": rank, "OMPI_COMM_WORLD_SIZE": "2"})
             self.assertEqual("--end-report" in result.stderr, words is not None, result.stderr)
+            self.assertEqual(result.returncode, 2 if words else 0, result.stderr)
 
     def test_a_run_that_never_drew(self):
         request = self.path("judged.toml")

@@ -27,7 +27,8 @@ cli::DieMotion motion_of(const dice::Dice& world, base::BytesView state, std::ui
   const auto decoded = world.decode(state);
   CHECK(decoded.has_value());
   const dice::Animation animation = world.animate(*decoded);
-  const math::Quat numbered = dice::rotation_of_numbering(animation.numberings.front());
+  const math::Quat numbered =
+      dice::rotation_of_numbering(animation.outcome.judgement.numberings.front());
   cli::DieMotion motion(nth);
   for (const auto& [segment, cause] : animation.recording.segments({0})) {
     const physics::FreeFlight& flight = segment.flight;

@@ -242,10 +242,7 @@ std::vector<double> Dice::outcome_values(const Outcome& outcome) const {
 
 Animation Dice::animate(const State& state) const {
   Animation animation;
-  const Outcome outcome = simulated(state, {.recording = &animation.recording}, nullptr);
-  CHECK(outcome.is_animation());
-  animation.numberings = outcome.judgement.numberings;
-  animation.collisions = outcome.collisions;
+  animation.outcome = simulated(state, {.recording = &animation.recording}, nullptr);
   return animation;
 }
 

@@ -85,11 +85,10 @@ struct ViewedOutcome {
   Views views;
 };
 
-/// A whole animation, to rest or to the time limit.
+/// A simulation with its motion, which is empty if there is no animation.
 struct Animation {
+  Outcome outcome;
   physics::Recording recording;
-  std::vector<std::uint32_t> numberings;  ///< by die
-  std::uint32_t collisions = 0;           ///< with the table
 };
 
 /// Whether simulations are made from what is known of similar ones. Changes no result.
@@ -156,7 +155,7 @@ class Dice {
 
   /// The simulation's scene; its bodies are the dice.
   physics::Scene scene(const State& state) const;
-  /// REQUIRES: simulate(state) is an animation.
+  /// What simulate(state) gives, and the motion.
   Animation animate(const State& state) const;
 
  private:

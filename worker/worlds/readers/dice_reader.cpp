@@ -189,6 +189,7 @@ class DiceReader final : public archive::StateReader {
   double likeness_distance(base::BytesView a, base::BytesView b) const override {
     const auto one_throw = animations_.of(world_, a);
     const auto other_throw = animations_.of(world_, b);
+    CHECK(one_throw->outcome.is_animation() && other_throw->outcome.is_animation());
     const physics::Recording& left = one_throw->recording;
     const physics::Recording& right = other_throw->recording;
     const physics::TickCount step = physics::ticks_after(k_likeness_every_s);
@@ -200,20 +201,20 @@ class DiceReader final : public archive::StateReader {
         if (one && other) most_m = std::max(most_m, math::norm(Vec3(*one - *other)));
       }
     }
-    const double left_touches = one_throw->collisions;
-    const double right_touches = other_throw->collisions;
+    const double left_touches = one_throw->outcome.collisions;
+    const double right_touches = other_throw->outcome.collisions;
     const double more = std::max({left_touches, right_touches, 1.0});
     return most_m / world_.parameters().world.side_m +
            std::fabs(left_touches - right_touches) / more;
   }
 
   archive::Motion play(base::BytesView state) const override {
-    const archive::PlaysOut ends = played_out(world_, world_.simulate(decoded(state)));
-    if (ends != archive::PlaysOut::yes) return {.ends = ends, .recording = {}};
     const auto animation = animations_.of(world_, state);
+    const archive::PlaysOut ends = played_out(world_, animation->outcome);
+    if (ends != archive::PlaysOut::yes) return {.ends = ends, .recording = {}};
     archive::Recording recording{.columns = 19, .values = {}};
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
-      const Quat numbered = rotation_of_numbering(animation->numberings[die]);
+      const Quat numbered = rotation_of_numbering(animation->outcome.judgement.numberings[die]);
       for (const auto& [segment, cause] : animation->recording.segments({die})) {
         recording.values.push_back(die);
         append_segment(segment, math::composed(segment.flight.orientation, numbered),

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "common/base/error.h"
+#include "common/archive/forwarding_reader.h"
 #include "common/store/stored_run.h"
 #include "tests/unit/service/coordinator/ball_runs.h"
 
@@ -19,25 +19,15 @@ namespace sleight::coordinator {
 namespace {
 
 /// Counts the motions that are simulated, by state.
-class CountingReader final : public archive::StateReader {
+class CountingReader final : public archive::ForwardingReader {
  public:
-  explicit CountingReader(const archive::StateReader& reader) : reader_(reader) {}
-  const archive::WorldLayout& layout() const override { return reader_.layout(); }
-  std::vector<double> variables(base::BytesView state) const override {
-    return reader_.variables(state);
-  }
-  double likeness_distance(base::BytesView a, base::BytesView b) const override {
-    return reader_.likeness_distance(a, b);
-  }
+  using ForwardingReader::ForwardingReader;
   archive::Motion play(base::BytesView state) const override {
     {
       const std::scoped_lock lock(mutex_);
       ++plays_[base::Bytes(state.begin(), state.end())];
     }
-    return reader_.play(state);
-  }
-  std::vector<double> log_priors_of_throws(std::size_t count) const override {
-    return reader_.log_priors_of_throws(count);
+    return ForwardingReader::play(state);
   }
   std::map<base::Bytes, int> plays() const {
     const std::scoped_lock lock(mutex_);
@@ -45,7 +35,6 @@ class CountingReader final : public archive::StateReader {
   }
 
  private:
-  const archive::StateReader& reader_;
   mutable std::mutex mutex_;
   mutable std::map<base::Bytes, int> plays_;
 };
@@ -53,8 +42,8 @@ class CountingReader final : public archive::StateReader {
 class DeriveArchive : public testing::BallRuns {
  protected:
   /// Derives the archive of a run so far, as a program does that knows its folder alone.
-  std::string derived(const std::string& text, const std::string& output,
-                      const std::string& place) const {
+  static std::string derived(const std::string& text, const std::string& output,
+                             const std::string& place, const std::atomic<bool>* stop = nullptr) {
     run::Catalogue catalogue;
     const auto request = request::read_request(text, "request.toml", catalogue.bindings()).value();
     const run::WorldEntry& world = catalogue.world(request.world);
@@ -66,7 +55,7 @@ class DeriveArchive : public testing::BallRuns {
     request::Cut cut = committed_cut(run_folder(output), *plan);
     return derive_archive(
         {.request = request, .reader = *reader, .plan_of = plan_of, .files = files},
-        run_folder(output), place, cut);
+        run_folder(output), place, cut, stop);
   }
 };
 
@@ -179,21 +168,10 @@ TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
 TEST_F(DeriveArchive, CanBeStopped) {
   // Goal: an archive that is given up leaves what was there, and no file. Method: stopped at once.
   const std::string text = request_text("scans = 200");
-  const RunSummary run = session(text, {.output = path("run.h5")});
-  run::Catalogue catalogue;
-  const auto request = request::read_request(text, "request.toml", catalogue.bindings()).value();
-  const run::WorldEntry& world = catalogue.world(request.world);
-  const auto reader = world.make_reader();
-  const std::function<std::unique_ptr<plan::Plan>(const request::Cut&)> plan_of =
-      [&](const request::Cut& cut) { return run::make_plan(request, world, cut); };
-  base::PosixFileSystem files;
+  (void)session(text, {.output = path("run.h5")});
   const std::atomic<bool> stop = true;
   const std::string before = bytes_of(path("run.h5"));
-  request::Cut cut{.scans = 100};
-  EXPECT_THROW(
-      derive_archive({.request = request, .reader = *reader, .plan_of = plan_of, .files = files},
-                     run_folder(path("run.h5")), path("run.h5"), cut, &stop),
-      DeriveStopped);
+  EXPECT_THROW(derived(text, path("run.h5"), path("run.h5"), &stop), DeriveStopped);
   EXPECT_EQ(bytes_of(path("run.h5")), before);
   EXPECT_THAT(names(), ::testing::UnorderedElementsAre("run.h5", "run.h5.run"));
 }

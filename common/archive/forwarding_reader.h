@@ -1,0 +1,32 @@
+// A reader that hands everything on to another one: for readers that change a part.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "common/archive/world_layout.h"
+
+namespace sleight::archive {
+
+class ForwardingReader : public StateReader {
+ public:
+  /// Borrowed.
+  explicit ForwardingReader(const StateReader& reader) : reader_(reader) {}
+
+  const WorldLayout& layout() const override { return reader_.layout(); }
+  std::vector<double> variables(base::BytesView state) const override {
+    return reader_.variables(state);
+  }
+  double likeness_distance(base::BytesView a, base::BytesView b) const override {
+    return reader_.likeness_distance(a, b);
+  }
+  Motion play(base::BytesView state) const override { return reader_.play(state); }
+  std::vector<double> log_priors_of_throws(std::size_t count) const override {
+    return reader_.log_priors_of_throws(count);
+  }
+
+ private:
+  const StateReader& reader_;
+};
+
+}  // namespace sleight::archive
