@@ -1,0 +1,76 @@
+// Goal: a longer request is the same one but for [stop], so that a run goes on with its chains.
+// Method: requests over a toy world are extended, and their texts are read again.
+#include "common/request/extension.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/unit/common/request/toy_world.h"
+
+namespace sleight::request {
+namespace {
+
+using testing::HasSubstr;
+
+DirectionRequest read(const std::string& text) {
+  toy::Parameters parameters;
+  const std::array worlds{toy::binding(parameters)};
+  auto request = read_request(text, "r.toml", worlds);
+  if (!request) {
+    for (const auto& d : request.error())
+      ADD_FAILURE() << to_string(d);
+    return {};
+  }
+  return std::move(request).value();
+}
+
+DirectionRequest request_with(const std::string& stop) {
+  return read("[world]\nname = 'toy'\n[sampler]\nchains = 7\n[stop]\n" + stop + "\n");
+}
+
+DirectionRequest longer(const DirectionRequest& request, const Extension& extension) {
+  const auto text = extended_text(request, extension);
+  EXPECT_TRUE(text.ok()) << (text.ok() ? "" : text.error().why);
+  return text.ok() ? read(text.value()) : DirectionRequest{};
+}
+
+std::string why_not(const DirectionRequest& request, const Extension& extension) {
+  const auto text = extended_text(request, extension);
+  return text.ok() ? "" : text.error().why;
+}
+
+TEST(Extension, IsTheSameRequestWithALongerStop) {
+  const DirectionRequest before = request_with("scans = 10");
+  EXPECT_EQ(longer(before, {.scans = 25}), request_with("scans = 25"));
+  EXPECT_EQ(identity_text(longer(before, {.scans = 25})), identity_text(before));
+}
+
+TEST(Extension, TakesThePlaceOfOtherRules) {
+  const DirectionRequest before = request_with("scans = 10\nindependent_solutions = 2");
+  EXPECT_EQ(longer(before, {.rounds = 3}), request_with("rounds = 3"));
+  EXPECT_EQ(longer(before, {.scans = 11, .solutions = 4}),
+            request_with("scans = 11\nindependent_solutions = 4"));
+}
+
+TEST(Extension, IsLonger) {
+  const DirectionRequest before = request_with("scans = 10\nindependent_solutions = 2");
+  EXPECT_EQ(why_not(before, {}), "nothing more is asked for");
+  EXPECT_THAT(why_not(before, {.scans = 10}), HasSubstr("scans = 10 already"));
+  EXPECT_THAT(why_not(before, {.scans = 20, .solutions = 1}),
+              HasSubstr("independent_solutions = 2 already"));
+  EXPECT_EQ(why_not(before, {.rounds = 1}), "");
+}
+
+// The text is read again, so that values beyond a rule's range are found there.
+TEST(Extension, LeavesValuesToTheReader) {
+  const auto text = extended_text(request_with("scans = 10"), {.scans = k_scans_max + 1});
+  ASSERT_TRUE(text.ok());
+  toy::Parameters parameters;
+  const std::array worlds{toy::binding(parameters)};
+  EXPECT_FALSE(read_request(text.value(), "r.toml", worlds).ok());
+}
+
+}  // namespace
+}  // namespace sleight::request
