@@ -1,0 +1,153 @@
+// A service's side of the calls, which the daemon implements.
+//
+// The server (server.h) decodes a call, checks it against the limits of service.h and hands it to
+// the handler, on the loop's thread. Each call comes with a Reply, which may be answered at once,
+// or kept and answered later: when the change is durable, say.
+//
+// Watching is pulled. The server asks for what a watcher lacks, and answers as soon as there is
+// something; the daemon says Server::news(job) when there may be more. The watcher asks again when
+// it has read the answer. So a slow watcher gets all that is numbered and only the newest of what
+// is not, and nothing waits for it in the service.
+//
+// Invariants
+//   1. A Reply is answered at most once; one that is dropped refuses the call as a bug of ours.
+//   2. A handler may be told of anything that a client can write: ids that don't exist, texts that
+//      are no request. Sizes and counts are within service.h's limits, and enumerations in requests
+//      are never `unknown`.
+//   3. The user of a call is the uid that the kernel says the peer has.
+//
+// Thread safety: all on the loop's thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/rpc/service.h"
+
+namespace sleight::rpc {
+
+struct Caller {
+  std::uint32_t user = 0;  ///< uid
+  std::int64_t pid = 0;    ///< for logs; never to decide by
+};
+
+struct Nothing {
+  bool operator==(const Nothing&) const = default;
+};
+
+/// An answer that is owed. Moves, does not copy.
+template <class T>
+class Reply {
+ public:
+  using Answer = base::Result<T, Refusal>;
+  using Send = std::function<void(Answer)>;
+
+  /// `send` is called once, at the latest when the reply is dropped.
+  explicit Reply(Send send) : send_(std::move(send)) {}
+  Reply(Reply&& other) noexcept : send_(std::exchange(other.send_, nullptr)) {}
+  Reply& operator=(Reply&& other) noexcept {
+    if (this != &other) {
+      drop();
+      send_ = std::exchange(other.send_, nullptr);
+    }
+    return *this;
+  }
+  Reply(const Reply&) = delete;
+  Reply& operator=(const Reply&) = delete;
+  ~Reply() { drop(); }
+
+  /// REQUIRES: was not answered before.
+  void answer(T value) { take()(Answer(std::move(value))); }
+  void refuse(Refusal refusal) { take()(Answer(std::move(refusal))); }
+  void give(Answer answer) { take()(std::move(answer)); }
+
+ private:
+  Send take() {
+    CHECK(send_ != nullptr);
+    return std::exchange(send_, nullptr);
+  }
+  void drop() {
+    if (send_) {
+      take()(Answer(Refusal{.kind = RefusalKind::bug,
+                            .sentence = "The service left this call without an answer.",
+                            .what_to_do = "Try again; the service's log may say more."}));
+    }
+  }
+  Send send_;
+};
+
+/// What a watcher of a job lacks.
+struct Batch {
+  std::vector<StateChange> changes{};  ///< consecutive, from WatchPoint::change + 1 on
+  /// Numbered ones consecutive from WatchPoint::event + 1 on; of the others at most the newest of
+  /// each kind that `mark` does not cover, anywhere between them.
+  std::vector<events::RunEvent> events{};
+  std::uint64_t mark = 0;  ///< covers what is unnumbered here
+  /// The job is settled, and with this batch the watcher has all that is numbered. A batch that is
+  /// cut short for its size is not.
+  bool settled = false;
+
+  bool empty() const { return changes.empty() && events.empty() && !settled; }
+};
+
+/// A file that is being fetched. Lives until the client lets go of it or leaves.
+class Source {
+ public:
+  virtual ~Source() = default;
+  /// The same at every call.
+  virtual FileView view() const = 0;
+  /// Answers `bytes` bytes from `offset` on, all within the file's size; bytes <=
+  /// k_piece_bytes_max. The file's content does not change.
+  virtual void read(std::uint64_t offset, std::size_t bytes, Reply<base::Bytes> reply) = 0;
+};
+
+/// A file on the disk, read where it is asked for; it is held open, so it may be replaced or
+/// removed meanwhile. `sha256` is its digest. Throws base::Error where it can't be opened.
+std::unique_ptr<Source> open_source(const std::string& path, std::string name, std::string sha256);
+
+struct Fetched {
+  std::vector<std::unique_ptr<Source>> files{};  ///< at most k_fetch_files_max, by name
+  bool has_more = false;                         ///< ask again with `after` of the last name
+};
+
+class Handler {
+ public:
+  virtual ~Handler() = default;
+
+  virtual void submit(const Caller&, Submission, Reply<Submitted>) = 0;
+  virtual void list(const Caller&, ListAsk, Reply<JobPage>) = 0;
+  /// With its history.
+  virtual void status(const Caller&, JobId, Reply<JobView>) = 0;
+  /// What a watcher lacks, at most `events_max` events; empty where it lacks nothing. Asked often:
+  /// an empty answer must cost little.
+  virtual base::Result<Batch, Refusal> events_after(const Caller&, const WatchPoint&,
+                                                    std::size_t events_max) = 0;
+  virtual void logs(const Caller&, LogAsk, Reply<LogPiece>) = 0;
+
+  virtual void cancel(const Caller&, Target, Reply<std::vector<Touched>>) = 0;
+  virtual void hold(const Caller&, Target, Reply<std::vector<Touched>>) = 0;
+  virtual void resume(const Caller&, Target, Reply<std::vector<Touched>>) = 0;
+  virtual void extend(const Caller&, Target, Extension, Reply<std::vector<Touched>>) = 0;
+  /// Deletes jobs with all that they have; a running one is refused.
+  virtual void erase(const Caller&, Target, Reply<std::vector<Touched>>) = 0;
+  virtual void pin(const Caller&, Target, bool pinned, Reply<std::vector<Touched>>) = 0;
+  virtual void set_priority(const Caller&, Target, std::int32_t priority,
+                            Reply<std::vector<Touched>>) = 0;
+
+  virtual void fetch(const Caller&, FetchAsk, Reply<Fetched>) = 0;
+
+  /// The server fills in connections and watchers.
+  virtual void info(const Caller&, Reply<ServerView>) = 0;
+  /// Starts nothing more and stops what runs in order; answered at once.
+  virtual void drain(const Caller&, Reply<Nothing>) = 0;
+  /// Ends the daemon; jobs run on. Answered before it ends.
+  virtual void stop(const Caller&, Reply<Nothing>) = 0;
+};
+
+}  // namespace sleight::rpc
