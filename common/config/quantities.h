@@ -26,7 +26,7 @@ std::optional<double> duration_s_of(std::string_view text);
 /// it back to the same.
 std::string bytes_text(std::uint64_t bytes);
 
-/// "10s", "5m", "1.5h": duration_s_of reads it back to the same, up to rounding.
+/// "10s", "5m", "1.5h": duration_s_of reads it back to the same.
 std::string duration_text(double duration_s);
 
 }  // namespace sleight::config
