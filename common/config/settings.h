@@ -47,7 +47,7 @@ template <class T>
 struct Setting {
   T value{};
   Origin origin = Origin::fallback;
-  /// What gave it: "/home/ada/.config/sleight/config.toml:3:1", "SLEIGHT_STATE", "--cores"; empty
+  /// What gave it: "/people/ada/.config/sleight/config.toml:3:1", "SLEIGHT_STATE", "--cores"; empty
   /// of a default.
   std::string given_by{};
   friend bool operator==(const Setting&, const Setting&) = default;

@@ -28,7 +28,7 @@ Surroundings surroundings(Variables variables) {
           .memory_bytes = 64'000'000'000};
 }
 
-const Variables k_ada{{"HOME", "/home/ada"}};
+const Variables k_ada{{"HOME", "/people/ada"}};
 
 Settings good(const Variables& variables, const std::string& file = "",
               const std::vector<Given>& command_line = {}) {
@@ -56,8 +56,8 @@ TEST(Settings, NothingNeedsConfiguring) {
   const auto settings = settings_of(surroundings(k_ada), std::nullopt);
   ASSERT_TRUE(settings.ok());
   const Settings& s = settings.value();
-  EXPECT_EQ(s.state.value, "/home/ada/.local/state/sleight");
-  EXPECT_EQ(s.socket.value, "/home/ada/.local/state/sleight/socket");
+  EXPECT_EQ(s.state.value, "/people/ada/.local/state/sleight");
+  EXPECT_EQ(s.socket.value, "/people/ada/.local/state/sleight/socket");
   EXPECT_EQ(s.cores.value, 12U);
   EXPECT_EQ(s.memory_bytes.value, 48'000'000'000U);
   EXPECT_EQ(s.limits.jobs.value, k_jobs_of_user);
@@ -70,13 +70,13 @@ TEST(Settings, NothingNeedsConfiguring) {
 
 TEST(Settings, FoldersFollowTheXdgVariables) {
   const Variables xdg{
-      {"HOME", "/home/ada"}, {"XDG_STATE_HOME", "/var/ada"}, {"XDG_CONFIG_HOME", "/etc/ada"}};
+      {"HOME", "/people/ada"}, {"XDG_STATE_HOME", "/var/ada"}, {"XDG_CONFIG_HOME", "/etc/ada"}};
   EXPECT_EQ(good(xdg).state.value, "/var/ada/sleight");
   EXPECT_EQ(config_path_of(surroundings(xdg)), "/etc/ada/sleight/config.toml");
-  EXPECT_EQ(config_path_of(surroundings(k_ada)), "/home/ada/.config/sleight/config.toml");
+  EXPECT_EQ(config_path_of(surroundings(k_ada)), "/people/ada/.config/sleight/config.toml");
   // A relative one does not count.
-  const Variables relative{{"HOME", "/home/ada"}, {"XDG_STATE_HOME", "ada"}};
-  EXPECT_EQ(good(relative).state.value, "/home/ada/.local/state/sleight");
+  const Variables relative{{"HOME", "/people/ada"}, {"XDG_STATE_HOME", "ada"}};
+  EXPECT_EQ(good(relative).state.value, "/people/ada/.local/state/sleight");
   EXPECT_EQ(config_path_of(surroundings({})), std::nullopt);
 }
 
@@ -85,8 +85,8 @@ TEST(Settings, FileIsRead) {
                           "state = \"~/s\"\ncores = 8\nmemory = \"24 GB\"\ndisk_reserve = 5\n"
                           "slice = \"5m\"\nkeep_days = 7\nkeep_bytes = \"1 TB\"\ncache_mb = 64\n"
                           "[limits]\njobs = 3\ncores = 4\ncore_hours = 100\nbytes = \"2 GB\"\n");
-  EXPECT_EQ(s.state.value, "/home/ada/s");
-  EXPECT_EQ(s.socket.value, "/home/ada/s/socket");
+  EXPECT_EQ(s.state.value, "/people/ada/s");
+  EXPECT_EQ(s.socket.value, "/people/ada/s/socket");
   EXPECT_EQ(s.cores.value, 8U);
   EXPECT_EQ(s.memory_bytes.value, 24'000'000'000U);
   EXPECT_EQ(s.disk_reserve_bytes.value, 5U);
@@ -105,7 +105,7 @@ TEST(Settings, FileIsRead) {
 TEST(Settings, FirstSourceWins) {
   const std::string file = "state = \"/file\"\nsocket = \"/file/s\"\ncores = 2\n";
   const Variables both{
-      {"HOME", "/home/ada"}, {"SLEIGHT_STATE", "/environment"}, {"SLEIGHT_SOCKET", ""}};
+      {"HOME", "/people/ada"}, {"SLEIGHT_STATE", "/environment"}, {"SLEIGHT_SOCKET", ""}};
   const Settings s = good(both, file, {{"cores", "3", "--cores"}, {"slice", "20s", "--slice"}});
   EXPECT_EQ(s.state, (Setting<std::string>{"/environment", Origin::environment, "SLEIGHT_STATE"}));
   // An empty variable is none.
@@ -146,7 +146,7 @@ TEST(Settings, ErrorsOfTheFileHaveTheirPlaces) {
 }
 
 TEST(Settings, ErrorsElsewhereNameWhatGaveThem) {
-  EXPECT_EQ(errors({{"HOME", "/home/ada"}, {"SLEIGHT_STATE", "here"}}, ""),
+  EXPECT_EQ(errors({{"HOME", "/people/ada"}, {"SLEIGHT_STATE", "here"}}, ""),
             "SLEIGHT_STATE: expected an absolute path, \"/...\" or \"~/...\", found the string "
             "\"here\"\n");
   EXPECT_EQ(errors(k_ada, "", {{"cores", "many", "--cores"}}),
