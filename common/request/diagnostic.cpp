@@ -13,6 +13,7 @@ constexpr std::size_t k_file_name_characters_max = 4096;
 }
 
 std::string to_string(const Diagnostic& diagnostic) {
+  if (diagnostic.place.line == 0) return fmt::format("{}: {}", diagnostic.file, diagnostic.message);
   return fmt::format("{}:{}:{}: {}", diagnostic.file, diagnostic.place.line,
                      diagnostic.place.column, diagnostic.message);
 }

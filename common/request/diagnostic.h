@@ -7,6 +7,8 @@
 //   - the value, where the value is the matter: of the wrong type or out of range;
 //   - the section's name, where a key is missing from it; 1:1, where the section itself is missing;
 //   - the character that could not be read, where the file is not TOML.
+// What an option of the command line gives has no line (0): the option stands in the file's place,
+// `--set sampler.sed=1: unknown key 'sed' in ...`.
 // Messages are one line without control characters, whatever the file holds.
 #pragma once
 
@@ -24,14 +26,17 @@ struct Place {
   friend auto operator<=>(const Place&, const Place&) = default;
 };
 
+/// Of what is in no file.
+inline constexpr Place k_no_place{.line = 0, .column = 0};
+
 struct Diagnostic {
-  std::string file;  ///< made printable
+  std::string file;  ///< made printable; of an error in no file, what gave it
   Place place;
   std::string message;
   friend bool operator==(const Diagnostic&, const Diagnostic&) = default;
 };
 
-/// `file:line:column: message`, without a line end.
+/// `file:line:column: message`, in no file `file: message`; without a line end.
 std::string to_string(const Diagnostic& diagnostic);
 
 /// More than these are counted, not shown: a hostile file must not fill a terminal or a log.

@@ -7,6 +7,7 @@
 #include "common/request/direction_request.h"
 #include "common/request/document.h"
 #include "common/request/nearest.h"
+#include "common/request/sets.h"
 #include "common/request/text.h"
 
 namespace sleight::request {
@@ -274,6 +275,17 @@ void ask_for(Document& document, std::uint32_t solutions) {
   document.sections.push_back(std::move(stop));
 }
 
+/// What lies in no file came from a set, whose text then stands in the place of the file.
+std::vector<Diagnostic> named_by_sets(std::vector<Diagnostic> errors,
+                                      std::span<const KeySet> sets) {
+  for (Diagnostic& error : errors) {
+    if (error.place.line != 0) continue;
+    error.file = fmt::format("--set {}", sets[error.place.column - 1].text);
+    error.place = k_no_place;
+  }
+  return errors;
+}
+
 }  // namespace
 
 std::uint64_t scans_before_draws(const SamplerParameters& sampler) {
@@ -290,9 +302,16 @@ std::uint64_t scans_before_draws(const SamplerParameters& sampler) {
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
     std::optional<std::uint32_t> solutions) {
+  return read_request_with(text, file, worlds, {}, solutions);
+}
+
+base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
+    std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
+    std::span<const KeySet> sets, std::optional<std::uint32_t> solutions) {
   auto parsed = parse_document(text, file);
   if (!parsed) return std::vector{parsed.error()};
   Document document = std::move(parsed).value();
+  apply_sets(document, sets);
   if (solutions) ask_for(document, *solutions);
 
   // Every key that is declared takes its value from the file.
@@ -310,7 +329,7 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
   }
   check_stop(sections.stop, sections.sampler, request);
 
-  if (!diagnostics.empty()) return diagnostics.sorted();
+  if (!diagnostics.empty()) return named_by_sets(diagnostics.sorted(), sets);
   request.sections = normalised_sections(sections);
   return request;
 }

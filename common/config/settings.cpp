@@ -1,0 +1,431 @@
+#include "common/config/settings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/config/quantities.h"
+#include "common/request/document.h"
+#include "common/request/nearest.h"
+#include "common/request/text.h"
+
+namespace sleight::config {
+namespace {
+
+using request::Diagnostics;
+using request::Document;
+using request::Entry;
+using request::Place;
+using request::Value;
+
+constexpr std::uint64_t k_integer_max = 1'000'000'000'000;
+constexpr std::size_t k_shown_characters_max = 60;
+constexpr std::string_view k_limits = "limits";
+
+/// Whole numbers that a key takes.
+struct Range {
+  std::uint64_t minimum = 0;
+  std::uint64_t maximum = k_integer_max;
+  std::string_view unit = "";
+};
+
+/// Each key once: its name, its member, what it may be and what it is. A visitor has `path`,
+/// `count` (also of a limit), `bytes` (also of a limit) and `duration_s`.
+template <class AnySettings, class Visitor>
+void visit(AnySettings& s, Visitor& visitor) {
+  visitor.path("state", s.state, "folder of the daemon: its jobs, their archives, its log");
+  visitor.path("socket", s.socket, "where the daemon is called");
+  visitor.count("cores", s.cores, Range{1, k_cores_max, "cores"}, "for all running jobs together");
+  visitor.bytes("memory", s.memory_bytes, 1, "for all running jobs together");
+  visitor.bytes("disk_reserve", s.disk_reserve_bytes, 0,
+                "with less left on the disk nothing starts and running jobs are held");
+  visitor.duration_s("slice", s.slice_s,
+                     "a job runs at least so long before it yields to those that wait");
+  visitor.count("keep_days", s.keep_days, Range{0, 36500, "days"},
+                "after so long a finished job is deleted, unless pinned");
+  visitor.bytes("keep_bytes", s.keep_bytes, 0,
+                "of finished jobs together; beyond it the oldest that are not pinned go");
+  visitor.count("cache_mb", s.cache_mb, Range{0, 1'000'000, "MB"},
+                "in which each process of a job keeps simulations");
+  visitor.count("limits.jobs", s.limits.jobs, Range{1, k_integer_max, "jobs"},
+                "of one user, that have not ended");
+  visitor.count("limits.cores", s.limits.cores, Range{1, k_cores_max, "cores"},
+                "of one user's running jobs");
+  visitor.count("limits.core_hours", s.limits.core_hours, Range{1, k_integer_max, "core-hours"},
+                "of one user's jobs that are kept");
+  visitor.bytes("limits.bytes", s.limits.bytes, 1, "on the disk, of one user's jobs");
+}
+
+/// A value with what gave it.
+struct Found {
+  Value value;
+  Origin origin = Origin::fallback;
+  std::string given_by;
+  Place place = request::k_no_place;  ///< in the file
+};
+
+/// As the command line or the environment has it: digits are an integer.
+Value value_of(const std::string& text) {
+  std::int64_t integer = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, failure] = std::from_chars(text.data(), end, integer);
+  if (failure == std::errc() && rest == end) return {integer, request::k_no_place};
+  return {text, request::k_no_place};
+}
+
+/// Reads each key from the first source that gives it, and gathers what is wrong.
+class Reader {
+ public:
+  Reader(const Surroundings& surroundings, const std::string& file, const Document& document,
+         const std::vector<Given>& command_line, std::vector<request::Diagnostic>& wrong)
+      : surroundings_(surroundings),
+        file_(file),
+        in_file_(file),
+        document_(document),
+        command_line_(command_line),
+        wrong_(wrong) {}
+
+  void path(std::string_view key, Setting<std::string>& setting, std::string_view /*help*/) {
+    const std::optional<Found> found = find(key);
+    if (!found) return;
+    const auto* text = std::get_if<std::string>(&found->value.held);
+    if (text == nullptr) return refuse(key, *found, "a path as a string");
+    std::string path = *text;
+    if (path == "~" || path.starts_with("~/")) {
+      const auto home = surroundings_.variable("HOME");
+      if (home) path = *home + path.substr(1);
+    }
+    if (!path.starts_with('/') || path.find('\0') != std::string::npos)
+      return refuse(key, *found, "an absolute path, \"/...\" or \"~/...\"");
+    take(setting, std::move(path), *found);
+  }
+
+  template <class T>
+  void count(std::string_view key, Setting<T>& setting, const Range& range,
+             std::string_view /*help*/) {
+    const std::optional<Found> found = find(key);
+    if (!found) return;
+    const auto* integer = std::get_if<std::int64_t>(&found->value.held);
+    if (integer == nullptr || *integer < 0 ||
+        static_cast<std::uint64_t>(*integer) < range.minimum ||
+        static_cast<std::uint64_t>(*integer) > range.maximum) {
+      return refuse(
+          key, *found,
+          fmt::format("an integer from {} to {} ({})", range.minimum, range.maximum, range.unit));
+    }
+    take(setting, static_cast<std::uint64_t>(*integer), *found);
+  }
+
+  template <class T>
+  void bytes(std::string_view key, Setting<T>& setting, std::uint64_t minimum,
+             std::string_view /*help*/) {
+    const std::optional<Found> found = find(key);
+    if (!found) return;
+    std::optional<std::uint64_t> bytes;
+    if (const auto* text = std::get_if<std::string>(&found->value.held)) bytes = bytes_of(*text);
+    if (const auto* integer = std::get_if<std::int64_t>(&found->value.held)) {
+      if (*integer >= 0 && static_cast<std::uint64_t>(*integer) <= k_bytes_max)
+        bytes = static_cast<std::uint64_t>(*integer);
+    }
+    if (!bytes || *bytes < minimum) {
+      return refuse(key, *found,
+                    fmt::format("a size of {} and less than 9 PB, such as \"24 GB\", \"500 MB\" or "
+                                "a number of bytes",
+                                minimum == 0 ? "0 or more" : "at least 1 byte"));
+    }
+    take(setting, *bytes, *found);
+  }
+
+  void duration_s(std::string_view key, Setting<double>& setting, std::string_view /*help*/) {
+    const std::optional<Found> found = find(key);
+    if (!found) return;
+    std::optional<double> duration_s;
+    if (const auto* text = std::get_if<std::string>(&found->value.held))
+      duration_s = duration_s_of(*text);
+    if (const auto* integer = std::get_if<std::int64_t>(&found->value.held))
+      duration_s = duration_s_of(fmt::format("{}", *integer));
+    if (!duration_s) return refuse(key, *found, "a time such as \"10s\", \"5m\" or \"1.5h\"");
+    take(setting, *duration_s, *found);
+  }
+
+  /// REQUIRES: every key was read.
+  void report_unknown() {
+    for (const Given& given : command_line_)
+      CHECK(std::find(keys_.begin(), keys_.end(), given.key) != keys_.end());
+    for (const Entry& entry : document_.loose)
+      unknown(entry, entry.key, std::string(k_limits) == entry.key);
+    for (const request::Section& section : document_.sections) {
+      if (section.name != k_limits) {
+        in_file_.add(section.place,
+                     fmt::format("unknown section [{}]; the file has [limits] alone, "
+                                 "its other keys stand before it",
+                                 shown(section.name)));
+        continue;
+      }
+      for (const Entry& entry : section.entries)
+        unknown(entry, fmt::format("{}.{}", k_limits, entry.key), false);
+    }
+    const std::vector<request::Diagnostic> of_file = in_file_.sorted();
+    wrong_.insert(wrong_.end(), of_file.begin(), of_file.end());
+  }
+
+ private:
+  static std::string shown(std::string_view text) {
+    return request::printable(text, k_shown_characters_max);
+  }
+
+  /// "'jobs' in [limits]", "'cores'".
+  static std::string name_in_file(std::string_view key) {
+    const std::size_t dot = key.find('.');
+    if (dot == std::string_view::npos) return fmt::format("'{}'", key);
+    return fmt::format("'{}' in [{}]", key.substr(dot + 1), key.substr(0, dot));
+  }
+
+  std::optional<Found> find(std::string_view key) {
+    keys_.emplace_back(key);
+    for (const Given& given : command_line_) {
+      if (given.key == key)
+        return Found{value_of(given.text), Origin::command_line, given.given_by};
+    }
+    const std::string_view name = key == "state"    ? "SLEIGHT_STATE"
+                                  : key == "socket" ? "SLEIGHT_SOCKET"
+                                                    : "";
+    if (!name.empty()) {
+      // Shells pass a variable that is switched off as an empty one.
+      const auto text = surroundings_.variable(name);
+      if (text && !text->empty())
+        return Found{{*text, request::k_no_place}, Origin::environment, std::string(name)};
+    }
+    const Entry* entry = find_in_file(key);
+    if (entry == nullptr) return std::nullopt;
+    return Found{entry->value, Origin::file,
+                 fmt::format("{}:{}:{}", file_, entry->place.line, entry->place.column),
+                 entry->value.place};
+  }
+
+  const Entry* find_in_file(std::string_view key) const {
+    const std::size_t dot = key.find('.');
+    if (dot != std::string_view::npos) {
+      const request::Section* section = document_.find(key.substr(0, dot));
+      return section == nullptr ? nullptr : section->find(key.substr(dot + 1));
+    }
+    const auto at = std::find_if(document_.loose.begin(), document_.loose.end(),
+                                 [&](const Entry& entry) { return entry.key == key; });
+    return at == document_.loose.end() ? nullptr : &*at;
+  }
+
+  template <class T, class V>
+  void take(Setting<T>& setting, V value, const Found& found) {
+    setting.value = std::move(value);
+    setting.origin = found.origin;
+    setting.given_by = found.given_by;
+  }
+
+  void refuse(std::string_view key, const Found& found, std::string_view expected) {
+    std::string message =
+        fmt::format("expected {}, found {}", expected, request::description(found.value));
+    if (found.origin == Origin::file) {
+      in_file_.add(found.place, fmt::format("{}: {}", name_in_file(key), message));
+    } else {
+      wrong_.push_back({found.given_by, request::k_no_place, std::move(message)});
+    }
+  }
+
+  void unknown(const Entry& entry, const std::string& name, bool is_section) {
+    if (std::find(keys_.begin(), keys_.end(), name) != keys_.end()) return;
+    if (is_section) {
+      return in_file_.add(entry.place, fmt::format("'{0}' must be a section, written [{0}] once, "
+                                                   "with its keys below",
+                                                   k_limits));
+    }
+    // A key in the wrong place is nearer than a mistyped one.
+    const std::string limit = fmt::format("{}.{}", k_limits, entry.key);
+    const bool is_misplaced_limit =
+        name != limit && std::find(keys_.begin(), keys_.end(), limit) != keys_.end();
+    const bool is_misplaced =
+        name == limit && std::find(keys_.begin(), keys_.end(), entry.key) != keys_.end();
+    const auto near = request::nearest(name, keys_);
+    in_file_.add(entry.place,
+                 fmt::format("unknown key {}; {}", name_in_file(shown(name)),
+                             is_misplaced_limit ? "it belongs in [limits]"
+                             : is_misplaced     ? "it belongs before every section"
+                             : near ? fmt::format("did you mean {}?", name_in_file(*near))
+                                    : fmt::format("there are {}", fmt::join(keys_, ", "))));
+  }
+
+  const Surroundings& surroundings_;
+  const std::string& file_;
+  Diagnostics in_file_;
+  const Document& document_;
+  const std::vector<Given>& command_line_;
+  std::vector<request::Diagnostic>& wrong_;
+  std::vector<std::string> keys_;
+};
+
+/// A folder of the XDG base directories; by that specification a relative one does not count.
+std::optional<std::string> xdg_folder(const Surroundings& surroundings, std::string_view name,
+                                      std::string_view below_home) {
+  const auto is_absolute = [](const std::optional<std::string>& path) {
+    return path && path->starts_with('/');
+  };
+  const auto given = surroundings.variable(name);
+  if (is_absolute(given)) return *given + "/sleight";
+  const auto home = surroundings.variable("HOME");
+  if (is_absolute(home)) return fmt::format("{}/{}/sleight", *home, below_home);
+  return std::nullopt;
+}
+
+Settings defaults_of(const Surroundings& surroundings) {
+  CHECK_GE(surroundings.cores, 1U);
+  Settings settings;
+  settings.state.value = xdg_folder(surroundings, "XDG_STATE_HOME", ".local/state").value_or("");
+  settings.cores.value = std::min(surroundings.cores, k_cores_max);
+  settings.memory_bytes.value = std::max<std::uint64_t>(surroundings.memory_bytes / 4 * 3, 1);
+  settings.disk_reserve_bytes.value = k_disk_reserve_bytes;
+  settings.slice_s.value = k_slice_s;
+  settings.keep_days.value = k_keep_days;
+  settings.keep_bytes.value = k_keep_bytes;
+  settings.cache_mb.value = k_cache_mb;
+  settings.limits.jobs.value = k_jobs_of_user;
+  return settings;
+}
+
+/// The socket lies in the state folder unless it has a place of its own.
+void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) {
+  if (settings.state.value.empty()) {
+    wrong.push_back(
+        {"HOME", request::k_no_place,
+         "expected an absolute path, as the state folder is below it; set SLEIGHT_STATE "
+         "to a folder of this machine instead"});
+    return;
+  }
+  const bool is_own = settings.socket.origin != Origin::fallback;
+  if (!is_own) settings.socket.value = settings.state.value + "/socket";
+  const std::size_t bytes = settings.socket.value.size();
+  if (bytes <= k_socket_path_bytes_max) return;
+  const std::string& given_by = is_own ? settings.socket.given_by
+                                : settings.state.origin == Origin::fallback
+                                    ? "HOME"
+                                    : settings.state.given_by;
+  wrong.push_back({given_by, request::k_no_place,
+                   fmt::format("the socket {} has {} bytes in its path, of at most {}; set "
+                               "SLEIGHT_SOCKET to a shorter one",
+                               request::printable(settings.socket.value, 200), bytes,
+                               k_socket_path_bytes_max)});
+}
+
+/// Tells each key's value for people and for JSON.
+class RowMaker {
+ public:
+  std::vector<Row> rows;
+
+  void path(std::string_view key, const Setting<std::string>& setting, std::string_view help) {
+    Row& row = add(key, setting, help);
+    row.value = request::printable(setting.value, 4096);
+    row.is_text = true;
+  }
+  void count(std::string_view key, const Setting<std::uint64_t>& setting, const Range& range,
+             std::string_view help) {
+    number(add(key, setting, help), static_cast<double>(setting.value),
+           fmt::format("{}", setting.value), range.unit);
+  }
+  void count(std::string_view key, const Setting<std::optional<std::uint64_t>>& setting,
+             const Range& range, std::string_view help) {
+    Row& row = add(key, setting, help);
+    row.unit = std::string(range.unit);
+    if (setting.value)
+      number(row, static_cast<double>(*setting.value), fmt::format("{}", *setting.value),
+             range.unit);
+  }
+  void bytes(std::string_view key, const Setting<std::uint64_t>& setting, std::uint64_t /*minimum*/,
+             std::string_view help) {
+    number(add(key, setting, help), static_cast<double>(setting.value), bytes_text(setting.value),
+           "bytes");
+  }
+  void bytes(std::string_view key, const Setting<std::optional<std::uint64_t>>& setting,
+             std::uint64_t /*minimum*/, std::string_view help) {
+    Row& row = add(key, setting, help);
+    row.unit = "bytes";
+    if (setting.value)
+      number(row, static_cast<double>(*setting.value), bytes_text(*setting.value), "bytes");
+  }
+  void duration_s(std::string_view key, const Setting<double>& setting, std::string_view help) {
+    number(add(key, setting, help), setting.value, duration_text(setting.value), "s");
+  }
+
+ private:
+  template <class T>
+  Row& add(std::string_view key, const Setting<T>& setting, std::string_view help) {
+    rows.push_back({.key = std::string(key),
+                    .value = "none",
+                    .unit = "",
+                    .number = std::nullopt,
+                    .origin = setting.origin,
+                    .given_by = setting.given_by,
+                    .help = std::string(help)});
+    return rows.back();
+  }
+  static void number(Row& row, double number, std::string text, std::string_view unit) {
+    row.number = number;
+    row.value = std::move(text);
+    row.unit = std::string(unit);
+  }
+};
+
+}  // namespace
+
+std::string_view name_of(Origin origin) {
+  switch (origin) {
+    case Origin::fallback:
+      return "default";
+    case Origin::file:
+      return "file";
+    case Origin::environment:
+      return "environment";
+    case Origin::command_line:
+      return "command line";
+  }
+  return "?";
+}
+
+base::Result<Settings, std::vector<request::Diagnostic>> settings_of(
+    const Surroundings& surroundings, const std::optional<ConfigFile>& file,
+    const std::vector<Given>& command_line) {
+  const std::string path = file ? request::printable(file->path, 4096) : std::string();
+  Document document;
+  if (file) {
+    auto parsed = request::parse_document(file->text, path);
+    if (!parsed) return std::vector{parsed.error()};
+    document = std::move(parsed).value();
+  }
+
+  // Every key takes its value from the first source that gives it; what the file has beside them is
+  // an error.
+  Settings settings = defaults_of(surroundings);
+  std::vector<request::Diagnostic> wrong;
+  Reader reader(surroundings, path, document, command_line, wrong);
+  visit(settings, reader);
+  reader.report_unknown();
+  if (wrong.empty()) settle_socket(settings, wrong);
+  if (!wrong.empty()) return wrong;
+  return settings;
+}
+
+std::optional<std::string> config_path_of(const Surroundings& surroundings) {
+  const auto folder = xdg_folder(surroundings, "XDG_CONFIG_HOME", ".config");
+  if (!folder) return std::nullopt;
+  return *folder + "/config.toml";
+}
+
+std::vector<Row> rows_of(const Settings& settings) {
+  RowMaker maker;
+  visit(settings, maker);
+  return std::move(maker.rows);
+}
+
+}  // namespace sleight::config

@@ -1,0 +1,59 @@
+// The shell of settings.h: this process's environment, machine and file.
+#include <fmt/format.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+#include "common/config/settings.h"
+
+namespace sleight::config {
+namespace {
+
+constexpr std::size_t k_file_bytes_max = std::size_t{64} << 10U;
+
+/// None where there is no file; one that can't be read is an error, as it may hold limits.
+std::optional<ConfigFile> file_here(const Surroundings& surroundings) {
+  const auto path = config_path_of(surroundings);
+  std::error_code none;
+  if (!path || !std::filesystem::exists(std::filesystem::symlink_status(*path, none)))
+    return std::nullopt;
+  return ConfigFile{*path, base::read_text_file(*path, k_file_bytes_max)};
+}
+
+}  // namespace
+
+Surroundings surroundings_here() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  const bool is_known = ::sched_getaffinity(0, sizeof(cores), &cores) == 0;
+  const long online = ::sysconf(_SC_NPROCESSORS_ONLN);
+  const long pages = ::sysconf(_SC_PHYS_PAGES);
+  const long page_bytes = ::sysconf(_SC_PAGESIZE);
+  return {.variable = [](std::string_view name) -> std::optional<std::string> {
+            const char* text = std::getenv(std::string(name).c_str());
+            return text == nullptr ? std::nullopt : std::optional<std::string>(text);
+          },
+          .cores = static_cast<std::uint64_t>(
+              std::max(is_known ? static_cast<long>(CPU_COUNT(&cores)) : online, 1L)),
+          .memory_bytes = static_cast<std::uint64_t>(std::max(pages, 0L)) *
+                          static_cast<std::uint64_t>(std::max(page_bytes, 0L))};
+}
+
+Settings settings_here(const std::vector<Given>& command_line) {
+  const Surroundings surroundings = surroundings_here();
+  auto settings = settings_of(surroundings, file_here(surroundings), command_line);
+  if (settings) return std::move(settings).value();
+  std::string lines = "the settings have errors";
+  for (const request::Diagnostic& error : settings.error())
+    lines += "\n  " + request::to_string(error);
+  throw base::Error(base::ExitCode::usage, lines);
+}
+
+}  // namespace sleight::config

@@ -1,0 +1,215 @@
+// Goal: a setting comes from the first source that gives it, says which, and everything wrong is
+// named with its place and what was expected. Method: settings_of on environments and files made up
+// here; one test lets the shell read real ones.
+#include "common/config/settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "common/base/error.h"
+
+namespace sleight::config {
+namespace {
+
+using Variables = std::map<std::string, std::string, std::less<>>;
+
+Surroundings surroundings(Variables variables) {
+  return {.variable = [variables = std::move(variables)](
+                          std::string_view name) -> std::optional<std::string> {
+            const auto at = variables.find(name);
+            return at == variables.end() ? std::nullopt : std::optional(at->second);
+          },
+          .cores = 12,
+          .memory_bytes = 64'000'000'000};
+}
+
+const Variables k_ada{{"HOME", "/people/ada"}};
+
+Settings good(const Variables& variables, const std::string& file = "",
+              const std::vector<Given>& command_line = {}) {
+  const auto settings =
+      settings_of(surroundings(variables), ConfigFile{"/c/config.toml", file}, command_line);
+  if (settings) return settings.value();
+  for (const auto& error : settings.error())
+    ADD_FAILURE() << request::to_string(error);
+  return {};
+}
+
+std::string errors(const Variables& variables, const std::string& file,
+                   const std::vector<Given>& command_line = {}) {
+  const auto settings =
+      settings_of(surroundings(variables), ConfigFile{"config.toml", file}, command_line);
+  std::string lines;
+  if (!settings) {
+    for (const auto& error : settings.error())
+      lines += request::to_string(error) + '\n';
+  }
+  return lines;
+}
+
+TEST(Settings, NothingNeedsConfiguring) {
+  const auto settings = settings_of(surroundings(k_ada), std::nullopt);
+  ASSERT_TRUE(settings.ok());
+  const Settings& s = settings.value();
+  EXPECT_EQ(s.state.value, "/people/ada/.local/state/sleight");
+  EXPECT_EQ(s.socket.value, "/people/ada/.local/state/sleight/socket");
+  EXPECT_EQ(s.cores.value, 12U);
+  EXPECT_EQ(s.memory_bytes.value, 48'000'000'000U);
+  EXPECT_EQ(s.limits.jobs.value, k_jobs_of_user);
+  EXPECT_EQ(s.limits.bytes.value, std::nullopt);
+  for (const Row& row : rows_of(s)) {
+    EXPECT_EQ(row.origin, Origin::fallback) << row.key;
+    EXPECT_EQ(row.given_by, "") << row.key;
+  }
+}
+
+TEST(Settings, FoldersFollowTheXdgVariables) {
+  const Variables xdg{
+      {"HOME", "/people/ada"}, {"XDG_STATE_HOME", "/var/ada"}, {"XDG_CONFIG_HOME", "/etc/ada"}};
+  EXPECT_EQ(good(xdg).state.value, "/var/ada/sleight");
+  EXPECT_EQ(config_path_of(surroundings(xdg)), "/etc/ada/sleight/config.toml");
+  EXPECT_EQ(config_path_of(surroundings(k_ada)), "/people/ada/.config/sleight/config.toml");
+  // A relative one does not count.
+  const Variables relative{{"HOME", "/people/ada"}, {"XDG_STATE_HOME", "ada"}};
+  EXPECT_EQ(good(relative).state.value, "/people/ada/.local/state/sleight");
+  EXPECT_EQ(config_path_of(surroundings({})), std::nullopt);
+}
+
+TEST(Settings, FileIsRead) {
+  const Settings s = good(k_ada,
+                          "state = \"~/s\"\ncores = 8\nmemory = \"24 GB\"\ndisk_reserve = 5\n"
+                          "slice = \"5m\"\nkeep_days = 7\nkeep_bytes = \"1 TB\"\ncache_mb = 64\n"
+                          "[limits]\njobs = 3\ncores = 4\ncore_hours = 100\nbytes = \"2 GB\"\n");
+  EXPECT_EQ(s.state.value, "/people/ada/s");
+  EXPECT_EQ(s.socket.value, "/people/ada/s/socket");
+  EXPECT_EQ(s.cores.value, 8U);
+  EXPECT_EQ(s.memory_bytes.value, 24'000'000'000U);
+  EXPECT_EQ(s.disk_reserve_bytes.value, 5U);
+  EXPECT_EQ(s.slice_s.value, 300.0);
+  EXPECT_EQ(s.keep_days.value, 7U);
+  EXPECT_EQ(s.keep_bytes.value, 1'000'000'000'000U);
+  EXPECT_EQ(s.cache_mb.value, 64U);
+  EXPECT_EQ(s.limits.jobs.value, 3U);
+  EXPECT_EQ(s.limits.cores.value, 4U);
+  EXPECT_EQ(s.limits.core_hours.value, 100U);
+  EXPECT_EQ(s.limits.bytes.value, 2'000'000'000U);
+  EXPECT_EQ(s.limits.jobs.origin, Origin::file);
+  EXPECT_EQ(s.limits.jobs.given_by, "/c/config.toml:10:1");
+}
+
+TEST(Settings, FirstSourceWins) {
+  const std::string file = "state = \"/file\"\nsocket = \"/file/s\"\ncores = 2\n";
+  const Variables both{
+      {"HOME", "/people/ada"}, {"SLEIGHT_STATE", "/environment"}, {"SLEIGHT_SOCKET", ""}};
+  const Settings s = good(both, file, {{"cores", "3", "--cores"}, {"slice", "20s", "--slice"}});
+  EXPECT_EQ(s.state, (Setting<std::string>{"/environment", Origin::environment, "SLEIGHT_STATE"}));
+  // An empty variable is none.
+  EXPECT_EQ(s.socket, (Setting<std::string>{"/file/s", Origin::file, "/c/config.toml:2:1"}));
+  EXPECT_EQ(s.cores, (Setting<std::uint64_t>{3, Origin::command_line, "--cores"}));
+  EXPECT_EQ(s.slice_s.value, 20);
+  EXPECT_EQ(good(both, file, {{"state", "/line", "--state"}}).state.value, "/line");
+}
+
+TEST(Settings, ErrorsOfTheFileHaveTheirPlaces) {
+  EXPECT_EQ(errors(k_ada, "cors = 4\n"),
+            "config.toml:1:1: unknown key 'cors'; did you mean 'cores'?\n");
+  EXPECT_EQ(errors(k_ada, "jobs = 4\n"),
+            "config.toml:1:1: unknown key 'jobs'; it belongs in [limits]\n");
+  EXPECT_EQ(errors(k_ada, "[limits]\nslice = 4\n"),
+            "config.toml:2:1: unknown key 'slice' in [limits]; it belongs before every section\n");
+  EXPECT_EQ(errors(k_ada, "[limits]\njob = 4\n"),
+            "config.toml:2:1: unknown key 'job' in [limits]; did you mean 'jobs' in [limits]?\n");
+  EXPECT_EQ(errors(k_ada, "limits = 4\n"),
+            "config.toml:1:1: 'limits' must be a section, written [limits] once, with its keys "
+            "below\n");
+  EXPECT_EQ(errors(k_ada, "[server]\ncores = 4\n"),
+            "config.toml:1:2: unknown section [server]; the file has [limits] alone, its other "
+            "keys stand before it\n");
+  EXPECT_EQ(
+      errors(k_ada, "cores = 0\nmemory = \"much\"\nslice = 0\nstate = \"here\"\n"),
+      "config.toml:1:9: 'cores': expected an integer from 1 to 65536 (cores), found 0\n"
+      "config.toml:2:10: 'memory': expected a size of at least 1 byte and less than 9 PB, such "
+      "as \"24 GB\", \"500 MB\" or a number of bytes, found the string \"much\"\n"
+      "config.toml:3:9: 'slice': expected a time such as \"10s\", \"5m\" or \"1.5h\", found "
+      "0\n"
+      "config.toml:4:9: 'state': expected an absolute path, \"/...\" or \"~/...\", found the "
+      "string \"here\"\n");
+  EXPECT_THAT(
+      errors(k_ada, "[limits]\njobs = -1\n"),
+      testing::HasSubstr("config.toml:2:8: 'jobs' in [limits]: expected an integer from 1"));
+  EXPECT_THAT(errors(k_ada, "cores = \n"), testing::HasSubstr("config.toml:1:9: not valid TOML"));
+}
+
+TEST(Settings, ErrorsElsewhereNameWhatGaveThem) {
+  EXPECT_EQ(errors({{"HOME", "/people/ada"}, {"SLEIGHT_STATE", "here"}}, ""),
+            "SLEIGHT_STATE: expected an absolute path, \"/...\" or \"~/...\", found the string "
+            "\"here\"\n");
+  EXPECT_EQ(errors(k_ada, "", {{"cores", "many", "--cores"}}),
+            "--cores: expected an integer from 1 to 65536 (cores), found the string \"many\"\n");
+  EXPECT_THAT(errors({}, ""), testing::HasSubstr("HOME: expected an absolute path"));
+  EXPECT_EQ(errors({{"SLEIGHT_STATE", "/s"}}, ""), "");
+  const std::string deep = "/" + std::string(120, 'd');
+  EXPECT_THAT(errors({{"SLEIGHT_STATE", deep}}, ""),
+              testing::AllOf(testing::StartsWith("SLEIGHT_STATE: the socket /dddd"),
+                             testing::HasSubstr("has 128 bytes in its path, of at most 107; set "
+                                                "SLEIGHT_SOCKET")));
+  EXPECT_EQ(errors({{"SLEIGHT_STATE", deep}, {"SLEIGHT_SOCKET", "/run/s"}}, ""), "");
+}
+
+TEST(Settings, RowsTellEverySettingAsTheFileWouldHaveIt) {
+  // Goal: no setting is left out. Method: rows of values other than the defaults, as a file again.
+  const Settings s =
+      good(k_ada,
+           "state = \"/a\"\nsocket = \"/b\"\ncores = 8\nmemory = \"24 GB\"\n"
+           "disk_reserve = \"5 MB\"\nslice = \"5m\"\nkeep_days = 7\nkeep_bytes = \"1 TB\"\n"
+           "cache_mb = 64\n[limits]\njobs = 3\ncores = 4\ncore_hours = 100\nbytes = \"2 GB\"\n");
+  std::string file;
+  std::string limits = "[limits]\n";
+  for (const Row& row : rows_of(s)) {
+    EXPECT_EQ(row.origin, Origin::file) << row.key;
+    EXPECT_FALSE(row.help.empty()) << row.key;
+    EXPECT_EQ(row.is_text, !row.number.has_value()) << row.key;
+    const bool is_quoted = row.is_text || row.unit == "bytes" || row.unit == "s";
+    const std::string line = " = " + (is_quoted ? "\"" + row.value + "\"" : row.value) + "\n";
+    if (row.key.starts_with("limits.")) {
+      limits += row.key.substr(7) + line;
+    } else {
+      file += row.key + line;
+    }
+  }
+  const Settings again = good(k_ada, file + limits);
+  EXPECT_EQ(again, s);
+}
+
+TEST(Settings, ShellReadsEnvironmentAndFile) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "sleight_settings_test";
+  std::filesystem::create_directories(folder / "sleight");
+  ::setenv("XDG_CONFIG_HOME", folder.c_str(), 1);
+  ::setenv("SLEIGHT_STATE", "/from/environment", 1);
+  std::ofstream(folder / "sleight/config.toml") << "keep_days = 3\n";
+  const Settings s = settings_here({{"cores", "1", "--cores"}});
+  EXPECT_EQ(s.state.value, "/from/environment");
+  EXPECT_EQ(s.keep_days.value, 3U);
+  EXPECT_EQ(s.cores.value, 1U);
+  EXPECT_GE(surroundings_here().memory_bytes, std::uint64_t{1} << 24U);
+
+  std::ofstream(folder / "sleight/config.toml") << "keep_day = 3\n";
+  try {
+    settings_here();
+    ADD_FAILURE() << "an unknown key was taken";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::usage);
+    EXPECT_THAT(error.what(), testing::HasSubstr("config.toml:1:1: unknown key 'keep_day'"));
+  }
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(settings_here().keep_days.origin, Origin::fallback);
+}
+
+}  // namespace
+}  // namespace sleight::config

@@ -1,0 +1,198 @@
+// Goal: a key set from outside is read exactly as if the file had it, its errors are as kind and
+// name the set, and ranges make all combinations in order. Method: toy requests read with sets
+// against the same request as a file; lists of texts with their errors.
+#include "common/request/sets.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/common/request/toy_world.h"
+
+namespace sleight::request {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using Texts = std::vector<std::string>;
+
+constexpr std::string_view k_file =
+    "[world]\nname = \"toy\"\nballs = 2\n\n[sampler]\nseed = 5\n\n[stop]\nscans = 10\n";
+
+std::vector<std::string> lines_of(const std::vector<Diagnostic>& errors) {
+  std::vector<std::string> lines;
+  for (const Diagnostic& error : errors)
+    lines.push_back(to_string(error));
+  return lines;
+}
+
+/// The normalised request, or its errors.
+std::string read(const Texts& texts, std::string_view file = k_file) {
+  const auto sets = plain_sets(texts);
+  std::string told;
+  if (!sets) {
+    for (const std::string& line : lines_of(sets.error()))
+      told += line + '\n';
+    return told;
+  }
+  toy::Parameters parameters;
+  const std::array worlds{toy::binding(parameters)};
+  const auto request = read_request_with(file, "r.toml", worlds, sets.value());
+  if (request) return normalised_text(request.value());
+  for (const std::string& line : lines_of(request.error()))
+    told += line + '\n';
+  return told;
+}
+
+std::string read_file(const std::string& file) {
+  return read({}, file);
+}
+
+TEST(Sets, AreReadAsIfTheFileHadThem) {
+  const std::string seven =
+      "[world]\nname = \"toy\"\nballs = 2\n[sampler]\nseed = 7\n[stop]\nscans = 10\n";
+  EXPECT_EQ(read({"sampler.seed=7"}), read_file(seven));
+  // A key and a section that the file has not.
+  EXPECT_EQ(read({"sampler.seed=7", "world.surface=wood", "output.thin=3",
+                  "constraint.word=\"A B\"", "constraint.lambda=2", "world.spinning=false"}),
+            read_file("[world]\nname = \"toy\"\nballs = 2\nsurface = \"wood\"\nspinning = false\n"
+                      "[sampler]\nseed = 7\n[constraint]\nword = \"A B\"\nlambda = 2\n"
+                      "[stop]\nscans = 10\n[output]\nthin = 3\n"));
+  // In any order, and whatever the file's value was.
+  EXPECT_EQ(read({"stop.scans=20", "world.balls=4"}), read({"world.balls=4", "stop.scans=20"}));
+  EXPECT_EQ(read({"world.balls=4"}, "[world]\nname = \"toy\"\nballs = \"x\"\n[stop]\nscans = 10\n"),
+            read_file("[world]\nname = \"toy\"\nballs = 4\n[stop]\nscans = 10\n"));
+  EXPECT_NE(read({"sampler.seed=7"}), read({"sampler.seed=8"}));
+}
+
+TEST(Sets, BareWordsAreStrings) {
+  EXPECT_EQ(read({"constraint.word=HI"}), read({"constraint.word=\"HI\""}));
+  EXPECT_EQ(read({"constraint.word='HI'"}), read({"constraint.word=\"HI\""}));
+  EXPECT_EQ(read({"constraint.word=A=B"}), read({"constraint.word=\"A=B\""}));
+  EXPECT_EQ(read({"constraint.word=#1"}), read({"constraint.word=\"#1\""}));
+  EXPECT_EQ(read({"sampler.seed=07"}),
+            "--set sampler.seed=07: 'seed' in [sampler]: expected an integer from 0 to "
+            "9223372036854775807, found the string \"07\"\n");
+  EXPECT_THAT(read({"sampler.seed=1\n[world]"}), HasSubstr("found the string \"1\\u{a}[world]\""));
+}
+
+TEST(Sets, ReplaceTablesOfAnArray) {
+  EXPECT_THAT(read({"world.peg=3"},
+                   "[world]\nname = \"toy\"\n[[world.peg]]\nx_m = 1\n[stop]\nscans = 10\n"),
+              HasSubstr("--set world.peg=3: 'peg' in [world]: expected tables"));
+}
+
+TEST(Sets, HaveTheErrorsOfAFile) {
+  EXPECT_EQ(read({"sampler.sed=1"}),
+            "--set sampler.sed=1: unknown key 'sed' in [sampler]; did you mean 'seed'?\n");
+  EXPECT_EQ(read({"samplr.seed=1"}),
+            "--set samplr.seed=1: unknown section [samplr]; did you mean [sampler]?\n");
+  EXPECT_EQ(read({"seed=1"}),
+            "--set seed=1: key 'seed' stands outside every section; it belongs in [sampler]\n");
+  EXPECT_EQ(
+      read({"world.surface=wod"}),
+      "--set world.surface=wod: 'surface' in [world]: expected one of \"felt\", \"wood\", found "
+      "the string \"wod\"; did you mean \"wood\"?\n");
+  EXPECT_EQ(
+      read({"world.name=tou"}),
+      "--set world.name=tou: 'name' in [world]: expected \"toy\", found the string \"tou\"; did "
+      "you mean \"toy\"?\n");
+  EXPECT_EQ(
+      read({"world.threads=4"}),
+      "--set world.threads=4: 'threads' is a command-line option, not a request key, since it "
+      "may not change results\n");
+  // Each error names its own set; those of the file keep their places.
+  EXPECT_EQ(
+      read({"world.balls=4", "world.balls_=4", "sampler.step=1.5"},
+           "[world]\nname = \"toy\"\nbals = 1\n[stop]\nscans = 10\n"),
+      "--set world.balls_=4: unknown key 'balls_' in [world]; did you mean 'balls'?\n"
+      "--set sampler.step=1.5: 'step' in [sampler]: expected a number of at least 0 and below "
+      "1, found 1.5\n"
+      "r.toml:3:1: unknown key 'bals' in [world]; did you mean 'balls'?\n");
+}
+
+TEST(Sets, ThatCannotBeReadSayWhy) {
+  const std::string form = "expected SECTION.KEY=VALUE, for instance sampler.seed=7";
+  EXPECT_EQ(read({"sampler.seed"}), "--set sampler.seed: " + form + "\n");
+  EXPECT_EQ(read({"=1"}), "--set =1: " + form + "\n");
+  EXPECT_EQ(read({".seed=1"}), "--set .seed=1: " + form + "\n");
+  EXPECT_EQ(read({"sampler.=1"}), "--set sampler.=1: " + form + "\n");
+  EXPECT_EQ(read({""}), "--set : " + form + "\n");
+  EXPECT_EQ(read({"world.peg.x_m=1"}),
+            "--set world.peg.x_m=1: " + form +
+                "; keys of tables below a section are set in the file alone\n");
+  EXPECT_EQ(read({"sampler.seed="}),
+            "--set sampler.seed=: a value is missing after '='; an empty string is '\"\"'\n");
+  EXPECT_THAT(read({"constraint.word=\"HI"}), HasSubstr("=\"HI: not valid TOML: "));
+  EXPECT_THAT(read({"world.balls=[1, 2"}), HasSubstr("not valid TOML: "));
+  EXPECT_EQ(read({std::string("constraint.word=\xff")}),
+            "--set constraint.word=\\xff: expected UTF-8 text\n");
+  EXPECT_EQ(read({"sampler.seed=1", "sampler.seed=2"}),
+            "--set sampler.seed=2: the key is set twice; leave one of them out\n");
+  EXPECT_THAT(read(Texts(k_sets_max + 1, "a.b=1")), HasSubstr("at most 100 keys can be set"));
+  EXPECT_EQ(read({"sampler.seed=1..3", "world.balls=2"}),
+            "--set sampler.seed=1..3: a range makes a group of requests, which `sleight submit` "
+            "takes; here one value is expected\n");
+  EXPECT_THAT(read({"sampler.seed={1}"}), HasSubstr("a range makes a group"));
+}
+
+std::vector<std::string> expanded(const Texts& texts) {
+  const auto combinations = expand_sets(texts);
+  if (!combinations) return lines_of(combinations.error());
+  std::vector<std::string> told;
+  for (const std::vector<KeySet>& sets : combinations.value()) {
+    std::string line;
+    for (const KeySet& set : sets)
+      line += (line.empty() ? "" : " ") + set.text;
+    told.push_back(line);
+  }
+  return told;
+}
+
+TEST(Ranges, MakeAllCombinations) {
+  EXPECT_THAT(expanded({}), ElementsAre(""));
+  EXPECT_THAT(expanded({"a.b=1"}), ElementsAre("a.b=1"));
+  EXPECT_THAT(expanded({"a.b=-1..1"}), ElementsAre("a.b=-1", "a.b=0", "a.b=1"));
+  EXPECT_THAT(expanded({"a.b=4..4"}), ElementsAre("a.b=4"));
+  EXPECT_THAT(expanded({"a.b={HI,\"A,B\",3..4}"}),
+              ElementsAre("a.b=HI", "a.b=\"A,B\"", "a.b=3", "a.b=4"));
+  EXPECT_THAT(expanded({"a.b=1..2", "c.d=x", "e.f={7,9}"}),
+              ElementsAre("a.b=1 c.d=x e.f=7", "a.b=1 c.d=x e.f=9", "a.b=2 c.d=x e.f=7",
+                          "a.b=2 c.d=x e.f=9"));
+  EXPECT_THAT(expanded({"a.b=9223372036854775806..9223372036854775807"}),
+              ElementsAre("a.b=9223372036854775806", "a.b=9223372036854775807"));
+  // Values of a range are integers, as a file's are.
+  const auto combinations = expand_sets(Texts{"sampler.seed=1..20"});
+  ASSERT_TRUE(combinations.ok());
+  ASSERT_EQ(combinations.value().size(), 20U);
+  EXPECT_EQ(combinations.value()[19][0].value.held, (decltype(Value::held)(std::int64_t{20})));
+  // In quotes it is a string.
+  EXPECT_THAT(expanded({"a.b=\"1..2\""}), ElementsAre("a.b=\"1..2\""));
+}
+
+TEST(Ranges, HaveALimitThatIsNamed) {
+  EXPECT_EQ(expanded({"a.b=1..10000"}).size(), k_combinations_max);
+  const std::string limit = ": a group has at most 10000 requests";
+  EXPECT_THAT(expanded({"a.b=1..10001"}), ElementsAre("--set a.b=1..10001" + limit));
+  EXPECT_THAT(expanded({"a.b={0,1..10000}"}), ElementsAre("--set a.b={0,1..10000}" + limit));
+  EXPECT_THAT(expanded({"a.b=1..101", "c.d=1..100"}), ElementsAre("--set c.d=1..100" + limit));
+  EXPECT_THAT(expanded({"a.b=-9223372036854775808..9223372036854775807"}),
+              ElementsAre("--set a.b=-9223372036854775808..9223372036854775807" + limit));
+  EXPECT_THAT(expanded({"a.b=3..1"}),
+              ElementsAre("--set a.b=3..1: the range 3..1 is empty: its first number is above its "
+                          "last"));
+  EXPECT_THAT(expanded({"a.b={1,,2}"}),
+              ElementsAre("--set a.b={1,,2}: a value of the list is missing"));
+  EXPECT_THAT(expanded({"a.b={}"}), ElementsAre("--set a.b={}: a value of the list is missing"));
+}
+
+TEST(Sets, AreFound) {
+  const auto sets = plain_sets(Texts{"sampler.seed=7", "stop.scans=4"});
+  ASSERT_TRUE(sets.ok());
+  EXPECT_EQ(find_set(sets.value(), "sampler", "seed"), &sets.value()[0]);
+  EXPECT_EQ(find_set(sets.value(), "stop"), &sets.value()[1]);
+  EXPECT_EQ(find_set(sets.value(), "stop", "rounds"), nullptr);
+  EXPECT_EQ(find_set(sets.value(), "world"), nullptr);
+}
+
+}  // namespace
+}  // namespace sleight::request
