@@ -95,6 +95,13 @@ std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::
   return sum.value();
 }
 
+std::int64_t checksum_of_text(std::string_view place, std::string_view text) {
+  Checksum sum;
+  sum.array(base::bytes_of(std::span<const char>(place)));
+  sum.array(base::bytes_of(std::span<const char>(text)));
+  return sum.value();
+}
+
 void refuse_damaged(const std::string& path, const std::string& what) {
   throw base::Error(fmt::format(
       "{}: damaged: {}; restore it from a backup, or start over with --fresh", path, what));

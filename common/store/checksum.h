@@ -35,6 +35,9 @@ std::int64_t checksum_of(const SessionKey& session, std::string_view program_ver
 std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,
                                 std::uint64_t columns, base::BytesView numbers);
 
+/// Of a text at a place of its own, "job/17/": so that rows can't change places.
+std::int64_t checksum_of_text(std::string_view place, std::string_view text);
+
 /// Throws base::Error: what is in the database at `path` was not written by us as it stands.
 [[noreturn]] void refuse_damaged(const std::string& path, const std::string& what);
 

@@ -1,0 +1,139 @@
+// The daemon `sleightd`: joins the service with the worlds that check its requests.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "clients/cli/main_run.h"
+#include "clients/cli/main_worlds.h"
+#include "clients/cli/output.h"
+#include "clients/cli/results_version.h"
+#include "common/base/error.h"
+#include "common/base/version.h"
+#include "common/config/quantities.h"
+#include "common/config/settings.h"
+#include "common/logging/log.h"
+#include "common/request/direction_request.h"
+#include "service/daemon/daemon.h"
+#include "service/keeper/command.h"
+
+namespace sleight::programs {
+namespace {
+
+/// A setting as the command line may give it.
+struct Option {
+  const char* flag;
+  const char* key;
+  const char* type_name;
+  const char* help;
+};
+
+constexpr Option k_options[] = {
+    {"--state", "state", "FOLDER", "The folder of its jobs"},
+    {"--socket", "socket", "PATH", "Where it answers"},
+    {"--cores", "cores", "N", "For all jobs together"},
+    {"--memory", "memory", "SIZE", "For all jobs together: 24GB"},
+    {"--disk-reserve", "disk_reserve", "SIZE", "Below so much free disk nothing starts"},
+    {"--slice", "slice", "TIME", "A job runs so long before it yields to others: 10s"},
+    {"--keep-days", "keep_days", "N", "Finished jobs are kept so long"},
+    {"--keep-bytes", "keep_bytes", "SIZE", "Finished jobs take up at most this together"},
+};
+
+std::string limit_text(const std::optional<std::uint64_t>& limit, const char* unit) {
+  return limit ? fmt::format("{}{}", *limit, unit) : "none";
+}
+
+daemon::ServerFacts facts_of(const config::Settings& settings) {
+  const config::UserLimits& limits = settings.limits;
+  return {.version = std::string(base::version()),
+          .results_version = std::string(results_version()),
+          .cache_mb = settings.cache_mb.value,
+          .keeping_rule = fmt::format(
+              "finished jobs are kept for {} days and while they take up less than {} together; "
+              "pinned ones stay",
+              settings.keep_days.value, config::bytes_text(settings.keep_bytes.value)),
+          .limits = {{.name = "jobs of a user", .value = limit_text(limits.jobs.value, "")},
+                     {.name = "cores of a user", .value = limit_text(limits.cores.value, "")},
+                     {.name = "core-hours of a user in a day",
+                      .value = limit_text(limits.core_hours.value, "")},
+                     {.name = "bytes of a user",
+                      .value = limits.bytes.value ? config::bytes_text(*limits.bytes.value)
+                                                  : std::string("none")}}};
+}
+
+jobs::Options job_options_of(const config::Settings& settings) {
+  constexpr double k_day_s = 86400;
+  jobs::Options options;
+  options.limits = {
+      .jobs = settings.limits.jobs.value.value_or(0),
+      .cores = static_cast<std::uint32_t>(settings.limits.cores.value.value_or(0)),
+      .core_hours_per_day = static_cast<double>(settings.limits.core_hours.value.value_or(0)),
+      .disk_bytes = settings.limits.bytes.value.value_or(0)};
+  options.slice_s_min = settings.slice_s.value;
+  options.keep_s = static_cast<double>(settings.keep_days.value) * k_day_s;
+  options.keep_bytes = settings.keep_bytes.value;
+  return options;
+}
+
+int serve(const config::Settings& settings) {
+  run::Catalogue catalogue = worlds_of_program();
+  daemon::DaemonOptions options{
+      .runner = {.state = settings.state.value,
+                 .jobs = job_options_of(settings),
+                 .cores = static_cast<std::uint32_t>(settings.cores.value),
+                 .memory_bytes = settings.memory_bytes.value,
+                 .disk_reserve_bytes = settings.disk_reserve_bytes.value,
+                 .programs = keeper::programs_beside_this()},
+      .socket = settings.socket.value,
+      .facts = facts_of(settings),
+      .read = [&](const std::string& text, const std::string& name) {
+        return request::read_request(text, name, catalogue.bindings());
+      }};
+  daemon::run_daemon(options);
+  return static_cast<int>(base::ExitCode::ok);
+}
+
+int main_of(int argc, char** argv) {
+  note_what_repeats(argc, argv);
+  CLI::App app{
+      "Sleight's service: takes direction requests as jobs and runs them on this machine.\n"
+      "`sleight server start` starts it in the background."};
+  app.name("sleightd");
+  app.set_version_flag("--version", version_text());
+  std::vector<config::Given> given;
+  for (const Option& option : k_options) {
+    app.add_option_function<std::string>(
+           option.flag,
+           [&given, &option](const std::string& text) {
+             given.push_back({.key = option.key, .text = text, .given_by = option.flag});
+           },
+           option.help)
+        ->type_name(option.type_name);
+  }
+  app.footer(
+      "`sleight config` shows the settings that hold and where each comes from.\n\nExamples:\n"
+      "  sleightd\n"
+      "  sleightd --state /scratch/ada/sleight --cores 8 --memory 24GB");
+  try {
+    cli::occupy_standard_streams();
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return app.exit(error) == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
+    }
+    logging::log_to_stderr("sleightd", false);
+    return serve(config::settings_here(given));
+  } catch (...) {
+    return report_failure("sleightd");
+  }
+}
+
+}  // namespace
+}  // namespace sleight::programs
+
+int main(int argc, char** argv) {
+  return sleight::programs::main_of(argc, argv);
+}

@@ -1,0 +1,300 @@
+#include "service/daemon/attempts.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+#include <variant>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/logging/log.h"
+#include "common/store/sessions.h"
+#include "service/daemon/program_version.h"
+
+namespace sleight::daemon {
+namespace {
+
+/// Less than this on the disk, and a failure of the environment is taken for a full one.
+constexpr std::uint64_t k_full_below_bytes = std::uint64_t{16} << 20U;
+
+jobs::EndKind end_kind_of(events::End end) {
+  const auto kind = jobs::end_kind_of(std::string(events::name_of(end)));
+  CHECK(kind.has_value());
+  return *kind;
+}
+
+std::string repeat_of(const keeper::AttemptRecord& record, const std::string& folder) {
+  return fmt::format("cd {} && {}", folder, fmt::join(record.command, " "));
+}
+
+std::string signal_words(const keeper::AttemptEnd& end) {
+  switch (end.killed_for) {
+    case keeper::KilledFor::lingering:
+      return "the program told its end and did not exit";
+    case keeper::KilledFor::without_ranks:
+      return "mpirun hung after its ranks had gone";
+    default:
+      break;
+  }
+  if (!end.not_started.empty()) return end.not_started;
+  if (end.signal) return fmt::format("the program was killed by signal {}", *end.signal);
+  if (end.exit_code) return fmt::format("the program exited with {}", *end.exit_code);
+  return "the program ended";
+}
+
+}  // namespace
+
+Attempts::Attempts(Parts parts) : parts_(std::move(parts)) {}
+
+void Attempts::tell(jobs::Input input) {
+  parts_.loop.post([this, input = std::move(input)]() mutable { parts_.hear(std::move(input)); });
+}
+
+void Attempts::launch(const jobs::Launch& launch) {
+  const std::string folder = parts_.folders.folder(launch.job);
+  try {
+    look_at_programs();
+    const LaunchText text = parts_.text_of(launch.job, launch.revision);
+    parts_.folders.write_request(launch.job, text.request, parts_.files);
+    const std::uint64_t cache_bytes =
+        launch.memory_bytes > k_process_bytes ? launch.memory_bytes - k_process_bytes : 0;
+    const keeper::AttemptSpec spec{
+        .folder = folder,
+        .attempt = static_cast<std::uint32_t>(launch.attempt.value),
+        .cores = std::max(1U, launch.cores),
+        .ranks = launch.ranks,
+        .cache_mb = cache_bytes >> 20U,
+        .strict = text.strict,
+    };
+    follow(launch.job, launch.attempt, parts_.backend.launch(spec), false);
+    tell(jobs::Launched{.job = launch.job, .attempt = launch.attempt});
+  } catch (const base::Error& failure) {
+    tell(jobs::LaunchFailed{.job = launch.job,
+                            .attempt = launch.attempt,
+                            .hindrance = has_no_room(failure.what()) ? jobs::Hindrance::disk_full
+                                                                     : jobs::Hindrance::none,
+                            .words = failure.what()});
+  }
+}
+
+void Attempts::stop(const jobs::Stop& stop) {
+  const keeper::Stop how = stop.how == jobs::StopHow::now ? keeper::Stop::now
+                                                          : keeper::Stop::in_order;
+  try {
+    parts_.backend.stop(parts_.folders.folder(stop.job),
+                        static_cast<std::uint32_t>(stop.attempt.value), how);
+  } catch (const base::Error& failure) {
+    logging::warn(fmt::format("job {}: {}", stop.job.value, failure.what()));
+  }
+}
+
+void Attempts::look(const jobs::Look& look) {
+  see(look.job, look.attempt);
+}
+
+/// Tells what the folder says of the attempt, and waits for the keeper of one that runs.
+void Attempts::see(jobs::JobId job, jobs::Attempt attempt) {
+  const std::string folder = parts_.folders.folder(job);
+  const auto number = static_cast<std::uint32_t>(attempt.value);
+  jobs::Sight sight{.job = job, .attempt = attempt, .seen = jobs::Unknown{}};
+  try {
+    keeper::Look seen = parts_.backend.look(folder, number);
+    using State = keeper::Look::State;
+    if (seen.state == State::running) {
+      if (!running_.contains(job)) {
+        if (auto keeper = parts_.backend.adopt(folder, number)) {
+          follow(job, attempt, *std::move(keeper), true);
+        } else {
+          seen = parts_.backend.look(folder, number);  // it has gone meanwhile, or just begins
+        }
+      }
+    }
+    switch (seen.state) {
+      case State::never_began:
+        sight.seen = jobs::NeverBegan{};
+        break;
+      case State::running: {
+        const auto run = running_.find(job);
+        auto running = run == running_.end() ? std::nullopt : running_of(job, run->second);
+        sight.seen = running.value_or(jobs::Running{});
+        break;
+      }
+      case State::ended: {
+        const auto run = running_.find(job);
+        const auto after_s =
+            run == running_.end() ? std::nullopt : run->second.first_commit_after_s;
+        sight.seen = ended_of(job, *seen.record, after_s);
+        break;
+      }
+      case State::died:
+        sight.seen = died_of(job, *seen.record);
+        break;
+    }
+    if (seen.state != State::running) running_.erase(job);
+  } catch (const base::Error& failure) {
+    logging::warn(fmt::format("job {}: {}", job.value, failure.what()));
+  }
+  tell(std::move(sight));
+}
+
+void Attempts::follow(jobs::JobId job, jobs::Attempt attempt, keeper::RunningKeeper keeper,
+                      bool is_found) {
+  Run& run = running_[job];
+  run = Run();
+  run.attempt = attempt;
+  run.since_s = parts_.clock.now_s();
+  run.is_found = is_found;
+  const auto& progress = parts_.feeds.of(job).progress();
+  run.scans_before = progress ? progress->scans_done : 0;
+  run.keeper = std::move(keeper);
+  run.gone = parts_.loop.call_when_readable(run.keeper->descriptor(),
+                                            [this, job] { keeper_gone(job); });
+  plan_poll();
+}
+
+void Attempts::keeper_gone(jobs::JobId job) {
+  const auto run = running_.find(job);
+  if (run == running_.end()) return;
+  const jobs::Attempt attempt = run->second.attempt;
+  run->second.gone = {};
+  see(job, attempt);
+  running_.erase(job);
+}
+
+/// Looks as often as the youngest of the runs needs it.
+void Attempts::plan_poll() {
+  double every_s = 0;
+  for (const auto& [job, run] : running_) {
+    const bool is_young = !run.is_found && !run.first_commit_after_s;
+    every_s = is_young ? k_look_young_s : every_s == 0 ? k_look_s : every_s;
+  }
+  if (every_s == poll_every_s_) return;
+  poll_every_s_ = every_s;
+  polling_ = every_s == 0 ? rpc::Loop::Handle()
+                          : parts_.loop.call_every(every_s, [this] { poll(); });
+}
+
+void Attempts::poll() {
+  const double now_s = parts_.clock.now_s();
+  for (auto& [job, run] : running_) {
+    const bool had_committed = run.first_commit_after_s.has_value();
+    const bool is_young = !run.is_found && !had_committed;
+    if (!is_young && now_s - run.looked_s < k_look_s) continue;
+    run.looked_s = now_s;
+    const auto running = running_of(job, run);
+    if (!running) continue;
+    const bool just_committed = !had_committed && run.first_commit_after_s.has_value();
+    if (!just_committed && now_s - run.told_s < k_tell_running_s) continue;
+    if (!just_committed && running->counts.scans == run.told_scans) continue;
+    run.told_s = now_s;
+    run.told_scans = running->counts.scans;
+    tell(jobs::Sight{.job = job, .attempt = run.attempt, .seen = *running});
+  }
+  plan_poll();
+}
+
+jobs::Counts Attempts::counts_of(jobs::JobId job, bool thoroughly) {
+  JobFeed& feed = parts_.feeds.of(job);
+  feed.read(thoroughly);
+  jobs::Counts counts;
+  if (!feed.progress()) return counts;
+  const events::Progress& progress = *feed.progress();
+  counts.scans = progress.scans_done;
+  counts.found = progress.finds.found;
+  counts.solutions = progress.solutions;
+  for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
+    if (progress.failures.by_kind[kind] > 0)
+      counts.failures[std::string(plan::k_failure_names[kind])] = progress.failures.by_kind[kind];
+  }
+  return counts;
+}
+
+std::optional<jobs::Running> Attempts::running_of(jobs::JobId job, Run& run) {
+  jobs::Running running{.counts = counts_of(job, false),
+                        .first_commit_after_s = run.first_commit_after_s};
+  if (!run.is_found && !run.first_commit_after_s && running.counts.scans > run.scans_before) {
+    run.first_commit_after_s = parts_.clock.now_s() - run.since_s;
+    running.first_commit_after_s = run.first_commit_after_s;
+  }
+  running.results_version = results_version_;
+  return running;
+}
+
+bool Attempts::has_no_room(const std::string& words) const {
+  for (const char* sign : {"No space left", "disk is full", "disk full", "Disk quota"})
+    if (words.find(sign) != std::string::npos) return true;
+  return disk_free_bytes(parts_.folders.all()) < k_full_below_bytes;
+}
+
+std::string Attempts::run_results_version(jobs::JobId job) const {
+  try {
+    return store::stored_request_of(parts_.folders.run(job)).results_version;
+  } catch (const base::Error&) {
+    return {};  // there is no run yet
+  }
+}
+
+/// What kept a run from going on, as far as it isn't the run's own fault.
+jobs::Hindrance Attempts::hindrance_of(jobs::JobId job, const keeper::AttemptEnd& end) const {
+  const bool said_why = end.run_end && end.run_end->end == events::End::failed;
+  const base::ExitCode code = said_why ? end.run_end->exit_code : base::ExitCode::ok;
+  if (code == base::ExitCode::conflict) {
+    const std::string version = run_results_version(job);
+    if (!version.empty() && !results_version_.empty() && version != results_version_)
+      return jobs::Hindrance::other_results;
+  }
+  const bool may_be_room = code == base::ExitCode::environment || !end.run_end;
+  const std::string words = said_why ? end.run_end->words : end.not_started;
+  if (may_be_room && has_no_room(words)) return jobs::Hindrance::disk_full;
+  return jobs::Hindrance::none;
+}
+
+jobs::Ended Attempts::ended_of(jobs::JobId job, const keeper::AttemptRecord& record,
+                               std::optional<double> first_commit_after_s) {
+  CHECK(record.end.has_value());
+  const keeper::AttemptEnd& end = *record.end;
+  jobs::Ended ended{.exit_code = end.exit_code.value_or(0),
+                    .signal = end.signal.value_or(0),
+                    .hindrance = hindrance_of(job, end),
+                    .log_end = fmt::format("{}", fmt::join(end.log_tail, "\n")),
+                    .repeat = repeat_of(record, parts_.folders.folder(job)),
+                    .counts = counts_of(job, true),
+                    .first_commit_after_s = first_commit_after_s,
+                    .disk_bytes = parts_.folders.bytes(job),
+                    .results_version = run_results_version(job)};
+  if (!end.run_end) {
+    ended.words = signal_words(end);
+    return ended;
+  }
+  const events::RunEnd& told = *end.run_end;
+  ended.kind = end_kind_of(told.end);
+  ended.digest = told.digest;
+  ended.words = told.words;
+  ended.place = told.place;
+  ended.counts.found = std::max(ended.counts.found, told.found);
+  ended.counts.solutions = std::max(ended.counts.solutions, told.solutions);
+  return ended;
+}
+
+jobs::Died Attempts::died_of(jobs::JobId job, const keeper::AttemptRecord& record) {
+  return {.words = "its keeper and its program were killed",
+          .repeat = repeat_of(record, parts_.folders.folder(job)),
+          .counts = counts_of(job, true),
+          .disk_bytes = parts_.folders.bytes(job)};
+}
+
+void Attempts::look_at_programs() {
+  const std::string& program = parts_.backend.programs().sleight;
+  const std::string stamp = stamp_of(program);
+  if (stamp == programs_stamp_) return;
+  programs_stamp_ = stamp;
+  const std::optional<std::string> version = stamp.empty() ? std::nullopt
+                                                           : results_version_of(program);
+  results_version_ = version.value_or("");
+  tell(jobs::BackendNote{.is_there = version.has_value(), .results_version = results_version_});
+}
+
+}  // namespace sleight::daemon

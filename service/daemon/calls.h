@@ -1,0 +1,90 @@
+// What the service answers to its callers: common/rpc's Handler on the jobs of a JobRunner.
+//
+// A caller sees and touches its own jobs; the daemon's own user and root see all. Another user's
+// job is answered like one that is not there.
+//
+// Thread safety: all on the loop's thread.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/rpc/handler.h"
+#include "service/daemon/fetching.h"
+#include "service/daemon/job_runner.h"
+#include "service/daemon/logs.h"
+#include "service/daemon/requests.h"
+
+namespace sleight::daemon {
+
+/// What people are told of the server, and what it may use for a job that wishes nothing.
+struct ServerFacts {
+  std::string version{};
+  std::string results_version{};
+  std::uint64_t cache_mb = 256;  ///< of a process of a job
+  std::string keeping_rule{};
+  std::vector<rpc::NamedLimit> limits{};
+};
+
+class Calls final : public rpc::Handler {
+ public:
+  Calls(rpc::Loop& loop, JobRunner& runner, ServerFacts facts, ReadRequest read,
+        std::function<void()> stop);
+
+  void submit(const rpc::Caller& caller, rpc::Submission submission,
+              rpc::Reply<rpc::Submitted> reply) override;
+  void list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::JobPage> reply) override;
+  void status(const rpc::Caller& caller, rpc::JobId job, rpc::Reply<rpc::JobView> reply) override;
+  base::Result<rpc::Batch, rpc::Refusal> events_after(const rpc::Caller& caller,
+                                                      const rpc::WatchPoint& point,
+                                                      std::size_t events_max) override;
+  void logs(const rpc::Caller& caller, rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) override;
+  void cancel(const rpc::Caller& caller, rpc::Target target,
+              rpc::Reply<std::vector<rpc::Touched>> reply) override;
+  void hold(const rpc::Caller& caller, rpc::Target target,
+            rpc::Reply<std::vector<rpc::Touched>> reply) override;
+  void resume(const rpc::Caller& caller, rpc::Target target,
+              rpc::Reply<std::vector<rpc::Touched>> reply) override;
+  void extend(const rpc::Caller& caller, rpc::Target target, rpc::Extension extension,
+              rpc::Reply<std::vector<rpc::Touched>> reply) override;
+  void erase(const rpc::Caller& caller, rpc::Target target,
+             rpc::Reply<std::vector<rpc::Touched>> reply) override;
+  void pin(const rpc::Caller& caller, rpc::Target target, bool pinned,
+           rpc::Reply<std::vector<rpc::Touched>> reply) override;
+  void set_priority(const rpc::Caller& caller, rpc::Target target, std::int32_t priority,
+                    rpc::Reply<std::vector<rpc::Touched>> reply) override;
+  void fetch(const rpc::Caller& caller, rpc::FetchAsk ask,
+             rpc::Reply<rpc::Fetched> reply) override;
+  void info(const rpc::Caller& caller, rpc::Reply<rpc::ServerView> reply) override;
+  void drain(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) override;
+  void stop(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) override;
+
+ private:
+  bool is_operator(const rpc::Caller& caller) const;
+  bool sees(const rpc::Caller& caller, const Posted& posted) const;
+  /// The job as it is durable, or why there is none for this caller.
+  base::Result<const Posted*, rpc::Refusal> look_up(const rpc::Caller& caller, rpc::JobId job) const;
+  base::Result<std::vector<jobs::JobId>, rpc::Refusal> jobs_of(const rpc::Caller& caller,
+                                                               const rpc::Target& target) const;
+  rpc::JobView view(const Posted& posted, bool with_progress);
+  void add_end(rpc::JobView& view, const Posted& posted) const;
+  void touch(const rpc::Caller& caller, const rpc::Target& target, jobs::AskKind kind,
+             std::int32_t priority, rpc::Reply<std::vector<rpc::Touched>> reply);
+  void touch_all(std::vector<jobs::Ask> asks, std::vector<std::optional<StoredRequest>> requests,
+                 rpc::Reply<std::vector<rpc::Touched>> reply);
+  rpc::Refusal stalled() const;
+
+  rpc::Loop& loop_;
+  JobRunner& runner_;
+  ServerFacts facts_;
+  ReadRequest read_;
+  std::function<void()> stop_;
+  base::SteadyClock clock_;
+  double begin_s_;
+  Fetching fetching_;
+  Logs logs_;
+};
+
+}  // namespace sleight::daemon

@@ -1,0 +1,66 @@
+#include "service/daemon/feeds.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace sleight::daemon {
+namespace {
+
+std::uint64_t wall_us() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(now).count());
+}
+
+}  // namespace
+
+Feeds::Feeds(const JobFolders& folders, const base::Clock& clock)
+    : folders_(folders), clock_(clock) {}
+
+JobFeed& Feeds::of(jobs::JobId job) {
+  const double now_s = clock_.now_s();
+  auto at = feeds_.find(job);
+  if (at == feeds_.end()) {
+    at = feeds_.emplace(job, Held{.feed = JobFeed(folders_.run(job), wall_us())}).first;
+    at->second.feed.read(true);
+  }
+  at->second.used_s = now_s;
+  return at->second.feed;
+}
+
+JobFeed* Feeds::find(jobs::JobId job) {
+  const auto at = feeds_.find(job);
+  return at == feeds_.end() ? nullptr : &at->second.feed;
+}
+
+void Feeds::watched(jobs::JobId job) {
+  of(job);
+  feeds_.at(job).watched_until_s = clock_.now_s() + k_watched_for_s;
+}
+
+std::vector<jobs::JobId> Feeds::watched_now() {
+  const double now_s = clock_.now_s();
+  std::vector<jobs::JobId> watched;
+  for (auto at = feeds_.begin(); at != feeds_.end();) {
+    const Held& held = at->second;
+    if (held.watched_until_s > now_s) {
+      watched.push_back(at->first);
+      ++at;
+    } else if (held.used_s + k_feed_idle_s < now_s) {
+      at = feeds_.erase(at);
+    } else {
+      ++at;
+    }
+  }
+  return watched;
+}
+
+double Feeds::watch_every_s() const {
+  const double now_s = clock_.now_s();
+  const auto count = std::count_if(feeds_.begin(), feeds_.end(), [&](const auto& feed) {
+    return feed.second.watched_until_s > now_s;
+  });
+  return count == 0 ? 0 : std::max(k_watched_s, k_watched_each_s * static_cast<double>(count));
+}
+
+}  // namespace sleight::daemon

@@ -1,0 +1,213 @@
+#include "service/daemon/fetching.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "common/base/error.h"
+#include "common/hash/sha256.h"
+#include "service/daemon/child_process.h"
+#include "service/daemon/views.h"
+
+namespace sleight::daemon {
+namespace {
+
+constexpr std::size_t k_hash_piece = 1U << 20U;
+
+rpc::Refusal refusal(rpc::RefusalKind kind, std::string sentence, std::string what_to_do = {}) {
+  return {.kind = kind, .sentence = std::move(sentence), .what_to_do = std::move(what_to_do)};
+}
+
+/// What the program said last, without its name and the job's folder.
+std::string last_line(const std::string& output) {
+  std::string text = output;
+  while (!text.empty() && text.back() == '\n')
+    text.pop_back();
+  text = text.substr(text.find_last_of('\n') + 1);
+  constexpr std::string_view k_name = "sleight: ";
+  return text.starts_with(k_name) ? text.substr(k_name.size()) : text;
+}
+
+std::vector<std::string> names_after(const std::string& folder, const std::string& after) {
+  std::vector<std::string> names;
+  std::error_code reason;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, reason)) {
+    std::string name = entry.path().filename().string();
+    if (name > after && entry.is_regular_file(reason)) names.push_back(std::move(name));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace
+
+std::string sha256_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw base::Error(fmt::format("{}: can't be read", path));
+  hash::Sha256 hash;
+  std::string piece(k_hash_piece, '\0');
+  while (file) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    hash.update(std::string_view(piece.data(), static_cast<std::size_t>(file.gcount())));
+  }
+  if (file.bad()) throw base::Error(fmt::format("{}: can't be read", path));
+  return hash::to_hex(hash.finish());
+}
+
+void Fetching::fetch(const rpc::FetchAsk& ask, rpc::Reply<rpc::Fetched> reply) {
+  if (!ask.sha256_wanted.empty()) {
+    if (auto source = held(ask.sha256_wanted)) {
+      rpc::Fetched fetched;
+      fetched.files.push_back(std::move(source));
+      reply.answer(std::move(fetched));
+      return;
+    }
+  }
+  make(ask, std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
+}
+
+/// Finds or makes the files and hashes them, in the worker's thread.
+void Fetching::make(const rpc::FetchAsk& ask, std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
+  const jobs::JobId job = job_id(ask.job);
+  const std::string beside = fmt::format("{}/{}", parts_.folders.fetched(), ++made_);
+  parts_.worker.run([this, ask, job, beside, reply] {
+    using Outcome = std::variant<std::vector<Hashed>, rpc::Refusal>;
+    bool has_more = false;
+    const auto find = [&]() -> std::variant<std::vector<Found>, rpc::Refusal> {
+      const JobFolders& folders = parts_.folders;
+      if (ask.kind == rpc::FetchKind::archive) {
+        if (!std::filesystem::exists(folders.archive(job)))
+          return refusal(rpc::RefusalKind::not_found,
+                         fmt::format("Job {} has no archive yet.", job.value),
+                         "It comes with the first solution; `--so-far` asks for one of what there is.");
+        return std::vector<Found>{{.path = folders.archive(job),
+                                   .name = fmt::format("job-{}.h5", job.value)}};
+      }
+      if (ask.kind == rpc::FetchKind::failure_files) {
+        std::vector<std::string> names = names_after(folders.failures(job), ask.after);
+        has_more = names.size() > rpc::k_fetch_files_max;
+        if (has_more) names.resize(rpc::k_fetch_files_max);
+        std::vector<Found> found;
+        for (std::string& name : names)
+          found.push_back({.path = folders.failures(job) + "/" + name, .name = name});
+        return found;
+      }
+      if (ask.kind == rpc::FetchKind::so_far) {
+        const std::string made = beside + ".h5";
+        const ChildEnd end =
+            run_child({parts_.sleight, "archive", "derive", folders.run(job), "-o", made},
+                      {.seconds_max = k_make_s_max});
+        if (end.exit_code != 0)
+          return refusal(rpc::RefusalKind::environment,
+                         fmt::format("No archive of job {} so far: {}", job.value,
+                                     last_line(end.output)));
+        return std::vector<Found>{
+            {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
+      }
+      const std::string made = beside + ".csv";
+      std::vector<std::string> command{parts_.sleight, "archive", "export", folders.archive(job),
+                                       "--csv", "--table", "segments", "-o", made};
+      for (const std::uint64_t id : ask.ids) {
+        command.emplace_back("--animation");
+        command.push_back(std::to_string(id));
+      }
+      const ChildEnd end = run_child(command, {.seconds_max = k_make_s_max});
+      if (end.exit_code != 0)
+        return refusal(rpc::RefusalKind::not_found,
+                       fmt::format("No such recordings of job {}: {}", job.value,
+                                   last_line(end.output)));
+      return std::vector<Found>{{.path = made,
+                                 .name = fmt::format("job-{}-recordings.csv", job.value),
+                                 .is_ours = true}};
+    };
+    Outcome outcome = std::vector<Hashed>{};
+    try {
+      auto found = find();
+      if (auto* refused = std::get_if<rpc::Refusal>(&found)) {
+        outcome = std::move(*refused);
+      } else {
+        for (Found& file : std::get<std::vector<Found>>(found)) {
+          // The link is the file that was hashed, whatever is renamed over its name meanwhile.
+          const std::string own = beside + "-" + file.name;
+          std::error_code reason;
+          if (file.is_ours) {
+            std::filesystem::rename(file.path, own, reason);
+          } else {
+            std::filesystem::create_hard_link(file.path, own, reason);
+          }
+          if (reason) throw base::Error(fmt::format("{}: {}", own, reason.message()));
+          file.path = own;
+          std::get<std::vector<Hashed>>(outcome).push_back(
+              {.file = file, .sha256 = sha256_of_file(own)});
+        }
+      }
+    } catch (const base::Error& failure) {
+      outcome = refusal(rpc::RefusalKind::environment,
+                        fmt::format("The files of job {} can't be read.", job.value),
+                        "The service's log has the reason.");
+    }
+    parts_.loop.post([this, outcome = std::move(outcome), has_more, reply]() mutable {
+      if (auto* refused = std::get_if<rpc::Refusal>(&outcome)) {
+        reply->refuse(std::move(*refused));
+      } else {
+        give(std::get<std::vector<Hashed>>(std::move(outcome)), has_more, *reply);
+      }
+    });
+  });
+}
+
+void Fetching::give(std::vector<Hashed> files, bool has_more, rpc::Reply<rpc::Fetched>& reply) {
+  rpc::Fetched fetched{.files = {}, .has_more = has_more};
+  try {
+    for (const Hashed& hashed : files) {
+      fetched.files.push_back(rpc::open_source(hashed.file.path, hashed.file.name, hashed.sha256));
+      hold(hashed.sha256, hashed.file);
+    }
+    reply.answer(std::move(fetched));
+  } catch (const base::Error&) {
+    reply.refuse(refusal(rpc::RefusalKind::environment, "The file went away meanwhile.",
+                         "Try again."));
+  }
+}
+
+std::unique_ptr<rpc::Source> Fetching::held(const std::string& sha256) {
+  const auto at = held_.find(sha256);
+  if (at == held_.end()) return nullptr;
+  try {
+    at->second.until_s = clock_.now_s() + k_held_for_s;
+    return rpc::open_source(at->second.path, at->second.name, sha256);
+  } catch (const base::Error&) {
+    held_.erase(at);
+    return nullptr;
+  }
+}
+
+/// Keeps the file's link for a while; those that nobody came back for go.
+void Fetching::hold(const std::string& sha256, const Found& file) {
+  const auto [at, is_new] = held_.try_emplace(sha256, Held{.path = file.path, .name = file.name});
+  if (!is_new && at->second.path != file.path) {
+    ::unlink(at->second.path.c_str());
+    at->second.path = file.path;
+  }
+  at->second.until_s = clock_.now_s() + k_held_for_s;
+  const auto drop = [&](auto oldest) {
+    ::unlink(oldest->second.path.c_str());
+    held_.erase(oldest);
+  };
+  const auto until = [](const auto& a, const auto& b) {
+    return a.second.until_s < b.second.until_s;
+  };
+  while (held_.size() > 1) {
+    const auto oldest = std::min_element(held_.begin(), held_.end(), until);
+    if (held_.size() <= k_held_files_max && oldest->second.until_s > clock_.now_s()) break;
+    drop(oldest);
+  }
+}
+
+}  // namespace sleight::daemon

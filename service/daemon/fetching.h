@@ -1,0 +1,76 @@
+// The files of a job that clients fetch: its newest archive, one made now, recordings of kept
+// animations, simulations that failed.
+//
+// Hashing and making take long and are a worker thread's; a file that was announced once stays open
+// for a while, so that a client that comes back for the rest finds it even if the run has written a
+// newer one.
+//
+// Thread safety: all on the loop's thread; `folders`, `loop` and `worker` must outlive it.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/rpc/handler.h"
+#include "common/rpc/loop.h"
+#include "service/daemon/job_folder.h"
+#include "service/daemon/worker.h"
+
+namespace sleight::daemon {
+
+/// Files that are held open for clients that come back.
+inline constexpr std::size_t k_held_files_max = 16;
+inline constexpr double k_held_for_s = 600;
+/// Of deriving an archive so far, or recordings out of one.
+inline constexpr double k_make_s_max = 900;
+
+class Fetching {
+ public:
+  struct Parts {
+    rpc::Loop& loop;
+    Worker& worker;
+    const JobFolders& folders;
+    std::string sleight{};  ///< the program that makes archives and recordings
+  };
+  explicit Fetching(Parts parts) : parts_(std::move(parts)) {}
+
+  void fetch(const rpc::FetchAsk& ask, rpc::Reply<rpc::Fetched> reply);
+
+ private:
+  /// A file on the disk and what it is to be called; `is_ours`: made for this call.
+  struct Found {
+    std::string path;
+    std::string name;
+    bool is_ours = false;
+  };
+  struct Hashed {
+    Found file;
+    std::string sha256;
+  };
+  /// Of a file that may be asked for again: a link to it.
+  struct Held {
+    std::string path;
+    std::string name;
+    double until_s = 0;
+  };
+
+  void make(const rpc::FetchAsk& ask, std::shared_ptr<rpc::Reply<rpc::Fetched>> reply);
+  void give(std::vector<Hashed> files, bool has_more, rpc::Reply<rpc::Fetched>& reply);
+  std::unique_ptr<rpc::Source> held(const std::string& sha256);
+  void hold(const std::string& sha256, const Found& file);
+
+  Parts parts_;
+  base::SteadyClock clock_;
+  std::map<std::string, Held> held_{};  ///< by digest
+  std::uint64_t made_ = 0;
+};
+
+/// Hexadecimal SHA-256 of a file's bytes. Throws base::Error where it can't be read.
+std::string sha256_of_file(const std::string& path);
+
+}  // namespace sleight::daemon

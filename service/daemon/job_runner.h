@@ -1,0 +1,126 @@
+// Runs the jobs: the machine of jobs (service/jobs) with its store, its backend and its clock
+// around it.
+//
+//   calls, sights, time ──▶ machine ──▶ Save ──▶ store (a thread) ──▶ board, answers, attempts
+//
+// Invariants
+//   1. Whatever the machine decides is durable before anybody is told of it and before anything is
+//      started or stopped; all effects come in the order of their steps.
+//   2. A request's text is durable together with the job, or the revision, that it belongs to.
+//
+// Thread safety: all on the loop's thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/base/file_system.h"
+#include "common/rpc/loop.h"
+#include "service/daemon/attempts.h"
+#include "service/daemon/board.h"
+#include "service/daemon/feeds.h"
+#include "service/daemon/job_folder.h"
+#include "service/daemon/job_store.h"
+#include "service/daemon/save_queue.h"
+#include "service/daemon/worker.h"
+#include "service/jobs/jobs.h"
+
+namespace sleight::daemon {
+
+struct RunnerOptions {
+  std::string state{};  ///< the daemon's folder, an absolute path; it is there
+  jobs::Options jobs{};
+  std::uint32_t cores = 1;
+  std::uint64_t memory_bytes = 0;
+  std::uint64_t disk_reserve_bytes = 0;
+  keeper::Programs programs{};
+};
+
+/// The free disk and the folders' sizes are looked at so often while jobs run, or wait.
+inline constexpr double k_room_every_s = 2;
+
+class JobRunner {
+ public:
+  using Answered = std::function<void(const jobs::Answer&)>;
+  /// Hears of jobs that have news: a change that is durable now, or events.
+  using News = std::function<void(jobs::JobId)>;
+
+  /// Opens the job store. Throws base::Error: it is of another format, or damaged.
+  JobRunner(rpc::Loop& loop, RunnerOptions options, News news);
+  ~JobRunner();
+
+  /// Takes up what earlier daemons left.
+  void begin();
+
+  /// A request's text comes with its job.
+  struct Submission {
+    jobs::Submit submit{};
+    StoredRequest request{};
+  };
+  /// All become durable together, or none, and then `answered` hears of each, in order. Where one
+  /// is refused, none is taken.
+  void submit(std::vector<Submission> submissions,
+              std::function<void(const std::vector<jobs::Answer>&)> answered);
+  /// `request` comes with an extend that is taken.
+  void ask(jobs::Ask ask, Answered answered, std::optional<StoredRequest> request = {});
+  void drain(bool on);
+
+  const Board& board() const { return board_; }
+  const jobs::Jobs& machine() const { return *machine_; }
+  JobReader& reader() { return reader_; }
+  Feeds& feeds() { return feeds_; }
+  const JobFolders& folders() const { return folders_; }
+  const RunnerOptions& options() const { return options_; }
+  Worker& worker() { return worker_; }
+  /// Of the group that the next submission makes.
+  jobs::GroupId next_group() const { return jobs::GroupId{next_id_}; }
+  /// Why nothing can be saved at the moment; empty: it can.
+  const std::string& stalled() const { return stalled_; }
+  /// Somebody wants a job's events as soon as they come.
+  void watch(jobs::JobId job);
+
+ private:
+  void hear(jobs::Input input);
+  std::vector<jobs::Effect> step(const jobs::Input& input);
+  void carry_out(std::vector<jobs::Effect> effects, std::vector<StoredRequest> requests = {});
+  void durable(const std::optional<Save>& save, const std::vector<jobs::Effect>& effects);
+  void perform(const jobs::Effect& effect);
+  void answer(const jobs::Answer& answer);
+  void remove(jobs::JobId job);
+  void plan_tick();
+  void look_at_room();
+  void look_at_watched();
+
+  rpc::Loop& loop_;
+  RunnerOptions options_;
+  News news_;
+  base::SteadyClock clock_;
+  base::PosixFileSystem files_;
+  JobFolders folders_;
+  Feeds feeds_;
+  keeper::LocalBackend backend_;
+  Board board_;
+  std::uint64_t next_id_ = 1;
+  std::string stalled_{};
+  std::unique_ptr<jobs::Jobs> machine_;
+  std::unique_ptr<SaveQueue> saves_;
+  JobReader reader_;
+  std::unique_ptr<Attempts> attempts_;
+  Worker worker_;
+  std::map<jobs::Token, Answered> owed_;
+  jobs::Token next_token_ = 1;
+  std::size_t pending_ = 0;  ///< steps whose effects wait for the store
+  rpc::Loop::Handle ticking_{};
+  rpc::Loop::Handle rooming_{};
+  rpc::Loop::Handle watching_{};
+  bool is_watching_ = false;
+  double next_tick_s_ = -1;
+};
+
+}  // namespace sleight::daemon

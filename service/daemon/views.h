@@ -1,0 +1,38 @@
+// Jobs as clients see them.
+//
+// Thread safety: pure functions of what they are given.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/events/progress.h"
+#include "common/rpc/service.h"
+#include "service/daemon/board.h"
+#include "service/daemon/job_store.h"
+#include "service/jobs/jobs.h"
+
+namespace sleight::daemon {
+
+rpc::JobId rpc_id(jobs::JobId job);
+jobs::JobId job_id(rpc::JobId job);
+rpc::JobState rpc_state(jobs::State state);
+
+/// What a view tells beside the job's own record.
+struct ViewOf {
+  const Posted& posted;
+  const jobs::Jobs& machine;
+  const events::Progress* progress = nullptr;  ///< newest; null: none is known
+};
+rpc::JobView view_of(const ViewOf& what);
+
+/// A change with its number.
+rpc::StateChange change_of(const JobReader::NumberedChange& change);
+
+/// "done", or with the reason where that says more: "held: the disk is full".
+std::string reason_of(const jobs::Job& job);
+
+rpc::Refusal refusal_of(const jobs::Refusal& refusal);
+
+}  // namespace sleight::daemon
