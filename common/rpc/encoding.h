@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/rpc/handler.h"
+#include "common/rpc/link.h"
 #include "common/rpc/service.h"
 
 namespace sleight::rpc {
@@ -56,15 +57,6 @@ FetchAsk get(generated::FetchAsk::Reader from);
 FileView get(generated::FileRef::Reader from);
 ServerView get(generated::ServerView::Reader from);
 
-/// A batch as it arrives: events are lines, some of which only a newer program understands.
-struct ArrivedBatch {
-  JobId job{};
-  std::optional<Refusal> refusal{};
-  std::vector<StateChange> changes{};
-  std::vector<std::pair<std::uint64_t, std::string>> events{};  ///< number and line
-  std::uint64_t mark = 0;
-  bool settled = false;
-};
 ArrivedBatch get(generated::Batch::Reader from);
 
 capnp::Text::Reader as_text(const std::string& text);

@@ -5,8 +5,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -19,6 +19,7 @@ namespace sleight::rpc {
 namespace {
 
 constexpr std::size_t k_digits_in_name = 16;
+constexpr std::string_view k_part_end = ".part";
 
 base::Error failed(const std::string& what, const std::string& path) {
   return base::Error(
@@ -26,9 +27,9 @@ base::Error failed(const std::string& what, const std::string& path) {
 }
 
 std::string part_of(const std::string& path, const std::string& sha256) {
-  return fmt::format("{}/.{}.{}.part", base::directory_of(path),
+  return fmt::format("{}/.{}.{}{}", base::directory_of(path),
                      path.substr(path.rfind('/') + 1),  // npos + 1 is 0
-                     sha256.substr(0, k_digits_in_name));
+                     sha256.substr(0, k_digits_in_name), k_part_end);
 }
 
 }  // namespace
@@ -92,7 +93,25 @@ bool PartFile::finish() {
   base::PosixFileSystem files;
   files.rename(part_, path_);
   files.sync_directory_of(path_);
+  remove_other_parts();
   return true;
+}
+
+// Those that no process is writing.
+void PartFile::remove_other_parts() const {
+  const std::string folder = base::directory_of(path_);
+  const std::string beginning = "." + path_.substr(path_.rfind('/') + 1) + ".";
+  base::PosixFileSystem files;
+  for (const std::string& name : files.names_in(folder)) {
+    if (!name.starts_with(beginning) || !name.ends_with(k_part_end) ||
+        name.size() != beginning.size() + k_digits_in_name + k_part_end.size())
+      continue;
+    const std::string part = folder + "/" + name;
+    const int descriptor = ::open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) continue;
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(part.c_str());
+    ::close(descriptor);
+  }
 }
 
 }  // namespace sleight::rpc

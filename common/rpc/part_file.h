@@ -32,11 +32,13 @@ class PartFile {
   /// REQUIRES: not more than is missing.
   void append(base::BytesView piece);
 
-  /// Makes it durable in its place. False, and the part is gone, where the content is another than
-  /// was announced. REQUIRES: is_whole, not called before.
+  /// Makes it durable in its place, and removes parts of other contents. False, and the part is
+  /// gone, where the content is another than was announced. REQUIRES: is_whole, not called before.
   [[nodiscard]] bool finish();
 
  private:
+  void remove_other_parts() const;
+
   std::string path_;
   std::string part_;
   FileView view_;
