@@ -111,6 +111,8 @@ class Jobs {
   /// REQUIRES: the records are what Saves of one store came to. The first inputs are a Tick, then
   /// Began; sights are asked for then, of all jobs that had an open attempt.
   explicit Jobs(const Options& options, Restored restored = {});
+  Jobs(const Jobs&) = delete;
+  Jobs& operator=(const Jobs&) = delete;
 
   std::vector<Effect> step(const Input& input);
 
@@ -129,95 +131,114 @@ class Jobs {
   /// What is known of an open attempt beside the job's record; not stored.
   struct Open {
     bool has_begun = false;                ///< its keeper has been seen
-    std::uint32_t unbegun = 0;             ///< answers that it never began
-    double charged_s = 0;                  ///< its cores are counted up to here
-    double alarm_s = 0;                    ///< its place in alarms_
-    std::optional<double> stop_asked_s{};  ///< since when it is to stop
+    bool is_looked_for = false;            ///< a Look is out
     bool is_found = false;                 ///< its launch was an earlier daemon's
+    std::uint32_t unbegun = 0;             ///< answers in a row that it never began
+    double charged_s = 0;                  ///< its cores are counted up to here
+    std::optional<double> alarm_s{};       ///< its place in alarms_
+    std::optional<double> stop_asked_s{};  ///< since when it is to stop
+    bool is_ended_now = false;             ///< it was asked for long enough
   };
 
+  // jobs.cpp: inputs that are about all jobs, and a job's way from state to state
   void take(const Tick& input);
   void take(const Began& input);
   void take(const Room& input);
   void take(const Drain& input);
   void take(const BackendNote& input);
+  void take(const Removed& input);
+  void enter(Job& job, State to, Reason reason, std::string words);
+  void note(const Job& job, State from, Reason reason, std::string words);
+  void leave_indices(const Job& job);
+  void join_indices(const Job& job);
+  void put_into_queue(const Job& job);
+  void note_idle(UserId user);
+  void release_held();
+  void release_limited();
+  bool is_cause_gone(const Job& job) const;
+  void end_delays();
+  void let_go(Job& job);
+  void keep_house();
+  void save_use();
+  void finish_step();
+  double wall_at(double service_s) const { return wall_ + (service_s - clock_s_); }
+
+  // jobs_asks.cpp: what people ask for
   void take(const Submit& input);
   void take(const Ask& input);
-  void take(const Sight& input);
-  void take(const Launched& input);
-  void take(const LaunchFailed& input);
-  void take(const Removed& input);
-
-  // jobs_asks.cpp
-  std::optional<Refusal> refusal_of(const Submit& input);
+  std::optional<Refusal> refusal_of(const Submit& input) const;
+  std::optional<Refusal> over_job_limit(UserId user) const;
   std::optional<Refusal> carry_out(Job& job, const Ask& input);
   std::optional<Refusal> cancel(Job& job);
   std::optional<Refusal> hold(Job& job);
   std::optional<Refusal> resume(Job& job);
   std::optional<Refusal> extend(Job& job);
   std::optional<Refusal> remove(Job& job);
-  void answer(Token token, JobId job, bool is_new, std::optional<Refusal> refusal);
+  void set_pinned(Job& job, bool pinned);
+  void set_priority(Job& job, std::int32_t priority);
+  void begin_anew(Job& job, Reason reason, std::string words);
 
-  // jobs_sights.cpp
-  void see(Job& job, const NeverBegan& seen);
-  void see(Job& job, const Running& seen);
-  void see(Job& job, const Ended& seen);
-  void see(Job& job, const Died& seen);
-  void see(Job& job, const Unknown& seen);
+  // jobs_sights.cpp: what is seen of open attempts
+  void take(const Sight& input);
+  void take(const Launched& input);
+  void take(const LaunchFailed& input);
+  void see(Job& job, Open& open, const NeverBegan& seen);
+  void see(Job& job, Open& open, const Running& seen);
+  void see(Job& job, Open& open, const Ended& seen);
+  void see(Job& job, Open& open, const Died& seen);
+  void see(Job& job, Open& open, const Unknown& seen);
   void hear(Job& job, const Counts& counts, std::uint64_t disk_bytes,
             const std::string& results_version);
+  void learn_start_cost(Job& job, std::optional<double> first_commit_after_s, bool had_committed);
   void begins(Job& job, Open& open);
-  void commits(Job& job, std::optional<double> after_s);
-  void close(Job& job, const Verdict& verdict);
-
-  // jobs_turns.cpp
-  void hand_out();
-  bool may_start() const;
-  void start(Job& job, std::uint32_t cores, bool is_turn);
-  void rebalance();
-  void shed();
-  void hold_over_limits();
-  Shares shares() const;
-  std::vector<RunningJob> running_jobs() const;
-  std::uint32_t cores_max(const Job& job) const;
-  bool fits_machine(const Job& job) const;
-  bool has_other_results(const Job& job) const;
-  std::optional<NextJob> next_job() const;
-  bool make_room(const NextJob& next, const Need& need);
-
-  // jobs.cpp
-  void enter(Job& job, State to, Reason reason, std::string words);
-  void enqueue(Job& job, Reason reason, std::string words);
-  void put_into_queue(const Job& job);
-  void leave_indices(const Job& job);
-  void join_indices(const Job& job);
+  void close(Job& job, const Verdict& verdict, const std::string& bug_place = {});
+  void look(const Job& job, Open& open);
+  void launch(const Job& job);
   void ask_to_stop(Job& job, Reason reason, std::string words);
   void send_stop(const Job& job, Open& open);
-  void set_alarm(const Job& job, Open& open, double at_s);
-  void ring(Job& job);
-  void charge(Job& job);
-  void release_held();
-  bool is_cause_gone(const Job& job) const;
-  void touch(const Job& job) { dirty_.insert(job.id); }
-  void touch(UserId user) { dirty_users_.insert(user); }
-  void keep_house();
-  double wall_at(double service_s) const { return wall_ + (service_s - clock_s_); }
+  void set_alarm(JobId job, Open& open, double at_s);
+  void ring_alarms();
+  void charge(Job& job, Open& open);
+  Surroundings around(const Job& job) const;
+  bool has_other_results(const Job& job) const;
 
-  Options options_;
+  // jobs_turns.cpp: who starts, and who makes room
+  void hand_out();
+  void start(Job& job, std::uint32_t cores, bool is_turn);
+  bool may_start() const;
+  bool may_have_turn(UserId user, const Job& first) const;
+  std::optional<NextJob> next_job() const;
+  NextJob first_of(UserId user, const Queue::OfUser& waiting) const;
+  Shares shares() const;
+  std::uint64_t claim_of_others(UserId user, const Shares& shares) const;
+  std::uint32_t cores_kept(UserId user) const;
+  std::uint32_t cores_max(const Job& job) const;
+  std::uint32_t cores_free() const;
+  std::uint64_t memory_free() const;
+  bool fits_machine(const Job& job) const;
+  std::vector<RunningJob> running_jobs() const;
+  bool make_room(const NextJob& next, const Need& need, const Shares& shares);
+  void use_idle_cores();
+  void even_out(const std::vector<RunningJob>& running, const Shares& shares);
+  void shed();
+  void hold_over_limits();
+
+  const Options options_;
   std::map<JobId, Job> jobs_;
   std::map<std::pair<UserId, std::string>, JobId> by_key_;
   std::map<JobId, Open> open_;
-  std::set<JobId> held_;                        ///< that go on by themselves
+  std::set<JobId> held_;  ///< that go on by themselves, but for those of limits:
+  std::set<std::pair<UserId, JobId>> limited_;
   std::set<JobId> unfit_;                       ///< queued, too large for the machine as it is
   std::set<std::pair<double, JobId>> alarms_;   ///< of open attempts
-  std::set<std::pair<double, JobId>> delayed_;  ///< queued or held, not before a time
-  Accounts accounts_;
+  std::set<std::pair<double, JobId>> delayed_;  ///< queued, held or leaving, not before a time
+  Accounts accounts_{options_};
   Queue queue_;
-  Keeping keeping_;
+  Keeping keeping_{options_};
 
   std::uint64_t next_id_ = 1;
   double clock_s_ = 0;
-  std::optional<double> clock_less_ticks_s_{};  ///< service time minus the ticks' clock
+  std::optional<double> ticks_begin_s_{};  ///< the ticks' clock at service time 0
   double wall_ = 0;
   double saved_s_ = 0;  ///< when use was saved last
   bool has_begun_ = false;
@@ -231,6 +252,7 @@ class Jobs {
 
   std::set<JobId> dirty_;  ///< to be saved by this step
   std::set<UserId> dirty_users_;
+  bool saves_clock_ = false;
   Save save_;
   std::vector<Effect> effects_;
 };

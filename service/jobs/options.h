@@ -32,10 +32,10 @@ struct Options {
   double patience_s = 3600;
 
   // When a job makes room
-  double slice_s_min = 10;          ///< a job has its cores for so long at least,
-  double slice_per_cost = 20;       ///< and so many times what its last restart cost,
-  double slice_uncommitted_s = 60;  ///< and, before its first commit, so long, doubled with each
-                                    ///< turn that ended without one
+  double slice_s_min = 10;            ///< a job has its cores for so long at least,
+  double slice_per_cost = 20;         ///< and so many times what its last restart cost,
+  double slice_uncommitted_s = 60;    ///< and, before its first commit, so long, doubled with each
+                                      ///< turn that ended without one
   double restart_cost_guess_s = 0.5;  ///< of a job whose restart hasn't been measured
   double stop_again_s = 10;           ///< a job that doesn't stop is asked again,
   double stop_now_after_s = 600;      ///< and ended after so long

@@ -1,0 +1,223 @@
+#include "service/jobs/ends.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+
+namespace sleight::jobs {
+namespace {
+
+bool is_asked(const Job& job) {
+  return job.state == State::yielding;
+}
+
+/// Deaths in a row without a commit, this one included.
+std::uint32_t deaths_with_this(const Job& job) {
+  return job.deaths == 0 || job.counts.scans > job.scans_at_death ? 1 : job.deaths + 1;
+}
+
+std::string with_log(std::string words, std::string_view log_end, std::string_view repeat) {
+  if (!log_end.empty()) words += fmt::format("\nThe end of its log:\n{}", log_end);
+  if (!repeat.empty()) words += fmt::format("\nThis repeats it: {}", repeat);
+  return words;
+}
+
+/// It starts again, unless a stop was asked for.
+Verdict goes_on(const Job& job, const Verdict& else_) {
+  if (!is_asked(job)) return else_;
+  const State to = state_after_stop(job.reason);
+  Verdict verdict = else_;
+  verdict.to = to;
+  if (to == State::queued && else_.backs_off) return verdict;  // the reason is why it waits
+  verdict.reason = job.reason;
+  verdict.words = job.words;
+  if (to == State::cancelled) verdict.words = "Cancelled.";
+  return verdict;
+}
+
+/// It would end so again, whoever starts it.
+Verdict fails(const Job& job, Reason reason, std::string words) {
+  if (is_asked(job) && job.reason == Reason::cancel_asked)
+    return {.to = State::cancelled, .reason = Reason::cancel_asked, .words = "Cancelled."};
+  return {.to = State::failed, .reason = reason, .words = std::move(words)};
+}
+
+/// It goes on when what hinders it is gone.
+Verdict is_hindered(const Job& job, Reason reason, std::string words) {
+  Verdict verdict{
+      .to = State::held, .reason = reason, .words = std::move(words), .backs_off = true};
+  if (is_asked(job) && state_after_stop(job.reason) != State::queued) return goes_on(job, verdict);
+  return verdict;
+}
+
+Verdict dies(const Job& job, const std::string& how, std::string_view log_end,
+             std::string_view repeat, const Options& options) {
+  const std::uint32_t deaths = deaths_with_this(job);
+  if (deaths >= options.deaths_max) {
+    Verdict verdict =
+        fails(job, Reason::died,
+              with_log(fmt::format("It died {} times without getting any further, at last so: {}",
+                                   deaths, how),
+                       log_end, repeat));
+    verdict.is_death = true;
+    return verdict;
+  }
+  return goes_on(job, {.to = State::queued,
+                       .reason = Reason::died,
+                       .words = fmt::format("{} It starts again by itself.", how),
+                       .backs_off = true,
+                       .is_death = true});
+}
+
+std::string how_it_ended(const Ended& ended) {
+  if (ended.signal != 0) return fmt::format("Signal {} ended it.", ended.signal);
+  if (!ended.words.empty()) return fmt::format("It ended by itself: {}", ended.words);
+  return fmt::format("It ended with exit code {} and without a record.", ended.exit_code);
+}
+
+const std::string k_disk_full =
+    "The disk is full. Free some of it (`sleight delete` deletes jobs that are over); the job goes "
+    "on by itself then.";
+const std::string k_other_results =
+    "The run belongs to another results version than the programs here. It goes on by itself when "
+    "programs of its version are back; or submit it anew.";
+
+Verdict judge_error(const Job& job, const Ended& ended, const Surroundings& around,
+                    const Options& options) {
+  using base::ExitCode;
+  const auto code = static_cast<ExitCode>(ended.exit_code);
+  if (ended.hindrance == Hindrance::other_results ||
+      (code == ExitCode::conflict && around.has_other_results))
+    return is_hindered(job, Reason::other_results, k_other_results);
+  if (ended.hindrance == Hindrance::disk_full ||
+      (code == ExitCode::environment && around.is_disk_low))
+    return is_hindered(job, Reason::disk_full, k_disk_full);
+  if (code == ExitCode::usage || code == ExitCode::bad_request || code == ExitCode::bad_archive)
+    return fails(
+        job, Reason::refused_by_program,
+        with_log(fmt::format("The program refuses it: {}", ended.words), {}, ended.repeat));
+  return dies(job, how_it_ended(ended), ended.log_end, ended.repeat, options);
+}
+
+Verdict judge_bug(const Job& job, const Ended& ended, const Options& options) {
+  const std::string how = fmt::format("A check failed at {}: {}", ended.place, ended.words);
+  const bool is_again =
+      !ended.place.empty() && ended.place == job.bug_place && job.counts.scans <= job.scans_at_bug;
+  Verdict verdict =
+      is_again ? fails(job, Reason::bug,
+                       with_log(fmt::format("{} It failed there twice without getting any further, "
+                                            "so it would again: this is a bug of ours.",
+                                            how),
+                                ended.log_end, ended.repeat))
+               : dies(job, how, ended.log_end, ended.repeat, options);
+  verdict.is_death = true;
+  verdict.is_bug = true;
+  return verdict;
+}
+
+}  // namespace
+
+State state_after_stop(Reason reason) {
+  switch (reason) {
+    case Reason::cancel_asked:
+      return State::cancelled;
+    case Reason::hold_asked:
+    case Reason::disk_low:
+    case Reason::limit_core_hours:
+    case Reason::limit_bytes:
+      return State::held;
+    default:
+      return State::queued;
+  }
+}
+
+Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
+              const Options& options) {
+  switch (ended.kind) {
+    case EndKind::finished:
+      if (job.attempt_revision < job.revision)
+        return goes_on(job, {.to = State::queued,
+                             .reason = Reason::extended,
+                             .words = "What was asked for at first is there; it goes on."});
+      return {.to = State::done, .reason = Reason::finished, .words = ended.words};
+    case EndKind::gave_up:
+      if (job.counts.found + job.counts.solutions > 0)
+        return {.to = State::done, .reason = Reason::gave_up, .words = ended.words};
+      return fails(job, Reason::gave_up, ended.words);
+    case EndKind::no_draws:
+      return fails(job, Reason::no_draws, ended.words);
+    case EndKind::simulation_failed:
+      return fails(job, Reason::simulation_failed, with_log(ended.words, {}, ended.repeat));
+    case EndKind::time_limit:
+    case EndKind::stop_requested:
+      // Somebody else's signal, again and again before a commit, must not keep a machine busy.
+      return goes_on(job,
+                     {.to = State::queued,
+                      .reason = Reason::stopped_by_itself,
+                      .words = "It was stopped in order, and starts again by itself.",
+                      .backs_off = !is_asked(job) && job.counts.scans <= job.scans_at_attempt});
+    case EndKind::failed:
+      return judge_error(job, ended, around, options);
+    case EndKind::bug:
+      return judge_bug(job, ended, options);
+    case EndKind::none:
+      return ended.hindrance != Hindrance::none
+                 ? judge_error(job, ended, around, options)
+                 : dies(job, how_it_ended(ended), ended.log_end, ended.repeat, options);
+  }
+  CHECK(false);
+}
+
+Verdict judge(const Job& job, const Died& died, const Options& options) {
+  const std::string how =
+      died.words.empty() ? "It was killed together with its keeper." : died.words;
+  return dies(job, how, died.log_end, died.repeat, options);
+}
+
+Verdict judge(const Job& job, const LaunchFailed& failed, const Surroundings& around,
+              const Options& options) {
+  if (failed.is_backend_away)
+    return is_hindered(job, Reason::backend_away,
+                       "Nothing can be started now. The job goes on by itself when that is over; "
+                       "`sleight server status` says how it stands.");
+  if (failed.hindrance == Hindrance::other_results || around.has_other_results)
+    return is_hindered(job, Reason::other_results, k_other_results);
+  if (failed.hindrance == Hindrance::disk_full || around.is_disk_low)
+    return is_hindered(job, Reason::disk_full, k_disk_full);
+  return dies(job, fmt::format("It could not be started: {}", failed.words), {}, {}, options);
+}
+
+Verdict judge_unbegun(const Job& job, const Options& options) {
+  return dies(job, "Its keeper was started several times and never began.", {}, {}, options);
+}
+
+double count_end(Job& job, const Verdict& verdict, const std::string& place, double lived_s,
+                 const Options& options) {
+  const bool has_committed = job.counts.scans > job.scans_at_attempt;
+  job.fruitless = has_committed ? 0 : job.fruitless + 1;
+  if (verdict.is_death) {
+    job.deaths = deaths_with_this(job);
+    job.scans_at_death = job.counts.scans;
+  } else if (has_committed) {
+    job.deaths = 0;
+  }
+  if (verdict.is_bug) {
+    job.bug_place = place;
+    job.scans_at_bug = job.counts.scans;
+  }
+  if (!verdict.backs_off) {
+    if (has_committed) job.back_offs = 0;
+    return 0;
+  }
+  if (lived_s >= options.steady_s) job.back_offs = 0;
+  const auto doublings = static_cast<int>(std::min(job.back_offs, k_doublings_max));
+  ++job.back_offs;
+  return std::min(options.back_off_last_s, std::ldexp(options.back_off_first_s, doublings));
+}
+
+}  // namespace sleight::jobs

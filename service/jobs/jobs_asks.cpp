@@ -1,0 +1,246 @@
+// What people ask for: submits, and what is to become of a job.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "common/base/check.h"
+#include "service/jobs/jobs.h"
+
+namespace sleight::jobs {
+namespace {
+
+Refusal wrong_state(const Job& job, std::string_view why, std::string_view what_to_do) {
+  return {.kind = RefusalKind::wrong_state,
+          .sentence = fmt::format("Job {} {}.", job.id, why),
+          .what_to_do = std::string(what_to_do)};
+}
+
+}  // namespace
+
+void Jobs::take(const Submit& input) {
+  const auto answer = [&](JobId job, bool is_new, std::optional<Refusal> refusal) {
+    effects_.emplace_back(
+        Answer{.token = input.token, .job = job, .is_new = is_new, .refusal = std::move(refusal)});
+  };
+  if (!input.client_key.empty()) {
+    const auto known = by_key_.find({input.user, input.client_key});
+    if (known != by_key_.end()) {
+      if (jobs_.at(known->second).content == input.content)
+        return answer(known->second, false, std::nullopt);
+      return answer({}, false,
+                    Refusal{.kind = RefusalKind::key_in_use,
+                            .sentence = fmt::format(
+                                "The key '{}' was used for job {}, which is another request.",
+                                input.client_key, known->second),
+                            .what_to_do = "Submit this one under another key."});
+    }
+  }
+  if (auto refusal = refusal_of(input)) return answer({}, false, std::move(refusal));
+
+  const JobId id{next_id_++};
+  Job& job = jobs_[id];
+  job.id = id;
+  job.user = input.user;
+  job.client_key = input.client_key;
+  job.content = input.content;
+  job.name = input.name;
+  job.group = input.group;
+  job.priority = input.priority;
+  job.wishes = input.wishes;
+  job.queued_since_s = clock_s_;
+  job.submitted_wall = wall_;
+  job.changed_wall = wall_;
+  if (!job.client_key.empty()) by_key_[{job.user, job.client_key}] = id;
+  join_indices(job);
+  note(job, State::queued, Reason::submitted, {});
+  answer(id, true, std::nullopt);
+}
+
+std::optional<Refusal> Jobs::over_job_limit(UserId user) const {
+  const Account* account = accounts_.find(user);
+  const Limits& limits = accounts_.limits(user);
+  if (limits.jobs == 0 || account == nullptr || account->unfinished < limits.jobs)
+    return std::nullopt;
+  return Refusal{.kind = RefusalKind::over_limit,
+                 .sentence = fmt::format("You have {} jobs that are not over, which is the limit.",
+                                         account->unfinished),
+                 .what_to_do = "Wait until some are done, or cancel some."};
+}
+
+std::optional<Refusal> Jobs::refusal_of(const Submit& input) const {
+  if (auto refusal = over_job_limit(input.user)) return refusal;
+  if (accounts_.is_over_bytes(input.user, false))
+    return Refusal{.kind = RefusalKind::over_limit,
+                   .sentence = "Your jobs hold as much of the disk as they may.",
+                   .what_to_do = "Delete some that are over: `sleight delete`."};
+  const std::uint32_t processes = input.wishes.processes();
+  const std::uint32_t cores_limit = accounts_.limits(input.user).cores;
+  if (cores_limit > 0 && processes > cores_limit)
+    return Refusal{.kind = RefusalKind::over_limit,
+                   .sentence = fmt::format("{} ranks are more than the {} cores that you may have "
+                                           "at a time.",
+                                           processes, cores_limit),
+                   .what_to_do = "Ask for fewer ranks; the result is the same."};
+  if (!room_) return std::nullopt;
+  if (processes > room_->cores)
+    return Refusal{.kind = RefusalKind::too_large,
+                   .sentence = fmt::format("{} ranks are more than this machine's {} cores.",
+                                           processes, room_->cores),
+                   .what_to_do = "Ask for fewer ranks; the result is the same."};
+  if (input.wishes.memory_bytes > room_->memory_bytes / processes)
+    return Refusal{
+        .kind = RefusalKind::too_large,
+        .sentence = fmt::format("{} processes with {} MB each need more than the {} MB "
+                                "that jobs have here.",
+                                processes, input.wishes.memory_bytes / 1'000'000,
+                                room_->memory_bytes / 1'000'000),
+        .what_to_do = "Ask for a smaller --cache or fewer ranks; the result is the same."};
+  return std::nullopt;
+}
+
+void Jobs::take(const Ask& input) {
+  const auto found = jobs_.find(input.job);
+  std::optional<Refusal> refusal;
+  if (found == jobs_.end() || found->second.is_leaving) {
+    refusal = {.kind = RefusalKind::not_found,
+               .sentence = fmt::format("There is no job {}.", input.job),
+               .what_to_do = "`sleight list` shows those that there are."};
+  } else if (found->second.user != input.user && !input.is_operator) {
+    refusal = {.kind = RefusalKind::not_allowed,
+               .sentence = fmt::format("Job {} is another user's.", input.job),
+               .what_to_do = "Ask its user, or whoever runs the server."};
+  } else {
+    refusal = carry_out(found->second, input);
+  }
+  effects_.emplace_back(
+      Answer{.token = input.token, .job = input.job, .refusal = std::move(refusal)});
+}
+
+std::optional<Refusal> Jobs::carry_out(Job& job, const Ask& input) {
+  switch (input.kind) {
+    case AskKind::cancel:
+      return cancel(job);
+    case AskKind::hold:
+      return hold(job);
+    case AskKind::resume:
+      return resume(job);
+    case AskKind::extend:
+      return extend(job);
+    case AskKind::remove:
+      return remove(job);
+    case AskKind::pin:
+    case AskKind::unpin:
+      set_pinned(job, input.kind == AskKind::pin);
+      return std::nullopt;
+    case AskKind::set_priority:
+      set_priority(job, input.priority);
+      return std::nullopt;
+  }
+  CHECK(false);
+}
+
+std::optional<Refusal> Jobs::cancel(Job& job) {
+  if (job.state == State::cancelled) return std::nullopt;
+  if (is_over(job.state))
+    return wrong_state(job, fmt::format("is over: it is {}", name_of(job.state)),
+                       "`sleight delete` deletes it.");
+  if (is_active(job.state)) {
+    ask_to_stop(job, Reason::cancel_asked, "It is being cancelled.");
+  } else {
+    enter(job, State::cancelled, Reason::cancel_asked, "Cancelled.");
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> Jobs::hold(Job& job) {
+  const std::string words = fmt::format("It goes on after `sleight resume {}`.", job.id);
+  if (is_over(job.state))
+    return wrong_state(job, fmt::format("is over: it is {}", name_of(job.state)),
+                       "There is nothing to hold.");
+  if (job.state == State::yielding && job.reason == Reason::cancel_asked)
+    return wrong_state(job, "is being cancelled",
+                       "Once it is cancelled, `sleight resume` goes on with it.");
+  if (job.reason == Reason::hold_asked) return std::nullopt;
+  if (is_active(job.state)) {
+    ask_to_stop(job, Reason::hold_asked, words);
+  } else {
+    enter(job, State::held, Reason::hold_asked, words);
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> Jobs::resume(Job& job) {
+  if (job.state == State::done)
+    return wrong_state(job, "is done", "`sleight extend` asks for more of it.");
+  if (job.state == State::yielding && job.reason == Reason::cancel_asked)
+    return wrong_state(job, "is being cancelled", "Resume it once it is cancelled.");
+  if (job.state == State::yielding && job.reason == Reason::hold_asked) {
+    enter(job, State::yielding, Reason::resumed, "It stops, and goes on when it is its turn.");
+  } else if (is_over(job.state)) {
+    if (auto refusal = over_job_limit(job.user)) return refusal;
+    begin_anew(job, Reason::resumed, "It goes on from what is stored.");
+  } else if (job.state == State::held) {
+    begin_anew(job, Reason::resumed, {});
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> Jobs::extend(Job& job) {
+  if (job.state == State::yielding && job.reason == Reason::cancel_asked)
+    return wrong_state(job, "is being cancelled", "Extend it once it is cancelled.");
+  if (is_over(job.state)) {
+    if (auto refusal = over_job_limit(job.user)) return refusal;
+  }
+  ++job.revision;
+  if (is_over(job.state)) {
+    begin_anew(job, Reason::extended, {});
+  } else {
+    note(job, job.state, Reason::extended, "Its request asks for more now.");
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> Jobs::remove(Job& job) {
+  if (!is_over(job.state))
+    return wrong_state(job, fmt::format("is not over: it is {}", name_of(job.state)),
+                       fmt::format("`sleight cancel {}` first.", job.id));
+  let_go(job);
+  return std::nullopt;
+}
+
+void Jobs::set_pinned(Job& job, bool pinned) {
+  if (job.pinned == pinned) return;
+  leave_indices(job);
+  job.pinned = pinned;
+  job.remove_at_s.reset();
+  job.remove_wall = 0;
+  join_indices(job);
+  dirty_.insert(job.id);
+}
+
+void Jobs::set_priority(Job& job, std::int32_t priority) {
+  if (job.priority == priority) return;
+  leave_indices(job);
+  job.priority = priority;
+  join_indices(job);
+  dirty_.insert(job.id);
+}
+
+/// From held, or from an end, by its user's will: nothing that it was counted against it is left.
+void Jobs::begin_anew(Job& job, Reason reason, std::string words) {
+  leave_indices(job);
+  job.next_start_s = 0;
+  job.deaths = 0;
+  job.back_offs = 0;
+  job.fruitless = 0;
+  job.bug_place.clear();
+  job.over_since_s = 0;
+  job.over_wall = 0;
+  job.end = EndKind::none;
+  job.remove_at_s.reset();
+  job.remove_wall = 0;
+  join_indices(job);
+  enter(job, State::queued, reason, std::move(words));
+}
+
+}  // namespace sleight::jobs
