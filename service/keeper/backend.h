@@ -8,7 +8,9 @@
 //   backend.launch(spec)            before: the number is stored. It returns once the keeper runs
 //   backend.look(folder, attempt)   at any time, by any daemon
 //     never_began  launch the same attempt again: of two keepers one starts the program
-//     running      adopt(folder, attempt) and wait for its descriptor; then look again
+//     running      adopt(folder, attempt) and wait for its descriptor; then look again. None to
+//     adopt:
+//                  it has just begun, or gone: look again some milliseconds later
 //     ended        the record has its end
 //     died         the keeper was killed, and the program with it: a new attempt
 //
@@ -37,30 +39,26 @@
 
 #include "service/keeper/attempt_record.h"
 #include "service/keeper/command.h"
+#include "service/keeper/descriptor.h"
 
 namespace sleight::keeper {
 
 /// A keeper that runs, or did when this was made. Move-only.
 class RunningKeeper {
  public:
-  /// Takes a pidfd and closes it.
-  RunningKeeper(ProcessIdentity identity, int descriptor);
-  ~RunningKeeper();
-  RunningKeeper(RunningKeeper&& other) noexcept;
-  RunningKeeper& operator=(RunningKeeper&& other) noexcept;
-  RunningKeeper(const RunningKeeper&) = delete;
-  RunningKeeper& operator=(const RunningKeeper&) = delete;
+  /// `descriptor` is a pidfd.
+  RunningKeeper(ProcessIdentity identity, Descriptor descriptor);
 
   const ProcessIdentity& identity() const { return identity_; }
   /// For poll and its like: becomes readable when the keeper has gone, and stays so.
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return descriptor_.get(); }
   bool has_gone() const;
   /// False: it has gone. May be called again, in_order then now too.
   bool stop(Stop how) const;
 
  private:
   ProcessIdentity identity_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
 };
 
 struct Look {

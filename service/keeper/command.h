@@ -66,4 +66,7 @@ std::vector<std::string> keeper_command_of(const AttemptSpec& spec, const Progra
 /// mpirun would look for that job's nodes. The pair that lets root use mpirun stays.
 std::vector<std::string> cleaned_environment(const std::vector<std::string>& environment);
 
+/// This process's, so cleaned.
+std::vector<std::string> program_environment();
+
 }  // namespace sleight::keeper

@@ -1,0 +1,227 @@
+#include "service/keeper/backend.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <utility>
+
+// After unistd.h, which declares what it is for.
+#include <linux/close_range.h>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+#include "service/keeper/descriptor.h"
+#include "service/keeper/keeper_lock.h"
+#include "service/keeper/process_table.h"
+#include "service/keeper/program.h"
+
+namespace sleight::keeper {
+namespace {
+
+constexpr std::size_t k_keeper_words_max = 4096;
+
+[[noreturn]] void fail(const std::string& what, int error) {
+  throw base::Error(fmt::format("{}: {}", what, std::strerror(error)));
+}
+
+// Debian 12's <sys/pidfd.h> declares these for C alone.
+int open_process(pid_t pid) {
+  return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
+}
+
+bool signal_process(int descriptor, int number) {
+  return ::syscall(SYS_pidfd_send_signal, descriptor, number, nullptr, 0) == 0;
+}
+
+/// Both ends of a connection between the launcher and the keeper's process.
+struct Line {
+  Descriptor mine;
+  Descriptor theirs;
+};
+
+Line make_line() {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail("a socket", errno);
+  return {.mine = Descriptor(ends[0]), .theirs = Descriptor(ends[1])};
+}
+
+/// Whether all of it came.
+template <class T>
+bool receive(int descriptor, T& value) {
+  ssize_t count = 0;
+  do {
+    count = ::recv(descriptor, &value, sizeof(value), MSG_WAITALL);
+  } while (count < 0 && errno == EINTR);
+  return count == sizeof(value);
+}
+
+/// No signal where the other side has gone.
+template <class T>
+bool send(int descriptor, const T& value) {
+  return ::send(descriptor, &value, sizeof(value), MSG_NOSIGNAL) == sizeof(value);
+}
+
+/// All that the forked processes need, made before the fork: a daemon has other threads, so that
+/// they may call nothing that takes a lock.
+struct KeeperStart {
+  char* const* arguments;
+  char* const* environment;
+  int null;
+  int words;      ///< becomes its stdout and stderr
+  int line;       ///< says its number, waits for leave to begin, says the error of a failed exec
+  int other_end;  ///< of the line
+};
+
+/// In the keeper's process: waits until the launcher knows it, then becomes the keeper.
+[[noreturn]] void become_keeper(const KeeperStart& start) {
+  // The launcher alone has its end, so that the line breaks with it.
+  ::close(start.other_end);
+  bool goes = false;
+  if (!send(start.line, ::getpid()) || !receive(start.line, goes)) ::_exit(127);
+  // Signals that come before the keeper listens wait for it.
+  sigset_t waiting;
+  sigemptyset(&waiting);
+  for (const int number : {SIGUSR1, SIGINT, SIGTERM})
+    sigaddset(&waiting, number);
+  if (::sigprocmask(SIG_SETMASK, &waiting, nullptr) == 0 && ::dup2(start.null, STDIN_FILENO) >= 0 &&
+      ::dup2(start.words, STDOUT_FILENO) >= 0 && ::dup2(start.words, STDERR_FILENO) >= 0 &&
+      ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC) == 0) {
+    ::execve(start.arguments[0], start.arguments, start.environment);
+  }
+  send(start.line, errno);
+  ::_exit(127);
+}
+
+/// In the process between: it ends at once, so that the keeper is not the daemon's child.
+[[noreturn]] void fork_keeper(const KeeperStart& start) {
+  if (::setsid() < 0) ::_exit(1);
+  const pid_t keeper = ::fork();
+  if (keeper == 0) become_keeper(start);
+  ::_exit(keeper < 0 ? 1 : 0);
+}
+
+std::string words_in(const std::string& folder) {
+  const std::string path = folder + "/" + k_keeper_words_name;
+  try {
+    return base::PosixFileSystem().exists(path) ? base::read_text_file(path, k_keeper_words_max)
+                                                : std::string();
+  } catch (const base::Error&) {
+    return {};  // words alone: nothing rests on them
+  }
+}
+
+std::string text_in(const std::string& folder) {
+  const std::string path = folder + "/" + k_record_name;
+  return base::PosixFileSystem().exists(path) ? base::read_text_file(path, k_record_bytes_max)
+                                              : std::string();
+}
+
+}  // namespace
+
+RunningKeeper::RunningKeeper(ProcessIdentity identity, Descriptor descriptor)
+    : identity_(std::move(identity)), descriptor_(std::move(descriptor)) {}
+
+bool RunningKeeper::has_gone() const {
+  pollfd wait{.fd = descriptor(), .events = POLLIN, .revents = 0};
+  return ::poll(&wait, 1, 0) > 0;
+}
+
+bool RunningKeeper::stop(Stop how) const {
+  if (has_gone()) return false;
+  return signal_process(descriptor(), how == Stop::now ? SIGTERM : SIGUSR1);
+}
+
+LocalBackend::LocalBackend(Programs programs) : programs_(std::move(programs)) {}
+
+RunningKeeper LocalBackend::launch(const AttemptSpec& spec) const {
+  CHECK_GT(spec.attempt, 0U);
+  if (const std::string obstacle = obstacle_of(spec, programs_); !obstacle.empty())
+    throw base::Error(obstacle);
+  std::vector<std::string> command = keeper_command_of(spec, programs_);
+  std::vector<std::string> variables = program_environment();
+  const std::vector<char*> arguments = pointers_to(command);
+  const std::vector<char*> environment = pointers_to(variables);
+  const Descriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  if (!null) fail("/dev/null", errno);
+  const std::string words_path = spec.folder + "/" + k_keeper_words_name;
+  const Descriptor words(
+      ::open(words_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!words) fail(words_path, errno);
+  Line line = make_line();
+
+  const pid_t between = ::fork();
+  if (between < 0) fail("a keeper can't be started", errno);
+  if (between == 0) {
+    fork_keeper({.arguments = arguments.data(),
+                 .environment = environment.data(),
+                 .null = null.get(),
+                 .words = words.get(),
+                 .line = line.theirs.get(),
+                 .other_end = line.mine.get()});
+  }
+  line.theirs.reset();
+  while (::waitpid(between, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  pid_t keeper = 0;
+  if (!receive(line.mine.get(), keeper)) fail("a keeper can't be started", EAGAIN);
+  // The keeper waits for leave: its number can't be another's yet.
+  RunningKeeper running(identity_of(keeper).value_or(ProcessIdentity{.pid = keeper}),
+                        Descriptor(open_process(keeper)));
+  if (running.descriptor() < 0) fail("a keeper can't be watched", errno);
+  if (!send(line.mine.get(), true)) fail("a keeper can't be started", ESRCH);
+  int error = 0;
+  if (receive(line.mine.get(), error)) fail(programs_.keeper, error);
+  return running;
+}
+
+Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const {
+  // A record that is the same before and after the lock was looked at is the one of that moment, as
+  // records only go forward.
+  std::string text = text_in(folder);
+  bool is_held = KeeperLock::is_held(folder);
+  for (std::string again = text_in(folder); again != text; again = text_in(folder)) {
+    text = std::move(again);
+    is_held = KeeperLock::is_held(folder);
+  }
+  auto record = text.empty() ? std::nullopt : record_of(text);
+  if (!text.empty() && !record) static_cast<void>(read_record(folder));
+  if (record && record->attempt > attempt) {
+    throw base::Error(fmt::format(
+        "{}: attempt {} has begun there, after attempt {}: another server uses this folder", folder,
+        record->attempt, attempt));
+  }
+  if (record && record->attempt < attempt) record.reset();
+  if (is_held) return {.state = Look::State::running, .record = std::move(record)};
+  if (!record) return {.state = Look::State::never_began, .words = words_in(folder)};
+  const auto state = record->end ? Look::State::ended : Look::State::died;
+  return {.state = state, .record = std::move(record)};
+}
+
+std::optional<RunningKeeper> LocalBackend::adopt(const std::string& folder,
+                                                 std::uint32_t attempt) const {
+  const Look looked = look(folder, attempt);
+  if (looked.state != Look::State::running || !looked.record) return std::nullopt;
+  const ProcessIdentity& recorded = looked.record->keeper;
+  Descriptor descriptor(open_process(recorded.pid));
+  // Read after it was opened: what has the number now began at the recorded moment, so it had the
+  // number then too.
+  if (!descriptor || identity_of(recorded.pid) != recorded) return std::nullopt;
+  return RunningKeeper(recorded, std::move(descriptor));
+}
+
+bool LocalBackend::stop(const std::string& folder, std::uint32_t attempt, Stop how) const {
+  const auto keeper = adopt(folder, attempt);
+  return keeper && keeper->stop(how);
+}
+
+}  // namespace sleight::keeper

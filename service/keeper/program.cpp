@@ -1,0 +1,108 @@
+#include "service/keeper/program.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+// After signal.h and unistd.h, which it builds on.
+#include <linux/close_range.h>
+
+#include "common/base/check.h"
+#include "service/keeper/descriptor.h"
+
+namespace sleight::keeper {
+namespace {
+
+bool limit(int resource, std::uint64_t most) {
+  const rlimit both{.rlim_cur = most, .rlim_max = most};
+  return ::setrlimit(static_cast<__rlimit_resource>(resource), &both) == 0;
+}
+
+/// What a process has by default: nothing is ignored or blocked.
+void reset_signals() {
+  for (int number = 1; number < NSIG; ++number)
+    std::signal(number, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+bool take_streams(int output) {
+  const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  return null >= 0 && ::dup2(null, STDIN_FILENO) >= 0 && ::dup2(output, STDOUT_FILENO) >= 0 &&
+         ::dup2(output, STDERR_FILENO) >= 0;
+}
+
+bool take_limits(const ProgramStart& start) {
+  return limit(RLIMIT_CORE, 0) &&
+         (start.memory_bytes_max == 0 || limit(RLIMIT_DATA, start.memory_bytes_max)) &&
+         (start.file_bytes_max == 0 || limit(RLIMIT_FSIZE, start.file_bytes_max));
+}
+
+/// In the child: becomes the program, or tells `report` the error and ends.
+[[noreturn]] void become(const ProgramStart& start, char* const* arguments,
+                         char* const* environment, pid_t keeper, int report, Moments& moments) {
+  // First of all, so that nothing of this outlives the keeper, which may have gone before.
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != keeper) ::_exit(127);
+  moments.reached(Moment::in_child);
+  const bool is_ready = ::setsid() >= 0 && take_streams(start.output) && take_limits(start) &&
+                        ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC) == 0;
+  if (is_ready) {
+    reset_signals();
+    ::execvpe(arguments[0], arguments, environment);
+  }
+  const int error = errno;
+  const ssize_t written = ::write(report, &error, sizeof(error));
+  ::_exit(written == sizeof(error) ? 127 : 126);
+}
+
+}  // namespace
+
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words)
+    pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moments& moments) {
+  CHECK(!start.command.empty());
+  const auto failed = [&](int error) {
+    return fmt::format("{} can't be started: {}", start.command.front(), std::strerror(error));
+  };
+  std::vector<std::string> command = start.command;
+  std::vector<std::string> variables = start.environment;
+  const std::vector<char*> arguments = pointers_to(command);
+  const std::vector<char*> environment = pointers_to(variables);
+  // The end that the child has is closed by exec: no word means success.
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) return failed(errno);
+  const Descriptor heard(ends[0]);
+  Descriptor report(ends[1]);
+  const pid_t keeper = ::getpid();
+  const pid_t child = ::fork();
+  if (child < 0) return failed(errno);
+  if (child == 0) {
+    become(start, arguments.data(), environment.data(), keeper, report.get(), moments);
+  }
+  report.reset();
+  moments.reached(Moment::forked);
+  int error = 0;
+  ssize_t count = 0;
+  do {
+    count = ::read(heard.get(), &error, sizeof(error));
+  } while (count < 0 && errno == EINTR);
+  if (count != sizeof(error)) return child;
+  ::waitpid(child, nullptr, 0);
+  return failed(error);
+}
+
+}  // namespace sleight::keeper

@@ -1,0 +1,36 @@
+// Starts the program of an attempt as a child that does not outlive its keeper.
+//
+// The child is killed by the kernel when the keeper ends, however that ends (PR_SET_PDEATHSIG). It
+// has a session of its own, no terminal, no descriptor but the standard ones, the limits below and
+// the environment that it is given.
+//
+// Thread safety: call from the thread that lives as long as the keeper: the kernel watches the
+// thread that forked, not the process.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "service/keeper/moments.h"
+
+namespace sleight::keeper {
+
+struct ProgramStart {
+  std::vector<std::string> command{};  ///< not empty; a name without a slash is looked for on PATH
+  std::vector<std::string> environment{};
+  int output = -1;                     ///< becomes its stdout and stderr
+  std::uint64_t memory_bytes_max = 0;  ///< RLIMIT_DATA; 0: as the keeper's
+  std::uint64_t file_bytes_max = 0;    ///< RLIMIT_FSIZE; 0: as the keeper's
+};
+
+/// Returns once the program runs; or why it can't be started, and then there is no child.
+base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moments& moments);
+
+/// All arguments as exec takes them; valid as long as `words` is and does not change.
+std::vector<char*> pointers_to(std::vector<std::string>& words);
+
+}  // namespace sleight::keeper

@@ -1,0 +1,199 @@
+// Goal: a daemon, and the one after it, see, adopt and stop what runs, and start nothing twice.
+#include "service/keeper/backend.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+#include "service/keeper/keeper_lock.h"
+#include "service/keeper/process_table.h"
+#include "tests/unit/service/keeper/job.h"
+
+namespace sleight::keeper {
+namespace {
+
+using ::testing::HasSubstr;
+
+class BackendTest : public testing::JobTest {};
+
+TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
+  // Method: what a daemon sees at each step; its descriptor tells the end, without asking.
+  program_is("echo $$ > ready; read -r x < gate");
+  ASSERT_EQ(::mkfifo(path("gate").c_str(), 0600), 0);
+  EXPECT_EQ(backend().look(folder(), 1).state, Look::State::never_began);
+  EXPECT_FALSE(backend().adopt(folder(), 1));
+  EXPECT_FALSE(backend().stop(folder(), 1, Stop::now));
+  const auto keeper = backend().launch(spec());
+  await_file("ready");
+  const Look look = backend().look(folder(), 1);
+  EXPECT_EQ(look.state, Look::State::running);
+  ASSERT_TRUE(look.record);
+  EXPECT_EQ(look.record->keeper, keeper.identity());
+  const auto adopted = backend().adopt(folder(), 1);
+  ASSERT_TRUE(adopted);
+  EXPECT_EQ(adopted->identity(), keeper.identity());
+  EXPECT_FALSE(keeper.has_gone());
+  std::ofstream(path("gate")) << "go\n";
+  for (const RunningKeeper* one : {&keeper, &*adopted}) {
+    pollfd wait{.fd = one->descriptor(), .events = POLLIN, .revents = 0};
+    EXPECT_EQ(::poll(&wait, 1, 20'000), 1);
+    EXPECT_TRUE(one->has_gone());
+    EXPECT_FALSE(one->stop(Stop::now));
+  }
+  EXPECT_EQ(backend().look(folder(), 1).state, Look::State::ended);
+  EXPECT_FALSE(backend().adopt(folder(), 1));
+  EXPECT_FALSE(backend().stop(folder(), 1, Stop::in_order));
+  EXPECT_EQ(backend().look(folder(), 2).state, Look::State::never_began);
+}
+
+TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
+  // Method: threads launch the same attempt at once, then one more after its end, and one of an
+  // attempt before it.
+  program_is("echo run >> runs; sleep 0.2");
+  std::vector<std::optional<RunningKeeper>> keepers(8);
+  std::vector<std::thread> threads;
+  for (auto& keeper : keepers)
+    threads.emplace_back([&] { keeper.emplace(backend().launch(spec(2))); });
+  for (std::thread& thread : threads)
+    thread.join();
+  for (const auto& keeper : keepers)
+    EXPECT_TRUE(testing::comes_true([&] { return keeper->has_gone(); }));
+  EXPECT_EQ(backend().look(folder(), 2).state, Look::State::ended);
+  for (const std::uint32_t attempt : {2U, 1U}) {
+    const auto again = backend().launch(spec(attempt));
+    EXPECT_TRUE(testing::comes_true([&] { return again.has_gone(); }));
+    EXPECT_THAT(text_in("keeper.err"), HasSubstr("attempt 2 has begun before"));
+  }
+  EXPECT_EQ(lines_in("runs").size(), 1U);
+}
+
+TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
+  // Method: a process of its own launches and is killed with its process group; its terminal's
+  // hangup reaches nobody. This process adopts.
+  program_is("echo $$ > ready; sleep 0.3; echo $$ > survived");
+  const pid_t daemon = ::fork();
+  if (daemon == 0) {
+    ::setsid();
+    static_cast<void>(backend().launch(spec()));
+    while (true)
+      ::pause();
+  }
+  await_file("ready");
+  const auto adopted = backend().adopt(folder(), 1);
+  ASSERT_TRUE(adopted);
+  ::kill(-daemon, SIGHUP);
+  ::kill(-daemon, SIGKILL);
+  ::waitpid(daemon, nullptr, 0);
+  ::kill(adopted->identity().pid, SIGHUP);
+  EXPECT_EQ(await_end().state, Look::State::ended);
+  EXPECT_EQ(text_in("survived"), text_in("ready"));
+}
+
+TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
+  // Goal: no zombie, no descriptor. Method: counts both before and after; waits for the ends.
+  program_is("exit 0");
+  const auto descriptors = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+  };
+  const auto before = descriptors();
+  for (std::uint32_t attempt = 1; attempt <= 5; ++attempt)
+    run(spec(attempt));
+  EXPECT_EQ(descriptors(), before);
+  EXPECT_TRUE(children_of(::getpid()).empty());
+}
+
+TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
+  // Method: no keeper, no folder, too many ranks; a folder that the keeper can't use.
+  Programs none = backend().programs();
+  none.keeper = path("none");
+  EXPECT_THROW(LocalBackend(none).launch(spec()), base::Error);
+  AttemptSpec bad = spec();
+  bad.folder = path("nowhere");
+  EXPECT_THROW(backend().launch(bad), base::Error);
+  bad = spec();
+  bad.ranks = 100'000;
+  EXPECT_THROW(backend().launch(bad), base::Error);
+  EXPECT_EQ(backend().look(folder(), 1).state, Look::State::never_began);
+
+  std::filesystem::create_directory(path("attempt.json.end"));
+  const auto keeper = backend().launch(spec());
+  EXPECT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
+  const Look look = backend().look(folder(), 1);
+  EXPECT_EQ(look.state, Look::State::never_began);
+  EXPECT_THAT(look.words, HasSubstr("attempt.json.end"));
+}
+
+TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
+  // Goal: a record whose keeper has gone leads to no signal, though another process has its number
+  // by now, and the folder looks as if it ran. Method: the number of a process of ours in a record
+  // of an earlier one, under a held lock; then of another start of the machine.
+  const pid_t bystander = ::fork();
+  if (bystander == 0) {
+    while (true)
+      ::pause();
+  }
+  const pid_t holder = ::fork();
+  if (holder == 0) {
+    const auto lock = KeeperLock::take(folder());
+    while (true)
+      ::pause();
+  }
+  ASSERT_TRUE(testing::comes_true([&] { return KeeperLock::is_held(folder()); }));
+  const auto real = identity_of(bystander);
+  ASSERT_TRUE(real);
+  for (const bool of_other_boot : {false, true}) {
+    ProcessIdentity recorded = *real;
+    if (of_other_boot) {
+      recorded.boot = "another";
+    } else {
+      recorded.start_ticks -= 1;
+    }
+    base::PosixFileSystem files;
+    RecordFile(files, folder()).begin({.attempt = 1, .keeper = recorded, .command = {"x"}});
+    EXPECT_EQ(backend().look(folder(), 1).state, Look::State::running);
+    EXPECT_FALSE(backend().adopt(folder(), 1));
+    EXPECT_FALSE(backend().stop(folder(), 1, Stop::now));
+  }
+  // The right one is hit, so that the above could have failed.
+  base::PosixFileSystem files;
+  RecordFile(files, folder()).begin({.attempt = 1, .keeper = *real, .command = {"x"}});
+  EXPECT_TRUE(backend().stop(folder(), 1, Stop::now));
+  int status = 0;
+  EXPECT_EQ(::waitpid(bystander, &status, 0), bystander);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  ::kill(holder, SIGKILL);
+  ::waitpid(holder, nullptr, 0);
+  EXPECT_EQ(backend().look(folder(), 1).state, Look::State::died);
+}
+
+TEST_F(BackendTest, AFolderThatCantBeTrustedIsAnError) {
+  // Method: a damaged record, and one of a later attempt than the daemon knows.
+  program_is("exit 0");
+  run(spec(5));
+  EXPECT_THROW(backend().look(folder(), 4), base::Error);
+  std::ofstream(path("attempt.json")) << "{";
+  EXPECT_THROW(backend().look(folder(), 5), base::Error);
+  const auto keeper = backend().launch(spec(6));
+  EXPECT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
+  EXPECT_EQ(text_in("attempt.json"), "{");
+  EXPECT_THAT(text_in("keeper.err"), HasSubstr("not a record of an attempt"));
+}
+
+}  // namespace
+}  // namespace sleight::keeper

@@ -1,0 +1,126 @@
+// Goal: whenever a keeper is killed, a look says how far the attempt came, nothing of it runs on,
+// and the daemon's rule (never began: the same again; died: the next one) gets each attempt's
+// program started at most once. Method: keepers that kill themselves at each moment of theirs, and
+// real kills at random times.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "common/random/purpose.h"
+#include "common/random/stream.h"
+#include "service/keeper/backend.h"
+#include "service/keeper/moments.h"
+#include "tests/support/property.h"
+#include "tests/unit/service/keeper/job.h"
+
+namespace sleight::keeper {
+namespace {
+
+constexpr std::uint64_t k_seed = 2025;
+
+class DeathsTest : public testing::JobTest {
+ protected:
+  /// What a daemon finds once the keeper has gone. A child that has not called exec yet holds the
+  /// lock for the moment that the kernel takes to kill it.
+  Look look_after(const RunningKeeper& keeper, std::uint32_t attempt) const {
+    EXPECT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
+    Look look;
+    EXPECT_TRUE(testing::comes_true([&] {
+      look = backend().look(folder(), attempt);
+      return look.state != Look::State::running;
+    }));
+    EXPECT_TRUE(testing::comes_true([&] { return testing::processes_with(folder()).empty(); }));
+    return look;
+  }
+};
+
+Look::State state_after(Moment moment) {
+  if (moment < Moment::recorded) return Look::State::never_began;
+  return moment < Moment::end_recorded ? Look::State::died : Look::State::ended;
+}
+
+TEST_F(DeathsTest, AtEachMoment) {
+  // Method: as the file says. The program writes a line for each run; before the keeper has forked
+  // there is none, and where it was killed between fork and exec neither.
+  std::uint32_t attempt = 0;
+  std::size_t runs = 0;
+  for (std::size_t i = 0; i < k_moment_names.size(); ++i) {
+    const auto moment = static_cast<Moment>(i);
+    const bool waits = moment < Moment::program_ended;
+    program_is(std::string("echo run >> runs; ") + (waits ? "sleep 1000" : "exit 0"));
+    ++attempt;
+    ::setenv("SLEIGHT_KEEPER_DIES_AT", std::string(k_moment_names[i]).c_str(), 1);
+    const auto keeper = backend(true).launch(spec(attempt));
+    ::unsetenv("SLEIGHT_KEEPER_DIES_AT");
+    const Look look = look_after(keeper, attempt);
+    EXPECT_EQ(look.state, state_after(moment)) << k_moment_names[i];
+    const std::size_t runs_now = lines_in("runs").size();
+    EXPECT_GE(runs_now, moment > Moment::started ? runs + 1 : runs) << k_moment_names[i];
+    EXPECT_LE(runs_now, moment > Moment::in_child ? runs + 1 : runs) << k_moment_names[i];
+    runs = runs_now;
+    // The same attempt again runs only if it never began.
+    program_is("echo run >> runs");
+    const Look second = look_after(backend().launch(spec(attempt)), attempt);
+    runs += look.state == Look::State::never_began ? 1 : 0;
+    EXPECT_EQ(lines_in("runs").size(), runs) << k_moment_names[i];
+    EXPECT_EQ(second.state,
+              look.state == Look::State::never_began ? Look::State::ended : look.state);
+    EXPECT_EQ(run(spec(++attempt)).exit_code, 0);
+    ++runs;
+  }
+  EXPECT_EQ(lines_in("runs").size(), runs);
+}
+
+TEST_F(DeathsTest, AtRandomTimes) {
+  // Method: kill -9 up to 30 ms after the launch, of a program that ends after 10 ms; then the
+  // daemon's rule until one has ended. Each attempt wrote its number at most once.
+  program_is("cat attempt.json | tr ',' '\\n' | grep -m1 '\"attempt\"' >> runs; sleep 0.01");
+  std::uint32_t attempt = 0;
+  for (const std::uint64_t n : property::in_turn(property::long_run() ? 300 : 15)) {
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, n);
+    ++attempt;
+    Look look;
+    for (bool kills = true; look.state != Look::State::ended; kills = false) {
+      const auto keeper = backend().launch(spec(attempt));
+      if (kills) {
+        ::usleep(static_cast<useconds_t>(stream.bits() % 30'000));
+        ::kill(keeper.identity().pid, SIGKILL);
+      }
+      look = look_after(keeper, attempt);
+      ASSERT_NE(look.state, Look::State::running);
+      if (look.state == Look::State::died) ++attempt;
+    }
+  }
+  auto runs = lines_in("runs");
+  std::sort(runs.begin(), runs.end());
+  EXPECT_EQ(std::unique(runs.begin(), runs.end()), runs.end());
+  EXPECT_LE(runs.size(), attempt);
+}
+
+TEST_F(DeathsTest, TheProgramIsGoneAtOnce) {
+  // Goal: within 0.1 s of the keeper's death the program has gone, also one that ignores signals.
+  // Method: the best of five, as this machine may have other work.
+  program_is("trap '' TERM HUP INT USR1; echo $$ > ready; while :; do read -r x < /dev/zero; done");
+  auto best = std::chrono::steady_clock::duration::max();
+  for (std::uint32_t attempt = 1; attempt <= 5; ++attempt) {
+    std::filesystem::remove(path("ready"));
+    const auto keeper = backend().launch(spec(attempt));
+    await_file("ready");
+    const auto begin = std::chrono::steady_clock::now();
+    ::kill(keeper.identity().pid, SIGKILL);
+    ASSERT_TRUE(testing::comes_true([&] { return testing::processes_with(folder()).empty(); }));
+    best = std::min(best, std::chrono::steady_clock::now() - begin);
+    EXPECT_EQ(look_after(keeper, attempt).state, Look::State::died);
+  }
+  EXPECT_LT(best, std::chrono::milliseconds(100));
+}
+
+}  // namespace
+}  // namespace sleight::keeper

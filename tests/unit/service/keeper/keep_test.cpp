@@ -1,0 +1,257 @@
+// Goal: an attempt's end is recorded as it was, and nothing of its program is left. Method: real
+// keepers of shell scripts that end, hang, fork and print in every way.
+#include "service/keeper/keep.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "service/keeper/process_table.h"
+#include "tests/unit/service/keeper/job.h"
+
+namespace sleight::keeper {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class KeepTest : public testing::JobTest {
+ protected:
+  static std::string told(events::End end, int code) {
+    const std::string line = events::to_line(
+        {.epoch = 1, .end = end, .exit_code = static_cast<base::ExitCode>(code), .scans = 7});
+    return "echo '" + line.substr(0, line.size() - 1) + "' > end.pipe";
+  }
+  /// Whether the process that wrote its number into the file has gone.
+  bool has_gone(const std::string& name) const {
+    const pid_t pid = std::stoi(text_in(name));
+    return ::kill(pid, 0) != 0 && errno == ESRCH;
+  }
+};
+
+TEST_F(KeepTest, HowItEnded) {
+  // Method: an exit code, a signal, and a program that isn't there.
+  program_is("echo out; echo err >&2; printf 'no end'; exit 7");
+  AttemptEnd end = run(spec(1));
+  EXPECT_EQ(end.exit_code, 7);
+  EXPECT_EQ(end.signal, std::nullopt);
+  EXPECT_EQ(end.run_end, std::nullopt);
+  EXPECT_EQ(end.killed_for, KilledFor::nothing);
+  EXPECT_THAT(end.log_tail, ElementsAre("out", "err", "no end"));
+  EXPECT_GT(end.wall_s, 0);
+  EXPECT_GT(end.processor_s, 0);
+  EXPECT_GT(end.memory_bytes_max, 100'000U);
+
+  program_is("kill -SEGV $$");
+  end = run(spec(2));
+  EXPECT_EQ(end.signal, SIGSEGV);
+  EXPECT_EQ(end.exit_code, std::nullopt);
+
+  std::filesystem::remove(path("program"));
+  end = run(spec(3));
+  EXPECT_THAT(end.not_started, HasSubstr("No such file"));
+  EXPECT_EQ(end.exit_code, std::nullopt);
+  EXPECT_THAT(text_in("log"), HasSubstr("=== attempt 1: ended with exit code 7\n"));
+  EXPECT_THAT(text_in("log"), HasSubstr("no end\n=== attempt 1: ended"));
+  EXPECT_THAT(text_in("log"), HasSubstr("=== attempt 2: ended by signal 11\n"));
+  EXPECT_THAT(text_in("log"), HasSubstr("can't be started: No such file"));
+}
+
+TEST_F(KeepTest, WhatTheProgramTold) {
+  // Method: the first of two ends counts, after garbage, from a writer that opens the pipe late.
+  program_is("sleep 0.1; echo garbage > end.pipe; " + told(events::End::no_draws, 0) + "; " +
+             told(events::End::finished, 0));
+  const AttemptEnd end = run();
+  ASSERT_TRUE(end.run_end);
+  EXPECT_EQ(end.run_end->end, events::End::no_draws);
+  EXPECT_EQ(end.run_end->scans, 7U);
+  EXPECT_EQ(end.exit_code, 0);
+}
+
+TEST_F(KeepTest, NothingOfItIsLeft) {
+  // Method: a child that ignores signals, a daemon that forked twice into a session of its own, and
+  // one that forks all the time; the program ends by itself.
+  program_is(
+      "(trap '' TERM HUP INT; echo $$ > /dev/null; while :; do sleep 1; done) & echo $! > child\n"
+      "setsid sh -c '(sh -c \"echo \\$\\$ > daemon; sleep 1000\" &)'\n"
+      "sh -c 'echo $$ > forker; while :; do sleep 1000 & sleep 0.002; done' &\n"
+      "while [ ! -s daemon ] || [ ! -s forker ]; do sleep 0.01; done; exit 0");
+  EXPECT_EQ(run().exit_code, 0);
+  for (const char* name : {"child", "daemon", "forker"})
+    EXPECT_TRUE(has_gone(name)) << name;
+}
+
+TEST_F(KeepTest, StoppedInOrder) {
+  // Method: SIGUSR1 reaches a program that takes it, which then tells its end.
+  program_is(
+      "trap 'touch told; exit 130' USR1\n"
+      "echo $$ > ready; while :; do sleep 0.01; done");
+  const auto keeper = backend().launch(spec());
+  await_file("ready");
+  EXPECT_TRUE(backend().stop(folder(), 1, Stop::in_order));
+  const Look look = await_end();
+  ASSERT_EQ(look.state, Look::State::ended);
+  EXPECT_EQ(look.record->end->exit_code, 130);
+  EXPECT_EQ(look.record->end->stop_asked, Stop::in_order);
+  EXPECT_EQ(look.record->end->killed_for, KilledFor::nothing);
+  EXPECT_TRUE(std::filesystem::exists(path("told")));
+}
+
+TEST_F(KeepTest, StoppedNow) {
+  // Method: a program and a child that ignore SIGTERM and SIGUSR1; asked in order first.
+  program_is(
+      "trap '' TERM USR1; sh -c 'echo $$ > child; while :; do sleep 1; done' &\n"
+      "while [ ! -s child ]; do sleep 0.01; done; echo $$ > ready; wait; sleep 1000");
+  const auto keeper = backend().launch(spec());
+  await_file("ready");
+  EXPECT_TRUE(keeper.stop(Stop::in_order));
+  EXPECT_FALSE(keeper.has_gone());
+  EXPECT_TRUE(keeper.stop(Stop::now));
+  const Look look = await_end();
+  ASSERT_EQ(look.state, Look::State::ended);
+  EXPECT_EQ(look.record->end->signal, SIGKILL);
+  EXPECT_EQ(look.record->end->stop_asked, Stop::now);
+  EXPECT_EQ(look.record->end->killed_for, KilledFor::asked);
+  EXPECT_TRUE(has_gone("child"));
+}
+
+TEST_F(KeepTest, ASignalThatComesAtOnceIsNotLost) {
+  // Goal: a stop right after launch ends the attempt, whether the keeper listens yet or not.
+  // Method: at once, many times.
+  program_is("sleep 1000");
+  for (std::uint32_t attempt = 1; attempt <= 10; ++attempt) {
+    const auto keeper = backend().launch(spec(attempt));
+    EXPECT_TRUE(keeper.stop(attempt % 2 == 0 ? Stop::now : Stop::in_order));
+    ASSERT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
+    const Look look = await_end(attempt);
+    ASSERT_EQ(look.state, Look::State::ended);
+    EXPECT_TRUE(look.record->end->stop_asked);
+  }
+}
+
+TEST_F(KeepTest, AProgramThatLingersIsKilled) {
+  // Method: it tells its end and goes on, well and in vain.
+  program_is(told(events::End::finished, 0) + "; sleep 1000");
+  AttemptSpec graced = spec();
+  graced.grace_s = 0.2;
+  const AttemptEnd end = run(graced);
+  EXPECT_EQ(end.killed_for, KilledFor::lingering);
+  EXPECT_EQ(end.signal, SIGKILL);
+  ASSERT_TRUE(end.run_end);
+  EXPECT_EQ(end.run_end->end, events::End::finished);
+  EXPECT_GE(end.wall_s, 0.2);
+  EXPECT_LT(end.wall_s, 10);
+}
+
+TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
+  // Method: a script in mpirun's place whose rank ends; it hangs, as Debian 12's does now and then.
+  // While it has none at first, it is left alone.
+  program_is("sleep 0.5 & wait; while :; do read x < /dev/zero; done");
+  AttemptSpec ranks = spec();
+  ranks.ranks = 1;
+  ranks.grace_s = 0.3;
+  const AttemptEnd end = run(ranks);
+  EXPECT_EQ(end.killed_for, KilledFor::without_ranks);
+  EXPECT_GE(end.wall_s, 0.3);
+  EXPECT_FALSE(std::filesystem::exists(path("mpi")));
+}
+
+TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
+  // Goal: mpirun passes a signal on to the ranks that there are: one that comes before them must
+  // not be lost. Method: a script that starts its rank late, and would not survive the signal
+  // before.
+  program_is(
+      "echo $$ > ready; read -r x < gate\n"
+      "trap 'touch taken; kill $!; exit 130' USR1; sleep 1000 & while :; do wait; done");
+  ASSERT_EQ(std::system(fmt::format("mkfifo {}", path("gate")).c_str()), 0);
+  AttemptSpec ranks = spec();
+  ranks.ranks = 1;
+  const auto keeper = backend().launch(ranks);
+  await_file("ready");
+  EXPECT_TRUE(keeper.stop(Stop::in_order));
+  ::poll(nullptr, 0, 100);
+  EXPECT_FALSE(keeper.has_gone());
+  std::ofstream(path("gate")) << "go\n";
+  const Look look = await_end();
+  ASSERT_EQ(look.state, Look::State::ended);
+  EXPECT_EQ(look.record->end->exit_code, 130);
+  EXPECT_TRUE(std::filesystem::exists(path("taken")));
+}
+
+TEST_F(KeepTest, AProgramThatPrintsWithoutEndIsBounded) {
+  // Method: `yes` for a while; the log stays under its bound, the keeper listens, and the tail is
+  // the end.
+  program_is("yes 'all work and no play' & echo $$ > ready; sleep 0.5; kill $!; echo done");
+  const AttemptEnd end = run();
+  EXPECT_EQ(end.exit_code, 0);
+  EXPECT_EQ(end.log_tail.size(), k_tail_lines_max);
+  EXPECT_EQ(end.log_tail.back(), "done");
+  EXPECT_LE(text_in("log").size() + text_in("log.old").size(), k_log_bytes_max + 1000);
+  EXPECT_GT(text_in("log.old").size(), 0U);
+}
+
+TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
+  // Goal: no descriptor, terminal, blocked or ignored signal, limit or variable of the keeper's or
+  // the daemon's reaches the program. Method: a daemon with open files, ignored signals and
+  // variables; the script writes down what it has.
+  program_is(
+      "ls /proc/self/fd > fds; readlink /proc/self/fd/0 > stdin; env > env; pwd > pwd\n"
+      "grep -E 'SigBlk|SigIgn' /proc/self/status > signals; ulimit -c > core; ulimit -f > file\n"
+      "ulimit -d > data; ps -o sid= -p $$ | tr -d ' ' > session; echo $$ > self");
+  const std::ofstream open_in_daemon(path("other"));
+  ::setenv("LD_LIBRARY_PATH", "/nowhere", 1);
+  ::setenv("OMPI_MCA_btl", "tcp", 1);
+  const auto ignored = std::signal(SIGUSR1, SIG_IGN);
+  AttemptSpec limited = spec();
+  limited.memory_bytes_max = 512U << 20U;
+  limited.file_bytes_max = 1U << 20U;
+  EXPECT_EQ(run(limited).exit_code, 0);
+  std::signal(SIGUSR1, ignored);
+  ::unsetenv("LD_LIBRARY_PATH");
+  ::unsetenv("OMPI_MCA_btl");
+  // The last is of `ls` itself, which lists the folder.
+  EXPECT_THAT(lines_in("fds"), ElementsAre("0", "1", "2", "3"));
+  EXPECT_EQ(text_in("stdin"), "/dev/null\n");
+  EXPECT_EQ(text_in("pwd"), folder() + "\n");
+  EXPECT_THAT(text_in("env"), ::testing::Not(HasSubstr("LD_LIBRARY")));
+  EXPECT_THAT(text_in("env"), ::testing::Not(HasSubstr("OMPI_MCA")));
+  EXPECT_THAT(lines_in("signals"),
+              ElementsAre("SigBlk:\t0000000000000000", "SigIgn:\t0000000000000000"));
+  EXPECT_EQ(text_in("core"), "0\n");
+  EXPECT_EQ(text_in("file"), "2048\n");  // in units of 512 bytes
+  EXPECT_EQ(text_in("data"), fmt::format("{}\n", 512 << 10));
+  EXPECT_EQ(text_in("session"), text_in("self"));
+}
+
+TEST_F(KeepTest, TheMemoryOfAProgramIsBounded) {
+  // Method: a shell that doubles a string until it can't.
+  program_is("x=0123456789; while :; do x=$x$x; done");
+  AttemptSpec limited = spec();
+  limited.memory_bytes_max = 64U << 20U;
+  const AttemptEnd end = run(limited);
+  EXPECT_NE(end.exit_code, 0);
+  EXPECT_LT(end.memory_bytes_max, 100U << 20U);
+}
+
+TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
+  // Method: Open MPI's files, and a pipe of another attempt that still holds a line.
+  std::filesystem::create_directories(path("mpi/ompi.vm.0/pid.1"));
+  std::ofstream(path("mpi/vader_segment.vm.0")) << "x";
+  std::ofstream(path("end.pipe")) << "no pipe";
+  program_is("ls > seen; exit 0");
+  EXPECT_EQ(run().run_end, std::nullopt);
+  EXPECT_THAT(lines_in("seen"), ::testing::Not(::testing::Contains("mpi")));
+  EXPECT_TRUE(std::filesystem::is_fifo(path("end.pipe")));
+}
+
+}  // namespace
+}  // namespace sleight::keeper

@@ -1,0 +1,62 @@
+// Goal: one holder at a time, until it has gone, and looking takes nothing.
+#include "service/keeper/keeper_lock.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <optional>
+
+#include "common/base/error.h"
+#include "tests/unit/service/keeper/job.h"
+
+namespace sleight::keeper {
+namespace {
+
+class KeeperLockTest : public testing::JobTest {};
+
+TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
+  // Method: this process and a child take it by turns; the child is killed.
+  EXPECT_FALSE(KeeperLock::is_held(folder()));
+  EXPECT_FALSE(KeeperLock::is_held(path("nowhere")));
+  EXPECT_THROW(KeeperLock::take(path("nowhere")), base::Error);
+  {
+    const auto lock = KeeperLock::take(folder());
+    ASSERT_TRUE(lock);
+    EXPECT_TRUE(KeeperLock::is_held(folder()));
+    EXPECT_FALSE(KeeperLock::take(folder()));
+  }
+  EXPECT_FALSE(KeeperLock::is_held(folder()));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const auto lock = KeeperLock::take(folder());
+    while (lock)
+      ::pause();
+    ::_exit(1);
+  }
+  EXPECT_TRUE(testing::comes_true([&] { return KeeperLock::is_held(folder()); }));
+  EXPECT_FALSE(KeeperLock::take(folder()));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  EXPECT_FALSE(KeeperLock::is_held(folder()));
+  EXPECT_TRUE(KeeperLock::take(folder()));
+}
+
+TEST_F(KeeperLockTest, ALookIsNeverInTheWay) {
+  // Goal: a keeper that begins while a daemon looks gets the lock. Method: looks without pause in
+  // another process, takes meanwhile.
+  ASSERT_TRUE(KeeperLock::take(folder()));
+  const pid_t looker = ::fork();
+  if (looker == 0) {
+    while (true)
+      static_cast<void>(KeeperLock::is_held(folder()));
+  }
+  for (int i = 0; i < 2000; ++i)
+    ASSERT_TRUE(KeeperLock::take(folder())) << i;
+  ::kill(looker, SIGKILL);
+  ::waitpid(looker, nullptr, 0);
+}
+
+}  // namespace
+}  // namespace sleight::keeper
