@@ -1,7 +1,7 @@
 // A client's side of the calls: each waits for its answer.
 //
-// A call whose connection breaks is repeated once over a new one (a repeated call changes nothing
-// more, service.h). `watch` and `fetch` go on over lost connections and killed daemons until the
+// A call whose connection breaks is repeated over a new one (a repeated call changes nothing more,
+// service.h). `watch` and `fetch` go on over lost connections and killed daemons until the
 // service has been away for too long: a watcher sees every numbered event once and in order, and a
 // fetched file is whole or not there.
 //

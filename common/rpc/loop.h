@@ -32,6 +32,7 @@ class Loop {
     explicit Handle(std::shared_ptr<State> state);
 
    private:
+    void end();
     std::shared_ptr<State> state_;
   };
 

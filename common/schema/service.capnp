@@ -39,8 +39,7 @@ $Cxx.namespace("sleight::rpc::generated");
 # The bootstrap interface: all that a peer has before it is known. A Unix socket's peer is known by its
 # uid. Over TCP, a later call here will take a token.
 interface Entrance {
-  open @0 (version :Text) -> (refusal :Refusal, service :Service, version :Text);
-  # `version`: of the programs, for logs and people; nothing is decided by it.
+  open @0 () -> (refusal :Refusal, service :Service);
 }
 
 interface Service {

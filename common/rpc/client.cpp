@@ -1,0 +1,447 @@
+#include "common/rpc/client.h"
+
+#include <capnp/rpc-twoparty.h>
+#include <fmt/format.h>
+#include <kj/async-io.h>
+#include <kj/async-unix.h>
+#include <kj/debug.h>
+#include <sys/eventfd.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/clock.h"
+#include "common/rpc/encoding.h"
+#include "common/rpc/link.h"
+#include "common/rpc/unix_socket.h"
+
+namespace sleight::rpc {
+namespace {
+
+constexpr std::uint64_t k_traversal_bytes_max = 64U << 20U;  // of an answer
+// A server answers a watch without news after 20 s, and a piece of a file sooner.
+constexpr double k_silence_s_max = 90;
+
+/// One for all clients of a thread: KJ has one event loop in each.
+std::shared_ptr<kj::AsyncIoContext> events_of_thread() {
+  thread_local std::weak_ptr<kj::AsyncIoContext> held;
+  auto events = held.lock();
+  if (!events) held = events = std::make_shared<kj::AsyncIoContext>(kj::setupAsyncIo());
+  return events;
+}
+
+capnp::ReaderOptions reader_options() {
+  capnp::ReaderOptions options;
+  options.traversalLimitInWords = k_traversal_bytes_max / sizeof(capnp::word);
+  return options;
+}
+
+kj::Duration duration_of(double seconds) {
+  return static_cast<std::int64_t>(seconds * 1e6) * kj::MICROSECONDS;
+}
+
+kj::AutoCloseFd make_eventfd() {
+  const int descriptor = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  if (descriptor < 0)
+    throw base::Error("no event descriptor: " + std::system_category().message(errno));
+  return kj::AutoCloseFd(descriptor);
+}
+
+}  // namespace
+
+struct Client::Impl final : Link {
+  struct Connection {
+    explicit Connection(kj::Own<kj::AsyncIoStream> connected)
+        : stream(kj::mv(connected)),
+          network(*stream, capnp::rpc::twoparty::Side::CLIENT, reader_options()),
+          system(capnp::makeRpcClient(network)),
+          service(nullptr) {}
+    kj::Own<kj::AsyncIoStream> stream;
+    capnp::TwoPartyVatNetwork network;
+    capnp::RpcSystem<capnp::rpc::twoparty::VatId> system;
+    generated::Service::Client service;
+    std::vector<generated::File::Client> files{};
+  };
+
+  Impl(std::string socket_path, ClientOptions chosen)
+      : path(std::move(socket_path)),
+        options(chosen),
+        io(events_of_thread()),
+        interrupts(make_eventfd()),
+        observer(io->unixEventPort, interrupts.get(), kj::UnixEventPort::FdObserver::OBSERVE_READ) {
+  }
+
+  // -------------------------------------------------------------------------------------- waiting
+
+  /// Waits for an answer, and sorts what may go wrong. `seconds` <= 0: for ever.
+  template <class T>
+  T wait(kj::Promise<T> promise, double seconds) {
+    try {
+      if (seconds > 0)
+        promise = io->provider->getTimer().timeoutAfter(duration_of(seconds), kj::mv(promise));
+      return promise.wait(io->waitScope);
+    } catch (const kj::Exception& error) {
+      sort(error);
+    }
+  }
+
+  /// As wait, or until interrupt(); a server that is silent for too long is lost.
+  template <class T>
+  T wait_interruptibly(kj::Promise<T> promise, double silence_s_max) {
+    if (take_interrupt()) throw Interrupted();
+    if (silence_s_max > 0) {
+      promise = promise.exclusiveJoin(
+          io->provider->getTimer().afterDelay(duration_of(silence_s_max)).then([]() -> T {
+            kj::throwFatalException(KJ_EXCEPTION(DISCONNECTED, "silent"));
+          }));
+    }
+    bool is_interrupted = false;
+    auto interrupted = observer.whenBecomesReadable().then([&]() -> T {
+      is_interrupted = true;
+      kj::throwFatalException(KJ_EXCEPTION(FAILED, "interrupted"));
+    });
+    try {
+      return promise.exclusiveJoin(kj::mv(interrupted)).wait(io->waitScope);
+    } catch (const kj::Exception& error) {
+      if (is_interrupted && take_interrupt()) throw Interrupted();
+      sort(error);
+    }
+  }
+
+  [[noreturn]] void sort(const kj::Exception& error) {
+    switch (error.getType()) {
+      case kj::Exception::Type::DISCONNECTED:
+        connection = nullptr;
+        throw Lost("the connection to the server is lost");
+      case kj::Exception::Type::UNIMPLEMENTED:
+        throw RefusedError({.kind = RefusalKind::not_found,
+                            .sentence = "The server does not know this call: it is older than this "
+                                        "program.",
+                            .what_to_do = "Restart it: `sleight server stop` and `sleight server "
+                                          "start`; running jobs go on meanwhile."});
+      case kj::Exception::Type::OVERLOADED:
+        connection = nullptr;
+        throw base::Error(
+            fmt::format("the server at {} does not answer; its log may say why", path));
+      default:
+        connection = nullptr;
+        throw RefusedError({.kind = RefusalKind::bug,
+                            .sentence = "The server's answer can't be understood.",
+                            .what_to_do = "The server's log may say more."});
+    }
+  }
+
+  bool take_interrupt() {
+    std::uint64_t count = 0;
+    return ::read(interrupts.get(), &count, sizeof count) == sizeof count;
+  }
+
+  // ----------------------------------------------------------------------------------- connecting
+
+  Connection& connected() {
+    KJ_IF_MAYBE (there, connection) {
+      return **there;
+    }
+    const auto descriptor = connect_to(path);
+    if (!descriptor) {
+      if (descriptor.error() == Unconnected::busy) throw Lost("the server has no time");
+      throw NoServer(
+          fmt::format("no server listens at {}; `sleight server start` starts one", path));
+    }
+    auto made = kj::heap<Connection>(io->lowLevelProvider->wrapSocketFd(
+        kj::AutoCloseFd(descriptor.value()), kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
+                                                 kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK));
+    capnp::MallocMessageBuilder builder;
+    auto server = builder.initRoot<capnp::rpc::twoparty::VatId>();
+    server.setSide(capnp::rpc::twoparty::Side::SERVER);
+    auto entrance = made->system.bootstrap(server).castAs<generated::Entrance>();
+    auto opened = wait(kj::Promise<capnp::Response<generated::Entrance::OpenResults>>(
+                           entrance.openRequest().send()),
+                       options.call_s_max);
+    if (opened.hasRefusal()) throw RefusedError(get(opened.getRefusal()));
+    made->service = opened.getService();
+    connection = kj::mv(made);
+    return *KJ_ASSERT_NONNULL(connection);
+  }
+
+  /// Repeats what a lost connection ended, for a while.
+  template <class Call>
+  auto repeat(const Call& call) {
+    const double began_s = now_s();
+    for (double wait_s = options.first_wait_s;; wait_s = std::min(2 * wait_s, options.wait_s_max)) {
+      try {
+        return call();
+      } catch (const Lost& lost) {
+        if (now_s() - began_s > options.call_s_max)
+          throw NoServer(fmt::format("{} at {}, again and again", lost.what(), path));
+      }
+      was_repeated = true;
+      wait(kj::Promise<void>(io->provider->getTimer().afterDelay(duration_of(wait_s))), 0);
+    }
+  }
+
+  /// A call: `send` makes the promise of its results, `read` takes the value out of them.
+  template <class Send, class Read>
+  auto call(const Send& send, const Read& read) {
+    was_repeated = false;
+    return repeat([&] {
+      auto sent = send(connected().service);
+      using Results = decltype(sent.wait(io->waitScope));
+      const Results results = wait(kj::Promise<Results>(kj::mv(sent)), options.call_s_max);
+      return read_of(results, read);
+    });
+  }
+
+  template <class Results, class Read>
+  auto read_of(const Results& results, const Read& read) {
+    try {
+      if (results.hasRefusal()) throw RefusedError(get(results.getRefusal()));
+      return read(results);
+    } catch (const kj::Exception& error) {
+      sort(error);
+    }
+  }
+
+  template <class Send>
+  std::vector<Touched> touch(const Send& send) {
+    return call(send, [](const auto& results) { return get(results.getTouched()); });
+  }
+
+  // ------------------------------------------------------------------------------ watch and fetch
+
+  std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>& points) override {
+    auto request = connected().service.watchRequest();
+    auto to = request.initPoints(static_cast<unsigned>(points.size()));
+    for (unsigned i = 0; i < to.size(); ++i)
+      put(points[i], to[i]);
+    using Results = capnp::Response<generated::Service::WatchResults>;
+    const Results results =
+        wait_interruptibly(kj::Promise<Results>(request.send()), k_silence_s_max);
+    return read_of(results, [](const Results& arrived) {
+      std::vector<ArrivedBatch> batches;
+      for (const auto batch : arrived.getBatches())
+        batches.push_back(get(batch));
+      return batches;
+    });
+  }
+
+  ArrivedFiles fetch(const FetchAsk& ask) override {
+    auto& files = connected().files;
+    files.clear();
+    auto request = connected().service.fetchRequest();
+    put(ask, request.initAsk());
+    using Results = capnp::Response<generated::Service::FetchResults>;
+    Results results = wait_interruptibly(kj::Promise<Results>(request.send()), 0);
+    return read_of(results, [&](const Results& arrived) {
+      ArrivedFiles to = {.files = {}, .has_more = arrived.getHasMore()};
+      for (const auto file : arrived.getFiles()) {
+        to.files.push_back(get(file));
+        files.push_back(file.getFile());
+      }
+      return to;
+    });
+  }
+
+  base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) override {
+    auto& files = connected().files;
+    // Another connection than the one that opened them.
+    if (file >= files.size()) throw Lost("the connection to the server is lost");
+    auto request = files[file].readRequest();
+    request.setOffset(offset);
+    request.setBytes(bytes);
+    using Results = capnp::Response<generated::File::ReadResults>;
+    const Results results = wait_interruptibly(kj::Promise<Results>(request.send()), 0);
+    return read_of(results, [&](const Results& arrived) {
+      const auto piece = arrived.getPiece();
+      if (piece.size() != bytes) {
+        throw RefusedError({.kind = RefusalKind::bug,
+                            .sentence = "The server sent another piece than was asked for.",
+                            .what_to_do = ""});
+      }
+      const auto* first = reinterpret_cast<const std::byte*>(piece.begin());
+      return base::Bytes(first, first + piece.size());
+    });
+  }
+
+  void pause(double seconds) override {
+    wait_interruptibly(kj::Promise<void>(io->provider->getTimer().afterDelay(duration_of(seconds))),
+                       0);
+  }
+
+  double now_s() const override { return clock.now_s(); }
+
+  std::string path;
+  ClientOptions options;
+  std::shared_ptr<kj::AsyncIoContext> io;
+  kj::AutoCloseFd interrupts;  ///< an eventfd
+  kj::UnixEventPort::FdObserver observer;
+  kj::Maybe<kj::Own<Connection>> connection;
+  bool was_repeated = false;  ///< the last call: the first time it may have been carried out
+  base::SteadyClock clock;
+};
+
+Client::Client(std::string socket_path, ClientOptions options)
+    : impl_(std::make_unique<Impl>(std::move(socket_path), options)) {}
+
+Client::~Client() = default;
+
+Submitted Client::submit(const Submission& submission) {
+  return impl_->call(
+      [&](auto& service) {
+        auto request = service.submitRequest();
+        put(submission, request.initSubmission());
+        return request.send();
+      },
+      [](const auto& results) { return get(results.getSubmitted()); });
+}
+
+JobPage Client::list(const ListAsk& ask) {
+  return impl_->call(
+      [&](auto& service) {
+        auto request = service.listRequest();
+        put(ask, request.initAsk());
+        return request.send();
+      },
+      [](const auto& results) { return get(results.getPage()); });
+}
+
+JobView Client::status(JobId job) {
+  return impl_->call(
+      [&](auto& service) {
+        auto request = service.statusRequest();
+        request.setJob(job.value);
+        return request.send();
+      },
+      [](const auto& results) { return get(results.getJob()); });
+}
+
+LogPiece Client::logs(const LogAsk& ask) {
+  return impl_->call(
+      [&](auto& service) {
+        auto request = service.logsRequest();
+        put(ask, request.initAsk());
+        return request.send();
+      },
+      [](const auto& results) { return get(results.getPiece()); });
+}
+
+std::vector<Touched> Client::cancel(Target target) {
+  return impl_->touch([&](auto& service) {
+    auto request = service.cancelRequest();
+    put(target, request.initTarget());
+    return request.send();
+  });
+}
+
+std::vector<Touched> Client::hold(Target target) {
+  return impl_->touch([&](auto& service) {
+    auto request = service.holdRequest();
+    put(target, request.initTarget());
+    return request.send();
+  });
+}
+
+std::vector<Touched> Client::resume(Target target) {
+  return impl_->touch([&](auto& service) {
+    auto request = service.resumeRequest();
+    put(target, request.initTarget());
+    return request.send();
+  });
+}
+
+std::vector<Touched> Client::extend(Target target, Extension extension) {
+  return impl_->touch([&](auto& service) {
+    auto request = service.extendRequest();
+    put(target, request.initTarget());
+    put(extension, request.initExtension());
+    return request.send();
+  });
+}
+
+std::vector<Touched> Client::erase(Target target) {
+  try {
+    return impl_->touch([&](auto& service) {
+      auto request = service.eraseRequest();
+      put(target, request.initTarget());
+      return request.send();
+    });
+  } catch (const RefusedError& error) {
+    // The first time, whose answer was lost, it may have been deleted.
+    const RefusalKind kind = error.refusal().kind;
+    if (impl_->was_repeated && (kind == RefusalKind::not_found || kind == RefusalKind::gone))
+      return {};
+    throw;
+  }
+}
+
+std::vector<Touched> Client::pin(Target target, bool pinned) {
+  return impl_->touch([&](auto& service) {
+    auto request = service.pinRequest();
+    put(target, request.initTarget());
+    request.setPinned(pinned);
+    return request.send();
+  });
+}
+
+std::vector<Touched> Client::set_priority(Target target, std::int32_t priority) {
+  return impl_->touch([&](auto& service) {
+    auto request = service.setPriorityRequest();
+    put(target, request.initTarget());
+    request.setPriority(priority);
+    return request.send();
+  });
+}
+
+ServerView Client::info() {
+  return impl_->call([](auto& service) { return service.infoRequest().send(); },
+                     [](const auto& results) { return get(results.getServer()); });
+}
+
+void Client::drain() {
+  impl_->call([](auto& service) { return service.drainRequest().send(); },
+              [](const auto&) { return Nothing(); });
+}
+
+void Client::stop() {
+  impl_->call([](auto& service) { return service.stopRequest().send(); },
+              [](const auto&) { return Nothing(); });
+}
+
+Waited Client::watch(const std::vector<WatchPoint>& points, WatchSink& sink) {
+  CHECK_LE(points.size(), k_watch_jobs_max);
+  return watch_over(*impl_, impl_->options, points, sink);
+}
+
+Waited Client::watch(JobId job, std::uint64_t from_number, WatchSink& sink) {
+  CHECK_GE(from_number, std::uint64_t{1});
+  return watch({{.job = job, .event = from_number - 1, .change = 0, .mark = 0}}, sink);
+}
+
+FetchedFiles Client::fetch_file(FetchAsk ask, const std::string& path,
+                                const FetchProgress& progress) {
+  return fetch_file_over(*impl_, impl_->options, std::move(ask), path, progress);
+}
+
+FetchedFiles Client::fetch_folder(FetchAsk ask, const std::string& folder,
+                                  const FetchProgress& progress) {
+  return fetch_folder_over(*impl_, impl_->options, std::move(ask), folder, progress);
+}
+
+void Client::interrupt() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(impl_->interrupts.get(), &one, sizeof one);
+}
+
+std::string random_key() {
+  std::uint64_t words[2] = {};
+  if (::getrandom(words, sizeof words, 0) != static_cast<ssize_t>(sizeof words))
+    throw base::Error("the system gives no random numbers");
+  return fmt::format("{:016x}{:016x}", words[0], words[1]);
+}
+
+}  // namespace sleight::rpc

@@ -1,0 +1,66 @@
+// Between the values of service.h and the structs of service.capnp.
+//
+// `put` writes a value; texts and lists beyond their bound lose their end, so that an answer stays
+// readable. `get` reads one from an untrusted message: it throws kj::Exception where the message is
+// broken, and takes what it does not know for `unknown`. Limits of requests are in limits.h.
+//
+// Thread safety: free functions.
+#pragma once
+
+#include <service.capnp.h>
+
+#include <string>
+#include <vector>
+
+#include "common/rpc/handler.h"
+#include "common/rpc/link.h"
+#include "common/rpc/service.h"
+
+namespace sleight::rpc {
+
+/// How much is told of a job.
+enum class Detail : std::uint8_t {
+  brief,  ///< in lists: no history, log or command, and texts of a line
+  full
+};
+
+void put(const Refusal& from, generated::Refusal::Builder to);
+void put(const Submission& from, generated::Submission::Builder to);
+void put(const Submitted& from, generated::Submitted::Builder to);
+void put(const Target& from, generated::Target::Builder to);
+void put(const JobView& from, generated::JobView::Builder to, Detail detail);
+void put(const ListAsk& from, generated::ListAsk::Builder to);
+void put(const JobPage& from, generated::JobPage::Builder to);
+void put(const std::vector<Touched>& from, capnp::List<generated::Touched>::Builder to);
+void put(const Extension& from, generated::Extension::Builder to);
+void put(const WatchPoint& from, generated::WatchPoint::Builder to);
+void put(JobId job, const base::Result<Batch, Refusal>& from, generated::Batch::Builder to);
+void put(const LogAsk& from, generated::LogAsk::Builder to);
+void put(const LogPiece& from, generated::LogPiece::Builder to);
+void put(const FetchAsk& from, generated::FetchAsk::Builder to);
+void put(const FileView& from, generated::FileRef::Builder to);  ///< all but the capability
+void put(const ServerView& from, generated::ServerView::Builder to);
+
+Refusal get(generated::Refusal::Reader from);
+Submission get(generated::Submission::Reader from);
+Submitted get(generated::Submitted::Reader from);
+Target get(generated::Target::Reader from);
+JobView get(generated::JobView::Reader from);
+ListAsk get(generated::ListAsk::Reader from);
+JobPage get(generated::JobPage::Reader from);
+std::vector<Touched> get(capnp::List<generated::Touched>::Reader from);
+Extension get(generated::Extension::Reader from);
+WatchPoint get(generated::WatchPoint::Reader from);
+LogAsk get(generated::LogAsk::Reader from);
+LogPiece get(generated::LogPiece::Reader from);
+FetchAsk get(generated::FetchAsk::Reader from);
+FileView get(generated::FileRef::Reader from);
+ServerView get(generated::ServerView::Reader from);
+
+ArrivedBatch get(generated::Batch::Reader from);
+
+capnp::Text::Reader as_text(const std::string& text);
+std::string as_string(capnp::Text::Reader text);
+kj::ArrayPtr<const kj::byte> as_data(base::BytesView bytes);
+
+}  // namespace sleight::rpc

@@ -1,0 +1,151 @@
+#include "common/rpc/limits.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+namespace sleight::rpc {
+namespace {
+
+constexpr double k_extension_max = 9e15;  // below 2^53: a double is exact
+
+Refusal refuse(RefusalKind kind, std::string sentence, std::string what_to_do = {}) {
+  return {.kind = kind,
+          .sentence = std::move(sentence),
+          .what_to_do = std::move(what_to_do),
+          .diagnostics = {}};
+}
+
+/// For people's eyes: whatever is not printable would do things to terminals.
+bool is_printable(const std::string& text) {
+  return std::none_of(text.begin(), text.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte < 0x20 || byte == 0x7F;
+  });
+}
+
+Refusal newer_client(const char* what) {
+  return refuse(RefusalKind::bad_request,
+                fmt::format("The server does not know this {}: it is older than the client.", what),
+                "Restart the server with the newer program; running jobs go on meanwhile.");
+}
+
+std::optional<Refusal> check(const JobAsk& job) {
+  if (job.name.size() > k_name_bytes_max || !is_printable(job.name)) {
+    return refuse(RefusalKind::bad_request,
+                  fmt::format("A job's name has at most {} bytes and no control characters.",
+                              k_name_bytes_max),
+                  "Choose another --name.");
+  }
+  if (job.request.size() > k_request_bytes_max) {
+    return refuse(RefusalKind::limit,
+                  fmt::format("A request has at most {} kB; this one has {} kB.",
+                              k_request_bytes_max >> 10U, job.request.size() >> 10U));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Refusal no_such_job() {
+  return refuse(RefusalKind::not_found, "There is no such job or group.",
+                "`sleight list` shows those that there are.");
+}
+
+std::optional<Refusal> check(Submission& submission) {
+  if (submission.key.empty() || submission.key.size() > k_key_bytes_max ||
+      !is_printable(submission.key)) {
+    return refuse(
+        RefusalKind::bad_request,
+        fmt::format("A submission has a key of 1 to {} printable bytes.", k_key_bytes_max));
+  }
+  if (submission.jobs.empty())
+    return refuse(RefusalKind::bad_request, "A submission has at least one job.");
+  if (submission.jobs.size() > k_submission_jobs_max) {
+    return refuse(RefusalKind::limit,
+                  fmt::format("A submission has at most {} jobs.", k_submission_jobs_max),
+                  "Submit them in several groups.");
+  }
+  std::size_t bytes = 0;
+  for (const JobAsk& job : submission.jobs) {
+    if (auto refused = check(job)) return refused;
+    bytes += job.request.size();
+  }
+  if (bytes > k_submission_bytes_max) {
+    return refuse(
+        RefusalKind::limit,
+        fmt::format("A submission has at most {} MB of requests.", k_submission_bytes_max >> 20U),
+        "Submit them in several groups.");
+  }
+  if (submission.jobs.size() > 1) submission.is_group = true;
+  return std::nullopt;
+}
+
+std::optional<Refusal> check(Target& target) {
+  const std::uint64_t id = target.job ? target.job->value : target.group ? target.group->value : 0;
+  if (id == 0) return no_such_job();
+  return std::nullopt;
+}
+
+std::optional<Refusal> check(ListAsk& ask) {
+  for (const JobState state : ask.states) {
+    if (state == JobState::unknown) return newer_client("state of a job");
+  }
+  if (ask.states.size() >= k_job_states)
+    return refuse(RefusalKind::bad_request, "There are fewer states than are asked for.");
+  if (ask.name_part.size() > k_name_bytes_max || ask.cursor.size() > k_name_bytes_max)
+    return refuse(RefusalKind::bad_request, "The name or the cursor is too long.");
+  ask.count = std::clamp<std::uint32_t>(ask.count, 1, k_page_jobs_max);
+  return std::nullopt;
+}
+
+std::optional<Refusal> check(Extension& extension) {
+  if (extension.by == ExtendBy::unknown) return newer_client("way to extend a job");
+  const bool is_whole = extension.to == std::floor(extension.to);
+  if (!(extension.to > 0) || extension.to > k_extension_max ||
+      (extension.by != ExtendBy::odds && !is_whole)) {
+    return refuse(RefusalKind::bad_request,
+                  "A job is extended to a positive number; of scans, rounds and solutions a whole "
+                  "one.");
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> check(LogAsk& ask) {
+  if (ask.job.value == 0) return no_such_job();
+  ask.bytes_max = std::clamp<std::uint32_t>(ask.bytes_max, 1, k_log_bytes_max);
+  return std::nullopt;
+}
+
+std::optional<Refusal> check(FetchAsk& ask) {
+  if (ask.job.value == 0) return no_such_job();
+  if (ask.kind == FetchKind::unknown) return newer_client("kind of file");
+  if (ask.ids.size() > k_fetch_ids_max) {
+    return refuse(RefusalKind::limit,
+                  fmt::format("At most {} recordings are fetched at once.", k_fetch_ids_max),
+                  "Fetch the archive, which has all of them.");
+  }
+  if (ask.kind == FetchKind::recordings && ask.ids.empty())
+    return refuse(RefusalKind::bad_request, "No recording is named.", "Give their ids.");
+  if (ask.after.size() > k_name_bytes_max || ask.sha256_wanted.size() > k_key_bytes_max)
+    return refuse(RefusalKind::bad_request, "The file's name or digest is too long.");
+  return std::nullopt;
+}
+
+std::optional<Refusal> check(const std::vector<WatchPoint>& points) {
+  if (points.empty()) return refuse(RefusalKind::bad_request, "No job to watch is named.");
+  if (points.size() > k_watch_jobs_max) {
+    return refuse(RefusalKind::limit,
+                  fmt::format("At most {} jobs are watched at once.", k_watch_jobs_max));
+  }
+  std::unordered_set<std::uint64_t> jobs;
+  for (const WatchPoint& point : points) {
+    if (!jobs.insert(point.job.value).second)
+      return refuse(RefusalKind::bad_request, "A job is named twice.");
+  }
+  return std::nullopt;
+}
+
+}  // namespace sleight::rpc

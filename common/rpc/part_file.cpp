@@ -1,0 +1,117 @@
+#include "common/rpc/part_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+
+namespace sleight::rpc {
+namespace {
+
+constexpr std::size_t k_digits_in_name = 16;
+constexpr std::string_view k_part_end = ".part";
+
+base::Error failed(const std::string& what, const std::string& path) {
+  return base::Error(
+      fmt::format("can't {} {}: {}", what, path, std::system_category().message(errno)));
+}
+
+std::string part_of(const std::string& path, const std::string& sha256) {
+  return fmt::format("{}/.{}.{}{}", base::directory_of(path),
+                     path.substr(path.rfind('/') + 1),  // npos + 1 is 0
+                     sha256.substr(0, k_digits_in_name), k_part_end);
+}
+
+}  // namespace
+
+PartFile::PartFile(std::string path, FileView view)
+    : path_(std::move(path)), part_(part_of(path_, view.sha256)), view_(std::move(view)) {
+  descriptor_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+  if (descriptor_ < 0) throw failed("write", part_);
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(descriptor_);
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("another process fetches {} just now", path_));
+  }
+  // What an earlier attempt wrote is hashed again; a part that is too long is none of ours.
+  std::vector<std::byte> buffer(k_piece_bytes_max);
+  while (true) {
+    const auto got = ::pread(descriptor_, buffer.data(), buffer.size(), static_cast<off_t>(bytes_));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0 || bytes_ + static_cast<std::uint64_t>(got) > view_.size) {
+      if (got != 0) {
+        bytes_ = 0;
+        hash_ = hash::Sha256();
+      }
+      break;
+    }
+    hash_.update(std::span(buffer.data(), static_cast<std::size_t>(got)));
+    bytes_ += static_cast<std::uint64_t>(got);
+  }
+  if (::ftruncate(descriptor_, static_cast<off_t>(bytes_)) != 0) {
+    const auto error = failed("write", part_);
+    ::close(descriptor_);
+    throw error;
+  }
+}
+
+PartFile::~PartFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void PartFile::append(base::BytesView piece) {
+  CHECK_LE(piece.size(), view_.size - bytes_);
+  std::size_t done = 0;
+  while (done < piece.size()) {
+    const auto wrote = ::pwrite(descriptor_, piece.data() + done, piece.size() - done,
+                                static_cast<off_t>(bytes_ + done));
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote <= 0) throw failed("write", part_);
+    done += static_cast<std::size_t>(wrote);
+  }
+  hash_.update(piece);
+  bytes_ += piece.size();
+}
+
+bool PartFile::finish() {
+  CHECK(is_whole());
+  if (hash::to_hex(hash_.finish()) != view_.sha256) {
+    ::unlink(part_.c_str());
+    return false;
+  }
+  if (::fsync(descriptor_) != 0) throw failed("write", part_);
+  base::PosixFileSystem files;
+  files.rename(part_, path_);
+  files.sync_directory_of(path_);
+  remove_other_parts();
+  return true;
+}
+
+// Those that no process is writing.
+void PartFile::remove_other_parts() const {
+  const std::string folder = base::directory_of(path_);
+  const std::string beginning = "." + path_.substr(path_.rfind('/') + 1) + ".";
+  base::PosixFileSystem files;
+  for (const std::string& name : files.names_in(folder)) {
+    if (!name.starts_with(beginning) || !name.ends_with(k_part_end) ||
+        name.size() != beginning.size() + k_digits_in_name + k_part_end.size())
+      continue;
+    const std::string part = folder + "/" + name;
+    const int descriptor = ::open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) continue;
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(part.c_str());
+    ::close(descriptor);
+  }
+}
+
+}  // namespace sleight::rpc

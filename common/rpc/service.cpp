@@ -1,0 +1,31 @@
+#include "common/rpc/service.h"
+
+#include <array>
+
+namespace sleight::rpc {
+namespace {
+
+constexpr std::array<std::string_view, k_refusal_kinds> k_refusal_names = {
+    "unknown", "not_found", "not_allowed", "bad_request", "conflict",
+    "limit",   "busy",      "gone",        "environment", "bug"};
+constexpr std::array<std::string_view, k_job_states> k_state_names = {
+    "unknown", "queued", "starting", "running", "yielding", "held", "done", "failed", "cancelled"};
+
+}  // namespace
+
+std::string_view name_of(RefusalKind kind) {
+  return k_refusal_names.at(static_cast<std::size_t>(kind));
+}
+
+std::string_view name_of(JobState state) {
+  return k_state_names.at(static_cast<std::size_t>(state));
+}
+
+std::optional<JobState> job_state_of(std::string_view name) {
+  for (std::size_t state = 1; state < k_job_states; ++state) {
+    if (k_state_names[state] == name) return static_cast<JobState>(state);
+  }
+  return std::nullopt;
+}
+
+}  // namespace sleight::rpc

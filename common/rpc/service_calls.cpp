@@ -1,0 +1,426 @@
+#include "common/rpc/service_calls.h"
+
+#include <fmt/format.h>
+#include <kj/debug.h>
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "common/rpc/encoding.h"
+#include "common/rpc/limits.h"
+
+namespace sleight::rpc {
+namespace {
+
+template <class T>
+using Answer = base::Result<T, Refusal>;
+
+std::optional<Refusal> check(Nothing& /*nothing*/) {
+  return std::nullopt;
+}
+
+std::optional<Refusal> check(JobId& job) {
+  return job.value == 0 ? std::optional(no_such_job()) : std::nullopt;
+}
+
+/// What a call with a target has besides.
+struct Touch {
+  Target target{};
+  std::optional<Extension> extension{};
+  bool pinned = false;
+  std::int32_t priority = 0;
+};
+
+std::optional<Refusal> check(Touch& touch) {
+  if (auto refused = rpc::check(touch.target)) return refused;
+  return touch.extension ? rpc::check(*touch.extension) : std::nullopt;
+}
+
+Refusal failed() {
+  return {.kind = RefusalKind::bug,
+          .sentence = "The server failed at this call.",
+          .what_to_do = "The server's log says more."};
+}
+
+Refusal unreadable() {
+  return {
+      .kind = RefusalKind::bad_request, .sentence = "The call can't be read.", .what_to_do = ""};
+}
+
+/// Counts a call for as long as it is unanswered.
+class Counted {
+ public:
+  explicit Counted(std::shared_ptr<Conversation> conversation)
+      : conversation_(std::move(conversation)) {
+    ++conversation_->calls;
+  }
+  ~Counted() {
+    if (conversation_) --conversation_->calls;
+  }
+  Counted(Counted&&) noexcept = default;
+  Counted& operator=(Counted&&) = delete;
+
+ private:
+  std::shared_ptr<Conversation> conversation_;
+};
+
+/// What Service and File have in common.
+struct Serving {
+  std::shared_ptr<Calls> calls;
+  std::shared_ptr<Conversation> conversation;
+
+  /// Why a call is not taken, if it is not.
+  std::optional<Refusal> unwelcome() const {
+    ++calls->count;
+    if (calls->handler == nullptr) {
+      return Refusal{.kind = RefusalKind::busy,
+                     .sentence = "The server is ending.",
+                     .what_to_do = "Try again when it is started anew."};
+    }
+    if (conversation->calls >= calls->limits.calls_max) {
+      return Refusal{.kind = RefusalKind::limit,
+                     .sentence = fmt::format("A connection has at most {} calls at once.",
+                                             calls->limits.calls_max),
+                     .what_to_do = "Wait for answers, or connect again."};
+    }
+    return std::nullopt;
+  }
+
+  /// Calls `start` with a Reply, and promises the answer.
+  template <class T, class Start>
+  kj::Promise<Answer<T>> ask(const Start& start) const {
+    auto owed = kj::newPromiseAndFulfiller<Answer<T>>();
+    auto fulfiller =
+        std::make_shared<kj::Own<kj::PromiseFulfiller<Answer<T>>>>(kj::mv(owed.fulfiller));
+    try {
+      start(Reply<T>([fulfiller](Answer<T> answer) { (*fulfiller)->fulfill(kj::mv(answer)); }));
+    } catch (const std::exception& error) {
+      // The reply is refused as it is dropped; its words are for the log alone.
+      calls->complain(error.what());
+      (*fulfiller)->fulfill(failed());
+    }
+    return kj::mv(owed.promise);
+  }
+
+  /// A whole call: `decode` its parameters, check them, `start` it, `write` its answer.
+  template <class T, class Context, class Decode, class Start, class Write>
+  kj::Promise<void> serve(Context context, const Decode& decode, const Start& start,
+                          Write write) const {
+    std::optional<Refusal> refused = unwelcome();
+    std::optional<std::decay_t<decltype(decode(context.getParams()))>> asked;
+    if (!refused) {
+      try {
+        asked = decode(context.getParams());
+      } catch (const kj::Exception&) {
+        refused = unreadable();
+      }
+    }
+    context.releaseParams();
+    if (!refused) refused = check(*asked);
+    if (refused) {
+      put(*refused, context.getResults().initRefusal());
+      return kj::READY_NOW;
+    }
+    Counted counted(conversation);
+    return ask<T>([&](Reply<T> reply) { start(std::move(*asked), std::move(reply)); })
+        .then([context, write = kj::mv(write), held = kj::mv(counted)](Answer<T> answer) mutable {
+          std::optional<Refusal> wrong;
+          if (answer) {
+            wrong = write(std::move(answer).value(), context.getResults());
+          } else {
+            wrong = answer.error();
+          }
+          if (wrong) put(*wrong, context.getResults().initRefusal());
+        });
+  }
+};
+
+// ------------------------------------------------------------------------------------------- files
+
+bool is_plain_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' && name.size() < k_name_bytes_max &&
+         name.find('/') == std::string::npos && name.find('\0') == std::string::npos;
+}
+
+class FileCalls final : public generated::File::Server {
+ public:
+  FileCalls(Serving serving, std::unique_ptr<Source> source)
+      : serving_(std::move(serving)), source_(std::move(source)), size_(source_->view().size) {
+    ++serving_.conversation->sources;
+  }
+  ~FileCalls() { --serving_.conversation->sources; }
+  KJ_DISALLOW_COPY(FileCalls);
+
+  kj::Promise<void> read(ReadContext context) override {
+    const auto params = context.getParams();
+    const std::uint64_t offset = params.getOffset();
+    const std::uint32_t bytes = params.getBytes();
+    std::optional<Refusal> refused = serving_.unwelcome();
+    if (!refused && (bytes > k_piece_bytes_max || offset > size_ || bytes > size_ - offset)) {
+      refused = Refusal{.kind = RefusalKind::bad_request,
+                        .sentence = "The piece is too large, or not within the file.",
+                        .what_to_do = ""};
+    }
+    if (refused) {
+      put(*refused, context.getResults().initRefusal());
+      return kj::READY_NOW;
+    }
+    Counted counted(serving_.conversation);
+    return serving_
+        .ask<base::Bytes>(
+            [&](Reply<base::Bytes> reply) { source_->read(offset, bytes, std::move(reply)); })
+        .then([context, bytes, held = kj::mv(counted)](Answer<base::Bytes> answer) mutable {
+          if (answer && answer.value().size() == bytes) {
+            context.getResults(capnp::MessageSize{bytes / 8 + 16, 0})
+                .setPiece(as_data(answer.value()));
+          } else {
+            put(answer ? failed() : answer.error(), context.getResults().initRefusal());
+          }
+        });
+  }
+
+ private:
+  Serving serving_;
+  std::unique_ptr<Source> source_;
+  std::uint64_t size_;
+};
+
+// ----------------------------------------------------------------------------------------- service
+
+class ServiceCalls final : public generated::Service::Server {
+ public:
+  explicit ServiceCalls(Serving serving) : serving_(std::move(serving)) {}
+
+  kj::Promise<void> submit(SubmitContext context) override {
+    return serving_.serve<Submitted>(
+        context, [](auto params) { return get(params.getSubmission()); },
+        [this](Submission asked, Reply<Submitted> reply) {
+          handler().submit(caller(), std::move(asked), std::move(reply));
+        },
+        [](const Submitted& submitted, auto results) {
+          put(submitted, results.initSubmitted());
+          return std::optional<Refusal>();
+        });
+  }
+
+  kj::Promise<void> list(ListContext context) override {
+    return serving_.serve<JobPage>(
+        context, [](auto params) { return get(params.getAsk()); },
+        [this](ListAsk asked, Reply<JobPage> reply) {
+          handler().list(caller(), std::move(asked), std::move(reply));
+        },
+        [](const JobPage& page, auto results) -> std::optional<Refusal> {
+          if (page.jobs.size() > k_page_jobs_max) return failed();
+          put(page, results.initPage());
+          return std::nullopt;
+        });
+  }
+
+  kj::Promise<void> status(StatusContext context) override {
+    return serving_.serve<JobView>(
+        context, [](auto params) { return JobId{params.getJob()}; },
+        [this](JobId job, Reply<JobView> reply) {
+          handler().status(caller(), job, std::move(reply));
+        },
+        [](const JobView& job, auto results) {
+          put(job, results.initJob(), Detail::full);
+          return std::optional<Refusal>();
+        });
+  }
+
+  kj::Promise<void> watch(WatchContext context) override {
+    context.allowCancellation();
+    std::vector<WatchPoint> points;
+    std::optional<Refusal> refused = serving_.unwelcome();
+    if (!refused) {
+      for (const auto point : context.getParams().getPoints()) {
+        if (points.size() > k_watch_jobs_max) break;
+        points.push_back(get(point));
+      }
+      refused = rpc::check(points);
+    }
+    context.releaseParams();
+    if (refused) {
+      put(*refused, context.getResults().initRefusal());
+      return kj::READY_NOW;
+    }
+    Counted counted(serving_.conversation);
+    return serving_.calls->watchers->wait(caller(), std::move(points))
+        .then([context, held = kj::mv(counted)](Batches batches) mutable {
+          auto to = context.getResults().initBatches(static_cast<unsigned>(batches.size()));
+          for (unsigned i = 0; i < to.size(); ++i)
+            put(batches[i].first, batches[i].second, to[i]);
+        });
+  }
+
+  kj::Promise<void> logs(LogsContext context) override {
+    return serving_.serve<LogPiece>(
+        context, [](auto params) { return get(params.getAsk()); },
+        [this](LogAsk asked, Reply<LogPiece> reply) {
+          handler().logs(caller(), asked, std::move(reply));
+        },
+        [](const LogPiece& piece, auto results) -> std::optional<Refusal> {
+          if (piece.text.size() > k_log_bytes_max) return failed();
+          put(piece, results.initPiece());
+          return std::nullopt;
+        });
+  }
+
+  kj::Promise<void> cancel(CancelContext context) override {
+    return touch(context, [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
+      handler().cancel(caller(), asked.target, std::move(reply));
+    });
+  }
+
+  kj::Promise<void> hold(HoldContext context) override {
+    return touch(context, [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
+      handler().hold(caller(), asked.target, std::move(reply));
+    });
+  }
+
+  kj::Promise<void> resume(ResumeContext context) override {
+    return touch(context, [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
+      handler().resume(caller(), asked.target, std::move(reply));
+    });
+  }
+
+  kj::Promise<void> extend(ExtendContext context) override {
+    return touch(
+        context,
+        [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
+          handler().extend(caller(), asked.target, *asked.extension, std::move(reply));
+        },
+        [](auto params, Touch& asked) { asked.extension = get(params.getExtension()); });
+  }
+
+  kj::Promise<void> erase(EraseContext context) override {
+    return touch(context, [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
+      handler().erase(caller(), asked.target, std::move(reply));
+    });
+  }
+
+  kj::Promise<void> pin(PinContext context) override {
+    return touch(
+        context,
+        [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
+          handler().pin(caller(), asked.target, asked.pinned, std::move(reply));
+        },
+        [](auto params, Touch& asked) { asked.pinned = params.getPinned(); });
+  }
+
+  kj::Promise<void> setPriority(SetPriorityContext context) override {
+    return touch(
+        context,
+        [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
+          handler().set_priority(caller(), asked.target, asked.priority, std::move(reply));
+        },
+        [](auto params, Touch& asked) { asked.priority = params.getPriority(); });
+  }
+
+  kj::Promise<void> fetch(FetchContext context) override {
+    return serving_.serve<Fetched>(
+        context, [](auto params) { return get(params.getAsk()); },
+        [this](FetchAsk asked, Reply<Fetched> reply) {
+          handler().fetch(caller(), std::move(asked), std::move(reply));
+        },
+        [serving = serving_](Fetched fetched, auto results) -> std::optional<Refusal> {
+          const std::size_t count = fetched.files.size();
+          if (count > k_fetch_files_max) return failed();
+          for (const auto& file : fetched.files) {
+            if (!is_plain_name(file->view().name)) return failed();
+          }
+          if (serving.conversation->sources + count > serving.calls->limits.sources_max) {
+            return Refusal{.kind = RefusalKind::limit,
+                           .sentence = "This connection is fetching too many files.",
+                           .what_to_do = "Let go of some, or connect again."};
+          }
+          auto files = results.initFiles(static_cast<unsigned>(count));
+          for (unsigned i = 0; i < count; ++i) {
+            put(fetched.files[i]->view(), files[i]);
+            files[i].setFile(kj::heap<FileCalls>(serving, std::move(fetched.files[i])));
+          }
+          results.setHasMore(fetched.has_more);
+          return std::nullopt;
+        });
+  }
+
+  kj::Promise<void> info(InfoContext context) override {
+    return serving_.serve<ServerView>(
+        context, [](auto) { return Nothing(); },
+        [this](Nothing, Reply<ServerView> reply) { handler().info(caller(), std::move(reply)); },
+        [calls = serving_.calls](ServerView view, auto results) {
+          if (calls->handler != nullptr) {
+            view.connections = static_cast<std::uint32_t>(calls->connections());
+            view.watchers = static_cast<std::uint32_t>(calls->watchers->waiting());
+          }
+          put(view, results.initServer());
+          return std::optional<Refusal>();
+        });
+  }
+
+  kj::Promise<void> drain(DrainContext context) override {
+    return serving_.serve<Nothing>(
+        context, [](auto) { return Nothing(); },
+        [this](Nothing, Reply<Nothing> reply) { handler().drain(caller(), std::move(reply)); },
+        [](Nothing, auto) { return std::optional<Refusal>(); });
+  }
+
+  kj::Promise<void> stop(StopContext context) override {
+    return serving_.serve<Nothing>(
+        context, [](auto) { return Nothing(); },
+        [this](Nothing, Reply<Nothing> reply) { handler().stop(caller(), std::move(reply)); },
+        [](Nothing, auto) { return std::optional<Refusal>(); });
+  }
+
+ private:
+  Handler& handler() const { return *serving_.calls->handler; }
+  const Caller& caller() const { return serving_.conversation->caller; }
+
+  /// A call with a target; `more` reads what it has besides.
+  template <class Context, class Start, class More>
+  kj::Promise<void> touch(Context context, const Start& start, const More& more) const {
+    return serving_.serve<std::vector<Touched>>(
+        context,
+        [&more](auto params) {
+          Touch asked = {.target = get(params.getTarget())};
+          more(params, asked);
+          return asked;
+        },
+        start,
+        [](const std::vector<Touched>& touched, auto results) {
+          put(touched, results.initTouched(
+                           static_cast<unsigned>(std::min(touched.size(), k_submission_jobs_max))));
+          return std::optional<Refusal>();
+        });
+  }
+  template <class Context, class Start>
+  kj::Promise<void> touch(Context context, const Start& start) const {
+    return touch(context, start, [](auto, Touch&) {});
+  }
+
+  Serving serving_;
+};
+
+class EntranceCalls final : public generated::Entrance::Server {
+ public:
+  explicit EntranceCalls(Serving serving) : service_(kj::heap<ServiceCalls>(std::move(serving))) {}
+
+  kj::Promise<void> open(OpenContext context) override {
+    context.getResults().setService(service_);
+    return kj::READY_NOW;
+  }
+
+ private:
+  generated::Service::Client service_;
+};
+
+}  // namespace
+
+generated::Entrance::Client make_entrance(std::shared_ptr<Calls> calls,
+                                          std::shared_ptr<Conversation> conversation) {
+  return kj::heap<EntranceCalls>(Serving{std::move(calls), std::move(conversation)});
+}
+
+}  // namespace sleight::rpc

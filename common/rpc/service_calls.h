@@ -1,0 +1,41 @@
+// The interfaces of service.capnp on a Handler: decodes, checks, asks and answers.
+//
+// Thread safety: all on the loop's thread.
+#pragma once
+
+#include <service.capnp.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/rpc/handler.h"
+#include "common/rpc/server.h"
+#include "common/rpc/watchers.h"
+
+namespace sleight::rpc {
+
+/// What the calls of all connections have in common. A call may outlive the server: then there is
+/// no handler any more.
+struct Calls {
+  Handler* handler = nullptr;
+  Watchers* watchers = nullptr;
+  ServerLimits limits{};
+  std::function<void(const std::string&)> complain{};
+  std::function<std::size_t()> connections{};
+  std::uint64_t count = 0;  ///< of all time
+};
+
+/// What the calls of one connection have in common.
+struct Conversation {
+  Caller caller{};
+  std::size_t calls = 0;  ///< that are not answered
+  std::size_t sources = 0;
+};
+
+/// The bootstrap interface of a connection whose peer is known.
+generated::Entrance::Client make_entrance(std::shared_ptr<Calls> calls,
+                                          std::shared_ptr<Conversation> conversation);
+
+}  // namespace sleight::rpc

@@ -1,0 +1,137 @@
+#include "common/rpc/unix_socket.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+
+namespace sleight::rpc {
+namespace {
+
+constexpr int k_waiting_max =
+    1024;  // connections that are not accepted yet; the system may have less
+
+std::string reason() {
+  return std::system_category().message(errno);
+}
+
+/// Closed when it goes out of scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  ~Descriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return value_; }
+  int take() { return std::exchange(value_, -1); }
+
+ private:
+  int value_;
+};
+
+/// The address of a path whose folder is open.
+sockaddr_un address_of(int folder, const std::string& path) {
+  const std::string name = path.substr(path.rfind('/') + 1);  // npos + 1 is 0
+  const std::string way = fmt::format("/proc/self/fd/{}/{}", folder, name);
+  sockaddr_un address = {};
+  if (name.empty() || way.size() >= sizeof address.sun_path)
+    throw base::Error(
+        fmt::format("{} can't be a socket: its file name is too long or empty", path));
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, way.c_str(), way.size() + 1);
+  return address;
+}
+
+int open_folder_of(const std::string& path) {
+  return ::open(base::directory_of(path).c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+}
+
+int make_socket() {
+  const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor < 0) throw base::Error("no socket can be made: " + reason());
+  return descriptor;
+}
+
+const sockaddr* as_address(const sockaddr_un& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+}  // namespace
+
+// A socket that listens, under a name beside its own, is renamed: so nobody meets one that is
+// readable by others or does not listen yet, and a stale one is replaced in one step.
+ListeningSocket::ListeningSocket(const std::string& path) : path_(path) {
+  const auto fail = [&](const std::string& what) {
+    return base::Error(fmt::format("the service can't listen at {}: {}: {}", path, what, reason()));
+  };
+  const auto there = connect_to(path);
+  if (there) ::close(there.value());
+  if (there || there.error() == Unconnected::busy) {
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("a server listens at {} already; `sleight server status` asks it", path));
+  }
+  const Descriptor folder(open_folder_of(path));
+  if (folder.get() < 0) throw fail("its folder");
+  Descriptor socket(make_socket());
+  const std::string beside = fmt::format("{}.{}", path, ::getpid());
+  ::unlink(beside.c_str());
+  const sockaddr_un address = address_of(folder.get(), beside);
+  if (::bind(socket.get(), as_address(address), sizeof address) != 0) throw fail("bind");
+  struct stat seen = {};
+  if (::chmod(beside.c_str(), S_IRUSR | S_IWUSR) != 0 ||
+      ::listen(socket.get(), k_waiting_max) != 0 || ::lstat(beside.c_str(), &seen) != 0 ||
+      ::rename(beside.c_str(), path.c_str()) != 0) {
+    const auto error = fail("listen");
+    ::unlink(beside.c_str());
+    throw error;
+  }
+  device_ = seen.st_dev;
+  inode_ = seen.st_ino;
+  descriptor_ = socket.take();
+}
+
+ListeningSocket::~ListeningSocket() {
+  struct stat seen = {};
+  if (::lstat(path_.c_str(), &seen) == 0 && seen.st_dev == device_ && seen.st_ino == inode_)
+    ::unlink(path_.c_str());
+  ::close(descriptor_);
+}
+
+base::Result<int, Unconnected> connect_to(const std::string& path) {
+  const Descriptor folder(open_folder_of(path));
+  if (folder.get() < 0) {
+    if (errno == ENOENT || errno == ENOTDIR) return Unconnected::nobody;
+    throw base::Error(fmt::format("can't connect to {}: {}", path, reason()));
+  }
+  Descriptor socket(make_socket());
+  const sockaddr_un address = address_of(folder.get(), path);
+  if (::connect(socket.get(), as_address(address), sizeof address) == 0) return socket.take();
+  // ENOTSOCK and the like: something else lies there, nobody listens.
+  if (errno == ENOENT || errno == ECONNREFUSED) return Unconnected::nobody;
+  if (errno == EAGAIN) return Unconnected::busy;
+  throw base::Error(fmt::format("can't connect to {}: {}", path, reason()));
+}
+
+Peer peer_of(int descriptor) {
+  ucred credentials = {};
+  socklen_t length = sizeof credentials;
+  if (::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &credentials, &length) != 0)
+    throw base::Error("the system does not say whose connection it is: " + reason());
+  return {.user = credentials.uid, .pid = credentials.pid};
+}
+
+}  // namespace sleight::rpc

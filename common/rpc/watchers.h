@@ -1,0 +1,59 @@
+// Watch calls that wait for news.
+//
+// A call asks for many jobs; when it comes, the handler is asked for all of them, and afterwards
+// for those that have news. It is answered once, as soon as any of them has something.
+//
+// Thread safety: all on the loop's thread.
+#pragma once
+
+#include <kj/async.h>
+#include <kj/timer.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "common/rpc/handler.h"
+
+namespace sleight::rpc {
+
+using Batches = std::vector<std::pair<JobId, base::Result<Batch, Refusal>>>;
+
+class Watchers final : kj::TaskSet::ErrorHandler {
+ public:
+  Watchers(Handler& handler, kj::Timer& timer, double wait_s_max,
+           std::function<void(const std::string&)> complain);
+  ~Watchers();
+  KJ_DISALLOW_COPY(Watchers);
+
+  /// Nothing after `wait_s_max`. Dropping the promise ends the wait; drop all before this object.
+  kj::Promise<Batches> wait(const Caller& caller, std::vector<WatchPoint> points);
+  void news(JobId job);
+  std::size_t waiting() const { return waiting_; }
+
+ private:
+  struct Waiter;
+  struct Place {
+    Waiter* waiter;
+    std::size_t point;
+  };
+
+  Batches collect(const Caller& caller, const std::vector<WatchPoint>& points);
+  void tell_due();
+  void taskFailed(kj::Exception&& exception) override;
+
+  Handler& handler_;
+  kj::Timer& timer_;
+  double wait_s_max_;
+  std::function<void(const std::string&)> complain_;
+  std::size_t waiting_ = 0;
+  std::unordered_map<std::uint64_t, std::vector<Place>> by_job_;
+  std::vector<Waiter*> due_;  ///< that have news
+  kj::TaskSet tasks_;
+};
+
+}  // namespace sleight::rpc
