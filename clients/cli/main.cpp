@@ -13,6 +13,7 @@
 #include "clients/cli/main_direct.h"
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_scenes.h"
+#include "clients/cli/main_service.h"
 #include "clients/cli/output.h"
 #include "clients/cli/plot_command.h"
 #include "common/archive/csv.h"
@@ -264,6 +265,7 @@ int main_of(int argc, char** argv) {
   add_derive(*add_archive(app, archive_arguments, action), derive_arguments, action);
   add_diagnose(app, diagnose_arguments, action);
   add_plot(app, plot_options, action);
+  add_service_commands(app, action);
 
   note_what_repeats(argc, argv);
   try {

@@ -162,7 +162,8 @@ const char* const k_exit_codes =
     "4 the output belongs to another run; 5 the environment (disk, files); 6 a bad archive;\n"
     "7 chains that have not mixed, or that nobody can judge (diagnose); 8 a simulation failed "
     "(with\n"
-    "--strict, or replayed); 130 interrupted, with everything stored.";
+    "--strict, or replayed); 9 not allowed; 10 a job failed; 11 a job was cancelled; 12 no server "
+    "runs;\n130 interrupted, with everything stored.";
 
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher) {
   base::report_uncaught_exceptions();

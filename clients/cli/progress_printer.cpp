@@ -21,6 +21,8 @@ void ProgressPrinter::show(const events::Progress& progress) {
   const plan::Finds& finds = progress.finds;
   const bool has_found = finds.wanted > 0 && (finds.found >= finds.wanted || finds.gave_up);
   const bool is_news = has_found && !std::exchange(said_found_, has_found);
+  // Another session of the run began: its time starts anew.
+  if (progress.elapsed_s < shown_s_) shown_s_ = 0;
   if (!is_news && progress.elapsed_s - shown_s_ < k_plain_line_every_s) return;
   shown_s_ = progress.elapsed_s;
   std::fputs((events::progress_line(name_, progress) + "\n").c_str(), stream_);
@@ -39,6 +41,13 @@ void ProgressPrinter::renew(const std::string& line) {
   std::fputs(fmt::format("\r{}\x1b[K", std::string_view(line).substr(0, width)).c_str(), stream_);
   std::fflush(stream_);
   line_open_ = true;
+}
+
+void ProgressPrinter::clear() {
+  if (!line_open_) return;
+  std::fputs("\r\x1b[K", stream_);
+  std::fflush(stream_);
+  line_open_ = false;
 }
 
 void ProgressPrinter::finish() {

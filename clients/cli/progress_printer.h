@@ -18,6 +18,8 @@ class ProgressPrinter {
   void show(const events::Progress& progress);
   /// What goes on where there is nothing to count; on a terminal only.
   void say(const std::string& phase);
+  /// Takes the renewed line away, so that another line can take its place.
+  void clear();
   /// Ends the renewed line, so that what follows begins on a new one.
   void finish();
 

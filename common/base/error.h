@@ -20,6 +20,10 @@ enum class ExitCode : int {
   bad_archive = 6,        ///< not a Sleight archive, damaged, or hostile
   not_mixed = 7,          ///< `sleight diagnose`: the chains have not mixed, for reasons printed
   simulation_failed = 8,  ///< with --strict, or nothing but failures: a bug of the simulator
+  not_allowed = 9,        ///< the service: the job is another user's
+  job_failed = 10,        ///< `sleight wait` and `watch`: the job failed
+  job_cancelled = 11,     ///< likewise: it was cancelled
+  no_server = 12,         ///< no `sleightd` answers
   interrupted = 130,      ///< Ctrl-C or SIGTERM: everything done so far is stored
 };
 

@@ -1,0 +1,311 @@
+#include "clients/cli/fetch_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "clients/cli/progress_printer.h"
+#include "clients/cli/selected_jobs.h"
+#include "clients/cli/service_call.h"
+#include "clients/cli/service_json.h"
+#include "clients/cli/terminal.h"
+#include "common/base/clock.h"
+#include "common/base/error.h"
+#include "common/config/quantities.h"
+#include "common/events/progress.h"
+#include "common/hash/sha256.h"
+
+namespace sleight::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t k_read_bytes = 1U << 20U;
+constexpr double k_show_every_s = 0.1;
+
+std::optional<std::uint64_t> number_of(std::string_view text) {
+  std::uint64_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, failure] = std::from_chars(text.data(), end, number);
+  return failure == std::errc() && rest == end ? std::optional(number) : std::nullopt;
+}
+
+double as_double(std::uint64_t count) {
+  return static_cast<double>(count);
+}
+
+std::string sha256_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw base::Error(fmt::format("{}: can't read what is there", path));
+  hash::Sha256 hash;
+  std::string piece(k_read_bytes, '\0');
+  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0)
+    hash.update(std::string_view(piece).substr(0, static_cast<std::size_t>(file.gcount())));
+  return hash::to_hex(hash.finish());
+}
+
+/// How a fetch goes, on a terminal's stderr.
+class FetchPrinter {
+ public:
+  explicit FetchPrinter(bool quiet) : shows_(!quiet && width_of(stderr).has_value()) {}
+  ~FetchPrinter() { clear(); }
+  FetchPrinter(const FetchPrinter&) = delete;
+  FetchPrinter& operator=(const FetchPrinter&) = delete;
+
+  void show(const std::string& place, const rpc::FileView& file, std::uint64_t bytes) {
+    if (!shows_) return;
+    if (file.sha256 != sha256_) {
+      sha256_ = file.sha256;
+      first_bytes_ = bytes;
+      began_s_ = clock_.now_s();
+    } else if (clock_.now_s() - shown_s_ < k_show_every_s && bytes < file.size) {
+      return;
+    }
+    shown_s_ = clock_.now_s();
+    const double share = file.size == 0 ? 1 : as_double(bytes) / as_double(file.size);
+    const double rate = as_double(bytes - std::min(bytes, first_bytes_)) / (shown_s_ - began_s_);
+    std::string line =
+        fmt::format("{}  {:.0f}% of {:.1f} MB", place, share * 100, as_double(file.size) / 1e6);
+    if (rate > 0 && rate < 1e15) {
+      line += fmt::format("  {:.1f} MB/s  {} left", rate / 1e6,
+                          events::clock_time(as_double(file.size - bytes) / rate));
+    }
+    const std::size_t width = width_of(stderr).value_or(80) - 1;
+    std::fputs(fmt::format("\r{}\x1b[K", std::string_view(line).substr(0, width)).c_str(), stderr);
+    std::fflush(stderr);
+    is_open_ = true;
+  }
+  void clear() {
+    if (is_open_) std::fputs("\r\x1b[K", stderr);
+    is_open_ = false;
+  }
+
+ private:
+  bool shows_;
+  bool is_open_ = false;
+  base::SteadyClock clock_;
+  std::string sha256_;
+  std::uint64_t first_bytes_ = 0;
+  double began_s_ = 0;
+  double shown_s_ = 0;
+};
+
+/// What becomes of a file that lies at the place of a fetched one.
+enum class Standing { free, same, other };
+
+Standing standing_of(const std::string& path, const rpc::FileView& file) {
+  std::error_code none;
+  if (!fs::exists(path, none)) return Standing::free;
+  if (fs::is_regular_file(path, none) && fs::file_size(path, none) == file.size &&
+      sha256_of_file(path) == file.sha256)
+    return Standing::same;
+  return Standing::other;
+}
+
+[[noreturn]] void refuse_to_replace(const std::string& path) {
+  throw base::Error(base::ExitCode::conflict,
+                    fmt::format("{}: is there already, with other content; --force replaces it, -o "
+                                "names another place",
+                                shown(path)));
+}
+
+/// Watches the pieces of a job's files come in.
+class Arrivals {
+ public:
+  Arrivals(const FetchOptions& options, std::string place, bool is_file)
+      : options_(options), place_(std::move(place)), is_file_(is_file), printer_(options.quiet) {}
+
+  /// A FetchProgress: false where the place is taken. Before the first piece is written.
+  bool arrived(const rpc::FileView& file, std::uint64_t bytes) {
+    if (Interrupts::requested()) return false;
+    const std::string path = path_of(file);
+    if (looked_at_.insert(path).second && !options_.force) {
+      const Standing standing = standing_of(path, file);
+      if (standing == Standing::other) taken_ = path;
+      if (standing == Standing::same && is_file_) same_ = path;
+      if (!taken_.empty() || !same_.empty()) return false;
+    }
+    printer_.show(shown(path), file, bytes);
+    bytes_[path] = file.size;
+    return true;
+  }
+
+  void clear() { printer_.clear(); }
+  const std::string& taken() const { return taken_; }
+  const std::string& same() const { return same_; }
+  std::uint64_t bytes_of(const std::string& path) const {
+    const auto found = bytes_.find(path);
+    return found == bytes_.end() ? 0 : found->second;
+  }
+
+ private:
+  std::string path_of(const rpc::FileView& file) const {
+    return is_file_ ? place_ : (fs::path(place_) / file.name).string();
+  }
+
+  const FetchOptions& options_;
+  std::string place_;
+  bool is_file_;
+  FetchPrinter printer_;
+  std::set<std::string> looked_at_;
+  std::map<std::string, std::uint64_t> bytes_;
+  std::string taken_;
+  std::string same_;
+};
+
+/// The paths that one job gave.
+struct Brought {
+  rpc::JobId job{};
+  std::vector<std::string> paths{};
+  bool interrupted = false;
+};
+
+Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const std::string& place,
+                  const FetchOptions& options) {
+  const bool is_file = ask.kind == rpc::FetchKind::archive || ask.kind == rpc::FetchKind::so_far;
+  Arrivals arrivals(options, place, is_file);
+  const rpc::FetchProgress progress = [&](const rpc::FileView& file, std::uint64_t bytes) {
+    return arrivals.arrived(file, bytes);
+  };
+  const rpc::FetchedFiles fetched =
+      is_file ? client.fetch_file(ask, place, progress) : client.fetch_folder(ask, place, progress);
+  arrivals.clear();
+  if (!arrivals.taken().empty()) refuse_to_replace(arrivals.taken());
+  Brought brought{.job = ask.job, .paths = fetched.paths};
+  if (!arrivals.same().empty()) brought.paths = {arrivals.same()};
+  brought.interrupted = arrivals.same().empty() && fetched.how != rpc::Waited::settled;
+  if (options.json || options.quiet) return brought;
+  for (const std::string& path : brought.paths) {
+    if (arrivals.same().empty()) {
+      fmt::print("{}  {}\n", shown(path), config::bytes_text(arrivals.bytes_of(path)));
+    } else {
+      fmt::print("{}  is here already, with the same content\n", shown(path));
+    }
+  }
+  if (brought.paths.empty() && !brought.interrupted) fmt::print("job {}: no files\n", ask.job);
+  return brought;
+}
+
+Json json_of(const std::vector<Brought>& all, bool is_single) {
+  Json list = Json::array();
+  for (const Brought& brought : all)
+    list.push_back({{"id", brought.job.value}, {"files", brought.paths}});
+  return is_single && list.size() == 1 ? Json(list.front()) : list;
+}
+
+void make_folder(const std::string& path) {
+  std::error_code failure;
+  fs::create_directories(path, failure);
+  if (failure)
+    throw base::Error(fmt::format("{}: can't make the folder: {}", path, failure.message()));
+}
+
+int fetch_all(rpc::Client& client, const FetchOptions& options, std::span<const JobName> names) {
+  const rpc::FetchAsk ask = fetch_ask_of(options);
+  const std::vector<rpc::JobView> jobs = views_of(client, names);
+  const bool several = !is_single_job(names);
+  const auto* group = names.size() == 1 ? std::get_if<rpc::GroupId>(&names.front()) : nullptr;
+  const Interrupts interrupts(&client);
+  std::vector<Brought> all;
+  base::ExitCode code = base::ExitCode::ok;
+  for (const rpc::JobView& job : jobs) {
+    rpc::FetchAsk of_job = ask;
+    of_job.job = job.id;
+    const std::string place =
+        place_of(options, job.id, several, group ? std::optional(*group) : std::nullopt);
+    if (several) make_folder(fs::path(place).parent_path().string());
+    try {
+      all.push_back(fetch_job(client, of_job, place, options));
+    } catch (const rpc::RefusedError& error) {
+      // One job without an archive yet keeps the others' from nobody.
+      if (!several) throw;
+      complain(fmt::format("sleight: job {}: {}", job.id, words_of(error.refusal())));
+      if (code == base::ExitCode::ok) code = exit_code_of(error.refusal().kind);
+      continue;
+    }
+    if (all.back().interrupted) {
+      complain("stopped; the same command goes on from here");
+      code = base::ExitCode::interrupted;
+      break;
+    }
+  }
+  if (options.json) fmt::print("{}\n", indented(json_of(all, !several)));
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+std::optional<std::vector<std::uint64_t>> recording_ids_of(std::string_view text) {
+  std::set<std::uint64_t> ids;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    const std::string_view item = text.substr(0, comma);
+    const std::size_t dots = item.find("..");
+    const auto first = number_of(item.substr(0, dots));
+    const auto last = dots == std::string_view::npos ? first : number_of(item.substr(dots + 2));
+    if (!first || !last || *first > *last || *last - *first >= rpc::k_fetch_ids_max)
+      return std::nullopt;
+    for (std::uint64_t id = *first; id - *first <= *last - *first; ++id)
+      ids.insert(id);
+    if (ids.size() > rpc::k_fetch_ids_max) return std::nullopt;
+    if (comma == std::string_view::npos) return std::vector(ids.begin(), ids.end());
+    text.remove_prefix(comma + 1);
+  }
+}
+
+rpc::FetchAsk fetch_ask_of(const FetchOptions& options) {
+  const int kinds = int{options.so_far} + int{!options.recordings.empty()} + int{options.failures};
+  if (kinds > 1) {
+    throw base::Error(base::ExitCode::usage,
+                      "--so-far, --recordings and --failures: give one of them");
+  }
+  rpc::FetchAsk ask;
+  if (options.so_far) ask.kind = rpc::FetchKind::so_far;
+  if (options.failures) ask.kind = rpc::FetchKind::failure_files;
+  if (!options.recordings.empty()) {
+    ask.kind = rpc::FetchKind::recordings;
+    auto ids = recording_ids_of(options.recordings);
+    if (!ids) {
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("--recordings: '{}' are no ids; say 3,7,10..20, at most {}",
+                                    shown(options.recordings), rpc::k_fetch_ids_max));
+    }
+    ask.ids = *std::move(ids);
+  }
+  return ask;
+}
+
+std::string place_of(const FetchOptions& options, rpc::JobId job, bool several,
+                     const std::optional<rpc::GroupId>& group) {
+  std::string name = fmt::format("job-{}", job);
+  if (options.failures) {
+    name += "-failures";
+  } else if (!options.recordings.empty()) {
+    name += "-recordings";
+  } else {
+    name += ".h5";
+  }
+  if (!several) return options.output.empty() ? name : options.output;
+  const std::string folder = !options.output.empty() ? options.output
+                             : group                 ? fmt::format("g{}", *group)
+                                                     : ".";
+  return (fs::path(folder) / name).string();
+}
+
+int fetch(const std::string& socket, const FetchOptions& options) {
+  const std::vector<JobName> names = read_job_names(options.jobs);
+  static_cast<void>(fetch_ask_of(options));  // errors of usage before anything else
+  return with_service(socket,
+                      [&](rpc::Client& client) { return fetch_all(client, options, names); });
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,261 @@
+#include "clients/cli/job_commands.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <utility>
+
+#include "clients/cli/job_text.h"
+#include "clients/cli/job_watch.h"
+#include "clients/cli/selected_jobs.h"
+#include "clients/cli/service_call.h"
+#include "clients/cli/service_json.h"
+#include "clients/cli/terminal.h"
+#include "common/base/error.h"
+#include "common/config/quantities.h"
+#include "common/events/progress.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
+/// Of the jobs in a question.
+constexpr std::size_t k_asked_about_max = 10;
+
+[[noreturn]] void usage(const std::string& words) {
+  throw base::Error(base::ExitCode::usage, words);
+}
+
+rpc::JobState state_of(const std::string& text) {
+  const auto state = rpc::job_state_of(text);
+  if (state && *state != rpc::JobState::unknown) return *state;
+  usage(
+      fmt::format("--state: '{}' is no state; there are queued, starting, running, yielding, "
+                  "held, done, failed and cancelled",
+                  shown(text)));
+}
+
+/// Pages from the ask's on, until `count` jobs are there.
+rpc::JobPage read_pages(rpc::Client& client, rpc::ListAsk ask, const ListOptions& options) {
+  rpc::JobPage all;
+  while (true) {
+    const std::size_t missing =
+        options.all ? rpc::k_page_jobs_max : options.count - all.jobs.size();
+    ask.count = static_cast<std::uint32_t>(std::min(missing, rpc::k_page_jobs_max));
+    rpc::JobPage page = client.list(ask);
+    std::ranges::move(page.jobs, std::back_inserter(all.jobs));
+    all.total = page.total;
+    all.cursor = std::move(page.cursor);
+    if (all.cursor.empty() || (!options.all && all.jobs.size() >= options.count)) return all;
+    ask.cursor = all.cursor;
+  }
+}
+
+void print_page(const rpc::JobPage& page, const ListOptions& options) {
+  if (options.json) {
+    Json json{{"jobs", jobs_json(page.jobs, false)},
+              {"total", page.total},
+              {"after", page.cursor.empty() ? Json(nullptr) : Json(page.cursor)}};
+    fmt::print("{}\n", indented(json));
+    return;
+  }
+  if (page.jobs.empty()) {
+    fmt::print("no jobs\n");
+    return;
+  }
+  const bool with_users = std::ranges::any_of(
+      page.jobs, [&](const rpc::JobView& job) { return job.user != page.jobs.front().user; });
+  fmt::print("{}", job_table(page.jobs, {.width = width_of(stdout),
+                                         .with_users = with_users || !options.user.empty(),
+                                         .user_name = &name_of_user}));
+  if (!page.cursor.empty()) {
+    fmt::print("{} of {}; --all lists all, --after '{}' those that follow\n",
+               events::grouped(page.jobs.size()), events::grouped(page.total), shown(page.cursor));
+  }
+}
+
+int complete(const std::string& socket) {
+  // A shell shows what comes: whatever goes wrong, it gets nothing.
+  try {
+    rpc::Client client(socket, {.call_s_max = 2});
+    for (const rpc::JobView& job : client.list({.count = rpc::k_page_jobs_max}).jobs)
+      fmt::print("{}\n", completion_line(job));
+  } catch (const std::exception&) {
+    return k_ok;
+  }
+  return k_ok;
+}
+
+int touch_and_tell(
+    const std::string& socket, const JobsOptions& options,
+    const std::function<std::vector<rpc::Touched>(rpc::Client&, rpc::Target)>& call) {
+  const std::vector<JobName> names = read_job_names(options.jobs);
+  return with_service(socket, [&](rpc::Client& client) {
+    const std::vector<rpc::Touched> touched =
+        touch(names, [&](rpc::Target target) { return call(client, target); });
+    if (options.json) {
+      fmt::print("{}\n", indented(touched_json(touched, is_single_job(names))));
+      return k_ok;
+    }
+    for (const rpc::Touched& one : touched)
+      fmt::print("{}\n", touched_line(one));
+    return k_ok;
+  });
+}
+
+int watch_named(const std::string& socket, const JobsOptions& options, std::uint64_t from_number,
+                bool quiet) {
+  const std::vector<JobName> names = read_job_names(options.jobs);
+  return with_service(socket, [&](rpc::Client& client) {
+    return watch_jobs(client, views_of(client, names), from_number,
+                      {.quiet = quiet, .json = options.json, .single = is_single_job(names)});
+  });
+}
+
+/// "17 (hi, done, 12 MB)".
+std::string about(const rpc::JobView& job) {
+  return fmt::format("{} ({}, {}, {})", job.id, name_of_job(job), rpc::name_of(job.state),
+                     config::bytes_text(job.bytes));
+}
+
+void refuse_running(std::span<const rpc::JobView> jobs) {
+  for (const rpc::JobView& job : jobs) {
+    if (rpc::is_settled(job.state)) continue;
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("nothing deleted: job {} is {}; `sleight cancel {}` ends it first", job.id,
+                    rpc::name_of(job.state), job.id));
+  }
+}
+
+std::string question(std::span<const rpc::JobView> jobs) {
+  std::vector<std::string> texts;
+  for (const rpc::JobView& job : jobs.first(std::min(jobs.size(), k_asked_about_max)))
+    texts.push_back(about(job));
+  std::string text = fmt::format("Delete {}", fmt::join(texts, ", "));
+  if (jobs.size() > k_asked_about_max)
+    text += fmt::format(" and {} more", jobs.size() - k_asked_about_max);
+  return text + ", with archives and logs?";
+}
+
+}  // namespace
+
+rpc::ListAsk list_ask_of(const ListOptions& options) {
+  rpc::ListAsk ask{
+      .name_part = options.name, .newest_first = !options.oldest_first, .cursor = options.after};
+  for (const std::string& state : options.states)
+    ask.states.push_back(state_of(state));
+  if (options.mine) ask.user = ::getuid();
+  if (!options.user.empty()) {
+    if (options.mine) usage("--mine and --user: give one of them");
+    ask.user = user_of(options.user);
+    if (!ask.user) usage(fmt::format("--user: there is no user '{}'", shown(options.user)));
+  }
+  if (!options.group.empty()) {
+    const std::vector<JobName> names = read_job_names(std::span(&options.group, 1));
+    const auto* group = std::get_if<rpc::GroupId>(&names.front());
+    if (group == nullptr) usage(fmt::format("--group: '{}' is no group; say g5", options.group));
+    ask.group = *group;
+  }
+  return ask;
+}
+
+int list_jobs(const std::string& socket, const ListOptions& options) {
+  if (options.complete) return complete(socket);
+  const rpc::ListAsk ask = list_ask_of(options);
+  return with_service(socket, [&](rpc::Client& client) {
+    print_page(read_pages(client, ask, options), options);
+    return k_ok;
+  });
+}
+
+int show_status(const std::string& socket, const StatusOptions& options) {
+  const std::vector<JobName> names = read_job_names(options.jobs);
+  return with_service(socket, [&](rpc::Client& client) {
+    const std::vector<rpc::JobView> jobs = views_of(client, names, options.history);
+    if (options.json) {
+      fmt::print("{}\n", indented(jobs_json(jobs, is_single_job(names), options.history)));
+      return k_ok;
+    }
+    for (const rpc::JobView& job : jobs) {
+      fmt::print("{}{}", &job == jobs.data() ? "" : "\n", job_text(job));
+      if (options.history) fmt::print("{}", history_text(job));
+    }
+    return k_ok;
+  });
+}
+
+int watch(const std::string& socket, const WatchOptions& options) {
+  return watch_named(socket, options, options.from_number, false);
+}
+
+int wait(const std::string& socket, const JobsOptions& options) {
+  return watch_named(socket, options, 1, true);
+}
+
+int cancel(const std::string& socket, const JobsOptions& options) {
+  return touch_and_tell(socket, options,
+                        [](rpc::Client& client, rpc::Target job) { return client.cancel(job); });
+}
+
+int hold(const std::string& socket, const JobsOptions& options) {
+  return touch_and_tell(socket, options,
+                        [](rpc::Client& client, rpc::Target job) { return client.hold(job); });
+}
+
+int resume(const std::string& socket, const JobsOptions& options) {
+  return touch_and_tell(socket, options,
+                        [](rpc::Client& client, rpc::Target job) { return client.resume(job); });
+}
+
+int pin(const std::string& socket, const PinOptions& options) {
+  return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
+    return client.pin(job, !options.off);
+  });
+}
+
+rpc::Extension extension_of(const ExtendOptions& options) {
+  std::vector<rpc::Extension> given;
+  const auto add = [&](rpc::ExtendBy by, const auto& number) {
+    if (number) given.push_back({.by = by, .to = static_cast<double>(*number)});
+  };
+  add(rpc::ExtendBy::scans, options.scans);
+  add(rpc::ExtendBy::rounds, options.rounds);
+  add(rpc::ExtendBy::solutions, options.solutions);
+  add(rpc::ExtendBy::odds, options.odds);
+  if (given.size() != 1) usage("give one of --scans, --rounds, --solutions and --odds");
+  return given.front();
+}
+
+int extend(const std::string& socket, const ExtendOptions& options) {
+  const rpc::Extension extension = extension_of(options);
+  return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
+    return client.extend(job, extension);
+  });
+}
+
+int delete_jobs(const std::string& socket, const DeleteOptions& options) {
+  const std::vector<JobName> names = read_job_names(options.jobs);
+  return with_service(socket, [&](rpc::Client& client) {
+    const std::vector<rpc::JobView> jobs = views_of(client, names);
+    refuse_running(jobs);
+    if (!options.yes && can_ask() && !ask(question(jobs))) {
+      complain("nothing deleted");
+      return k_ok;
+    }
+    // Job by job, even of groups: what was looked at is deleted, and nothing else.
+    std::vector<rpc::Touched> touched;
+    for (const rpc::JobView& job : jobs) {
+      std::ranges::move(client.erase(rpc::Target::of(job.id)), std::back_inserter(touched));
+      if (!options.json) fmt::print("deleted {}\n", about(job));
+    }
+    if (options.json) fmt::print("{}\n", indented(touched_json(touched, is_single_job(names))));
+    return k_ok;
+  });
+}
+
+}  // namespace sleight::cli

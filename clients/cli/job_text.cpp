@@ -1,0 +1,284 @@
+#include "clients/cli/job_text.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <string_view>
+#include <vector>
+
+#include "clients/cli/service_call.h"
+#include "clients/cli/text_table.h"
+#include "common/config/quantities.h"
+#include "common/events/progress.h"
+#include "common/request/text.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr std::size_t k_name_characters_max = 24;
+/// Beyond the year 9999 a time is none of a clock.
+constexpr double k_time_s_max = 253'370'764'800.0;
+
+std::string count_of(std::uint64_t count, std::uint64_t wanted) {
+  if (wanted > 0) return fmt::format("{}/{}", events::grouped(count), events::grouped(wanted));
+  return count > 0 ? events::grouped(count) : "";
+}
+
+std::string time_left(const std::optional<double>& left_s) {
+  return left_s ? events::clock_time(*left_s) : "";
+}
+
+std::string percent_of(const rpc::JobView& job) {
+  if (job.scans_total == 0) return "";
+  const double share =
+      static_cast<double>(job.scans_done) / static_cast<double>(job.scans_total) * 100;
+  return fmt::format("{:.0f}%", std::floor(std::min(share, 100.0)));
+}
+
+std::string scans_cell(const rpc::JobView& job) {
+  const std::string count = count_of(job.scans_done, job.scans_total);
+  return job.scans_total == 0 ? count : fmt::format("{} {}", count, percent_of(job));
+}
+
+std::string rate_cell(const rpc::JobView& job) {
+  if (!(job.simulations_per_s >= 1) || !(job.simulations_per_s < 1e15)) return "";
+  return events::grouped(static_cast<std::uint64_t>(job.simulations_per_s));
+}
+
+/// Why it is where it is, in states that need a reason.
+std::string why(const rpc::JobView& job) {
+  switch (job.state) {
+    case rpc::JobState::queued:
+      return shown(job.not_yet.empty() ? job.reason : job.not_yet);
+    case rpc::JobState::yielding:
+    case rpc::JobState::held:
+    case rpc::JobState::failed:
+    case rpc::JobState::cancelled:
+    case rpc::JobState::unknown:
+      return shown(job.reason);
+    case rpc::JobState::starting:
+    case rpc::JobState::running:
+    case rpc::JobState::done:
+      return "";
+  }
+  return "";
+}
+
+std::string state_name(rpc::JobState state) {
+  return std::string(rpc::name_of(state));
+}
+
+/// Lines of "  head         text".
+class Lines {
+ public:
+  void add(std::string_view head, const std::string& text) {
+    if (!text.empty()) text_ += fmt::format("  {:<14}{}\n", head, text);
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string with_time_left(std::string text, const std::optional<double>& left_s) {
+  if (left_s) text += fmt::format(", {} left", events::clock_time(*left_s));
+  return text;
+}
+
+std::string state_line(const rpc::JobView& job) {
+  std::string line = state_name(job.state);
+  if (job.attempt > 1) line += fmt::format(", start {}", job.attempt);
+  if (!job.reason.empty()) line += ": " + shown(job.reason);
+  return line;
+}
+
+std::string queue_line(const rpc::JobView& job) {
+  std::string line = job.place > 0 ? fmt::format("place {}", events::grouped(job.place)) : "";
+  if (!job.not_yet.empty()) line += (line.empty() ? "" : ": ") + shown(job.not_yet);
+  return line;
+}
+
+std::string scans_line(const rpc::JobView& job) {
+  if (job.scans_done == 0 && job.scans_total == 0) return "";
+  std::string line = events::grouped(job.scans_done);
+  if (job.scans_total > 0)
+    line += fmt::format(" of {} ({})", events::grouped(job.scans_total), percent_of(job));
+  return with_time_left(std::move(line), job.left_s);
+}
+
+std::string of_wanted(std::uint64_t count, std::uint64_t wanted) {
+  if (wanted == 0) return count == 0 ? "" : events::grouped(count);
+  return fmt::format("{} of {}", events::grouped(count), events::grouped(wanted));
+}
+
+std::string resources_line(const rpc::JobView& job) {
+  std::vector<std::string> parts;
+  if (job.cores > 0) parts.push_back(fmt::format("{} cores now", job.cores));
+  parts.push_back(job.cores_wanted ? fmt::format("wants {} cores", *job.cores_wanted)
+                                   : "wants the cores that are free");
+  if (job.ranks > 0) parts.push_back(fmt::format("{} ranks by mpirun", job.ranks));
+  if (job.memory_bytes > 0)
+    parts.push_back(fmt::format("{} of memory", config::bytes_text(job.memory_bytes)));
+  if (job.priority != 0) parts.push_back(fmt::format("priority {}", job.priority));
+  if (job.strict) parts.emplace_back("--strict");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string times_line(const rpc::JobView& job) {
+  std::string line = "submitted " + local_time(job.submitted_s);
+  if (job.started_s > 0) line += ", started " + local_time(job.started_s);
+  if (job.ended_s > 0) line += ", ended " + local_time(job.ended_s);
+  return line;
+}
+
+std::string kept_line(const rpc::JobView& job) {
+  std::string line = job.bytes > 0 ? config::bytes_text(job.bytes) : "";
+  if (job.pinned) return line + (line.empty() ? "" : ", ") + "pinned";
+  if (job.deleted_at_s > 0) {
+    line += fmt::format("{}deleted after {}; `sleight pin {}` keeps it", line.empty() ? "" : ", ",
+                        local_time(job.deleted_at_s), job.id);
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string local_time(double time_s) {
+  if (!(time_s > 0 && time_s < k_time_s_max)) return "-";
+  const auto seconds = static_cast<std::time_t>(time_s);
+  std::tm local{};
+  if (::localtime_r(&seconds, &local) == nullptr) return "-";
+  char text[32];
+  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &local);
+  return {text, length};
+}
+
+std::string name_of_job(const rpc::JobView& job) {
+  return request::printable(job.name.empty() ? job.world : job.name, k_name_characters_max);
+}
+
+std::string solutions_text(const rpc::SolutionCounts& counts) {
+  std::vector<std::string> parts;
+  const std::string found = of_wanted(counts.found, counts.found_wanted);
+  const std::string in_proportion = of_wanted(counts.in_proportion, counts.in_proportion_wanted);
+  if (!found.empty()) parts.push_back(found + " found");
+  if (!in_proportion.empty()) parts.push_back(in_proportion + " in proportion");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string failures_text(std::span<const rpc::FailureCount> failures) {
+  std::vector<std::string> parts;
+  for (const rpc::FailureCount& failure : failures) {
+    if (failure.count > 0)
+      parts.push_back(
+          fmt::format("{} {}", shown(failure.simulation), events::grouped(failure.count)));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look) {
+  TextTable table;
+  table.columns = {{.head = "ID", .to_the_right = true},
+                   {.head = "NAME", .rank = 1},
+                   {.head = "GROUP", .rank = 8},
+                   {.head = "USER", .rank = 6},
+                   {.head = "STATE"},
+                   {.head = "PLACE", .to_the_right = true, .rank = 2},
+                   {.head = "SCANS", .to_the_right = true, .rank = 3},
+                   {.head = "FOUND", .to_the_right = true, .rank = 4},
+                   {.head = "IN PROPORTION", .to_the_right = true, .rank = 4},
+                   {.head = "SIMS/S", .to_the_right = true, .rank = 9},
+                   {.head = "LEFT", .to_the_right = true, .rank = 5},
+                   {.head = "TO SOLUTIONS", .to_the_right = true, .rank = 7},
+                   {.head = "FAILED", .rank = 4},
+                   {.head = "WHY", .rank = 1}};
+  for (const rpc::JobView& job : jobs) {
+    table.rows.push_back({fmt::format("{}", job.id), name_of_job(job),
+                          job.group ? fmt::format("g{}", *job.group) : "",
+                          look.with_users && look.user_name ? shown(look.user_name(job.user)) : "",
+                          state_name(job.state), job.place > 0 ? events::grouped(job.place) : "",
+                          scans_cell(job),
+                          count_of(job.solutions.found, job.solutions.found_wanted),
+                          count_of(job.solutions.in_proportion, job.solutions.in_proportion_wanted),
+                          rate_cell(job), time_left(job.left_s), time_left(job.solutions_left_s),
+                          failures_text(job.failures), why(job)});
+  }
+  return to_text(table, look.width);
+}
+
+std::string job_text(const rpc::JobView& job) {
+  Lines lines;
+  lines.add("state", state_line(job));
+  lines.add("queue", queue_line(job));
+  lines.add("scans", scans_line(job));
+  lines.add("found", of_wanted(job.solutions.found, job.solutions.found_wanted));
+  const std::string in_proportion =
+      of_wanted(job.solutions.in_proportion, job.solutions.in_proportion_wanted);
+  lines.add("in proportion", in_proportion.empty()
+                                 ? in_proportion
+                                 : with_time_left(in_proportion, job.solutions_left_s));
+  const std::string rate = rate_cell(job);
+  lines.add("rate", rate.empty() ? rate : rate + " simulations a second");
+  lines.add("failures", failures_text(job.failures));
+  lines.add("resources", resources_line(job));
+  lines.add("times", times_line(job));
+  lines.add("spent", job.core_s > 0 ? events::clock_time(job.core_s) + " of processor time" : "");
+  lines.add("kept", kept_line(job));
+  lines.add("archive", job.digest.empty() ? "" : "digest " + shown(job.digest));
+  lines.add("at the end", shown(job.end_words));
+  for (const std::string& line : job.last_log_lines)
+    lines.add("log", shown(line));
+  lines.add("to repeat it", shown(job.repeat_command));
+  const std::string world =
+      job.name.empty() || job.name == job.world ? "" : fmt::format(" ({})", shown(job.world));
+  const std::string group = job.group ? fmt::format(", of group g{}", *job.group) : "";
+  return fmt::format("job {}  {}{}{}\n", job.id, name_of_job(job), world, group) + lines.take();
+}
+
+std::string history_text(const rpc::JobView& job) {
+  TextTable table{.columns = {{.head = "NUMBER", .to_the_right = true},
+                              {.head = "TIME"},
+                              {.head = "STATE"},
+                              {.head = "START", .to_the_right = true},
+                              {.head = "REASON"}},
+                  .rows = {}};
+  for (const rpc::StateChange& change : job.history) {
+    table.rows.push_back(
+        {fmt::format("{}", change.number), local_time(change.time_s), state_name(change.state),
+         change.attempt > 0 ? fmt::format("{}", change.attempt) : "", shown(change.reason)});
+  }
+  return to_text(table, std::nullopt);
+}
+
+std::string end_line(const rpc::JobView& job) {
+  std::vector<std::string> parts;
+  const std::string solutions = solutions_text(job.solutions);
+  if (!solutions.empty()) parts.push_back(solutions);
+  if (job.scans_done > 0) parts.push_back(events::grouped(job.scans_done) + " scans");
+  const std::string failures = failures_text(job.failures);
+  if (!failures.empty()) parts.push_back("simulations FAILED: " + failures);
+  if (job.core_s > 0) parts.push_back(events::clock_time(job.core_s) + " of processor time");
+  std::string line = fmt::format("{} {} {}", job.id, name_of_job(job), state_name(job.state));
+  if (!parts.empty()) line += fmt::format(": {}", fmt::join(parts, ", "));
+  const std::string& words = job.end_words.empty() ? job.reason : job.end_words;
+  if (job.state != rpc::JobState::done && !words.empty()) line += fmt::format(". {}", shown(words));
+  return line;
+}
+
+std::string touched_line(const rpc::Touched& touched) {
+  std::string line = fmt::format("{} {}", touched.job, state_name(touched.state));
+  if (!touched.words.empty()) line += ": " + shown(touched.words);
+  return line;
+}
+
+std::string completion_line(const rpc::JobView& job) {
+  std::string line = fmt::format("{}\t{}, {}", job.id, name_of_job(job), state_name(job.state));
+  const std::string percent = percent_of(job);
+  if (!percent.empty()) line += ", " + percent;
+  return line;
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,189 @@
+#include "clients/cli/job_watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <variant>
+
+#include "clients/cli/event_words.h"
+#include "clients/cli/job_text.h"
+#include "clients/cli/service_call.h"
+#include "clients/cli/service_json.h"
+
+namespace sleight::cli {
+namespace {
+
+/// A line that is seen at once, also through a pipe.
+void print_now(const std::string& line) {
+  fmt::print("{}\n", line);
+  std::fflush(stdout);
+}
+
+std::string id_list(std::span<const rpc::JobView> jobs) {
+  if (jobs.size() > 1 && jobs.front().group) {
+    const auto same = [&](const rpc::JobView& job) { return job.group == jobs.front().group; };
+    if (std::ranges::all_of(jobs, same)) return fmt::format("g{}", *jobs.front().group);
+  }
+  constexpr std::size_t k_listed_max = 8;
+  if (jobs.size() > k_listed_max) return "JOB...";
+  std::string list;
+  for (const rpc::JobView& job : jobs)
+    list += fmt::format("{}{}", list.empty() ? "" : " ", job.id);
+  return list;
+}
+
+/// How the jobs stand after the watch; those that are gone were told of.
+std::vector<rpc::JobView> final_views(rpc::Client& client, std::span<const rpc::JobView> jobs) {
+  std::vector<rpc::JobView> views;
+  for (const rpc::JobView& job : jobs) {
+    try {
+      views.push_back(client.status(job.id));
+    } catch (const rpc::RefusedError&) {
+      continue;
+    }
+  }
+  return views;
+}
+
+void tell_the_end(rpc::Client& client, std::span<const rpc::JobView> jobs, const WatchLook& look) {
+  // Events' JSON has said that they settled.
+  if (look.json && !look.quiet) return;
+  const std::vector<rpc::JobView> views = final_views(client, jobs);
+  if (look.json) {
+    print_now(indented(jobs_json(views, look.single)));
+    return;
+  }
+  for (const rpc::JobView& view : views)
+    print_now(end_line(view));
+}
+
+}  // namespace
+
+WatchPrinter::WatchPrinter(std::span<const rpc::JobView> jobs, const WatchLook& look)
+    : look_(look) {
+  for (const rpc::JobView& job : jobs) {
+    const std::string name = name_of_job(job);
+    names_[job.id] = look.single ? name : fmt::format("{} {}", job.id, name);
+    states_[job.id] = job.state;
+  }
+}
+
+ProgressPrinter& WatchPrinter::printer(rpc::JobId job) {
+  auto& printer = printers_[job];
+  if (!printer) printer = std::make_unique<ProgressPrinter>(names_[job], stderr);
+  return *printer;
+}
+
+void WatchPrinter::print(rpc::JobId job, const std::string& words) {
+  for (auto& [id, printer] : printers_)
+    printer->clear();
+  print_now(look_.single ? words : fmt::format("{}  {}", job, words));
+}
+
+bool WatchPrinter::changed(rpc::JobId job, const rpc::StateChange& change) {
+  states_[job] = change.state;
+  if (look_.quiet) return true;
+  if (look_.json) {
+    print_now(on_one_line(change_json(job, change)));
+  } else {
+    print(job, words_of_change(change));
+  }
+  return true;
+}
+
+bool WatchPrinter::happened(const rpc::WatchedEvent& event) {
+  if (look_.quiet) return true;
+  if (look_.json) {
+    const Json json = event_json(event.job, event.line);
+    if (!json.is_null()) print_now(on_one_line(json));
+    return true;
+  }
+  // A newer service's event has no words here; --json has it.
+  if (!event.event) return true;
+  if (const auto* progress = std::get_if<events::Progress>(&event.event->what)) {
+    printer(event.job).show(*progress);
+  } else if (const auto* phase = std::get_if<events::Phase>(&event.event->what)) {
+    printer(event.job).say(shown(phase->words));
+  } else {
+    print(event.job, words_of_event(event.job, *event.event));
+  }
+  return true;
+}
+
+bool WatchPrinter::settled(rpc::JobId job) {
+  if (look_.json && !look_.quiet) {
+    print_now(on_one_line({{"job", job.value},
+                           {"number", 0},
+                           {"kind", "settled"},
+                           {"state", rpc::name_of(states_[job])}}));
+  }
+  return true;
+}
+
+bool WatchPrinter::refused(rpc::JobId job, const rpc::Refusal& refusal) {
+  finish();
+  complain(fmt::format("sleight: {}: {}", job, words_of(refusal)));
+  if (look_.json && !look_.quiet) {
+    print_now(on_one_line({{"job", job.value},
+                           {"number", 0},
+                           {"kind", "refused"},
+                           {"refusal", rpc::name_of(refusal.kind)},
+                           {"words", words_of(refusal)}}));
+  }
+  states_.erase(job);
+  if (!refused_) refused_ = exit_code_of(refusal.kind);
+  return true;
+}
+
+bool WatchPrinter::lost(const std::string& words) {
+  finish();
+  if (!look_.quiet) complain(fmt::format("the server is away, waiting for it: {}", shown(words)));
+  return true;
+}
+
+bool WatchPrinter::found_again() {
+  if (!look_.quiet) complain("the server is back");
+  return true;
+}
+
+void WatchPrinter::finish() {
+  for (auto& [id, printer] : printers_)
+    printer->clear();
+}
+
+base::ExitCode WatchPrinter::exit_code() const {
+  const auto is_any = [&](rpc::JobState state) {
+    return std::ranges::any_of(states_, [&](const auto& entry) { return entry.second == state; });
+  };
+  if (is_any(rpc::JobState::failed)) return base::ExitCode::job_failed;
+  if (is_any(rpc::JobState::cancelled)) return base::ExitCode::job_cancelled;
+  return refused_.value_or(base::ExitCode::ok);
+}
+
+int watch_jobs(rpc::Client& client, std::span<const rpc::JobView> jobs, std::uint64_t from_number,
+               const WatchLook& look) {
+  if (jobs.size() > rpc::k_watch_jobs_max) {
+    throw base::Error(base::ExitCode::usage, fmt::format("{} jobs are more than the {} that can be "
+                                                         "watched at once",
+                                                         jobs.size(), rpc::k_watch_jobs_max));
+  }
+  std::vector<rpc::WatchPoint> points;
+  for (const rpc::JobView& job : jobs)
+    points.push_back({.job = job.id, .event = from_number - 1});
+  WatchPrinter printer(jobs, look);
+  const Interrupts interrupts(&client);
+  const rpc::Waited how = client.watch(points, printer);
+  printer.finish();
+  if (how == rpc::Waited::interrupted) {
+    const std::string ids = id_list(jobs);
+    complain(fmt::format("{} on. `sleight watch {}` shows {} again, `sleight cancel {}` ends {}.",
+                         jobs.size() == 1 ? "The job goes" : "The jobs go", ids,
+                         jobs.size() == 1 ? "it" : "them", ids, jobs.size() == 1 ? "it" : "them"));
+    return static_cast<int>(base::ExitCode::interrupted);
+  }
+  tell_the_end(client, jobs, look);
+  return static_cast<int>(printer.exit_code());
+}
+
+}  // namespace sleight::cli

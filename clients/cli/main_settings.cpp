@@ -1,0 +1,44 @@
+#include "clients/cli/main_settings.h"
+
+#include <string>
+
+namespace sleight::programs {
+namespace {
+
+/// A setting that a daemon's start may give; all others are the file's.
+struct SettingOption {
+  const char* key;
+  const char* option;
+  const char* type;
+  const char* help;
+};
+
+constexpr SettingOption k_options[] = {
+    {"state", "--state", "FOLDER", "Folder of the daemon: its jobs, their archives, its log"},
+    {"socket", "--socket", "PATH", "Where the daemon is called"},
+    {"cores", "--cores", "N", "For all running jobs together"},
+    {"memory", "--memory", "SIZE", "For all running jobs together (24GB)"},
+    {"disk_reserve", "--disk-reserve", "SIZE",
+     "With less left on the disk nothing starts and running jobs are held"},
+    {"slice", "--slice", "TIME", "A job runs at least so long before it yields to those that wait"},
+    {"keep_days", "--keep-days", "N", "After so long a finished job is deleted, unless pinned"},
+    {"keep_bytes", "--keep-bytes", "SIZE",
+     "Of finished jobs together; beyond it the oldest that are not pinned go"},
+    {"cache_mb", "--cache", "MB", "In which each process of a job keeps simulations"},
+};
+
+}  // namespace
+
+void add_setting_options(CLI::App& app, std::vector<config::Given>& given) {
+  for (const SettingOption& setting : k_options) {
+    app.add_option_function<std::string>(
+           setting.option,
+           [&given, &setting](const std::string& text) {
+             given.push_back({.key = setting.key, .text = text, .given_by = setting.option});
+           },
+           setting.help)
+        ->type_name(setting.type);
+  }
+}
+
+}  // namespace sleight::programs

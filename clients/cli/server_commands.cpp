@@ -1,0 +1,227 @@
+#include "clients/cli/server_commands.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <thread>
+
+#include "clients/cli/server_process.h"
+#include "clients/cli/service_call.h"
+#include "clients/cli/service_json.h"
+#include "common/base/clock.h"
+#include "common/base/error.h"
+#include "common/base/version.h"
+#include "common/config/quantities.h"
+#include "common/events/progress.h"
+#include "common/rpc/client.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
+constexpr double k_start_s_max = 30;
+constexpr double k_stop_s_max = 30;
+constexpr std::chrono::milliseconds k_look_again{20};
+/// Of the log of a daemon that did not start.
+constexpr std::size_t k_told_log_lines = 20;
+
+/// The daemon's words, none where none answers.
+std::optional<rpc::ServerView> server_at(const std::string& socket) {
+  try {
+    rpc::Client client(socket, {.call_s_max = 5});
+    return client.info();
+  } catch (const rpc::NoServer&) {
+    return std::nullopt;
+  }
+}
+
+int tell_started(const rpc::ServerView& server, const std::string& socket, bool was_running,
+                 const ServerStartOptions& options) {
+  if (options.json) {
+    fmt::print("{}\n", indented({{"pid", server.pid},
+                                 {"socket", socket},
+                                 {"state_folder", server.state_folder},
+                                 {"already_running", was_running}}));
+    return k_ok;
+  }
+  fmt::print("the server {}: pid {}, {}\n", was_running ? "runs already" : "runs", server.pid,
+             shown(socket));
+  if (was_running && !options.given.empty())
+    complain("it keeps its settings; `sleight server stop`, then start, gives it others");
+  return k_ok;
+}
+
+[[noreturn]] void fail_start(const ServerProcess& process, const std::string& what) {
+  std::string words = fmt::format("{}; its log is {}", what, shown(process.log_path()));
+  for (const std::string& line : process.log_lines(k_told_log_lines))
+    words += "\n  " + shown(line);
+  throw base::Error(process.exit_code(), words);
+}
+
+/// Waits for the process that was started, or for another one that was faster.
+int wait_for_server(ServerProcess& process, const std::string& socket,
+                    const ServerStartOptions& options) {
+  const base::SteadyClock clock;
+  const double began_s = clock.now_s();
+  while (true) {
+    const bool runs = process.is_running();
+    if (const auto server = server_at(socket))
+      return tell_started(*server, socket, server->pid != process.pid(), options);
+    if (!runs) fail_start(process, "sleightd ended at once");
+    if (clock.now_s() - began_s > k_start_s_max) {
+      fail_start(process, fmt::format("sleightd (pid {}) does not answer after {} s", process.pid(),
+                                      k_start_s_max));
+    }
+    std::this_thread::sleep_for(k_look_again);
+  }
+}
+
+bool is_gone(std::int64_t pid, const std::string& socket) {
+  if (pid > 0 && ::kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH) return true;
+  // Another user's process can't be asked for; its socket can.
+  return ::access(socket.c_str(), F_OK) != 0;
+}
+
+void wait_until_gone(std::int64_t pid, const std::string& socket) {
+  const base::SteadyClock clock;
+  const double began_s = clock.now_s();
+  while (!is_gone(pid, socket)) {
+    if (clock.now_s() - began_s > k_stop_s_max) {
+      throw base::Error(
+          fmt::format("the server (pid {}) has not ended after {} s", pid, k_stop_s_max));
+    }
+    std::this_thread::sleep_for(k_look_again);
+  }
+}
+
+std::string jobs_line(const rpc::ServerView& server) {
+  std::vector<std::string> parts;
+  for (const rpc::StateCount& count : server.counts) {
+    if (count.count > 0)
+      parts.push_back(
+          fmt::format("{} {}", events::grouped(count.count), rpc::name_of(count.state)));
+  }
+  return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string limits_line(const rpc::ServerView& server) {
+  std::vector<std::string> parts;
+  for (const rpc::NamedLimit& limit : server.limits)
+    parts.push_back(fmt::format("{} {}", shown(limit.name), shown(limit.value)));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string megabytes(std::uint64_t bytes) {
+  constexpr std::uint64_t k_megabyte = 1'000'000;
+  return config::bytes_text(bytes < k_megabyte ? bytes : bytes / k_megabyte * k_megabyte);
+}
+
+}  // namespace
+
+std::vector<std::string> server_command(const std::string& program,
+                                        const std::vector<config::Given>& given) {
+  std::vector<std::string> command{program};
+  for (const config::Given& one : given)
+    command.push_back(one.given_by + "=" + one.text);
+  return command;
+}
+
+std::string server_text(const rpc::ServerView& server, const std::string& socket) {
+  std::string text;
+  const auto add = [&](std::string_view head, const std::string& words) {
+    if (!words.empty()) text += fmt::format("{:<10}{}\n", head, words);
+  };
+  add("server",
+      fmt::format("pid {}, up {}, {}{}", server.pid, events::clock_time(server.up_s), shown(socket),
+                  server.draining ? "; draining: it starts no more jobs" : ""));
+  std::string version = shown(server.version);
+  if (server.version != base::version())
+    version += fmt::format(" (this sleight is {})", base::version());
+  add("version", fmt::format("{}, results {}", version, shown(server.results_version)));
+  add("state", shown(server.state_folder));
+  add("jobs", jobs_line(server));
+  add("cores", fmt::format("{} of {} in use, backend {}", server.cores_used, server.cores,
+                           shown(server.backend)));
+  add("memory", fmt::format("{} of {} in use", megabytes(server.memory_used_bytes),
+                            megabytes(server.memory_bytes)));
+  add("disk", fmt::format("{} free, of which {} stay so", megabytes(server.disk_free_bytes),
+                          megabytes(server.disk_reserve_bytes)));
+  add("keeps", shown(server.keeping_rule));
+  add("limits", limits_line(server));
+  add("clients", fmt::format("{} connection{}, {} watching", server.connections,
+                             server.connections == 1 ? "" : "s", server.watchers));
+  return text;
+}
+
+int start_server(const ServerStartOptions& options) {
+  const config::Settings settings = config::settings_here(options.given);
+  const std::string& socket = settings.socket.value;
+  if (const auto server = server_at(socket)) return tell_started(*server, socket, true, options);
+  const std::string program = program_beside("sleightd");
+  const std::vector<std::string> command = server_command(program, options.given);
+  if (options.foreground) become(command);
+  ServerProcess process(command, settings.state.value);
+  return wait_for_server(process, socket, options);
+}
+
+int stop_server(const std::string& socket, bool json) {
+  const auto server = server_at(socket);
+  if (!server) {
+    if (json) {
+      fmt::print("{}\n", indented({{"pid", nullptr}, {"stopped", false}}));
+    } else {
+      fmt::print("no server runs at {}\n", shown(socket));
+    }
+    return k_ok;
+  }
+  return with_service(socket, [&](rpc::Client& client) {
+    client.stop();
+    wait_until_gone(server->pid, socket);
+    if (json) {
+      fmt::print("{}\n", indented({{"pid", server->pid}, {"stopped", true}}));
+    } else {
+      fmt::print(
+          "the server (pid {}) has ended; its jobs run on, and the next one takes them over\n",
+          server->pid);
+    }
+    return k_ok;
+  });
+}
+
+int drain_server(const std::string& socket, bool json) {
+  return with_service(socket, [&](rpc::Client& client) {
+    client.drain();
+    const rpc::ServerView server = client.info();
+    if (json) {
+      fmt::print("{}\n", indented(to_json(server)));
+    } else {
+      fmt::print(
+          "the server starts no more jobs, and stops those that run in order; `sleight server "
+          "status` shows what is left\n");
+    }
+    return k_ok;
+  });
+}
+
+int show_server(const std::string& socket, bool json) {
+  return with_service(socket, [&](rpc::Client& client) {
+    const rpc::ServerView server = client.info();
+    if (json) {
+      Json shape = to_json(server);
+      shape["socket"] = socket;
+      fmt::print("{}\n", indented(shape));
+    } else {
+      fmt::print("{}", server_text(server, socket));
+    }
+    return k_ok;
+  });
+}
+
+}  // namespace sleight::cli

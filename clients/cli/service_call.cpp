@@ -1,0 +1,110 @@
+#include "clients/cli/service_call.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
+#include "common/base/check.h"
+#include "common/request/text.h"
+
+namespace sleight::cli {
+namespace {
+
+/// Of a sentence of the service; longer ones are cut.
+constexpr std::size_t k_shown_characters_max = 1000;
+
+// A handler has no arguments of ours, so what it needs stands here.
+std::atomic<rpc::Client*> interrupted_client = nullptr;
+volatile std::sig_atomic_t was_interrupted = 0;
+bool is_catching = false;
+
+extern "C" void on_interrupt(int signal) {
+  if (was_interrupted != 0) {
+    // The second one: people mean it.
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+    return;
+  }
+  was_interrupted = 1;
+  if (rpc::Client* client = interrupted_client.load()) client->interrupt();
+}
+
+void set_handlers(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigemptyset(&action.sa_mask);  // without SA_RESTART: a wait returns
+  for (const int signal : {SIGINT, SIGTERM})
+    ::sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+base::ExitCode exit_code_of(rpc::RefusalKind kind) {
+  switch (kind) {
+    case rpc::RefusalKind::not_allowed:
+      return base::ExitCode::not_allowed;
+    case rpc::RefusalKind::bad_request:
+      return base::ExitCode::bad_request;
+    case rpc::RefusalKind::conflict:
+      return base::ExitCode::conflict;
+    case rpc::RefusalKind::not_found:
+    case rpc::RefusalKind::gone:
+      return base::ExitCode::usage;
+    case rpc::RefusalKind::bug:
+      return base::ExitCode::bug;
+    case rpc::RefusalKind::unknown:
+    case rpc::RefusalKind::limit:
+    case rpc::RefusalKind::busy:
+    case rpc::RefusalKind::environment:
+      return base::ExitCode::environment;
+  }
+  return base::ExitCode::environment;
+}
+
+std::string words_of(const rpc::Refusal& refusal) {
+  std::string words = shown(refusal.sentence);
+  if (!refusal.what_to_do.empty()) words += " " + shown(refusal.what_to_do);
+  return words;
+}
+
+std::string shown(std::string_view text) {
+  return request::printable(text, k_shown_characters_max);
+}
+
+void complain(const std::string& line) {
+  std::fputs((line + "\n").c_str(), stderr);
+}
+
+int with_service(const std::string& socket, const std::function<int(rpc::Client&)>& work) {
+  rpc::Client client(socket);
+  try {
+    return work(client);
+  } catch (const rpc::NoServer& error) {
+    throw base::Error(base::ExitCode::no_server, shown(error.what()));
+  } catch (const rpc::RefusedError& error) {
+    const rpc::Refusal& refusal = error.refusal();
+    throw base::Error(exit_code_of(refusal.kind), words_of(refusal));
+  }
+}
+
+Interrupts::Interrupts(rpc::Client* client) {
+  CHECK(!is_catching);
+  is_catching = true;
+  was_interrupted = 0;
+  interrupted_client = client;
+  set_handlers(&on_interrupt);
+}
+
+Interrupts::~Interrupts() {
+  set_handlers(SIG_DFL);
+  interrupted_client = nullptr;
+  is_catching = false;
+}
+
+bool Interrupts::requested() {
+  return was_interrupted != 0;
+}
+
+}  // namespace sleight::cli

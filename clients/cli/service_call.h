@@ -1,0 +1,46 @@
+// What the service's commands share: a client of the service of this machine, words and exit codes
+// for what goes wrong, and Ctrl-C.
+//
+// Whatever came over the socket goes to the terminal through `shown`: the service may be another
+// version, and jobs are named by other people.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "common/base/error.h"
+#include "common/rpc/client.h"
+
+namespace sleight::cli {
+
+/// Runs `work`, a command. A refusal becomes a base::Error with its exit code and words, no server
+/// ExitCode::no_server, whose words say how to start one.
+int with_service(const std::string& socket, const std::function<int(rpc::Client&)>& work);
+
+/// not_allowed 9, bad_request 3, conflict 4, not_found and gone 2, bug 1; all else 5.
+base::ExitCode exit_code_of(rpc::RefusalKind kind);
+
+/// Its sentence and what to do, on one line.
+std::string words_of(const rpc::Refusal& refusal);
+
+/// Text of the service on one line, fit for a terminal.
+std::string shown(std::string_view text);
+
+/// A line on stderr; where that is lost, the exit code still tells.
+void complain(const std::string& line);
+
+/// While it lives, Ctrl-C and SIGTERM make this client's watch or fetch return instead of ending
+/// the process; a second one ends it. One a process at a time; for the main thread.
+class Interrupts {
+ public:
+  /// Without a client `requested` alone tells, and system calls that wait return.
+  explicit Interrupts(rpc::Client* client);
+  ~Interrupts();
+  Interrupts(const Interrupts&) = delete;
+  Interrupts& operator=(const Interrupts&) = delete;
+
+  static bool requested();
+};
+
+}  // namespace sleight::cli

@@ -1,0 +1,229 @@
+#include "clients/cli/submit_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <thread>
+#include <utility>
+
+#include "clients/cli/job_watch.h"
+#include "clients/cli/selected_jobs.h"
+#include "clients/cli/service_call.h"
+#include "clients/cli/service_json.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+#include "common/config/quantities.h"
+#include "common/request/direction_request.h"
+#include "common/request/text.h"
+
+namespace sleight::cli {
+namespace {
+
+using Diagnostics = std::vector<request::Diagnostic>;
+
+/// Of a word where it names a request.
+constexpr std::size_t k_shown_word_characters_max = 40;
+/// A server that is killed between call and answer is waited for so long; then people decide.
+constexpr double k_away_s_max = 30;
+constexpr double k_first_wait_s = 0.05;
+constexpr double k_wait_s_max = 1;
+
+std::uint64_t memory_of(const std::string& text) {
+  if (text.empty()) return 0;
+  const auto bytes = config::bytes_of(text);
+  if (bytes && *bytes > 0) return *bytes;
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("--memory: '{}' is no size; say 2 GB or 500 MB", shown(text)));
+}
+
+std::string job_name(const SubmitOptions& options) {
+  std::string name = options.name;
+  if (name.empty())
+    name = options.word.empty() ? std::filesystem::path(options.request_path).stem().string()
+                                : options.word;
+  // A name is for people: a file's may be anything.
+  return request::printable(name, rpc::k_name_bytes_max / 8);
+}
+
+/// The sets that tell this request of a group from the others.
+std::string what_differs(const std::vector<request::KeySet>& sets,
+                         const std::vector<std::vector<request::KeySet>>& combinations) {
+  std::string texts;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const bool differs = std::ranges::any_of(
+        combinations, [&](const auto& other) { return other[i].text != sets[i].text; });
+    if (differs) texts += " " + sets[i].text;
+  }
+  return texts;
+}
+
+/// At most `bytes_max`, cut between characters.
+std::string cut_name(std::string name) {
+  while (name.size() > rpc::k_name_bytes_max)
+    name = request::printable(name, request::character_count(name) - 4);
+  return name;
+}
+
+void check_size(const rpc::Submission& submission) {
+  std::size_t bytes = 0;
+  for (const rpc::JobAsk& job : submission.jobs)
+    bytes += job.request.size();
+  if (bytes <= rpc::k_submission_bytes_max) return;
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("these {} requests have {} bytes, and a submission at most {}; "
+                                "submit them in parts",
+                                submission.jobs.size(), bytes, rpc::k_submission_bytes_max));
+}
+
+int print_diagnostics(const Diagnostics& diagnostics) {
+  for (const request::Diagnostic& error : diagnostics)
+    complain(request::to_string(error));
+  return static_cast<int>(base::ExitCode::bad_request);
+}
+
+/// The service's errors of a text, which it knows by no name; fit for a terminal.
+Diagnostics named(Diagnostics diagnostics, const std::string& name) {
+  for (request::Diagnostic& error : diagnostics) {
+    error.file = shown(name);
+    error.message = shown(error.message);
+  }
+  return diagnostics;
+}
+
+/// The client repeats a call itself whose connection broke. A server that was killed comes back
+/// later than that; the key keeps the repeated submission from being another one.
+rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submission) {
+  double waited_s = 0;
+  for (double wait_s = k_first_wait_s;; wait_s = std::min(2 * wait_s, k_wait_s_max)) {
+    try {
+      return client.submit(submission);
+    } catch (const rpc::NoServer&) {
+      if (waited_s >= k_away_s_max) throw;
+    }
+    std::this_thread::sleep_for(std::chrono::duration<double>(wait_s));
+    waited_s += wait_s;
+  }
+}
+
+/// What people are told right after the submission.
+void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool draining) {
+  if (options.json) {
+    // With --watch a line an event follows, with --wait the job as it ended.
+    fmt::print("{}\n",
+               options.watch ? on_one_line(to_json(submitted)) : indented(to_json(submitted)));
+  } else {
+    fmt::print("{}", submitted_text(submitted, job_name(options)));
+  }
+  std::fflush(stdout);
+  if (draining)
+    complain(
+        "the server is draining: it starts no job until `sleight server start` is given again");
+}
+
+int submit_with(rpc::Client& client, const SubmitOptions& options, const GivenRequest& given,
+                const rpc::Submission& submission) {
+  // Before the submission, so that no server at all is told from one that went away with it.
+  const bool draining = client.info().draining;
+  rpc::Submitted submitted;
+  try {
+    submitted = submit_surely(client, submission);
+  } catch (const rpc::RefusedError& error) {
+    if (error.refusal().diagnostics.empty()) throw;
+    return print_diagnostics(named(error.refusal().diagnostics, given.name));
+  }
+  if (!(options.wait && options.json)) tell(options, submitted, draining);
+  if (!options.watch && !options.wait) return static_cast<int>(base::ExitCode::ok);
+  std::vector<rpc::JobView> jobs;
+  for (const rpc::JobId job : submitted.jobs)
+    jobs.push_back(client.status(job));
+  return watch_jobs(client, jobs, 1,
+                    {.quiet = !options.watch, .json = options.json, .single = !submitted.group});
+}
+
+}  // namespace
+
+GivenRequest given_request(const SubmitOptions& options, const RequestTexts& texts) {
+  if (options.request_path.empty() && options.word.empty())
+    throw base::Error(base::ExitCode::usage, "REQUEST.toml or --word WORD is required");
+  if (!request::is_utf8(options.word))
+    throw base::Error(base::ExitCode::usage, "--word: expected UTF-8 text");
+  if (!options.word.empty()) {
+    return {.name = "--word " + request::printable(options.word, k_shown_word_characters_max),
+            .text = texts.of_word(options.word,
+                                  options.number.value_or(request::k_solutions_asked_for))};
+  }
+  return {.name = options.request_path,
+          .text = base::read_text_file(options.request_path, rpc::k_request_bytes_max)};
+}
+
+base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& options,
+                                                         const GivenRequest& given,
+                                                         const RequestTexts& texts) {
+  const auto combinations = request::expand_sets(options.sets);
+  if (!combinations) return combinations.error();
+  const std::size_t count = combinations.value().size();
+  if (count > rpc::k_submission_jobs_max) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("--set asks for {} jobs, and a submission takes {} at most",
+                                  count, rpc::k_submission_jobs_max));
+  }
+  // A word's number is in its text already.
+  const auto solutions = options.word.empty() ? options.number : std::nullopt;
+  const std::string name =
+      solutions ? fmt::format("{} with -n {}", given.name, *solutions) : given.name;
+  rpc::Submission submission{
+      .key = {}, .jobs = {}, .is_group = !request::plain_sets(options.sets).ok()};
+  for (const std::vector<request::KeySet>& sets : combinations.value()) {
+    std::string text = given.text;
+    if (!sets.empty() || solutions) {
+      auto normalised = texts.normalised(given.text, name, sets, solutions);
+      if (!normalised) return normalised.error();
+      text = std::move(normalised).value();
+    }
+    submission.jobs.push_back(
+        {.name = cut_name(job_name(options) + what_differs(sets, combinations.value())),
+         .request = std::move(text),
+         .cores = options.cores,
+         .ranks = options.ranks,
+         .memory_bytes = memory_of(options.memory),
+         .priority = options.priority,
+         .strict = options.strict});
+  }
+  check_size(submission);
+  return submission;
+}
+
+std::string submitted_text(const rpc::Submitted& submitted, const std::string& name) {
+  const std::string id = submitted.group          ? fmt::format("g{}", *submitted.group)
+                         : submitted.jobs.empty() ? "?"
+                                                  : fmt::format("{}", submitted.jobs.front());
+  const bool is_group = submitted.group.has_value();
+  std::string text = is_group ? fmt::format("group {} of {} job{}", id, submitted.jobs.size(),
+                                            submitted.jobs.size() == 1 ? "" : "s")
+                              : "job " + id;
+  text += fmt::format(" ({}){}\n", shown(name), submitted.was_known ? ", submitted before" : "");
+  const auto add = [&](const std::string& command, const std::string& what) {
+    text += fmt::format("  sleight {:<20}{}\n", command, what);
+  };
+  add("watch " + id, is_group ? "how they go" : "how it goes");
+  add("wait " + id, is_group ? "until they have ended" : "until it has ended");
+  add("fetch " + id, is_group ? "their archives" : "its archive; with --so-far before its end");
+  add("cancel " + id, is_group ? "ends them" : "ends it");
+  return text;
+}
+
+int submit(const std::string& socket, const SubmitOptions& options, const RequestTexts& texts) {
+  if (options.watch && options.wait)
+    throw base::Error(base::ExitCode::usage, "--watch waits already; leave --wait out");
+  const GivenRequest given = given_request(options, texts);
+  auto submission = submission_of(options, given, texts);
+  if (!submission) return print_diagnostics(submission.error());
+  rpc::Submission asked = std::move(submission).value();
+  asked.key = rpc::random_key();
+  return with_service(
+      socket, [&](rpc::Client& client) { return submit_with(client, options, given, asked); });
+}
+
+}  // namespace sleight::cli
