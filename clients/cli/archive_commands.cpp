@@ -217,7 +217,7 @@ void export_to_file(const archive::Source& source, const ExportOptions& options,
   errno = 0;
   std::ofstream file(path);
   if (file) {
-    archive::export_csv(source, options.table, file);
+    archive::export_csv(source, options.table, file, options.animations);
     file.close();
   }
   if (!file) {
@@ -270,7 +270,7 @@ int archive_verify(const std::string& path, bool json) {
 int archive_export_csv(const ExportOptions& options) {
   if (options.output.empty() || options.output == "-") {
     return with_archive(options.path, [&](const archive::Source& source) {
-      archive::export_csv(source, options.table, std::cout);
+      archive::export_csv(source, options.table, std::cout, options.animations);
       return k_ok;
     });
   }

@@ -4,7 +4,9 @@
 // to stdout, everything else to stderr. Each function returns the program's exit code.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace sleight::cli {
 
@@ -21,6 +23,8 @@ struct ExportOptions {
   std::string path;
   std::string table = "sample_stats";
   std::string output;  ///< empty or "-": stdout
+  /// Of a table of segments only these animations'; empty: all.
+  std::vector<std::uint64_t> animations{};
 };
 
 /// A table as CSV.

@@ -160,6 +160,11 @@ CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action
       ->check(CLI::IsMember(archive::csv_tables()))
       ->capture_default_str()
       ->type_name("TABLE");
+  exported
+      ->add_option("--animation", arguments.export_options.animations,
+                   "Of a table of segments only this animation; may be given repeatedly")
+      ->allow_extra_args(false)
+      ->type_name("N");
   exported->add_option("-o,--output", arguments.export_options.output, "stdout if not given")
       ->type_name("FILE.csv");
   exported->footer(

@@ -118,6 +118,12 @@ bool is_column(const DatasetSpec& spec, const std::vector<std::string>& index) {
                             &Dimension::name);
 }
 
+/// Consecutive rows.
+struct RowRange {
+  std::uint64_t first = 0;
+  std::uint64_t count = 0;
+};
+
 struct DataColumn {
   const DatasetSpec* spec = nullptr;
   std::uint64_t width = 1;  ///< elements in a row
@@ -148,10 +154,15 @@ class Exporter {
     }
   }
 
-  void run(std::ostream& out) const {
+  std::uint64_t rows() const { return rows_; }
+
+  /// REQUIRES: the ranges lie within the rows.
+  void run(std::span<const RowRange> ranges, std::ostream& out) const {
     out << header_ << '\n';
-    for (std::uint64_t first = 0; first < rows_ && out.good(); first += batch_rows_) {
-      print_batch(first, std::min(batch_rows_, rows_ - first), out);
+    for (const RowRange& range : ranges) {
+      const std::uint64_t end = range.first + range.count;
+      for (std::uint64_t first = range.first; first < end && out.good(); first += batch_rows_)
+        print_batch(first, std::min(batch_rows_, end - first), out);
     }
   }
 
@@ -220,6 +231,44 @@ class Exporter {
 
 }  // namespace
 
+namespace {
+
+/// The numbers of a dataset over animations.
+std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
+                                     std::string_view name) {
+  const DatasetSpec* spec = find_dataset(group, name);
+  if (spec == nullptr || spec->dims.size() != 1)
+    refuse(source, fmt::format("{}: there is no {}", group.name, name));
+  const Values values = whole(source, group, *spec);
+  const auto* numbers = std::get_if<std::vector<std::int64_t>>(&values);
+  if (numbers == nullptr) refuse(source, fmt::format("{}: no numbers", path_of(group.name, name)));
+  return *numbers;
+}
+
+/// The rows of these animations' segments.
+std::vector<RowRange> segments_of(const Source& source, const Group& group, std::uint64_t rows,
+                                  std::span<const std::uint64_t> animations) {
+  const std::vector<std::int64_t> starts = numbers_of(source, group, "segment_start");
+  const std::vector<std::int64_t> counts = numbers_of(source, group, "segment_count");
+  std::vector<RowRange> ranges;
+  for (const std::uint64_t animation : animations) {
+    if (animation >= starts.size() || animation >= counts.size()) {
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("{}: no animation {}; it has {}, numbered from 0",
+                                    source.name(), animation, starts.size()));
+    }
+    const auto first = static_cast<std::uint64_t>(starts[animation]);
+    const auto count = static_cast<std::uint64_t>(counts[animation]);
+    if (first > rows || count > rows - first)
+      refuse(source,
+             fmt::format("{}: segments of animation {} are not there", group.name, animation));
+    ranges.push_back({.first = first, .count = count});
+  }
+  return ranges;
+}
+
+}  // namespace
+
 std::vector<std::string> csv_tables() {
   std::vector<std::string> names;
   for (const Table& table : tables())
@@ -227,7 +276,8 @@ std::vector<std::string> csv_tables() {
   return names;
 }
 
-void export_csv(const Source& source, std::string_view table_name, std::ostream& out) {
+void export_csv(const Source& source, std::string_view table_name, std::ostream& out,
+                std::span<const std::uint64_t> animations) {
   const auto table = std::ranges::find(tables(), table_name, &Table::name);
   if (table == tables().end()) {
     throw base::Error(base::ExitCode::usage,
@@ -241,7 +291,17 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
                                   source.name(), table_name));
   }
   if (group == nullptr) refuse(source, fmt::format("there is no group {}", table->group));
-  Exporter(source, *group, table->index).run(out);
+  const Exporter exporter(source, *group, table->index);
+  if (animations.empty()) {
+    const RowRange all{.first = 0, .count = exporter.rows()};
+    exporter.run({&all, 1}, out);
+    return;
+  }
+  if (table->index != std::vector<std::string>{"segment"}) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("table '{}' has no segments of animations", table_name));
+  }
+  exporter.run(segments_of(source, *group, exporter.rows(), animations), out);
 }
 
 }  // namespace sleight::archive

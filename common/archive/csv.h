@@ -11,7 +11,9 @@
 // reads back to the same bits; nan, inf and -inf are spelled so; booleans are 0 and 1.
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,9 +25,11 @@ namespace sleight::archive {
 /// "posterior", "sample_stats", "replicas", "animations", "segments".
 std::vector<std::string> csv_tables();
 
-/// Writes one table, in batches. The caller checks the stream's state at the end.
-/// Throws base::Error: usage when `table` is none of csv_tables(), bad_archive when the archive has
-/// no such group or is damaged.
-void export_csv(const Source& source, std::string_view table, std::ostream& out);
+/// Writes one table, in batches; of one of segments only those of `animations`, in their order,
+/// where there are any. The caller checks the stream's state at the end.
+/// Throws base::Error: usage when `table` is none of csv_tables() or has no such animation,
+/// bad_archive when the archive has no such group or is damaged.
+void export_csv(const Source& source, std::string_view table, std::ostream& out,
+                std::span<const std::uint64_t> animations = {});
 
 }  // namespace sleight::archive

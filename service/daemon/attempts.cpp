@@ -81,8 +81,8 @@ void Attempts::launch(const jobs::Launch& launch) {
 }
 
 void Attempts::stop(const jobs::Stop& stop) {
-  const keeper::Stop how = stop.how == jobs::StopHow::now ? keeper::Stop::now
-                                                          : keeper::Stop::in_order;
+  const keeper::Stop how =
+      stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   try {
     parts_.backend.stop(parts_.folders.folder(stop.job),
                         static_cast<std::uint32_t>(stop.attempt.value), how);
@@ -150,8 +150,8 @@ void Attempts::follow(jobs::JobId job, jobs::Attempt attempt, keeper::RunningKee
   const auto& progress = parts_.feeds.of(job).progress();
   run.scans_before = progress ? progress->scans_done : 0;
   run.keeper = std::move(keeper);
-  run.gone = parts_.loop.call_when_readable(run.keeper->descriptor(),
-                                            [this, job] { keeper_gone(job); });
+  run.gone =
+      parts_.loop.call_when_readable(run.keeper->descriptor(), [this, job] { keeper_gone(job); });
   plan_poll();
 }
 
@@ -173,8 +173,8 @@ void Attempts::plan_poll() {
   }
   if (every_s == poll_every_s_) return;
   poll_every_s_ = every_s;
-  polling_ = every_s == 0 ? rpc::Loop::Handle()
-                          : parts_.loop.call_every(every_s, [this] { poll(); });
+  polling_ =
+      every_s == 0 ? rpc::Loop::Handle() : parts_.loop.call_every(every_s, [this] { poll(); });
 }
 
 void Attempts::poll() {
@@ -291,8 +291,8 @@ void Attempts::look_at_programs() {
   const std::string stamp = stamp_of(program);
   if (stamp == programs_stamp_) return;
   programs_stamp_ = stamp;
-  const std::optional<std::string> version = stamp.empty() ? std::nullopt
-                                                           : results_version_of(program);
+  const std::optional<std::string> version =
+      stamp.empty() ? std::nullopt : results_version_of(program);
   results_version_ = version.value_or("");
   tell(jobs::BackendNote{.is_there = version.has_value(), .results_version = results_version_});
 }

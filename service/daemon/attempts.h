@@ -2,9 +2,9 @@
 // daemon's side of the local backend.
 //
 //   Launch ──▶ request.toml, a keeper ──▶ Launched, or LaunchFailed
-//   Look   ──▶ the folder's record    ──▶ Sight; of one that runs, its keeper is waited for from now on
-//   Stop   ──▶ a signal to the keeper
-//   keeper gone ──▶ Sight {Ended or Died}          now and then ──▶ Sight {Running}
+//   Look   ──▶ the folder's record    ──▶ Sight; of one that runs, its keeper is waited for from
+//   now on Stop   ──▶ a signal to the keeper keeper gone ──▶ Sight {Ended or Died}          now and
+//   then ──▶ Sight {Running}
 //
 // Thread safety: all on the loop's thread. What is heard is told through `hear`, never from inside
 // launch, stop or look.
@@ -74,8 +74,8 @@ class Attempts {
     jobs::Attempt attempt;
     std::optional<keeper::RunningKeeper> keeper;
     rpc::Loop::Handle gone;
-    double since_s = 0;      ///< launched, or found
-    bool is_found = false;   ///< an earlier daemon's: when it was launched isn't known
+    double since_s = 0;     ///< launched, or found
+    bool is_found = false;  ///< an earlier daemon's: when it was launched isn't known
     double told_s = 0;
     std::uint64_t told_scans = 0;
     std::uint64_t scans_before = 0;

@@ -103,9 +103,10 @@ base::Result<std::vector<jobs::JobId>, rpc::Refusal> Calls::jobs_of(
 }
 
 rpc::Refusal Calls::stalled() const {
-  return {.kind = rpc::RefusalKind::environment,
-          .sentence = "The service can't save anything at the moment: its disk is full or fails.",
-          .what_to_do = "Make room on the disk of its state folder; nothing that was taken is lost."};
+  return {
+      .kind = rpc::RefusalKind::environment,
+      .sentence = "The service can't save anything at the moment: its disk is full or fails.",
+      .what_to_do = "Make room on the disk of its state folder; nothing that was taken is lost."};
 }
 
 void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
@@ -132,8 +133,8 @@ void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
                     .user = jobs::UserId{caller.user},
                     // A group's jobs have a key each, so that any of them is known again.
                     .client_key = submission.key.empty() ? std::string()
-                                  : is_group ? fmt::format("{}/{}", submission.key, i)
-                                             : submission.key,
+                                  : is_group             ? fmt::format("{}/{}", submission.key, i)
+                                                         : submission.key,
                     .content = content_of(ask, stored.text),
                     .name = ask.name.empty() ? stored.world : ask.name,
                     .group = is_group ? runner_.next_group() : jobs::GroupId{},
@@ -192,7 +193,8 @@ void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::Jo
   reply.answer(std::move(page));
 }
 
-/// `with_progress`: of a run that goes on, which costs a look at its log where nobody has asked yet.
+/// `with_progress`: of a run that goes on, which costs a look at its log where nobody has asked
+/// yet.
 rpc::JobView Calls::view(const Posted& posted, bool with_progress) {
   const events::Progress* progress = nullptr;
   if (with_progress && jobs::is_active(posted.job.state)) {
@@ -384,14 +386,12 @@ void Calls::erase(const rpc::Caller& caller, rpc::Target target,
 
 void Calls::pin(const rpc::Caller& caller, rpc::Target target, bool pinned,
                 rpc::Reply<std::vector<rpc::Touched>> reply) {
-  touch(caller, target, pinned ? jobs::AskKind::pin : jobs::AskKind::unpin, 0,
-        std::move(reply));
+  touch(caller, target, pinned ? jobs::AskKind::pin : jobs::AskKind::unpin, 0, std::move(reply));
 }
 
 void Calls::set_priority(const rpc::Caller& caller, rpc::Target target, std::int32_t priority,
                          rpc::Reply<std::vector<rpc::Touched>> reply) {
-  touch(caller, target, jobs::AskKind::set_priority, priority,
-        std::move(reply));
+  touch(caller, target, jobs::AskKind::set_priority, priority, std::move(reply));
 }
 
 void Calls::fetch(const rpc::Caller& caller, rpc::FetchAsk ask, rpc::Reply<rpc::Fetched> reply) {
@@ -400,7 +400,9 @@ void Calls::fetch(const rpc::Caller& caller, rpc::FetchAsk ask, rpc::Reply<rpc::
     reply.refuse(posted.error());
     return;
   }
-  fetching_.fetch(ask, std::move(reply));
+  const StoredRequest& asked = posted.value()->asked;
+  const bool is_search = asked.found_wanted > 0 && asked.in_proportion_wanted == 0;
+  fetching_.fetch(ask, is_search ? "find_segments" : "segments", std::move(reply));
 }
 
 void Calls::info(const rpc::Caller& caller, rpc::Reply<rpc::ServerView> reply) {

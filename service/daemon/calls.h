@@ -55,8 +55,7 @@ class Calls final : public rpc::Handler {
            rpc::Reply<std::vector<rpc::Touched>> reply) override;
   void set_priority(const rpc::Caller& caller, rpc::Target target, std::int32_t priority,
                     rpc::Reply<std::vector<rpc::Touched>> reply) override;
-  void fetch(const rpc::Caller& caller, rpc::FetchAsk ask,
-             rpc::Reply<rpc::Fetched> reply) override;
+  void fetch(const rpc::Caller& caller, rpc::FetchAsk ask, rpc::Reply<rpc::Fetched> reply) override;
   void info(const rpc::Caller& caller, rpc::Reply<rpc::ServerView> reply) override;
   void drain(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) override;
   void stop(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) override;
@@ -65,7 +64,8 @@ class Calls final : public rpc::Handler {
   bool is_operator(const rpc::Caller& caller) const;
   bool sees(const rpc::Caller& caller, const Posted& posted) const;
   /// The job as it is durable, or why there is none for this caller.
-  base::Result<const Posted*, rpc::Refusal> look_up(const rpc::Caller& caller, rpc::JobId job) const;
+  base::Result<const Posted*, rpc::Refusal> look_up(const rpc::Caller& caller,
+                                                    rpc::JobId job) const;
   base::Result<std::vector<jobs::JobId>, rpc::Refusal> jobs_of(const rpc::Caller& caller,
                                                                const rpc::Target& target) const;
   rpc::JobView view(const Posted& posted, bool with_progress);

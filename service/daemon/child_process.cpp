@@ -86,8 +86,8 @@ ChildEnd run_child(const std::vector<std::string>& command, const ChildOptions& 
   close(ends[1]);
   if (child < 0) {
     close(ends[0]);
-    throw base::Error(fmt::format("{}: can't be started: {}", command.front(),
-                                  std::strerror(failure)));
+    throw base::Error(
+        fmt::format("{}: can't be started: {}", command.front(), std::strerror(failure)));
   }
   ChildEnd end;
   end.was_too_slow = !read_all(ends[0], options, end.output);

@@ -19,9 +19,9 @@ struct ChildOptions {
 };
 
 struct ChildEnd {
-  int exit_code = -1;          ///< -1: it did not exit by itself
-  bool was_too_slow = false;   ///< and was killed
-  std::string output{};        ///< stdout and stderr together; its beginning, where there is more
+  int exit_code = -1;         ///< -1: it did not exit by itself
+  bool was_too_slow = false;  ///< and was killed
+  std::string output{};       ///< stdout and stderr together; its beginning, where there is more
 };
 
 /// Throws base::Error where the program can't be started.

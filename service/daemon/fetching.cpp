@@ -60,7 +60,8 @@ std::string sha256_of_file(const std::string& path) {
   return hash::to_hex(hash.finish());
 }
 
-void Fetching::fetch(const rpc::FetchAsk& ask, rpc::Reply<rpc::Fetched> reply) {
+void Fetching::fetch(const rpc::FetchAsk& ask, std::string segments,
+                     rpc::Reply<rpc::Fetched> reply) {
   if (!ask.sha256_wanted.empty()) {
     if (auto source = held(ask.sha256_wanted)) {
       rpc::Fetched fetched;
@@ -69,25 +70,26 @@ void Fetching::fetch(const rpc::FetchAsk& ask, rpc::Reply<rpc::Fetched> reply) {
       return;
     }
   }
-  make(ask, std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
+  make(ask, std::move(segments), std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
 }
 
 /// Finds or makes the files and hashes them, in the worker's thread.
-void Fetching::make(const rpc::FetchAsk& ask, std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
+void Fetching::make(const rpc::FetchAsk& ask, const std::string& segments,
+                    std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
   const jobs::JobId job = job_id(ask.job);
   const std::string beside = fmt::format("{}/{}", parts_.folders.fetched(), ++made_);
-  parts_.worker.run([this, ask, job, beside, reply] {
+  parts_.worker.run([this, ask, segments, job, beside, reply] {
     using Outcome = std::variant<std::vector<Hashed>, rpc::Refusal>;
     bool has_more = false;
     const auto find = [&]() -> std::variant<std::vector<Found>, rpc::Refusal> {
       const JobFolders& folders = parts_.folders;
       if (ask.kind == rpc::FetchKind::archive) {
         if (!std::filesystem::exists(folders.archive(job)))
-          return refusal(rpc::RefusalKind::not_found,
-                         fmt::format("Job {} has no archive yet.", job.value),
-                         "It comes with the first solution; `--so-far` asks for one of what there is.");
-        return std::vector<Found>{{.path = folders.archive(job),
-                                   .name = fmt::format("job-{}.h5", job.value)}};
+          return refusal(
+              rpc::RefusalKind::not_found, fmt::format("Job {} has no archive yet.", job.value),
+              "It comes with the first solution; `--so-far` asks for one of what there is.");
+        return std::vector<Found>{
+            {.path = folders.archive(job), .name = fmt::format("job-{}.h5", job.value)}};
       }
       if (ask.kind == rpc::FetchKind::failure_files) {
         std::vector<std::string> names = names_after(folders.failures(job), ask.after);
@@ -104,27 +106,26 @@ void Fetching::make(const rpc::FetchAsk& ask, std::shared_ptr<rpc::Reply<rpc::Fe
             run_child({parts_.sleight, "archive", "derive", folders.run(job), "-o", made},
                       {.seconds_max = k_make_s_max});
         if (end.exit_code != 0)
-          return refusal(rpc::RefusalKind::environment,
-                         fmt::format("No archive of job {} so far: {}", job.value,
-                                     last_line(end.output)));
+          return refusal(
+              rpc::RefusalKind::environment,
+              fmt::format("No archive of job {} so far: {}", job.value, last_line(end.output)));
         return std::vector<Found>{
             {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
       }
       const std::string made = beside + ".csv";
-      std::vector<std::string> command{parts_.sleight, "archive", "export", folders.archive(job),
-                                       "--csv", "--table", "segments", "-o", made};
+      std::vector<std::string> command{parts_.sleight,       "archive", "export",
+                                       folders.archive(job), "--csv",   "--table",
+                                       "segments",           "-o",      made};
       for (const std::uint64_t id : ask.ids) {
         command.emplace_back("--animation");
         command.push_back(std::to_string(id));
       }
       const ChildEnd end = run_child(command, {.seconds_max = k_make_s_max});
       if (end.exit_code != 0)
-        return refusal(rpc::RefusalKind::not_found,
-                       fmt::format("No such recordings of job {}: {}", job.value,
-                                   last_line(end.output)));
-      return std::vector<Found>{{.path = made,
-                                 .name = fmt::format("job-{}-recordings.csv", job.value),
-                                 .is_ours = true}};
+        return refusal(rpc::RefusalKind::not_found, fmt::format("No such recordings of job {}: {}",
+                                                                job.value, last_line(end.output)));
+      return std::vector<Found>{
+          {.path = made, .name = fmt::format("job-{}-recordings.csv", job.value), .is_ours = true}};
     };
     Outcome outcome = std::vector<Hashed>{};
     try {
@@ -171,8 +172,8 @@ void Fetching::give(std::vector<Hashed> files, bool has_more, rpc::Reply<rpc::Fe
     }
     reply.answer(std::move(fetched));
   } catch (const base::Error&) {
-    reply.refuse(refusal(rpc::RefusalKind::environment, "The file went away meanwhile.",
-                         "Try again."));
+    reply.refuse(
+        refusal(rpc::RefusalKind::environment, "The file went away meanwhile.", "Try again."));
   }
 }
 

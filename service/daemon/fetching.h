@@ -39,7 +39,9 @@ class Fetching {
   };
   explicit Fetching(Parts parts) : parts_(std::move(parts)) {}
 
-  void fetch(const rpc::FetchAsk& ask, rpc::Reply<rpc::Fetched> reply);
+  /// `segments` names the archive's table of recordings: of its draws, or of finds where a search
+  /// is all.
+  void fetch(const rpc::FetchAsk& ask, std::string segments, rpc::Reply<rpc::Fetched> reply);
 
  private:
   /// A file on the disk and what it is to be called; `is_ours`: made for this call.
@@ -59,7 +61,8 @@ class Fetching {
     double until_s = 0;
   };
 
-  void make(const rpc::FetchAsk& ask, std::shared_ptr<rpc::Reply<rpc::Fetched>> reply);
+  void make(const rpc::FetchAsk& ask, const std::string& segments,
+            std::shared_ptr<rpc::Reply<rpc::Fetched>> reply);
   void give(std::vector<Hashed> files, bool has_more, rpc::Reply<rpc::Fetched>& reply);
   std::unique_ptr<rpc::Source> held(const std::string& sha256);
   void hold(const std::string& sha256, const Found& file);

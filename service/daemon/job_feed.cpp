@@ -49,15 +49,15 @@ void JobFeed::take(events::RunEvent event) {
   if (held_.size() > k_held_max) held_.pop_front();
 }
 
-JobFeed::News JobFeed::after(std::uint64_t after, std::uint64_t mark,
-                             std::size_t count_max) const {
+JobFeed::News JobFeed::after(std::uint64_t after, std::uint64_t mark, std::size_t count_max) const {
   News news{.mark = mark_};
   if (after < last_number_) {
     const bool is_held = !held_.empty() && held_.front().number <= after + 1;
     if (is_held) {
-      const auto begin = held_.begin() + static_cast<std::ptrdiff_t>(after + 1 - held_.front().number);
-      const auto count = std::min<std::ptrdiff_t>(held_.end() - begin,
-                                                  static_cast<std::ptrdiff_t>(count_max));
+      const auto begin =
+          held_.begin() + static_cast<std::ptrdiff_t>(after + 1 - held_.front().number);
+      const auto count =
+          std::min<std::ptrdiff_t>(held_.end() - begin, static_cast<std::ptrdiff_t>(count_max));
       news.events.assign(begin, begin + count);
     } else {
       for (events::RunEvent& event : store::events_told(folder_, after + 1, count_max))

@@ -60,7 +60,7 @@ class JobFeed {
 
   std::string folder_;
   store::ToldEvents told_;
-  std::deque<events::RunEvent> held_{};  ///< numbered, consecutive, the newest last
+  std::deque<events::RunEvent> held_{};                  ///< numbered, consecutive, the newest last
   std::map<std::string, Marked, std::less<>> newest_{};  ///< by kind
   std::optional<events::Progress> progress_{};
   std::uint64_t last_number_ = 0;

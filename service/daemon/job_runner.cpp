@@ -69,13 +69,14 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news)
         StoredJobs stored = store.load();
         board_ = Board(stored);
         next_id_ = stored.next_id;
-        machine_ = std::make_unique<jobs::Jobs>(
-            options_.jobs, jobs::Restored{.clock_s = stored.clock_s,
-                                          .next_id = stored.next_id,
-                                          .jobs = std::move(stored.jobs),
-                                          .usages = std::move(stored.usages)});
+        machine_ = std::make_unique<jobs::Jobs>(options_.jobs,
+                                                jobs::Restored{.clock_s = stored.clock_s,
+                                                               .next_id = stored.next_id,
+                                                               .jobs = std::move(stored.jobs),
+                                                               .usages = std::move(stored.usages)});
         return std::make_unique<SaveQueue>(
-            std::move(store), [this](SaveQueue::Callback callback) { loop_.post(std::move(callback)); },
+            std::move(store),
+            [this](SaveQueue::Callback callback) { loop_.post(std::move(callback)); },
             [this](const std::string& reason) {
               stalled_ = reason;
               logging::warn(reason.empty() ? "the job store takes changes again" : reason);
@@ -93,7 +94,8 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news)
               [this](jobs::JobId job, std::uint64_t revision) {
                 const auto request = reader_.request(job, revision);
                 if (!request)
-                  throw base::Error(fmt::format("the job store has no request of job {}", job.value));
+                  throw base::Error(
+                      fmt::format("the job store has no request of job {}", job.value));
                 return LaunchText{.request = request->text, .strict = request->strict};
               },
           .hear = [this](jobs::Input input) { hear(std::move(input)); }})) {}
@@ -162,9 +164,10 @@ void JobRunner::perform(const jobs::Effect& effect) {
   } else if (const auto* gone = std::get_if<jobs::Remove>(&effect)) {
     remove(gone->job);
   } else if (const auto* announced = std::get_if<jobs::Announce>(&effect)) {
-    logging::info(fmt::format("job {} will be deleted by the rule for finished jobs; `sleight pin "
-                              "{}` keeps it",
-                              announced->job.value, announced->job.value));
+    logging::info(
+        fmt::format("job {} will be deleted by the rule for finished jobs; `sleight pin "
+                    "{}` keeps it",
+                    announced->job.value, announced->job.value));
   }
 }
 
@@ -277,8 +280,8 @@ void JobRunner::look_at_watched() {
   }
   const double next_s = feeds_.watch_every_s();
   is_watching_ = next_s > 0;
-  watching_ = is_watching_ ? loop_.call_later(next_s, [this] { look_at_watched(); })
-                           : rpc::Loop::Handle();
+  watching_ =
+      is_watching_ ? loop_.call_later(next_s, [this] { look_at_watched(); }) : rpc::Loop::Handle();
 }
 
 }  // namespace sleight::daemon

@@ -130,9 +130,8 @@ std::string JobStore::state_value(std::string_view key) {
                       fmt::format("{}: not a job store of Sleight's", database_.path()));
   std::string value = select.text(0);
   if (store::checksum_of_text(key, value) != select.integer(1))
-    throw base::Error(
-        fmt::format("{}: its {} is not as it was written; the store is left as it is",
-                    database_.path(), key));
+    throw base::Error(fmt::format("{}: its {} is not as it was written; the store is left as it is",
+                                  database_.path(), key));
   return value;
 }
 
@@ -170,8 +169,7 @@ StoredJobs JobStore::load() {
     request.revision = revision;
     loaded.requests.push_back(std::move(request));
   }
-  store::Statement changes =
-      database_.prepare("SELECT job, max(number) FROM change GROUP BY job");
+  store::Statement changes = database_.prepare("SELECT job, max(number) FROM change GROUP BY job");
   while (changes.step())
     loaded.change_counts[jobs::JobId{number_of(changes, 0)}] = number_of(changes, 1);
   loaded.clock_s = std::strtod(state_value("clock_s").c_str(), nullptr);
@@ -272,8 +270,7 @@ std::vector<JobReader::NumberedChange> JobReader::changes(jobs::JobId job, std::
     const Place place{.table = "change", .first = job.value, .second = number_of(rows, 0)};
     const std::string line = rows.text(1);
     verify(database_, place, line, rows.integer(2));
-    changes.push_back(
-        {.number = place.second, .change = sound(change_of(line), database_, place)});
+    changes.push_back({.number = place.second, .change = sound(change_of(line), database_, place)});
   }
   return changes;
 }

@@ -3,9 +3,8 @@
 //
 //   job      a row a job, as it is now
 //   change   a row a change of a job, numbered from 1 without a gap
-//   request  of each revision of a job's request its normalised text, and what people are told of it
-//   usage    what each user has had
-//   state    format, service time, next id
+//   request  of each revision of a job's request its normalised text, and what people are told of
+//   it usage    what each user has had state    format, service time, next id
 //
 // Invariants
 //   1. A save is one transaction: when `save` has returned, all of it survives; else none of it is
@@ -39,9 +38,9 @@ inline constexpr std::int64_t k_job_store_format = 1;
 struct StoredRequest {
   jobs::JobId job{};
   std::uint64_t revision = 1;
-  std::string text{};   ///< normalised
-  std::string world{};  ///< its name
-  bool strict = false;  ///< a failed simulation ends the run
+  std::string text{};                      ///< normalised
+  std::string world{};                     ///< its name
+  bool strict = false;                     ///< a failed simulation ends the run
   std::uint64_t found_wanted = 0;          ///< by a search; 0: none are asked for
   std::uint64_t in_proportion_wanted = 0;  ///< independent solutions; likewise
   bool operator==(const StoredRequest&) const = default;

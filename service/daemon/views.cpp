@@ -99,8 +99,7 @@ rpc::JobView view_of(const ViewOf& what) {
   if (what.progress != nullptr && jobs::is_active(job.state)) add_progress(view, *what.progress);
   if (jobs::is_active(job.state)) add_time_left(view);
   const jobs::Job* known = what.machine.find(job.id);
-  if (job.state == jobs::State::queued && known != nullptr &&
-      known->state == jobs::State::queued) {
+  if (job.state == jobs::State::queued && known != nullptr && known->state == jobs::State::queued) {
     const jobs::Waiting waiting = what.machine.waiting(job.id);
     view.place = waiting.place;
     view.not_yet = waiting.sentence;

@@ -46,6 +46,27 @@ class Csv : public ::testing::Test {
   MemoryArchive archive_;
 };
 
+// The rows of an animation are those that its start and count say, and the others are left out.
+TEST_F(Csv, SegmentsOfSomeAnimations) {
+  const auto all = lines_of(archive_, "segments");
+  const auto starts =
+      std::get<std::vector<std::int64_t>>(archive_.read(k_animations, "segment_start", 0, 2));
+  const auto counts =
+      std::get<std::vector<std::int64_t>>(archive_.read(k_animations, "segment_count", 0, 2));
+  const std::uint64_t asked[] = {1, 0};
+  std::ostringstream out;
+  export_csv(archive_, "segments", out, asked);
+  std::string expected = all[0] + "\n";
+  for (const std::uint64_t animation : asked) {
+    for (std::int64_t row = 0; row < counts[animation]; ++row)
+      expected += all[static_cast<std::size_t>(1 + starts[animation] + row)] + "\n";
+  }
+  EXPECT_EQ(out.str(), expected);
+  const std::uint64_t none[] = {1'000'000};
+  EXPECT_THROW(export_csv(archive_, "segments", out, none), base::Error);
+  EXPECT_THROW(export_csv(archive_, "posterior", out, asked), base::Error);
+}
+
 TEST_F(Csv, PosteriorHasARowForEachDraw) {
   const auto lines = lines_of(archive_, "posterior");
   ASSERT_EQ(lines.size(), 1U + 3 * 3);
