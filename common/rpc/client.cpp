@@ -76,6 +76,9 @@ struct Client::Impl final : Link {
         observer(io->unixEventPort, interrupts.get(), kj::UnixEventPort::FdObserver::OBSERVE_READ) {
   }
 
+  ~Impl() noexcept override {}
+  KJ_DISALLOW_COPY(Impl);
+
   // -------------------------------------------------------------------------------------- waiting
 
   /// Waits for an answer, and sorts what may go wrong. `seconds` <= 0: for ever.

@@ -31,7 +31,7 @@ namespace sleight::rpc {
 
 struct ServerLimits {
   std::size_t connections_max = 512;
-  std::size_t calls_max = 64;  ///< of one connection, unanswered
+  std::size_t calls_max = 16;  ///< of one connection, unanswered
   std::size_t message_bytes_max = 4U << 20U;
   std::size_t held_bytes_max = 64U << 20U;  ///< messages that come in, and answers not yet read
   std::size_t sources_max = 128;            ///< files that one connection is fetching

@@ -16,6 +16,9 @@ namespace {
 
 template <class T>
 using Answer = base::Result<T, Refusal>;
+/// As promises hold it: GCC 12 takes a Result inside kj::Maybe for uninitialised.
+template <class T>
+using Answered = std::unique_ptr<Answer<T>>;
 
 std::optional<Refusal> check(Nothing& /*nothing*/) {
   return std::nullopt;
@@ -90,16 +93,17 @@ struct Serving {
 
   /// Calls `start` with a Reply, and promises the answer.
   template <class T, class Start>
-  kj::Promise<Answer<T>> ask(const Start& start) const {
-    auto owed = kj::newPromiseAndFulfiller<Answer<T>>();
+  kj::Promise<Answered<T>> ask(const Start& start) const {
+    auto owed = kj::newPromiseAndFulfiller<Answered<T>>();
     auto fulfiller =
-        std::make_shared<kj::Own<kj::PromiseFulfiller<Answer<T>>>>(kj::mv(owed.fulfiller));
+        std::make_shared<kj::Own<kj::PromiseFulfiller<Answered<T>>>>(kj::mv(owed.fulfiller));
     try {
-      start(Reply<T>([fulfiller](Answer<T> answer) { (*fulfiller)->fulfill(kj::mv(answer)); }));
+      start(Reply<T>([fulfiller](Answer<T> answer) {
+        (*fulfiller)->fulfill(std::make_unique<Answer<T>>(std::move(answer)));
+      }));
     } catch (const std::exception& error) {
-      // The reply is refused as it is dropped; its words are for the log alone.
+      // The reply is refused as it is dropped; the words are for the log alone.
       calls->complain(error.what());
-      (*fulfiller)->fulfill(failed());
     }
     return kj::mv(owed.promise);
   }
@@ -125,12 +129,12 @@ struct Serving {
     }
     Counted counted(conversation);
     return ask<T>([&](Reply<T> reply) { start(std::move(*asked), std::move(reply)); })
-        .then([context, write = kj::mv(write), held = kj::mv(counted)](Answer<T> answer) mutable {
+        .then([context, write = kj::mv(write), held = kj::mv(counted)](Answered<T> answer) mutable {
           std::optional<Refusal> wrong;
-          if (answer) {
-            wrong = write(std::move(answer).value(), context.getResults());
+          if (answer->ok()) {
+            wrong = write(std::move(*answer).value(), context.getResults());
           } else {
-            wrong = answer.error();
+            wrong = answer->error();
           }
           if (wrong) put(*wrong, context.getResults().initRefusal());
         });
@@ -171,12 +175,12 @@ class FileCalls final : public generated::File::Server {
     return serving_
         .ask<base::Bytes>(
             [&](Reply<base::Bytes> reply) { source_->read(offset, bytes, std::move(reply)); })
-        .then([context, bytes, held = kj::mv(counted)](Answer<base::Bytes> answer) mutable {
-          if (answer && answer.value().size() == bytes) {
+        .then([context, bytes, held = kj::mv(counted)](Answered<base::Bytes> answer) mutable {
+          if (answer->ok() && answer->value().size() == bytes) {
             context.getResults(capnp::MessageSize{bytes / 8 + 16, 0})
-                .setPiece(as_data(answer.value()));
+                .setPiece(as_data(answer->value()));
           } else {
-            put(answer ? failed() : answer.error(), context.getResults().initRefusal());
+            put(answer->ok() ? failed() : answer->error(), context.getResults().initRefusal());
           }
         });
   }

@@ -1,0 +1,327 @@
+// Every call, from a client over a socket to a handler and back.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/rpc/client.h"
+#include "tests/unit/common/rpc/fake_service.h"
+
+namespace sleight::rpc {
+namespace {
+
+using testing::FakeService;
+using testing::ServerThread;
+
+class CallsTest : public testing::SocketFolder {
+ protected:
+  CallsTest() {
+    for (std::uint64_t id = 1; id <= 3; ++id)
+      service.jobs[id].view = {.id = {id}, .name = "job", .state = JobState::queued};
+  }
+  FakeService service;
+};
+
+template <class Call>
+Refusal refusal_of(const Call& call) {
+  try {
+    call();
+  } catch (const RefusedError& error) {
+    return error.refusal();
+  }
+  ADD_FAILURE() << "was not refused";
+  return {};
+}
+
+JobView full_view() {
+  return {
+      .id = {17},
+      .group = GroupId{5},
+      .user = 1000,
+      .name = "höhe",
+      .world = "ball_2d",
+      .state = JobState::running,
+      .reason = "others wait",
+      .place = 3,
+      .not_yet = "two cores are taken",
+      .attempt = 2,
+      .priority = -4,
+      .cores_wanted = 8,
+      .cores = 4,
+      .ranks = 2,
+      .memory_bytes = 1U << 30U,
+      .strict = true,
+      .pinned = true,
+      .scans_done = 10,
+      .scans_total = 40,
+      .solutions = {.found = 1, .found_wanted = 2, .in_proportion = 3, .in_proportion_wanted = 4},
+      .failures = {{"work_limit", 7}},
+      .simulations_per_s = 12.5,
+      .left_s = 0.0,
+      .solutions_left_s = 9.5,
+      .core_s = 100.25,
+      .submitted_s = 1,
+      .started_s = 2,
+      .ended_s = 3,
+      .bytes = 4096,
+      .deleted_at_s = 5,
+      .digest = "abc",
+      .results_version = "r7",
+      .end_words = "it gave up",
+      .last_log_lines = {"a", "", "c"},
+      .repeat_command = "sleight direct x.toml",
+      .history = {testing::change_of(1), testing::change_of(2)}};
+}
+
+TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
+  // Goal: all fields of all calls and answers travel. Method: values with every field set apart
+  // from its default, compared at the other end.
+  service.jobs[17].view = full_view();
+  ServerThread server(socket(), service);
+  Client client(socket());
+  EXPECT_EQ(client.status({17}), full_view());
+
+  const Submission submission = {.key = random_key(),
+                                 .jobs = {{.name = "a",
+                                           .request = std::string("text\0with zero", 14),
+                                           .cores = 3,
+                                           .ranks = 2,
+                                           .memory_bytes = 77,
+                                           .priority = -1,
+                                           .strict = true},
+                                          {.name = "b", .request = "other"}},
+                                 .is_group = true};
+  const Submitted submitted = client.submit(submission);
+  EXPECT_EQ(service.submissions.back(), submission);
+  EXPECT_EQ(service.last_user, ::getuid());
+  EXPECT_EQ(submitted.jobs.size(), 2U);
+  EXPECT_EQ(submitted.group, GroupId{5});
+  EXPECT_FALSE(submitted.was_known);
+  EXPECT_TRUE(client.submit(submission).was_known);
+
+  const ListAsk ask = {.group = GroupId{5},
+                       .user = 7,
+                       .states = {JobState::held, JobState::cancelled},
+                       .name_part = "x",
+                       .newest_first = false,
+                       .count = 2,
+                       .cursor = "1"};
+  const JobPage page = client.list(ask);
+  EXPECT_EQ(service.lists.back(), ask);
+  EXPECT_EQ(page.jobs.size(), 2U);
+  EXPECT_EQ(page.cursor, "3");
+  EXPECT_EQ(page.total, 6U);
+  JobView brief = full_view();
+  brief.history.clear();
+  brief.last_log_lines.clear();
+  brief.repeat_command.clear();
+  EXPECT_EQ(client.list({.cursor = "16"}).jobs.front(), brief);
+
+  EXPECT_EQ(client.logs({.job = {1}, .lines = 2}).text, "two\nthree\n");
+  const LogPiece piece = client.logs({.job = {1}, .from = 4, .bytes_max = 3});
+  EXPECT_EQ(piece, (LogPiece{.first = 4, .text = "two", .end = 14, .is_over = true}));
+
+  const Target one = Target::of(JobId{1});
+  EXPECT_EQ(client.cancel(one),
+            (std::vector<Touched>{{.job = {1}, .state = JobState::running, .words = "cancel"}}));
+  client.hold(one);
+  EXPECT_EQ(client.resume(Target::of(GroupId{5})).size(), 2U);
+  client.extend(one, {.by = ExtendBy::odds, .to = 0.125});
+  client.erase(one);
+  client.pin(one, true);
+  client.pin(one, false);
+  client.set_priority(one, -3);
+  client.drain();
+  client.stop();
+  EXPECT_EQ(service.calls, (std::vector<std::string>{"cancel 1", "hold 1", "resume g5",
+                                                     "extend 4 0.125 1", "erase 1", "pin 1",
+                                                     "unpin 1", "priority -3 1", "drain", "stop"}));
+
+  const ServerView info = client.info();
+  EXPECT_EQ(info.version, "1.2");
+  EXPECT_EQ(info.limits, (std::vector<NamedLimit>{{.name = "cores", .value = "16 cores"}}));
+  EXPECT_EQ(info.counts, (std::vector<StateCount>{{.state = JobState::queued, .count = 3}}));
+  EXPECT_EQ(info.connections, 1U);
+}
+
+TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
+  // Goal: a refusal arrives whole; and a failure of the handler, a dropped reply included, as a bug
+  // without its words, which the log has. Method: a handler that refuses, throws and forgets.
+  ServerThread server(socket(), service);
+  Client client(socket());
+  const Refusal bad = refusal_of(
+      [&] { client.submit({.key = "k", .jobs = {{.name = "x.toml", .request = "bad"}}}); });
+  EXPECT_EQ(
+      bad,
+      (Refusal{.kind = RefusalKind::bad_request,
+               .sentence = "The request has errors.",
+               .what_to_do = "Mend it.",
+               .diagnostics = {{.file = "x.toml", .place = {12, 9}, .message = "unknown key"}}}));
+  EXPECT_EQ(refusal_of([&] { client.status({99}); }).kind, RefusalKind::not_found);
+
+  server.on_loop([&](Server&) { service.throws = true; });
+  const Refusal bug = refusal_of([&] { client.status({1}); });
+  EXPECT_EQ(bug.kind, RefusalKind::bug);
+  EXPECT_EQ(bug.sentence.find("secret"), std::string::npos);
+  EXPECT_EQ(server.complaints(), std::vector<std::string>{"a secret of the service"});
+
+  server.on_loop([&](Server&) {
+    service.throws = false;
+    service.keeps_status = true;
+  });
+  std::thread forgets([&] {
+    bool has_kept = false;
+    EXPECT_TRUE(testing::comes_true([&] {
+      server.on_loop([&](Server&) {
+        has_kept = !service.kept.empty();
+        service.kept.clear();
+      });
+      return has_kept;
+    }));
+  });
+  EXPECT_EQ(refusal_of([&] { client.status({1}); }).kind, RefusalKind::bug);
+  forgets.join();
+}
+
+TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
+  // Goal: a reply may be kept; others are answered meanwhile, and a client that left hinders
+  // nobody. Method: four clients whose calls are answered in reverse, one of which gives up before.
+  service.keeps_status = true;
+  ServerThread server(socket(), service);
+  std::thread gives_up(
+      [&] { EXPECT_THROW(Client(socket(), {.call_s_max = 0.05}).status({1}), base::Error); });
+  gives_up.join();
+  std::vector<std::thread> threads;
+  for (std::uint64_t id = 1; id <= 3; ++id) {
+    threads.emplace_back([&, id] {
+      Client client(socket());
+      EXPECT_EQ(client.status({id}).id.value, 100 * id);
+    });
+    EXPECT_TRUE(testing::comes_true([&] {
+      std::size_t kept = 0;
+      server.on_loop([&](Server&) { kept = service.kept.size(); });
+      return kept == id + 1;
+    }));
+  }
+  Client(socket()).info();
+  server.on_loop([&](Server&) {
+    for (std::uint64_t id = 3; id > 0; --id)
+      service.kept[id].answer({.id = {100 * id}});
+    service.kept[0].answer({});
+    service.kept.clear();
+  });
+  for (std::thread& thread : threads)
+    thread.join();
+}
+
+TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
+  // Goal: what a handler is given is within service.h's limits, and the reason is said. Method:
+  // each limit passed by one.
+  ServerThread server(socket(), service);
+  Client client(socket());
+  const auto submit = [&](Submission submission) {
+    return refusal_of([&] { client.submit(submission); }).kind;
+  };
+  const JobAsk job = {.name = "a", .request = "r"};
+  EXPECT_EQ(submit({.key = "", .jobs = {job}}), RefusalKind::bad_request);
+  EXPECT_EQ(submit({.key = std::string(65, 'k'), .jobs = {job}}), RefusalKind::bad_request);
+  EXPECT_EQ(submit({.key = "k", .jobs = {}}), RefusalKind::bad_request);
+  EXPECT_EQ(submit({.key = "k", .jobs = {{.name = "a\nb", .request = "r"}}}),
+            RefusalKind::bad_request);
+  EXPECT_EQ(submit({.key = "k", .jobs = std::vector<JobAsk>(1001, job)}), RefusalKind::limit);
+  const JobAsk large = {.name = "a", .request = std::string((1U << 20U) + 1, 'r')};
+  EXPECT_EQ(submit({.key = "k", .jobs = {large}}), RefusalKind::limit);
+  const JobAsk half = {.name = "a", .request = std::string(1U << 19U, 'r')};
+  EXPECT_EQ(submit({.key = "k", .jobs = std::vector<JobAsk>(7, half)}), RefusalKind::limit);
+  EXPECT_TRUE(service.submissions.empty());
+  EXPECT_EQ(client.submit({.key = "k", .jobs = std::vector<JobAsk>(6, half)}).jobs.size(), 6U);
+
+  const Target none = Target::of(JobId{0});
+  EXPECT_EQ(refusal_of([&] { client.cancel(none); }).kind, RefusalKind::not_found);
+  const Target one = Target::of(JobId{1});
+  for (const Extension& extension :
+       {Extension{}, Extension{.by = ExtendBy::scans, .to = 1.5},
+        Extension{.by = ExtendBy::scans, .to = 0}, Extension{.by = ExtendBy::odds, .to = -1}})
+    EXPECT_EQ(refusal_of([&] { client.extend(one, extension); }).kind, RefusalKind::bad_request);
+  EXPECT_TRUE(service.calls.empty());
+  EXPECT_EQ(refusal_of([&] { client.list({.states = {JobState::unknown}}); }).kind,
+            RefusalKind::bad_request);
+  client.list({.count = 100'000});
+  EXPECT_EQ(service.lists.back().count, k_page_jobs_max);
+}
+
+TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
+  // Goal: whatever a handler answers, the client can read it: long texts lose their end at a whole
+  // character. Method: a page of 500 jobs with texts of 1 MB, and a status with a long history.
+  JobView huge = full_view();
+  huge.reason = std::string(1, 'a') + [] {
+    std::string text;
+    for (int i = 0; i < 500'000; ++i)
+      text += "ö";
+    return text;
+  }();
+  huge.history.assign(5000, testing::change_of(3));
+  huge.last_log_lines.assign(80, std::string(10'000, 'x'));
+  for (std::uint64_t id = 1; id <= 500; ++id) {
+    service.jobs[id].view = huge;
+    service.jobs[id].view.id = {id};
+  }
+  ServerThread server(socket(), service);
+  Client client(socket());
+  const JobPage page = client.list({.count = 500});
+  ASSERT_EQ(page.jobs.size(), 500U);
+  EXPECT_EQ(page.jobs[7].reason.size(), 511U);  // 512 would cut a character of two bytes
+  const JobView view = client.status({3});
+  EXPECT_EQ(view.history.size(), k_history_max);
+  EXPECT_EQ(view.last_log_lines.size(), k_last_log_lines);
+  EXPECT_EQ(view.reason.size(), k_text_bytes_max - 1);
+}
+
+TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
+  // Goal: mode 0600; a living server's socket is refused, a dead one's replaced, and a server that
+  // ends leaves its successor's name alone. Method: servers one after another; a killed process; a
+  // path longer than the system's bound.
+  const std::string deep = path(std::string(200, 'd'));
+  std::filesystem::create_directory(deep);
+  const std::string place = deep + "/socket";
+  EXPECT_THROW(Client(place).info(), NoServer);
+  EXPECT_THROW(Client(path("nowhere/socket")).info(), NoServer);
+  {
+    ServerThread server(place, service);
+    struct stat seen = {};
+    ASSERT_EQ(::stat(place.c_str(), &seen), 0);
+    EXPECT_EQ(seen.st_mode & 0777U, 0600U);
+    EXPECT_EQ(Client(place).info().version, "1.2");
+    Loop loop;
+    FakeService other;
+    try {
+      Server second(loop, place, other);
+      ADD_FAILURE() << "two servers listen";
+    } catch (const base::Error& error) {
+      EXPECT_EQ(error.exit_code(), base::ExitCode::conflict);
+    }
+    EXPECT_EQ(Client(place).info().version, "1.2");
+  }
+  EXPECT_FALSE(std::filesystem::exists(place));
+  const auto shared = testing::make_shared_memory();
+  { testing::ServerProcess killed(place, *shared); }
+  EXPECT_TRUE(std::filesystem::exists(place));
+  EXPECT_THROW(Client(place).info(), NoServer);
+  ServerThread server(place, service);
+  EXPECT_EQ(Client(place).info().version, "1.2");
+}
+
+TEST_F(CallsTest, AClientOutlivesItsServers) {
+  // Goal: one client's calls go on with the next server. Method: servers one after another, and a
+  // time without any.
+  Client client(socket());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THROW(client.info(), NoServer);
+    ServerThread server(socket(), service);
+    EXPECT_EQ(client.info().version, "1.2");
+  }
+}
+
+}  // namespace
+}  // namespace sleight::rpc

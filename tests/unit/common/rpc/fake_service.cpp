@@ -1,0 +1,385 @@
+#include "tests/unit/common/rpc/fake_service.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <fstream>
+
+#include "common/base/check.h"
+#include "common/hash/sha256.h"
+#include "common/rpc/client.h"
+
+namespace sleight::rpc::testing {
+namespace {
+
+Refusal not_found() {
+  return {
+      .kind = RefusalKind::not_found, .sentence = "There is no such job.", .what_to_do = "List."};
+}
+
+std::string word(Target target) {
+  return target.job ? fmt::format("{}", target.job->value)
+                    : fmt::format("g{}", target.group->value);
+}
+
+}  // namespace
+
+events::RunEvent event_of(std::uint64_t number) {
+  return {.number = number,
+          .what = events::Solution{.nth = number, .in_proportion = true, .scan = 10 * number}};
+}
+
+StateChange change_of(std::uint64_t number) {
+  return {.number = number,
+          .time_s = 100.0 + static_cast<double>(number),
+          .state = number == 1 ? JobState::queued : JobState::running,
+          .reason = fmt::format("reason {}", number),
+          .attempt = number - 1};
+}
+
+std::string content_of(std::size_t bytes, std::uint64_t seed) {
+  std::string content(bytes, '\0');
+  std::uint64_t state = seed * 0x9E3779B97F4A7C15U + 1;
+  for (char& c : content) {
+    state = state * 6364136223846793005U + 1442695040888963407U;
+    c = static_cast<char>(state >> 56U);
+  }
+  return content;
+}
+
+MemorySource::MemorySource(std::string name, std::shared_ptr<const std::string> content,
+                           std::string sha256)
+    : view_{.name = std::move(name), .size = content->size(), .sha256 = std::move(sha256)},
+      content_(std::move(content)) {}
+
+void MemorySource::read(std::uint64_t offset, std::size_t bytes, Reply<base::Bytes> reply) {
+  CHECK_LE(offset + bytes, content_->size());
+  const auto* first = reinterpret_cast<const std::byte*>(content_->data()) + offset;
+  reply.answer(base::Bytes(first, first + bytes));
+}
+
+void FakeService::add_file(const std::string& name, std::string content) {
+  std::string sha256 = hash::sha256_hex(content);
+  files[name] = {std::make_shared<const std::string>(std::move(content)), std::move(sha256)};
+}
+
+void FakeService::submit(const Caller& caller, Submission submission, Reply<Submitted> reply) {
+  last_user = caller.user;
+  submissions.push_back(submission);
+  const auto known = known_keys.find(submission.key);
+  if (known != known_keys.end()) {
+    Submitted again = known->second;
+    again.was_known = true;
+    reply.answer(again);
+    return;
+  }
+  Submitted submitted;
+  for (const JobAsk& ask : submission.jobs) {
+    if (ask.request == "bad") {
+      reply.refuse(
+          {.kind = RefusalKind::bad_request,
+           .sentence = "The request has errors.",
+           .what_to_do = "Mend it.",
+           .diagnostics = {{.file = ask.name, .place = {12, 9}, .message = "unknown key"}}});
+      return;
+    }
+    const std::uint64_t id = jobs.size() + 1;
+    jobs[id].view = {.id = {id}, .name = ask.name, .state = JobState::queued};
+    submitted.jobs.push_back({id});
+  }
+  if (submission.is_group) submitted.group = GroupId{5};
+  known_keys[submission.key] = submitted;
+  reply.answer(submitted);
+}
+
+void FakeService::list(const Caller&, ListAsk ask, Reply<JobPage> reply) {
+  lists.push_back(ask);
+  JobPage page = {.jobs = {}, .cursor = {}, .total = jobs.size()};
+  const std::uint64_t after = ask.cursor.empty() ? 0 : std::stoull(ask.cursor);
+  for (auto job = jobs.upper_bound(after); job != jobs.end(); ++job) {
+    if (page.jobs.size() == ask.count) {
+      page.cursor = fmt::format("{}", page.jobs.back().id.value);
+      break;
+    }
+    page.jobs.push_back(job->second.view);
+  }
+  reply.answer(std::move(page));
+}
+
+void FakeService::status(const Caller&, JobId id, Reply<JobView> reply) {
+  if (throws) throw std::runtime_error("a secret of the service");
+  if (keeps_status) {
+    kept.push_back(std::move(reply));
+    return;
+  }
+  const auto job = jobs.find(id.value);
+  if (job == jobs.end()) {
+    reply.refuse(not_found());
+  } else {
+    reply.answer(job->second.view);
+  }
+}
+
+base::Result<Batch, Refusal> FakeService::events_after(const Caller&, const WatchPoint& point,
+                                                       std::size_t events_max) {
+  ++events_asked;
+  const auto found = jobs.find(point.job.value);
+  if (found == jobs.end()) return not_found();
+  const FakeJob& job = found->second;
+  Batch batch;
+  for (std::uint64_t number = point.change + 1; number <= job.changes; ++number)
+    batch.changes.push_back(change_of(number));
+  std::uint64_t number = point.event;
+  while (number < job.events && batch.events.size() < events_max) {
+    if (++number != gap_at) batch.events.push_back(event_of(number));
+  }
+  batch.mark = job.progress + 1;
+  if (point.mark != batch.mark) {
+    batch.events.push_back(
+        {.number = 0, .what = events::Progress{.scans_done = job.progress, .scans_total = 1000}});
+  }
+  batch.settled = job.is_over && number == job.events;
+  return batch;
+}
+
+void FakeService::logs(const Caller&, LogAsk ask, Reply<LogPiece> reply) {
+  const std::string log = "one\ntwo\nthree\n";
+  if (!ask.from) {
+    reply.answer({.first = 4, .text = log.substr(4), .end = log.size(), .is_over = true});
+    return;
+  }
+  const std::uint64_t first = std::min<std::uint64_t>(*ask.from, log.size());
+  reply.answer({.first = first,
+                .text = log.substr(first, ask.bytes_max),
+                .end = log.size(),
+                .is_over = true});
+}
+
+void FakeService::touch(const std::string& call, Target target, Reply<std::vector<Touched>> reply) {
+  calls.push_back(call + " " + word(target));
+  if (target.group) {
+    reply.answer({{.job = {1}, .state = JobState::held, .words = "a"},
+                  {.job = {2}, .state = JobState::done, .words = "b"}});
+  } else if (jobs.count(target.job->value) == 0) {
+    reply.refuse(not_found());
+  } else {
+    reply.answer({{.job = *target.job, .state = JobState::running, .words = call}});
+  }
+}
+
+void FakeService::cancel(const Caller&, Target target, Reply<std::vector<Touched>> reply) {
+  touch("cancel", target, std::move(reply));
+}
+void FakeService::hold(const Caller&, Target target, Reply<std::vector<Touched>> reply) {
+  touch("hold", target, std::move(reply));
+}
+void FakeService::resume(const Caller&, Target target, Reply<std::vector<Touched>> reply) {
+  touch("resume", target, std::move(reply));
+}
+void FakeService::extend(const Caller&, Target target, Extension extension,
+                         Reply<std::vector<Touched>> reply) {
+  touch(fmt::format("extend {} {}", static_cast<int>(extension.by), extension.to), target,
+        std::move(reply));
+}
+void FakeService::erase(const Caller&, Target target, Reply<std::vector<Touched>> reply) {
+  touch("erase", target, std::move(reply));
+}
+void FakeService::pin(const Caller&, Target target, bool pinned,
+                      Reply<std::vector<Touched>> reply) {
+  touch(pinned ? "pin" : "unpin", target, std::move(reply));
+}
+void FakeService::set_priority(const Caller&, Target target, std::int32_t priority,
+                               Reply<std::vector<Touched>> reply) {
+  touch(fmt::format("priority {}", priority), target, std::move(reply));
+}
+
+void FakeService::fetch(const Caller&, FetchAsk ask, Reply<Fetched> reply) {
+  fetches.push_back(ask);
+  if (jobs.count(ask.job.value) == 0) {
+    reply.refuse(not_found());
+    return;
+  }
+  Fetched fetched;
+  for (auto file = files.upper_bound(ask.after); file != files.end(); ++file) {
+    if (fetched.files.size() == files_in_page) {
+      fetched.has_more = true;
+      break;
+    }
+    fetched.files.push_back(
+        std::make_unique<MemorySource>(file->first, file->second.content, file->second.sha256));
+  }
+  reply.answer(std::move(fetched));
+}
+
+void FakeService::info(const Caller&, Reply<ServerView> reply) {
+  reply.answer({.version = "1.2",
+                .results_version = "r7",
+                .state_folder = "/state",
+                .pid = ::getpid(),
+                .up_s = 12.5,
+                .limits = {{.name = "cores", .value = "16 cores"}},
+                .counts = {{.state = JobState::queued, .count = 3}}});
+}
+
+void FakeService::drain(const Caller&, Reply<Nothing> reply) {
+  calls.emplace_back("drain");
+  reply.answer({});
+}
+
+void FakeService::stop(const Caller&, Reply<Nothing> reply) {
+  calls.emplace_back("stop");
+  reply.answer({});
+  if (on_stop) on_stop();
+}
+
+// ------------------------------------------------------------------------------------------
+// servers
+
+ServerThread::ServerThread(std::string path, FakeService& service, ServerLimits limits) {
+  std::mutex mutex;
+  std::condition_variable started;
+  bool is_started = false;
+  thread_ = std::thread([&, path, limits] {
+    Loop loop;
+    Server server(loop, path, service, limits, [this](const std::string& words) {
+      const std::lock_guard lock(mutex_);
+      complaints_.push_back(words);
+    });
+    {
+      const std::lock_guard lock(mutex);
+      loop_ = &loop;
+      server_ = &server;
+      is_started = true;
+      started.notify_one();
+    }
+    loop.run();
+  });
+  std::unique_lock lock(mutex);
+  started.wait(lock, [&] { return is_started; });
+}
+
+ServerThread::~ServerThread() {
+  loop_->stop();
+  thread_.join();
+}
+
+void ServerThread::on_loop(const std::function<void(Server&)>& work) {
+  std::mutex mutex;
+  std::condition_variable done;
+  bool is_done = false;
+  loop_->post([&] {
+    work(*server_);
+    const std::lock_guard lock(mutex);
+    is_done = true;
+    done.notify_one();
+  });
+  std::unique_lock lock(mutex);
+  done.wait(lock, [&] { return is_done; });
+}
+
+ServerCounts ServerThread::counts() {
+  ServerCounts counts;
+  on_loop([&](Server& server) { counts = server.counts(); });
+  return counts;
+}
+
+std::vector<std::string> ServerThread::complaints() {
+  const std::lock_guard lock(mutex_);
+  return complaints_;
+}
+
+namespace {
+
+void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
+           const ServerLimits& limits) {
+  FakeService service;
+  service.jobs[1].view = {.id = {1}, .name = "one", .state = JobState::running};
+  service.add_file("ball.h5", content_of(file_bytes, 1));
+  Loop loop;
+  Server server(loop, path, service, limits);
+  // News come as fast as they can be looked for.
+  const auto look = loop.call_every(0.0005, [&] {
+    FakeJob& job = service.jobs[1];
+    const bool is_over = shared.is_over;  // before the events that come with it
+    const std::uint64_t events = shared.events;
+    if (job.events == events && job.progress == shared.progress && job.is_over == is_over) return;
+    job.events = events;
+    job.progress = shared.progress;
+    job.is_over = is_over;
+    server.news({1});
+  });
+  loop.run();
+}
+
+}  // namespace
+
+ServerProcess::ServerProcess(const std::string& path, Shared& shared, std::size_t file_bytes,
+                             ServerLimits limits)
+    : pid_(::fork()) {
+  if (pid_ == 0) {
+    // A thread of its own: the one that forked may have a client, and so an event loop.
+    std::thread([&] { serve(path, shared, file_bytes, limits); }).join();
+    ::_exit(0);
+  }
+  EXPECT_TRUE(comes_true([&] {
+    try {
+      Client(path, {.call_s_max = 5}).info();
+      return true;
+    } catch (const NoServer&) {
+      return false;
+    }
+  }));
+}
+
+ServerProcess::~ServerProcess() {
+  kill();
+}
+
+void ServerProcess::kill() {
+  if (pid_ <= 0) return;
+  ::kill(pid_, SIGKILL);
+  ::waitpid(pid_, nullptr, 0);
+  pid_ = -1;
+}
+
+std::size_t ServerProcess::peak_bytes() const {
+  std::ifstream status(fmt::format("/proc/{}/status", pid_));
+  std::string line;
+  while (std::getline(status, line)) {
+    if (line.rfind("VmHWM:", 0) == 0) return std::stoull(line.substr(6)) << 10U;
+  }
+  return 0;
+}
+
+std::shared_ptr<Shared> make_shared_memory() {
+  void* memory =
+      ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  CHECK(memory != MAP_FAILED);
+  return {new (memory) Shared, [](Shared* shared) { ::munmap(shared, sizeof(Shared)); }};
+}
+
+SocketFolder::SocketFolder() {
+  std::string form = (std::filesystem::temp_directory_path() / "sleight-rpc-XXXXXX").string();
+  folder_ = ::mkdtemp(form.data());
+}
+
+SocketFolder::~SocketFolder() {
+  std::filesystem::remove_all(folder_);
+}
+
+bool comes_true(const std::function<bool()>& condition) {
+  for (int i = 0; i < 4000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
+}  // namespace sleight::rpc::testing

@@ -1,0 +1,163 @@
+// A service in memory, and servers for it: in a thread of the test, or in a process to be killed.
+//
+// It is a handler as the daemon's is; nothing of the transport is replaced.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/rpc/handler.h"
+#include "common/rpc/loop.h"
+#include "common/rpc/server.h"
+
+namespace sleight::rpc::testing {
+
+/// A job whose events exist up to a number, all of them functions of it.
+struct FakeJob {
+  JobView view{};
+  std::uint64_t events = 0;  ///< numbered ones that there are
+  std::uint64_t changes = 1;
+  std::uint64_t progress = 0;  ///< how often progress was told
+  bool is_over = false;
+};
+
+events::RunEvent event_of(std::uint64_t number);
+StateChange change_of(std::uint64_t number);
+std::string content_of(std::size_t bytes, std::uint64_t seed);
+
+/// Bytes as a Source.
+class MemorySource final : public Source {
+ public:
+  MemorySource(std::string name, std::shared_ptr<const std::string> content, std::string sha256);
+  FileView view() const override { return view_; }
+  void read(std::uint64_t offset, std::size_t bytes, Reply<base::Bytes> reply) override;
+
+ private:
+  FileView view_;
+  std::shared_ptr<const std::string> content_;
+};
+
+class FakeService final : public Handler {
+ public:
+  struct File {
+    std::shared_ptr<const std::string> content;
+    std::string sha256;  ///< as it is announced
+  };
+
+  std::map<std::uint64_t, FakeJob> jobs{};
+  std::map<std::string, Submitted> known_keys{};
+  std::map<std::string, File> files{};
+  std::vector<Submission> submissions{};
+  std::vector<ListAsk> lists{};
+  std::vector<FetchAsk> fetches{};
+  std::vector<std::string> calls{};  ///< names of touching calls with what they were given
+  std::vector<Reply<JobView>> kept{};
+  std::uint64_t events_asked = 0;
+  std::uint32_t last_user = 0;
+  bool keeps_status = false;  ///< status calls are kept unanswered
+  bool throws = false;        ///< status throws
+  std::uint64_t gap_at = 0;   ///< this event is left out
+  std::size_t files_in_page = k_fetch_files_max;
+  std::function<void()> on_stop{};
+
+  void add_file(const std::string& name, std::string content);
+
+  void submit(const Caller&, Submission, Reply<Submitted>) override;
+  void list(const Caller&, ListAsk, Reply<JobPage>) override;
+  void status(const Caller&, JobId, Reply<JobView>) override;
+  base::Result<Batch, Refusal> events_after(const Caller&, const WatchPoint&,
+                                            std::size_t events_max) override;
+  void logs(const Caller&, LogAsk, Reply<LogPiece>) override;
+  void cancel(const Caller&, Target, Reply<std::vector<Touched>>) override;
+  void hold(const Caller&, Target, Reply<std::vector<Touched>>) override;
+  void resume(const Caller&, Target, Reply<std::vector<Touched>>) override;
+  void extend(const Caller&, Target, Extension, Reply<std::vector<Touched>>) override;
+  void erase(const Caller&, Target, Reply<std::vector<Touched>>) override;
+  void pin(const Caller&, Target, bool pinned, Reply<std::vector<Touched>>) override;
+  void set_priority(const Caller&, Target, std::int32_t priority,
+                    Reply<std::vector<Touched>>) override;
+  void fetch(const Caller&, FetchAsk, Reply<Fetched>) override;
+  void info(const Caller&, Reply<ServerView>) override;
+  void drain(const Caller&, Reply<Nothing>) override;
+  void stop(const Caller&, Reply<Nothing>) override;
+
+ private:
+  void touch(const std::string& call, Target target, Reply<std::vector<Touched>> reply);
+};
+
+/// A server for a FakeService, in a thread of its own.
+class ServerThread {
+ public:
+  ServerThread(std::string path, FakeService& service, ServerLimits limits = {});
+  ~ServerThread();
+  ServerThread(const ServerThread&) = delete;
+  ServerThread& operator=(const ServerThread&) = delete;
+
+  /// Runs it on the loop's thread, and waits.
+  void on_loop(const std::function<void(Server&)>& work);
+  ServerCounts counts();
+  std::vector<std::string> complaints();
+
+ private:
+  Loop* loop_ = nullptr;
+  Server* server_ = nullptr;
+  std::mutex mutex_;
+  std::vector<std::string> complaints_;
+  std::thread thread_;
+};
+
+/// What a server's process shares with the test.
+struct Shared {
+  std::atomic<std::uint64_t> events = 0;    ///< of job 1
+  std::atomic<std::uint64_t> progress = 0;  ///< likewise
+  std::atomic<bool> is_over = false;
+};
+
+/// A server in a process of its own, which has job 1 and the file "ball.h5" of `file_bytes`.
+class ServerProcess {
+ public:
+  ServerProcess(const std::string& path, Shared& shared, std::size_t file_bytes = 1000,
+                ServerLimits limits = {});
+  ~ServerProcess();  ///< kills it
+  ServerProcess(const ServerProcess&) = delete;
+  ServerProcess& operator=(const ServerProcess&) = delete;
+
+  pid_t pid() const { return pid_; }
+  void kill();
+  /// The most memory that it has had.
+  std::size_t peak_bytes() const;
+
+ private:
+  pid_t pid_;
+};
+
+/// A Shared that processes share.
+std::shared_ptr<Shared> make_shared_memory();
+
+/// A folder with a socket's place; removed at the end.
+class SocketFolder : public ::testing::Test {
+ protected:
+  SocketFolder();
+  ~SocketFolder() override;
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  std::string socket() const { return path("socket"); }
+
+ private:
+  std::string folder_;
+};
+
+/// Waits for it, for some seconds.
+bool comes_true(const std::function<bool()>& condition);
+
+}  // namespace sleight::rpc::testing

@@ -1,0 +1,232 @@
+// Fetching: files that are whole or not there, over whatever happens.
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "common/hash/sha256.h"
+#include "common/rpc/client.h"
+#include "common/rpc/part_file.h"
+#include "tests/unit/common/rpc/fake_service.h"
+
+namespace sleight::rpc {
+namespace {
+
+using testing::content_of;
+using testing::FakeService;
+using testing::ServerProcess;
+using testing::ServerThread;
+
+std::string read(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class FetchTest : public testing::SocketFolder {
+ protected:
+  FetchTest() {
+    service.jobs[1].view.id = {1};
+    std::filesystem::create_directory(path("out"));
+  }
+  FakeService service;
+  const FetchAsk archive = {.job = {1}, .kind = FetchKind::archive};
+};
+
+TEST_F(FetchTest, BringsAFileOfAnySize) {
+  // Goal: files arrive bit for bit, in place of an older one, and nothing else is left. Method:
+  // sizes around a piece.
+  ServerThread server(socket(), service);
+  Client client(socket());
+  const std::string to = path("out/ball.h5");
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{1}, k_piece_bytes_max - 1, k_piece_bytes_max,
+        k_piece_bytes_max + 1, 5 * k_piece_bytes_max + 17}) {
+    const std::string content = content_of(size, size + 1);
+    server.on_loop([&](Server&) { service.add_file("ball.h5", content); });
+    std::uint64_t seen = 0;
+    const FetchedFiles fetched =
+        client.fetch_file(archive, to, [&](const FileView& file, std::uint64_t bytes) {
+          EXPECT_EQ(file.size, size);
+          EXPECT_GE(bytes, seen);
+          seen = bytes;
+          return true;
+        });
+    EXPECT_EQ(fetched.how, Waited::settled);
+    EXPECT_EQ(fetched.paths, std::vector<std::string>{to});
+    EXPECT_EQ(seen, size);
+    EXPECT_TRUE(read(to) == content);
+    EXPECT_EQ(names_in(path("out")), std::vector<std::string>{"ball.h5"});
+  }
+  EXPECT_THROW(client.fetch_file({.job = {7}}, to), RefusedError);
+}
+
+TEST_F(FetchTest, GoesOnWhereItStopped) {
+  // Goal: a fetch that was stopped goes on with what it has, if the service has the same content;
+  // else it begins anew, and the old part goes. Method: stop in the middle; then the same, and
+  // another one.
+  const std::size_t size = 4 * k_piece_bytes_max;
+  const std::string first = content_of(size, 1);
+  const std::string second = content_of(size, 2);
+  service.add_file("ball.h5", first);
+  ServerThread server(socket(), service);
+  Client client(socket());
+  const std::string to = path("out/ball.h5");
+  const auto stop_in_the_middle = [&](const FileView&, std::uint64_t bytes) {
+    return bytes < 2 * k_piece_bytes_max;
+  };
+  const auto first_bytes = [&] {
+    std::uint64_t begins = size + 1;
+    EXPECT_EQ(client
+                  .fetch_file(archive, to,
+                              [&](const FileView&, std::uint64_t bytes) {
+                                begins = std::min(begins, bytes);
+                                return true;
+                              })
+                  .how,
+              Waited::settled);
+    return begins;
+  };
+  EXPECT_EQ(client.fetch_file(archive, to, stop_in_the_middle).how, Waited::stopped);
+  EXPECT_FALSE(std::filesystem::exists(to));
+  EXPECT_EQ(first_bytes(), 2 * k_piece_bytes_max);
+  EXPECT_TRUE(read(to) == first);
+
+  EXPECT_EQ(client.fetch_file(archive, to, stop_in_the_middle).how, Waited::stopped);
+  server.on_loop([&](Server&) { service.add_file("ball.h5", second); });
+  EXPECT_EQ(first_bytes(), 0U);
+  EXPECT_TRUE(read(to) == second);
+  EXPECT_EQ(names_in(path("out")), std::vector<std::string>{"ball.h5"});
+}
+
+TEST_F(FetchTest, GoesOnOverKilledServers) {
+  // Goal: servers killed in the middle cost no byte that has come. Method: kill one after every
+  // third of the pieces; count what is read again.
+  const std::size_t size = 9 * k_piece_bytes_max + 5;
+  const auto shared = testing::make_shared_memory();
+  auto server = std::make_unique<ServerProcess>(socket(), *shared, size);
+  Client client(socket(), {.first_wait_s = 0.002, .wait_s_max = 0.02});
+  std::uint64_t last = 0;
+  int kills = 0;
+  const FetchedFiles fetched =
+      client.fetch_file(archive, path("out/x.h5"), [&](const FileView&, std::uint64_t bytes) {
+        EXPECT_GE(bytes, last);
+        last = bytes;
+        if (bytes / (3 * k_piece_bytes_max) > static_cast<std::uint64_t>(kills)) {
+          ++kills;
+          server = nullptr;
+          server = std::make_unique<ServerProcess>(socket(), *shared, size);
+        }
+        return true;
+      });
+  EXPECT_EQ(fetched.how, Waited::settled);
+  EXPECT_GE(kills, 3);
+  EXPECT_TRUE(read(path("out/x.h5")) == content_of(size, 1));
+}
+
+TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
+  // Goal: wrong bytes never take the file's place; the service is asked a few times, and then it is
+  // said. Method: a wrong digest; a part whose bytes were damaged on our side, which heals.
+  const std::string content = content_of(3 * k_piece_bytes_max, 3);
+  service.add_file("ball.h5", content);
+  ServerThread server(socket(), service);
+  Client client(socket());
+  const std::string to = path("out/ball.h5");
+  {
+    PartFile part(to,
+                  {.name = "ball.h5", .size = content.size(), .sha256 = hash::sha256_hex(content)});
+    part.append(base::Bytes(k_piece_bytes_max, std::byte{7}));
+  }
+  EXPECT_EQ(client.fetch_file(archive, to).how, Waited::settled);
+  EXPECT_TRUE(read(to) == content);
+
+  server.on_loop([&](Server&) { service.files["ball.h5"].sha256 = std::string(64, 'a'); });
+  EXPECT_THROW(client.fetch_file(archive, to), base::Error);
+  EXPECT_TRUE(read(to) == content);
+  server.on_loop([&](Server&) { service.files["ball.h5"].sha256 = "../../x"; });
+  EXPECT_THROW(client.fetch_file(archive, to), RefusedError);
+  EXPECT_EQ(names_in(path("out")), std::vector<std::string>{"ball.h5"});
+}
+
+TEST_F(FetchTest, BringsManyFilesByPages) {
+  // Goal: all files of an ask come into a folder, over pages and killed connections; names that
+  // leave the folder are refused. Method: 20 files, 7 in a page; a hostile name.
+  for (int i = 10; i < 30; ++i)
+    service.add_file(fmt::format("failure-{}.bin", i), content_of(1000, static_cast<unsigned>(i)));
+  service.files_in_page = 7;
+  ServerThread server(socket(), service);
+  Client client(socket());
+  const FetchedFiles fetched =
+      client.fetch_folder({.job = {1}, .kind = FetchKind::failure_files}, path("out/failures"));
+  EXPECT_EQ(fetched.paths.size(), 20U);
+  EXPECT_EQ(names_in(path("out/failures")).size(), 20U);
+  EXPECT_TRUE(read(path("out/failures/failure-29.bin")) == content_of(1000, 29));
+  server.on_loop([&](Server&) { service.add_file("../z", "z"); });
+  EXPECT_THROW(client.fetch_folder({.job = {1}, .kind = FetchKind::failure_files}, path("out/f")),
+               RefusedError);
+  EXPECT_FALSE(std::filesystem::exists(path("out/z")));
+}
+
+TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
+  // Goal: a write that fails is said, and the place of the file stays as it was. Method: a limit on
+  // the size of files, as a full disk's, in a process of its own; then without the limit.
+  const std::string content = content_of(3 * k_piece_bytes_max, 4);
+  service.add_file("ball.h5", content);
+  ServerThread server(socket(), service);
+  const std::string to = path("out/ball.h5");
+  const auto fetch_with_little_room = [&] {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit = {.rlim_cur = 2'000'000, .rlim_max = 2'000'000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      Client(socket()).fetch_file(archive, to);
+    } catch (const base::Error& error) {
+      ::_exit(std::string(error.what()).find("can't write") == 0 ? 17 : 18);
+    }
+    ::_exit(0);
+  };
+  EXPECT_EXIT(fetch_with_little_room(), ::testing::ExitedWithCode(17), "");
+  EXPECT_FALSE(std::filesystem::exists(to));
+  Client client(socket());
+  EXPECT_EQ(client.fetch_file(archive, to).how, Waited::settled);
+  EXPECT_TRUE(read(to) == content);
+}
+
+TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
+  // Goal: a file that is replaced while it is fetched is fetched as it was. Method: open_source;
+  // then rename another one over it.
+  std::ofstream(path("a"), std::ios::binary) << "old content";
+  const auto source = open_source(path("a"), "a.h5", "digest");
+  std::ofstream(path("b"), std::ios::binary) << "new";
+  std::filesystem::rename(path("b"), path("a"));
+  EXPECT_EQ(source->view(), (FileView{.name = "a.h5", .size = 11, .sha256 = "digest"}));
+  std::string piece;
+  source->read(4, 7, Reply<base::Bytes>([&](Reply<base::Bytes>::Answer answer) {
+                 for (const std::byte byte : answer.value())
+                   piece += static_cast<char>(byte);
+               }));
+  EXPECT_EQ(piece, "content");
+  EXPECT_THROW(open_source(path("nowhere"), "x", "y"), base::Error);
+  std::filesystem::resize_file(path("a"), 1);
+  const auto torn = open_source(path("a"), "a", "d");
+  bool is_refused = false;
+  torn->read(0, 2, Reply<base::Bytes>([&](Reply<base::Bytes>::Answer answer) {
+               is_refused = !answer.ok();
+             }));
+  EXPECT_TRUE(is_refused);
+}
+
+}  // namespace
+}  // namespace sleight::rpc

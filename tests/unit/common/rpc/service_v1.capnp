@@ -1,0 +1,311 @@
+# The first version of common/schema/service.capnp, kept as it was: versions_test.cpp has its programs
+# speak with today's. Nothing here is ever changed.
+
+@0xb1a6f0c2d4e87935;
+
+using Cxx = import "/capnp/c++.capnp";
+$Cxx.namespace("sleight::rpc::generated");
+
+# The bootstrap interface: all that a peer has before it is known. A Unix socket's peer is known by its
+# uid. Over TCP, a later call here will take a token.
+interface Entrance {
+  open @0 () -> (refusal :Refusal, service :Service);
+}
+
+interface Service {
+  submit @0 (submission :Submission) -> (refusal :Refusal, submitted :Submitted);
+  # All jobs of a submission are taken, durably, or none.
+
+  list @1 (ask :ListAsk) -> (refusal :Refusal, page :JobPage);
+  status @2 (job :UInt64) -> (refusal :Refusal, job :JobView);
+
+  watch @3 (points :List(WatchPoint)) -> (refusal :Refusal, batches :List(Batch));
+  # Answers what the client lacks by its points, as soon as there is something; an empty list after
+  # 20 s without any. The next call's points say what came. At most 1,000 points, no job twice.
+
+  logs @4 (ask :LogAsk) -> (refusal :Refusal, piece :LogPiece);
+
+  cancel @5 (target :Target) -> (refusal :Refusal, touched :List(Touched));
+  # Stops in order and ends the job, with the archive of what it has.
+  hold @6 (target :Target) -> (refusal :Refusal, touched :List(Touched));
+  # Stops in order; `resume` goes on.
+  resume @7 (target :Target) -> (refusal :Refusal, touched :List(Touched));
+  # Queues a held, failed or cancelled job again.
+  extend @8 (target :Target, extension :Extension) -> (refusal :Refusal, touched :List(Touched));
+  # A longer [stop]; the job is queued again if it had ended.
+  erase @9 (target :Target) -> (refusal :Refusal, touched :List(Touched));
+  # Deletes settled jobs and all that they have.
+  pin @10 (target :Target, pinned :Bool) -> (refusal :Refusal, touched :List(Touched));
+  # A pinned job is kept whatever the rule for finished jobs says.
+  setPriority @11 (target :Target, priority :Int32) -> (refusal :Refusal, touched :List(Touched));
+
+  fetch @12 (ask :FetchAsk) -> (refusal :Refusal, files :List(FileRef), hasMore :Bool);
+  # At most 64 files, by name. `hasMore`: ask again with `after` of the last name.
+
+  info @13 () -> (refusal :Refusal, server :ServerView);
+  drain @14 () -> (refusal :Refusal);
+  # Starts nothing more, and stops what runs in order.
+  stop @15 () -> (refusal :Refusal);
+  # Ends the service; jobs run on, and the next service takes them over.
+}
+
+interface File {
+  read @0 (offset :UInt64, bytes :UInt32) -> (refusal :Refusal, piece :Data);
+  # All of them; they lie within the file's size, and are 1 MiB at most.
+}
+
+struct Refusal {
+  kind @0 :Kind;
+  sentence @1 :Text;   # what is the matter, for people
+  whatToDo @2 :Text;   # may be empty
+  diagnostics @3 :List(Diagnostic);  # of a submission's texts
+
+  enum Kind {
+    unknown @0;
+    notFound @1;     # no such job, group, recording or call
+    notAllowed @2;   # another user's
+    badRequest @3;
+    conflict @4;     # not in this state; the key belongs to another submission
+    limit @5;        # too many, too large
+    busy @6;         # now; the same call may succeed later
+    gone @7;         # was there and is deleted
+    environment @8;  # the disk is full, the backend is away
+    bug @9;          # the service failed; its log has more
+  }
+}
+
+# As `sleight check` prints it: file:line:column: message.
+struct Diagnostic {
+  file @0 :Text;     # the request's name
+  line @1 :UInt32;   # from 1
+  column @2 :UInt32; # from 1, in characters
+  message @3 :Text;
+}
+
+struct Submission {
+  key @0 :Text;    # drawn by the client, at most 64 bytes; one that is known answers as it did then
+  jobs @1 :List(JobAsk);  # 1 to 1,000
+  isGroup @2 :Bool;       # several always are
+}
+
+struct JobAsk {
+  name @0 :Text;     # empty: the request's world
+  request @1 :Text;  # TOML, overrides applied; at most 1 MiB, and 3 MiB in a submission
+  cores @2 :UInt32;  # a wish; 0: what is free
+  ranks @3 :UInt32;  # of mpirun; 0: one process without MPI
+  memoryBytes @4 :UInt64;  # of the caches of all processes; 0: the default
+  priority @5 :Int32;      # among one user's jobs: higher ones first
+  strict @6 :Bool;         # a failed simulation ends the job
+}
+
+struct Submitted {
+  jobs @0 :List(UInt64);  # in the submission's order
+  group @1 :UInt64;       # 0: none
+  wasKnown @2 :Bool;      # by its key: nothing new was submitted
+}
+
+# A job, or all jobs of a group.
+struct Target {
+  union {
+    job @0 :UInt64;
+    group @1 :UInt64;
+  }
+}
+
+enum JobState {
+  unknown @0;
+  queued @1;
+  starting @2;
+  running @3;
+  yielding @4;   # stops in order, since others wait
+  held @5;       # goes on by itself where its reason says so, or by `resume`
+  done @6;
+  failed @7;
+  cancelled @8;
+}
+
+# A job's changes are numbered from 1 without a gap, and durable before anybody is told.
+struct StateChange {
+  number @0 :UInt64;
+  time @1 :Float64;
+  state @2 :JobState;
+  reason @3 :Text;
+  attempt @4 :UInt64;  # the newest start's number by then; 0: none
+}
+
+struct JobView {
+  id @0 :UInt64;
+  group @1 :UInt64;       # 0: none
+  user @2 :UInt32;        # uid
+  name @3 :Text;
+  world @4 :Text;
+  state @5 :JobState;
+  reason @6 :Text;        # of the state
+  place @7 :UInt64;       # in the queue, from 1; 0: it is not in it
+  notYet @8 :Text;        # why it does not run yet
+  attempt @9 :UInt64;     # the newest start's number; 0: none
+  priority @10 :Int32;
+  coresWanted @11 :UInt32;  # 0: what is free
+  cores @12 :UInt32;        # that it has now
+  ranks @13 :UInt32;
+  memoryBytes @14 :UInt64;
+  strict @15 :Bool;
+  pinned @16 :Bool;
+
+  scansDone @17 :UInt64;   # committed
+  scansTotal @18 :UInt64;  # 0: the stop rule can't tell
+  found @19 :UInt64;       # solutions that a search built
+  foundWanted @20 :UInt64;
+  inProportion @21 :UInt64;  # independent solutions of chains
+  inProportionWanted @22 :UInt64;
+  failures @23 :List(FailureCount);
+  simulationsPerSecond @24 :Float64;
+  left @25 :Float64 = -1;           # seconds, by scans; negative: not known
+  solutionsLeft @26 :Float64 = -1;  # seconds, by solutions; likewise
+
+  coreSeconds @27 :Float64;  # of all attempts
+  submitted @28 :Float64;
+  started @29 :Float64;
+  ended @30 :Float64;
+  bytes @31 :UInt64;         # of its folder
+  deletedAt @32 :Float64;    # announced; 0: not announced
+  digest @33 :Text;          # of the newest archive's content
+  resultsVersion @34 :Text;
+  endWords @35 :Text;
+  lastLogLines @36 :List(Text);  # of a failed job
+  repeatCommand @37 :Text;       # of a failed job
+  history @38 :List(StateChange);  # of `status` alone; the newest 1,000, oldest first
+}
+
+struct FailureCount {
+  simulation @0 :Text;  # the kind's name
+  count @1 :UInt64;
+}
+
+# All that is given must hold.
+struct ListAsk {
+  group @0 :UInt64;        # 0: any
+  user @1 :Int64 = -1;     # uid; negative: all that the caller may see
+  states @2 :List(JobState);  # empty: any
+  namePart @3 :Text;
+  oldestFirst @4 :Bool;
+  count @5 :UInt32;        # 500 at most
+  cursor @6 :Text;         # of the page before; empty: the first page
+}
+
+struct JobPage {
+  jobs @0 :List(JobView);
+  cursor @1 :Text;         # empty: this is the last page
+  total @2 :UInt64;        # that match
+}
+
+struct Touched {
+  job @0 :UInt64;
+  state @1 :JobState;  # after the call
+  words @2 :Text;
+}
+
+struct Extension {
+  by @0 :By;
+  to @1 :Float64;  # absolute; of odds the relative error
+
+  enum By {
+    unknown @0;
+    scans @1;
+    rounds @2;
+    solutions @3;
+    odds @4;
+  }
+}
+
+# How much of a job a watcher has.
+struct WatchPoint {
+  job @0 :UInt64;
+  event @1 :UInt64;   # number of the last numbered event
+  change @2 :UInt64;  # number of the last state change
+  mark @3 :UInt64;    # of the batch before; 0: none. The service's own, of what is unnumbered
+}
+
+# What a watcher lacks of a job.
+struct Batch {
+  job @0 :UInt64;
+  refusal @1 :Refusal;  # this job can't be watched (any more)
+  changes @2 :List(StateChange);  # consecutive
+  events @3 :List(Event);  # numbered ones consecutive; of the others only the newest
+  mark @4 :UInt64;
+  settled @5 :Bool;  # ended, and nothing numbered is left to tell
+}
+
+struct Event {
+  number @0 :UInt64;  # 0: unnumbered
+  line @1 :Text;      # JSON, as common/events/run_event.h says; without a newline
+}
+
+struct LogAsk {
+  job @0 :UInt64;
+  isTail @1 :Bool;    # the last lines; else from an offset on
+  from @2 :UInt64;    # of all bytes ever logged
+  lines @3 :UInt32;
+  bytesMax @4 :UInt32;  # 512 KiB at most
+}
+
+struct LogPiece {
+  first @0 :UInt64;   # offset of the first byte: greater than `from` where that is lost
+  bytes @1 :Data;     # of any encoding: programs write them
+  end @2 :UInt64;     # of the log as it is now
+  isOver @3 :Bool;    # nothing will come after `end`
+}
+
+struct FetchAsk {
+  job @0 :UInt64;
+  kind @1 :Kind;
+  ids @2 :List(UInt64);   # of recordings; at most 10,000
+  after @3 :Text;         # only files that come after this name
+  sha256Wanted @4 :Text;  # of the file that the client has a part of
+
+  enum Kind {
+    unknown @0;
+    archive @1;       # the newest
+    soFar @2;         # one made now
+    recordings @3;    # of kept animations
+    failureFiles @4;
+  }
+}
+
+struct FileRef {
+  name @0 :Text;    # a plain file name
+  size @1 :UInt64;
+  sha256 @2 :Text;  # of its bytes, hexadecimal
+  file @3 :File;
+}
+
+struct ServerView {
+  version @0 :Text;
+  resultsVersion @1 :Text;
+  stateFolder @2 :Text;
+  pid @3 :Int64;
+  up @4 :Float64;  # seconds
+  draining @5 :Bool;
+  backend @6 :Text;
+  cores @7 :UInt32;
+  coresUsed @8 :UInt32;
+  memoryBytes @9 :UInt64;
+  memoryUsedBytes @10 :UInt64;
+  diskFreeBytes @11 :UInt64;
+  diskReserveBytes @12 :UInt64;
+  keepingRule @13 :Text;
+  limits @14 :List(NamedLimit);
+  counts @15 :List(StateCount);
+  connections @16 :UInt32;
+  watchers @17 :UInt32;
+}
+
+struct NamedLimit {
+  name @0 :Text;
+  value @1 :Text;
+}
+
+struct StateCount {
+  state @0 :JobState;
+  count @1 :UInt64;
+}
