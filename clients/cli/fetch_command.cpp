@@ -13,14 +13,13 @@
 #include <system_error>
 #include <utility>
 
-#include "clients/cli/progress_printer.h"
+#include "clients/cli/job_text.h"
 #include "clients/cli/selected_jobs.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
 #include "clients/cli/terminal.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
-#include "common/config/quantities.h"
 #include "common/events/progress.h"
 #include "common/hash/sha256.h"
 
@@ -186,7 +185,7 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const std::string& pla
   if (options.json || options.quiet) return brought;
   for (const std::string& path : brought.paths) {
     if (arrivals.same().empty()) {
-      fmt::print("{}  {}\n", shown(path), config::bytes_text(arrivals.bytes_of(path)));
+      fmt::print("{}  {}\n", shown(path), size_text(arrivals.bytes_of(path)));
     } else {
       fmt::print("{}  is here already, with the same content\n", shown(path));
     }

@@ -16,10 +16,10 @@
 namespace sleight::cli {
 
 struct FetchOptions {
-  std::vector<std::string> jobs;
-  std::string output;      ///< a file, of several a folder; empty: named by the job
-  bool so_far = false;     ///< of what is committed by now
-  std::string recordings;  ///< "3,7,10..20"
+  std::vector<std::string> jobs{};
+  std::string output{};      ///< a file, of several a folder; empty: named by the job
+  bool so_far = false;       ///< of what is committed by now
+  std::string recordings{};  ///< "3,7,10..20"
   bool failures = false;
   bool force = false;  ///< replaces files that are there
   bool quiet = false;

@@ -16,7 +16,6 @@
 #include "clients/cli/service_json.h"
 #include "clients/cli/terminal.h"
 #include "common/base/error.h"
-#include "common/config/quantities.h"
 #include "common/events/progress.h"
 
 namespace sleight::cli {
@@ -119,7 +118,7 @@ int watch_named(const std::string& socket, const JobsOptions& options, std::uint
 /// "17 (hi, done, 12 MB)".
 std::string about(const rpc::JobView& job) {
   return fmt::format("{} ({}, {}, {})", job.id, name_of_job(job), rpc::name_of(job.state),
-                     config::bytes_text(job.bytes));
+                     size_text(job.bytes));
 }
 
 void refuse_running(std::span<const rpc::JobView> jobs) {

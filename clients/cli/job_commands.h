@@ -13,22 +13,22 @@
 namespace sleight::cli {
 
 struct ListOptions {
-  std::vector<std::string> states;
+  std::vector<std::string> states{};
   bool mine = false;
-  std::string user;   ///< a name or a uid; empty: all that the caller may see
-  std::string group;  ///< "g5"; empty: any
-  std::string name;   ///< a part of the name
+  std::string user{};   ///< a name or a uid; empty: all that the caller may see
+  std::string group{};  ///< "g5"; empty: any
+  std::string name{};   ///< a part of the name
   std::uint32_t count = 50;
   bool all = false;  ///< whatever `count` says
   bool oldest_first = false;
-  std::string after;      ///< the cursor of the page before
+  std::string after{};    ///< the cursor of the page before
   bool complete = false;  ///< for shells: never an error, never a message
   bool json = false;
 };
 
 /// What most commands have: jobs as people name them, and how to print.
 struct JobsOptions {
-  std::vector<std::string> jobs;
+  std::vector<std::string> jobs{};
   bool json = false;
 };
 
@@ -42,10 +42,10 @@ struct WatchOptions : JobsOptions {
 
 /// Exactly one of the numbers.
 struct ExtendOptions : JobsOptions {
-  std::optional<std::uint64_t> scans;
-  std::optional<std::uint32_t> rounds;
-  std::optional<std::uint32_t> solutions;
-  std::optional<double> odds;
+  std::optional<std::uint64_t> scans{};
+  std::optional<std::uint32_t> rounds{};
+  std::optional<std::uint32_t> solutions{};
+  std::optional<double> odds{};
 };
 
 struct DeleteOptions : JobsOptions {

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <string_view>
@@ -11,7 +12,6 @@
 
 #include "clients/cli/service_call.h"
 #include "clients/cli/text_table.h"
-#include "common/config/quantities.h"
 #include "common/events/progress.h"
 #include "common/request/text.h"
 
@@ -121,7 +121,7 @@ std::string resources_line(const rpc::JobView& job) {
                                    : "wants the cores that are free");
   if (job.ranks > 0) parts.push_back(fmt::format("{} ranks by mpirun", job.ranks));
   if (job.memory_bytes > 0)
-    parts.push_back(fmt::format("{} of memory", config::bytes_text(job.memory_bytes)));
+    parts.push_back(fmt::format("{} of memory", size_text(job.memory_bytes)));
   if (job.priority != 0) parts.push_back(fmt::format("priority {}", job.priority));
   if (job.strict) parts.emplace_back("--strict");
   return fmt::format("{}", fmt::join(parts, ", "));
@@ -135,7 +135,7 @@ std::string times_line(const rpc::JobView& job) {
 }
 
 std::string kept_line(const rpc::JobView& job) {
-  std::string line = job.bytes > 0 ? config::bytes_text(job.bytes) : "";
+  std::string line = job.bytes > 0 ? size_text(job.bytes) : "";
   if (job.pinned) return line + (line.empty() ? "" : ", ") + "pinned";
   if (job.deleted_at_s > 0) {
     line += fmt::format("{}deleted after {}; `sleight pin {}` keeps it", line.empty() ? "" : ", ",
@@ -154,6 +154,18 @@ std::string local_time(double time_s) {
   char text[32];
   const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &local);
   return {text, length};
+}
+
+std::string size_text(std::uint64_t bytes) {
+  constexpr std::array<const char*, 6> k_units = {"B", "kB", "MB", "GB", "TB", "PB"};
+  auto size = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  // What three digits would round up to 1000 is 1 of the next unit.
+  while (size >= 999.5 && unit + 1 < k_units.size()) {
+    size /= 1000;
+    ++unit;
+  }
+  return fmt::format("{:.3g} {}", size, k_units[unit]);
 }
 
 std::string name_of_job(const rpc::JobView& job) {

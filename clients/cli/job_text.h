@@ -53,6 +53,9 @@ std::string solutions_text(const rpc::SolutionCounts& counts);
 /// "search_gave_up 2, work_limit 1".
 std::string failures_text(std::span<const rpc::FailureCount> failures);
 
+/// "812 B", "12.3 MB", "24 GB": three digits.
+std::string size_text(std::uint64_t bytes);
+
 /// "2026-11-26 05:12:40"; "-" of 0.
 std::string local_time(double time_s);
 

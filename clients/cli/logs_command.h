@@ -8,7 +8,7 @@
 namespace sleight::cli {
 
 struct LogsOptions {
-  std::string job;
+  std::string job{};
   bool follow = false;  ///< until the job has ended, or Ctrl-C
   std::uint32_t lines = 50;
   bool json = false;

@@ -86,10 +86,12 @@ void add_submit(CLI::App& app, Action& action) {
       ->check(CLI::Range(1U, request::k_independent_solutions_max))
       ->type_name("N");
   command
-      ->add_option("--set", options->sets,
-                   "A key in place of the request's; a range (1..20) or list ({1,4}) makes a group")
+      ->add_option(
+          "--set", options->sets,
+          "A key in place of the request's, as sampler.seed=7; a range (1..20) or a list ({1,4}) "
+          "makes a group")
       ->allow_extra_args(false)
-      ->type_name("SECTION.KEY=VALUE");
+      ->type_name("KEY=VALUE");
   command->add_option("--cores", options->cores, "A wish; the cores that are free if not given")
       ->check(CLI::Range(std::uint32_t{1}, static_cast<std::uint32_t>(config::k_cores_max)))
       ->type_name("N");

@@ -12,13 +12,13 @@
 #include <optional>
 #include <thread>
 
+#include "clients/cli/job_text.h"
 #include "clients/cli/server_process.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
-#include "common/config/quantities.h"
 #include "common/events/progress.h"
 #include "common/rpc/client.h"
 
@@ -118,11 +118,6 @@ std::string limits_line(const rpc::ServerView& server) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-std::string megabytes(std::uint64_t bytes) {
-  constexpr std::uint64_t k_megabyte = 1'000'000;
-  return config::bytes_text(bytes < k_megabyte ? bytes : bytes / k_megabyte * k_megabyte);
-}
-
 }  // namespace
 
 std::vector<std::string> server_command(const std::string& program,
@@ -149,10 +144,10 @@ std::string server_text(const rpc::ServerView& server, const std::string& socket
   add("jobs", jobs_line(server));
   add("cores", fmt::format("{} of {} in use, backend {}", server.cores_used, server.cores,
                            shown(server.backend)));
-  add("memory", fmt::format("{} of {} in use", megabytes(server.memory_used_bytes),
-                            megabytes(server.memory_bytes)));
-  add("disk", fmt::format("{} free, of which {} stay so", megabytes(server.disk_free_bytes),
-                          megabytes(server.disk_reserve_bytes)));
+  add("memory", fmt::format("{} of {} in use", size_text(server.memory_used_bytes),
+                            size_text(server.memory_bytes)));
+  add("disk", fmt::format("{} free, of which {} stay so", size_text(server.disk_free_bytes),
+                          size_text(server.disk_reserve_bytes)));
   add("keeps", shown(server.keeping_rule));
   add("limits", limits_line(server));
   add("clients", fmt::format("{} connection{}, {} watching", server.connections,

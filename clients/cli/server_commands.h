@@ -14,8 +14,8 @@
 namespace sleight::cli {
 
 struct ServerStartOptions {
-  std::vector<config::Given> given;  ///< settings, handed on to the daemon
-  bool foreground = false;           ///< becomes the daemon
+  std::vector<config::Given> given{};  ///< settings, handed on to the daemon
+  bool foreground = false;             ///< becomes the daemon
   bool json = false;
 };
 

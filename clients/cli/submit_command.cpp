@@ -59,7 +59,22 @@ std::string what_differs(const std::vector<request::KeySet>& sets,
   return texts;
 }
 
-/// At most `bytes_max`, cut between characters.
+/// A set of what an option gives too, as that would hold in silence.
+std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet>& sets,
+                                               const SubmitOptions& options) {
+  const bool is_word = !options.word.empty();
+  const request::KeySet* set = is_word ? request::find_set(sets, "world", "word") : nullptr;
+  std::string_view option = "--word";
+  if (set == nullptr && options.number) {
+    set = request::find_set(sets, "stop", is_word ? "independent_solutions" : "");
+    option = is_word ? "-n" : "-n, in the place of all of [stop],";
+  }
+  if (set == nullptr) return std::nullopt;
+  return request::Diagnostic{"--set " + set->text, request::k_no_place,
+                             fmt::format("{} gives that; leave one of them out", option)};
+}
+
+/// Within the service's bound, cut between characters.
 std::string cut_name(std::string name) {
   while (name.size() > rpc::k_name_bytes_max)
     name = request::printable(name, request::character_count(name) - 4);
@@ -163,6 +178,8 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
                                                          const RequestTexts& texts) {
   const auto combinations = request::expand_sets(options.sets);
   if (!combinations) return combinations.error();
+  if (const auto twice = given_twice(combinations.value().front(), options))
+    return std::vector{*twice};
   const std::size_t count = combinations.value().size();
   if (count > rpc::k_submission_jobs_max) {
     throw base::Error(base::ExitCode::usage,

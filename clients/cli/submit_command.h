@@ -22,15 +22,15 @@ namespace sleight::cli {
 
 /// As the command line gives them.
 struct SubmitOptions {
-  std::string request_path;  ///< or, in its place,
-  std::string word;          ///< that balls spell
-  std::optional<std::uint32_t> number;
-  std::vector<std::string> sets;
-  std::optional<std::uint32_t> cores;
+  std::string request_path{};  ///< or, in its place,
+  std::string word{};          ///< that balls spell
+  std::optional<std::uint32_t> number{};
+  std::vector<std::string> sets{};
+  std::optional<std::uint32_t> cores{};
   std::uint32_t ranks = 0;
-  std::string memory;  ///< "2 GB"; empty: the default
+  std::string memory{};  ///< "2 GB"; empty: the default
   std::int32_t priority = 0;
-  std::string name;  ///< empty: the file's, or the word
+  std::string name{};  ///< empty: the file's, or the word
   bool strict = false;
   bool watch = false;
   bool wait = false;
@@ -40,7 +40,7 @@ struct SubmitOptions {
 /// Requests as the worlds of a program have them; its main gives these.
 struct RequestTexts {
   /// The shortest request for a word with so many solutions.
-  std::function<std::string(const std::string& word, std::uint32_t number)> of_word;
+  std::function<std::string(const std::string& word, std::uint32_t number)> of_word{};
   /// The normalised text of a request with these sets, as request::read_request_with reads it; or
   /// what is wrong.
   std::function<base::Result<std::string, std::vector<request::Diagnostic>>(
@@ -51,8 +51,8 @@ struct RequestTexts {
 
 /// A request as it was given: what errors call it, and its text.
 struct GivenRequest {
-  std::string name;
-  std::string text;
+  std::string name{};
+  std::string text{};
 };
 
 /// Reads the file, or makes the text of the word. Throws base::Error.

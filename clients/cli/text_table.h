@@ -15,14 +15,14 @@
 namespace sleight::cli {
 
 struct Column {
-  std::string head;
+  std::string head{};
   bool to_the_right = false;  ///< as numbers are written
   int rank = 0;               ///< 0: is never left out
 };
 
 struct TextTable {
-  std::vector<Column> columns;
-  std::vector<std::vector<std::string>> rows;  ///< one text a column each, fit for a terminal
+  std::vector<Column> columns{};
+  std::vector<std::vector<std::string>> rows{};  ///< one text a column each, fit for a terminal
 };
 
 /// The last column is cut to no less than this; before that, others are left out.

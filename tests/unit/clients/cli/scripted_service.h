@@ -1,0 +1,188 @@
+// A service of a few scripted jobs behind a real socket, for tests of the commands: a loop and a
+// server in a thread of their own. Each call is a function that a test may replace before it makes
+// a client; unless it does, `list`, `status` and `info` answer from `jobs`, all else is refused.
+#pragma once
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/base/bytes.h"
+#include "common/hash/sha256.h"
+#include "common/rpc/handler.h"
+#include "common/rpc/loop.h"
+#include "common/rpc/server.h"
+
+namespace sleight::cli {
+
+/// A folder that goes with the test.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string form = (std::filesystem::temp_directory_path() / "sleight-cli-XXXXXX").string();
+    CHECK(::mkdtemp(form.data()) != nullptr);
+    path_ = form;
+  }
+  ~ScratchFolder() { std::filesystem::remove_all(path_); }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+inline rpc::Refusal no_such_job(rpc::JobId job) {
+  return {.kind = rpc::RefusalKind::not_found,
+          .sentence = fmt::format("There is no job {}.", job),
+          .what_to_do = "`sleight list` shows the jobs."};
+}
+
+/// A file in memory.
+class TextSource final : public rpc::Source {
+ public:
+  TextSource(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {}
+  rpc::FileView view() const override {
+    return {.name = name_, .size = text_.size(), .sha256 = hash::sha256_hex(text_)};
+  }
+  void read(std::uint64_t offset, std::size_t bytes, rpc::Reply<base::Bytes> reply) override {
+    const auto view = std::as_bytes(std::span(text_)).subspan(offset, bytes);
+    reply.answer(base::Bytes(view.begin(), view.end()));
+  }
+
+ private:
+  std::string name_;
+  std::string text_;
+};
+
+class ScriptedHandler final : public rpc::Handler {
+ public:
+  template <class... Arguments>
+  using Call = std::function<void(Arguments...)>;
+  using TouchCall = Call<rpc::Target, rpc::Reply<std::vector<rpc::Touched>>>;
+
+  std::vector<rpc::JobView> jobs;
+  rpc::ServerView server{.version = "scripted", .pid = ::getpid()};
+  Call<rpc::Submission, rpc::Reply<rpc::Submitted>> on_submit;
+  Call<rpc::ListAsk, rpc::Reply<rpc::JobPage>> on_list;
+  std::function<base::Result<rpc::Batch, rpc::Refusal>(const rpc::WatchPoint&)> on_events;
+  Call<rpc::LogAsk, rpc::Reply<rpc::LogPiece>> on_logs;
+  TouchCall on_cancel;
+  TouchCall on_erase;
+  Call<rpc::Target, rpc::Extension, rpc::Reply<std::vector<rpc::Touched>>> on_extend;
+  Call<rpc::FetchAsk, rpc::Reply<rpc::Fetched>> on_fetch;
+
+  void submit(const rpc::Caller&, rpc::Submission submission,
+              rpc::Reply<rpc::Submitted> reply) override {
+    on_submit(std::move(submission), std::move(reply));
+  }
+  void list(const rpc::Caller&, rpc::ListAsk ask, rpc::Reply<rpc::JobPage> reply) override {
+    if (on_list) return on_list(std::move(ask), std::move(reply));
+    rpc::JobPage page;
+    for (const rpc::JobView& job : jobs) {
+      if (!ask.group || job.group == ask.group) page.jobs.push_back(job);
+    }
+    page.total = page.jobs.size();
+    reply.answer(std::move(page));
+  }
+  void status(const rpc::Caller&, rpc::JobId id, rpc::Reply<rpc::JobView> reply) override {
+    const auto job = std::ranges::find(jobs, id, &rpc::JobView::id);
+    if (job == jobs.end()) return reply.refuse(no_such_job(id));
+    reply.answer(*job);
+  }
+  base::Result<rpc::Batch, rpc::Refusal> events_after(const rpc::Caller&,
+                                                      const rpc::WatchPoint& point,
+                                                      std::size_t) override {
+    if (on_events) return on_events(point);
+    return no_such_job(point.job);
+  }
+  void logs(const rpc::Caller&, rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) override {
+    on_logs(std::move(ask), std::move(reply));
+  }
+  void cancel(const rpc::Caller&, rpc::Target target,
+              rpc::Reply<std::vector<rpc::Touched>> reply) override {
+    on_cancel(target, std::move(reply));
+  }
+  void hold(const rpc::Caller&, rpc::Target target,
+            rpc::Reply<std::vector<rpc::Touched>> reply) override {
+    on_cancel(target, std::move(reply));
+  }
+  void resume(const rpc::Caller&, rpc::Target target,
+              rpc::Reply<std::vector<rpc::Touched>> reply) override {
+    on_cancel(target, std::move(reply));
+  }
+  void extend(const rpc::Caller&, rpc::Target target, rpc::Extension extension,
+              rpc::Reply<std::vector<rpc::Touched>> reply) override {
+    on_extend(target, extension, std::move(reply));
+  }
+  void erase(const rpc::Caller&, rpc::Target target,
+             rpc::Reply<std::vector<rpc::Touched>> reply) override {
+    on_erase(target, std::move(reply));
+  }
+  void pin(const rpc::Caller&, rpc::Target, bool,
+           rpc::Reply<std::vector<rpc::Touched>> reply) override {
+    reply.answer({});
+  }
+  void set_priority(const rpc::Caller&, rpc::Target, std::int32_t,
+                    rpc::Reply<std::vector<rpc::Touched>> reply) override {
+    reply.answer({});
+  }
+  void fetch(const rpc::Caller&, rpc::FetchAsk ask, rpc::Reply<rpc::Fetched> reply) override {
+    on_fetch(std::move(ask), std::move(reply));
+  }
+  void info(const rpc::Caller&, rpc::Reply<rpc::ServerView> reply) override {
+    reply.answer(server);
+  }
+  void drain(const rpc::Caller&, rpc::Reply<rpc::Nothing> reply) override {
+    server.draining = true;
+    reply.answer({});
+  }
+  void stop(const rpc::Caller&, rpc::Reply<rpc::Nothing> reply) override { reply.answer({}); }
+};
+
+/// Serves a handler at a path while it lives; more than one after another may.
+class ServingThread {
+ public:
+  ServingThread(const std::string& path, ScriptedHandler& handler) {
+    std::promise<void> listens;
+    thread_ = std::thread([&, path] {
+      rpc::Loop loop;
+      rpc::Server server(loop, path, handler);
+      loop_ = &loop;
+      server_ = &server;
+      listens.set_value();
+      loop.run();
+    });
+    listens.get_future().wait();
+  }
+  ~ServingThread() {
+    loop_->stop();
+    thread_.join();
+  }
+  ServingThread(const ServingThread&) = delete;
+  ServingThread& operator=(const ServingThread&) = delete;
+
+  /// On the server's thread.
+  void post(std::function<void()> work) { loop_->post(std::move(work)); }
+  void news(rpc::JobId job) {
+    loop_->post([this, job] { server_->news(job); });
+  }
+
+ private:
+  std::thread thread_;
+  rpc::Loop* loop_ = nullptr;
+  rpc::Server* server_ = nullptr;
+};
+
+}  // namespace sleight::cli

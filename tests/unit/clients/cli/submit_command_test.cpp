@@ -1,0 +1,244 @@
+#include "clients/cli/submit_command.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/request/text.h"
+#include "scripted_service.h"
+
+namespace sleight::cli {
+namespace {
+
+/// Texts in place of worlds: a normalised text has what it was made of.
+RequestTexts texts() {
+  return {.of_word = [](const std::string& word,
+                        std::uint32_t number) { return fmt::format("{} x{}", word, number); },
+          .normalised = [](std::string_view text, std::string_view file,
+                           std::span<const request::KeySet> sets,
+                           std::optional<std::uint32_t> solutions)
+              -> base::Result<std::string, std::vector<request::Diagnostic>> {
+            if (text == "bad")
+              return std::vector{request::Diagnostic{std::string(file), {3, 9}, "no such key"}};
+            std::string normalised(text);
+            for (const request::KeySet& set : sets)
+              normalised += " " + set.text;
+            if (solutions) normalised += fmt::format(" n={}", *solutions);
+            return normalised;
+          }};
+}
+
+rpc::Submission made(const SubmitOptions& options, const GivenRequest& given) {
+  auto submission = submission_of(options, given, texts());
+  CHECK(submission.ok());
+  return std::move(submission).value();
+}
+
+TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
+  // Goal: the service's errors have the file's own lines, and all options arrive. Method: a file's
+  // text, and each option.
+  const rpc::Submission submission =
+      made({.request_path = "requests/hi.toml",
+            .cores = 4,
+            .ranks = 2,
+            .memory = "2GB",
+            .priority = -3,
+            .strict = true},
+           {.name = "requests/hi.toml", .text = "# mine\n[world]\n"});
+  ASSERT_EQ(submission.jobs.size(), 1U);
+  EXPECT_FALSE(submission.is_group);
+  const rpc::JobAsk expected{.name = "hi",
+                             .request = "# mine\n[world]\n",
+                             .cores = 4,
+                             .ranks = 2,
+                             .memory_bytes = 2'000'000'000,
+                             .priority = -3,
+                             .strict = true};
+  EXPECT_EQ(submission.jobs.front(), expected);
+}
+
+TEST(Submit, SetsAndNumberAreApplied) {
+  // Goal: keys that are set reach the text that is sent, as does -n of a file; a word has its
+  // number already.
+  const rpc::Submission of_file = made(
+      {.request_path = "hi.toml", .number = 7, .sets = {"sampler.seed=3"}}, {"hi.toml", "text"});
+  EXPECT_EQ(of_file.jobs.front().request, "text sampler.seed=3 n=7");
+  EXPECT_FALSE(of_file.is_group);
+  const SubmitOptions word{.word = "HI", .number = 7};
+  const GivenRequest given = given_request(word, texts());
+  EXPECT_EQ(given.name, "--word HI");
+  EXPECT_EQ(made(word, given).jobs.front().request, "HI x7");
+  EXPECT_EQ(made(word, given).jobs.front().name, "HI");
+}
+
+TEST(Submit, ARangeMakesAGroup) {
+  // Goal: one job a value, named by what tells them apart; also a range of one value is a group.
+  // Method: a range beside a plain set.
+  const rpc::Submission group = made(
+      {.request_path = "hi.toml", .sets = {"sampler.seed=1..3", "stop.scans=9"}, .name = "try"},
+      {"hi.toml", "text"});
+  EXPECT_TRUE(group.is_group);
+  ASSERT_EQ(group.jobs.size(), 3U);
+  EXPECT_EQ(group.jobs[1].name, "try sampler.seed=2");
+  EXPECT_EQ(group.jobs[1].request, "text sampler.seed=2 stop.scans=9");
+  EXPECT_TRUE(made({.request_path = "hi.toml", .sets = {"sampler.seed=1..1"}}, {"hi.toml", "text"})
+                  .is_group);
+}
+
+TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
+  // Goal: what `sleight check` says, before anything is sent; -n is named beside the file.
+  const auto bad =
+      submission_of({.request_path = "hi.toml", .number = 7}, {"hi.toml", "bad"}, texts());
+  ASSERT_FALSE(bad);
+  EXPECT_EQ(request::to_string(bad.error().front()), "hi.toml with -n 7:3:9: no such key");
+  EXPECT_FALSE(
+      submission_of({.request_path = "hi.toml", .sets = {"nonsense"}}, {"hi.toml", "t"}, texts()));
+}
+
+TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
+  // Goal: neither holds in silence. Method: --word and -n beside sets of theirs, and beside others.
+  const auto is_taken = [](const SubmitOptions& options) {
+    return submission_of(options, {"x", "text"}, texts()).ok();
+  };
+  EXPECT_FALSE(is_taken({.word = "HI", .sets = {"world.word=HO"}}));
+  EXPECT_FALSE(is_taken({.word = "HI", .number = 3, .sets = {"stop.independent_solutions=1..2"}}));
+  EXPECT_FALSE(is_taken({.request_path = "x", .number = 3, .sets = {"stop.scans=10"}}));
+  EXPECT_TRUE(is_taken({.word = "HI", .sets = {"sampler.seed=2"}}));
+  EXPECT_TRUE(is_taken({.request_path = "x", .sets = {"stop.scans=10"}}));
+}
+
+TEST(Submit, MoreThanASubmissionTakesIsRefused) {
+  // Goal: bounds of jobs and bytes are told before the service is asked. Method: one beyond each.
+  const auto throws = [](const SubmitOptions& options, const std::string& text) {
+    EXPECT_THROW(static_cast<void>(submission_of(options, {"hi.toml", text}, texts())),
+                 base::Error);
+  };
+  throws({.request_path = "hi.toml", .sets = {"sampler.seed=1..1001"}}, "text");
+  throws({.request_path = "hi.toml", .sets = {"sampler.seed=1..4"}}, std::string(800'000, 'x'));
+  throws({.request_path = "hi.toml", .memory = "much"}, "text");
+  throws({.request_path = "hi.toml", .memory = "0"}, "text");
+  EXPECT_THROW(given_request({}, texts()), base::Error);
+  EXPECT_THROW(given_request({.word = "\xff"}, texts()), base::Error);
+  EXPECT_THROW(given_request({.request_path = "/no/such/file.toml"}, texts()), base::Error);
+}
+
+TEST(Submit, NamesFitTheService) {
+  // Goal: whatever a file is called, the name is printable and within the service's bound. Method:
+  // a long name of wide characters with an escape in it, and a group that lengthens it.
+  std::string name;
+  for (int i = 0; i < 200; ++i)
+    name += "ü";
+  const rpc::Submission submission = made(
+      {.request_path = "\x1b[2J.toml", .sets = {"sampler.seed=1..2"}, .name = name}, {"x", "text"});
+  EXPECT_LE(submission.jobs.front().name.size(), rpc::k_name_bytes_max);
+  EXPECT_TRUE(request::is_utf8(submission.jobs.front().name));
+  const rpc::Submission unnamed = made({.request_path = "\x1b[2J.toml"}, {"x", "text"});
+  EXPECT_EQ(unnamed.jobs.front().name, "\\u{1b}[2J");
+}
+
+TEST(Submit, TellsWhatToTypeNext) {
+  EXPECT_EQ(submitted_text({.jobs = {rpc::JobId{17}}}, "hi"),
+            "job 17 (hi)\n"
+            "  sleight watch 17            how it goes\n"
+            "  sleight wait 17             until it has ended\n"
+            "  sleight fetch 17            its archive; with --so-far before its end\n"
+            "  sleight cancel 17           ends it\n");
+  const std::string group = submitted_text(
+      {.jobs = {rpc::JobId{17}, rpc::JobId{18}}, .group = rpc::GroupId{5}, .was_known = true},
+      "hi");
+  EXPECT_EQ(group.substr(0, group.find('\n')), "group g5 of 2 jobs (hi), submitted before");
+  EXPECT_NE(group.find("sleight watch g5"), std::string::npos);
+}
+
+/// A command's exit code, and what it printed.
+struct Printed {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+Printed submit_to(const std::string& socket, const SubmitOptions& options) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Printed printed;
+  printed.code = submit(socket, options, texts());
+  printed.out = testing::internal::GetCapturedStdout();
+  printed.err = testing::internal::GetCapturedStderr();
+  return printed;
+}
+
+TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
+  // Goal: exit code 3 and lines with the file's name, whatever the service calls the text. Method:
+  // a service that refuses with diagnostics, one of which would steer the terminal.
+  const ScratchFolder scratch;
+  const std::string file = scratch / "hi.toml";
+  std::ofstream(file) << "text";
+  ScriptedHandler handler;
+  handler.on_submit = [](rpc::Submission, rpc::Reply<rpc::Submitted> reply) {
+    reply.refuse({.kind = rpc::RefusalKind::bad_request,
+                  .sentence = "The request has errors.",
+                  .diagnostics = {{"request", {12, 9}, "unknown key 'lamda'"},
+                                  {"request", {13, 1}, "\x1b[2J"}}});
+  };
+  const ServingThread serving(scratch / "socket", handler);
+  const Printed printed = submit_to(scratch / "socket", {.request_path = file});
+  EXPECT_EQ(printed.code, 3);
+  EXPECT_EQ(printed.out, "");
+  EXPECT_EQ(printed.err, file + ":12:9: unknown key 'lamda'\n" + file + ":13:1: \\u{1b}[2J\n");
+}
+
+TEST(Submit, ALostAnswerSubmitsNothingTwice) {
+  // Goal: a server that dies after it took a submission and before it answered is asked again with
+  // the same key. Method: the first server never answers and goes; a second one comes a moment
+  // later at the same place, and knows the key.
+  const ScratchFolder scratch;
+  const std::string socket = scratch / "socket";
+  std::set<std::string> keys;
+  std::atomic<int> submissions = 0;
+  ScriptedHandler silent;
+  std::vector<rpc::Reply<rpc::Submitted>> owed;
+  std::promise<void> asked;
+  silent.on_submit = [&](rpc::Submission submission, rpc::Reply<rpc::Submitted> reply) {
+    keys.insert(submission.key);
+    if (++submissions == 1) asked.set_value();
+    owed.push_back(std::move(reply));
+  };
+  ScriptedHandler second;
+  second.on_submit = [&](rpc::Submission submission, rpc::Reply<rpc::Submitted> reply) {
+    const bool was_known = !keys.insert(submission.key).second;
+    reply.answer({.jobs = {rpc::JobId{17}}, .was_known = was_known});
+  };
+  auto first_serving = std::make_unique<ServingThread>(socket, silent);
+  std::thread restart([&] {
+    asked.get_future().wait();
+    first_serving->post([&] { owed.clear(); });
+    first_serving.reset();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    first_serving = std::make_unique<ServingThread>(socket, second);
+  });
+  const Printed printed = submit_to(socket, {.word = "HI", .json = true});
+  restart.join();
+  EXPECT_EQ(printed.code, 0);
+  EXPECT_EQ(keys.size(), 1U);
+  EXPECT_FALSE(keys.begin()->empty());
+  EXPECT_NE(printed.out.find("\"id\": 17"), std::string::npos);
+}
+
+TEST(Submit, WithoutAServerSaysHowToStartOne) {
+  // Goal: exit code 12, and the words name the command.
+  const ScratchFolder scratch;
+  try {
+    static_cast<void>(submit(scratch / "socket", {.word = "HI"}, texts()));
+    FAIL() << "no error";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::no_server);
+    EXPECT_NE(std::string(error.what()).find("`sleight server start`"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::cli
