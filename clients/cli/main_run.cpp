@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "clients/cli/failure_counts.h"
 #include "clients/cli/progress_printer.h"
@@ -16,6 +17,7 @@
 #include "common/base/file_system.h"
 #include "common/base/version.h"
 #include "common/events/progress.h"
+#include "common/events/run_event.h"
 #include "common/logging/log.h"
 #include "common/request/text.h"
 #include "service/coordinator/stop_signal.h"
@@ -316,13 +318,15 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
       .output = arguments.output,
       .fresh = arguments.fresh,
       .stop_requested = &coordinator::stop_requested,
-      .report = {},
       .strict = arguments.strict,
       .ended = [&](const events::RunEnd& end) { end_report.tell(end); }};
   if (!arguments.time_limit.empty()) options.time_limit_s = parse_duration_s(arguments.time_limit);
   if (!arguments.quiet) {
-    options.report = [&](const events::Progress& progress) { printer.show(progress); };
-    options.say = [&](const std::string& phase) { printer.say(phase); };
+    options.hear = [&](const events::RunEvent& event) {
+      if (const auto* progress = std::get_if<events::Progress>(&event.what))
+        printer.show(*progress);
+      if (const auto* phase = std::get_if<events::Phase>(&event.what)) printer.say(phase->words);
+    };
   }
   const coordinator::RunSummary summary = coordinator::run_request(
       {.request = request,

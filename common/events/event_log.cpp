@@ -17,15 +17,16 @@
 #include "common/logging/log.h"
 
 namespace sleight::events {
-namespace {
 
-std::string path_of(const std::string& folder) {
+std::string event_log_path(const std::string& folder) {
   return folder + "/events.log";
 }
 
-std::string old_path_of(const std::string& folder) {
+std::string old_event_log_path(const std::string& folder) {
   return folder + "/events.old.log";
 }
+
+namespace {
 
 /// An open file, or none.
 class Reader {
@@ -65,7 +66,15 @@ class Reader {
 }  // namespace
 
 EventLog::EventLog(std::string folder, std::uint64_t bytes_max)
-    : folder_(std::move(folder)), bytes_max_(bytes_max) {
+    : folder_(std::move(folder)),
+      bytes_max_(bytes_max),
+      clock_(own_clock_),
+      looked_s_(clock_.now_s()) {
+  open();
+}
+
+EventLog::EventLog(std::string folder, std::uint64_t bytes_max, const base::Clock& clock)
+    : folder_(std::move(folder)), bytes_max_(bytes_max), clock_(clock), looked_s_(clock.now_s()) {
   open();
 }
 
@@ -74,7 +83,7 @@ EventLog::~EventLog() {
 }
 
 void EventLog::open() {
-  const std::string path = path_of(folder_);
+  const std::string path = event_log_path(folder_);
   descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor_ < 0) {
     give_up(std::strerror(errno));
@@ -88,7 +97,24 @@ void EventLog::open() {
     give_up(std::strerror(errno));
 }
 
+void EventLog::look_now_and_then() {
+  const double now_s = clock_.now_s();
+  if (now_s - looked_s_ < k_event_log_look_every_s) return;
+  looked_s_ = now_s;
+  struct stat mine {};
+  struct stat there {};
+  if (descriptor_ >= 0) {
+    const bool is_there = ::fstat(descriptor_, &mine) == 0 &&
+                          ::stat(event_log_path(folder_).c_str(), &there) == 0 &&
+                          mine.st_ino == there.st_ino && mine.st_dev == there.st_dev;
+    if (is_there) return;
+    ::close(descriptor_);
+  }
+  open();
+}
+
 void EventLog::append(const RunEvent& event) {
+  look_now_and_then();
   if (descriptor_ < 0) return;
   const std::string line = to_line(event);
   if (bytes_ > 0 && bytes_ + line.size() > bytes_max_ / 2) turn_over();
@@ -109,7 +135,7 @@ void EventLog::append(const RunEvent& event) {
 void EventLog::turn_over() {
   ::close(descriptor_);
   descriptor_ = -1;
-  if (::rename(path_of(folder_).c_str(), old_path_of(folder_).c_str()) != 0) {
+  if (::rename(event_log_path(folder_).c_str(), old_event_log_path(folder_).c_str()) != 0) {
     give_up(std::strerror(errno));
     return;
   }
@@ -119,16 +145,18 @@ void EventLog::turn_over() {
 void EventLog::give_up(const std::string& reason) {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
-  logging::warn(fmt::format("{}: nothing more is written there: {}", path_of(folder_), reason));
+  if (std::exchange(has_complained_, true)) return;
+  logging::warn(
+      fmt::format("{}: can't write it: {}; the run goes on", event_log_path(folder_), reason));
 }
 
 std::vector<RunEvent> read_event_log(const std::string& folder) {
   // Both files of one moment: between opening the two, the writer may turn over.
   std::string text;
   for (int tries = 0; tries < 100; ++tries) {
-    const Reader now(path_of(folder));
-    const Reader old(old_path_of(folder));
-    if (!now.is_file_at(path_of(folder))) continue;
+    const Reader now(event_log_path(folder));
+    const Reader old(old_event_log_path(folder));
+    if (!now.is_file_at(event_log_path(folder))) continue;
     text = old.content() + now.content();
     break;
   }

@@ -50,6 +50,29 @@ struct Finds {
   bool is_all = false;  ///< no chains come after the search
 };
 
+/// A start of a search that found something.
+struct Find {
+  std::uint64_t start = 0;
+  double log_p = 0;  ///< log_prior + log_constraint of its record
+};
+
+/// An independent solution of a chain.
+struct Solution {
+  base::ChainId chain;
+  std::uint64_t scan = 0;
+  double log_p = 0;           ///< log_prior + log_constraint of its record
+  std::uint64_t decided = 0;  ///< it is one as soon as all chains have so many scans
+};
+
+/// A round that is over, of one ladder or of all chains together (chain 0).
+struct EndedRound {
+  base::ChainId chain;
+  std::uint64_t round = 0;                     ///< from 1
+  std::uint64_t scans = 0;                     ///< that the chain has then
+  std::optional<double> swaps{};               ///< mean acceptance, of a ladder
+  std::optional<std::uint64_t> round_trips{};  ///< that ended in it, of a ladder
+};
+
 class Plan {
  public:
   virtual ~Plan() = default;
@@ -83,7 +106,25 @@ class Plan {
   virtual std::uint64_t solutions_found() const = 0;
   virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
 
+  /// Of these, the ones with after < decided <= until, by (decided, chain, scan). They are a
+  /// function of the results before scan `until`. REQUIRES: until <= scans_common().
+  virtual std::vector<Solution> solutions_between(std::uint64_t after,
+                                                  std::uint64_t until) const = 0;
+
+  /// Rounds that ended with after < scans <= until, by (scans, chain); likewise.
+  virtual std::vector<EndedRound> rounds_between(std::uint64_t /*after*/,
+                                                 std::uint64_t /*until*/) const {
+    return {};
+  }
+
   virtual Finds finds() const { return {}; }
+
+  /// Starts of the search that are done with all starts before them, up to the one that ended it;
+  /// and what those from `first` on found, in order. REQUIRES: end <= starts_done().
+  virtual std::uint64_t starts_done() const { return 0; }
+  virtual std::vector<Find> finds_between(std::uint64_t /*first*/, std::uint64_t /*end*/) const {
+    return {};
+  }
 
   /// Replicas that went from the prior to inverse temperature 1 and back; none where no replica
   /// does such a thing.

@@ -84,6 +84,23 @@ std::int64_t checksum_of(const SessionKey& session, std::string_view program_ver
   return sum.value();
 }
 
+std::int64_t checksum_of_event(std::uint64_t salt, std::uint64_t number, std::string_view line) {
+  Checksum sum;
+  sum.add(salt);
+  sum.add(number);
+  sum.array(base::bytes_of(std::span<const char>(line)));
+  return sum.value();
+}
+
+std::int64_t checksum_of(std::uint64_t salt, const ToldFrontier& told) {
+  Checksum sum;
+  sum.add(salt);
+  for (const std::uint64_t count :
+       {told.scans, told.starts, told.solutions, told.finds, told.failures})
+    sum.add(count);
+  return sum.value();
+}
+
 std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,
                                 std::uint64_t columns, base::BytesView numbers) {
   Checksum sum;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/plan/unit.h"
+#include "common/store/put_events.h"
 
 namespace sleight::store {
 
@@ -30,6 +31,12 @@ struct SessionKey {
 /// Of a session's row; `end` is its line, or empty.
 std::int64_t checksum_of(const SessionKey& session, std::string_view program_version,
                          std::uint64_t scans_before, std::string_view end);
+
+/// Of an event's row.
+std::int64_t checksum_of_event(std::uint64_t salt, std::uint64_t number, std::string_view line);
+
+/// Of how far events are told.
+std::int64_t checksum_of(std::uint64_t salt, const ToldFrontier& told);
 
 /// Of a remembered motion; the salt is its owner's.
 std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,

@@ -16,6 +16,14 @@ std::size_t bytes_of(const plan::UnitResult& result) {
   return bytes;
 }
 
+std::size_t bytes_of(const PutEvents& put) {
+  return sizeof(put) + put.events.size() * sizeof(events::RunEvent);
+}
+
+bool is_empty(const GroupCommit::Group& group) {
+  return group.results.empty() && group.events.empty();
+}
+
 }  // namespace
 
 GroupCommit::GroupCommit(Commit commit) : commit_(std::move(commit)) {}
@@ -34,25 +42,35 @@ void GroupCommit::rethrow_failure() const {
 }
 
 void GroupCommit::put(plan::UnitResult result) {
-  const std::size_t bytes = bytes_of(result);
+  put_into(&Group::results, std::move(result));
+}
+
+void GroupCommit::put(PutEvents events) {
+  put_into(&Group::events, std::move(events));
+}
+
+template <class T>
+void GroupCommit::put_into(std::vector<T> Group::*part, T what) {
+  const std::size_t bytes = bytes_of(what);
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return failure_ || queue_bytes_ < k_queue_bytes_max; });
   rethrow_failure();
   if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
-  queue_.push_back(std::move(result));
+  const bool is_first = is_empty(queue_);
+  (queue_.*part).push_back(std::move(what));
   queue_bytes_ += bytes;
-  ++put_results_;
-  // The writer is woken for a group's first result, which starts the wait, and for its last.
-  if (queue_.size() == 1 || queue_bytes_ >= k_group_bytes) changed_.notify_all();
+  ++put_;
+  // The writer is woken for a group's first entry, which starts the wait, and for its last.
+  if (is_first || queue_bytes_ >= k_group_bytes) changed_.notify_all();
 }
 
 void GroupCommit::flush() {
   std::unique_lock lock(mutex_);
   // What others put meanwhile is not waited for: they might never stop.
-  const std::uint64_t wanted = put_results_;
+  const std::uint64_t wanted = put_;
   ++flushing_;
   changed_.notify_all();
-  changed_.wait(lock, [&] { return failure_ || committed_results_ >= wanted; });
+  changed_.wait(lock, [&] { return failure_ || committed_ >= wanted; });
   --flushing_;
   rethrow_failure();
 }
@@ -65,13 +83,13 @@ std::uint64_t GroupCommit::committed() const {
 void GroupCommit::work() {
   std::unique_lock lock(mutex_);
   while (!failure_) {
-    changed_.wait(lock, [&] { return ending_ || !queue_.empty(); });
-    if (queue_.empty()) return;
+    changed_.wait(lock, [&] { return ending_ || !is_empty(queue_); });
+    if (is_empty(queue_)) return;
 
     // Wait for company, unless somebody waits for us.
     changed_.wait_for(lock, std::chrono::duration<double>(k_group_wait_s),
                       [&] { return ending_ || flushing_ > 0 || queue_bytes_ >= k_group_bytes; });
-    std::vector<plan::UnitResult> group = std::exchange(queue_, {});
+    Group group = std::exchange(queue_, {});
     queue_bytes_ = 0;
     lock.unlock();
 
@@ -80,14 +98,14 @@ void GroupCommit::work() {
     std::uint64_t scans = 0;
     try {
       commit_(group);
-      for (const plan::UnitResult& result : group)
+      for (const plan::UnitResult& result : group.results)
         scans += result.scans.size();
     } catch (...) {
       failure = std::current_exception();
     }
     lock.lock();
     committed_scans_ += scans;
-    if (!failure) committed_results_ += group.size();
+    if (!failure) committed_ += group.results.size() + group.events.size();
     failure_ = failure;
     changed_.notify_all();
   }

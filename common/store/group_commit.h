@@ -2,7 +2,8 @@
 // group is closed after 50 ms or 4 MB, whichever comes first.
 //
 // Invariants
-//   1. Results are committed in the order in which they were put.
+//   1. Results are committed in the order in which they were put, and events with or after all
+//      results that were put before them.
 //   2. committed() counts scans whose commit has returned: only these may be reported as done.
 //   3. After a commit has failed nothing more is written; the failure comes out of the next put or
 //      flush, in the caller's thread.
@@ -16,11 +17,11 @@
 #include <exception>
 #include <functional>
 #include <mutex>
-#include <span>
 #include <thread>
 #include <vector>
 
 #include "common/plan/unit.h"
+#include "common/store/put_events.h"
 
 namespace sleight::store {
 
@@ -33,7 +34,12 @@ inline constexpr std::size_t k_queue_bytes_max = 64U << 20U;
 
 class GroupCommit {
  public:
-  using Commit = std::function<void(std::span<const plan::UnitResult>)>;
+  /// What is committed together.
+  struct Group {
+    std::vector<plan::UnitResult> results;
+    std::vector<PutEvents> events;
+  };
+  using Commit = std::function<void(Group&)>;
 
   /// `commit` makes a group durable or throws; it is called from one thread.
   explicit GroupCommit(Commit commit);
@@ -43,22 +49,25 @@ class GroupCommit {
   GroupCommit& operator=(const GroupCommit&) = delete;
 
   void put(plan::UnitResult result);
+  void put(PutEvents events);
   /// Returns when everything put so far is committed.
   void flush();
   /// Scans committed since construction.
   std::uint64_t committed() const;
 
  private:
+  template <class T>
+  void put_into(std::vector<T> Group::*part, T what);
   void work();
   void rethrow_failure() const;
 
   Commit commit_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<plan::UnitResult> queue_;
+  Group queue_;
   std::size_t queue_bytes_ = 0;
-  std::uint64_t put_results_ = 0;
-  std::uint64_t committed_results_ = 0;
+  std::uint64_t put_ = 0;  ///< results and lots of events
+  std::uint64_t committed_ = 0;
   std::uint64_t committed_scans_ = 0;
   std::size_t flushing_ = 0;  ///< callers that wait in flush
   bool ending_ = false;

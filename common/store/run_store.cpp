@@ -41,7 +41,15 @@ constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS session(
     epoch INTEGER PRIMARY KEY, program_version TEXT NOT NULL, scans_before INTEGER NOT NULL,
     ended TEXT NOT NULL, checksum INTEGER NOT NULL);
+  CREATE TABLE IF NOT EXISTS event(
+    number INTEGER PRIMARY KEY, line TEXT NOT NULL, checksum INTEGER NOT NULL);
+  CREATE TABLE IF NOT EXISTS told(
+    id INTEGER PRIMARY KEY CHECK(id=0), scans INTEGER NOT NULL, starts INTEGER NOT NULL,
+    solutions INTEGER NOT NULL, finds INTEGER NOT NULL, failures INTEGER NOT NULL,
+    checksum INTEGER NOT NULL);
 )";
+
+constexpr const char* k_insert_event = "INSERT INTO event VALUES(?1,?2,?3)";
 
 /// SQLite may have rolled back on its own; a second rollback's complaint is of no interest.
 void roll_back(Database& database) {
@@ -97,12 +105,16 @@ struct RunStore::Writer {
             "WHERE excluded.next_scan > next_scan")),
         next_scan(database.prepare("SELECT next_scan FROM replica WHERE chain=?1 AND replica=?2")),
         current_epoch(database.prepare("SELECT value FROM run WHERE key='epoch'")),
+        insert_event(database.prepare(k_insert_event)),
+        set_told(database.prepare("INSERT OR REPLACE INTO told VALUES(0,?1,?2,?3,?4,?5,?6)")),
         group_commit(std::move(commit)) {}
 
   Statement insert_scan;
   Statement advance_replica;
   Statement next_scan;
   Statement current_epoch;
+  Statement insert_event;
+  Statement set_told;
   GroupCommit group_commit;  // last: its thread uses the statements
 };
 
@@ -113,8 +125,8 @@ RunStore::RunStore(const std::string& folder, const RunIdentity& identity)
   base::PosixFileSystem file_system;
   file_system.sync_directory_of(database_path(folder));
   file_system.sync_directory_of(folder);
-  writer_ = std::make_unique<Writer>(
-      database_, [this](std::span<const plan::UnitResult> group) { commit(group); });
+  writer_ =
+      std::make_unique<Writer>(database_, [this](GroupCommit::Group& group) { commit(group); });
 }
 
 RunStore::~RunStore() = default;
@@ -172,6 +184,7 @@ void RunStore::create_or_check(const RunIdentity& identity) {
   }
   salt_ = salt_of(identity.identity_text);
   take_epoch(stored_text("epoch"), identity);
+  read_told();
   database_.execute("COMMIT");
 }
 
@@ -212,7 +225,26 @@ void RunStore::set_session(const std::string& end) {
       .run();
 }
 
-void RunStore::close(events::RunEnd end) {
+void RunStore::read_told() {
+  Statement select =
+      database_.prepare("SELECT scans, starts, solutions, finds, failures, checksum FROM told");
+  if (select.step()) {
+    const auto count = [&](int column) {
+      return static_cast<std::uint64_t>(select.integer(column));
+    };
+    told_ = {.scans = count(0),
+             .starts = count(1),
+             .solutions = count(2),
+             .finds = count(3),
+             .failures = count(4)};
+    if (checksum_of(salt_, told_) != select.integer(5))
+      refuse_damaged(database_.path(), "how far its events are told");
+  }
+  Statement last = database_.prepare("SELECT COALESCE(MAX(number), 0) FROM event");
+  if (last.step()) last_event_ = static_cast<std::uint64_t>(last.integer(0));
+}
+
+std::uint64_t RunStore::close(events::RunEnd end) {
   // The writer's thread goes, so that the connection is this thread's alone.
   if (end.end != events::End::failed) writer_->group_commit.flush();
   writer_.reset();
@@ -222,11 +254,22 @@ void RunStore::close(events::RunEnd end) {
   try {
     refuse_if_fenced(current);
     set_session(events::to_line(end));
+    Statement row = database_.prepare(k_insert_event);
+    insert_event(row, {.number = last_event_ + 1, .what = end});
     database_.execute("COMMIT");
   } catch (...) {
     roll_back(database_);
     throw;
   }
+  return ++last_event_;
+}
+
+void RunStore::insert_event(Statement& row, const events::RunEvent& event) const {
+  const std::string line = events::to_line(event);
+  row.bind(1, static_cast<std::int64_t>(event.number))
+      .bind(2, line)
+      .bind(3, checksum_of_event(salt_, event.number, line))
+      .run();
 }
 
 void RunStore::refuse_if_fenced(Statement& current_epoch) const {
@@ -277,6 +320,11 @@ void RunStore::put(plan::UnitResult result) {
   writer_->group_commit.put(std::move(result));
 }
 
+void RunStore::put(PutEvents events) {
+  CHECK(writer_ != nullptr);
+  writer_->group_commit.put(std::move(events));
+}
+
 void RunStore::flush() {
   CHECK(writer_ != nullptr);
   writer_->group_commit.flush();
@@ -287,18 +335,47 @@ std::uint64_t RunStore::committed() const {
   return writer_->group_commit.committed();
 }
 
-void RunStore::commit(std::span<const plan::UnitResult> group) {
+void RunStore::commit(GroupCommit::Group& group) {
   database_.execute("BEGIN IMMEDIATE");
+  std::uint64_t last = last_event_;
   try {
     // Fence: a session that was taken for dead must not write beside its successor.
     refuse_if_fenced(writer_->current_epoch);
-    for (const plan::UnitResult& result : group)
+    for (const plan::UnitResult& result : group.results)
       insert(result);
+    for (PutEvents& put : group.events) {
+      for (events::RunEvent& event : put.events) {
+        event.number = ++last;
+        insert_event(writer_->insert_event, event);
+      }
+    }
+    if (!group.events.empty()) set_told(group.events.back().reached);
     database_.execute("COMMIT");
   } catch (...) {
     roll_back(database_);
     throw;
   }
+  last_event_ = last;
+  const std::scoped_lock lock(telling_);
+  for (const PutEvents& put : group.events) {
+    if (on_told_) on_told_(put.events);
+  }
+}
+
+void RunStore::on_told(Told told) {
+  const std::scoped_lock lock(telling_);
+  on_told_ = std::move(told);
+}
+
+void RunStore::set_told(const ToldFrontier& reached) {
+  const auto count = [](std::uint64_t value) { return static_cast<std::int64_t>(value); };
+  writer_->set_told.bind(1, count(reached.scans))
+      .bind(2, count(reached.starts))
+      .bind(3, count(reached.solutions))
+      .bind(4, count(reached.finds))
+      .bind(5, count(reached.failures))
+      .bind(6, checksum_of(salt_, reached))
+      .run();
 }
 
 void RunStore::insert(const plan::UnitResult& result) {

@@ -13,26 +13,33 @@
 //   5. Every row carries a checksum: what a disk or a person changed is refused when it is read.
 //   6. A session that ends in order, or by an error, leaves how it ended (sessions.h); one without
 //      that runs, or died.
+//   7. Events of the run are numbered from 1 without a gap, in the order in which they are put, and
+//      each is committed with or after all results that were put before it (told_events.h). A
+//      session's end is one of them.
 // Thread safety: put, flush and committed may be called from any thread; the rest from one.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/events/run_end.h"
 #include "common/plan/unit.h"
 #include "common/store/database.h"
 #include "common/store/group_commit.h"
+#include "common/store/put_events.h"
 #include "common/store/scan_rows.h"
 
 namespace sleight::store {
 
 /// Of the tables; a store of another format is refused.
-inline constexpr std::int64_t k_store_format = 5;
+inline constexpr std::int64_t k_store_format = 6;
 
 /// Whose results a store holds.
 struct RunIdentity {
@@ -87,10 +94,20 @@ class RunStore {
   void put(plan::UnitResult result);
   /// Returns when all that was put is committed; throws as put does.
   void flush();
+  /// How far earlier sessions have told the run's events.
+  const ToldFrontier& told() const { return told_; }
+  /// Takes events to be numbered and committed soon, after all results that were put before, and
+  /// up to which results all is then told. Throws as put does.
+  void put(PutEvents events);
+  /// Sets what hears of events, with their numbers, as soon as they are committed, in the thread
+  /// that commits. On return nothing that was set before is called any more.
+  using Told = std::function<void(std::span<const events::RunEvent>)>;
+  void on_told(Told told);
   /// Commits what was put and records how the session ended, under the store's epoch whatever
   /// `end.epoch` says; throws as put does. A session that failed is recorded so even where what was
-  /// put last can't be committed. Nothing may be put or flushed afterwards.
-  void close(events::RunEnd end);
+  /// put last can't be committed. Returns the number of the end as an event. Nothing may be put or
+  /// flushed afterwards.
+  std::uint64_t close(events::RunEnd end);
   /// Scans committed in this session.
   std::uint64_t committed() const;
 
@@ -99,7 +116,10 @@ class RunStore {
  private:
   void create_or_check(const RunIdentity& identity);
   void take_epoch(const std::optional<std::string>& last, const RunIdentity& identity);
-  void commit(std::span<const plan::UnitResult> group);
+  void read_told();
+  void commit(GroupCommit::Group& group);
+  void insert_event(Statement& row, const events::RunEvent& event) const;
+  void set_told(const ToldFrontier& reached);
   void refuse_if_fenced(Statement& current_epoch) const;
   void set_session(const std::string& end);
   void insert(const plan::UnitResult& result);
@@ -109,6 +129,10 @@ class RunStore {
   std::uint64_t epoch_ = 0;
   std::string program_version_;
   std::uint64_t scans_before_ = 0;
+  ToldFrontier told_;             ///< by earlier sessions
+  std::uint64_t last_event_ = 0;  ///< number of the last one that is committed
+  std::mutex telling_;            ///< of on_told_
+  Told on_told_;
   struct Writer;
   std::unique_ptr<Writer> writer_;
 };

@@ -51,6 +51,7 @@ class Driver {
       store_.replay(replica.replica,
                     [&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
                       plan_.consume(replica.replica, first, records);
+                      if (options_.consumed) options_.consumed(replica.replica, first, records);
                       for (const plan::ScanRecord& record : records)
                         counted_.failures.add(record.failures);
                       next_scan = first.value + records.size();
@@ -110,6 +111,8 @@ class Driver {
     counted_.session_simulations += result.simulations;
     for (const plan::ScanRecord& scan : result.scans)
       count(scan);
+    if (options_.consumed)
+      options_.consumed(result.unit.replica, result.unit.first_scan, result.scans);
     if (options_.failed) {
       for (const plan::FailedSimulation& failed : result.failed)
         options_.failed(result.unit.replica, failed);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "common/base/clock.h"
 #include "common/events/progress.h"
@@ -46,6 +47,11 @@ struct DriveOptions {
   std::function<void(const events::Progress&)> report{};  ///< may be empty
   /// Hears every report_every_s how the run stands; must not take long; may be empty.
   std::function<void(const Standing&)> standing{};
+  /// Hears of all results, those of earlier sessions first, before they are put into the store, of
+  /// each replica in order; may be empty. What the plan makes of them can be asked in `standing`.
+  std::function<void(const plan::ReplicaKey&, base::ScanIndex first_scan,
+                     std::span<const plan::ScanRecord>)>
+      consumed{};
   /// Hears of simulations that failed in this session, once each, of a unit the first few; may be
   /// empty.
   std::function<void(const plan::ReplicaKey&, const plan::FailedSimulation&)> failed{};

@@ -1,10 +1,14 @@
 #include "service/coordinator/failure_files.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <string_view>
 #include <utility>
 
+#include "common/base/error.h"
 #include "common/base/version.h"
 #include "common/failure_file/failure_file.h"
+#include "common/request/document.h"
 
 namespace sleight::coordinator {
 namespace {
@@ -21,8 +25,36 @@ FailureFiles::FailureFiles(const std::string& run_folder, std::string request_te
                            base::FileSystem& files)
     : folder_(folder_in(run_folder)), request_text_(std::move(request_text)), files_(files) {
   if (!files_.is_directory(folder_)) return;
-  for (const std::string& name : files_.names_in(folder_))
-    kept_ += name.ends_with(k_ending) ? 1 : 0;
+  std::vector<std::string> names = files_.names_in(folder_);
+  std::ranges::sort(names);
+  for (const std::string& name : names) {
+    if (!name.ends_with(k_ending)) continue;
+    Kept& kept = kept_.emplace_back();
+    kept.path = folder_ + "/" + name;
+    describe(kept);
+  }
+}
+
+/// A file that a person has changed, or nobody can read, counts all the same, and is of no failure.
+void FailureFiles::describe(Kept& kept) {
+  kept.replica.chain = base::ChainId{UINT32_MAX};
+  try {
+    const auto file = failure_file::read(
+        base::read_text_file(kept.path, request::k_request_bytes_max), kept.path);
+    if (!file.ok()) return;
+    kept.replica = file.value().replica;
+    kept.scan = file.value().failed.scan;
+    kept.kind = file.value().failed.failure.kind;
+  } catch (const base::Error&) {
+  }
+}
+
+std::string FailureFiles::path_of(const plan::ReplicaKey& replica, base::ScanIndex scan,
+                                  plan::FailureKind kind) const {
+  const auto found = std::ranges::find_if(kept_, [&](const Kept& kept) {
+    return kept.replica == replica && kept.scan == scan && kept.kind == kind;
+  });
+  return found == kept_.end() ? std::string() : found->path;
 }
 
 std::optional<std::string> FailureFiles::keep(const plan::ReplicaKey& replica,
@@ -35,7 +67,7 @@ std::optional<std::string> FailureFiles::keep(const plan::ReplicaKey& replica,
 
   std::string path = folder_ + "/" + failure_file::name_of(replica, failed.scan, nth_);
   if (files_.exists(path)) return path;
-  if (kept_ == k_failure_files_max) return std::nullopt;
+  if (kept_.size() >= k_failure_files_max) return std::nullopt;
   files_.make_folder(folder_);
   // Whole or not at all: a process that is killed here leaves no torn file under that name.
   const std::string unfinished = path + ".tmp";
@@ -45,7 +77,8 @@ std::optional<std::string> FailureFiles::keep(const plan::ReplicaKey& replica,
                                                .replica = replica,
                                                .failed = failed}));
   files_.rename(unfinished, path);
-  ++kept_;
+  kept_.push_back(
+      {.replica = replica, .scan = failed.scan, .kind = failed.failure.kind, .path = path});
   return path;
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/file_system.h"
 #include "common/plan/unit.h"
@@ -26,6 +27,11 @@ class FailureFiles {
   std::optional<std::string> keep(const plan::ReplicaKey& replica,
                                   const plan::FailedSimulation& failed);
 
+  /// The file of the first failure of a kind in a scan, by this session or an earlier one; empty if
+  /// there is none.
+  std::string path_of(const plan::ReplicaKey& replica, base::ScanIndex scan,
+                      plan::FailureKind kind) const;
+
   /// Removes those of an earlier run that is given up.
   static void remove_all(const std::string& run_folder, base::FileSystem& files);
 
@@ -33,7 +39,15 @@ class FailureFiles {
   std::string folder_;
   std::string request_text_;
   base::FileSystem& files_;
-  std::size_t kept_ = 0;
+  struct Kept {
+    plan::ReplicaKey replica;
+    base::ScanIndex scan;
+    plan::FailureKind kind{};
+    std::string path;
+  };
+  static void describe(Kept& kept);
+
+  std::vector<Kept> kept_;
   // The failure that came last, to number those of one scan.
   plan::ReplicaKey last_replica_;
   base::ScanIndex last_scan_;

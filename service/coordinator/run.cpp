@@ -14,6 +14,7 @@
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
+#include "common/events/event_log.h"
 #include "common/logging/log.h"
 #include "common/store/run_store.h"
 #include "common/store/stored_motions.h"
@@ -21,6 +22,7 @@
 #include "service/coordinator/derive.h"
 #include "service/coordinator/failure_files.h"
 #include "service/coordinator/output_place.h"
+#include "service/coordinator/run_events.h"
 
 namespace sleight::coordinator {
 namespace {
@@ -51,6 +53,8 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
     files.remove(store::StoredMotions::path(folder) + suffix);
   }
   FailureFiles::remove_all(folder, files);
+  files.remove(events::event_log_path(folder));
+  files.remove(events::old_event_log_path(folder));
 }
 
 /// Archives half written by processes that were killed; nobody else writes while the lock is held.
@@ -118,6 +122,10 @@ class FailureNotes {
     first_path_ = path.value_or("");
     say_failure(replica, failed, path);
   }
+  std::string file_of(const plan::ReplicaKey& replica, base::ScanIndex scan,
+                      plan::FailureKind kind) const {
+    return files_.path_of(replica, scan, kind);
+  }
   /// Empty if there was none, or it isn't kept.
   const std::string& first_path() const { return first_path_; }
 
@@ -142,12 +150,10 @@ namespace {
 
 /// Drives the plan from where the store stands, and derives the archive.
 RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
-                            const std::string& folder, store::RunStore& run_store) {
+                            const std::string& folder, store::RunStore& run_store,
+                            FailureNotes& failures, RunEvents& run_events) {
   base::FileSystem& files = inputs.files;
-  const auto say = [&](const std::string& phase) {
-    if (options.say) options.say(phase);
-  };
-  if (run_store.epoch() > 1) say("reading what earlier sessions stored");
+  if (run_store.epoch() > 1) run_events.say("reading what earlier sessions stored");
   double motions_s = 0;  // of the thread of checkpoints while that runs
   const auto archive_of = [&](const Reached& reached, const std::atomic<bool>* stop) {
     request::Cut cut = cut_of(reached);
@@ -157,6 +163,8 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                               .files = files,
                               .motions_s = &motions_s};
     std::string digest = derive_archive(derive, folder, options.output, cut, stop);
+    if (!digest.empty())
+      run_events.archive_written({.digest = digest, .scans = cut.scans, .found = cut.found});
     return std::pair(std::move(digest), cut.scans);
   };
   Checkpoints checkpoints(
@@ -167,18 +175,24 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
         return Checkpoints::Made{.archive = !digest.empty(), .motions_s = motions_s};
       },
       inputs.clock, options.checkpoint_every_s, files.exists(options.output));
-  FailureNotes failures(folder, request::normalised_text(inputs.request), files);
   const DriveOptions drive_options{
       .time_limit_s = options.time_limit_s,
       .stop_requested = options.stop_requested,
       .stopping = [] { say_stopping(); },
-      .report = options.report,
-      .standing = [&](const Standing& now) { checkpoints.offer(now); },
+      .report = [&](const events::Progress& now) { run_events.show(now); },
+      .standing =
+          [&](const Standing& now) {
+            checkpoints.offer(now);
+            run_events.advance(inputs.plan);
+          },
+      .consumed = [&](const auto& replica, base::ScanIndex first,
+                      auto records) { run_events.consumed(replica, first, records); },
       .failed = [&](const auto& replica, const auto& failed) { failures.note(replica, failed); },
       .strict = options.strict};
   const DriveOutcome outcome =
       drive(inputs.plan, run_store, inputs.crew, inputs.clock, drive_options);
   checkpoints.stop();
+  run_events.advance(inputs.plan);
 
   // Derive the archive of the scans that all chains have.
   RunSummary summary{.end = outcome.end,
@@ -190,7 +204,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                      .progress = outcome.progress,
                      .handling = outcome.handling};
   if (summary.scans > 0 || summary.found > 0) {
-    say("writing the archive");
+    run_events.say("writing the archive");
     std::tie(summary.digest, summary.scans) = archive_of(outcome.reached, nullptr);
     if (summary.end == DriveEnd::finished)
       say_what_is_left_out(run_store, options.output, outcome.reached.scans);
@@ -224,6 +238,10 @@ std::string words_of(const RunSummary& summary) {
                          stuck_at.empty() ? "" : "; it was stuck at " + stuck_at);
     case events::End::no_draws:
       return "all scans are made and none of them is a draw: the burn-in takes longer";
+    case events::End::simulation_failed:
+      return summary.first_failure.empty()
+                 ? "a simulation failed, which ends a run with --strict"
+                 : fmt::format("a simulation failed: sleight replay {}", summary.first_failure);
     default:
       return {};
   }
@@ -242,10 +260,12 @@ events::RunEnd record_of(const RunSummary& summary) {
 
 /// Where the store can't take the record, the caller's supervisor has it all the same, and the
 /// session ends as it would have.
-void leave_record(store::RunStore& run_store, const events::RunEnd& end,
+void leave_record(store::RunStore& run_store, RunEvents& run_events, const events::RunEnd& end,
                   const RunOptions& options) {
   try {
-    run_store.close(end);
+    const std::uint64_t number = run_store.close(end);
+    run_events.ended(number, end);
+    run_events.stop();
   } catch (const base::Error& failure) {
     logging::warn(fmt::format("how this session ended is not in its store: {}", failure.what()));
   }
@@ -286,17 +306,24 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                                      .chains = inputs.request.sampler.chains});
 
   // Whatever becomes of the session, its store has how it ended.
+  std::optional<FailureNotes> failures;
+  const auto file_of = [&](const auto& replica, base::ScanIndex scan, plan::FailureKind kind) {
+    return failures->file_of(replica, scan, kind);
+  };
+  RunEvents run_events(folder, run_store, inputs.clock, options.hear, file_of);
   try {
+    failures.emplace(folder, request::normalised_text(inputs.request), files);
     if (files.exists(options.output)) {
       refuse_foreign_file(options.output, beginnings_of(inputs.request));
     }
-    RunSummary summary = drive_and_derive(inputs, options, folder, run_store);
-    leave_record(run_store, record_of(summary), options);
+    RunSummary summary =
+        drive_and_derive(inputs, options, folder, run_store, *failures, run_events);
+    leave_record(run_store, run_events, record_of(summary), options);
     return summary;
   } catch (const std::exception& error) {
     events::RunEnd end = events::end_by(error);
     end.epoch = run_store.epoch();
-    leave_record(run_store, end, options);
+    leave_record(run_store, run_events, end, options);
     throw;
   }
 }

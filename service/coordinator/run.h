@@ -17,6 +17,7 @@
 #include "common/base/file_system.h"
 #include "common/events/progress.h"
 #include "common/events/run_end.h"
+#include "common/events/run_event.h"
 #include "common/plan/plan.h"
 #include "common/request/direction_request.h"
 #include "service/coordinator/crew.h"
@@ -45,8 +46,9 @@ struct RunOptions {
   bool fresh = false;       ///< give up an earlier run of this output
   double time_limit_s = 0;  ///< 0 for none
   std::function<bool()> stop_requested{};
-  std::function<void(const events::Progress&)> report{};
-  std::function<void(const std::string& phase)> say{};  ///< what goes on when nothing is counted
+  /// Hears of all that happens (run_events.h), in the calling thread; may be empty. The same is in
+  /// the run's folder, for others (common/store/told_events.h).
+  std::function<void(const events::RunEvent&)> hear{};
   /// An archive of the run so far, for people who watch (checkpoints.h); 0: none.
   double checkpoint_every_s = 60;
   bool strict = false;  ///< a simulation that fails ends the run

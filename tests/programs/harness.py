@@ -7,6 +7,7 @@ import os
 import pathlib
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -91,6 +92,26 @@ class ProgramTest(unittest.TestCase):
 
     def digest(self, archive):
         return self.succeed(sleight("archive", "digest", archive)).stdout.strip()
+
+    def events(self, archive):
+        """The numbered events of an archive's run, from its store, without their numbers."""
+        store = sqlite3.connect(f"file:{archive}.run/store.sqlite?mode=ro", uri=True)
+        events = [json.loads(line) for line, in
+                  store.execute("SELECT line FROM event ORDER BY number")]
+        store.close()
+        self.assertEqual([event.pop("number") for event in events],
+                         list(range(1, len(events) + 1)))
+        return events
+
+    def same_events(self, output, reference):
+        """Two runs tell the same in the same order, but for how their sessions ended, and which of
+        many failures have a file. Returns what they tell."""
+        told = []
+        for archive in [output, reference]:
+            told.append([{key: value for key, value in event.items() if key != "file"}
+                         for event in self.events(archive) if event["kind"] != "ended"])
+        self.assertEqual(*told)
+        return told[0]
 
     def info(self, archive):
         return json.loads(self.succeed(sleight("archive", "info", archive, "--json")).stdout)

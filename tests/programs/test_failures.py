@@ -84,10 +84,27 @@ class Failures(ProgramTest):
                 threads = self.path(f"{name}-threads.h5")
                 self.direct(request, threads, "--threads", "3", "--cache", "0")
                 self.same(threads, one)
+                self.same_events(threads, one)
                 ranks = self.path(f"{name}-ranks.h5")
                 self.succeed(harness.run(harness.batch(3, request, ranks, "-q",
                                                        folder=self.folder)))
                 self.same(ranks, one)
+                kinds = {event["kind"] for event in self.same_events(ranks, one)}
+                self.assertEqual(kinds, {"failure", "solution", "round_ended"})
+                self.files_are_named(one)
+
+    def files_are_named(self, output):
+        """Each file is that of an event's failure, and is named there; a unit may keep one that no
+        event has yet, of a scan that other chains lack."""
+        files = {str(path) for path in pathlib.Path(f"{output}.run/failures").glob("*.toml")}
+        named = [event for event in self.events(output) if event.get("file")]
+        self.assertGreater(len(named), 0)
+        for event in named:
+            self.assertIn(event["file"], files)
+            place = f"{event['chain']}-{event['replica']}-{event['scan']}"
+            self.assertRegex(pathlib.Path(event["file"]).name, rf"^failure-{place}(-\d+)?\.toml$")
+            self.assertIn(f'kind = "{event["simulation"]}"',
+                          pathlib.Path(event["file"]).read_text())
 
     def test_kills_lose_and_double_none(self):
         # Killed at moments of its work, by threads and as an MPI job, and gone on with.
@@ -115,6 +132,7 @@ class Failures(ProgramTest):
                 self.assertGreater(kills, 0)
                 self.succeed(harness.run(command(output)))
                 self.same(output, whole)
+                self.same_events(output, whole)
                 files = list(pathlib.Path(f"{output}.run/failures").glob("*.toml"))
                 self.assertEqual(len(files), 10)
 

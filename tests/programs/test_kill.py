@@ -155,6 +155,7 @@ class Kill(ProgramTest):
                 self.assertGreater(kills, 0)
                 kills_left -= kills
                 self.assertEqual(self.digest(output), digest, name)
+                self.same_events(output, self.path("whole.h5"))
                 self.check_nothing_left(output)
 
     def ways(self):
@@ -200,6 +201,7 @@ class Kill(ProgramTest):
                         without_a_scan += self.stored(output) == 0
                 self.direct(request, output)
                 self.assertEqual(self.digest(output), digest, f"{name} {turn}")
+                self.same_events(output, self.path("whole.h5"))
                 self.check_nothing_left(output)
             print(f"{name}: a store after {store_s:.3f} s; {hits} kills hit, "
                   f"{without_a_scan} of them left a store without a scan")

@@ -40,6 +40,7 @@ class SameBits(ProgramTest):
             output = self.path(f"threads{threads}.h5")
             self.direct(request, output, "--threads", threads)
             self.assertEqual(output.read_bytes(), self.path("one.h5").read_bytes(), threads)
+            self.same_events(output, self.path("one.h5"))
 
     def test_ranks(self):
         request = self.write_request(scans=5000, chains=5)
@@ -52,6 +53,7 @@ class SameBits(ProgramTest):
             self.succeed(harness.run(harness.batch(ranks, request, output, "-q",
                                                    folder=self.folder)))
             self.assertEqual(output.read_bytes(), self.path("direct.h5").read_bytes(), ranks)
+            self.same_events(output, self.path("direct.h5"))
 
     def test_processors_without_avx2_and_fma(self):
         # tests/determinism shows that libm's own sums do change under this setting.
@@ -83,6 +85,9 @@ class SameBits(ProgramTest):
         self.assertGreater(sessions, 1)
         self.direct(request, self.path("whole.h5"))
         self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
+        self.same_events(self.path("cut.h5"), self.path("whole.h5"))
+        ends = [event for event in self.events(self.path("cut.h5")) if event["kind"] == "ended"]
+        self.assertEqual([end["end"]["epoch"] for end in ends], list(range(1, sessions + 1)))
 
     def test_what_is_asked_for_does_change_the_archive(self):
         # The comparison can fail: seed, chains and scans change the digest.

@@ -1,6 +1,7 @@
 #include "worker/sampling/burnt_in_chains.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
@@ -107,6 +108,29 @@ std::uint64_t BurntInChains::solutions_found() const {
   for (const Chain& chain : chains_)
     sum += chain.part ? chain.part->solutions().count() : 0;
   return sum;
+}
+
+std::vector<plan::Solution> BurntInChains::solutions_between(std::uint64_t after,
+                                                             std::uint64_t until) const {
+  std::vector<const Solutions*> chains;
+  for (const Chain& chain : chains_)
+    chains.push_back(chain.part ? &chain.part->solutions() : nullptr);
+  return sampling::solutions_between(chains, after, until);
+}
+
+std::vector<plan::EndedRound> BurntInChains::rounds_between(std::uint64_t after,
+                                                            std::uint64_t until) const {
+  std::vector<plan::EndedRound> all;
+  // A ladder knows of a round after its last one, which it never makes.
+  for (const Chain& chain : chains_)
+    std::ranges::copy(chain.burn_in.rounds_between(after, std::min(until, burn_in_scans_)),
+                      std::back_inserter(all));
+  std::ranges::stable_sort(all, {}, &plan::EndedRound::scans);
+  for (plan::EndedRound round : stop_.rounds_between(after, until)) {
+    round.round += options_.burn_in_rounds;
+    all.push_back(round);
+  }
+  return all;
 }
 
 std::optional<std::uint64_t> BurntInChains::round_trips() const {

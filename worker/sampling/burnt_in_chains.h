@@ -44,6 +44,11 @@ class BurntInChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return stop_.solutions_wanted();
   }
+  std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                std::uint64_t until) const override;
+  /// Of the burn-ins by ladder, then those of the stop rule, whose numbers go on from there.
+  std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
+                                               std::uint64_t until) const override;
   /// Of the burn-ins.
   std::optional<std::uint64_t> round_trips() const override;
   std::uint64_t scans_consumed() const override { return records_; }

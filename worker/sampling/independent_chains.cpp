@@ -114,6 +114,14 @@ std::uint64_t IndependentChains::solutions_found() const {
   return sum;
 }
 
+std::vector<plan::Solution> IndependentChains::solutions_between(std::uint64_t after,
+                                                                 std::uint64_t until) const {
+  std::vector<const Solutions*> chains;
+  for (const Chain& chain : chains_)
+    chains.push_back(&chain.solutions);
+  return sampling::solutions_between(chains, after, until);
+}
+
 std::uint64_t IndependentChains::scans_consumed() const {
   std::uint64_t sum = 0;
   for (const Chain& chain : chains_)

@@ -53,6 +53,12 @@ class IndependentChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return stop_.solutions_wanted();
   }
+  std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                std::uint64_t until) const override;
+  std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
+                                               std::uint64_t until) const override {
+    return stop_.rounds_between(after, until);
+  }
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
   /// Of islands, where scans have some; from which on they tell the odds, once the round that the

@@ -56,6 +56,7 @@ void JudgedChains::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
     for (std::size_t value = 0; value < options_.judged.size(); ++value)
       chain.values[value].push_back(record.method_values[value]);
     chain.satisfied.push_back(record.satisfied);
+    chain.log_ps.push_back(record.log_prior + record.log_constraint);
   }
   chain.consumed += records.size();
   chain.is_out = false;
@@ -68,6 +69,7 @@ void JudgedChains::judge_rounds() {
     const std::uint64_t round_end = round_begin_ + round_length();
     std::optional<Tour> tour = burnt_in();
     round_begin_ = round_end;
+    round_ends_.push_back(round_end);
     round_ = std::min(round_ + 1, k_doublings_max);
     if (!tour) continue;
     for (const auto& counted : tour->counted)
@@ -82,6 +84,7 @@ void JudgedChains::judge_rounds() {
       for (auto& values : chain.values)
         values.erase(values.begin(), values.begin() + done);
       chain.satisfied.erase(chain.satisfied.begin(), chain.satisfied.begin() + done);
+      chain.log_ps.erase(chain.log_ps.begin(), chain.log_ps.begin() + done);
     }
     tour_begin_ = round_end;
     round_ = 0;
@@ -93,7 +96,8 @@ std::optional<JudgedChains::Tour> JudgedChains::burnt_in() const {
             .judged_from = round_begin_,
             .end = round_begin_ + round_length(),
             .r_hats = {},
-            .counted = {}};
+            .counted = {},
+            .log_ps = {}};
   const std::size_t first = tour.judged_from - tour.begin;
   const std::size_t count = tour.end - tour.judged_from;
   bool passes = round_ > 0;  // before a first round there is no burn-in
@@ -112,6 +116,9 @@ std::optional<JudgedChains::Tour> JudgedChains::burnt_in() const {
   }
   if (!passes) return std::nullopt;
   tour.counted = solutions_of(tour.judged_from, tour.end);
+  for (std::size_t id = 0; id < chains_.size(); ++id)
+    tour.log_ps.push_back(tour.counted[id] ? chains_[id].log_ps[*tour.counted[id] - tour.begin]
+                                           : 0);
   return tour;
 }
 
@@ -144,6 +151,33 @@ plan::Draws JudgedChains::draws() const {
     draws.count += draws.parts.back().count;
   }
   return draws;
+}
+
+std::vector<plan::Solution> JudgedChains::solutions_between(std::uint64_t after,
+                                                            std::uint64_t until) const {
+  std::vector<plan::Solution> all;
+  const auto first = std::ranges::upper_bound(tours_, after, {}, &Tour::end);
+  for (auto tour = first; tour != tours_.end() && tour->end <= until; ++tour) {
+    for (std::uint32_t id = 0; id < tour->counted.size(); ++id) {
+      if (!tour->counted[id]) continue;
+      all.push_back({.chain = base::ChainId{id},
+                     .scan = *tour->counted[id],
+                     .log_p = tour->log_ps[id],
+                     .decided = tour->end});
+    }
+  }
+  return all;
+}
+
+std::vector<plan::EndedRound> JudgedChains::rounds_between(std::uint64_t after,
+                                                           std::uint64_t until) const {
+  std::vector<plan::EndedRound> all;
+  for (auto end = std::ranges::upper_bound(round_ends_, after);
+       end != round_ends_.end() && *end <= until; ++end)
+    all.push_back({.chain = {},
+                   .round = static_cast<std::uint64_t>(end - round_ends_.begin()) + 1,
+                   .scans = *end});
+  return all;
 }
 
 std::optional<std::uint64_t> JudgedChains::scans_total() const {

@@ -55,6 +55,12 @@ class JudgedChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return options_.independent_solutions;
   }
+  /// Each is decided by the end of its tour.
+  std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                std::uint64_t until) const override;
+  /// Of all tours, numbered on.
+  std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
+                                               std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
   /// Of tours: when they began, what was judged, R-hat of each value.
@@ -67,6 +73,7 @@ class JudgedChains final : public plan::Plan {
     bool is_out = false;                        ///< a unit is handed out
     std::vector<std::vector<double>> values{};  ///< by judged value, by scan of the tour
     std::vector<bool> satisfied{};
+    std::vector<double> log_ps{};  ///< log p_w + log p_c, likewise
   };
   struct Tour {
     std::uint64_t begin = 0;
@@ -74,6 +81,7 @@ class JudgedChains final : public plan::Plan {
     std::uint64_t end = 0;
     std::vector<double> r_hats{};                         ///< by judged value
     std::vector<std::optional<std::uint64_t>> counted{};  ///< by chain: the scan of its solution
+    std::vector<double> log_ps{};                         ///< of these
   };
 
   std::uint64_t round_length() const { return options_.round_scans << round_; }
@@ -91,6 +99,7 @@ class JudgedChains final : public plan::Plan {
   std::uint64_t tour_begin_ = 0;
   std::uint32_t round_ = 0;        ///< of the present tour
   std::uint64_t round_begin_ = 0;  ///< its first scan
+  std::vector<std::uint64_t> round_ends_{};
   std::uint64_t end_;
   std::uint64_t solutions_ = 0;
 };

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
+#include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/sampling/ladder.h"
 
@@ -55,6 +57,13 @@ std::vector<std::vector<double>> next_scales(const LadderOptions& options, const
 }
 
 }  // namespace
+
+double RoundReport::mean_swap_acceptance() const {
+  const std::vector<double> rejections = statistics.rejections();
+  CHECK(!rejections.empty());
+  return 1 - std::accumulate(rejections.begin(), rejections.end(), 0.0) /
+                 static_cast<double>(rejections.size());
+}
 
 RoundReport first_round(const LadderOptions& options) {
   return begun(options.anneal_scans, options.first_ladder, options.round_scans,

@@ -44,6 +44,8 @@ struct RoundReport {
   std::vector<std::vector<double>> scales;  ///< by level, by kind
 
   const std::vector<double>& ladder() const { return statistics.ladder(); }
+  /// Over all pairs of neighbours, what share of swaps is accepted. REQUIRES: a scan.
+  double mean_swap_acceptance() const;
   /// The first scan that isn't of the round.
   std::uint64_t end_scan() const { return first_scan + statistics.scans_wanted(); }
 };

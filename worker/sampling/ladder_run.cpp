@@ -59,6 +59,21 @@ std::uint64_t LadderRun::round_trips() const {
   return sum;
 }
 
+std::vector<plan::EndedRound> LadderRun::rounds_between(std::uint64_t after,
+                                                        std::uint64_t until) const {
+  std::vector<plan::EndedRound> ended;
+  for (std::size_t nth = 0; nth < rounds_.size() && rounds_[nth].end_scan() <= until; ++nth) {
+    const RoundReport& round = rounds_[nth];
+    if (round.end_scan() <= after) continue;
+    ended.push_back({.chain = options_.chain,
+                     .round = nth + 1,
+                     .scans = round.end_scan(),
+                     .swaps = round.mean_swap_acceptance(),
+                     .round_trips = round.round_trips});
+  }
+  return ended;
+}
+
 BurnIn LadderRun::burn_in() const {
   CHECK_GE(rounds_.size(), 2U);
   CHECK_EQ(rounds_.back().first_scan, retired_);
@@ -105,7 +120,7 @@ void LadderRun::consume(base::ReplicaId id, std::uint64_t first_scan,
     replica.first_scan = replica.next_scan = first_scan;
   CHECK_EQ(first_scan, replica.next_scan + replica.waiting.size());
   for (const plan::ScanRecord& record : records)
-    replica.waiting.push_back({.log_prior = 0,
+    replica.waiting.push_back({.log_prior = record.log_prior,
                                .log_constraint = record.log_constraint,
                                .satisfied = record.satisfied,
                                .lineage = record.lineage,

@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "common/plan/block.h"
+#include "common/plan/plan.h"
 #include "worker/sampling/chain_part.h"
 #include "worker/sampling/ladder_round.h"
 #include "worker/sampling/solutions.h"
@@ -67,6 +68,8 @@ class LadderRun {
   /// levels' lineages have then begun at the hottest level, with a draw from the prior. It is as
   /// far as is known: scans() if the last one had some.
   std::uint64_t searched_until() const { return searched_until_; }
+  /// Those that end with after < scans <= until. REQUIRES: every level has `until` scans.
+  std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
   /// All rounds, the present one last.
   const std::vector<RoundReport>& rounds() const { return rounds_; }
   std::uint32_t replicas() const { return static_cast<std::uint32_t>(replicas_.size()); }

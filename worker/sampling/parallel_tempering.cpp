@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "common/base/check.h"
@@ -66,12 +67,31 @@ void ParallelTempering::judge_burn_in() {
 std::uint64_t ParallelTempering::solutions_before(std::uint64_t scan) const {
   if (!burnt_in_at_) return 0;
   std::uint64_t sum = 0;
-  for (const LadderRun& ladder : ladders_) {
-    const Solutions& solutions =
-        starts_by_search_ ? ladder.solutions_since(*burnt_in_at_) : ladder.solutions();
-    sum += solutions.before(scan);
-  }
+  for (const LadderRun& ladder : ladders_)
+    sum += solutions_of(ladder).before(scan);
   return sum;
+}
+
+const Solutions& ParallelTempering::solutions_of(const LadderRun& ladder) const {
+  return starts_by_search_ ? ladder.solutions_since(*burnt_in_at_) : ladder.solutions();
+}
+
+std::vector<plan::Solution> ParallelTempering::solutions_between(std::uint64_t after,
+                                                                 std::uint64_t until) const {
+  if (!burnt_in_at_) return {};
+  std::vector<const Solutions*> chains;
+  for (const LadderRun& ladder : ladders_)
+    chains.push_back(&solutions_of(ladder));
+  return sampling::solutions_between(chains, after, until);
+}
+
+std::vector<plan::EndedRound> ParallelTempering::rounds_between(std::uint64_t after,
+                                                                std::uint64_t until) const {
+  std::vector<plan::EndedRound> all;
+  for (const LadderRun& ladder : ladders_)
+    std::ranges::copy(ladder.rounds_between(after, until), std::back_inserter(all));
+  std::ranges::stable_sort(all, {}, &plan::EndedRound::scans);
+  return all;
 }
 
 bool ParallelTempering::finished() const {

@@ -43,6 +43,11 @@ class ParallelTempering final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return stop_.solutions_wanted();
   }
+  std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                std::uint64_t until) const override;
+  /// Of each ladder, the burn-in's rounds too.
+  std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
+                                               std::uint64_t until) const override;
   std::optional<std::uint64_t> round_trips() const override;
   /// Of all replicas.
   std::uint64_t scans_consumed() const override;
@@ -59,6 +64,8 @@ class ParallelTempering final : public plan::Plan {
   /// What follows from all ladders' having come so far.
   void judge_burn_in();
   std::uint64_t solutions_before(std::uint64_t scan) const;
+  /// Of a ladder, those that count. REQUIRES: the burn-in is over.
+  const Solutions& solutions_of(const LadderRun& ladder) const;
 
   std::uint64_t round_scans_;
   bool starts_by_search_;

@@ -52,7 +52,9 @@ void RestartedChains::consume(plan::ReplicaKey replica, base::ScanIndex first_sc
     chain.islands.add(record);
     chain.lineage = record.lineage;
     ++chain.consumed;
-    if (chain.consumed % options_.tour_scans == 0) chain.satisfied.push_back(record.satisfied);
+    if (chain.consumed % options_.tour_scans != 0) continue;
+    chain.satisfied.push_back(record.satisfied);
+    chain.log_ps.push_back(record.log_prior + record.log_constraint);
   }
   chain.is_out = false;
   behind_.moved(replica.chain.value, chain.consumed);
@@ -83,6 +85,22 @@ plan::Draws RestartedChains::draws() const {
     draws.parts.push_back({.first_scan = last_scan, .count = 1, .counted = std::move(counted)});
   }
   return draws;
+}
+
+std::vector<plan::Solution> RestartedChains::solutions_between(std::uint64_t after,
+                                                               std::uint64_t until) const {
+  std::vector<plan::Solution> all;
+  const std::uint64_t end = std::min(tours_, until / options_.tour_scans);
+  for (std::uint64_t tour = after / options_.tour_scans; tour < end; ++tour) {
+    for (std::uint32_t id = 0; id < chains_.size(); ++id) {
+      if (!chains_[id].satisfied[tour]) continue;
+      all.push_back({.chain = base::ChainId{id},
+                     .scan = end_of_tour(tour) - 1,
+                     .log_p = chains_[id].log_ps[tour],
+                     .decided = end_of_tour(tour)});
+    }
+  }
+  return all;
 }
 
 std::optional<std::uint64_t> RestartedChains::scans_total() const {

@@ -49,6 +49,9 @@ class RestartedChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return options_.independent_solutions;
   }
+  /// Each is decided by the end of its tour. (Tours have no rounds.)
+  std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
   /// Of the free islands of all scans but tours' first ones.
@@ -60,6 +63,7 @@ class RestartedChains final : public plan::Plan {
     std::uint64_t lineage = 0;
     bool is_out = false;            ///< a unit is handed out
     std::vector<bool> satisfied{};  ///< by tour, at its last scan
+    std::vector<double> log_ps{};   ///< likewise: log p_w + log p_c
     IslandsOfChain islands{};
   };
 

@@ -33,6 +33,16 @@ plan::Finds SearchFirst::finds() const {
   return finds;
 }
 
+std::vector<plan::Solution> SearchFirst::solutions_between(std::uint64_t after,
+                                                           std::uint64_t until) const {
+  return then_ ? then_->solutions_between(after, until) : std::vector<plan::Solution>{};
+}
+
+std::vector<plan::EndedRound> SearchFirst::rounds_between(std::uint64_t after,
+                                                          std::uint64_t until) const {
+  return then_ ? then_->rounds_between(after, until) : std::vector<plan::EndedRound>{};
+}
+
 std::optional<std::uint64_t> SearchFirst::solutions_wanted() const {
   return then_ ? then_->solutions_wanted() : std::nullopt;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "common/plan/plan.h"
 #include "worker/sampling/search_lanes.h"
@@ -27,7 +28,15 @@ class SearchFirst final : public plan::Plan {
   plan::Draws draws() const override { return then_ ? then_->draws() : plan::Draws{}; }
   std::uint64_t solutions_found() const override { return then_ ? then_->solutions_found() : 0; }
   std::optional<std::uint64_t> solutions_wanted() const override;
+  std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                std::uint64_t until) const override;
+  std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
+                                               std::uint64_t until) const override;
   plan::Finds finds() const override;
+  std::uint64_t starts_done() const override { return lanes_.starts_done(); }
+  std::vector<plan::Find> finds_between(std::uint64_t first, std::uint64_t end) const override {
+    return lanes_.finds_between(first, end);
+  }
   std::optional<std::uint64_t> round_trips() const override;
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;

@@ -54,12 +54,18 @@ void SearchLanes::consume(base::ChainId chain, base::ScanIndex first_scan,
     lane.furthest.push_back(record.method_values.empty()
                                 ? 0
                                 : static_cast<std::uint32_t>(record.method_values.front()));
+    lane.log_ps.push_back(record.log_prior + record.log_constraint);
     if (record.satisfied) ++found_ahead_;
   }
   starts_ += records.size();
   lane.handed_out = std::max<std::uint64_t>(lane.handed_out, lane.found.size());
   if (lane.handed_out == lane.found.size()) idle_.emplace(lane.found.size(), id);
   count();
+}
+
+std::vector<plan::Find> SearchLanes::finds_between(std::uint64_t first, std::uint64_t end) const {
+  const auto begin = std::ranges::lower_bound(found_, first, {}, &plan::Find::start);
+  return {begin, std::ranges::lower_bound(begin, found_.end(), end, {}, &plan::Find::start)};
 }
 
 void SearchLanes::count() {
@@ -72,6 +78,7 @@ void SearchLanes::count() {
     furthest_ = std::max(furthest_, lane.furthest[scan]);
     if (lane.found[scan]) {
       ++finds_.found;
+      found_.push_back({.start = counted_ - 1, .log_p = lane.log_ps[scan]});
       --found_ahead_;
       in_vain_ = 0;
       furthest_ = 0;

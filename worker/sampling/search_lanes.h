@@ -35,6 +35,10 @@ class SearchLanes {
                std::span<const plan::ScanRecord> records);
   bool finished() const { return finds_.found >= finds_.wanted || finds_.gave_up; }
   const plan::Finds& finds() const { return finds_; }
+  /// Starts that finds() tells of: all before the first one that is not done.
+  std::uint64_t starts_done() const { return counted_; }
+  /// As Plan's.
+  std::vector<plan::Find> finds_between(std::uint64_t first, std::uint64_t end) const;
   /// Starts whose results came.
   std::uint64_t starts() const { return starts_; }
 
@@ -43,6 +47,7 @@ class SearchLanes {
     std::uint64_t handed_out = 0;
     std::vector<bool> found{};              ///< by scan consumed
     std::vector<std::uint32_t> furthest{};  ///< likewise: stages that stood, of those in vain
+    std::vector<double> log_ps{};           ///< likewise: log p_w + log p_c
   };
   using Next = std::pair<std::uint64_t, std::uint32_t>;  ///< (scan, lane)
 
@@ -54,9 +59,10 @@ class SearchLanes {
   std::vector<Lane> lanes_;
   std::set<Next> idle_;  ///< lanes with nothing out, by their next scans
   plan::Finds finds_;
-  std::uint64_t counted_ = 0;   ///< starts, of which finds_ tells
-  std::uint64_t in_vain_ = 0;   ///< of these, the last ones without a find
-  std::uint32_t furthest_ = 0;  ///< stages that stood in these at most
+  std::vector<plan::Find> found_;  ///< those that count
+  std::uint64_t counted_ = 0;      ///< starts, of which finds_ tells
+  std::uint64_t in_vain_ = 0;      ///< of these, the last ones without a find
+  std::uint32_t furthest_ = 0;     ///< stages that stood in these at most
   std::uint64_t starts_ = 0;
   std::uint64_t out_ = 0;          ///< starts handed out whose results have not come
   std::uint64_t found_ahead_ = 0;  ///< finds that do not count yet

@@ -36,6 +36,17 @@ std::uint64_t StopJudge::end_of_round(std::uint32_t round) const {
   return sum_of(before_, scans_through_round(round_scans_, round));
 }
 
+std::vector<plan::EndedRound> StopJudge::rounds_between(std::uint64_t after,
+                                                        std::uint64_t until) const {
+  std::vector<plan::EndedRound> ended;
+  for (std::uint32_t round = 1; end_of_round(round) <= until && end_of_round(round) != k_no_end;
+       ++round) {
+    if (end_of_round(round) > after)
+      ended.push_back({.chain = {}, .round = round, .scans = end_of_round(round)});
+  }
+  return ended;
+}
+
 bool StopJudge::has_enough_solutions(const SolutionsBefore& solutions_before) const {
   return rule_.independent_solutions &&
          solutions_before(round_end()) >= *rule_.independent_solutions;

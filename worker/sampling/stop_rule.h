@@ -18,8 +18,10 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "common/math/island_odds.h"
+#include "common/plan/plan.h"
 
 namespace sleight::sampling {
 
@@ -59,6 +61,9 @@ class StopJudge {
   /// At which the run stops, as far as the rules tell yet; k_no_end if they don't.
   std::uint64_t end() const { return end_; }
   std::optional<std::uint64_t> solutions_wanted() const { return rule_.independent_solutions; }
+
+  /// Rounds of all chains together that end with after < scans <= until.
+  std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
 
   /// Scans of each chain, from `first` on and before `end`.
   struct SizedRound {

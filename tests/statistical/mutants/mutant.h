@@ -147,6 +147,10 @@ class MutantPlan final : public plan::Plan {
   bool finished() const override { return right_.finished(); }
   std::uint64_t scans_common() const override { return right_.scans_common(); }
   std::uint64_t solutions_found() const override { return right_.solutions_found(); }
+  std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                std::uint64_t until) const override {
+    return right_.solutions_between(after, until);
+  }
   std::optional<std::uint64_t> solutions_wanted() const override {
     return right_.solutions_wanted();
   }

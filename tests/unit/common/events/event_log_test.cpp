@@ -3,13 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
 #include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string>
 #include <thread>
 
+#include "common/base/clock.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 
 namespace sleight::events {
@@ -106,6 +110,54 @@ TEST_F(EventLogTest, ReadersSeeNoGapWhileItTurnsOver) {
   is_over = true;
   reader.join();
   EXPECT_EQ(complaint, std::nullopt);
+}
+
+/// So many bytes and no more fit into a file, as on a disk that is full: until the end of its life.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uint64_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
+  // Goal: a full disk cuts no line in two and costs the lines of that time alone; a second after it
+  // has room the log goes on, and so it does when somebody has deleted it. Method: a limit on file
+  // sizes that a line overruns, which goes away; a clock by hand.
+  base::ManualClock clock;
+  EventLog log(folder(), k_event_log_bytes_max, clock);
+  log.append(numbered(1));
+  {
+    const FullDisk full(bytes() + 20);
+    log.append(numbered(2));
+    clock.advance(2);
+    log.append(numbered(3));
+  }
+  log.append(numbered(4));
+  ASSERT_EQ(read_event_log(folder()).size(), 1U);
+  clock.advance(2);
+  log.append(numbered(5));
+  const auto events = read_event_log(folder());
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[1].number, 5U);
+
+  std::filesystem::remove(event_log_path(folder()));
+  log.append(numbered(6));
+  EXPECT_TRUE(read_event_log(folder()).empty());
+  clock.advance(2);
+  log.append(numbered(7));
+  ASSERT_EQ(read_event_log(folder()).size(), 1U);
+  EXPECT_EQ(read_event_log(folder())[0].number, 7U);
 }
 
 TEST_F(EventLogTest, ADiskThatFailsEndsNothing) {

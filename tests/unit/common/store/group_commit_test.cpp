@@ -20,13 +20,13 @@ using std::chrono_literals::operator""s;
 class Recorder {
  public:
   GroupCommit::Commit commit() {
-    return [this](std::span<const plan::UnitResult> group) {
+    return [this](const GroupCommit::Group& group) {
       std::unique_lock lock(mutex_);
       ++calls_;
       changed_.notify_all();
       changed_.wait(lock, [&] { return open_; });
       if (calls_ == fail_at_) throw std::runtime_error("the disk is gone");
-      for (const plan::UnitResult& result : group)
+      for (const plan::UnitResult& result : group.results)
         first_scans_.push_back(result.unit.first_scan.value);
     };
   }
@@ -134,8 +134,8 @@ TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
   // Method: every commit puts another result, so that the queue is never seen empty.
   std::atomic<bool> stop{false};
   GroupCommit* self = nullptr;
-  GroupCommit group_commit([&](std::span<const plan::UnitResult> group) {
-    if (!stop) self->put(small(group.back().unit.first_scan.value + 1));
+  GroupCommit group_commit([&](const GroupCommit::Group& group) {
+    if (!stop) self->put(small(group.results.back().unit.first_scan.value + 1));
   });
   self = &group_commit;
   group_commit.put(small(0));
@@ -267,8 +267,8 @@ TEST(GroupCommit, TakesFromManyThreads) {
   constexpr std::uint32_t k_threads = 4;
   constexpr std::uint64_t k_each = 500;
   std::vector<std::vector<std::uint64_t>> seen(k_threads);
-  GroupCommit group_commit([&](std::span<const plan::UnitResult> group) {
-    for (const plan::UnitResult& result : group)
+  GroupCommit group_commit([&](const GroupCommit::Group& group) {
+    for (const plan::UnitResult& result : group.results)
       seen[result.unit.replica.chain.value].push_back(result.unit.first_scan.value);
   });
   std::vector<std::thread> threads;

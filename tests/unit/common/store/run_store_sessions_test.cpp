@@ -53,10 +53,10 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
   EXPECT_THAT(conflict_of(other_version),
               AllOf(HasSubstr("holds results r1 (of sleight 1.0)"),
                     HasSubstr("makes results r2 (sleight 1.1)"), HasSubstr("--fresh")));
-  execute("UPDATE run SET value=6 WHERE key='format_version'");
+  execute("UPDATE run SET value=7 WHERE key='format_version'");
   EXPECT_THAT(conflict_of(example_identity(1)),
-              AllOf(HasSubstr("format 6"), HasSubstr("writes 5")));
-  execute("UPDATE run SET value=5 WHERE key='format_version'");
+              AllOf(HasSubstr("format 7"), HasSubstr("writes 6")));
+  execute("UPDATE run SET value=6 WHERE key='format_version'");
 
   // A later program that makes the same results may go on.
   RunIdentity later_program = example_identity(1);

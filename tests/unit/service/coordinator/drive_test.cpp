@@ -355,6 +355,10 @@ TEST_F(Drive, ReportsRoundTripsOfItsPlan) {
     bool finished() const override { return chains_.finished(); }
     std::uint64_t scans_common() const override { return chains_.scans_common(); }
     std::uint64_t solutions_found() const override { return chains_.solutions_found(); }
+    std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                  std::uint64_t until) const override {
+      return chains_.solutions_between(after, until);
+    }
     std::optional<std::uint64_t> solutions_wanted() const override { return std::nullopt; }
     std::optional<std::uint64_t> round_trips() const override { return scans_consumed(); }
     std::uint64_t scans_consumed() const override { return chains_.scans_consumed(); }

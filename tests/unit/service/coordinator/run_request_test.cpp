@@ -111,10 +111,12 @@ TEST_F(RunRequest, ReadsForeignFilesBeforeAnyThreadStarts) {
   auto at_most = before;
   (void)session(request_text("scans = 400"),
                 {.output = output(),
-                 .report = [&](const events::Progress&) { at_most = std::max(at_most, threads()); },
-                 .say =
-                     [&](const std::string& phase) {
-                       if (phase.starts_with("reading")) while_reading = threads();
+                 .hear =
+                     [&](const events::RunEvent& event) {
+                       at_most = std::max(at_most, threads());
+                       const auto* phase = std::get_if<events::Phase>(&event.what);
+                       if (phase != nullptr && phase->words.starts_with("reading"))
+                         while_reading = threads();
                      }},
                 3);
   EXPECT_EQ(while_reading, before);

@@ -153,7 +153,10 @@ TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
       "independent_solutions = 2\nfound = 3\n");
   std::uint64_t found = 0;
   RunOptions options{.output = path("cut.h5")};
-  options.report = [&](const events::Progress& progress) { found = progress.finds.found; };
+  options.hear = [&](const events::RunEvent& event) {
+    if (const auto* progress = std::get_if<events::Progress>(&event.what))
+      found = progress->finds.found;
+  };
   options.stop_requested = [&] { return found == 3; };
   const RunSummary stopped = session(endless, options);
   EXPECT_EQ(stopped.end, DriveEnd::stop_requested);

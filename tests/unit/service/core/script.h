@@ -40,6 +40,9 @@ class ListedPlan final : public plan::Plan {
   bool finished() const override;
   std::uint64_t scans_common() const override { return 1000; }
   std::uint64_t solutions_found() const override { return 0; }
+  std::vector<plan::Solution> solutions_between(std::uint64_t, std::uint64_t) const override {
+    return {};
+  }
   std::optional<std::uint64_t> solutions_wanted() const override { return std::nullopt; }
   std::uint64_t scans_consumed() const override { return 0; }
   std::optional<std::uint64_t> scans_total() const override { return std::nullopt; }

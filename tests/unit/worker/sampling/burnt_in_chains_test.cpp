@@ -6,7 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
+#include <memory>
 #include <set>
+#include <tuple>
+#include <utility>
 
 #include "tests/support/property.h"
 #include "tests/unit/worker/sampling/any_plan.h"
@@ -129,6 +133,31 @@ void expect_same_moment(const plan::Plan& a, const plan::Plan& b) {
   expect_equal(a.report(), b.report());
 }
 
+/// What a plan has told, asked whenever one likes.
+struct Decided {
+  std::uint64_t scans = 0;
+  std::vector<plan::Solution> solutions{};
+  std::vector<plan::EndedRound> rounds{};
+
+  void move_to(const plan::Plan& plan) {
+    const std::uint64_t until = plan.scans_common();
+    std::ranges::copy(plan.solutions_between(scans, until), std::back_inserter(solutions));
+    std::ranges::copy(plan.rounds_between(scans, until), std::back_inserter(rounds));
+    scans = until;
+  }
+  void expect_equal_to(const Decided& other) const {
+    const auto solution = [](const plan::Solution& one) {
+      return std::tuple(one.decided, one.chain, one.scan, one.log_p);
+    };
+    const auto round = [](const plan::EndedRound& one) {
+      return std::tuple(one.scans, one.chain, one.round, one.swaps, one.round_trips);
+    };
+    EXPECT_TRUE(std::ranges::equal(solutions, other.solutions, {}, solution, solution));
+    EXPECT_TRUE(std::ranges::equal(rounds, other.rounds, {}, round, round));
+    EXPECT_TRUE(std::ranges::is_sorted(rounds, {}, round));
+  }
+};
+
 TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
   // Goal: units, results, stop, draws and report are the same however units and blocks are cut and
   // in whatever order they complete; and the stop is where the rules say. Method: random cases of
@@ -213,6 +242,57 @@ TEST(EveryMethod, GoesOnFromAnyStoredResults) {
     expect_same_moment(*plan, *whole_plan);
     EXPECT_TRUE(resumed.runs() == whole.runs());
     if (HasFailure()) return;
+  }
+}
+
+TEST(EveryMethod, DecidesTheSameInAnySteps) {
+  // Goal: solutions and rounds that a plan tells between two frontiers are a function of the
+  // results up to these: whenever it is asked, together they are what a quiet run tells at its end;
+  // each solution is a satisfied scan at inverse temperature 1, and all that are counted are told.
+  // Method: random sessions that are asked at random moments, dead ones and those after them too.
+  std::set<Method> methods;
+  for (const std::uint64_t index : property::cases(k_cases)) {
+    Dice dice(k_seed, 5 * k_cases + index);
+    const Case given = random_case(dice, index);
+    const ScanByScan worker(given.worker);
+    const auto quiet_plan = plan_of(given, given.stop);
+    AnySession quiet(*quiet_plan, worker);
+    quiet.run_serially();
+    Decided whole;
+    whole.move_to(*quiet_plan);
+    for (const plan::Solution& solution : whole.solutions) {
+      const auto is_it = [&](const auto& entry) {
+        const plan::ScanRecord& record = entry.second.record;
+        return entry.first.replica.chain == solution.chain && entry.first.scan == solution.scan &&
+               record.satisfied && record.inverse_temperature == 1 &&
+               record.log_prior + record.log_constraint == solution.log_p;
+      };
+      ASSERT_TRUE(std::ranges::any_of(quiet.runs(), is_it));
+      EXPECT_LT(solution.scan, solution.decided);
+    }
+    if (quiet_plan->scans_consumed() == quiet_plan->scans_common() * given.chains) {
+      EXPECT_EQ(whole.solutions.size(), quiet_plan->solutions_found());
+    }
+    if (!whole.solutions.empty() && !whole.rounds.empty()) methods.insert(given.method);
+
+    Decided decided;
+    auto plan = plan_of(given, given.stop);
+    auto session = std::make_unique<AnySession>(*plan, worker);
+    while (!plan->finished()) {
+      session->run_randomly(dice, 1 + dice.below(60));
+      if (dice.once_in(2)) decided.move_to(*plan);
+      if (!dice.once_in(4)) continue;
+      const ScanRuns stored = session->runs();
+      plan = plan_of(given, given.stop);
+      session = std::make_unique<AnySession>(*plan, worker);
+      session->replay(stored, dice);
+    }
+    decided.move_to(*plan);
+    decided.expect_equal_to(whole);
+    if (HasFailure()) return;
+  }
+  if (property::all_cases()) {
+    EXPECT_EQ(methods.size(), k_methods);
   }
 }
 

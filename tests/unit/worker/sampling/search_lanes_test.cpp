@@ -175,6 +175,9 @@ class ThreeScans final : public plan::Plan {
   bool finished() const override { return consumed_ == 3; }
   std::uint64_t scans_common() const override { return consumed_; }
   std::uint64_t solutions_found() const override { return 2; }
+  std::vector<plan::Solution> solutions_between(std::uint64_t, std::uint64_t) const override {
+    return {};
+  }
   std::optional<std::uint64_t> solutions_wanted() const override { return 7; }
   std::uint64_t scans_consumed() const override { return consumed_; }
   std::optional<std::uint64_t> scans_total() const override { return 3; }

@@ -35,5 +35,32 @@ TEST(Solutions, CountEachLineageOnce) {
   EXPECT_EQ(solutions.before(21), 3U);
 }
 
+TEST(Solutions, OfChainsAreInOneOrder) {
+  // Goal: what several chains' scans decide comes by scan, then chain, then lineage, in whatever
+  // order it came to be known. Method: by hand; a chain that has none yet.
+  Solutions early;
+  Solutions late;
+  plan::ScanRecord dense = record_of(3, 1, true);
+  dense.log_prior = 2;
+  dense.log_constraint = -0.5;
+  late.add(20, record_of(9, 1, true));
+  late.add(20, record_of(8, 1, true));
+  late.add(4, dense);
+  early.add(20, record_of(1, 1, true));
+  const std::vector<const Solutions*> chains{nullptr, &late, &early};
+  const auto told = solutions_between(chains, 4, 21);
+  ASSERT_EQ(told.size(), 4U);
+  EXPECT_EQ(told[0].chain, base::ChainId{1});
+  EXPECT_EQ(told[0].scan, 4U);
+  EXPECT_EQ(told[0].decided, 5U);
+  EXPECT_EQ(told[0].log_p, 1.5);
+  EXPECT_EQ(told[1].chain, base::ChainId{1});
+  EXPECT_EQ(told[3].chain, base::ChainId{2});
+  ASSERT_EQ(late.between(20, 21).size(), 2U);
+  EXPECT_EQ(late.between(20, 21)[0].lineage, 8U);
+  EXPECT_EQ(solutions_between(chains, 5, 20).size(), 0U);
+  EXPECT_EQ(solutions_between(chains, 20, 21).size(), 3U);
+}
+
 }  // namespace
 }  // namespace sleight::sampling

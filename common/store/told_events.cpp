@@ -1,0 +1,225 @@
+#include "common/store/told_events.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/events/event_log.h"
+#include "common/store/checksum.h"
+#include "common/store/database.h"
+#include "common/store/run_store.h"
+#include "common/store/scan_rows.h"
+
+namespace sleight::store {
+namespace {
+
+constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
+/// Between two looks at its files the writer may have turned the log over.
+constexpr int k_looks_max = 100;
+
+/// A file of the log that is open for reading, or none.
+class LogFile {
+ public:
+  explicit LogFile(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {
+    struct stat status {};
+    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) return;
+    device_ = status.st_dev;
+    inode_ = status.st_ino;
+    bytes_ = static_cast<std::uint64_t>(status.st_size);
+  }
+  ~LogFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  LogFile(const LogFile&) = delete;
+  LogFile& operator=(const LogFile&) = delete;
+
+  bool is_there() const { return inode_ != 0; }
+  std::uint64_t device() const { return device_; }
+  std::uint64_t inode() const { return inode_; }
+  bool is(std::uint64_t device, std::uint64_t inode) const {
+    return is_there() && device == device_ && inode == inode_;
+  }
+  /// Whether a place is in this file, behind a line: a new file may have a deleted one's inode.
+  bool has(std::uint64_t device, std::uint64_t inode, std::uint64_t offset) const {
+    if (!is(device, inode) || offset > bytes_) return false;
+    char before = '\n';
+    return offset == 0 || (::pread(descriptor_, &before, 1, static_cast<off_t>(offset - 1)) == 1 &&
+                           before == '\n');
+  }
+  /// From a place on, as long as it was when it was opened.
+  std::string content_from(std::uint64_t offset) const {
+    std::string text;
+    if (!is_there() || offset >= bytes_) return text;
+    text.resize(bytes_ - offset);
+    std::size_t have = 0;
+    while (have < text.size()) {
+      const ssize_t size = ::pread(descriptor_, text.data() + have, text.size() - have,
+                                   static_cast<off_t>(offset + have));
+      if (size < 0 && errno == EINTR) continue;
+      if (size <= 0) break;
+      have += static_cast<std::size_t>(size);
+    }
+    text.resize(have);
+    return text;
+  }
+
+ private:
+  int descriptor_;
+  std::uint64_t device_ = 0;
+  std::uint64_t inode_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+/// The store's connection, once it has a run's tables; they come into being all at once.
+std::optional<Database> open_store(const std::string& folder) {
+  const std::string path = RunStore::database_path(folder);
+  if (::access(path.c_str(), F_OK) != 0) return std::nullopt;
+  Database database(path, Access::read_only);
+  const bool has_tables =
+      database.prepare("SELECT 1 FROM sqlite_master WHERE type='table' AND name='run'").step();
+  if (!has_tables) return std::nullopt;
+  if (const std::string format = run_value(database, "format_version");
+      format != std::to_string(k_store_format)) {
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: run store of format {}, this program reads {}", path, format,
+                                  k_store_format));
+  }
+  return database;
+}
+
+}  // namespace
+
+/// What one call comes to.
+struct ToldEvents::Answer {
+  std::size_t numbered_max = 0;
+  std::vector<events::RunEvent> numbered{};
+  std::vector<events::RunEvent> others{};  ///< the newest of each kind
+
+  bool is_full() const { return numbered.size() >= numbered_max; }
+  void replace(events::RunEvent event) {
+    std::erase_if(others, [&](const events::RunEvent& other) {
+      return other.what.index() == event.what.index();
+    });
+    others.push_back(std::move(event));
+  }
+  std::vector<events::RunEvent> finish() {
+    std::ranges::move(others, std::back_inserter(numbered));
+    return std::move(numbered);
+  }
+};
+
+ToldEvents::ToldEvents(std::string folder, std::uint64_t number)
+    : folder_(std::move(folder)), number_(number) {
+  CHECK_GE(number, 1U);
+}
+
+std::vector<events::RunEvent> ToldEvents::next(std::size_t numbered_max) {
+  CHECK_GE(numbered_max, 1U);
+  Answer answer{.numbered_max = numbered_max};
+  read_log(answer);
+  return answer.finish();
+}
+
+std::vector<events::RunEvent> ToldEvents::rest(std::size_t numbered_max) {
+  CHECK_GE(numbered_max, 1U);
+  Answer answer{.numbered_max = numbered_max};
+  read_log(answer);
+  fill_from_store(k_no_end, answer);
+  return answer.finish();
+}
+
+void ToldEvents::read_log(Answer& answer) {
+  const std::string path = events::event_log_path(folder_);
+  for (int look = 0; look < k_looks_max; ++look) {
+    const LogFile now(path);
+    if (now.has(place_.device, place_.inode, place_.offset)) {
+      take_lines(now.content_from(place_.offset), place_.offset, answer);
+      return;
+    }
+    // It is another file than last time: that one may have become the old one.
+    const LogFile old(events::old_event_log_path(folder_));
+    if (LogFile again(path); again.is_there() != now.is_there() ||
+                             (now.is_there() && !again.is(now.device(), now.inode())))
+      continue;
+    if (old.is_there()) {
+      const bool is_known = old.has(place_.device, place_.inode, place_.offset);
+      place_ = {
+          .device = old.device(), .inode = old.inode(), .offset = is_known ? place_.offset : 0};
+      if (!take_lines(old.content_from(place_.offset), place_.offset, answer)) return;
+    }
+    if (!now.is_there()) return;
+    place_ = {.device = now.device(), .inode = now.inode(), .offset = 0};
+    take_lines(now.content_from(0), place_.offset, answer);
+    return;
+  }
+}
+
+/// Takes whole lines and moves the offset past them; false: there are more, which the answer has no
+/// room for.
+bool ToldEvents::take_lines(const std::string& text, std::uint64_t& offset, Answer& answer) {
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = text.find('\n', begin);
+    if (end == std::string::npos) return true;
+    auto event = events::run_event_of(std::string_view(text).substr(begin, end - begin));
+    if (event && event->number == 0) {
+      answer.replace(*std::move(event));
+    } else if (event && event->number >= number_) {
+      if (event->number > number_) fill_from_store(event->number, answer);
+      if (answer.is_full()) return false;
+      if (event->number != number_) {
+        refuse_damaged(RunStore::database_path(folder_),
+                       fmt::format("event {} is missing", number_));
+      }
+      answer.numbered.push_back(*std::move(event));
+      ++number_;
+    }
+    offset += end + 1 - begin;
+    begin = end + 1;
+  }
+}
+
+/// Those before `end` that the answer has room for.
+void ToldEvents::fill_from_store(std::uint64_t end, Answer& answer) {
+  if (answer.is_full()) return;
+  std::optional<Database> database = open_store(folder_);
+  if (!database) return;
+  const std::uint64_t salt = salt_of(run_value(*database, "identity"));
+  Statement select = database->prepare(
+      "SELECT number, line, checksum FROM event WHERE number>=?1 AND number<?2 ORDER BY number "
+      "LIMIT ?3");
+  const auto bound = [](std::uint64_t value) {
+    return static_cast<std::int64_t>(
+        std::min<std::uint64_t>(value, std::numeric_limits<std::int64_t>::max()));
+  };
+  select.bind(1, bound(number_)).bind(2, bound(end));
+  select.bind(3, bound(answer.numbered_max - answer.numbered.size()));
+  while (select.step()) {
+    const auto number = static_cast<std::uint64_t>(select.integer(0));
+    const std::string line = select.text(1);
+    auto event = events::run_event_of(line);
+    const bool is_sound = event && event->number == number && number == number_ &&
+                          checksum_of_event(salt, number, line) == select.integer(2);
+    if (!is_sound) refuse_damaged(database->path(), fmt::format("event {}", number_));
+    answer.numbered.push_back(*std::move(event));
+    ++number_;
+  }
+}
+
+std::vector<events::RunEvent> events_told(const std::string& folder, std::uint64_t number,
+                                          std::size_t numbered_max) {
+  return ToldEvents(folder, number).rest(numbered_max);
+}
+
+}  // namespace sleight::store

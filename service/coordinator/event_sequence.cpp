@@ -1,0 +1,131 @@
+#include "service/coordinator/event_sequence.h"
+
+#include <algorithm>
+#include <iterator>
+#include <tuple>
+#include <utility>
+
+namespace sleight::coordinator {
+namespace {
+
+bool is_lane(const plan::ReplicaKey& replica) {
+  return replica.chain.value >= plan::k_first_lane;
+}
+
+bool is_searching(const plan::Finds& finds) {
+  return finds.found < finds.wanted && !finds.gave_up;
+}
+
+/// An event of the chains, and after which scan of all chains it is known.
+struct Known {
+  std::uint64_t scans = 0;
+  std::uint32_t sort = 0;  ///< failures, solutions, rounds
+  events::RunEvent event;
+};
+
+}  // namespace
+
+EventSequence::EventSequence(const store::ToldFrontier& told, FileOf file_of)
+    : told_(told), file_of_(std::move(file_of)) {}
+
+void EventSequence::consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
+                             std::span<const plan::ScanRecord> records) {
+  if (told_.failures >= k_failures_told_max) return;
+  std::uint64_t scan = first_scan.value;
+  for (const plan::ScanRecord& record : records) {
+    const std::uint64_t here = scan++;
+    if (record.failures.total() == 0) continue;
+    const bool of_search = is_lane(replica);
+    const std::uint64_t at = of_search ? plan::start_number(replica.chain, here) : here;
+    if (at < (of_search ? told_.starts : told_.scans)) continue;
+    for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
+      if (record.failures.by_kind[kind] == 0) continue;
+      remember(of_search ? of_search_ : of_chains_, {.at = at,
+                                                     .replica = replica,
+                                                     .scan = base::ScanIndex{here},
+                                                     .kind = static_cast<plan::FailureKind>(kind)});
+    }
+  }
+}
+
+void EventSequence::remember(Waiting& waiting, const FailurePlace& place) const {
+  waiting.insert(place);
+  // Later ones than these are never told.
+  if (waiting.size() > k_failures_told_max - told_.failures)
+    waiting.erase(std::prev(waiting.end()));
+}
+
+std::optional<events::Failure> EventSequence::next_failure(Waiting& waiting, std::uint64_t end) {
+  if (waiting.empty() || waiting.begin()->at >= end || told_.failures >= k_failures_told_max)
+    return std::nullopt;
+  const FailurePlace place = waiting.extract(waiting.begin()).value();
+  ++told_.failures;
+  return events::Failure{.simulation = std::string(plan::name_of(place.kind)),
+                         .chain = place.replica.chain.value,
+                         .replica = place.replica.replica.value,
+                         .scan = place.scan.value,
+                         .file = file_of_ ? file_of_(place.replica, place.scan, place.kind) : ""};
+}
+
+std::vector<events::RunEvent> EventSequence::advance(const plan::Plan& plan) {
+  std::vector<events::RunEvent> events;
+  advance_search(plan, events);
+  if (!is_searching(plan.finds())) advance_chains(plan, events);
+  return events;
+}
+
+void EventSequence::advance_search(const plan::Plan& plan, std::vector<events::RunEvent>& events) {
+  const std::uint64_t end = plan.starts_done();
+  if (end <= told_.starts) return;
+  for (const plan::Find& find : plan.finds_between(told_.starts, end)) {
+    while (auto failure = next_failure(of_search_, find.start + 1))
+      events.push_back({.what = *std::move(failure)});
+    events.push_back({.what = events::Solution{.nth = ++told_.finds,
+                                               .in_proportion = false,
+                                               .chain = 0,
+                                               .scan = find.start,
+                                               .log_p = find.log_p}});
+  }
+  while (auto failure = next_failure(of_search_, end))
+    events.push_back({.what = *std::move(failure)});
+  told_.starts = end;
+}
+
+void EventSequence::advance_chains(const plan::Plan& plan, std::vector<events::RunEvent>& events) {
+  const std::uint64_t until = plan.scans_common();
+  if (until <= told_.scans) return;
+  std::vector<Known> known;
+  for (auto place = of_chains_.begin(); place != of_chains_.end() && place->at < until;
+       place = of_chains_.begin()) {
+    const std::uint64_t scans = place->at + 1;
+    auto failure = next_failure(of_chains_, until);
+    if (!failure) break;
+    known.push_back({.scans = scans, .sort = 0, .event = {.what = *std::move(failure)}});
+  }
+  for (const plan::Solution& solution : plan.solutions_between(told_.scans, until)) {
+    known.push_back({.scans = solution.decided,
+                     .sort = 1,
+                     .event = {.what = events::Solution{.nth = ++told_.solutions,
+                                                        .in_proportion = true,
+                                                        .chain = solution.chain.value,
+                                                        .scan = solution.scan,
+                                                        .log_p = solution.log_p}}});
+  }
+  for (const plan::EndedRound& round : plan.rounds_between(told_.scans, until)) {
+    known.push_back({.scans = round.scans,
+                     .sort = 2,
+                     .event = {.what = events::RoundEnded{.chain = round.chain.value,
+                                                          .round = round.round,
+                                                          .scans = round.scans,
+                                                          .swaps = round.swaps,
+                                                          .round_trips = round.round_trips}}});
+  }
+  // Each sort is in order already.
+  std::ranges::stable_sort(known, {},
+                           [](const Known& one) { return std::tuple(one.scans, one.sort); });
+  for (Known& one : known)
+    events.push_back(std::move(one.event));
+  told_.scans = until;
+}
+
+}  // namespace sleight::coordinator
