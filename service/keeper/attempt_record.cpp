@@ -116,7 +116,7 @@ AttemptEnd end_of(const Json& json) {
   return end;
 }
 
-AttemptRecord record_in(const Json& json) {
+AttemptRecord record_of_json(const Json& json) {
   const Json& keeper = json.at("keeper");
   AttemptRecord record{.attempt = field<std::uint32_t>(json, "attempt"),
                        .keeper = {.pid = field<pid_t>(keeper, "pid"),
@@ -162,7 +162,7 @@ std::optional<AttemptRecord> record_of(std::string_view text) {
   try {
     const Json json = Json::parse(text);
     if (field<int>(json, "format") != k_format) return std::nullopt;
-    return record_in(json);
+    return record_of_json(json);
   } catch (const Json::exception&) {
     return std::nullopt;
   } catch (const std::bad_optional_access&) {
@@ -170,17 +170,26 @@ std::optional<AttemptRecord> record_of(std::string_view text) {
   }
 }
 
-std::optional<AttemptRecord> read_record(const std::string& folder) {
+std::string record_text_in(const std::string& folder) {
   const std::string path = folder + "/" + k_record_name;
-  if (!base::PosixFileSystem().exists(path)) return std::nullopt;
-  auto record = record_of(base::read_text_file(path, k_record_bytes_max));
+  return base::PosixFileSystem().exists(path) ? base::read_text_file(path, k_record_bytes_max)
+                                              : std::string();
+}
+
+std::optional<AttemptRecord> record_in(const std::string& folder, const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  auto record = record_of(text);
   if (!record) {
     throw base::Error(fmt::format(
-        "{}: not a record of an attempt, or of another version of Sleight; what ran in this folder "
-        "is not known: move the file away if nothing runs there",
-        path));
+        "{}/{}: not a record of an attempt, or of another version of Sleight; what ran in this "
+        "folder is not known: move the file away if nothing runs there",
+        folder, k_record_name));
   }
   return record;
+}
+
+std::optional<AttemptRecord> read_record(const std::string& folder) {
+  return record_in(folder, record_text_in(folder));
 }
 
 RecordFile::RecordFile(base::FileSystem& files, std::string folder)

@@ -97,7 +97,14 @@ std::string to_text(const AttemptRecord& record);
 /// None for anything that to_text did not write.
 std::optional<AttemptRecord> record_of(std::string_view text);
 
-/// None where the folder has none. Throws base::Error where it can't be read, or is none of ours.
+/// Its text, of one moment; empty where the folder has none. Throws base::Error where it can't be
+/// read.
+std::string record_text_in(const std::string& folder);
+
+/// The record of such a text, none of an empty one. Throws base::Error where it is none of ours.
+std::optional<AttemptRecord> record_in(const std::string& folder, const std::string& text);
+
+/// Both.
 std::optional<AttemptRecord> read_record(const std::string& folder);
 
 /// Writes the two records of one attempt.

@@ -120,12 +120,6 @@ std::string words_in(const std::string& folder) {
   }
 }
 
-std::string text_in(const std::string& folder) {
-  const std::string path = folder + "/" + k_record_name;
-  return base::PosixFileSystem().exists(path) ? base::read_text_file(path, k_record_bytes_max)
-                                              : std::string();
-}
-
 }  // namespace
 
 RunningKeeper::RunningKeeper(ProcessIdentity identity, Descriptor descriptor)
@@ -187,24 +181,30 @@ RunningKeeper LocalBackend::launch(const AttemptSpec& spec) const {
 Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const {
   // A record that is the same before and after the lock was looked at is the one of that moment, as
   // records only go forward.
-  std::string text = text_in(folder);
+  std::string text = record_text_in(folder);
   bool is_held = KeeperLock::is_held(folder);
-  for (std::string again = text_in(folder); again != text; again = text_in(folder)) {
+  for (std::string again = record_text_in(folder); again != text; again = record_text_in(folder)) {
     text = std::move(again);
     is_held = KeeperLock::is_held(folder);
   }
-  auto record = text.empty() ? std::nullopt : record_of(text);
-  if (!text.empty() && !record) static_cast<void>(read_record(folder));
-  if (record && record->attempt > attempt) {
+  Look look{.record = record_in(folder, text)};
+  const std::uint32_t newest = look.record ? look.record->attempt : 0;
+  if (newest > attempt) {
     throw base::Error(fmt::format(
         "{}: attempt {} has begun there, after attempt {}: another server uses this folder", folder,
-        record->attempt, attempt));
+        newest, attempt));
   }
-  if (record && record->attempt < attempt) record.reset();
-  if (is_held) return {.state = Look::State::running, .record = std::move(record)};
-  if (!record) return {.state = Look::State::never_began, .words = words_in(folder)};
-  const auto state = record->end ? Look::State::ended : Look::State::died;
-  return {.state = state, .record = std::move(record)};
+  const bool has_begun = newest == attempt;
+  const bool has_ended = has_begun && look.record->end;
+  if (!has_begun) look.record.reset();
+  if (is_held) {
+    look.state = Look::State::running;
+  } else if (!has_begun) {
+    look.words = words_in(folder);
+  } else {
+    look.state = has_ended ? Look::State::ended : Look::State::died;
+  }
+  return look;
 }
 
 std::optional<RunningKeeper> LocalBackend::adopt(const std::string& folder,

@@ -7,7 +7,8 @@
 //
 //   backend.launch(spec)            before: the number is stored. It returns once the keeper runs
 //   backend.look(folder, attempt)   at any time, by any daemon
-//     never_began  launch the same attempt again: of two keepers one starts the program
+//     never_began  launch the same attempt again: of two keepers one starts the program. As long as
+//                  the keeper that launch returned has not gone, it means "not yet"
 //     running      adopt(folder, attempt) and wait for its descriptor; then look again. None to
 //     adopt:
 //                  it has just begun, or gone: look again some milliseconds later

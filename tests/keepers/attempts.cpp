@@ -57,6 +57,13 @@ Programs programs_of(const Arguments& arguments) {
   return programs;
 }
 
+/// Until a look tells what the keeper makes of it.
+void await_begin(const LocalBackend& backend, const RunningKeeper& keeper,
+                 const std::string& folder, std::uint32_t attempt) {
+  while (!keeper.has_gone() && backend.look(folder, attempt).state == Look::State::never_began)
+    ::poll(nullptr, 0, 1);
+}
+
 /// What a daemon does that goes on with a job.
 Look await_end(const LocalBackend& backend, const std::string& folder, std::uint32_t attempt) {
   while (true) {
@@ -75,7 +82,11 @@ Json run(const CLI::App& app, const Arguments& arguments) {
   const LocalBackend backend(programs_of(arguments));
   const std::string& folder = arguments.spec.folder;
   const std::uint32_t attempt = arguments.spec.attempt;
-  if (app.got_subcommand("launch")) return {{"pid", backend.launch(arguments.spec).identity().pid}};
+  if (app.got_subcommand("launch")) {
+    const RunningKeeper keeper = backend.launch(arguments.spec);
+    await_begin(backend, keeper, folder, attempt);
+    return {{"pid", keeper.identity().pid}};
+  }
   if (app.got_subcommand("stop")) {
     const Stop how = arguments.how == "now" ? Stop::now : Stop::in_order;
     return {{"stopped", backend.stop(folder, attempt, how)}};

@@ -74,7 +74,9 @@ TEST(LastLines, AreTheLastOnes) {
   last.append("one\ntw");
   EXPECT_EQ(last.lines(), (std::vector<std::string>{"one", "tw"}));
   last.append("o\nthree\n");
-  last.append(std::string(1000, 'x') + "\n");
+  std::string too_long(1000, 'x');
+  too_long += '\n';
+  last.append(too_long);
   EXPECT_EQ(last.lines(), (std::vector<std::string>{
                               "two", "three", std::string(LastLines::k_line_bytes_max, 'x')}));
   last.append("end");
