@@ -35,9 +35,6 @@ struct Traffic {
   kj::TimePoint active = kj::origin<kj::TimePoint>();  ///< when a message last came or went whole
 };
 
-// The base has no virtual destructor; none is destroyed by it.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wnon-virtual-dtor"
 class GuardedMessages final : public capnp::MessageStream {
  public:
   /// `grown` is called when a large message begins to come in or to go out.
@@ -73,6 +70,5 @@ class GuardedMessages final : public capnp::MessageStream {
   kj::Maybe<kj::Own<kj::PromiseFulfiller<void>>> written_;  ///< of a read that waits
   std::unordered_set<std::uint32_t> questions_;
 };
-#pragma GCC diagnostic pop
 
 }  // namespace sleight::rpc
