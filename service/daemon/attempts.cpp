@@ -84,6 +84,12 @@ void Attempts::stop(const jobs::Stop& stop) {
   const keeper::Stop how =
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   try {
+    // The keeper's own handle reaches it before it has a record.
+    const auto run = running_.find(stop.job);
+    if (run != running_.end() && run->second.attempt == stop.attempt) {
+      run->second.keeper->stop(how);
+      return;
+    }
     parts_.backend.stop(parts_.folders.folder(stop.job),
                         static_cast<std::uint32_t>(stop.attempt.value), how);
   } catch (const base::Error& failure) {
@@ -108,7 +114,10 @@ void Attempts::see(jobs::JobId job, jobs::Attempt attempt) {
         if (auto keeper = parts_.backend.adopt(folder, number)) {
           follow(job, attempt, *std::move(keeper), true);
         } else {
-          seen = parts_.backend.look(folder, number);  // it has gone meanwhile, or just begins
+          // It just begins, or has just gone: a moment later that can be told.
+          again_[job] =
+              parts_.loop.call_later(k_again_s, [this, job, attempt] { see(job, attempt); });
+          return;
         }
       }
     }

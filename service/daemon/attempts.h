@@ -34,6 +34,8 @@ inline constexpr double k_look_young_s = 0.1;
 inline constexpr double k_look_s = 1;
 /// The machine is told of a run that goes on so often.
 inline constexpr double k_tell_running_s = 5;
+/// A keeper that can't be waited for yet is looked at again so much later.
+inline constexpr double k_again_s = 0.02;
 
 /// What a launch needs of the job beside its number.
 struct LaunchText {
@@ -100,6 +102,7 @@ class Attempts {
 
   Parts parts_;
   std::map<jobs::JobId, Run> running_;
+  std::map<jobs::JobId, rpc::Loop::Handle> again_;
   rpc::Loop::Handle polling_{};
   double poll_every_s_ = 0;
   std::string programs_stamp_{};
