@@ -22,6 +22,15 @@ SCANS = 3000
 GONE_S = 0.1
 
 
+def programs():
+    """Absolute, as they are run in a job's folder."""
+    return pathlib.Path(harness.arguments.bin).resolve()
+
+
+def attempts_command():
+    return [str(programs().parent / "tests/sleight-attempts"), "--bin", str(programs())]
+
+
 def alive(pid):
     try:
         return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
@@ -84,9 +93,7 @@ class Keeper(ProgramTest):
         return pids
 
     def attempts(self, *args, **options):
-        tests = pathlib.Path(harness.arguments.bin).parent / "tests"
-        result = self.succeed(harness.run([tests / "sleight-attempts", "--bin", harness.arguments.bin,
-                                           *args], **options))
+        result = self.succeed(harness.run([*attempts_command(), *args], **options))
         return json.loads(result.stdout)
 
     def launch(self, attempt, *options, first=()):
@@ -133,7 +140,7 @@ class Keeper(ProgramTest):
         self.assertEqual((end["exit_code"], end["run_end"]["epoch"], end["run_end"]["digest"]),
                          (0, 2, digest))
         silent = self.path("silent")
-        silent.write_text(f'#!/bin/bash\nexec {harness.program("sleight")} "${{@/end.pipe/heard}}"\n')
+        silent.write_text(f'#!/bin/bash\nexec {programs()}/sleight "${{@/end.pipe/heard}}"\n')
         silent.chmod(0o755)
         (self.job / "heard").write_text("")
         self.launch(3, "-j", "1", first=["--sleight", silent])
@@ -159,13 +166,12 @@ class Keeper(ProgramTest):
     @unittest.skipUnless(os.geteuid() == 0, "mounts a small disk")
     def test_a_full_disk(self):
         """The program fills the disk; how it ended is recorded all the same."""
+        command = " ".join(attempts_command())
         script = f"""
             mount -t tmpfs -o size=3m none {self.folder}/jobs && mkdir -p "$0" &&
             cp {self.request_is(scans=3_000_000, thin=1).rename(self.path('r.toml'))} "$0/request.toml" &&
-            {pathlib.Path(harness.arguments.bin).parent}/tests/sleight-attempts --bin \\
-              {harness.arguments.bin} launch "$0" 1 -j 1 > /dev/null &&
-            {pathlib.Path(harness.arguments.bin).parent}/tests/sleight-attempts --bin \\
-              {harness.arguments.bin} await "$0" 1; df "$0" | tail -1 >&2"""
+            {command} launch "$0" 1 -j 1 > /dev/null &&
+            {command} await "$0" 1; df "$0" | tail -1 >&2"""
         result = self.succeed(harness.run(["unshare", "-m", "bash", "-c", script, self.job]))
         look = json.loads(result.stdout)
         self.assertEqual((look["state"], look["record"]["end"]["exit_code"]), ("ended", 5), look)
@@ -178,7 +184,9 @@ class Keeper(ProgramTest):
         for attempt, options in [(1, ["-j", "2"]), (2, ["--ranks", "2", "--oversubscribe"])]:
             before = self.stored_scans()
             self.launch(attempt, *options)
+            deadline = time.monotonic() + 60
             while self.stored_scans() <= before + 1000:
+                self.assertLess(time.monotonic(), deadline, self.look(attempt))
                 time.sleep(0.01)
             self.assertTrue(self.attempts("stop", self.job, attempt, "in_order")["stopped"])
             end = self.await_end(attempt)
