@@ -149,7 +149,11 @@ void Loop::Handle::end() {
 
 // ---------------------------------------------------------------------------------------- the loop
 
-Loop::Impl::Impl() : io(kj::setupAsyncIo()), wake_descriptor(make_eventfd()), tasks(*this) {
+Loop::Impl::Impl()
+    : io(kj::setupAsyncIo()),
+      wake_descriptor(make_eventfd()),
+      wakes(io.unixEventPort, wake_descriptor.get(), kj::UnixEventPort::FdObserver::OBSERVE_READ),
+      tasks(*this) {
   tasks.add(look_at_wake());
 }
 
@@ -195,33 +199,23 @@ void Loop::Impl::run_posted() {
 }
 
 kj::Promise<void> Loop::Impl::look_at_wake() {
-  auto observer = kj::heap<kj::UnixEventPort::FdObserver>(
-      io.unixEventPort, wake_descriptor.get(), kj::UnixEventPort::FdObserver::OBSERVE_READ);
-  auto& looked = *observer;
-  return looked.whenBecomesReadable()
-      .then([this] {
-        drain(wake_descriptor.get());
-        run_posted();
-        if (is_stopped && running) running->fulfill();
-        tasks.add(look_at_wake());
-      })
-      .attach(kj::mv(observer));
+  return wakes.whenBecomesReadable().then([this]() -> kj::Promise<void> {
+    drain(wake_descriptor.get());
+    run_posted();
+    if (is_stopped && running) running->fulfill();
+    return look_at_wake();
+  });
 }
 
 kj::Promise<void> Loop::Impl::look_at_signals() {
-  auto observer = kj::heap<kj::UnixEventPort::FdObserver>(
-      io.unixEventPort, signal_descriptor.get(), kj::UnixEventPort::FdObserver::OBSERVE_READ);
-  auto& looked = *observer;
-  return looked.whenBecomesReadable()
-      .then([this] {
-        const std::uint64_t heard = drain(signal_descriptor.get());
-        for (std::size_t i = 0; i < k_stop_signals.size(); ++i) {
-          if ((heard / signal_unit(i)) % signal_unit(1) > 0)
-            call([this, i] { on_signal(k_stop_signals[i]); });
-        }
-        tasks.add(look_at_signals());
-      })
-      .attach(kj::mv(observer));
+  return signals->whenBecomesReadable().then([this]() -> kj::Promise<void> {
+    const std::uint64_t heard = drain(signal_descriptor.get());
+    for (std::size_t i = 0; i < k_stop_signals.size(); ++i) {
+      if ((heard / signal_unit(i)) % signal_unit(1) > 0)
+        call([this, i] { on_signal(k_stop_signals[i]); });
+    }
+    return look_at_signals();
+  });
 }
 
 Loop::Loop() : impl_(std::make_unique<Impl>()) {}
@@ -284,6 +278,9 @@ void Loop::on_stop_signals(std::function<void(int signal)> callback) {
   CHECK_EQ(signal_target.load(), -1);
   impl_->signal_descriptor = make_eventfd();
   impl_->on_signal = std::move(callback);
+  impl_->signals = kj::heap<kj::UnixEventPort::FdObserver>(
+      impl_->io.unixEventPort, impl_->signal_descriptor.get(),
+      kj::UnixEventPort::FdObserver::OBSERVE_READ);
   signal_target = impl_->signal_descriptor.get();
   struct sigaction action {};
   action.sa_handler = heard_signal;

@@ -37,6 +37,8 @@ struct Loop::Impl final : kj::TaskSet::ErrorHandler {
   kj::AutoCloseFd wake_descriptor;  ///< written by post and stop
   kj::AutoCloseFd
       signal_descriptor;  ///< written by the signal handler; none: signals are not asked for
+  kj::UnixEventPort::FdObserver wakes;
+  kj::Own<kj::UnixEventPort::FdObserver> signals;
   std::atomic<bool> is_stopped = false;
   std::exception_ptr error;
   kj::Own<kj::PromiseFulfiller<void>> running;  ///< ends run()

@@ -324,6 +324,8 @@ ServerProcess::ServerProcess(const std::string& path, Shared& shared, std::size_
                              ServerLimits limits)
     : pid_(::fork()) {
   if (pid_ == 0) {
+    // Files that the test has open, and their locks, are not the server's.
+    ::close_range(3, ~0U, 0);
     // A thread of its own: the one that forked may have a client, and so an event loop.
     std::thread([&] { serve(path, shared, file_bytes, limits); }).join();
     ::_exit(0);
