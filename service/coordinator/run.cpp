@@ -15,6 +15,7 @@
 #include "common/base/file_system.h"
 #include "common/base/version.h"
 #include "common/logging/log.h"
+#include "common/store/run_lock.h"
 #include "common/store/run_store.h"
 #include "common/store/stored_motions.h"
 #include "service/coordinator/checkpoints.h"
@@ -142,8 +143,10 @@ namespace {
 
 /// Drives the plan from where the store stands, and derives the archive.
 RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
-                            const std::string& folder, store::RunStore& run_store) {
+                            const std::string& folder, store::RunLock& lock,
+                            store::RunStore& run_store) {
   base::FileSystem& files = inputs.files;
+  lock.keep();  // nothing forks any more
   const auto say = [&](const std::string& phase) {
     if (options.say) options.say(phase);
   };
@@ -155,7 +158,9 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                               .reader = inputs.reader,
                               .plan_of = inputs.plan_of,
                               .files = files,
-                              .motions_s = &motions_s};
+                              .motions_s = &motions_s,
+                              .store = run_store.to_read(),
+                              .fence = [&lock] { lock.check(); }};
     std::string digest = derive_archive(derive, folder, options.output, cut, stop);
     return std::pair(std::move(digest), cut.scans);
   };
@@ -276,21 +281,22 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   if (files.exists(options.output) && !files.exists(folder)) {
     claim_output(options.output, folder, options.fresh, files);  // refuses, and makes no folder
   }
-  const store::RunLock lock(folder);
+  store::RunLock lock(folder, {.stop_requested = options.stop_requested});
   claim_output(options.output, folder, options.fresh, files);
   remove_leftovers(options.output, files);
-  store::RunStore run_store(folder, {.identity_text = run_identity(inputs.request),
-                                     .request_text = request::normalised_text(inputs.request),
-                                     .results_version = inputs.results_version,
-                                     .program_version = std::string(base::version()),
-                                     .chains = inputs.request.sampler.chains});
+  const store::RunIdentity identity{.identity_text = run_identity(inputs.request),
+                                    .request_text = request::normalised_text(inputs.request),
+                                    .results_version = inputs.results_version,
+                                    .program_version = std::string(base::version()),
+                                    .chains = inputs.request.sampler.chains};
+  store::RunStore run_store(folder, identity, &lock);
 
   // Whatever becomes of the session, its store has how it ended.
   try {
     if (files.exists(options.output)) {
       refuse_foreign_file(options.output, beginnings_of(inputs.request));
     }
-    RunSummary summary = drive_and_derive(inputs, options, folder, run_store);
+    RunSummary summary = drive_and_derive(inputs, options, folder, lock, run_store);
     leave_record(run_store, record_of(summary), options);
     return summary;
   } catch (const std::exception& error) {
