@@ -187,7 +187,13 @@ void Database::set_write_mode() {
     execute("PRAGMA locking_mode=EXCLUSIVE");
     sqlite3_db_config(connection_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }
-  execute("PRAGMA journal_mode=WAL");
+  Statement mode = prepare("PRAGMA journal_mode=WAL");
+  // SQLite keeps another mode without a word, which would remove its journal by name.
+  if (const bool is_log = mode.step() && mode.text(0) == "wal"; is_exclusive_ && !is_log) {
+    throw base::Error(fmt::format(
+        "{}: SQLite can't keep a log on this disk; put the run on another disk", path_));
+  }
+  mode.reset();
   execute("PRAGMA synchronous=FULL");
   // Rewriting pages in place costs seeks: do it in larger steps than the default 1,000 pages.
   execute("PRAGMA wal_autocheckpoint=4000");

@@ -158,11 +158,11 @@ bool Lease::renew() {
 }
 
 void Lease::release() {
-  CHECK_GT(generation_, 0U);
   if (!may_act()) return;
+  // First: the next holder may read it before this call has come back.
+  is_lost_ = true;
   text_.is_released = true;
   own_->write(text_.to_text());
-  is_lost_ = true;
 }
 
 bool Lease::may_act() const {

@@ -141,8 +141,8 @@ class Lease {
   bool renew();
   /// With the next renewal.
   void set_epoch(std::uint64_t epoch) { text_.epoch = epoch; }
-  /// Lets go: the next one takes it at once. Does nothing where the lease has ended. REQUIRES:
-  /// taken; nothing is done any more that the lock is for.
+  /// Lets go: the next one takes it at once. Does nothing where it was not taken, or has ended.
+  /// REQUIRES: nothing is done any more that the lock is for.
   void release();
 
   /// Whether what the lock protects may be changed now.
