@@ -72,7 +72,10 @@ struct RunLock::Leased {
   Leased& operator=(const Leased&) = delete;
 
   void take(const RunLockOptions& options);
-  void renew_if_due();
+  void renew_if_due() {
+    if (clock.now_s() - last_s >= lease.renew_every_s()) renew_now();
+  }
+  void renew_now();
   void renew_always();
 
   std::string folder;
@@ -110,8 +113,7 @@ void RunLock::Leased::take(const RunLockOptions& options) {
   last_s = clock.now_s();
 }
 
-void RunLock::Leased::renew_if_due() {
-  if (clock.now_s() - last_s < lease.renew_every_s()) return;
+void RunLock::Leased::renew_now() {
   last_s = clock.now_s();
   try {
     (void)lease.renew();
@@ -124,7 +126,7 @@ void RunLock::Leased::renew_always() {
   std::unique_lock lock(mutex);
   const std::chrono::duration<double> pause(lease.renew_every_s());
   while (!changed.wait_for(lock, pause, [&] { return is_ending; }))
-    renew_if_due();
+    renew_now();
 }
 
 RunLock::RunLock(const std::string& folder, RunLockOptions options) : folder_(folder) {
@@ -171,7 +173,10 @@ RunLock::~RunLock() {
 
 void RunLock::keep() {
   if (!leased_ || leased_->thread.joinable()) return;
-  renew();
+  {
+    const std::scoped_lock lock(leased_->mutex);
+    leased_->renew_now();  // what has been told since it was taken is there to be read
+  }
   leased_->thread = std::thread([lock = leased_.get()] { lock->renew_always(); });
 }
 
