@@ -53,7 +53,9 @@ int statfs(const char* path, struct statfs* found) noexcept {
   return outcome;
 }
 
-int flock(int, int) noexcept {
+// fcntl.h has a struct of the function's name.
+int refused_flock(int descriptor, int operation) noexcept __asm__("flock");
+int refused_flock(int, int) noexcept {
   return refuse(ENOSYS);
 }
 

@@ -238,12 +238,12 @@ void World::pause(Contender& one) {
 
 /// One process: wants the lock, has it for a while, ends in order or not.
 void World::live(Contender& one) {
-  SimulatedFiles files(*this, one);
+  SimulatedFiles disk(*this, one);
   LeaseText text{.holder = {.host = std::to_string(one.machine),
                             .machine = std::to_string(one.machine),
                             .process = one.process},
                  .token = std::to_string(one.process)};
-  Lease lease(files, one, text);
+  Lease lease(disk, one, text);
   one.lease = &lease;
   while (true) {
     const Lease::Outcome outcome = lease.try_take();
