@@ -10,10 +10,10 @@
 #include "clients/cli/results_version.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
-#include "common/base/network_disk.h"
 #include "common/request/direction_request.h"
 #include "common/store/run_store.h"
 #include "common/store/sessions.h"
+#include "common/store/shared_database.h"
 #include "service/coordinator/derive.h"
 #include "service/coordinator/output_place.h"
 #include "worker/run/catalogue.h"
@@ -21,39 +21,20 @@
 namespace sleight::programs {
 namespace {
 
-constexpr std::string_view k_folder_ending = ".run";
-
-/// The archive that the run itself writes, however its folder is named.
-std::string own_archive_of(const std::string& folder) {
-  std::error_code ignored;
-  const std::string whole = std::filesystem::canonical(folder, ignored).string();
-  return whole.ends_with(k_folder_ending) ? whole.substr(0, whole.size() - k_folder_ending.size())
-                                          : std::string();
-}
-
-void refuse_what_cannot_be_read(const std::string& folder) {
+void refuse_what_is_no_run(const std::string& folder) {
   base::PosixFileSystem files;
   if (!files.exists(store::RunStore::database_path(folder))) {
     throw base::Error(fmt::format(
         "{}: holds no run's store; the folder of a run with output ball.h5 is ball.h5.run",
         folder));
   }
-  const auto network = base::network_file_system(folder);
-  if (!network) return;
-  const std::string own = own_archive_of(folder);
-  throw base::Error(fmt::format(
-      "{}: lies on a network disk ({}), where only the process that writes a run can read its "
-      "store; {}or copy the folder to a local disk when nobody writes it",
-      folder, *network,
-      own.empty() || !files.exists(own) ? std::string()
-                                        : fmt::format("take the latest archive, {}, ", own)));
 }
 
 void refuse_unusable_output(const DeriveArguments& arguments,
                             const request::DirectionRequest& request) {
   base::PosixFileSystem files;
   coordinator::refuse_unusable_place(arguments.output, files);
-  const std::string own = own_archive_of(arguments.folder);
+  const std::string own = store::own_archive_of(arguments.folder);
   std::error_code ignored;
   if (!own.empty() && std::filesystem::weakly_canonical(own, ignored) ==
                           std::filesystem::weakly_canonical(arguments.output, ignored)) {
@@ -72,7 +53,7 @@ int derive(const DeriveArguments& arguments) {
   std::string folder = arguments.folder;
   while (folder.size() > 1 && folder.ends_with('/'))
     folder.pop_back();
-  refuse_what_cannot_be_read(folder);
+  refuse_what_is_no_run(folder);
 
   // Whose run it is; another program might learn something else from its scans.
   const store::StoredRequest stored = store::stored_request_of(folder);

@@ -19,6 +19,12 @@ class SteadyClock final : public Clock {
   double now_s() const override;
 };
 
+/// Goes on while the machine sleeps: what another machine may have done meanwhile hangs on it.
+class BootClock final : public Clock {
+ public:
+  double now_s() const override;
+};
+
 /// Processor time of the calling thread, in seconds.
 double thread_processor_s();
 

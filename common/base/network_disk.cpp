@@ -3,6 +3,8 @@
 #include <sys/vfs.h>
 
 #include <array>
+#include <cstdlib>
+#include <string_view>
 #include <utility>
 
 namespace sleight::base {
@@ -29,9 +31,15 @@ std::optional<std::string> network_file_system_of_type(unsigned long type) {
 }
 
 std::optional<std::string> network_file_system(const std::string& path) {
+  const char* const variable = std::getenv(k_network_disk_variable);
+  const std::string_view said = variable != nullptr ? variable : "";
+  if (said == "0") return std::nullopt;
   struct statfs found {};
   if (::statfs(path.c_str(), &found) != 0) return std::nullopt;
-  return network_file_system_of_type(static_cast<unsigned long>(found.f_type) & 0xFFFFFFFFUL);
+  const auto known =
+      network_file_system_of_type(static_cast<unsigned long>(found.f_type) & 0xFFFFFFFFUL);
+  if (!known && said == "1") return k_network_disk_variable;
+  return known;
 }
 
 }  // namespace sleight::base

@@ -1,11 +1,15 @@
 #include "common/store/database.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <unistd.h>
 
+#include <cerrno>
+
 #include "common/base/check.h"
 #include "common/base/file_system.h"
+#include "common/base/network_disk.h"
 
 namespace sleight::store {
 namespace {
@@ -45,6 +49,21 @@ DatabaseError::Kind kind_of(int basic_code) {
 bool nobody_can_write(const std::string& path) {
   const std::string folder = base::directory_of(path);
   return ::access((path + "-wal").c_str(), F_OK) != 0 && ::access(folder.c_str(), W_OK) != 0;
+}
+
+/// Whether the disk has locks at all; Lustre may be mounted without, NFS may lack its lock server.
+/// Makes the file if need be, as SQLite would. REQUIRES: this process has no connection to it,
+/// which would lose its locks when this descriptor is closed.
+bool has_file_locks(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0) return true;  // SQLite says why
+  struct flock asked {};
+  asked.l_type = F_WRLCK;
+  asked.l_whence = SEEK_SET;
+  const bool fails = ::fcntl(descriptor, F_GETLK, &asked) != 0;
+  const int reason = errno;
+  ::close(descriptor);
+  return !fails || (reason != ENOSYS && reason != ENOLCK && reason != EOPNOTSUPP);
 }
 
 /// As SQLite reads it: what has a meaning there is spelt out.
@@ -147,21 +166,41 @@ Database::Database(const std::string& path, Access access)
                                                 : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   const bool is_still = access == Access::read_only && nobody_can_write(path);
   const std::string name = is_still ? uri_of(path) + "?immutable=1" : path;
+  is_exclusive_ = access == Access::read_write &&
+                  base::network_file_system(base::directory_of(path)).has_value();
+  const char* const disk = is_exclusive_ && !has_file_locks(path) ? "unix-none" : nullptr;
   sqlite3* connection = nullptr;
-  const int code = sqlite3_open_v2(name.c_str(), &connection,
-                                   is_still ? flags | SQLITE_OPEN_URI : flags, nullptr);
+  const int code =
+      sqlite3_open_v2(name.c_str(), &connection, is_still ? flags | SQLITE_OPEN_URI : flags, disk);
   connection_.reset(connection);
   if (code != SQLITE_OK) fail(connection, path, code);
   sqlite3_extended_result_codes(connection, 1);
   sqlite3_busy_timeout(connection, k_busy_timeout_ms);
   // What a hostile schema could do in views and triggers is not ours to run.
   sqlite3_db_config(connection, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-  if (access == Access::read_write) {
-    execute("PRAGMA journal_mode=WAL");
-    execute("PRAGMA synchronous=FULL");
-    // Rewriting pages in place costs seeks: do it in larger steps than the default 1,000 pages.
-    execute("PRAGMA wal_autocheckpoint=4000");
+  if (access == Access::read_write) set_write_mode();
+}
+
+void Database::set_write_mode() {
+  if (is_exclusive_) {
+    // Before the first look at the log, or its index would be in shared memory.
+    execute("PRAGMA locking_mode=EXCLUSIVE");
+    sqlite3_db_config(connection_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }
+  Statement mode = prepare("PRAGMA journal_mode=WAL");
+  // SQLite keeps another mode without a word, which would remove its journal by name.
+  if (const bool is_log = mode.step() && mode.text(0) == "wal"; is_exclusive_ && !is_log) {
+    throw base::Error(fmt::format(
+        "{}: SQLite can't keep a log on this disk; put the run on another disk", path_));
+  }
+  mode.reset();
+  execute("PRAGMA synchronous=FULL");
+  // Rewriting pages in place costs seeks: do it in larger steps than the default 1,000 pages.
+  execute("PRAGMA wal_autocheckpoint=4000");
+}
+
+void Database::empty_log() {
+  execute("PRAGMA wal_checkpoint(TRUNCATE)");
 }
 
 void Database::execute(const std::string& sql) {

@@ -72,15 +72,25 @@ class DatabaseError : public base::Error {
 class Database {
  public:
   /// Opens a file, and with read_write makes it if need be, in WAL mode with synchronous=FULL:
-  /// after COMMIT returns, the rows survive kill -9 and loss of power.
+  /// after COMMIT returns, the rows survive kill -9 and loss of power. With read_write on a network
+  /// disk it is the file's only connection, in all processes: SQLite then shares no memory, and
+  /// where the disk has no locks (fcntl), the caller's own is the only one. Its log then stays when
+  /// it is closed: a process whose lock has been taken over would remove its successor's by name.
   Database(const std::string& path, Access access);
+  /// Whether it is the only connection that there may be.
+  bool is_exclusive() const { return is_exclusive_; }
+  /// Moves the log into the file, as closing does where others may connect.
+  void empty_log();
 
   void execute(const std::string& sql);
   Statement prepare(std::string_view sql);
   const std::string& path() const { return path_; }
 
  private:
+  void set_write_mode();
+
   std::string path_;
+  bool is_exclusive_ = false;
   std::unique_ptr<sqlite3, int (*)(sqlite3*)> connection_;
 };
 

@@ -1,22 +1,15 @@
 #include "common/store/run_store.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <charconv>
-#include <cstdlib>
-#include <cstring>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/store/checksum.h"
+#include "common/store/take_over.h"
 
 namespace sleight::store {
 namespace {
@@ -61,38 +54,15 @@ void roll_back(Database& database) {
 
 }  // namespace
 
-RunLock::RunLock(const std::string& folder) : descriptor_(-1) {
-  if (::mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST) {
-    throw base::Error(
-        fmt::format("{}: can't make the run's folder: {}", folder, std::strerror(errno)));
-  }
-  const std::string path = folder + "/lock";
-  descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-  if (descriptor_ < 0) {
-    throw base::Error(fmt::format("{}: can't open it: {}", path, std::strerror(errno)));
-  }
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-    std::array<char, 32> holder{};
-    const ssize_t size = ::read(descriptor_, holder.data(), holder.size() - 1);
-    ::close(descriptor_);
-    const long process = size > 0 ? std::strtol(holder.data(), nullptr, 10) : 0;
-    throw base::Error(
-        base::ExitCode::conflict,
-        fmt::format("{}: another process{} is writing this run; wait for it, or stop it first",
-                    folder, process > 0 ? fmt::format(" ({})", process) : std::string()));
-  }
-  const std::string holder = fmt::format("{}\n", ::getpid());
-  if (::ftruncate(descriptor_, 0) != 0 ||
-      ::pwrite(descriptor_, holder.data(), holder.size(), 0) < 0) {
-    const int reason = errno;
-    ::close(descriptor_);
-    throw base::Error(fmt::format("{}: can't write it: {}", path, std::strerror(reason)));
-  }
+namespace {
+
+/// Opens it as the one that writes.
+std::shared_ptr<SharedDatabase> open_to_write(const std::string& folder, RunLock* lock) {
+  if (lock != nullptr && lock->owes_copies()) replace_files_of_run(folder, *lock);
+  return std::make_shared<SharedDatabase>(RunStore::database_path(folder), Access::read_write);
 }
 
-RunLock::~RunLock() {
-  ::close(descriptor_);
-}
+}  // namespace
 
 struct RunStore::Writer {
   Writer(Database& database, GroupCommit::Commit commit)
@@ -118,8 +88,10 @@ struct RunStore::Writer {
   GroupCommit group_commit;  // last: its thread uses the statements
 };
 
-RunStore::RunStore(const std::string& folder, const RunIdentity& identity)
-    : database_(database_path(folder), Access::read_write) {
+RunStore::RunStore(const std::string& folder, const RunIdentity& identity, RunLock* lock)
+    : lock_(lock),
+      connection_(open_to_write(folder, lock)),
+      database_(connection_->only_database()) {
   create_or_check(identity);
   // A new file's name is durable only when its folder is synced.
   base::PosixFileSystem file_system;
@@ -185,7 +157,9 @@ void RunStore::create_or_check(const RunIdentity& identity) {
   salt_ = salt_of(identity.identity_text);
   take_epoch(stored_text("epoch"), identity);
   read_told();
+  refuse_if_lock_is_lost();
   database_.execute("COMMIT");
+  refuse_if_lock_is_lost();
 }
 
 void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdentity& identity) {
@@ -211,6 +185,7 @@ void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdent
   if (sum.step()) scans_before_ = static_cast<std::uint64_t>(sum.integer(0));
   sum.reset();
   set_session("");
+  if (lock_ != nullptr) lock_->set_epoch(epoch_);
 }
 
 void RunStore::set_session(const std::string& end) {
@@ -249,6 +224,7 @@ std::uint64_t RunStore::close(events::RunEnd end) {
   if (end.end != events::End::failed) writer_->group_commit.flush();
   writer_.reset();
   end.epoch = epoch_;
+  const SharedDatabase::Turn turn = connection_->turn();
   Statement current = database_.prepare("SELECT value FROM run WHERE key='epoch'");
   database_.execute("BEGIN IMMEDIATE");
   try {
@@ -256,11 +232,14 @@ std::uint64_t RunStore::close(events::RunEnd end) {
     set_session(events::to_line(end));
     Statement row = database_.prepare(k_insert_event);
     insert_event(row, {.number = last_event_ + 1, .what = end});
+    refuse_if_lock_is_lost();
     database_.execute("COMMIT");
+    refuse_if_lock_is_lost();
   } catch (...) {
     roll_back(database_);
     throw;
   }
+  if (database_.is_exclusive()) database_.empty_log();
   return ++last_event_;
 }
 
@@ -270,6 +249,15 @@ void RunStore::insert_event(Statement& row, const events::RunEvent& event) const
       .bind(2, line)
       .bind(3, checksum_of_event(salt_, event.number, line))
       .run();
+}
+
+void RunStore::refuse_if_lock_is_lost() const {
+  if (lock_ != nullptr) lock_->check();
+}
+
+std::shared_ptr<SharedDatabase> RunStore::to_read() {
+  if (database_.is_exclusive()) return connection_;
+  return std::make_shared<SharedDatabase>(database_.path(), Access::read_only);
 }
 
 void RunStore::refuse_if_fenced(Statement& current_epoch) const {
@@ -284,6 +272,7 @@ void RunStore::refuse_if_fenced(Statement& current_epoch) const {
 }
 
 std::vector<ReplicaProgress> RunStore::progress() {
+  const SharedDatabase::Turn turn = connection_->turn();
   Statement select = database_.prepare(
       "SELECT chain, replica, next_scan, state, checksum FROM replica ORDER BY chain, replica");
   std::vector<ReplicaProgress> all;
@@ -305,10 +294,15 @@ std::vector<ReplicaProgress> RunStore::progress() {
 }
 
 void RunStore::replay(plan::ReplicaKey replica, const ReplayVisit& visit) {
-  Statement next = database_.prepare("SELECT next_scan FROM replica WHERE chain=?1 AND replica=?2");
-  next.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
-  const auto end = next.step() ? static_cast<std::uint64_t>(next.integer(0)) : 0;
-  const std::uint64_t reached = replay_rows(database_, salt_, replica, end, visit);
+  std::uint64_t end = 0;
+  {
+    const SharedDatabase::Turn turn = connection_->turn();
+    Statement next =
+        database_.prepare("SELECT next_scan FROM replica WHERE chain=?1 AND replica=?2");
+    next.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
+    if (next.step()) end = static_cast<std::uint64_t>(next.integer(0));
+  }
+  const std::uint64_t reached = replay_rows(*connection_, salt_, replica, end, visit);
   if (reached != end) {
     refuse_damaged(database_.path(),
                    fmt::format("scan {} of chain {} is missing", reached, replica.chain.value));
@@ -336,6 +330,7 @@ std::uint64_t RunStore::committed() const {
 }
 
 void RunStore::commit(GroupCommit::Group& group) {
+  const SharedDatabase::Turn turn = connection_->turn();
   database_.execute("BEGIN IMMEDIATE");
   std::uint64_t last = last_event_;
   try {
@@ -350,7 +345,10 @@ void RunStore::commit(GroupCommit::Group& group) {
       }
     }
     if (!group.events.empty()) set_told(group.events.back().reached);
+    refuse_if_lock_is_lost();
     database_.execute("COMMIT");
+    // A commit that ended after the lock did may be missing in what another has taken over.
+    refuse_if_lock_is_lost();
   } catch (...) {
     roll_back(database_);
     throw;

@@ -1,7 +1,7 @@
 // The run store: the truth of a run. A SQLite database into which every scan's result
 // goes once, under its logical key (chain, replica, scan); archives are derived from it.
 //
-// On disk it is the folder `<archive>.run`, with `store.sqlite` and a `lock` file in it.
+// On disk it is the folder `<archive>.run`, with `store.sqlite` and the lock (run_lock.h) in it.
 //
 // Invariants
 //   1. What committed() has counted survives kill -9 of any process and loss of power.
@@ -11,9 +11,10 @@
 //   4. Of each replica, the scans from its first, mostly 0, to next_scan-1 are present without a
 //      gap, and the state after the last of them; all of a unit becomes visible in one transaction.
 //   5. Every row carries a checksum: what a disk or a person changed is refused when it is read.
-//   6. A session that ends in order, or by an error, leaves how it ended (sessions.h); one without
+//   6. On a network disk a commit counts only if the run's lock was still this process's after it.
+//   7. A session that ends in order, or by an error, leaves how it ended (sessions.h); one without
 //      that runs, or died.
-//   7. Events of the run are numbered from 1 without a gap, in the order in which they are put, and
+//   8. Events of the run are numbered from 1 without a gap, in the order in which they are put, and
 //      each is committed with or after all results that were put before it (told_events.h). A
 //      session's end is one of them.
 // Thread safety: put, flush and committed may be called from any thread; the rest from one.
@@ -34,7 +35,9 @@
 #include "common/store/database.h"
 #include "common/store/group_commit.h"
 #include "common/store/put_events.h"
+#include "common/store/run_lock.h"
 #include "common/store/scan_rows.h"
+#include "common/store/shared_database.h"
 
 namespace sleight::store {
 
@@ -57,26 +60,13 @@ struct ReplicaProgress {
   base::Bytes state;  ///< before next_scan, in the world's encoding
 };
 
-/// Holds `<folder>/lock` for the life of the object: one process writes a run.
-class RunLock {
- public:
-  /// Makes the folder if need be. Throws base::Error(conflict), naming the other process, when it
-  /// is taken.
-  explicit RunLock(const std::string& folder);
-  ~RunLock();
-  RunLock(const RunLock&) = delete;
-  RunLock& operator=(const RunLock&) = delete;
-
- private:
-  int descriptor_;
-};
-
 class RunStore {
  public:
   /// Opens or makes the store in a folder, under a new epoch. Throws base::Error(conflict) when it
   /// belongs to another request or results version. REQUIRES: the caller holds the folder's
-  /// RunLock.
-  RunStore(const std::string& folder, const RunIdentity& identity);
+  /// RunLock, which is borrowed;
+  /// null only where it is no lease (run_lock.h).
+  RunStore(const std::string& folder, const RunIdentity& identity, RunLock* lock = nullptr);
   /// Commits what was put, if it can; failures are not told: flush() first.
   ~RunStore();
 
@@ -111,9 +101,14 @@ class RunStore {
   /// Scans committed in this session.
   std::uint64_t committed() const;
 
+  /// For readers of this process, in any thread: a connection of their own, which does not see what
+  /// isn't committed, or on a network disk the writer's. REQUIRES: it goes before the store does.
+  std::shared_ptr<SharedDatabase> to_read();
+
   static std::string database_path(const std::string& folder) { return folder + "/store.sqlite"; }
 
  private:
+  void refuse_if_lock_is_lost() const;
   void create_or_check(const RunIdentity& identity);
   void take_epoch(const std::optional<std::string>& last, const RunIdentity& identity);
   void read_told();
@@ -124,7 +119,9 @@ class RunStore {
   void set_session(const std::string& end);
   void insert(const plan::UnitResult& result);
 
-  Database database_;
+  RunLock* lock_;
+  std::shared_ptr<SharedDatabase> connection_;
+  Database& database_;  ///< the connection's, for turns
   std::uint64_t salt_ = 0;
   std::uint64_t epoch_ = 0;
   std::string program_version_;

@@ -29,8 +29,9 @@ plan::FailureCounts failures_in(base::BytesView bytes) {
 
 }  // namespace
 
-std::string run_value(Database& database, std::string_view key) {
-  Statement find = database.prepare("SELECT value FROM run WHERE key=?1");
+std::string run_value(SharedDatabase& database, std::string_view key) {
+  const SharedDatabase::Turn turn = database.turn();
+  Statement find = turn->prepare("SELECT value FROM run WHERE key=?1");
   find.bind(1, key);
   if (!find.step()) refuse_damaged(database.path(), fmt::format("it has no {}", key));
   return find.text(0);
@@ -56,34 +57,39 @@ void read_record(const Database& database, const RowKey& key, Statement& select,
   }
 }
 
-std::uint64_t replay_rows(Database& database, std::uint64_t salt, const plan::ReplicaKey& replica,
-                          std::uint64_t end, const ReplayVisit& visit) {
-  Statement select = database.prepare(fmt::format(
+std::uint64_t replay_rows(SharedDatabase& database, std::uint64_t salt,
+                          const plan::ReplicaKey& replica, std::uint64_t end,
+                          const ReplayVisit& visit) {
+  const std::string rows = fmt::format(
       "SELECT scan, {} FROM scan WHERE chain=?1 AND replica=?2 AND scan>=?3 AND scan<?4 "
       "ORDER BY scan LIMIT {}",
-      k_record_columns, k_replay_batch));
-  select.bind(1, std::int64_t{replica.chain.value}).bind(2, std::int64_t{replica.replica.value});
-  select.bind(4, static_cast<std::int64_t>(end));
+      k_record_columns, k_replay_batch);
   std::vector<plan::ScanRecord> batch;
   std::uint64_t next = 0;
   bool has_begun = false;
   do {
-    select.bind(3, static_cast<std::int64_t>(next));
     batch.clear();
-    while (select.step()) {
-      const auto scan = static_cast<std::uint64_t>(select.integer(0));
-      // A replica may have come into being later than its chain.
-      if (!has_begun) next = scan;
-      has_begun = true;
-      if (scan != next) break;
-      plan::ScanRecord& record = batch.emplace_back();
-      read_record(database, {.salt = salt, .replica = replica, .scan = scan}, select, 1, record);
-      record.outcome = {};
-      record.state = {};
-      ++next;
+    {
+      const SharedDatabase::Turn turn = database.turn();
+      Statement select = turn->prepare(rows);
+      select.bind(1, std::int64_t{replica.chain.value});
+      select.bind(2, std::int64_t{replica.replica.value});
+      select.bind(3, static_cast<std::int64_t>(next)).bind(4, static_cast<std::int64_t>(end));
+      while (select.step()) {
+        const auto scan = static_cast<std::uint64_t>(select.integer(0));
+        // A replica may have come into being later than its chain.
+        if (!has_begun) next = scan;
+        has_begun = true;
+        if (scan != next) break;
+        plan::ScanRecord& record = batch.emplace_back();
+        read_record(*turn, {.salt = salt, .replica = replica, .scan = scan}, select, 1, record);
+        record.outcome = {};
+        record.state = {};
+        ++next;
+      }
     }
-    // Between batches nothing is being read: a writer's log can be cut short meanwhile.
-    select.reset();
+    // Between batches nothing is being read: a writer's log can be cut short meanwhile, and on a
+    // network disk it has its turn.
     if (!batch.empty()) visit(base::ScanIndex{next - batch.size()}, batch);
   } while (batch.size() == k_replay_batch);
   return next;

@@ -1,7 +1,7 @@
 // Scans as the run store's table holds them, read back as records. Whatever is read here decides
 // something, what a resumed plan does or what an archive says, so every row's checksum is verified.
 //
-// Thread safety: as the database's.
+// Thread safety: as SharedDatabase's.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 #include <string_view>
 
 #include "common/plan/unit.h"
-#include "common/store/database.h"
+#include "common/store/shared_database.h"
 
 namespace sleight::store {
 
 /// What a store says of itself under a key of its table `run`. Throws base::Error where it has no
 /// such key.
-std::string run_value(Database& database, std::string_view key);
+std::string run_value(SharedDatabase& database, std::string_view key);
 
 /// The columns that read_record reads, in its order, for a SELECT on table scan.
 inline constexpr const char* k_record_columns =
@@ -40,8 +40,10 @@ void read_record(const Database& database, const RowKey& key, Statement& select,
 using ReplayVisit = std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>;
 
 /// Visits a replica's scans below `end` in order, in batches, from its first one to the first gap;
-/// records come without state and outcome. Returns the scan after the last, 0 if there is none.
-std::uint64_t replay_rows(Database& database, std::uint64_t salt, const plan::ReplicaKey& replica,
-                          std::uint64_t end, const ReplayVisit& visit);
+/// records come without state and outcome. Each batch is a turn, and is visited after it. Returns
+/// the scan after the last, 0 if there is none.
+std::uint64_t replay_rows(SharedDatabase& database, std::uint64_t salt,
+                          const plan::ReplicaKey& replica, std::uint64_t end,
+                          const ReplayVisit& visit);
 
 }  // namespace sleight::store

@@ -7,19 +7,19 @@
 
 #include "common/base/error.h"
 #include "common/store/checksum.h"
-#include "common/store/database.h"
 #include "common/store/run_store.h"
 #include "common/store/scan_rows.h"
+#include "common/store/shared_database.h"
 
 namespace sleight::store {
 
 StoredRequest stored_request_of(const std::string& folder) {
-  Database database(RunStore::database_path(folder), Access::read_only);
-  const auto text = [&](std::string_view key) { return run_value(database, key); };
+  const std::shared_ptr<SharedDatabase> database = open_to_read(folder);
+  const auto text = [&](std::string_view key) { return run_value(*database, key); };
   if (const std::string format = text("format_version"); format != std::to_string(k_store_format)) {
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: run store of format {}, this program reads {}",
-                                  database.path(), format, k_store_format));
+                                  database->path(), format, k_store_format));
   }
   return {.identity_text = text("identity"),
           .request_text = text("request"),
@@ -28,10 +28,11 @@ StoredRequest stored_request_of(const std::string& folder) {
 }
 
 std::vector<Session> sessions_of(const std::string& folder) {
-  Database database(RunStore::database_path(folder), Access::read_only);
-  const std::uint64_t salt = salt_of(run_value(database, "identity"));
+  const std::shared_ptr<SharedDatabase> database = open_to_read(folder);
+  const std::uint64_t salt = salt_of(run_value(*database, "identity"));
 
-  Statement select = database.prepare(
+  const SharedDatabase::Turn turn = database->turn();
+  Statement select = turn->prepare(
       "SELECT epoch, program_version, scans_before, ended, checksum FROM session ORDER BY epoch");
   std::vector<Session> sessions;
   while (select.step()) {
@@ -44,7 +45,7 @@ std::vector<Session> sessions_of(const std::string& folder) {
     const bool is_sound =
         checksum_of(key, session.program_version, session.scans_before, line) == select.integer(4);
     if (!is_sound || session.end.has_value() == line.empty()) {
-      refuse_damaged(database.path(), fmt::format("how session {} ended", session.epoch));
+      refuse_damaged(database->path(), fmt::format("how session {} ended", session.epoch));
     }
     sessions.push_back(std::move(session));
   }

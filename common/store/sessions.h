@@ -1,8 +1,8 @@
 // The sessions that a run has had, as its store tells: what a supervisor reads after a process has
 // gone, however it went.
 //
-// Reads through a connection of its own, beside a writer. Thread safety: a pure function of the
-// file.
+// Reads through a connection of its own: beside a writer on a local disk, on a network disk only
+// when nobody writes (open_to_read). Thread safety: a pure function of the file.
 #pragma once
 
 #include <cstdint>

@@ -1,10 +1,12 @@
 // A run as it stands in its store, cut at a common scan: what archives are derived from.
 //
-// Reads through a connection of its own, beside a writer. Thread safety: one thread at a time.
+// Reads beside a writer, in turns that are short; nothing is being read while rows are visited.
+// Thread safety: one thread at a time.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -12,8 +14,8 @@
 
 #include "common/archive/run_view.h"
 #include "common/plan/plan.h"
-#include "common/store/database.h"
 #include "common/store/scan_rows.h"
+#include "common/store/shared_database.h"
 
 namespace sleight::store {
 
@@ -21,6 +23,9 @@ class StoredRun final : public archive::RunView {
  public:
   /// REQUIRES: every chain of the store has its first `scans` scans committed, and of a search the
   /// starts up to its `finds`-th find.
+  StoredRun(std::shared_ptr<SharedDatabase> database, std::uint32_t chains, std::uint64_t scans,
+            std::uint64_t finds = 0);
+  /// Through a connection of its own (open_to_read).
   StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans,
             std::uint64_t finds = 0);
   /// Which of these are draws, where not all are. REQUIRES: so many are there.
@@ -54,7 +59,12 @@ class StoredRun final : public archive::RunView {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> draw_ranges() const;
   RowKey key_of(base::ChainId chain, std::int64_t replica, std::int64_t scan) const;
 
-  mutable Database database_;
+  /// The lanes of its search.
+  std::vector<std::int64_t> lanes() const;
+  /// The first finds_ starts of its search that found something, as (scan, lane), in order.
+  std::vector<std::pair<std::int64_t, std::int64_t>> find_places() const;
+
+  std::shared_ptr<SharedDatabase> database_;
   std::uint32_t chains_;
   std::uint64_t scans_;
   std::uint64_t finds_;
@@ -68,7 +78,7 @@ class StoredRun final : public archive::RunView {
 /// Visits all scans that are committed, replica by replica in order, in batches, as one moment left
 /// them; records come without state and outcome. Beside a writer: what it commits meanwhile is not
 /// seen. Throws base::Error where the store can't be read, or has been changed.
-void for_each_stored(const std::string& folder,
+void for_each_stored(SharedDatabase& database,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit);
 

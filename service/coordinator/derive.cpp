@@ -36,7 +36,10 @@ class StoppableSink final : public archive::Sink {
     ask_();
     sink_.append(dataset, values);
   }
-  void finish() override { sink_.finish(); }
+  void finish() override {
+    ask_();
+    sink_.finish();
+  }
 
  private:
   archive::Sink& sink_;
@@ -79,12 +82,14 @@ void teach(plan::Plan& learner, const store::StoredRun& view, const std::functio
 std::string derive_archive(const DeriveInputs& inputs, const std::string& folder,
                            const std::string& output, request::Cut& cut,
                            const std::atomic<bool>* stop) {
-  const auto ask = [stop] {
+  const auto ask = [stop, &inputs] {
     if (stop != nullptr && *stop) throw DeriveStopped();
+    if (inputs.fence) inputs.fence();
   };
 
   // Which scans of the cut are draws, and what was learnt on the way.
-  std::optional<store::StoredRun> view(std::in_place, folder, inputs.request.sampler.chains,
+  const auto run_store = inputs.store ? inputs.store : store::open_to_read(folder);
+  std::optional<store::StoredRun> view(std::in_place, run_store, inputs.request.sampler.chains,
                                        cut.scans, cut.found);
   if (cut.scans > 0) {
     const std::unique_ptr<plan::Plan> learner = inputs.plan_of(cut);
@@ -97,7 +102,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
   if (view->draws() == 0) {
     cut.scans = 0;
     if (cut.found == 0) return {};
-    view.emplace(folder, 0, 0, cut.found);
+    view.emplace(run_store, 0, 0, cut.found);
   }
 
   // Write them, with motions that are known or simulated now.
@@ -119,8 +124,9 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
 }
 
 request::Cut committed_cut(const std::string& folder, plan::Plan& fresh_plan) {
-  store::for_each_stored(folder, [&](const plan::ReplicaKey& replica, base::ScanIndex first,
-                                     std::span<const plan::ScanRecord> records) {
+  const auto run_store = store::open_to_read(folder);
+  store::for_each_stored(*run_store, [&](const plan::ReplicaKey& replica, base::ScanIndex first,
+                                         std::span<const plan::ScanRecord> records) {
     fresh_plan.consume(replica, first, records);
   });
   return {.scans = fresh_plan.scans_common(), .found = fresh_plan.finds().found};

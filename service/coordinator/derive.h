@@ -17,6 +17,7 @@
 #include "common/base/file_system.h"
 #include "common/plan/plan.h"
 #include "common/request/direction_request.h"
+#include "common/store/shared_database.h"
 
 namespace sleight::coordinator {
 
@@ -30,6 +31,12 @@ struct DeriveInputs {
   /// Where the processor time in seconds is added that motions took which were not remembered; may
   /// be null.
   double* motions_s = nullptr;
+  /// Through which the store is read, which on a network disk is the writer's own
+  /// (RunStore::to_read); null: a connection of its own.
+  std::shared_ptr<store::SharedDatabase> store{};
+  /// Asked between batches and before the archive gets its name; throws where the run may be
+  /// another process's by now. May be empty.
+  std::function<void()> fence{};
 };
 
 /// Thrown out of derive_archive when it was stopped; nothing was written.

@@ -16,6 +16,7 @@
 #include "common/base/version.h"
 #include "common/events/event_log.h"
 #include "common/logging/log.h"
+#include "common/store/run_lock.h"
 #include "common/store/run_store.h"
 #include "common/store/stored_motions.h"
 #include "service/coordinator/checkpoints.h"
@@ -150,9 +151,11 @@ namespace {
 
 /// Drives the plan from where the store stands, and derives the archive.
 RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
-                            const std::string& folder, store::RunStore& run_store,
-                            FailureNotes& failures, RunEvents& run_events) {
+                            const std::string& folder, store::RunLock& lock,
+                            store::RunStore& run_store, FailureNotes& failures,
+                            RunEvents& run_events) {
   base::FileSystem& files = inputs.files;
+  lock.keep();  // nothing forks any more
   if (run_store.epoch() > 1) run_events.say("reading what earlier sessions stored");
   double motions_s = 0;  // of the thread of checkpoints while that runs
   const auto archive_of = [&](const Reached& reached, const std::atomic<bool>* stop) {
@@ -161,7 +164,9 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                               .reader = inputs.reader,
                               .plan_of = inputs.plan_of,
                               .files = files,
-                              .motions_s = &motions_s};
+                              .motions_s = &motions_s,
+                              .store = run_store.to_read(),
+                              .fence = [&lock] { lock.check(); }};
     std::string digest = derive_archive(derive, folder, options.output, cut, stop);
     if (!digest.empty())
       run_events.archive_written({.digest = digest, .scans = cut.scans, .found = cut.found});
@@ -296,14 +301,15 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   if (files.exists(options.output) && !files.exists(folder)) {
     claim_output(options.output, folder, options.fresh, files);  // refuses, and makes no folder
   }
-  const store::RunLock lock(folder);
+  store::RunLock lock(folder, {.stop_requested = options.stop_requested});
   claim_output(options.output, folder, options.fresh, files);
   remove_leftovers(options.output, files);
-  store::RunStore run_store(folder, {.identity_text = run_identity(inputs.request),
-                                     .request_text = request::normalised_text(inputs.request),
-                                     .results_version = inputs.results_version,
-                                     .program_version = std::string(base::version()),
-                                     .chains = inputs.request.sampler.chains});
+  const store::RunIdentity identity{.identity_text = run_identity(inputs.request),
+                                    .request_text = request::normalised_text(inputs.request),
+                                    .results_version = inputs.results_version,
+                                    .program_version = std::string(base::version()),
+                                    .chains = inputs.request.sampler.chains};
+  store::RunStore run_store(folder, identity, &lock);
 
   // Whatever becomes of the session, its store has how it ended.
   std::optional<FailureNotes> failures;
@@ -317,7 +323,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
       refuse_foreign_file(options.output, beginnings_of(inputs.request));
     }
     RunSummary summary =
-        drive_and_derive(inputs, options, folder, run_store, *failures, run_events);
+        drive_and_derive(inputs, options, folder, lock, run_store, *failures, run_events);
     leave_record(run_store, run_events, record_of(summary), options);
     return summary;
   } catch (const std::exception& error) {

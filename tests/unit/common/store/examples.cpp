@@ -104,10 +104,10 @@ RunIdentity example_identity(std::uint32_t chains) {
           .chains = chains};
 }
 
-std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t chain,
-                                     std::uint64_t scans) {
+namespace {
+
+std::vector<plan::ScanRecord> draws_of(const StoredRun& run, std::uint32_t chain) {
   std::vector<plan::ScanRecord> records;
-  const StoredRun run(folder, chain + 1, scans);
   run.for_each_draw(base::ChainId{chain}, [&](base::ScanIndex scan, const auto& record) {
     EXPECT_EQ(scan.value, records.size());
     records.push_back(record);
@@ -115,8 +115,7 @@ std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t ch
   return records;
 }
 
-void expect_stored(const std::string& folder, RunStore& store, std::uint32_t chain,
-                   std::uint64_t scans) {
+void expect_same(const StoredRun& run, RunStore& store, std::uint32_t chain, std::uint64_t scans) {
   SCOPED_TRACE(fmt::format("chain {}, scans {}", chain, scans));
   // Progress says how far, and with which state.
   bool found = false;
@@ -142,11 +141,27 @@ void expect_stored(const std::string& folder, RunStore& store, std::uint32_t cha
   EXPECT_EQ(next, scans);
 
   // An archive reads every bit.
-  const std::vector<plan::ScanRecord> records = stored(folder, chain, scans);
+  const std::vector<plan::ScanRecord> records = draws_of(run, chain);
   ASSERT_EQ(records.size(), scans);
   for (std::uint64_t scan = 0; scan < scans; ++scan) {
     ASSERT_TRUE(same_bits(records[scan], record_of(chain, scan))) << "scan " << scan;
   }
+}
+
+}  // namespace
+
+std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t chain,
+                                     std::uint64_t scans) {
+  return draws_of(StoredRun(folder, chain + 1, scans), chain);
+}
+
+void expect_stored(const std::string& folder, RunStore& store, std::uint32_t chain,
+                   std::uint64_t scans) {
+  expect_same(StoredRun(folder, chain + 1, scans), store, chain, scans);
+}
+
+void expect_stored_of(RunStore& store, std::uint32_t chain, std::uint64_t scans) {
+  expect_same(StoredRun(store.to_read(), chain + 1, scans), store, chain, scans);
 }
 
 RunFolder::RunFolder() : folder_(path("run")) {

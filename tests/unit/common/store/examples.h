@@ -38,6 +38,9 @@ std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t ch
 void expect_stored(const std::string& folder, RunStore& store, std::uint32_t chain,
                    std::uint64_t scans);
 
+/// The same of a store that alone may be read: on a network disk.
+void expect_stored_of(RunStore& store, std::uint32_t chain, std::uint64_t scans);
+
 /// A scratch folder with a run's folder in it, for which nobody has asked for the lock.
 class RunFolder : public archive::testing::Scratch {
  protected:

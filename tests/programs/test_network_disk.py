@@ -1,0 +1,82 @@
+"""Goal: runs on a cluster's NFS: no flock, no file locks, no shared memory, several nodes. Of two starts on
+two nodes one writes and the other says who does; killed runs go on, to the digest of a local disk. Method:
+real programs with a library that makes every disk NFS and gives each node its name (other_node.cpp)."""
+
+import pathlib
+import signal
+import time
+import unittest
+
+import harness
+from harness import ProgramTest, sleight
+
+
+class NetworkDisk(ProgramTest):
+    def on(self, node):
+        """The environment of a node."""
+        library = pathlib.Path(harness.arguments.bin).parent / "tests/libsleight_other_node.so"
+        self.assertTrue(library.exists(), library)
+        return {"LD_PRELOAD": str(library), "SLEIGHT_TEST_HOST": node}
+
+    def start(self, node, request, output):
+        assignments = [f"{key}={value}" for key, value in self.on(node).items()]
+        return harness.start(["env", *assignments, harness.program("sleight"), "direct", request, "-o",
+                              output, "-q"])
+
+    def await_archive(self, process, output):
+        deadline = time.monotonic() + 60
+        while not output.exists():
+            self.assertIsNone(process.poll(), "it ended before its first checkpoint")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.02)
+
+    def names(self, output):
+        return {path.name for path in pathlib.Path(f"{output}.run").iterdir()}
+
+    def test_killed_and_gone_on_with(self):
+        request = self.write_request(chains=2, scans=15000, iterations_per_scan=20, thin=50)
+        self.direct(request, self.path("local.h5"))
+        output = self.path("a.h5")
+        process = self.start("one", request, output)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        # The same node knows at once that its process is dead.
+        begin = time.monotonic()
+        self.direct(request, output, env=self.on("one"))
+        self.assertLess(time.monotonic() - begin, 30)
+        self.assertEqual(self.digest(output), self.digest(self.path("local.h5")))
+        names = self.names(output)
+        self.assertTrue(any(name.startswith("lease.") for name in names), names)
+        self.assertTrue(names.isdisjoint({"lock", "store.sqlite-shm"}), names)
+
+    def test_of_two_nodes_one_writes(self):
+        output = self.path("a.h5")
+        request = self.write_request(chains=2, scans=200_000_000, iterations_per_scan=20, thin=50)
+        process = self.start("one", request, output)
+        self.await_archive(process, output)
+        for node in ["one", "two"]:
+            refused = sleight("direct", request, "-o", output, "-q", env=self.on(node))
+            self.assertEqual(refused.returncode, 4, refused.stderr)
+            self.assertIn(f"process ({process.pid}) on one, since 20", refused.stderr)
+            self.assertIn("session 1, is writing this run", refused.stderr)
+        refused = sleight("archive", "derive", f"{output}.run", "-o", self.path("b.h5"),
+                          env=self.on("two"))
+        self.assertEqual(refused.returncode, 4, refused.stderr)
+        for words in ["lies on a network disk (NFS)", f"take the latest archive, {output.resolve()}, ",
+                      "on one"]:
+            self.assertIn(words, refused.stderr)
+
+        # What ends in order lets go: another node goes on with it at once, or reads it.
+        process.send_signal(signal.SIGTERM)
+        self.assertIn(process.wait(timeout=60), [0, 130])
+        self.succeed(sleight("archive", "derive", f"{output}.run", "-o", self.path("b.h5"),
+                             env=self.on("two")))
+        self.assertEqual(self.digest(self.path("b.h5")), self.digest(output))
+        before = self.info(output)["scans"]
+        self.direct(request, output, "--time-limit", "0.5s", env=self.on("two"))
+        self.assertGreater(self.info(output)["scans"], before)
+
+
+if __name__ == "__main__":
+    harness.main()

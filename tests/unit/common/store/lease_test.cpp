@@ -1,0 +1,232 @@
+// Leases by hand: what each step of the protocol (common/store/lease.h) says and writes.
+#include "common/store/lease.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "common/base/error.h"
+
+namespace sleight::store {
+namespace {
+
+/// A folder in memory. Processes of machine "here" are those that are said to run.
+class Folder final : public LeaseFiles {
+ public:
+  std::vector<std::uint64_t> list() override {
+    std::vector<std::uint64_t> all;
+    for (const auto& [generation, text] : files)
+      all.push_back(generation);
+    return all;
+  }
+  std::optional<std::string> read(std::uint64_t generation) override {
+    const auto found = files.find(generation);
+    return found == files.end() ? std::nullopt : std::optional(*found->second);
+  }
+  std::unique_ptr<Own> make(std::uint64_t generation, const std::string& text) override {
+    const auto [place, is_new] = files.try_emplace(generation, std::make_shared<std::string>(text));
+    return is_new ? std::make_unique<OwnFile>(*this, place->second) : nullptr;
+  }
+  void remove(std::uint64_t generation) override { files.erase(generation); }
+  bool is_gone(const LeaseHolder& holder) override {
+    return holder.machine == "here" && holder.process != running;
+  }
+  bool is_here(const LeaseHolder& holder) override {
+    return holder.machine == "here" && holder.process == running;
+  }
+  LeaseText newest() { return LeaseText::from_text(*files.rbegin()->second).value(); }
+
+  std::map<std::uint64_t, std::shared_ptr<std::string>> files{};
+  std::int64_t running = 0;
+  bool fails = false;
+
+ private:
+  class OwnFile final : public Own {
+   public:
+    OwnFile(Folder& folder, std::shared_ptr<std::string> text)
+        : folder_(folder), text_(std::move(text)) {}
+    void write(const std::string& text) override {
+      if (folder_.fails) throw base::Error("the disk failed");
+      *text_ = text;
+    }
+
+   private:
+    Folder& folder_;
+    std::shared_ptr<std::string> text_;
+  };
+};
+
+LeaseText of(const std::string& host, std::int64_t process) {
+  return {.holder = {.host = host, .machine = host, .process = process, .since = "today"},
+          .token = host + std::to_string(process)};
+}
+
+bool is_taken(const Lease::Outcome& outcome) {
+  return std::holds_alternative<Lease::Taken>(outcome);
+}
+
+/// How long it still has to be seen standing still; none where that is not the answer.
+std::optional<double> left_s(const Lease::Outcome& outcome) {
+  const auto* unsure = std::get_if<Lease::Unsure>(&outcome);
+  return unsure == nullptr ? std::nullopt : std::optional(unsure->left_s);
+}
+
+std::string holder(const Lease::Outcome& outcome) {
+  const auto* held = std::get_if<Lease::Held>(&outcome);
+  return held == nullptr || !held->by ? "" : held->by->holder.host;
+}
+
+TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
+  // Goal: an observer waits a lease of its own time, from its first look; a renewal between says
+  // that the holder lives. Method: two leases on one clock.
+  Folder folder;
+  base::ManualClock clock;
+  Lease first(folder, clock, of("a", 1));
+  ASSERT_TRUE(is_taken(first.try_take()));
+  Lease other(folder, clock, of("b", 2));
+  EXPECT_EQ(left_s(other.try_take()), k_lease_s);
+  clock.advance(k_lease_s - 1);
+  EXPECT_EQ(left_s(other.try_take()), 1);
+  clock.advance(1);
+  EXPECT_TRUE(is_taken(other.try_take()));
+  EXPECT_TRUE(other.owes_copies());
+  EXPECT_FALSE(first.may_act());
+  EXPECT_FALSE(first.renew());
+  EXPECT_EQ(first.successor()->holder.host, "b");
+  EXPECT_EQ(folder.list(), std::vector<std::uint64_t>{2});
+
+  Lease third(folder, clock, of("c", 3));
+  EXPECT_EQ(left_s(third.try_take()), k_lease_s);
+  clock.advance(3);
+  EXPECT_TRUE(other.renew());
+  EXPECT_EQ(holder(third.try_take()), "b");
+}
+
+TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
+  // Goal: the holder may act for three quarters of a lease from where its last good renewal began;
+  // a disk that fails does not prolong it, and one that comes back in time is as if nothing was.
+  // Method: a clock, and a disk that fails for a while.
+  Folder folder;
+  base::ManualClock clock;
+  Lease lease(folder, clock, of("a", 1));
+  ASSERT_TRUE(is_taken(lease.try_take()));
+  clock.advance(40);
+  EXPECT_TRUE(lease.renew());
+  folder.fails = true;
+  clock.advance(40);
+  EXPECT_THROW((void)lease.renew(), base::Error);
+  EXPECT_TRUE(lease.may_act());
+  folder.fails = false;
+  EXPECT_TRUE(lease.renew());
+  clock.advance(0.75 * k_lease_s - 0.1);
+  EXPECT_TRUE(lease.may_act());
+  clock.advance(0.1);
+  EXPECT_FALSE(lease.may_act());
+  EXPECT_FALSE(lease.renew());
+}
+
+TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
+  // Goal: no waiting where the holder let go, or died on this machine; one that lives here keeps
+  // the lock without renewing it. Method: one after the other; copies are owed until they are made.
+  Folder folder;
+  base::ManualClock clock;
+  {
+    Lease lease(folder, clock, of("a", 1));
+    ASSERT_TRUE(is_taken(lease.try_take()));
+    lease.set_epoch(7);
+    ASSERT_TRUE(lease.renew());
+    EXPECT_EQ(folder.newest().epoch, 7U);
+    lease.release();
+    EXPECT_FALSE(lease.may_act());
+  }
+  Lease here(folder, clock, of("here", 2));
+  ASSERT_TRUE(is_taken(here.try_take()));
+  EXPECT_FALSE(here.owes_copies());
+  Lease second(folder, clock, of("here", 3));
+  folder.running = 2;
+  clock.advance(10 * k_lease_s);
+  EXPECT_EQ(holder(second.try_take()), "here");
+  folder.running = 3;
+  ASSERT_TRUE(is_taken(second.try_take()));
+  EXPECT_FALSE(second.owes_copies());
+}
+
+TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
+  // Goal: one that took over from another machine, and was killed or let go before it had copied
+  // the files, leaves that to the next. Method: over three holders.
+  Folder folder;
+  base::ManualClock clock;
+  Lease dead(folder, clock, of("a", 1));
+  ASSERT_TRUE(is_taken(dead.try_take()));
+  Lease heir(folder, clock, of("here", 2));
+  (void)heir.try_take();
+  clock.advance(k_lease_s);
+  ASSERT_TRUE(is_taken(heir.try_take()));
+  folder.running = 3;
+  Lease next(folder, clock, of("here", 3));
+  ASSERT_TRUE(is_taken(next.try_take()));
+  EXPECT_TRUE(next.owes_copies());
+  next.release();
+  Lease last(folder, clock, of("c", 4));
+  ASSERT_TRUE(is_taken(last.try_take()));
+  EXPECT_TRUE(last.owes_copies());
+  last.set_copied();
+  last.release();
+  Lease clean(folder, clock, of("d", 5));
+  ASSERT_TRUE(is_taken(clean.try_take()));
+  EXPECT_FALSE(clean.owes_copies());
+}
+
+TEST(Lease, TextComesBack) {
+  // Goal: a lease's text says what was put into it, of one size always, and nothing that could
+  // steer a terminal. Method: a whole one; a host's name with strange bytes.
+  LeaseText lease = of("node\x1b[2J\n7", 123);
+  lease.holder.started = 456;
+  lease.epoch = 9;
+  lease.beat = 1'000'000'000'000;
+  lease.lease_s = 1.5;
+  lease.is_released = true;
+  lease.owes_copies = true;
+  const std::string text = lease.to_text();
+  EXPECT_EQ(text.size(), k_lease_text_bytes);
+  const LeaseText back = LeaseText::from_text(text).value();
+  EXPECT_EQ(back.holder.host, "node?[2J?7");
+  EXPECT_EQ(back.holder.process, 123);
+  EXPECT_EQ(back.holder.started, 456U);
+  EXPECT_EQ(back.holder.since, "today");
+  EXPECT_EQ(back.epoch, 9U);
+  EXPECT_EQ(back.beat, 1'000'000'000'000U);
+  EXPECT_EQ(back.lease_s, 1.5);
+  EXPECT_TRUE(back.is_released);
+  EXPECT_TRUE(back.owes_copies);
+  EXPECT_EQ(back.to_text().size(), k_lease_text_bytes);
+}
+
+TEST(Lease, AStrangeFileIsAHolderThatSaysNothing) {
+  // Goal: a file that is no lease is waited for like a dead holder's, and no longer than a lease,
+  // whatever it says. Method: short, foreign, and hostile texts.
+  const std::string sound = of("a", 1).to_text();
+  std::string endless = sound;
+  endless.replace(endless.find("lease_s 60"), 10, "lease_s 1e9");
+  endless.resize(k_lease_text_bytes);
+  std::string never = sound;
+  never.replace(never.find("lease_s 60"), 10, "lease_s na");
+  for (const std::string& text : {std::string(), std::string("x"), sound + "x", endless, never,
+                                  std::string(k_lease_text_bytes, '\n')}) {
+    EXPECT_FALSE(LeaseText::from_text(text)) << text;
+    Folder folder;
+    folder.files[4] = std::make_shared<std::string>(text);
+    base::ManualClock clock;
+    Lease lease(folder, clock, of("b", 2));
+    EXPECT_EQ(left_s(lease.try_take()), k_lease_s);
+    clock.advance(k_lease_s);
+    EXPECT_TRUE(is_taken(lease.try_take()));
+    EXPECT_TRUE(lease.owes_copies());
+    EXPECT_EQ(folder.list(), std::vector<std::uint64_t>{5});
+  }
+}
+
+}  // namespace
+}  // namespace sleight::store

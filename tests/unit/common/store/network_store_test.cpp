@@ -1,0 +1,406 @@
+// Run stores on a disk that machines share: no shared memory, no flock, several nodes.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/base/network_disk.h"
+#include "common/store/lease_files.h"
+#include "common/store/run_store.h"
+#include "common/store/sessions.h"
+#include "common/store/stored_run.h"
+#include "tests/unit/common/store/examples.h"
+#include "tests/unit/common/store/unshared_disk.h"
+
+namespace sleight::store {
+namespace {
+
+using ::testing::AllOf;
+using testing::example_identity;
+using ::testing::HasSubstr;
+using testing::result_of;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// This process, as one of another machine.
+LeaseHolder on_node(const std::string& host) {
+  LeaseHolder self = this_process();
+  self.host = host;
+  self.machine = host + "/its own kernel";
+  return self;
+}
+
+std::optional<std::string> conflict_of(const std::function<void()>& act) {
+  try {
+    act();
+    return std::nullopt;
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::conflict) << error.what();
+    return error.what();
+  }
+}
+
+/// A child process; killed at the end at the latest.
+class Child {
+ public:
+  explicit Child(const std::function<void()>& live) : process_(::fork()) {
+    if (process_ != 0) return;
+    int code = 0;
+    try {
+      live();
+    } catch (const base::Error& error) {
+      code = static_cast<int>(error.exit_code());
+    }
+    ::_exit(code);
+  }
+  ~Child() {
+    if (!has_ended_) kill();
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  void signal(int number) const { ::kill(process_, number); }
+  void kill() {
+    signal(SIGKILL);
+    (void)end();
+  }
+  /// Waits until it has stopped or ended.
+  int wait(int options) {
+    int status = 0;
+    ::waitpid(process_, &status, options);
+    has_ended_ = !WIFSTOPPED(status);
+    return status;
+  }
+  int end() { return wait(0); }
+  pid_t process() const { return process_; }
+
+ private:
+  pid_t process_;
+  bool has_ended_ = false;
+};
+
+/// A moment of another process that one can wait for.
+class Moment {
+ public:
+  Moment() { EXPECT_EQ(::pipe2(ends_, O_CLOEXEC), 0); }
+  ~Moment() {
+    ::close(ends_[0]);
+    ::close(ends_[1]);
+  }
+  Moment(const Moment&) = delete;
+  Moment& operator=(const Moment&) = delete;
+  void comes(std::uint64_t number = 0) const {
+    if (::write(ends_[1], &number, sizeof number) != sizeof number) ::_exit(99);
+  }
+  std::uint64_t await() const {
+    std::uint64_t number = 0;
+    EXPECT_EQ(::read(ends_[0], &number, sizeof number), static_cast<ssize_t>(sizeof number));
+    return number;
+  }
+  /// The newest number that is waiting.
+  std::uint64_t newest() const {
+    ::fcntl(ends_[0], F_SETFL, O_NONBLOCK);
+    std::uint64_t number = 0;
+    while (::read(ends_[0], &number, sizeof number) == sizeof number) {
+    }
+    return number;
+  }
+
+ private:
+  int ends_[2]{};
+};
+
+class NetworkStore : public testing::RunFolder {
+ protected:
+  std::vector<std::string> names_in_folder() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder()))
+      names.push_back(entry.path().filename().string());
+    return names;
+  }
+  testing::UnsharedDisk disk_;
+};
+
+TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
+  // Goal: readers of the writing process see what is committed while it goes on committing, with no
+  // memory shared; the next session goes on. Method: a thread reads all again and again beside the
+  // writer.
+  {
+    RunLock lock(folder());
+    RunStore store(folder(), example_identity(1), &lock);
+    lock.keep();
+    std::atomic<bool> stop = false;
+    std::uint64_t times = 0;
+    store.put(result_of(0, 0, 100));
+    store.flush();
+    std::thread reader([&] {
+      const auto shared = store.to_read();
+      for (; !stop || times == 0; ++times) {
+        const StoredRun run(shared, 1, 100);
+        std::uint64_t next = 0;
+        run.for_each_draw(base::ChainId{0}, [&](base::ScanIndex, const auto& record) {
+          EXPECT_TRUE(testing::same_bits(record, testing::record_of(0, next++)));
+        });
+        EXPECT_EQ(next, 100U);
+      }
+    });
+    for (std::uint64_t scan = 100; scan < 200; ++scan) {
+      store.put(result_of(0, scan, 1));
+      if (scan % 10 == 0) store.flush();
+    }
+    store.flush();
+    stop = true;
+    reader.join();
+    EXPECT_GT(times, 0U);
+    store.close({.end = events::End::finished});
+  }
+  RunLock lock(folder());
+  RunStore store(folder(), example_identity(1), &lock);
+  EXPECT_EQ(store.epoch(), 2U);
+  EXPECT_EQ(store.progress().front().next_scan, 200U);
+  EXPECT_THAT(names_in_folder(), ::testing::Not(::testing::Contains("store.sqlite-shm")));
+  EXPECT_THAT(names_in_folder(), ::testing::Not(::testing::Contains("lock")));
+}
+
+TEST_F(NetworkStore, NeedsItsOwnMode) {
+  // Goal: the disk of these tests is one on which SQLite's log does not work as elsewhere, and the
+  // mode for network disks is what helps. Method: the same database with the variable off and on.
+  const auto mode = [&](const char* said, const std::string& name) {
+    ::setenv(base::k_network_disk_variable, said, 1);
+    Database database(path(name), Access::read_write);
+    Statement journal = database.prepare("PRAGMA journal_mode");
+    EXPECT_TRUE(journal.step());
+    EXPECT_EQ(database.is_exclusive(), std::string(said) == "1");
+    return journal.text(0);
+  };
+  EXPECT_EQ(mode("0", "local.sqlite"), "delete");
+  EXPECT_EQ(mode("1", "network.sqlite"), "wal");
+}
+
+TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
+  // Goal: a process that does not write the run can't read it meanwhile, is told why and what else
+  // there is, and can read it afterwards. Method: another "node" is this process with another name.
+  std::filesystem::create_directory(path("a.h5.run"));
+  const std::string run = path("a.h5.run");
+  {
+    RunLock lock(run);
+    RunStore store(run, example_identity(1), &lock);
+    lock.keep();
+    for (const auto& read : std::vector<std::function<void()>>{
+             [&] { (void)sessions_of(run); }, [&] { (void)stored_request_of(run); },
+             [&] { (void)StoredRun(run, 1, 0); }, [&] { (void)open_to_read(run); }}) {
+      std::filesystem::remove(path("a.h5"));
+      const auto without = conflict_of(read);
+      ASSERT_TRUE(without.has_value());
+      EXPECT_THAT(*without, AllOf(HasSubstr("network disk"), HasSubstr("only the process"),
+                                  HasSubstr(fmt::format("({})", ::getpid()))));
+      EXPECT_THAT(*without, ::testing::Not(HasSubstr("latest archive")));
+      put_bytes(path("a.h5"), "x");
+      EXPECT_THAT(conflict_of(read).value_or(""), HasSubstr("latest archive, "));
+    }
+    store.close({.end = events::End::finished});
+  }
+  EXPECT_EQ(sessions_of(run).size(), 1U);
+  EXPECT_EQ(stored_request_of(run).results_version, "r1");
+}
+
+TEST_F(NetworkStore, OfTwoNodesOneWrites) {
+  // Goal: of two starts on two nodes one writes, and the other says who does: node, process, since
+  // when, session. Method: leases of 1 s; the second start has to see the first one renew.
+  RunLock lock(folder(), {.lease_s = 1, .self = on_node("first")});
+  RunStore store(folder(), example_identity(1), &lock);
+  lock.keep();
+  const auto conflict = conflict_of(
+      [&] { const RunLock second(folder(), {.lease_s = 1, .self = on_node("second")}); });
+  EXPECT_THAT(conflict.value_or(""),
+              AllOf(HasSubstr(fmt::format("process ({}) on first, since 20", ::getpid())),
+                    HasSubstr("wait for it, or stop it first")));
+  store.put(result_of(0, 0, 3));
+  store.flush();
+  testing::expect_stored_of(store, 0, 3);
+}
+
+TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
+  // Goal: a run goes on right after kill -9 on the same machine. Method: leases of a minute.
+  const Moment taken;
+  Child holder([&] {
+    RunLock lock(folder());
+    taken.comes();
+    ::pause();
+  });
+  (void)taken.await();
+  EXPECT_THAT(conflict_of([&] { const RunLock lock(folder()); }).value_or(""),
+              HasSubstr(fmt::format("({})", holder.process())));
+  holder.kill();
+  const auto begin = Clock::now();
+  const RunLock lock(folder());
+  EXPECT_FALSE(lock.owes_copies());
+  EXPECT_LT(seconds_since(begin), 5);
+}
+
+TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
+  // Goal: what it had committed is there, in files of the successor's own; not before its lease is
+  // over; and one who was killed before it had copied the files leaves that to the next. Method:
+  // kill -9 of a child on another "node"; a second child takes over and dies at once.
+  const Moment committed;
+  Child holder([&] {
+    RunLock lock(folder(), {.lease_s = 1, .self = on_node("first")});
+    RunStore store(folder(), example_identity(1), &lock);
+    lock.keep();
+    store.put(result_of(0, 0, 20));
+    store.flush();
+    committed.comes();
+    ::pause();
+  });
+  (void)committed.await();
+  holder.kill();
+  const auto begin = Clock::now();
+  const Moment taken;
+  Child heir([&] {
+    const RunLock lock(folder());
+    taken.comes();
+    ::pause();
+  });
+  (void)taken.await();
+  EXPECT_GT(seconds_since(begin), 0.9);
+  heir.kill();
+
+  RunLock lock(folder());
+  EXPECT_TRUE(lock.owes_copies());
+  RunStore store(folder(), example_identity(1), &lock);
+  EXPECT_FALSE(lock.owes_copies());
+  EXPECT_EQ(store.epoch(), 2U);
+  testing::expect_stored_of(store, 0, 20);
+}
+
+/// Commits for ever in small groups, moves its log into the file often, and reports what is
+/// committed; stands still at a write of its disk's.
+void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& disk,
+                           std::uint64_t stop_after, const Moment& committed) {
+  RunLock lock(folder, {.lease_s = 1.5, .self = on_node("sleeper")});
+  RunStore store(folder, example_identity(1), &lock);
+  lock.keep();
+  store.to_read()->only_database().execute("PRAGMA wal_autocheckpoint=6");
+  for (std::uint64_t scan = 0;; ++scan) {
+    store.put(result_of(0, scan, 1));
+    store.flush();
+    committed.comes(store.committed());
+    if (scan == 5) disk.stop_after(stop_after);
+  }
+}
+
+TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
+  // Goal: a writer that stands still for longer than its lease, in the middle of a commit too, and
+  // goes on while its successor writes, changes nothing of the successor's, ends with a conflict,
+  // and has reported nothing that the successor doesn't have. Method: children stop themselves at
+  // 12 different writes; each is taken over and woken up while the successor commits.
+  constexpr std::uint64_t k_sleepers = 12;
+  struct Sleeper {
+    std::string folder{};
+    Moment committed{};
+    std::unique_ptr<Child> child{};
+  };
+  std::vector<Sleeper> sleepers(k_sleepers);
+  for (std::uint64_t i = 0; i < k_sleepers; ++i) {
+    Sleeper& one = sleepers[i];
+    one.folder = path(fmt::format("run{}", i));
+    one.child = std::make_unique<Child>(
+        [&] { write_and_stand_still(one.folder, disk_, 3 * i, one.committed); });
+  }
+  for (Sleeper& one : sleepers)
+    ASSERT_TRUE(WIFSTOPPED(one.child->wait(WUNTRACED)));
+
+  std::vector<std::thread> heirs;
+  heirs.reserve(sleepers.size());
+  for (Sleeper& one : sleepers) {
+    heirs.emplace_back([&one] {
+      RunLock lock(one.folder, {.self = on_node("heir")});
+      RunStore store(one.folder, example_identity(1), &lock);
+      lock.keep();
+      EXPECT_EQ(store.epoch(), 2U);
+      const std::uint64_t begin = store.progress().front().next_scan;
+      EXPECT_GE(begin, one.committed.newest());
+      one.child->signal(SIGCONT);
+      for (std::uint64_t scan = begin; scan < begin + 30; ++scan) {
+        store.put(result_of(0, scan, 1));
+        store.flush();
+      }
+      const int status = one.child->end();
+      EXPECT_TRUE(WIFEXITED(status));
+      EXPECT_EQ(WEXITSTATUS(status), static_cast<int>(base::ExitCode::conflict));
+      EXPECT_GE(begin, one.committed.newest());
+      testing::expect_stored_of(store, 0, begin + 30);
+      Statement sound = store.to_read()->only_database().prepare("PRAGMA integrity_check");
+      EXPECT_TRUE(sound.step());
+      EXPECT_EQ(sound.text(0), "ok");
+    });
+  }
+  for (std::thread& heir : heirs)
+    heir.join();
+  // What was written last is what the next session finds.
+  for (const Sleeper& one : sleepers) {
+    RunLock lock(one.folder, {.self = on_node("heir")});
+    RunStore store(one.folder, example_identity(1), &lock);
+    EXPECT_EQ(store.epoch(), 3U);
+  }
+}
+
+TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
+  // Goal: two opinions of one disk end in one kind of lock. Method: a start that takes the disk for
+  // a local one finds a lease that is held; and afterwards flock is back.
+  {
+    const RunLock lock(folder());
+    ::setenv(base::k_network_disk_variable, "0", 1);
+    EXPECT_THAT(conflict_of([&] { const RunLock second(folder()); }).value_or(""),
+                HasSubstr(fmt::format("({})", ::getpid())));
+  }
+  const RunLock local(folder());
+  EXPECT_THAT(names_in_folder(), ::testing::Contains("lock"));
+}
+
+TEST_F(NetworkStore, TurnsComeInOrder) {
+  // Goal: a commit waits for one turn of each other thread at most, though a reader takes turn
+  // after turn. Method: a greedy thread counts its turns; between asking and having it gets two at
+  // most, of which one may have begun before.
+  SharedDatabase shared(path("a.sqlite"), Access::read_write);
+  std::atomic<bool> stop = false;
+  std::atomic<std::uint64_t> turns = 0;
+  std::thread greedy([&] {
+    while (!stop) {
+      const SharedDatabase::Turn turn = shared.turn();
+      ++turns;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  while (turns == 0)
+    std::this_thread::yield();
+  for (int i = 0; i < 50; ++i) {
+    const std::uint64_t before = turns;
+    std::uint64_t after = 0;
+    {
+      const SharedDatabase::Turn turn = shared.turn();
+      after = turns;
+    }
+    EXPECT_LE(after - before, 2U);
+  }
+  stop = true;
+  greedy.join();
+}
+
+}  // namespace
+}  // namespace sleight::store
