@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "common/store/database.h"
 #include "common/store/run_store.h"
 #include "common/store/scan_rows.h"
+#include "common/store/shared_database.h"
 
 namespace sleight::store {
 namespace {
@@ -82,19 +84,22 @@ class LogFile {
   std::uint64_t bytes_ = 0;
 };
 
-/// The store's connection, once it has a run's tables; they come into being all at once.
-std::optional<Database> open_store(const std::string& folder) {
-  const std::string path = RunStore::database_path(folder);
-  if (::access(path.c_str(), F_OK) != 0) return std::nullopt;
-  Database database(path, Access::read_only);
-  const bool has_tables =
-      database.prepare("SELECT 1 FROM sqlite_master WHERE type='table' AND name='run'").step();
-  if (!has_tables) return std::nullopt;
-  if (const std::string format = run_value(database, "format_version");
+/// The store's connection, once it has a run's tables; they come into being all at once. Null
+/// before.
+std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
+  if (::access(RunStore::database_path(folder).c_str(), F_OK) != 0) return nullptr;
+  std::shared_ptr<SharedDatabase> database = open_to_read(folder);
+  {
+    const SharedDatabase::Turn turn = database->turn();
+    const bool has_tables =
+        turn->prepare("SELECT 1 FROM sqlite_master WHERE type='table' AND name='run'").step();
+    if (!has_tables) return nullptr;
+  }
+  if (const std::string format = run_value(*database, "format_version");
       format != std::to_string(k_store_format)) {
     throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: run store of format {}, this program reads {}", path, format,
-                                  k_store_format));
+                      fmt::format("{}: run store of format {}, this program reads {}",
+                                  database->path(), format, k_store_format));
   }
   return database;
 }
@@ -193,10 +198,11 @@ bool ToldEvents::take_lines(const std::string& text, std::uint64_t& offset, Answ
 /// Those before `end` that the answer has room for.
 void ToldEvents::fill_from_store(std::uint64_t end, Answer& answer) {
   if (answer.is_full()) return;
-  std::optional<Database> database = open_store(folder_);
+  const std::shared_ptr<SharedDatabase> database = open_store(folder_);
   if (!database) return;
   const std::uint64_t salt = salt_of(run_value(*database, "identity"));
-  Statement select = database->prepare(
+  const SharedDatabase::Turn turn = database->turn();
+  Statement select = turn->prepare(
       "SELECT number, line, checksum FROM event WHERE number>=?1 AND number<?2 ORDER BY number "
       "LIMIT ?3");
   const auto bound = [](std::uint64_t value) {

@@ -1,0 +1,114 @@
+"""What the tests of the service share: a daemon of their own in a folder of their own, and how long
+things may take."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import time
+
+import harness
+from harness import ProgramTest
+
+
+class ServiceTest(ProgramTest):
+    """Each test has a state folder and starts the daemon when it wants to. What is left of it and of
+    its jobs is killed at the end."""
+
+    def setUp(self):
+        super().setUp()
+        self.state = self.path("state")
+        self.daemon = None
+        self.addCleanup(self.end_everything)
+
+    def environment(self):
+        return {"SLEIGHT_STATE": str(self.state), "XDG_CONFIG_HOME": str(self.path("config"))}
+
+    def serve(self, *options, wrapper=(), **more):
+        """Starts a daemon and waits until it answers."""
+        log = open(self.path("sleightd.log"), "a")
+        self.daemon = subprocess.Popen(
+            [*wrapper, harness.program("sleightd"), *[str(option) for option in options]],
+            stdout=log, stderr=log, stdin=subprocess.DEVNULL,
+            env={**harness.environment(), **self.environment(), **more.get("env", {})})
+        log.close()
+        self.until(lambda: self.ask("server", "status").returncode == 0 or self.dead_daemon(), 30)
+        return self.daemon
+
+    def dead_daemon(self):
+        if self.daemon.poll() is None:
+            return False
+        self.fail(f"the daemon ended with {self.daemon.returncode}:\n"
+                  f"{self.path('sleightd.log').read_text()}")
+
+    def ask(self, *args, **options):
+        return harness.sleight(*args, env=self.environment(), **options)
+
+    def ask_json(self, *args):
+        return json.loads(self.succeed(self.ask(*args, "--json")).stdout)
+
+    def submit(self, request, *args):
+        return self.ask_json("submit", request, *args)["id"]
+
+    def job(self, number):
+        return self.ask_json("status", number)[0]
+
+    def wait(self, number, code=0):
+        result = self.ask("wait", number)
+        self.assertEqual(result.returncode, code,
+                         f"{result.stdout}{result.stderr}\n{json.dumps(self.job(number), indent=1)}"
+                         f"\n{self.path('sleightd.log').read_text()}")
+
+    def until(self, holds, seconds=60):
+        end = time.monotonic() + seconds
+        while not holds():
+            self.assertLess(time.monotonic(), end, "waited in vain; the daemon says:\n"
+                            + self.path("sleightd.log").read_text())
+            time.sleep(0.02)
+
+    def until_running(self, number):
+        self.until(lambda: self.job(number)["scans_done"] > 0)
+
+    def folder_of(self, number):
+        return self.state / "jobs" / str(number)
+
+    def attempt(self, number):
+        return json.loads((self.folder_of(number) / "attempt.json").read_text())
+
+    def keeper(self, number):
+        return self.attempt(number)["keeper"]["pid"]
+
+    def kill_daemon(self, number=signal.SIGKILL):
+        self.daemon.send_signal(number)
+        self.daemon.wait(timeout=30)
+
+    def end_everything(self):
+        if self.daemon and self.daemon.poll() is None:
+            self.kill_daemon()
+        for record in self.state.glob("jobs/*/attempt.json"):
+            try:
+                os.kill(json.loads(record.read_text())["keeper"]["pid"], signal.SIGKILL)
+            except (OSError, ValueError, KeyError):
+                pass
+
+    def quiet_digest(self, request, *args):
+        """Of the same run by hand."""
+        output = self.path(f"quiet-{time.monotonic_ns()}.h5")
+        self.direct(request, output, *args)
+        return self.digest(output)
+
+
+def processes_of(folder):
+    """Living processes whose working folder is a job's."""
+    found = []
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if os.readlink(process / "cwd") == str(folder):
+                state = (process / "stat").read_text().rpartition(")")[2].split()[0]
+                name = (process / "comm").read_text().strip()
+                if state != "Z":
+                    found.append((int(process.name), name))
+        except OSError:
+            continue
+    return found

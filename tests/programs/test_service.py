@@ -1,0 +1,199 @@
+"""Goal: what people do with the service works with real programs, and comes to the same as by hand:
+submit, watch, wait, fetch, cancel, resume, extend, delete; a daemon that is killed or replaced loses
+nothing. Method: a daemon in a folder of its own, the commands of `sleight`, digests against those of
+`sleight direct`."""
+
+import json
+import pathlib
+import subprocess
+import signal
+import sqlite3
+import unittest
+
+import harness
+from harness import sleight
+from service_harness import ServiceTest
+
+
+class Service(ServiceTest):
+    def test_a_job_from_submit_to_delete(self):
+        self.serve()
+        request = self.write_request(chains=2, scans=3000)
+        number = self.submit(request, "--name", "first")
+        self.wait(number)
+        job = self.job(number)
+        self.assertEqual((job["state"], job["name"], job["world"]), ("done", "first", "ball_2d"))
+        digest = self.quiet_digest(request)
+        self.assertEqual(job["digest"], digest)
+        archive = self.path("fetched.h5")
+        self.succeed(self.ask("fetch", number, "-o", archive))
+        self.assertEqual(self.digest(archive), digest)
+        history = [change["state"] for change in self.ask_json("status", number, "--history")[0]["history"]]
+        self.assertEqual(history, ["queued", "starting", "running", "done"])
+        # The events are numbered from 1 without a gap, and the last is how it ended.
+        events = [json.loads(line) for line in
+                  self.succeed(self.ask("watch", number, "--json")).stdout.splitlines()]
+        numbers = [event["number"] for event in events if event["number"] > 0]
+        self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
+        self.assertEqual([e["kind"] for e in events if e["number"] > 0][-1], "ended")
+        self.succeed(self.ask("delete", number, "-y"))
+        self.until(lambda: not self.folder_of(number).exists())
+        gone = self.ask("status", number)
+        self.assertEqual(gone.returncode, 2, gone.stderr)
+
+    def test_bad_requests_are_refused_as_check_refuses_them(self):
+        self.serve()
+        bad = self.path("bad.toml")
+        bad.write_text('[world]\nname = "ball_2d"\n[sampler]\nsead = 3\n')
+        refused = self.ask("submit", bad)
+        self.assertEqual(refused.returncode, 3)
+        self.assertIn("sead", refused.stderr)
+        checked = sleight("check", bad)
+        self.assertEqual(refused.stderr.splitlines()[0], checked.stderr.splitlines()[0])
+        self.assertEqual(self.ask_json("list")["jobs"], [])
+
+    def test_without_a_server(self):
+        nothing = self.ask("submit", self.write_request())
+        self.assertEqual(nothing.returncode, 12)
+        self.assertIn("sleight server start", nothing.stderr)
+
+    def test_a_group_of_seeds(self):
+        self.serve()
+        request = self.write_request(chains=1, scans=400)
+        submitted = self.ask_json("submit", request, "--set", "sampler.seed=1..3")
+        self.assertEqual(len(submitted["ids"]), 3)
+        self.wait(submitted["group"])
+        for seed, number in enumerate(submitted["ids"], start=1):
+            self.assertEqual(self.job(number)["digest"],
+                             self.quiet_digest(request, "--seed", seed))
+
+    def test_cancel_resume_and_extend(self):
+        self.serve()
+        request = self.write_request(chains=2, scans=30_000, iterations_per_scan=40)
+        number = self.submit(request, "--cores", 1)
+        self.until_running(number)
+        self.succeed(self.ask("cancel", number))
+        self.wait(number, 11)
+        self.succeed(self.ask("resume", number))
+        self.until(lambda: self.job(number)["state"] == "running")
+        self.succeed(self.ask("hold", number))
+        self.until(lambda: self.job(number)["state"] == "held")
+        so_far = self.path("so_far.h5")
+        self.succeed(self.ask("fetch", number, "--so-far", "-o", so_far))
+        scans = self.info(so_far)["scans"]
+        exact = self.write_request("exact.toml", chains=2, scans=scans, iterations_per_scan=40)
+        self.assertEqual(self.digest(so_far), self.quiet_digest(exact))
+        self.succeed(self.ask("cancel", number))
+        # Extended, it is the longer run asked for at once.
+        short = self.submit(self.write_request("short.toml", chains=2, scans=500))
+        self.wait(short)
+        self.succeed(self.ask("extend", short, "--scans", 900))
+        self.wait(short)
+        longer = self.write_request("longer.toml", chains=2, scans=900)
+        self.assertEqual(self.job(short)["digest"], self.quiet_digest(longer))
+        refused = self.ask("extend", short, "--scans", 900)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("already", refused.stderr)
+
+    def test_a_daemon_that_is_killed_loses_nothing(self):
+        self.serve()
+        request = self.write_request(chains=2, scans=20_000, iterations_per_scan=40)
+        number = self.submit(request)
+        waiting = self.submit(self.write_request("second.toml", chains=1, scans=300))
+        watcher = subprocess.Popen([harness.program("sleight"), "watch", str(number), "--json"],
+                                   stdout=subprocess.PIPE, text=True,
+                                   env={**harness.environment(), **self.environment()})
+        self.until_running(number)
+        keeper = self.keeper(number)
+        self.kill_daemon()
+        self.serve()
+        self.assertEqual(self.job(number)["starts"], 1)
+        self.assertEqual(self.keeper(number), keeper)
+        self.kill_daemon(signal.SIGTERM)
+        self.serve()
+        self.wait(number)
+        self.wait(waiting)
+        self.assertEqual(self.job(number)["digest"], self.quiet_digest(request))
+        self.assertEqual(self.job(number)["starts"], 1)
+        # A watcher that was there all the time has seen each numbered event once.
+        out, _ = watcher.communicate(timeout=60)
+        numbers = [event["number"] for event in map(json.loads, out.splitlines())
+                   if event.get("number", 0) > 0 and event["kind"] != "state"]
+        self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
+
+    def test_one_daemon_a_folder(self):
+        self.serve()
+        second = subprocess.run([harness.program("sleightd")], capture_output=True, text=True,
+                                env={**harness.environment(), **self.environment()}, timeout=30)
+        self.assertEqual(second.returncode, 4, second.stderr)
+        self.assertIn(str(self.daemon.pid), second.stderr)
+
+    def test_a_changed_or_newer_job_store_is_refused_and_kept(self):
+        self.serve()
+        number = self.submit(self.write_request(chains=1, scans=200))
+        self.wait(number)
+        self.kill_daemon()
+        store = self.state / "jobs.sqlite"
+        with sqlite3.connect(store) as database:
+            database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            database.execute("UPDATE job SET record = replace(record, 'done', 'dome')")
+        self.refuses_to_begin("not as it was written", 5)
+        with sqlite3.connect(store) as database:
+            database.execute("UPDATE job SET record = replace(record, 'dome', 'done')")
+        self.serve()
+        self.assertEqual(self.job(number)["state"], "done")
+        self.kill_daemon()
+        with sqlite3.connect(store) as database:
+            kept = database.execute("SELECT value, checksum FROM state WHERE key='format'").fetchone()
+            database.execute("UPDATE state SET value = '99' WHERE key='format'")
+        self.refuses_to_begin("format", 5)
+        with sqlite3.connect(store) as database:
+            database.execute("UPDATE state SET value = ? WHERE key='format'", (kept[0],))
+        self.serve()
+        self.assertEqual(self.job(number)["state"], "done")
+
+    def refuses_to_begin(self, words, code):
+        result = subprocess.run([harness.program("sleightd")], capture_output=True, text=True,
+                                env={**harness.environment(), **self.environment()}, timeout=30)
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertIn(words, result.stderr)
+
+    def test_a_search_that_finds_nothing_fails_and_is_not_started_again(self):
+        self.serve()
+        request = self.path("hopeless.toml")
+        request.write_text("""
+[world]
+name = "spelling"
+word = "HI"
+drop_spread_m = 0.0001
+[sampler]
+method = "search"
+[stop]
+found = 1
+""")
+        if sleight("check", request).returncode != 0:
+            self.skipTest("no such key")
+        number = self.submit(request)
+        self.wait(number, 10)
+        self.assertEqual(self.job(number)["starts"], 1)
+
+    def test_ranks_under_mpirun(self):
+        self.serve()
+        request = self.write_request(chains=2, scans=2000)
+        number = self.submit(request, "--ranks", 2)
+        self.wait(number)
+        self.assertEqual(self.job(number)["digest"], self.quiet_digest(request))
+        # Nothing of Open MPI's is left outside the job's folder.
+        command = self.attempt(number)["command"]
+        self.assertIn("mpirun", pathlib.Path(command[0]).name)
+
+    def test_logs_and_failed_jobs(self):
+        self.serve()
+        number = self.submit(self.write_request(chains=1, scans=200))
+        self.wait(number)
+        logs = self.succeed(self.ask("logs", number)).stdout
+        self.assertIn("===", logs)
+
+
+if __name__ == "__main__":
+    harness.main()
