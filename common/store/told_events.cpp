@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <string_view>
 #include <utility>
 
