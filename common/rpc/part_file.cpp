@@ -26,9 +26,13 @@ base::Error failed(const std::string& what, const std::string& path) {
       fmt::format("can't {} {}: {}", what, path, std::system_category().message(errno)));
 }
 
+std::string file_name_of(const std::string& path) {
+  const auto slash = path.rfind('/');
+  return slash == std::string::npos ? path : path.substr(slash + 1);
+}
+
 std::string part_of(const std::string& path, const std::string& sha256) {
-  return fmt::format("{}/.{}.{}{}", base::directory_of(path),
-                     path.substr(path.rfind('/') + 1),  // npos + 1 is 0
+  return fmt::format("{}/.{}.{}{}", base::directory_of(path), file_name_of(path),
                      sha256.substr(0, k_digits_in_name), k_part_end);
 }
 
@@ -100,13 +104,13 @@ bool PartFile::finish() {
 // Those that no process is writing.
 void PartFile::remove_other_parts() const {
   const std::string folder = base::directory_of(path_);
-  const std::string beginning = "." + path_.substr(path_.rfind('/') + 1) + ".";
+  const std::string beginning = fmt::format(".{}.", file_name_of(path_));
   base::PosixFileSystem files;
   for (const std::string& name : files.names_in(folder)) {
     if (!name.starts_with(beginning) || !name.ends_with(k_part_end) ||
         name.size() != beginning.size() + k_digits_in_name + k_part_end.size())
       continue;
-    const std::string part = folder + "/" + name;
+    const std::string part = fmt::format("{}/{}", folder, name);
     const int descriptor = ::open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     if (descriptor < 0) continue;
     if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(part.c_str());

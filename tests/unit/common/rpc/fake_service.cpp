@@ -360,6 +360,15 @@ std::size_t ServerProcess::peak_bytes() const {
   return 0;
 }
 
+void expect_grown_less([[maybe_unused]] const ServerProcess& server,
+                       [[maybe_unused]] std::size_t before,
+                       [[maybe_unused]] std::size_t bytes_max) {
+#ifndef SLEIGHT_SANITIZED
+  EXPECT_GT(before, std::size_t{0});
+  EXPECT_LT(server.peak_bytes() - before, bytes_max);
+#endif
+}
+
 std::shared_ptr<Shared> make_shared_memory() {
   void* memory =
       ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);

@@ -157,6 +157,10 @@ class SocketFolder : public ::testing::Test {
   std::string folder_;
 };
 
+/// Of a server since `before`. With sanitizers nothing is asked: freed memory stays theirs for a
+/// while.
+void expect_grown_less(const ServerProcess& server, std::size_t before, std::size_t bytes_max);
+
 /// Waits for it, for some seconds.
 bool comes_true(const std::function<bool()>& condition);
 

@@ -97,7 +97,9 @@ class HostileTest : public testing::SocketFolder {
     EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(5));
   }
   /// Since the test began.
-  void expect_bounded(std::size_t bytes_max) { EXPECT_LT(peak() - before_, bytes_max); }
+  void expect_bounded(std::size_t bytes_max) {
+    testing::expect_grown_less(server_, before_, bytes_max);
+  }
 
   std::shared_ptr<testing::Shared> shared_ = testing::make_shared_memory();
   ServerProcess server_;
