@@ -52,7 +52,7 @@ class ServiceTest(ProgramTest):
         return self.ask_json("submit", request, *args)["id"]
 
     def job(self, number):
-        return self.ask_json("status", number)[0]
+        return self.ask_json("status", number)
 
     def wait(self, number, code=0):
         result = self.ask("wait", number)

@@ -28,7 +28,7 @@ class Service(ServiceTest):
         archive = self.path("fetched.h5")
         self.succeed(self.ask("fetch", number, "-o", archive))
         self.assertEqual(self.digest(archive), digest)
-        history = [change["state"] for change in self.ask_json("status", number, "--history")[0]["history"]]
+        history = [change["state"] for change in self.ask_json("status", number, "--history")["history"]]
         self.assertEqual(history, ["queued", "starting", "running", "done"])
         # The events are numbered from 1 without a gap, and the last is how it ended.
         events = [json.loads(line) for line in
