@@ -26,9 +26,9 @@ class LeaseFilesOf : public archive::testing::Scratch {
 
 TEST_F(LeaseFilesOf, OneOfManyMakesAFile) {
   // Goal: a generation's file is one process's, with its whole text; no other file is left. Method:
-  // 8 threads want each of 50 files at the same time.
+  // 8 threads want each of 20 files at the same time.
   constexpr int k_threads = 8;
-  for (std::uint64_t generation = 1; generation <= 50; ++generation) {
+  for (std::uint64_t generation = 1; generation <= 20; ++generation) {
     std::atomic<int> made = 0;
     std::atomic<int> waiting = k_threads;
     std::vector<std::thread> threads;
@@ -50,8 +50,8 @@ TEST_F(LeaseFilesOf, OneOfManyMakesAFile) {
     EXPECT_EQ(made, 1);
   }
   PosixLeaseFiles files(folder(), this_process());
-  EXPECT_EQ(files.list().size(), 50U);
-  EXPECT_EQ(names().size(), 50U);
+  EXPECT_EQ(files.list().size(), 20U);
+  EXPECT_EQ(names().size(), 20U);
 }
 
 TEST_F(LeaseFilesOf, WritesItsOwnFileAlone) {

@@ -16,7 +16,7 @@ TEST(LeaseProperty, NeverTwoThatMayAct) {
   // that it may act; and the lock goes on from holder to holder. Method: 4 processes of 3 machines
   // for a quarter of an hour of theirs, many seeds; judged before and after every step.
   LeaseStory all;
-  for (const std::uint64_t seed : property::seeds(property::long_run() ? 20'000 : 150)) {
+  for (const std::uint64_t seed : property::seeds(property::long_run() ? 20'000 : 100)) {
     const LeaseStory story = simulate_leases(seed);
     EXPECT_EQ(story.violation, std::nullopt) << "seed " << seed;
     all.taken += story.taken;
@@ -26,10 +26,10 @@ TEST(LeaseProperty, NeverTwoThatMayAct) {
   }
   if (!property::all_cases()) return;
   // The stories do hold what they are about.
-  EXPECT_GT(all.taken, 500U);
-  EXPECT_GT(all.taken_over, 100U);
-  EXPECT_GT(all.refused, 500U);
-  EXPECT_GT(all.lost, 50U);
+  EXPECT_GT(all.taken, 300U);
+  EXPECT_GT(all.taken_over, 50U);
+  EXPECT_GT(all.refused, 300U);
+  EXPECT_GT(all.lost, 20U);
 }
 
 class LeaseMistake : public ::testing::TestWithParam<Mistake> {};

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <condition_variable>
 #include <limits>
 #include <map>
 #include <memory>
-#include <semaphore>
+#include <mutex>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -29,6 +30,29 @@ struct Killed {};
 
 class World;
 
+/// Handed from thread to thread. (A std::binary_semaphore yields before it sleeps, which takes for
+/// ever on a busy machine.)
+class Baton {
+ public:
+  void release() {
+    {
+      const std::scoped_lock lock(mutex_);
+      is_here_ = true;
+    }
+    changed_.notify_one();
+  }
+  void acquire() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return is_here_; });
+    is_here_ = false;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_here_ = false;
+};
+
 /// One process at a time of a machine, again and again.
 struct Contender final : base::Clock {
   explicit Contender(World& all, std::uint32_t id) : world(all), number(id) {}
@@ -45,7 +69,7 @@ struct Contender final : base::Clock {
   std::optional<double> stands_since_s{};
   double own_change_s = -1;  ///< of the folder
   Lease* lease = nullptr;
-  std::binary_semaphore go{0};
+  Baton go{};
   std::thread thread{};
 };
 
@@ -116,7 +140,7 @@ class World {
   std::vector<std::pair<double, std::vector<std::uint64_t>>> lists_{{-1, {}}};
   std::vector<LateWrite> late_;
   std::int64_t processes_ = 0;
-  std::binary_semaphore back_{0};
+  Baton back_{};
 };
 
 double Contender::now_s() const {
