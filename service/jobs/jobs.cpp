@@ -15,6 +15,8 @@ namespace {
 constexpr double k_idle_save_s = 3600;
 /// Between two looks at whether running jobs should make room.
 constexpr double k_look_at_turns_s = 0.5;
+/// Between two looks at whether a user's limit allows it more again.
+constexpr double k_look_at_limits_s = 10;
 /// After which a folder that is to be deleted is asked for again.
 constexpr double k_remove_again_s = 60;
 
@@ -281,9 +283,12 @@ void Jobs::release_limited() {
   while (next != limited_.end()) {
     const UserId user = next->first;
     const auto end = limited_.upper_bound({user, JobId{std::numeric_limits<std::uint64_t>::max()}});
+    const bool has_hours = !accounts_.is_over_core_hours(user, clock_s_, true);
+    const bool has_bytes = !accounts_.is_over_bytes(user, true);
     std::vector<JobId> gone;
-    for (auto job = next; job != end; ++job) {
-      if (is_cause_gone(jobs_.at(job->second))) gone.push_back(job->second);
+    for (auto job = next; job != end && (has_hours || has_bytes); ++job) {
+      const bool is_of_hours = jobs_.at(job->second).reason == Reason::limit_core_hours;
+      if (is_of_hours ? has_hours : has_bytes) gone.push_back(job->second);
     }
     next = end;
     for (const JobId id : gone)
@@ -373,7 +378,8 @@ std::optional<double> Jobs::next_tick_s() const {
   const auto also = [&next](double at_s) { next = next ? std::min(*next, at_s) : at_s; };
   if (!alarms_.empty()) also(alarms_.begin()->first);
   if (!delayed_.empty()) also(delayed_.begin()->first);
-  if (!limited_.empty() || !open_.empty()) also(clock_s_ + k_look_at_turns_s);
+  if (!open_.empty()) also(clock_s_ + k_look_at_turns_s);
+  if (!limited_.empty()) also(clock_s_ + k_look_at_limits_s);
   also(saved_s_ + (open_.empty() ? k_idle_save_s : options_.save_every_s));
   return std::max(*next, clock_s_) + *ticks_begin_s_;
 }

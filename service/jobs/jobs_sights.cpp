@@ -152,7 +152,10 @@ void Jobs::close(Job& job, const Verdict& verdict, const std::string& bug_place)
 
   const double waits_s =
       count_end(job, verdict, bug_place, clock_s_ - job.attempt_begin_s, options_);
-  job.next_start_s = clock_s_ + waits_s;
+  // What it is held for may be over by now, so it is looked at once again.
+  constexpr double k_held_s_min = 1;
+  job.next_start_s =
+      clock_s_ + (verdict.to == State::held ? std::max(waits_s, k_held_s_min) : waits_s);
   job.cores = 0;
   enter(job, verdict.to, verdict.reason, verdict.words);
   note_idle(job.user);

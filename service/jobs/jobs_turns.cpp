@@ -301,7 +301,9 @@ void Jobs::shed() {
 void Jobs::hold_over_limits() {
   for (const auto& [id, open] : open_) {
     Job& job = jobs_.at(id);
-    if (accounts_.is_over_core_hours(job.user, clock_s_, false)) {
+    const bool has_had_slice = clock_s_ - job.attempt_begin_s >= slice_s(job, options_);
+    // Not before its slice is over, or a job whose scans are long would never get further.
+    if (has_had_slice && accounts_.is_over_core_hours(job.user, clock_s_, false)) {
       ask_to_stop(job, Reason::limit_core_hours,
                   "Its user's jobs have had the core-hours of a day. They flow back, and the job "
                   "goes on by itself.");

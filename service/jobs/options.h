@@ -14,7 +14,7 @@ namespace sleight::jobs {
 struct Limits {
   std::uint64_t jobs = 20'000;    ///< that are not over
   std::uint32_t cores = 0;        ///< at a time
-  double core_hours_per_day = 0;  ///< as many at once, and they flow back evenly within a day
+  double core_hours_per_day = 0;  ///< as many at once, and a slice more; they flow back evenly
   std::uint64_t disk_bytes = 0;   ///< of all its jobs' folders
 };
 

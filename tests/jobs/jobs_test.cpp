@@ -1,0 +1,92 @@
+// Whatever happens to daemon, keepers, messages, clocks and disk: each job ends once.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "tests/jobs/service.h"
+#include "tests/support/property.h"
+
+namespace sleight::jobs::simulated {
+namespace {
+
+/// Of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
+std::uint64_t seeds() {
+  return property::long_run() ? 10'000 : 150;
+}
+
+/// Tests of a name, each with its share of the seeds: so several processes may run them.
+constexpr std::uint64_t k_shares = 4;
+
+/// What the services of a test came to, for people.
+struct Summary {
+  std::uint64_t runs = 0;
+  std::uint64_t jobs = 0;
+  std::uint64_t large = 0;
+  std::uint64_t faults = 0;
+  Outcome sum{};
+  double last_s = 0;
+
+  void add(const Scenario& scenario, const Outcome& outcome) {
+    ++runs;
+    jobs += scenario.jobs.size();
+    large += scenario.jobs.size() >= 500 ? 1 : 0;
+    faults += scenario.faults.size();
+    sum.daemons += outcome.daemons;
+    sum.inputs += outcome.inputs;
+    sum.launches += outcome.launches;
+    sum.announcements += outcome.announcements;
+    last_s = std::max(last_s, outcome.end_s - scenario.quiet_s);
+  }
+  void print() const {
+    fmt::print(
+        "{} seeds ({} of 500 jobs or more), {} jobs, {} faults, {} daemons, {} inputs, {} "
+        "launches, "
+        "{} deletions announced; at most {:.0f} s from the last fault to the end\n",
+        runs, large, jobs, faults, sum.daemons, sum.inputs, sum.launches, sum.announcements,
+        last_s);
+  }
+};
+
+void check_seed(std::uint64_t seed, const ScenarioChoice& choice, Summary& summary) {
+  const Scenario scenario = scenario_of(seed, choice);
+  SCOPED_TRACE(scenario.name());
+  const Outcome outcome = Service(scenario).run(liveness_bound_s(scenario));
+  EXPECT_EQ(outcome.violation, "");
+  EXPECT_TRUE(outcome.is_finished) << outcome.unfinished << ", " << outcome.end_s - scenario.quiet_s
+                                   << " s after the last fault";
+  summary.add(scenario, outcome);
+}
+
+class Seeds : public testing::TestWithParam<std::uint64_t> {
+ protected:
+  void check_share(const ScenarioChoice& choice, std::uint64_t last) const {
+    Summary summary;
+    for (const std::uint64_t seed : property::seeds(last)) {
+      if ((seed - 1) % k_shares != GetParam()) continue;
+      check_seed(seed, choice, summary);
+      if (HasFailure()) break;
+    }
+    summary.print();
+  }
+};
+
+TEST_P(Seeds, EachJobEndsOnce) {
+  // Goal: the invariants of jobs.h. Method: services of 1 to 1,000 jobs of up to 20 users by seed,
+  // whose daemon, keepers, news, clock and disk fail in every way; a ledger that is told of all
+  // that is saved, started and so, and its rules; a bound on the time from the last fault to the
+  // end.
+  check_share({}, seeds());
+}
+
+TEST_P(Seeds, FewJobsToo) {
+  // Goal: the same where each step of each job meets each fault. Method: likewise with at most ten,
+  // which is cheap: ten times as many seeds.
+  check_share({.jobs_max = 10}, 10 * seeds());
+}
+
+INSTANTIATE_TEST_SUITE_P(Services, Seeds, testing::Range<std::uint64_t>(0, k_shares));
+
+}  // namespace
+}  // namespace sleight::jobs::simulated

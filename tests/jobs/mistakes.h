@@ -1,0 +1,63 @@
+// Known mistakes for tests: each makes one part wrong around the machine of jobs, or one of its
+// settings. `none` everywhere else.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+namespace sleight::jobs::simulated {
+
+enum class Mistake : std::uint8_t {
+  none,
+  effects_before_save,      ///< carried out while the save is still under way
+  save_lost,                ///< acknowledged, and not on disk, now and then
+  half_a_save,              ///< a job's record without its history
+  ids_come_again,           ///< the next id is taken from the jobs that are left
+  done_runs_again,          ///< after a restart
+  open_attempts_forgotten,  ///< a restart takes them for queued, and doesn't look
+  any_attempt_counts,       ///< news of an older attempt are taken for the newest's
+  same_attempt_again,       ///< a restart after a death launches under the old number
+  stops_forgotten,          ///< none is sent
+  looks_forgotten,          ///< likewise
+  keys_ignored,             ///< a submit that comes twice makes two jobs
+  one_core_too_many,        ///< of the machine's
+  memory_not_counted,
+  reserve_ignored,      ///< of the disk
+  user_limit_ignored,   ///< of cores
+  exit_code_decides,    ///< in place of the record
+  commits_not_counted,  ///< between deaths
+  deaths_for_ever,      ///< it starts again, however often it dies
+  no_back_off,
+  bug_is_a_death,  ///< twice at one place is as good as five times anywhere
+  wall_clock_decides,
+  deleted_unannounced,
+};
+
+inline constexpr std::array k_mistakes{
+    std::pair{Mistake::effects_before_save, std::string_view("effects_before_save")},
+    std::pair{Mistake::save_lost, std::string_view("save_lost")},
+    std::pair{Mistake::half_a_save, std::string_view("half_a_save")},
+    std::pair{Mistake::ids_come_again, std::string_view("ids_come_again")},
+    std::pair{Mistake::done_runs_again, std::string_view("done_runs_again")},
+    std::pair{Mistake::open_attempts_forgotten, std::string_view("open_attempts_forgotten")},
+    std::pair{Mistake::any_attempt_counts, std::string_view("any_attempt_counts")},
+    std::pair{Mistake::same_attempt_again, std::string_view("same_attempt_again")},
+    std::pair{Mistake::stops_forgotten, std::string_view("stops_forgotten")},
+    std::pair{Mistake::looks_forgotten, std::string_view("looks_forgotten")},
+    std::pair{Mistake::keys_ignored, std::string_view("keys_ignored")},
+    std::pair{Mistake::one_core_too_many, std::string_view("one_core_too_many")},
+    std::pair{Mistake::memory_not_counted, std::string_view("memory_not_counted")},
+    std::pair{Mistake::reserve_ignored, std::string_view("reserve_ignored")},
+    std::pair{Mistake::user_limit_ignored, std::string_view("user_limit_ignored")},
+    std::pair{Mistake::exit_code_decides, std::string_view("exit_code_decides")},
+    std::pair{Mistake::commits_not_counted, std::string_view("commits_not_counted")},
+    std::pair{Mistake::deaths_for_ever, std::string_view("deaths_for_ever")},
+    std::pair{Mistake::no_back_off, std::string_view("no_back_off")},
+    std::pair{Mistake::bug_is_a_death, std::string_view("bug_is_a_death")},
+    std::pair{Mistake::wall_clock_decides, std::string_view("wall_clock_decides")},
+    std::pair{Mistake::deleted_unannounced, std::string_view("deleted_unannounced")},
+};
+
+}  // namespace sleight::jobs::simulated
