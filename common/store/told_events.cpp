@@ -28,9 +28,33 @@ namespace {
 constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
 /// Between two looks at its files the writer may have turned the log over.
 constexpr int k_looks_max = 100;
+/// Of a file so much is read at once; far more than a line has.
+constexpr std::uint64_t k_piece_bytes = 256U << 10U;
+
+/// The store's connection, once it has a run's tables; they come into being all at once. Null
+/// before.
+std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
+  if (::access(RunStore::database_path(folder).c_str(), F_OK) != 0) return nullptr;
+  std::shared_ptr<SharedDatabase> database = open_to_read(folder);
+  {
+    const SharedDatabase::Turn turn = database->turn();
+    const bool has_tables =
+        turn->prepare("SELECT 1 FROM sqlite_master WHERE type='table' AND name='run'").step();
+    if (!has_tables) return nullptr;
+  }
+  if (const std::string format = run_value(*database, "format_version");
+      format != std::to_string(k_store_format)) {
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: run store of format {}, this program reads {}",
+                                  database->path(), format, k_store_format));
+  }
+  return database;
+}
+
+}  // namespace
 
 /// A file of the log that is open for reading, or none.
-class LogFile {
+class ToldEvents::LogFile {
  public:
   explicit LogFile(const std::string& path)
       : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {
@@ -59,11 +83,11 @@ class LogFile {
     return offset == 0 || (::pread(descriptor_, &before, 1, static_cast<off_t>(offset - 1)) == 1 &&
                            before == '\n');
   }
-  /// From a place on, as long as it was when it was opened.
-  std::string content_from(std::uint64_t offset) const {
+  /// A piece from a place on, of what the file had when it was opened.
+  std::string piece_from(std::uint64_t offset) const {
     std::string text;
     if (!is_there() || offset >= bytes_) return text;
-    text.resize(bytes_ - offset);
+    text.resize(std::min(bytes_ - offset, k_piece_bytes));
     std::size_t have = 0;
     while (have < text.size()) {
       const ssize_t size = ::pread(descriptor_, text.data() + have, text.size() - have,
@@ -82,28 +106,6 @@ class LogFile {
   std::uint64_t inode_ = 0;
   std::uint64_t bytes_ = 0;
 };
-
-/// The store's connection, once it has a run's tables; they come into being all at once. Null
-/// before.
-std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
-  if (::access(RunStore::database_path(folder).c_str(), F_OK) != 0) return nullptr;
-  std::shared_ptr<SharedDatabase> database = open_to_read(folder);
-  {
-    const SharedDatabase::Turn turn = database->turn();
-    const bool has_tables =
-        turn->prepare("SELECT 1 FROM sqlite_master WHERE type='table' AND name='run'").step();
-    if (!has_tables) return nullptr;
-  }
-  if (const std::string format = run_value(*database, "format_version");
-      format != std::to_string(k_store_format)) {
-    throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: run store of format {}, this program reads {}",
-                                  database->path(), format, k_store_format));
-  }
-  return database;
-}
-
-}  // namespace
 
 /// What one call comes to.
 struct ToldEvents::Answer {
@@ -149,7 +151,7 @@ void ToldEvents::read_log(Answer& answer) {
   for (int look = 0; look < k_looks_max; ++look) {
     const LogFile now(path);
     if (now.has(place_.device, place_.inode, place_.offset)) {
-      take_lines(now.content_from(place_.offset), place_.offset, answer);
+      take(now, answer);
       return;
     }
     // It is another file than last time: that one may have become the old one.
@@ -161,18 +163,29 @@ void ToldEvents::read_log(Answer& answer) {
       const bool is_known = old.has(place_.device, place_.inode, place_.offset);
       place_ = {
           .device = old.device(), .inode = old.inode(), .offset = is_known ? place_.offset : 0};
-      if (!take_lines(old.content_from(place_.offset), place_.offset, answer)) return;
+      if (!take(old, answer)) return;
     }
     if (!now.is_there()) return;
     place_ = {.device = now.device(), .inode = now.inode(), .offset = 0};
-    take_lines(now.content_from(0), place_.offset, answer);
+    take(now, answer);
     return;
   }
 }
 
-/// Takes whole lines and moves the offset past them; false: there are more, which the answer has no
-/// room for.
-bool ToldEvents::take_lines(const std::string& text, std::uint64_t& offset, Answer& answer) {
+/// What the file at place_ has from there on; false: there is more, which the answer has no room
+/// for.
+bool ToldEvents::take(const LogFile& file, Answer& answer) {
+  while (true) {
+    const std::uint64_t begin = place_.offset;
+    const std::string text = file.piece_from(begin);
+    if (!take_lines(text, answer)) return false;
+    // A piece without a whole line is one that is being written.
+    if (text.size() < k_piece_bytes || place_.offset == begin) return true;
+  }
+}
+
+/// Takes whole lines and moves the place past them; likewise.
+bool ToldEvents::take_lines(const std::string& text, Answer& answer) {
   for (std::size_t begin = 0;;) {
     const std::size_t end = text.find('\n', begin);
     if (end == std::string::npos) return true;
@@ -189,7 +202,7 @@ bool ToldEvents::take_lines(const std::string& text, std::uint64_t& offset, Answ
       answer.numbered.push_back(*std::move(event));
       ++number_;
     }
-    offset += end + 1 - begin;
+    place_.offset += end + 1 - begin;
     begin = end + 1;
   }
 }

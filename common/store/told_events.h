@@ -51,10 +51,12 @@ class ToldEvents {
     std::uint64_t inode = 0;  ///< 0: no log has been read
     std::uint64_t offset = 0;
   };
+  class LogFile;
   struct Answer;
 
   void read_log(Answer& answer);
-  bool take_lines(const std::string& text, std::uint64_t& offset, Answer& answer);
+  bool take(const LogFile& file, Answer& answer);
+  bool take_lines(const std::string& text, Answer& answer);
   void fill_from_store(std::uint64_t end, Answer& answer);
 
   std::string folder_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <set>
 
 #include "common/random/discrete_distributions.h"
@@ -292,6 +293,28 @@ std::uint64_t scans_at_stop(const StopRule& stop, std::uint64_t round_scans, std
         std::ranges::count_if(first, [&](const auto& entry) { return entry.second < round_end; }));
     if (stop.independent_solutions && solved >= *stop.independent_solutions) return round_end;
   }
+}
+
+void expect_told_as_counted(
+    const plan::Plan& plan, std::uint64_t step,
+    const std::function<double(std::uint32_t chain, std::uint64_t scan)>& log_p_of) {
+  std::vector<plan::Solution> told;
+  for (std::uint64_t after = 0; after < plan.scans_common(); after += step)
+    std::ranges::copy(plan.solutions_between(after, std::min(after + step, plan.scans_common())),
+                      std::back_inserter(told));
+  std::size_t nth = 0;
+  for (const plan::DrawPart& part : plan.draws().parts) {
+    for (std::uint32_t chain = 0; chain < part.counted.size(); ++chain) {
+      if (!part.counted[chain]) continue;
+      ASSERT_LT(nth, told.size());
+      const plan::Solution& solution = told[nth++];
+      EXPECT_EQ(solution.chain, base::ChainId{chain});
+      EXPECT_EQ(solution.scan, *part.counted[chain]);
+      EXPECT_EQ(solution.decided, part.first_scan + part.count);
+      EXPECT_EQ(solution.log_p, log_p_of(chain, solution.scan));
+    }
+  }
+  EXPECT_EQ(nth, told.size());
 }
 
 void expect_equal(const plan::Report& a, const plan::Report& b) {

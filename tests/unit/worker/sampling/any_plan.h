@@ -140,6 +140,12 @@ class AnySession {
 std::uint64_t scans_at_stop(const StopRule& stop, std::uint64_t round_scans, std::uint64_t before,
                             const ScanRuns& runs);
 
+/// Expects that a plan, asked every so many scans, tells the solutions that the parts of its draws
+/// count, each when its part is over, with log_p = log_p_of(chain, scan).
+void expect_told_as_counted(
+    const plan::Plan& plan, std::uint64_t step,
+    const std::function<double(std::uint32_t chain, std::uint64_t scan)>& log_p_of);
+
 /// Bit for bit, NaN included.
 void expect_equal(const plan::Report& a, const plan::Report& b);
 

@@ -13,6 +13,7 @@
 #include "common/random/discrete_distributions.h"
 #include "common/random/distributions.h"
 #include "tests/support/property.h"
+#include "tests/unit/worker/sampling/any_plan.h"
 
 namespace sleight::sampling {
 namespace {
@@ -33,6 +34,8 @@ struct World {
     plan::ScanRecord record;
     record.method_values = {std::round(mean + noise), random::Normal{}.draw(stream)};
     record.satisfied = stream.uniform() < satisfied;
+    record.log_prior = stream.uniform();
+    record.log_constraint = -2 * stream.uniform();
     record.lineage = plan::lineage_from({}, begin);
     return record;
   }
@@ -107,6 +110,18 @@ TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
     EXPECT_GE(alone.solutions_found(), wanted);
     EXPECT_EQ(alone.draws().parts.back().first_scan + alone.draws().parts.back().count,
               alone.scans_common());
+
+    expect_told_as_counted(alone, 1 + random::UniformInteger{.count = 50}.draw(stream),
+                           [&](std::uint32_t chain, std::uint64_t scan) {
+                             const plan::ScanRecord record = world.record(chain, 0, scan);
+                             return record.log_prior + record.log_constraint;
+                           });
+    const auto rounds = alone.rounds_between(0, alone.scans_common());
+    for (std::size_t nth = 0; nth < rounds.size(); ++nth)
+      EXPECT_EQ(rounds[nth].round, nth + 1);
+    EXPECT_EQ(rounds.front().scans, 8U);
+    EXPECT_EQ(rounds.back().scans, alone.scans_common());
+    EXPECT_EQ(alone.rounds_between(8, alone.scans_common()).size(), rounds.size() - 1);
 
     JudgedChains together(options({}, wanted));
     work(together, world, 1 + random::UniformInteger{.count = 6}.draw(stream), stream);

@@ -9,6 +9,7 @@
 
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
+#include "tests/unit/worker/sampling/any_plan.h"
 
 namespace sleight::sampling {
 namespace {
@@ -75,6 +76,9 @@ class Work {
     }
   }
 
+  static double log_p_of(std::uint32_t chain, std::uint64_t scan) {
+    return -static_cast<double>(3 * scan + chain);
+  }
   /// By chain and scan, whether it was at the heavy state.
   const std::map<std::uint32_t, std::vector<World::State>>& states() const { return states_; }
 
@@ -93,6 +97,7 @@ class Work {
           unit.first_scan.value + nth);
       record.satisfied = satisfies.uniform() < 2.0 / 3;
       record.lineage = states.back().lineage;
+      record.log_prior = log_p_of(unit.replica.chain.value, unit.first_scan.value + nth);
     }
     return records;
   }
@@ -120,6 +125,8 @@ TEST(RestartedChains, CountsTheLastScanOfATour) {
   EXPECT_TRUE(plan.finished());
   EXPECT_GE(plan.solutions_found(), 20000U);
   EXPECT_LE(plan.solutions_found(), 20002U);
+
+  expect_told_as_counted(plan, 11, &Work::log_p_of);
 
   double heavy = 0;
   double counted = 0;

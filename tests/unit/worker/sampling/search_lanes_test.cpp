@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -35,8 +37,10 @@ struct Starts {
 std::vector<plan::ScanRecord> results(const Starts& starts, const plan::Unit& unit) {
   std::vector<plan::ScanRecord> records(unit.scans);
   for (std::uint32_t nth = 0; nth < unit.scans; ++nth) {
-    records[nth].satisfied =
-        starts.finds(plan::start_number(unit.replica.chain, unit.first_scan.value + nth));
+    const std::uint64_t start = plan::start_number(unit.replica.chain, unit.first_scan.value + nth);
+    records[nth].satisfied = starts.finds(start);
+    records[nth].log_prior = static_cast<double>(start);
+    records[nth].log_constraint = -static_cast<double>(start) / 2;
   }
   return records;
 }
@@ -94,6 +98,17 @@ TEST(SearchLanes, FindTheSameWhoeverSearches) {
     EXPECT_FALSE(lanes.finds().gave_up);
     EXPECT_EQ(lanes.finds().found, wanted);
     EXPECT_GE(lanes.starts(), starts.until(wanted));
+    // They are told by their starts, in whatever steps.
+    EXPECT_EQ(lanes.starts_done(), starts.until(wanted));
+    const std::uint64_t half = lanes.starts_done() / 2;
+    std::vector<plan::Find> told = lanes.finds_between(0, half);
+    std::ranges::copy(lanes.finds_between(half, lanes.starts_done()), std::back_inserter(told));
+    ASSERT_EQ(told.size(), wanted);
+    EXPECT_TRUE(std::ranges::is_sorted(told, std::ranges::less_equal{}, &plan::Find::start));
+    for (const plan::Find& find : told) {
+      ASSERT_TRUE(starts.finds(find.start));
+      ASSERT_EQ(find.log_p, static_cast<double>(find.start) / 2);
+    }
   }
 }
 
