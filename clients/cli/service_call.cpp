@@ -65,10 +65,7 @@ base::ExitCode exit_code_of(rpc::RefusalKind kind) {
 
 std::string words_of(const rpc::Refusal& refusal) {
   std::string words = shown(refusal.sentence);
-  if (!refusal.what_to_do.empty()) {
-    words += ' ';
-    words += shown(refusal.what_to_do);
-  }
+  if (!refusal.what_to_do.empty()) words += fmt::format(" {}", shown(refusal.what_to_do));
   return words;
 }
 
