@@ -150,17 +150,9 @@ void note_what_repeats_of_rank(int argc, char** argv) {
 
 int main_of(int argc, char** argv) {
   note_what_repeats_of_rank(argc, argv);
-  CLI::App app{
-      "Runs a direction request over the ranks of an MPI job; the archive is the same for any\n"
-      "number of ranks."};
-  app.name("sleight-batch");
-  app.set_version_flag("--version", version_text());
+  CLI::App app;
   DirectArguments arguments;
-  add_run_options(app, arguments);
-  app.footer(std::string("Examples:\n"
-                         "  sleight-batch requests/ball_2d.toml -o ball.h5\n"
-                         "  mpirun -n 3 sleight-batch requests/ball_2d.toml -o ball.h5\n\n") +
-             k_exit_codes);
+  build_batch_app(app, arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -40,10 +40,11 @@ int direct(const DirectArguments& arguments) {
   return end_report.watch([&] { return direct(arguments, end_report); });
 }
 
-int check_request(const std::string& path) {
+int check_request(const std::string& path, const std::vector<std::string>& sets) {
   run::Catalogue catalogue = worlds_of_program();
   DirectArguments arguments;
   arguments.request_path = path;
+  arguments.sets = sets;
   const auto request = read_request_file(catalogue, arguments);
   if (!request) return k_bad_request;
   fmt::print("{}", request::normalised_text(*request));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "clients/cli/main_run.h"
 
@@ -10,8 +11,8 @@ namespace sleight::programs {
 /// Runs a request here, in this process.
 int direct(const DirectArguments& arguments);
 
-/// Prints the normalised request, or its errors.
-int check_request(const std::string& path);
+/// Prints the normalised request, with the keys that are set in it, or its errors.
+int check_request(const std::string& path, const std::vector<std::string>& sets);
 
 /// Prints all keys of a world, or the worlds when none is named.
 int print_keys(const std::string& world);

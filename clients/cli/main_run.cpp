@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cstdio>
 #include <exception>
 #include <nlohmann/json.hpp>
@@ -16,9 +15,11 @@
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"
+#include "common/config/quantities.h"
 #include "common/events/progress.h"
 #include "common/events/run_event.h"
 #include "common/logging/log.h"
+#include "common/request/sets.h"
 #include "common/request/text.h"
 #include "service/coordinator/stop_signal.h"
 #include "worker/sampling/search_lanes.h"
@@ -184,6 +185,7 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
                  "Solutions, in place of the request's [stop]; 5 of a word")
       ->check(CLI::Range(1U, request::k_independent_solutions_max))
       ->type_name("N");
+  add_sets_option(app, arguments.sets);
   app.add_flag("--print-request", arguments.print_request, "Show the request, and do nothing else");
   app.add_option("-o,--output", arguments.output,
                  "The archive, NAME.h5; the run store is the folder NAME.h5.run beside it")
@@ -211,21 +213,35 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
       ->type_name("PIPE");
 }
 
+void add_sets_option(CLI::App& app, std::vector<std::string>& sets) {
+  app.add_option("--set", sets,
+                 "A key in place of the request's, as sampler.seed=7; may be given repeatedly")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+}
+
+void build_batch_app(CLI::App& app, DirectArguments& arguments) {
+  app.name("sleight-batch");
+  app.description(
+      "Runs a direction request over the ranks of an MPI job; the archive is the same for any\n"
+      "number of ranks.");
+  app.set_version_flag("--version", version_text());
+  add_run_options(app, arguments);
+  app.footer(std::string("Examples:\n"
+                         "  sleight-batch requests/ball_2d.toml -o ball.h5\n"
+                         "  mpirun -n 3 sleight-batch requests/ball_2d.toml -o ball.h5\n\n") +
+             k_exit_codes);
+}
+
 std::string version_text() {
   return fmt::format("sleight {}\nresults {}", base::version(), results_version());
 }
 
 double parse_duration_s(const std::string& text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, failure] = std::from_chars(text.data(), end, value);
-  const std::string_view unit(rest, static_cast<std::size_t>(end - rest));
-  const double factor = unit.empty() || unit == "s" ? 1 : unit == "m" ? 60 : unit == "h" ? 3600 : 0;
-  if (failure != std::errc() || factor == 0 || !(value > 0 && value < 1e9)) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("--time-limit: '{}' is no time; say 20s, 5m or 1.5h", text));
-  }
-  return value * factor;
+  const std::optional<double> duration_s = config::duration_s_of(text);
+  if (duration_s) return *duration_s;
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("--time-limit: '{}' is no time; say 20s, 5m or 1.5h", text));
 }
 
 void check_arguments(const DirectArguments& arguments) {
@@ -261,16 +277,36 @@ Source source_of(const DirectArguments& arguments) {
           .text = base::read_text_file(arguments.request_path, k_request_file_bytes_max)};
 }
 
-/// Prints errors, unless another rank does.
-std::optional<request::DirectionRequest> read(run::Catalogue& catalogue, const Source& source,
-                                              std::optional<std::uint32_t> solutions,
-                                              bool errors_elsewhere) {
-  auto read = request::read_request(source.text, source.name, catalogue.bindings(), solutions);
-  if (read) return std::move(read).value();
-  if (errors_elsewhere) return std::nullopt;
-  for (const request::Diagnostic& error : read.error())
-    complain(request::to_string(error));
-  return std::nullopt;
+using Read = base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>;
+
+/// What an option gives too, as that would hold in silence.
+std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet>& sets,
+                                               const DirectArguments& arguments) {
+  const bool is_word = arguments.request_path.empty();
+  const request::KeySet* set = nullptr;
+  const auto is_set = [&](bool option_given, const char* section, const char* key) {
+    if (option_given && set == nullptr) set = request::find_set(sets, section, key);
+    return set != nullptr;
+  };
+  const char* const option =
+      is_set(arguments.seed.has_value(), "sampler", "seed") ? "--seed"
+      : is_set(is_word, "world", "word")                    ? "--word"
+      : is_set(arguments.number.has_value(), "stop", is_word ? "independent_solutions" : "")
+          ? (is_word ? "-n" : "-n, in the place of all of [stop],")
+          : nullptr;
+  if (option == nullptr) return std::nullopt;
+  return request::Diagnostic{"--set " + set->text, request::k_no_place,
+                             fmt::format("{} gives that; leave one of them out", option)};
+}
+
+/// `solutions` where -n replaces the request's [stop].
+Read read(run::Catalogue& catalogue, const Source& source, std::optional<std::uint32_t> solutions,
+          const DirectArguments& arguments) {
+  const auto sets = request::plain_sets(arguments.sets);
+  if (!sets) return sets.error();
+  if (const auto twice = given_twice(sets.value(), arguments)) return std::vector{*twice};
+  return request::read_request_with(source.text, source.name, catalogue.bindings(), sets.value(),
+                                    solutions);
 }
 
 }  // namespace
@@ -280,18 +316,24 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
   Source source = source_of(arguments);
   const auto asked = arguments.request_path.empty() ? std::nullopt : arguments.number;
   if (asked) source.name += fmt::format(" with -n {}", *asked);
-  auto request = read(catalogue, source, asked, arguments.errors_elsewhere);
-  if (!request) return std::nullopt;
-  if (arguments.seed) request = request::with_seed(*std::move(request), *arguments.seed);
+  Read read_one = read(catalogue, source, asked, arguments);
+  if (!read_one) {
+    for (const request::Diagnostic& error : read_one.error()) {
+      if (!arguments.errors_elsewhere) complain(request::to_string(error));
+    }
+    return std::nullopt;
+  }
+  request::DirectionRequest request = std::move(read_one).value();
+  if (arguments.seed) request = request::with_seed(std::move(request), *arguments.seed);
   base::add_repeat_note(fmt::format("request {}, world {}, seed {}, version {}", source.name,
-                                    request->world, request->sampler.seed, base::version()));
+                                    request.world, request.sampler.seed, base::version()));
   return request;
 }
 
 int print_request(run::Catalogue& catalogue, const DirectArguments& arguments) {
   const auto request = read_request_file(catalogue, arguments);
   if (!request) return static_cast<int>(base::ExitCode::bad_request);
-  const bool is_short = arguments.request_path.empty() && !arguments.seed;
+  const bool is_short = arguments.request_path.empty() && arguments.sets.empty() && !arguments.seed;
   fmt::print("{}", is_short ? source_of(arguments).text : request::normalised_text(*request));
   return static_cast<int>(base::ExitCode::ok);
 }

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "clients/cli/end_report.h"
 #include "common/request/direction_request.h"
@@ -18,6 +19,7 @@ struct DirectArguments {
   std::string request_path;             ///< or, in its place,
   std::string word;                     ///< that balls spell
   std::optional<std::uint32_t> number;  ///< of solutions, in place of the request's [stop]
+  std::vector<std::string> sets;        ///< keys in place of the request's (request::KeySet)
   bool print_request = false;           ///< and do nothing else
   std::string output;
   bool fresh = false;
@@ -40,6 +42,12 @@ struct DirectArguments {
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher = {});
 
 void add_run_options(CLI::App& app, DirectArguments& arguments);
+
+/// --set, which may be repeated.
+void add_sets_option(CLI::App& app, std::vector<std::string>& sets);
+
+/// The command line of `sleight-batch`: here, since `sleight man` has its page too.
+void build_batch_app(CLI::App& app, DirectArguments& arguments);
 
 /// Seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for anything else.
 double parse_duration_s(const std::string& text);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clients/cli/main_run.h"
+#include "clients/cli/main_settings.h"
 #include "clients/cli/main_worlds.h"
 #include "clients/cli/output.h"
 #include "clients/cli/results_version.h"
@@ -22,25 +23,6 @@
 
 namespace sleight::programs {
 namespace {
-
-/// A setting as the command line may give it.
-struct Option {
-  const char* flag;
-  const char* key;
-  const char* type_name;
-  const char* help;
-};
-
-constexpr Option k_options[] = {
-    {"--state", "state", "FOLDER", "The folder of its jobs"},
-    {"--socket", "socket", "PATH", "Where it answers"},
-    {"--cores", "cores", "N", "For all jobs together"},
-    {"--memory", "memory", "SIZE", "For all jobs together: 24GB"},
-    {"--disk-reserve", "disk_reserve", "SIZE", "Below so much free disk nothing starts"},
-    {"--slice", "slice", "TIME", "A job runs so long before it yields to others: 10s"},
-    {"--keep-days", "keep_days", "N", "Finished jobs are kept so long"},
-    {"--keep-bytes", "keep_bytes", "SIZE", "Finished jobs take up at most this together"},
-};
 
 std::string limit_text(const std::optional<std::uint64_t>& limit, const char* unit) {
   return limit ? fmt::format("{}{}", *limit, unit) : "none";
@@ -104,15 +86,7 @@ int main_of(int argc, char** argv) {
   app.name("sleightd");
   app.set_version_flag("--version", version_text());
   std::vector<config::Given> given;
-  for (const Option& option : k_options) {
-    app.add_option_function<std::string>(
-           option.flag,
-           [&given, &option](const std::string& text) {
-             given.push_back({.key = option.key, .text = text, .given_by = option.flag});
-           },
-           option.help)
-        ->type_name(option.type_name);
-  }
+  add_setting_options(app, given);
   app.footer(
       "`sleight config` shows the settings that hold and where each comes from.\n\nExamples:\n"
       "  sleightd\n"

@@ -285,7 +285,10 @@ Settings defaults_of(const Surroundings& surroundings) {
   Settings settings;
   settings.state.value = xdg_folder(surroundings, "XDG_STATE_HOME", ".local/state").value_or("");
   settings.cores.value = std::min(surroundings.cores, k_cores_max);
-  settings.memory_bytes.value = std::max<std::uint64_t>(surroundings.memory_bytes / 4 * 3, 1);
+  // Whole megabytes, for those who read it.
+  constexpr std::uint64_t k_megabyte = 1'000'000;
+  settings.memory_bytes.value =
+      std::max(surroundings.memory_bytes / 4 * 3 / k_megabyte * k_megabyte, k_megabyte);
   settings.disk_reserve_bytes.value = k_disk_reserve_bytes;
   settings.slice_s.value = k_slice_s;
   settings.keep_days.value = k_keep_days;

@@ -15,7 +15,7 @@ from harness import ProgramTest, sleight
 COMMANDS = [["direct"], ["check"], ["keys"], ["archive"], ["archive", "info"],
             ["archive", "digest"], ["archive", "verify"], ["archive", "export"],
             ["archive", "derive"], ["diagnose"],
-            ["plot"]]
+            ["plot"], ["config"], ["completion"], ["man"]]
 
 
 class Help(ProgramTest):

@@ -1,0 +1,132 @@
+#include "clients/cli/main_own.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include "clients/cli/config_command.h"
+#include "clients/cli/main_run.h"
+#include "clients/command_tree/command_tree.h"
+#include "clients/command_tree/completion.h"
+#include "clients/command_tree/man_page.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+
+namespace sleight::programs {
+namespace {
+
+/// The programs that have completion and manual pages: one for each name of k_programs.
+constexpr std::array<const char*, 2> k_programs{"sleight", "sleight-batch"};
+
+command_tree::Command tree_of_program(const std::string& name) {
+  CLI::App app;
+  CommandLine line;
+  DirectArguments arguments;
+  if (name == k_programs[0]) {
+    build_app(app, line);
+  } else {
+    build_batch_app(app, arguments);
+  }
+  return command_tree::tree_of(app);
+}
+
+int print_completion(const std::string& shell, const std::string& program) {
+  const command_tree::Command tree = tree_of_program(program);
+  fmt::print("{}", shell == "bash"  ? command_tree::bash_completion(tree)
+                   : shell == "zsh" ? command_tree::zsh_completion(tree)
+                                    : command_tree::fish_completion(tree));
+  return static_cast<int>(base::ExitCode::ok);
+}
+
+/// "November 26, 2026": of SOURCE_DATE_EPOCH, by which packagers make the same pages again, or
+/// today.
+std::string page_date() {
+  using std::chrono::system_clock;
+  system_clock::time_point moment = system_clock::now();
+  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH"))
+    moment = system_clock::time_point(std::chrono::seconds(std::strtoll(epoch, nullptr, 10)));
+  const std::chrono::year_month_day day{std::chrono::floor<std::chrono::days>(moment)};
+  static constexpr std::array<const char*, 12> k_months{
+      "January", "February", "March",     "April",   "May",      "June",
+      "July",    "August",   "September", "October", "November", "December"};
+  return fmt::format("{} {}, {}", k_months.at(unsigned{day.month()} - 1), unsigned{day.day()},
+                     int{day.year()});
+}
+
+int write_man_pages(const std::string& folder) {
+  if (folder.empty()) {
+    const auto pages = command_tree::man_pages(tree_of_program(k_programs[0]), page_date());
+    fmt::print("{}", pages.front().text);
+    return static_cast<int>(base::ExitCode::ok);
+  }
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw base::Error(fmt::format("{}: {}", folder, failure.message()));
+  base::PosixFileSystem files;
+  for (const char* program : k_programs) {
+    for (const auto& page : command_tree::man_pages(tree_of_program(program), page_date()))
+      base::write_text_file(files, folder + "/" + page.file, page.text);
+  }
+  return static_cast<int>(base::ExitCode::ok);
+}
+
+void add_config(CLI::App& app, OwnArguments& arguments, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("config", "The settings of the service, and where each comes from");
+  command->add_flag("--json", arguments.json, "As JSON");
+  command->footer(
+      "Nothing needs configuring. A setting comes from the command line, from SLEIGHT_STATE or\n"
+      "SLEIGHT_SOCKET, from the file $XDG_CONFIG_HOME/sleight/config.toml (else\n"
+      "~/.config/sleight/config.toml), or has its default. The file is TOML and has the keys\n"
+      "that this command lists; those that begin with \"limits.\" are below [limits] there.\n\n"
+      "Examples:\n"
+      "  sleight config\n"
+      "  sleight config --json | jq .settings.state.value");
+  command->callback([&] { action = [&] { return cli::print_config(arguments.json); }; });
+}
+
+void add_completion(CLI::App& app, OwnArguments& arguments, Action& action) {
+  CLI::App* command = app.add_subcommand("completion", "Print a shell's completion script");
+  command->add_option("shell", arguments.shell, "The shell")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}))
+      ->type_name("SHELL");
+  command->add_option("program", arguments.program, "Of which program")
+      ->check(CLI::IsMember(std::vector<std::string>(k_programs.begin(), k_programs.end())))
+      ->capture_default_str()
+      ->type_name("PROGRAM");
+  command->footer(
+      "The script is for a shell's start-up file; of zsh behind its compinit.\n\n"
+      "Examples:\n"
+      "  source <(sleight completion bash)\n"
+      "  source <(sleight completion zsh)\n"
+      "  sleight completion fish | source\n"
+      "  sleight completion bash sleight-batch > ~/.local/share/bash-completion/completions/"
+      "sleight-batch");
+  command->callback(
+      [&] { action = [&] { return print_completion(arguments.shell, arguments.program); }; });
+}
+
+void add_man(CLI::App& app, OwnArguments& arguments, Action& action) {
+  CLI::App* command = app.add_subcommand("man", "Print the manual page, or write all pages");
+  command->group("");  // hidden: `man sleight` is what people ask
+  command->add_option("--directory", arguments.folder, "Write the pages of all programs there")
+      ->type_name("FOLDER");
+  command->footer("Examples:\n  sleight man | man -l -\n  sleight man --directory share/man/man1");
+  command->callback([&] { action = [&] { return write_man_pages(arguments.folder); }; });
+}
+
+}  // namespace
+
+void add_own_commands(CLI::App& app, OwnArguments& arguments, Action& action) {
+  add_config(app, arguments, action);
+  add_completion(app, arguments, action);
+  add_man(app, arguments, action);
+}
+
+}  // namespace sleight::programs

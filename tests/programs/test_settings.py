@@ -1,0 +1,114 @@
+"""Goal: keys that the command line sets and the settings of the service hold, and what is wrong with
+them is told as kindly as of a file. Method: the programs' output and exit codes, and the digests of
+runs by a file and by --set, which must be equal."""
+
+import json
+
+import harness
+from harness import ProgramTest, program, run, sleight
+
+
+class Sets(ProgramTest):
+    def test_a_run_is_that_of_a_file_with_these_keys(self):
+        wanted = self.write_request("wanted.toml", chains=2, seed=7, scans=50)
+        given = self.write_request("given.toml", chains=4, seed=1, scans=1000)
+        sets = ["--set", "sampler.chains=2", "--set", "sampler.seed=7", "--set=stop.scans=50"]
+        self.direct(wanted, self.path("wanted.h5"))
+        self.direct(given, self.path("given.h5"), *sets)
+        self.succeed(run([program("sleight-batch"), given, "-o", self.path("batch.h5"), "-q", *sets]))
+        digest = self.digest(self.path("wanted.h5"))
+        self.assertEqual(self.digest(self.path("given.h5")), digest)
+        self.assertEqual(self.digest(self.path("batch.h5")), digest)
+        checked = self.succeed(sleight("check", given, *sets)).stdout
+        self.assertEqual(checked, self.succeed(sleight("check", wanted)).stdout)
+        self.assertNotEqual(checked, self.succeed(sleight("check", given)).stdout)
+
+    def test_a_word_takes_sets_too(self):
+        shown = self.succeed(sleight("direct", "--word", "HI", "--set", "sampler.seed=7",
+                                     "--print-request")).stdout
+        self.assertIn("seed = 7\n", shown)
+        self.assertIn('word = "HI"\n', shown)
+
+    def errors(self, *words, code=3):
+        result = sleight(*words)
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertEqual(result.stdout, "")
+        return result.stderr
+
+    def test_errors_name_the_set(self):
+        request = self.write_request()
+        output = self.path("x.h5")
+        for command in (["check", request], ["direct", request, "-o", output]):
+            self.assertEqual(
+                self.errors(*command, "--set", "sampler.sed=1"),
+                "--set sampler.sed=1: unknown key 'sed' in [sampler]; did you mean 'seed'?\n")
+            self.assertEqual(
+                self.errors(*command, "--set", "sampler.seed=1..20"),
+                "--set sampler.seed=1..20: a range makes a group of requests, which `sleight "
+                "submit` takes; here one value is expected\n")
+        self.assertFalse(output.exists())
+        direct = ["direct", request, "-o", output]
+        self.assertEqual(self.errors(*direct, "--seed", "2", "--set", "sampler.seed=1"),
+                         "--set sampler.seed=1: --seed gives that; leave one of them out\n")
+        self.assertEqual(self.errors(*direct, "-n", "2", "--set", "stop.scans=9"),
+                         "--set stop.scans=9: -n, in the place of all of [stop], gives that; leave "
+                         "one of them out\n")
+        self.assertEqual(self.errors("direct", "--word", "HI", "--print-request", "--set",
+                                     "world.word=HO"),
+                         "--set world.word=HO: --word gives that; leave one of them out\n")
+        result = run([program("sleight-batch"), request, "-o", output, "--set", "samplr.seed=1"])
+        self.assertEqual(result.returncode, 3)
+        self.assertEqual(result.stderr, "--set samplr.seed=1: unknown section [samplr]; did you mean "
+                                        "[sampler]?\n")
+
+
+class Config(ProgramTest):
+    def config(self, *words, file=None, **variables):
+        folder = self.path("config")
+        (folder / "sleight").mkdir(parents=True, exist_ok=True)
+        path = folder / "sleight" / "config.toml"
+        path.unlink(missing_ok=True)
+        if file is not None:
+            path.write_text(file)
+        env = {"HOME": str(self.folder), "XDG_CONFIG_HOME": str(folder), "XDG_STATE_HOME": "",
+               "SLEIGHT_STATE": "", "SLEIGHT_SOCKET": "", **variables}
+        return path, sleight("config", *words, env=env)
+
+    def test_nothing_needs_configuring(self):
+        path, result = self.config()
+        lines = self.succeed(result).stdout.splitlines()
+        self.assertTrue(lines[0].startswith("state "), lines)
+        self.assertIn(f"{self.folder}/.local/state/sleight  ", lines[0])
+        self.assertEqual(lines[-1], f"The file is {path}, which is not there.")
+        for line in lines[:-2]:
+            self.assertIn("  default  ", line)
+
+    def test_tells_where_each_setting_comes_from(self):
+        path, result = self.config("--json", file="cores = 1\nslice = '1.5m'\n[limits]\njobs = 5\n",
+                                   SLEIGHT_SOCKET="/tmp/s")
+        told = json.loads(self.succeed(result).stdout)
+        self.assertEqual(told["file"], str(path))
+        self.assertTrue(told["file_is_there"])
+        settings = told["settings"]
+        self.assertEqual(settings["cores"], {"value": 1, "unit": "cores", "from": "file",
+                                             "given_by": f"{path}:1:1"})
+        self.assertEqual(settings["slice"]["value"], 90)
+        self.assertEqual(settings["limits.jobs"]["value"], 5)
+        self.assertIsNone(settings["limits.bytes"]["value"])
+        self.assertEqual(settings["socket"], {"value": "/tmp/s", "unit": "", "from": "environment",
+                                              "given_by": "SLEIGHT_SOCKET"})
+        self.assertEqual(settings["keep_days"]["from"], "default")
+        # A process of a job has the cache that it has by hand.
+        help_text = self.succeed(sleight("direct", "--help")).stdout
+        self.assertRegex(help_text, rf"--cache MB\S*.*={settings['cache_mb']['value']}\n")
+
+    def test_errors_have_their_places(self):
+        path, result = self.config(file="cors = 1\n", SLEIGHT_STATE="here")
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual(result.stdout, "")
+        self.assertIn("SLEIGHT_STATE: expected an absolute path", result.stderr)
+        self.assertIn(f"{path}:1:1: unknown key 'cors'; did you mean 'cores'?", result.stderr)
+
+
+if __name__ == "__main__":
+    harness.main()
