@@ -1,0 +1,190 @@
+"""Goal: whatever is killed, full or replaced, every job that was submitted ends once, with the digest of
+a run that nobody disturbed, and a watcher sees every numbered event once. Method: real processes and
+kill -9 of each kind at random moments (printed seed; --kills of each kind, deploy/soak takes 100), a disk
+of 20 MB, programs replaced while jobs run, a clock that is set back."""
+
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import harness
+from harness import sleight
+from service_harness import ServiceTest, processes_of
+
+KINDS = ["daemon", "keeper", "client", "mpirun", "rank 0", "rank"]
+
+
+def numbered(lines):
+    """Numbers of a watch's events, in the order in which they came."""
+    events = map(json.loads, lines)
+    return [event["number"] for event in events if event["kind"] != "state" and event["number"] > 0]
+
+
+class Faults(ServiceTest):
+    SECONDS_OF_WORK = 2
+
+    def watch(self, number, first=1):
+        return subprocess.Popen(
+            [harness.program("sleight"), "watch", str(number), "--json", "--from", str(first)],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            env={**harness.environment(), **self.environment()})
+
+    def victim(self, kind, number):
+        """Process to kill, or none if there is none just now."""
+        if kind == "keeper":
+            return self.keeper(number)
+        programs = {"mpirun": "mpirun", "rank 0": "sleight-batch", "rank": "sleight-batch"}
+        found = sorted(pid for pid, name in processes_of(self.folder_of(number))
+                       if name == programs[kind])
+        if not found:
+            return None
+        return found[-1] if kind == "rank" else found[0]
+
+    def strike(self, kind, number, watcher):
+        """Kills one of a kind. Returns the watcher, which may be another one, and what the first saw."""
+        if kind == "daemon":
+            self.kill_daemon()
+            self.serve()
+        elif kind == "client":
+            watcher.kill()
+            seen = watcher.communicate()[0].splitlines()
+            # A line that was being written is not whole.
+            whole = [line for line in seen if line.startswith("{") and line.endswith("}")]
+            last = max(numbered(whole), default=0)
+            return self.watch(number, last + 1), whole
+        else:
+            try:
+                pid = self.victim(kind, number)
+                if pid:
+                    os.kill(pid, signal.SIGKILL)
+            except (OSError, ValueError, KeyError):
+                pass
+        return watcher, []
+
+    def test_kills(self):
+        seed, kills = harness.arguments.seed, harness.arguments.kills
+        chance = random.Random(seed)
+        kills_of = {kind: max(2, kills // 4) for kind in KINDS}
+        print(f"seed {seed}, kills of each kind {kills_of}")
+        self.serve()
+        work = {"chains": 2, "scans": 6000, "iterations_per_scan": 40}
+        request = self.write_request(**work)
+        expected = self.quiet_digest(request)
+        for with_ranks, kinds in [(False, KINDS[:3]), (True, KINDS[3:])]:
+            left = [kind for kind in kinds for _ in range(kills_of[kind])]
+            chance.shuffle(left)
+            while left:
+                options = ["--ranks", 2] if with_ranks else []
+                number = self.submit(request, *options)
+                watcher, seen = self.watch(number), []
+                for kind in left[:2]:
+                    self.until(lambda: self.job(number)["state"] == "running"
+                               or self.job(number)["state"] == "done")
+                    time.sleep(chance.uniform(0, 0.6))
+                    watcher, more = self.strike(kind, number, watcher)
+                    seen += more
+                left = left[2:]
+                self.wait(number)
+                job = self.job(number)
+                self.assertEqual((job["state"], job["digest"]), ("done", expected))
+                seen += watcher.communicate(timeout=60)[0].splitlines()
+                numbers = numbered(seen)
+                self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
+                history = self.ask_json("status", number, "--history")["history"]
+                self.assertEqual([c["state"] for c in history].count("done"), 1)
+                self.assertEqual(processes_of(self.folder_of(number)), [])
+        self.assertEqual([p for p in pathlib.Path("/dev/shm").glob("*") if "vader" in p.name], [])
+
+    @unittest.skipUnless(os.geteuid() == 0, "mounting a small disk takes root")
+    def test_a_disk_that_is_full_and_freed(self):
+        self.state.mkdir()
+        self.succeed(harness.run(["mount", "-t", "tmpfs", "-o", "size=20m", "tmpfs", self.state]))
+        self.addCleanup(lambda: (self.end_everything(), time.sleep(0.3),
+                                 harness.run(["umount", "-l", self.state])))
+        request = self.write_request(chains=2, scans=40_000, iterations_per_scan=1)
+        expected = self.quiet_digest(request)
+        filler = self.state / "filler"
+        filler.write_bytes(bytes(17_500_000))
+        self.serve("--disk-reserve", "0B")
+        number = self.submit(request)
+        self.until(lambda: self.job(number)["state"] == "held", 90)
+        self.assertIn("disk", self.job(number)["reason"].lower())
+        # Nothing that the daemon has answered is lost by it.
+        self.kill_daemon()
+        filler.unlink()
+        self.serve("--disk-reserve", "0B")
+        self.until(lambda: self.job(number)["state"] == "done", 120)
+        self.assertEqual(self.job(number)["digest"], expected)
+
+    def test_a_reserve_holds_and_lets_go(self):
+        self.serve("--disk-reserve", "8000TB")
+        number = self.submit(self.write_request(chains=1, scans=300))
+        time.sleep(1)
+        self.assertEqual(self.job(number)["starts"], 0)
+        self.assertIn("disk", self.job(number)["not_yet"].lower())
+        self.kill_daemon(signal.SIGTERM)
+        self.serve()
+        self.wait(number)
+
+    def test_programs_that_are_replaced(self):
+        own = self.path("bin")
+        own.mkdir()
+        for name in ["sleight", "sleightd", "sleight-keeper", "sleight-batch"]:
+            shutil.copy(harness.program(name), own / name)
+        real, harness.arguments.bin = harness.arguments.bin, str(own)
+        self.addCleanup(setattr, harness.arguments, "bin", real)
+        self.serve()
+        request = self.write_request(chains=2, scans=8000, iterations_per_scan=40)
+        number = self.submit(request)
+        self.until_running(number)
+        # A later build of the same results goes on with the run.
+        self.replace(own / "sleight", lambda path: shutil.copy(pathlib.Path(real) / "sleight", path))
+        os.kill(self.keeper(number), signal.SIGKILL)
+        self.until(lambda: self.job(number)["starts"] >= 2)
+        self.until_running(number)
+
+        # One of other results must not: the job is held until the old ones are back.
+        def other(path):
+            path.write_text(f"""#!/bin/sh
+[ "$1" = --version ] && printf 'sleight 9\\nresults 0000000000000000\\n' && exit 0
+exec {real}/sleight "$@"
+""")
+            path.chmod(0o755)
+        self.replace(own / "sleight", other)
+        os.kill(self.keeper(number), signal.SIGKILL)
+        harness.arguments.bin = real
+        self.until(lambda: self.job(number)["state"] == "held")
+        self.assertIn("results", self.job(number)["reason"])
+        self.replace(own / "sleight", lambda path: shutil.copy(pathlib.Path(real) / "sleight", path))
+        self.wait(number)
+        self.assertEqual(self.job(number)["digest"], self.quiet_digest(request))
+
+    def replace(self, path, make):
+        beside = path.with_name(path.name + ".new")
+        make(beside)
+        beside.rename(path)
+
+    @unittest.skipUnless(shutil.which("faketime"), "needs faketime")
+    def test_a_clock_that_is_set_back(self):
+        self.serve()
+        request = self.write_request(chains=2, scans=6000, iterations_per_scan=40)
+        number = self.submit(request)
+        later = self.submit(self.write_request("later.toml", chains=1, scans=300))
+        self.until_running(number)
+        self.kill_daemon()
+        self.serve(wrapper=["faketime", "-f", "-1d"])
+        self.wait(number)
+        self.wait(later)
+        self.assertEqual(self.job(number)["starts"], 1)
+        self.assertEqual(self.job(number)["digest"], self.quiet_digest(request))
+        self.assertEqual(self.job(number)["deleted_at"], None)
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,218 @@
+// Goal: what callers may see and do, and that a submission is taken whole or not at all, once.
+// Method: the handler on a real loop, store and machine; its programs are not there, so jobs stay
+// queued. Callers are users that a socket could not have yet.
+#include "service/daemon/calls.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "tests/unit/common/request/toy_world.h"
+
+namespace sleight::daemon {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* k_request = "[world]\nname = 'toy'\n[stop]\nscans = 10\n";
+constexpr rpc::Caller k_ada{.user = 4001};
+constexpr rpc::Caller k_bob{.user = 4002};
+
+class CallsTest : public ::testing::Test {
+ protected:
+  CallsTest() {
+    state_ = std::filesystem::temp_directory_path() /
+             ("calls-" + std::to_string(::getpid()) + "-" +
+              ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(state_);
+    begin();
+  }
+  ~CallsTest() override {
+    end();
+    std::filesystem::remove_all(state_);
+  }
+
+  void begin() {
+    loop_ = std::make_unique<rpc::Loop>();
+    RunnerOptions options{.state = state_, .cores = 2, .memory_bytes = std::uint64_t{8} << 30U};
+    options.jobs.limits.jobs = 5;
+    options.programs = {.keeper = "/no/keeper", .sleight = "/no/sleight"};
+    runner_ = std::make_unique<JobRunner>(*loop_, options, [](jobs::JobId) {});
+    calls_ = std::make_unique<Calls>(
+        *loop_, *runner_, ServerFacts{},
+        [this](const std::string& text, const std::string& name) {
+          return request::read_request(text, name, worlds_);
+        },
+        [this] { loop_->stop(); });
+    runner_->begin();
+  }
+  void end() {
+    calls_.reset();
+    runner_.reset();
+    loop_.reset();
+  }
+
+  /// Runs the loop until the call is answered.
+  template <class T, class Call>
+  base::Result<T, rpc::Refusal> answer(const Call& call) {
+    std::optional<base::Result<T, rpc::Refusal>> answered;
+    call(rpc::Reply<T>([&](typename rpc::Reply<T>::Answer answer) {
+      answered = std::move(answer);
+      loop_->stop();
+    }));
+    if (!answered) loop_->run();
+    return *std::move(answered);
+  }
+
+  static rpc::Submission submission(const std::string& key, int jobs,
+                                    const std::string& text = k_request) {
+    rpc::Submission made{.key = key};
+    for (int i = 0; i < jobs; ++i)
+      made.jobs.push_back({.name = "job " + std::to_string(i), .request = text});
+    return made;
+  }
+  base::Result<rpc::Submitted, rpc::Refusal> submit(const rpc::Caller& caller,
+                                                    const rpc::Submission& what) {
+    return answer<rpc::Submitted>(
+        [&](rpc::Reply<rpc::Submitted> reply) { calls_->submit(caller, what, std::move(reply)); });
+  }
+  rpc::JobPage list(const rpc::Caller& caller, const rpc::ListAsk& ask = {}) {
+    return answer<rpc::JobPage>(
+               [&](rpc::Reply<rpc::JobPage> reply) { calls_->list(caller, ask, std::move(reply)); })
+        .value();
+  }
+
+  std::filesystem::path state_;
+  request::toy::Parameters parameters_;
+  std::array<request::WorldBinding, 1> worlds_{request::toy::binding(parameters_)};
+  std::unique_ptr<rpc::Loop> loop_;
+  std::unique_ptr<JobRunner> runner_;
+  std::unique_ptr<Calls> calls_;
+};
+
+TEST_F(CallsTest, ASubmissionIsTakenOnce) {
+  const auto first = submit(k_ada, submission("key", 1));
+  ASSERT_TRUE(first.ok());
+  const auto again = submit(k_ada, submission("key", 1));
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again.value().jobs, first.value().jobs);
+  EXPECT_TRUE(again.value().was_known);
+  // The key is its user's own; with other content it is refused.
+  EXPECT_NE(submit(k_bob, submission("key", 1)).value().jobs, first.value().jobs);
+  const auto other =
+      submit(k_ada, submission("key", 1, "[world]\nname = 'toy'\n[stop]\nscans = 11\n"));
+  ASSERT_FALSE(other.ok());
+  EXPECT_EQ(other.error().kind, rpc::RefusalKind::conflict);
+}
+
+TEST_F(CallsTest, ASubmissionIsKnownAfterARestart) {
+  const auto group = submit(k_ada, submission("key", 3));
+  ASSERT_TRUE(group.ok());
+  ASSERT_TRUE(group.value().group.has_value());
+  end();
+  begin();
+  const auto again = submit(k_ada, submission("key", 3));
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again.value().jobs, group.value().jobs);
+  EXPECT_EQ(again.value().group, group.value().group);
+  EXPECT_TRUE(again.value().was_known);
+}
+
+TEST_F(CallsTest, AGroupIsTakenWholeOrNotAtAll) {
+  ASSERT_TRUE(submit(k_ada, submission("a", 3)).ok());
+  const auto too_many = submit(k_ada, submission("b", 3));  // of five that a user may have
+  ASSERT_FALSE(too_many.ok());
+  EXPECT_EQ(too_many.error().kind, rpc::RefusalKind::limit);
+  EXPECT_EQ(list(k_ada).total, 3U);
+  ASSERT_TRUE(submit(k_ada, submission("c", 2)).ok());
+  EXPECT_EQ(list(k_ada).total, 5U);
+}
+
+TEST_F(CallsTest, BadRequestsNameTheirPlaces) {
+  const auto refused = submit(k_ada, submission("key", 1, "[world]\nname = 'toy'\nheigth_m = 3\n"));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().kind, rpc::RefusalKind::bad_request);
+  ASSERT_FALSE(refused.error().diagnostics.empty());
+  EXPECT_EQ(refused.error().diagnostics.front().file, "job 0");
+  EXPECT_EQ(refused.error().diagnostics.front().place.line, 3U);
+  EXPECT_EQ(list(k_ada).total, 0U);
+}
+
+// Another user's jobs look like jobs that are not there.
+TEST_F(CallsTest, UsersSeeTheirOwn) {
+  const rpc::JobId job = submit(k_ada, submission("key", 1)).value().jobs.front();
+  EXPECT_EQ(list(k_bob).total, 0U);
+  EXPECT_EQ(list({.user = ::geteuid()}).total, 1U);
+  const auto status = answer<rpc::JobView>(
+      [&](rpc::Reply<rpc::JobView> reply) { calls_->status(k_bob, job, std::move(reply)); });
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().kind, rpc::RefusalKind::not_found);
+  const auto never = answer<rpc::JobView>([&](rpc::Reply<rpc::JobView> reply) {
+    calls_->status(k_bob, rpc::JobId{99}, std::move(reply));
+  });
+  EXPECT_EQ(never.error().sentence, "There is no job 99.");
+  const auto cancelled = answer<std::vector<rpc::Touched>>(
+      [&](auto reply) { calls_->cancel(k_bob, rpc::Target::of(job), std::move(reply)); });
+  EXPECT_FALSE(cancelled.ok());
+  EXPECT_FALSE(calls_->events_after(k_bob, {.job = job}, 10).ok());
+  EXPECT_TRUE(calls_->events_after(k_ada, {.job = job}, 10).ok());
+  for (const auto& touch : {&Calls::drain, &Calls::stop}) {
+    const auto refused = answer<rpc::Nothing>(
+        [&](rpc::Reply<rpc::Nothing> reply) { (*calls_.*touch)(k_bob, std::move(reply)); });
+    EXPECT_EQ(refused.error().kind, rpc::RefusalKind::not_allowed);
+  }
+}
+
+TEST_F(CallsTest, ListsHavePagesAndFilters) {
+  ASSERT_TRUE(submit(k_ada, submission("key", 5)).ok());
+  rpc::ListAsk ask{.count = 2};
+  std::vector<std::uint64_t> ids;
+  do {
+    const rpc::JobPage page = list(k_ada, ask);
+    EXPECT_EQ(page.total, 5U);
+    for (const rpc::JobView& job : page.jobs)
+      ids.push_back(job.id.value);
+    ask.cursor = page.cursor;
+  } while (!ask.cursor.empty());
+  EXPECT_EQ(ids, (std::vector<std::uint64_t>{5, 4, 3, 2, 1}));
+  EXPECT_EQ(list(k_ada, {.name_part = "job 3"}).total, 1U);
+  EXPECT_EQ(list(k_ada, {.states = {rpc::JobState::done}}).total, 0U);
+  const auto nonsense = answer<rpc::JobPage>([&](rpc::Reply<rpc::JobPage> reply) {
+    calls_->list(k_ada, {.cursor = "five"}, std::move(reply));
+  });
+  EXPECT_EQ(nonsense.error().kind, rpc::RefusalKind::bad_request);
+}
+
+TEST_F(CallsTest, CancelExtendAndDelete) {
+  const rpc::JobId job = submit(k_ada, submission("key", 1)).value().jobs.front();
+  const rpc::Target target = rpc::Target::of(job);
+  const auto touched = [&](const auto& call) {
+    return answer<std::vector<rpc::Touched>>(
+        [&](rpc::Reply<std::vector<rpc::Touched>> reply) { call(std::move(reply)); });
+  };
+  const auto cancelled =
+      touched([&](auto reply) { calls_->cancel(k_ada, target, std::move(reply)); });
+  EXPECT_EQ(cancelled.value().front().state, rpc::JobState::cancelled);
+  const auto shorter = touched([&](auto reply) {
+    calls_->extend(k_ada, target, {.by = rpc::ExtendBy::scans, .to = 10}, std::move(reply));
+  });
+  ASSERT_FALSE(shorter.ok());
+  EXPECT_THAT(shorter.error().sentence, HasSubstr("already"));
+  const auto longer = touched([&](auto reply) {
+    calls_->extend(k_ada, target, {.by = rpc::ExtendBy::scans, .to = 20}, std::move(reply));
+  });
+  ASSERT_TRUE(longer.ok());
+  EXPECT_FALSE(rpc::is_settled(longer.value().front().state));
+  EXPECT_THAT(runner_->reader().request(jobs::JobId{job.value}, 2)->text, HasSubstr("scans = 20"));
+  ASSERT_TRUE(touched([&](auto reply) { calls_->cancel(k_ada, target, std::move(reply)); }).ok());
+  ASSERT_TRUE(touched([&](auto reply) { calls_->erase(k_ada, target, std::move(reply)); }).ok());
+  const auto gone = answer<rpc::JobView>(
+      [&](rpc::Reply<rpc::JobView> reply) { calls_->status(k_ada, job, std::move(reply)); });
+  EXPECT_EQ(gone.error().kind, rpc::RefusalKind::gone);
+}
+
+}  // namespace
+}  // namespace sleight::daemon
