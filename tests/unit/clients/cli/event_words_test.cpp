@@ -1,3 +1,5 @@
+// Goal: events and changes of state read as words that say which and why, with nothing of them that
+// a terminal would obey. Method: events of each kind, their words compared.
 #include "clients/cli/event_words.h"
 
 #include <gtest/gtest.h>

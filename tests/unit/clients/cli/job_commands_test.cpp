@@ -1,3 +1,5 @@
+// Goal: the commands that name jobs ask what they were told to, print what came back and return the
+// code that stands for it. Method: a real server on a real socket, whose handler is scripted.
 #include "clients/cli/job_commands.h"
 
 #include <gtest/gtest.h>

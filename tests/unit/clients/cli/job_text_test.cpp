@@ -1,3 +1,5 @@
+// Goal: lists and views of jobs fit a terminal, tell counts apart, and hide nothing. Method: views
+// with values of all kinds, their lines compared.
 #include "clients/cli/job_text.h"
 
 #include <gtest/gtest.h>

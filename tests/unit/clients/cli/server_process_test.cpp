@@ -1,3 +1,5 @@
+// Goal: a server in the background answers when its start returns, and one that can't begin says
+// why. Method: small scripts in the server's place.
 #include "clients/cli/server_process.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Goal: what machines read of the service has the fields and types that the document names. Method:
+// views with values of all kinds, their JSON compared.
 #include "clients/cli/service_json.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// Goal: a submission has the request's text with what was set, once for each combination, and
+// refusals read like those of `sleight check`. Method: a real server on a real socket, whose
+// handler is scripted.
 #include "clients/cli/submit_command.h"
 
 #include <gtest/gtest.h>

@@ -7,9 +7,9 @@
 
 #include <filesystem>
 #include <map>
-#include <random>
 
 #include "common/base/error.h"
+#include "common/random/stream.h"
 #include "tests/unit/service/daemon/example_jobs.h"
 
 namespace sleight::daemon {
@@ -53,21 +53,22 @@ Save save_of(std::uint64_t id) {
 }
 
 TEST_F(JobStoreTest, FindsWhatWasSaved) {
-  std::mt19937 random(7);
+  random::Stream stream({.seed = 7, .purpose = random::Purpose::scene}, 0);
+  const auto below = [&](std::uint64_t bound) { return stream.bits() % bound; };
   std::map<std::uint64_t, jobs::Job> expected;
   std::map<std::uint64_t, std::uint64_t> changes;
   double clock_s = 0;
   {
     JobStore store(path_);
     for (int step = 0; step < 200; ++step) {
-      const std::uint64_t id = 1 + random() % 20;
+      const std::uint64_t id = 1 + below(20);
       Save one = save_of(id);
       jobs::Job& job = one.jobs.jobs.front();
-      job.core_seconds = static_cast<double>(random()) / 7;
+      job.core_seconds = stream.uniform() * 1e6;
       clock_s = one.jobs.clock_s = static_cast<double>(step) / 3;
       expected[id] = job;
       ++changes[id];
-      if (random() % 5 == 0) {
+      if (below(5) == 0) {
         one.jobs.erased.push_back(jobs::JobId{id});
         expected.erase(id);
         changes.erase(id);

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <random>
 
+#include "common/random/stream.h"
 #include "service/keeper/bounded_log.h"
 
 namespace sleight::daemon {
@@ -26,12 +26,12 @@ class LogsTest : public ::testing::Test {
 TEST_F(LogsTest, AFollowerGetsAllThatIsPrinted) {
   keeper::BoundedLog log(folder_, 4000);
   Logs logs;
-  std::mt19937 random(3);
+  random::Stream stream({.seed = 3, .purpose = random::Purpose::scene}, 0);
   std::string printed;
   std::string followed;
   std::uint64_t next = 0;
   for (int step = 0; step < 500; ++step) {
-    std::string piece(random() % 300, static_cast<char>('a' + step % 26));
+    std::string piece(stream.bits() % 300, static_cast<char>('a' + step % 26));
     piece += "\n";
     log.append(piece);
     printed += piece;
