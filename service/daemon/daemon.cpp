@@ -31,12 +31,15 @@ void make_state_folder(const std::string& state) {
 
 void run_daemon(const DaemonOptions& options) {
   make_state_folder(options.runner.state);
-  const StateLock lock(options.runner.state);
+  const std::unique_ptr<store::RunLock> lock = lock_state_folder(options.runner.state);
   rpc::Loop loop;
   std::unique_ptr<rpc::Server> server;
-  JobRunner runner(loop, options.runner, [&](jobs::JobId job) {
-    if (server) server->news(rpc::JobId{job.value});
-  });
+  JobRunner runner(
+      loop, options.runner,
+      [&](jobs::JobId job) {
+        if (server) server->news(rpc::JobId{job.value});
+      },
+      lock.get());
   Calls calls(loop, runner, options.facts, options.read, [&] { loop.stop(); });
   // Calls are answered from the moment on at which the jobs are taken up again.
   runner.begin();

@@ -57,7 +57,7 @@ void append(std::vector<jobs::Effect>& first, std::vector<jobs::Effect> second) 
 
 }  // namespace
 
-JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news)
+JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const store::RunLock* lock)
     : loop_(loop),
       options_(std::move(options)),
       news_(std::move(news)),
@@ -65,7 +65,8 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news)
       feeds_(folders_, clock_),
       backend_(options_.programs),
       saves_([&] {
-        JobStore store(store_path(options_.state));
+        JobStore store(store_path(options_.state), lock);
+        to_read_ = store.to_read();
         StoredJobs stored = store.load();
         board_ = Board(stored);
         next_id_ = stored.next_id;
@@ -82,7 +83,7 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news)
               logging::warn(reason.empty() ? "the job store takes changes again" : reason);
             });
       }()),
-      reader_(store_path(options_.state)),
+      reader_(to_read_),
       attempts_(std::make_unique<Attempts>(Attempts::Parts{
           .loop = loop_,
           .clock = clock_,

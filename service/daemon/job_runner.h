@@ -52,7 +52,9 @@ class JobRunner {
   using News = std::function<void(jobs::JobId)>;
 
   /// Opens the job store. Throws base::Error: it is of another format, or damaged.
-  JobRunner(rpc::Loop& loop, RunnerOptions options, News news);
+  /// `lock` is the folder's.
+  JobRunner(rpc::Loop& loop, RunnerOptions options, News news,
+            const store::RunLock* lock = nullptr);
   ~JobRunner();
 
   /// Takes up what earlier daemons left.
@@ -109,6 +111,7 @@ class JobRunner {
   std::uint64_t next_id_ = 1;
   std::string stalled_{};
   std::unique_ptr<jobs::Jobs> machine_;
+  std::shared_ptr<store::SharedDatabase> to_read_;
   std::unique_ptr<SaveQueue> saves_;
   JobReader reader_;
   std::unique_ptr<Attempts> attempts_;

@@ -94,8 +94,17 @@ Place place_of_asked(jobs::JobId job, std::uint64_t revision) {
 
 }  // namespace
 
-JobStore::JobStore(const std::string& path) : database_(path, store::Access::read_write) {
+JobStore::JobStore(const std::string& path, const store::RunLock* lock)
+    : shared_(std::make_shared<store::SharedDatabase>(path, store::Access::read_write)),
+      database_(shared_->only_database()),
+      lock_(lock) {
+  const store::SharedDatabase::Turn turn = shared_->turn();
   create_or_check();
+}
+
+std::shared_ptr<store::SharedDatabase> JobStore::to_read() const {
+  if (database_.is_exclusive()) return shared_;
+  return std::make_shared<store::SharedDatabase>(database_.path(), store::Access::read_only);
 }
 
 void JobStore::create_or_check() {
@@ -141,6 +150,7 @@ void JobStore::set_state(std::string_view key, std::string_view value) {
 }
 
 StoredJobs JobStore::load() {
+  const store::SharedDatabase::Turn turn = shared_->turn();
   StoredJobs loaded;
   store::Statement rows = database_.prepare("SELECT id, record, checksum FROM job ORDER BY id");
   while (rows.step()) {
@@ -179,13 +189,19 @@ StoredJobs JobStore::load() {
 
 void JobStore::save(std::span<const Save* const> saves) {
   if (saves.empty()) return;
+  const store::SharedDatabase::Turn turn = shared_->turn();
+  const auto refuse_if_lock_is_lost = [&] {
+    if (lock_ != nullptr) lock_->check();
+  };
   database_.execute("BEGIN IMMEDIATE");
   try {
     for (const Save* save : saves)
       put(*save);
     set_state("clock_s", fmt::format("{}", saves.back()->jobs.clock_s));
     set_state("next_id", fmt::format("{}", saves.back()->jobs.next_id));
+    refuse_if_lock_is_lost();
     database_.execute("COMMIT");
+    refuse_if_lock_is_lost();
   } catch (...) {
     try {
       database_.execute("ROLLBACK");
@@ -255,11 +271,11 @@ void JobStore::erase(jobs::JobId job) {
   }
 }
 
-JobReader::JobReader(const std::string& path) : database_(path, store::Access::read_only) {}
-
 std::vector<JobReader::NumberedChange> JobReader::changes(jobs::JobId job, std::uint64_t from,
                                                           std::size_t count_max) {
-  store::Statement rows = database_.prepare(
+  const store::SharedDatabase::Turn turn = shared_->turn();
+  store::Database& database = *turn;
+  store::Statement rows = database.prepare(
       "SELECT number, record, checksum FROM change WHERE job = ? AND number >= ? "
       "ORDER BY number LIMIT ?");
   rows.bind(1, signed_of(job.value))
@@ -269,31 +285,35 @@ std::vector<JobReader::NumberedChange> JobReader::changes(jobs::JobId job, std::
   while (rows.step()) {
     const Place place{.table = "change", .first = job.value, .second = number_of(rows, 0)};
     const std::string line = rows.text(1);
-    verify(database_, place, line, rows.integer(2));
-    changes.push_back({.number = place.second, .change = sound(change_of(line), database_, place)});
+    verify(database, place, line, rows.integer(2));
+    changes.push_back({.number = place.second, .change = sound(change_of(line), database, place)});
   }
   return changes;
 }
 
 std::uint64_t JobReader::change_count(jobs::JobId job) {
+  const store::SharedDatabase::Turn turn = shared_->turn();
+  store::Database& database = *turn;
   store::Statement select =
-      database_.prepare("SELECT coalesce(max(number), 0) FROM change WHERE job = ?");
+      database.prepare("SELECT coalesce(max(number), 0) FROM change WHERE job = ?");
   select.bind(1, signed_of(job.value)).step();
   return number_of(select, 0);
 }
 
 std::optional<StoredRequest> JobReader::request(jobs::JobId job, std::uint64_t revision) {
-  store::Statement row = database_.prepare(
+  const store::SharedDatabase::Turn turn = shared_->turn();
+  store::Database& database = *turn;
+  store::Statement row = database.prepare(
       "SELECT asked, asked_checksum, text, checksum FROM request WHERE job = ? AND revision = ?");
   row.bind(1, signed_of(job.value)).bind(2, signed_of(revision));
   if (!row.step()) return std::nullopt;
   const std::string asked = row.text(0);
-  verify(database_, place_of_asked(job, revision), asked, row.integer(1));
-  StoredRequest request = sound(asked_of(asked), database_, place_of_asked(job, revision));
+  verify(database, place_of_asked(job, revision), asked, row.integer(1));
+  StoredRequest request = sound(asked_of(asked), database, place_of_asked(job, revision));
   request.job = job;
   request.revision = revision;
   request.text = row.text(2);
-  verify(database_, place_of_text(job, revision), request.text, row.integer(3));
+  verify(database, place_of_text(job, revision), request.text, row.integer(3));
   return request;
 }
 

@@ -18,13 +18,17 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/store/database.h"
+#include "common/store/run_lock.h"
+#include "common/store/shared_database.h"
 #include "service/jobs/job.h"
 #include "service/jobs/messages.h"
 
@@ -65,13 +69,18 @@ struct StoredJobs {
 class JobStore {
  public:
   /// Opens or makes it. Throws base::Error: conflict where it is of another format, environment
-  /// where it is damaged or the disk fails.
-  explicit JobStore(const std::string& path);
+  /// where it is damaged or the disk fails. A save counts only while `lock`, if there is one, is
+  /// held: a lease of a network disk may end.
+  explicit JobStore(const std::string& path, const store::RunLock* lock = nullptr);
+
+  /// A connection to read by, beside the writing; on a network disk there is one for all.
+  std::shared_ptr<store::SharedDatabase> to_read() const;
 
   /// Everything, for a daemon that begins. Throws base::Error where a row was changed.
   StoredJobs load();
 
-  /// Durable when it returns; throws base::Error where the disk fails, and then nothing is saved.
+  /// Durable when it returns; throws base::Error where the disk fails, and then nothing is saved,
+  /// and with ExitCode::conflict where the lock is lost: another daemon may have the folder.
   void save(std::span<const Save* const> saves);
 
  private:
@@ -82,14 +91,15 @@ class JobStore {
   std::string state_value(std::string_view key);
   void set_state(std::string_view key, std::string_view value);
 
-  store::Database database_;
+  std::shared_ptr<store::SharedDatabase> shared_;
+  store::Database& database_;  ///< of `shared_`, in a turn
+  const store::RunLock* lock_;
 };
 
-/// Reads beside the daemon's writing, through a connection of its own. Functions throw base::Error
-/// where a row was changed.
+/// Reads beside the daemon's writing. Functions throw base::Error where a row was changed.
 class JobReader {
  public:
-  explicit JobReader(const std::string& path);
+  explicit JobReader(std::shared_ptr<store::SharedDatabase> shared) : shared_(std::move(shared)) {}
 
   struct NumberedChange {
     std::uint64_t number = 0;
@@ -102,7 +112,7 @@ class JobReader {
   std::optional<StoredRequest> request(jobs::JobId job, std::uint64_t revision);
 
  private:
-  store::Database database_;
+  std::shared_ptr<store::SharedDatabase> shared_;
 };
 
 }  // namespace sleight::daemon

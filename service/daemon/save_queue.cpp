@@ -39,7 +39,7 @@ void SaveQueue::work() {
     lock.unlock();
     bool saved = save(group);
     lock.lock();
-    while (!saved && !ending_) {
+    while (!saved && !ending_ && !is_over_) {
       changed_.wait_for(lock, std::chrono::duration<double>(k_retry_s), [&] { return ending_; });
       lock.unlock();
       saved = save(group);
@@ -57,6 +57,12 @@ bool SaveQueue::save(std::vector<Waiting>& group) {
   try {
     store_.save(saves);
   } catch (const base::Error& failure) {
+    if (failure.exit_code() == base::ExitCode::conflict) {
+      // The folder may be another daemon's: nothing more is written, and the owner ends.
+      is_over_ = true;
+      post_([failure] { throw failure; });
+      return false;
+    }
     is_stalled_ = true;
     post_([this, reason = std::string(failure.what())] { stalled_(reason); });
     return false;

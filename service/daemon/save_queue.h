@@ -6,6 +6,8 @@
 //   2. A save's `then` is posted once it is durable, in the same order, and never before.
 //   3. A disk that fails loses nothing: the group is tried again every k_retry_s until it is
 //      durable, and what waits for it waits.
+//   4. Where the store's lock is lost nothing more is saved, and the error is thrown in the owner's
+//      thread.
 //
 // Thread safety: put is called from one thread; `post` must be callable from any.
 #pragma once
@@ -56,6 +58,7 @@ class SaveQueue {
   std::condition_variable changed_;
   std::vector<Waiting> queue_;
   bool is_stalled_ = false;  ///< of the thread
+  bool is_over_ = false;     ///< likewise: the lock is lost
   bool ending_ = false;
   std::thread thread_;
 };

@@ -1,22 +1,18 @@
-// One daemon a state folder: `lock` in it is held as long as the daemon lives.
+// One daemon a state folder: its lock is a run's (common/store/run_lock.h), so it holds on network
+// disks too.
 //
-// Thread safety: a resource of one thread.
+// Thread safety: as RunLock's.
 #pragma once
 
+#include <memory>
 #include <string>
+
+#include "common/store/run_lock.h"
 
 namespace sleight::daemon {
 
-class StateLock {
- public:
-  /// Throws base::Error: conflict, naming the other process, where it is taken.
-  explicit StateLock(const std::string& state);
-  ~StateLock();
-  StateLock(const StateLock&) = delete;
-  StateLock& operator=(const StateLock&) = delete;
-
- private:
-  int descriptor_ = -1;
-};
+/// Takes the folder's lock. Throws base::Error: conflict, naming the other process, where it is
+/// taken.
+std::unique_ptr<store::RunLock> lock_state_folder(const std::string& state);
 
 }  // namespace sleight::daemon

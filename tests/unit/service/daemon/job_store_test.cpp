@@ -94,7 +94,7 @@ TEST_F(JobStoreTest, ReadersSeeTextsAndHistories) {
   next.requests.front().revision = 2;
   next.requests.front().text = "[world]\nlonger\n";
   save(store, next);
-  JobReader reader(path_);
+  JobReader reader(store.to_read());
   EXPECT_EQ(reader.request(jobs::JobId{4}, 2)->text, "[world]\nlonger\n");
   EXPECT_EQ(reader.request(jobs::JobId{4}, 1)->world, "toy");
   EXPECT_FALSE(reader.request(jobs::JobId{4}, 3).has_value());

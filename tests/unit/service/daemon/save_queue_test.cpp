@@ -23,7 +23,7 @@ TEST(SaveQueue, ThenComesAfterTheDisk) {
   std::promise<void> all;
   {
     JobStore store(path);
-    JobReader reader(path);
+    JobReader reader(store.to_read());
     SaveQueue queue(
         std::move(store), [](const SaveQueue::Callback& callback) { callback(); },
         [](const std::string& reason) { ADD_FAILURE() << reason; });
