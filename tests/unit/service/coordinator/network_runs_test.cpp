@@ -99,8 +99,9 @@ TEST_F(NetworkRuns, ARunIsTakenOverFromADeadNode) {
   const pid_t node = ::fork();
   if (node == 0) {
     RunOptions options = with_checkpoints(output);
-    options.report = [](const events::Progress& now) {
-      if (now.scans_done > 30) ::raise(SIGKILL);
+    options.hear = [](const events::RunEvent& event) {
+      const auto* now = std::get_if<events::Progress>(&event.what);
+      if (now != nullptr && now->scans_done > 30) ::raise(SIGKILL);
     };
     (void)session(text, options);
     ::_exit(0);
