@@ -156,6 +156,8 @@ void Attempts::follow(jobs::JobId job, jobs::Attempt attempt, keeper::RunningKee
   run.attempt = attempt;
   run.since_s = parts_.clock.now_s();
   run.is_found = is_found;
+  // Of the program that was started; the one on the disk may be another by now.
+  run.results_version = is_found ? run_results_version(job) : results_version_;
   const auto& progress = parts_.feeds.of(job).progress();
   run.scans_before = progress ? progress->scans_done : 0;
   run.keeper = std::move(keeper);
@@ -228,7 +230,13 @@ std::optional<jobs::Running> Attempts::running_of(jobs::JobId job, Run& run) {
     run.first_commit_after_s = parts_.clock.now_s() - run.since_s;
     running.first_commit_after_s = run.first_commit_after_s;
   }
-  running.results_version = results_version_;
+  const double now_s = parts_.clock.now_s();
+  if (run.measured_s == 0 || now_s - run.measured_s > k_measure_s) {
+    run.measured_s = now_s;
+    run.disk_bytes = parts_.folders.bytes(job);
+  }
+  running.disk_bytes = run.disk_bytes;
+  running.results_version = run.results_version;
   return running;
 }
 

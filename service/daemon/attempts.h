@@ -34,6 +34,8 @@ inline constexpr double k_look_young_s = 0.1;
 inline constexpr double k_look_s = 1;
 /// The machine is told of a run that goes on so often.
 inline constexpr double k_tell_running_s = 5;
+/// The size of its folder is measured so often.
+inline constexpr double k_measure_s = 10;
 /// A keeper that can't be waited for yet is looked at again so much later.
 inline constexpr double k_again_s = 0.02;
 
@@ -83,6 +85,9 @@ class Attempts {
     std::uint64_t scans_before = 0;
     std::optional<double> first_commit_after_s{};
     double looked_s = 0;
+    double measured_s = 0;
+    std::uint64_t disk_bytes = 0;
+    std::string results_version{};
   };
 
   void tell(jobs::Input input);
