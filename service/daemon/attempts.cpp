@@ -56,7 +56,7 @@ void Attempts::tell(jobs::Input input) {
 void Attempts::launch(const jobs::Launch& launch) {
   const std::string folder = parts_.folders.folder(launch.job);
   try {
-    look_at_programs();
+    if (auto note = look_at_programs()) tell(*std::move(note));
     const LaunchText text = parts_.text_of(launch.job, launch.revision);
     parts_.folders.write_request(launch.job, text.request, parts_.files);
     const std::uint64_t cache_bytes =
@@ -303,15 +303,15 @@ jobs::Died Attempts::died_of(jobs::JobId job, const keeper::AttemptRecord& recor
           .disk_bytes = parts_.folders.bytes(job)};
 }
 
-void Attempts::look_at_programs() {
+std::optional<jobs::BackendNote> Attempts::look_at_programs() {
   const std::string& program = parts_.backend.programs().sleight;
   const std::string stamp = stamp_of(program);
-  if (stamp == programs_stamp_) return;
+  if (programs_stamp_ && stamp == *programs_stamp_) return std::nullopt;
   programs_stamp_ = stamp;
   const std::optional<std::string> version =
       stamp.empty() ? std::nullopt : results_version_of(program);
   results_version_ = version.value_or("");
-  tell(jobs::BackendNote{.is_there = version.has_value(), .results_version = results_version_});
+  return jobs::BackendNote{.is_there = version.has_value(), .results_version = results_version_};
 }
 
 }  // namespace sleight::daemon

@@ -67,8 +67,9 @@ class Attempts {
   void stop(const jobs::Stop& stop);
   void look(const jobs::Look& look);
 
-  /// Notices programs that were replaced, and tells the machine of their results version.
-  void look_at_programs();
+  /// Of programs that were replaced since the last look, the first one included: what the machine
+  /// is to hear of them.
+  std::optional<jobs::BackendNote> look_at_programs();
 
   /// Attempts whose keepers are waited for.
   std::size_t running() const { return running_.size(); }
@@ -110,7 +111,7 @@ class Attempts {
   std::map<jobs::JobId, rpc::Loop::Handle> again_;
   rpc::Loop::Handle polling_{};
   double poll_every_s_ = 0;
-  std::string programs_stamp_{};
+  std::optional<std::string> programs_stamp_{};
   std::string results_version_{};  ///< of the programs on the disk
 };
 

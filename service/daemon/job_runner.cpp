@@ -258,7 +258,8 @@ void JobRunner::plan_tick() {
 }
 
 void JobRunner::look_at_room() {
-  attempts_->look_at_programs();
+  // Before there is room: nothing is started by programs that nobody has looked at.
+  if (auto note = attempts_->look_at_programs()) hear(*std::move(note));
   hear(jobs::Room{.cores = options_.cores,
                   .memory_bytes = options_.memory_bytes,
                   .disk_free_bytes = disk_free_bytes(options_.state),
