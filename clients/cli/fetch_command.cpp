@@ -178,6 +178,11 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const std::string& pla
   const rpc::FetchedFiles fetched =
       is_file ? client.fetch_file(ask, place, progress) : client.fetch_folder(ask, place, progress);
   arrivals.clear();
+  if (!is_file && fetched.paths.empty()) {
+    // The folder was made for nothing; one with something in it stays.
+    std::error_code none;
+    fs::remove(place, none);
+  }
   if (!arrivals.taken().empty()) refuse_to_replace(arrivals.taken());
   Brought brought{.job = ask.job, .paths = fetched.paths};
   if (!arrivals.same().empty()) brought.paths = {arrivals.same()};

@@ -121,8 +121,14 @@ std::string about(const rpc::JobView& job) {
                      size_text(job.bytes));
 }
 
-void refuse_running(std::span<const rpc::JobView> jobs) {
+void refuse_running_and_pinned(std::span<const rpc::JobView> jobs) {
   for (const rpc::JobView& job : jobs) {
+    if (rpc::is_settled(job.state) && job.pinned) {
+      throw base::Error(
+          base::ExitCode::conflict,
+          fmt::format("nothing deleted: job {} is pinned; `sleight pin {} --off` lets it go",
+                      job.id, job.id));
+    }
     if (rpc::is_settled(job.state)) continue;
     throw base::Error(
         base::ExitCode::conflict,
@@ -213,7 +219,11 @@ int resume(const std::string& socket, const JobsOptions& options) {
 
 int pin(const std::string& socket, const PinOptions& options) {
   return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
-    return client.pin(job, !options.off);
+    std::vector<rpc::Touched> touched = client.pin(job, !options.off);
+    // What the state has for a reason says nothing of the pin.
+    for (rpc::Touched& one : touched)
+      one.words = options.off ? "not pinned" : "pinned";
+    return touched;
   });
 }
 
@@ -241,7 +251,7 @@ int delete_jobs(const std::string& socket, const DeleteOptions& options) {
   const std::vector<JobName> names = read_job_names(options.jobs);
   return with_service(socket, [&](rpc::Client& client) {
     const std::vector<rpc::JobView> jobs = views_of(client, names);
-    refuse_running(jobs);
+    refuse_running_and_pinned(jobs);
     if (!options.yes && can_ask() && !ask(question(jobs))) {
       complain("nothing deleted");
       return k_ok;

@@ -64,7 +64,7 @@ int cancel(const std::string& socket, const JobsOptions& options);
 int hold(const std::string& socket, const JobsOptions& options);
 int resume(const std::string& socket, const JobsOptions& options);
 int extend(const std::string& socket, const ExtendOptions& options);
-/// Refuses all where one of them has not ended; asks back on a terminal.
+/// Refuses all where one of them has not ended or is pinned; asks back on a terminal.
 int delete_jobs(const std::string& socket, const DeleteOptions& options);
 int pin(const std::string& socket, const PinOptions& options);
 

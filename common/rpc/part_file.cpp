@@ -70,6 +70,8 @@ PartFile::PartFile(std::string path, FileView view)
 }
 
 PartFile::~PartFile() {
+  // A part with nothing in it is of no use to the next attempt.
+  if (bytes_ == 0) ::unlink(part_.c_str());
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 

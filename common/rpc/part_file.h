@@ -20,7 +20,7 @@ class PartFile {
  public:
   /// Opens the part, and reads what is there of it. Throws base::Error, as do the others.
   PartFile(std::string path, FileView view);
-  /// Leaves the part for the next attempt.
+  /// Leaves the part for the next attempt, if anything came.
   ~PartFile();
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;

@@ -4,8 +4,6 @@
 #include <exception>
 #include <memory>
 
-#include "common/base/check.h"
-
 namespace sleight::rpc {
 namespace {
 
@@ -24,24 +22,26 @@ std::size_t bytes_in(const Batch& batch) {
 struct Watchers::Waiter {
   Waiter(Watchers& watchers, const Caller& who, std::vector<WatchPoint> wanted,
          kj::Own<kj::PromiseFulfiller<Batches>> answer_to)
-      : owner(watchers), caller(who), points(std::move(wanted)), answer(kj::mv(answer_to)) {
-    ++owner.waiting_;
+      : owner(watchers.self_), caller(who), points(std::move(wanted)), answer(kj::mv(answer_to)) {
+    ++watchers.waiting_;
     for (std::size_t i = 0; i < points.size(); ++i)
-      owner.by_job_[points[i].job.value].push_back({this, i});
+      watchers.by_job_[points[i].job.value].push_back({this, i});
   }
   ~Waiter() {
-    --owner.waiting_;
+    if (*owner == nullptr) return;
+    Watchers& watchers = **owner;
+    --watchers.waiting_;
     for (const WatchPoint& point : points) {
-      const auto found = owner.by_job_.find(point.job.value);
+      const auto found = watchers.by_job_.find(point.job.value);
       std::erase_if(found->second, [this](const Place& place) { return place.waiter == this; });
-      if (found->second.empty()) owner.by_job_.erase(found);
+      if (found->second.empty()) watchers.by_job_.erase(found);
     }
-    std::erase(owner.due_, this);
+    std::erase(watchers.due_, this);
   }
   Waiter(const Waiter&) = delete;
   Waiter& operator=(const Waiter&) = delete;
 
-  Watchers& owner;
+  std::shared_ptr<Watchers*> owner;
   Caller caller;
   std::vector<WatchPoint> points;
   std::vector<std::size_t> fresh{};  ///< points whose jobs have news
@@ -57,7 +57,7 @@ Watchers::Watchers(Handler& handler, kj::Timer& timer, double wait_s_max,
       tasks_(*this) {}
 
 Watchers::~Watchers() {
-  CHECK_EQ(waiting_, std::size_t{0});
+  *self_ = nullptr;
 }
 
 Batches Watchers::collect(const Caller& caller, const std::vector<WatchPoint>& points) {

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -30,7 +31,8 @@ class Watchers final : kj::TaskSet::ErrorHandler {
   ~Watchers();
   KJ_DISALLOW_COPY(Watchers);
 
-  /// Nothing after `wait_s_max`. Dropping the promise ends the wait; drop all before this object.
+  /// Nothing after `wait_s_max`. Dropping the promise ends the wait. A connection that is just
+  /// being lost drops it in a later turn of the loop, perhaps after this object is gone.
   kj::Promise<Batches> wait(const Caller& caller, std::vector<WatchPoint> points);
   void news(JobId job);
   std::size_t waiting() const { return waiting_; }
@@ -53,6 +55,8 @@ class Watchers final : kj::TaskSet::ErrorHandler {
   std::size_t waiting_ = 0;
   std::unordered_map<std::uint64_t, std::vector<Place>> by_job_;
   std::vector<Waiter*> due_;  ///< that have news
+  /// For waiters: null once this object is gone.
+  std::shared_ptr<Watchers*> self_ = std::make_shared<Watchers*>(this);
   kj::TaskSet tasks_;
 };
 

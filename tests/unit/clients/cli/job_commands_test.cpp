@@ -284,7 +284,12 @@ TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
   out([&] { return delete_jobs(socket_, options); });
   EXPECT_EQ(code_, 4);
   EXPECT_TRUE(erased.empty());
+  handler_.jobs[2].pinned = true;
   options.jobs = {"17", "19"};
+  out([&] { return delete_jobs(socket_, options); });
+  EXPECT_EQ(code_, 4);
+  EXPECT_TRUE(erased.empty());
+  handler_.jobs[2].pinned = false;
   EXPECT_EQ(out([&] { return delete_jobs(socket_, options); }),
             "deleted 17 (job17, done, 1.5 MB)\ndeleted 19 (job19, failed, 1.5 MB)\n");
   EXPECT_EQ(erased.size(), 2U);
@@ -339,7 +344,9 @@ TEST(LogLines, ComeWholeHoweverTheyAreCut) {
   for (const char c : text)
     lines += bytewise.add(std::string_view(&c, 1));
   lines += bytewise.rest();
-  EXPECT_EQ(lines, at_once.add(text) + at_once.rest());
+  std::string whole = at_once.add(text);
+  whole += at_once.rest();
+  EXPECT_EQ(lines, whole);
   EXPECT_EQ(lines, "a    b\nü\\xff\n\nrest\n");
   LogLines endless;
   std::string parts;
