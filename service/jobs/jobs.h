@@ -116,6 +116,10 @@ class Jobs {
 
   std::vector<Effect> step(const Input& input);
 
+  /// What a submit would be refused for now, if so many new jobs of its user came before it: for
+  /// those who submit several jobs or none. None also where it is a job that is there.
+  std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
+
   const Job* find(JobId id) const;
   /// All that aren't deleted or leaving, and those that are leaving.
   const std::map<JobId, Job>& all() const { return jobs_; }
@@ -166,8 +170,8 @@ class Jobs {
   // jobs_asks.cpp: what people ask for
   void take(const Submit& input);
   void take(const Ask& input);
-  std::optional<Refusal> refusal_of(const Submit& input) const;
-  std::optional<Refusal> over_job_limit(UserId user) const;
+  const Job* known(const Submit& input) const;
+  std::optional<Refusal> over_job_limit(UserId user, std::uint64_t before_it = 0) const;
   std::optional<Refusal> carry_out(Job& job, const Ask& input);
   std::optional<Refusal> cancel(Job& job);
   std::optional<Refusal> hold(Job& job);

@@ -22,20 +22,8 @@ void Jobs::take(const Submit& input) {
     effects_.emplace_back(
         Answer{.token = input.token, .job = job, .is_new = is_new, .refusal = std::move(refusal)});
   };
-  if (!input.client_key.empty()) {
-    const auto known = by_key_.find({input.user, input.client_key});
-    if (known != by_key_.end()) {
-      if (jobs_.at(known->second).content == input.content)
-        return answer(known->second, false, std::nullopt);
-      return answer({}, false,
-                    Refusal{.kind = RefusalKind::key_in_use,
-                            .sentence = fmt::format(
-                                "The key '{}' was used for job {}, which is another request.",
-                                input.client_key, known->second),
-                            .what_to_do = "Submit this one under another key."});
-    }
-  }
   if (auto refusal = refusal_of(input)) return answer({}, false, std::move(refusal));
+  if (const Job* job = known(input)) return answer(job->id, false, std::nullopt);
 
   const JobId id{next_id_++};
   Job& job = jobs_[id];
@@ -56,19 +44,35 @@ void Jobs::take(const Submit& input) {
   answer(id, true, std::nullopt);
 }
 
-std::optional<Refusal> Jobs::over_job_limit(UserId user) const {
+/// The job that the submit's key has made.
+const Job* Jobs::known(const Submit& input) const {
+  if (input.client_key.empty()) return nullptr;
+  const auto found = by_key_.find({input.user, input.client_key});
+  return found == by_key_.end() ? nullptr : &jobs_.at(found->second);
+}
+
+std::optional<Refusal> Jobs::over_job_limit(UserId user, std::uint64_t before_it) const {
   const Account* account = accounts_.find(user);
-  const Limits& limits = accounts_.limits(user);
-  if (limits.jobs == 0 || account == nullptr || account->unfinished < limits.jobs)
-    return std::nullopt;
+  const std::uint64_t limit = accounts_.limits(user).jobs;
+  const std::uint64_t unfinished = (account == nullptr ? 0 : account->unfinished) + before_it;
+  if (limit == 0 || unfinished < limit) return std::nullopt;
   return Refusal{.kind = RefusalKind::over_limit,
-                 .sentence = fmt::format("You have {} jobs that are not over, which is the limit.",
-                                         account->unfinished),
+                 .sentence = fmt::format("It would be job {} of yours that is not over; {} are the "
+                                         "limit.",
+                                         unfinished + 1, limit),
                  .what_to_do = "Wait until some are done, or cancel some."};
 }
 
-std::optional<Refusal> Jobs::refusal_of(const Submit& input) const {
-  if (auto refusal = over_job_limit(input.user)) return refusal;
+std::optional<Refusal> Jobs::refusal_of(const Submit& input, std::uint64_t before_it) const {
+  if (const Job* job = known(input)) {
+    if (job->content == input.content) return std::nullopt;
+    return Refusal{.kind = RefusalKind::key_in_use,
+                   .sentence = fmt::format("The key '{}' was used for job {}, which is another "
+                                           "request.",
+                                           input.client_key, job->id),
+                   .what_to_do = "Submit this one under another key."};
+  }
+  if (auto refusal = over_job_limit(input.user, before_it)) return refusal;
   if (accounts_.is_over_bytes(input.user, false))
     return Refusal{.kind = RefusalKind::over_limit,
                    .sentence = "Your jobs hold as much of the disk as they may.",

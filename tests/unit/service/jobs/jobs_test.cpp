@@ -255,6 +255,8 @@ TEST(Jobs, OfAUserStayWithinItsLimits) {
   EXPECT_EQ(bench.submit({}, {}, k_ann, {.ranks = 3}).refusal->kind, RefusalKind::over_limit);
   EXPECT_FALSE(bench.submit({}, {}).refusal);
   EXPECT_EQ(bench.submit({}, {}).refusal->kind, RefusalKind::over_limit) << "four jobs";
+  EXPECT_FALSE(bench.machine().refusal_of({.user = k_bob}, 2));
+  EXPECT_EQ(bench.machine().refusal_of({.user = k_bob}, 3)->kind, RefusalKind::over_limit);
 
   bench.step(Launched{.job = first, .attempt = Attempt{1}});
   bench.see(first, Running{.counts = {.scans = 1}});
