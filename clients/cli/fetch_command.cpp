@@ -110,7 +110,20 @@ Standing standing_of(const std::string& path, const rpc::FileView& file) {
   return Standing::other;
 }
 
+/// A folder, a device, a link: what no file may take the place of.
+bool is_no_file(const std::string& path) {
+  std::error_code none;
+  const fs::file_status status = fs::symlink_status(path, none);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
 [[noreturn]] void refuse_to_replace(const std::string& path) {
+  if (is_no_file(path)) {
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: is there already and is no plain file; -o names another "
+                                  "place",
+                                  shown(path)));
+  }
   throw base::Error(base::ExitCode::conflict,
                     fmt::format("{}: is there already, with other content; --force replaces it, -o "
                                 "names another place",
@@ -127,7 +140,12 @@ class Arrivals {
   bool arrived(const rpc::FileView& file, std::uint64_t bytes) {
     if (Interrupts::requested()) return false;
     const std::string path = path_of(file);
-    if (looked_at_.insert(path).second && !options_.force) {
+    const bool is_first_look = looked_at_.insert(path).second;
+    if (is_first_look && is_no_file(path)) {
+      taken_ = path;
+      return false;
+    }
+    if (is_first_look && !options_.force) {
       const Standing standing = standing_of(path, file);
       if (standing == Standing::other) taken_ = path;
       if (standing == Standing::same && is_file_) same_ = path;

@@ -19,6 +19,11 @@ namespace sleight::cli {
 namespace {
 
 [[noreturn]] void fail_results(const std::string& reason) {
+  // The reader has gone. Libraries may have the signal ignored that else says so.
+  if (errno == EPIPE) {
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
+  }
   throw base::Error(fmt::format("can't write the results to standard output: {}", reason));
 }
 

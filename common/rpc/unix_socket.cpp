@@ -84,6 +84,12 @@ ListeningSocket::ListeningSocket(const std::string& path) : path_(path) {
         base::ExitCode::conflict,
         fmt::format("a server listens at {} already; `sleight server status` asks it", path));
   }
+  struct stat before = {};
+  if (::lstat(path.c_str(), &before) == 0 && !S_ISSOCK(before.st_mode)) {
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: is there and is no socket; it is left alone: choose another place", path));
+  }
   const Descriptor folder(open_folder_of(path));
   if (folder.get() < 0) throw fail("its folder");
   Descriptor socket(make_socket());

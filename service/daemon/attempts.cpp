@@ -297,7 +297,7 @@ jobs::Ended Attempts::ended_of(jobs::JobId job, const keeper::AttemptRecord& rec
 }
 
 jobs::Died Attempts::died_of(jobs::JobId job, const keeper::AttemptRecord& record) {
-  return {.words = "its keeper and its program were killed",
+  return {.words = "Its keeper and its program were killed.",
           .repeat = repeat_of(record, parts_.folders.folder(job)),
           .counts = counts_of(job, true),
           .disk_bytes = parts_.folders.bytes(job)};

@@ -357,6 +357,13 @@ void Calls::extend(const rpc::Caller& caller, rpc::Target target, rpc::Extension
   for (const jobs::JobId job : found.value()) {
     const jobs::Job* known = runner_.machine().find(job);
     if (known == nullptr) continue;
+    const std::uint64_t has = std::max(known->counts.solutions, known->counts.found);
+    if (extension.by == rpc::ExtendBy::solutions && extension.to <= static_cast<double>(has)) {
+      reply.refuse({.kind = rpc::RefusalKind::bad_request,
+                    .sentence = fmt::format("Job {} has {} solutions already.", job.value, has),
+                    .what_to_do = "Ask for more."});
+      return;
+    }
     const auto stored = runner_.reader().request(job, known->revision);
     if (!stored) {
       reply.refuse({.kind = rpc::RefusalKind::busy,

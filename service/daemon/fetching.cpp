@@ -12,6 +12,7 @@
 
 #include "common/base/error.h"
 #include "common/hash/sha256.h"
+#include "common/logging/log.h"
 #include "service/daemon/child_process.h"
 #include "service/daemon/views.h"
 
@@ -73,84 +74,111 @@ void Fetching::fetch(const rpc::FetchAsk& ask, std::string segments,
   make(ask, std::move(segments), std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
 }
 
+Fetching::Files Fetching::derived(jobs::JobId job, const std::string& made) const {
+  const ChildEnd end =
+      run_child({parts_.sleight, "archive", "derive", parts_.folders.run(job), "-o", made},
+                {.seconds_max = k_make_s_max});
+  if (end.exit_code != 0) {
+    return refusal(rpc::RefusalKind::environment, fmt::format("No archive of job {} so far: {}",
+                                                              job.value, last_line(end.output)));
+  }
+  return std::vector<Found>{
+      {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
+}
+
+/// The newest, or where none was written what the store has: of a job that was killed and then
+/// cancelled, say.
+Fetching::Files Fetching::newest(jobs::JobId job, const std::string& made) const {
+  const std::string archive = parts_.folders.archive(job);
+  if (std::filesystem::exists(archive))
+    return std::vector<Found>{{.path = archive, .name = fmt::format("job-{}.h5", job.value)}};
+  if (std::filesystem::exists(parts_.folders.run(job))) return derived(job, made);
+  return refusal(rpc::RefusalKind::conflict, fmt::format("Job {} has no archive yet.", job.value),
+                 "It comes when something is stored.");
+}
+
+Fetching::Files Fetching::recordings(jobs::JobId job, const std::string& segments,
+                                     const std::vector<std::uint64_t>& ids,
+                                     const std::string& made) const {
+  std::vector<std::string> command{
+      parts_.sleight, "archive", "export", parts_.folders.archive(job), "--csv", "--table",
+      segments,       "-o",      made};
+  for (const std::uint64_t id : ids) {
+    command.emplace_back("--animation");
+    command.push_back(std::to_string(id));
+  }
+  const ChildEnd end = run_child(command, {.seconds_max = k_make_s_max});
+  if (end.exit_code != 0) {
+    return refusal(rpc::RefusalKind::not_found, fmt::format("No such recordings of job {}: {}",
+                                                            job.value, last_line(end.output)));
+  }
+  return std::vector<Found>{
+      {.path = made, .name = fmt::format("job-{}-recordings.csv", job.value), .is_ours = true}};
+}
+
+std::vector<Fetching::Found> Fetching::failures(jobs::JobId job, const std::string& after,
+                                                bool& has_more) const {
+  const std::string folder = parts_.folders.failures(job);
+  std::vector<std::string> names = names_after(folder, after);
+  has_more = names.size() > rpc::k_fetch_files_max;
+  if (has_more) names.resize(rpc::k_fetch_files_max);
+  std::vector<Found> found;
+  for (const std::string& name : names)
+    found.push_back({.path = folder + "/" + name, .name = name});
+  return found;
+}
+
+/// Gives a file a name of its own, so that it stays what was hashed whatever is renamed over its
+/// first one, and hashes it. Throws base::Error.
+Fetching::Hashed Fetching::hashed(Found file, const std::string& beside) {
+  const std::string own = beside + "-" + file.name;
+  std::error_code reason;
+  if (file.is_ours) {
+    std::filesystem::rename(file.path, own, reason);
+  } else {
+    std::filesystem::create_hard_link(file.path, own, reason);
+  }
+  if (reason) throw base::Error(fmt::format("{}: {}", own, reason.message()));
+  file.path = own;
+  return {.file = file, .sha256 = sha256_of_file(own)};
+}
+
+Fetching::Files Fetching::find(const rpc::FetchAsk& ask, const std::string& segments,
+                               const std::string& beside, bool& has_more) const {
+  const jobs::JobId job = job_id(ask.job);
+  switch (ask.kind) {
+    case rpc::FetchKind::so_far:
+      return derived(job, beside + ".h5");
+    case rpc::FetchKind::failure_files:
+      return failures(job, ask.after, has_more);
+    case rpc::FetchKind::recordings:
+      return recordings(job, segments, ask.ids, beside + ".csv");
+    case rpc::FetchKind::archive:
+    case rpc::FetchKind::unknown:
+      break;
+  }
+  return newest(job, beside + ".h5");
+}
+
 /// Finds or makes the files and hashes them, in the worker's thread.
 void Fetching::make(const rpc::FetchAsk& ask, const std::string& segments,
                     std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
-  const jobs::JobId job = job_id(ask.job);
   const std::string beside = fmt::format("{}/{}", parts_.folders.fetched(), ++made_);
-  parts_.worker.run([this, ask, segments, job, beside, reply] {
-    using Outcome = std::variant<std::vector<Hashed>, rpc::Refusal>;
+  parts_.worker.run([this, ask, segments, beside, reply] {
+    std::variant<std::vector<Hashed>, rpc::Refusal> outcome = std::vector<Hashed>{};
     bool has_more = false;
-    const auto find = [&]() -> std::variant<std::vector<Found>, rpc::Refusal> {
-      const JobFolders& folders = parts_.folders;
-      if (ask.kind == rpc::FetchKind::archive) {
-        if (!std::filesystem::exists(folders.archive(job)))
-          return refusal(
-              rpc::RefusalKind::not_found, fmt::format("Job {} has no archive yet.", job.value),
-              "It comes with the first solution; `--so-far` asks for one of what there is.");
-        return std::vector<Found>{
-            {.path = folders.archive(job), .name = fmt::format("job-{}.h5", job.value)}};
-      }
-      if (ask.kind == rpc::FetchKind::failure_files) {
-        std::vector<std::string> names = names_after(folders.failures(job), ask.after);
-        has_more = names.size() > rpc::k_fetch_files_max;
-        if (has_more) names.resize(rpc::k_fetch_files_max);
-        std::vector<Found> found;
-        for (std::string& name : names)
-          found.push_back({.path = folders.failures(job) + "/" + name, .name = name});
-        return found;
-      }
-      if (ask.kind == rpc::FetchKind::so_far) {
-        const std::string made = beside + ".h5";
-        const ChildEnd end =
-            run_child({parts_.sleight, "archive", "derive", folders.run(job), "-o", made},
-                      {.seconds_max = k_make_s_max});
-        if (end.exit_code != 0)
-          return refusal(
-              rpc::RefusalKind::environment,
-              fmt::format("No archive of job {} so far: {}", job.value, last_line(end.output)));
-        return std::vector<Found>{
-            {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
-      }
-      const std::string made = beside + ".csv";
-      std::vector<std::string> command{parts_.sleight,       "archive", "export",
-                                       folders.archive(job), "--csv",   "--table",
-                                       "segments",           "-o",      made};
-      for (const std::uint64_t id : ask.ids) {
-        command.emplace_back("--animation");
-        command.push_back(std::to_string(id));
-      }
-      const ChildEnd end = run_child(command, {.seconds_max = k_make_s_max});
-      if (end.exit_code != 0)
-        return refusal(rpc::RefusalKind::not_found, fmt::format("No such recordings of job {}: {}",
-                                                                job.value, last_line(end.output)));
-      return std::vector<Found>{
-          {.path = made, .name = fmt::format("job-{}-recordings.csv", job.value), .is_ours = true}};
-    };
-    Outcome outcome = std::vector<Hashed>{};
     try {
-      auto found = find();
+      Files found = find(ask, segments, beside, has_more);
       if (auto* refused = std::get_if<rpc::Refusal>(&found)) {
         outcome = std::move(*refused);
       } else {
-        for (Found& file : std::get<std::vector<Found>>(found)) {
-          // The link is the file that was hashed, whatever is renamed over its name meanwhile.
-          const std::string own = beside + "-" + file.name;
-          std::error_code reason;
-          if (file.is_ours) {
-            std::filesystem::rename(file.path, own, reason);
-          } else {
-            std::filesystem::create_hard_link(file.path, own, reason);
-          }
-          if (reason) throw base::Error(fmt::format("{}: {}", own, reason.message()));
-          file.path = own;
-          std::get<std::vector<Hashed>>(outcome).push_back(
-              {.file = file, .sha256 = sha256_of_file(own)});
-        }
+        for (Found& file : std::get<std::vector<Found>>(found))
+          std::get<std::vector<Hashed>>(outcome).push_back(hashed(std::move(file), beside));
       }
     } catch (const base::Error& failure) {
+      logging::warn(failure.what());
       outcome = refusal(rpc::RefusalKind::environment,
-                        fmt::format("The files of job {} can't be read.", job.value),
+                        fmt::format("The files of job {} can't be read.", ask.job.value),
                         "The service's log has the reason.");
     }
     parts_.loop.post([this, outcome = std::move(outcome), has_more, reply]() mutable {

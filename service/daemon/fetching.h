@@ -13,6 +13,8 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/base/clock.h"
@@ -43,13 +45,14 @@ class Fetching {
   /// is all.
   void fetch(const rpc::FetchAsk& ask, std::string segments, rpc::Reply<rpc::Fetched> reply);
 
- private:
   /// A file on the disk and what it is to be called; `is_ours`: made for this call.
   struct Found {
     std::string path;
     std::string name;
     bool is_ours = false;
   };
+
+ private:
   struct Hashed {
     Found file;
     std::string sha256;
@@ -60,6 +63,18 @@ class Fetching {
     std::string name;
     double until_s = 0;
   };
+
+  using Files = std::variant<std::vector<Found>, rpc::Refusal>;
+
+  // In the worker's thread. `made` is where a file that is made is put.
+  Files find(const rpc::FetchAsk& ask, const std::string& segments, const std::string& beside,
+             bool& has_more) const;
+  Files newest(jobs::JobId job, const std::string& made) const;
+  Files derived(jobs::JobId job, const std::string& made) const;
+  Files recordings(jobs::JobId job, const std::string& segments,
+                   const std::vector<std::uint64_t>& ids, const std::string& made) const;
+  std::vector<Found> failures(jobs::JobId job, const std::string& after, bool& has_more) const;
+  static Hashed hashed(Found file, const std::string& beside);
 
   void make(const rpc::FetchAsk& ask, const std::string& segments,
             std::shared_ptr<rpc::Reply<rpc::Fetched>> reply);

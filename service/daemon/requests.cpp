@@ -86,7 +86,10 @@ base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& 
   const auto text = request::extended_text(request.value(), *asked);
   if (!text) return no_extension(text.error().why);
   const auto longer = read(text.value(), name);
-  if (!longer) return bad_request(longer.error());
+  if (!longer) {
+    const auto& errors = longer.error();
+    return no_extension(errors.empty() ? "the request has errors" : errors.front().message);
+  }
   StoredRequest next = stored_of(longer.value(), stored.strict);
   next.job = stored.job;
   next.revision = stored.revision + 1;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <string>
+
 #include "common/base/error.h"
 
 namespace sleight::daemon {
@@ -13,10 +16,12 @@ std::unique_ptr<store::RunLock> lock_state_folder(const std::string& state) {
     return lock;
   } catch (const base::Error& failure) {
     if (failure.exit_code() != base::ExitCode::conflict) throw;
+    std::string process;
+    std::ifstream(state + "/lock") >> process;
     throw base::Error(base::ExitCode::conflict,
-                      fmt::format("another server has this folder; `sleight server status` shows "
-                                  "it ({})",
-                                  failure.what()));
+                      fmt::format("{}: another server has this folder{}; `sleight server status` "
+                                  "shows it",
+                                  state, process.empty() ? "" : ": process " + process));
   }
 }
 

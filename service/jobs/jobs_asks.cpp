@@ -92,13 +92,12 @@ std::optional<Refusal> Jobs::refusal_of(const Submit& input, std::uint64_t befor
                                            processes, room_->cores),
                    .what_to_do = "Ask for fewer ranks; the result is the same."};
   if (input.wishes.memory_bytes > room_->memory_bytes / processes)
-    return Refusal{
-        .kind = RefusalKind::too_large,
-        .sentence = fmt::format("{} processes with {} MB each need more than the {} MB "
-                                "that jobs have here.",
-                                processes, input.wishes.memory_bytes / 1'000'000,
-                                room_->memory_bytes / 1'000'000),
-        .what_to_do = "Ask for a smaller --cache or fewer ranks; the result is the same."};
+    return Refusal{.kind = RefusalKind::too_large,
+                   .sentence = fmt::format("{} processes with {} MB each need more than the {} MB "
+                                           "that jobs have here.",
+                                           processes, input.wishes.memory_bytes / 1'000'000,
+                                           room_->memory_bytes / 1'000'000),
+                   .what_to_do = "Ask for less memory or fewer ranks; the result is the same."};
   return std::nullopt;
 }
 

@@ -319,7 +319,7 @@ Waiting Jobs::waiting(JobId id) const {
   const Job& job = jobs_.at(id);
   CHECK(job.state == State::queued);
   const auto because = [](WhyNot why, std::string sentence) {
-    return Waiting{.why = why, .place = k_place_max, .sentence = std::move(sentence)};
+    return Waiting{.why = why, .place = 0, .sentence = std::move(sentence)};
   };
   if (!has_begun_ || !room_) return because(WhyNot::not_known_yet, "The server has only begun.");
   if (job.next_start_s > clock_s_)
@@ -350,8 +350,8 @@ Waiting Jobs::waiting(JobId id) const {
   if (place == 1) return {.sentence = "It is next, as soon as running jobs have made room."};
   return {.why = WhyNot::others_first,
           .place = place,
-          .sentence = fmt::format("{}{} jobs are before it.",
-                                  place == k_place_max ? "At least " : "", place - 1)};
+          .sentence = fmt::format("{}{} {} before it.", place == k_place_max ? "At least " : "",
+                                  place - 1, place == 2 ? "job is" : "jobs are")};
 }
 
 }  // namespace sleight::jobs

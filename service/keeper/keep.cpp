@@ -204,10 +204,14 @@ class Kept {
   const std::optional<Stop>& stop_asked() const { return stop_asked_; }
 
   void stop(Stop how) {
-    // Later ones are passed on too: a run that is told twice ends at once.
+    // Only the first in order is passed on: a run that is told twice ends at once, and may need
+    // long for its end in order.
+    const bool was_asked = stop_asked_.has_value();
     stop_asked_ = stop_asked_ == Stop::now ? Stop::now : how;
     if (how == Stop::now) {
       kill_for(KilledFor::asked);
+    } else if (was_asked) {
+      return;
     } else if (options_.with_ranks && !has_had_ranks_) {
       // mpirun passes a signal on to the ranks that there are.
       is_stop_held_ = true;
