@@ -86,7 +86,8 @@ enum class WhyNot {
 
 struct Waiting {
   WhyNot why = WhyNot::next;
-  /// 1: it is next; 0: it waits for something else than its turn. Counted as if users took turns; k_place_max: that or more.
+  /// 1: it is next; 0: it waits for something else than its turn. Counted as if users took turns;
+  /// k_place_max: that or more.
   std::uint64_t place = 1;
   std::string sentence{};
 };

@@ -188,9 +188,11 @@ TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
 }
 
 TEST_F(KeepTest, AProgramThatPrintsWithoutEndIsBounded) {
-  // Method: `yes` for a while; the log stays under its bound, the keeper listens, and the tail is
-  // the end.
-  program_is("yes 'all work and no play' & echo $$ > ready; sleep 0.5; kill $!; echo done");
+  // Method: `yes` until the log has been turned over; it stays under its bound, the keeper listens,
+  // and the tail is the end.
+  program_is(
+      "yes 'all work and no play' & echo $$ > ready; until [ -s log.old ]; do sleep 0.05; done; "
+      "kill $!; echo done");
   const AttemptEnd end = run();
   EXPECT_EQ(end.exit_code, 0);
   EXPECT_EQ(end.log_tail.size(), k_tail_lines_max);
