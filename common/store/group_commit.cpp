@@ -29,6 +29,10 @@ bool is_empty(const GroupCommit::Group& group) {
 GroupCommit::GroupCommit(Commit commit) : commit_(std::move(commit)) {}
 
 GroupCommit::~GroupCommit() {
+  end();
+}
+
+void GroupCommit::end() {
   {
     const std::scoped_lock lock(mutex_);
     ending_ = true;

@@ -43,10 +43,14 @@ class GroupCommit {
 
   /// `commit` makes a group durable or throws; it is called from one thread.
   explicit GroupCommit(Commit commit);
-  /// Commits what was put, but can't report a failure: call flush before.
+  /// As end().
   ~GroupCommit();
   GroupCommit(const GroupCommit&) = delete;
   GroupCommit& operator=(const GroupCommit&) = delete;
+
+  /// Commits what was put, but can't report a failure: call flush before. When it returns, `commit`
+  /// is not called any more. Nothing may be put afterwards.
+  void end();
 
   void put(plan::UnitResult result);
   void put(PutEvents events);

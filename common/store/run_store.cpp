@@ -222,6 +222,7 @@ void RunStore::read_told() {
 std::uint64_t RunStore::close(events::RunEnd end) {
   // The writer's thread goes, so that the connection is this thread's alone.
   if (end.end != events::End::failed) writer_->group_commit.flush();
+  writer_->group_commit.end();  // until then its thread looks here for the statements
   writer_.reset();
   end.epoch = epoch_;
   const SharedDatabase::Turn turn = connection_->turn();

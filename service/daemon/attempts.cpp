@@ -56,7 +56,7 @@ void Attempts::tell(jobs::Input input) {
 void Attempts::launch(const jobs::Launch& launch) {
   const std::string folder = parts_.folders.folder(launch.job);
   try {
-    look_at_programs();
+    if (auto note = look_at_programs()) tell(*std::move(note));
     const LaunchText text = parts_.text_of(launch.job, launch.revision);
     parts_.folders.write_request(launch.job, text.request, parts_.files);
     const std::uint64_t cache_bytes =
@@ -156,6 +156,8 @@ void Attempts::follow(jobs::JobId job, jobs::Attempt attempt, keeper::RunningKee
   run.attempt = attempt;
   run.since_s = parts_.clock.now_s();
   run.is_found = is_found;
+  // Of the program that was started; the one on the disk may be another by now.
+  run.results_version = is_found ? run_results_version(job) : results_version_;
   const auto& progress = parts_.feeds.of(job).progress();
   run.scans_before = progress ? progress->scans_done : 0;
   run.keeper = std::move(keeper);
@@ -228,7 +230,13 @@ std::optional<jobs::Running> Attempts::running_of(jobs::JobId job, Run& run) {
     run.first_commit_after_s = parts_.clock.now_s() - run.since_s;
     running.first_commit_after_s = run.first_commit_after_s;
   }
-  running.results_version = results_version_;
+  const double now_s = parts_.clock.now_s();
+  if (run.measured_s == 0 || now_s - run.measured_s > k_measure_s) {
+    run.measured_s = now_s;
+    run.disk_bytes = parts_.folders.bytes(job);
+  }
+  running.disk_bytes = run.disk_bytes;
+  running.results_version = run.results_version;
   return running;
 }
 
@@ -295,15 +303,15 @@ jobs::Died Attempts::died_of(jobs::JobId job, const keeper::AttemptRecord& recor
           .disk_bytes = parts_.folders.bytes(job)};
 }
 
-void Attempts::look_at_programs() {
+std::optional<jobs::BackendNote> Attempts::look_at_programs() {
   const std::string& program = parts_.backend.programs().sleight;
   const std::string stamp = stamp_of(program);
-  if (stamp == programs_stamp_) return;
+  if (programs_stamp_ && stamp == *programs_stamp_) return std::nullopt;
   programs_stamp_ = stamp;
   const std::optional<std::string> version =
       stamp.empty() ? std::nullopt : results_version_of(program);
   results_version_ = version.value_or("");
-  tell(jobs::BackendNote{.is_there = version.has_value(), .results_version = results_version_});
+  return jobs::BackendNote{.is_there = version.has_value(), .results_version = results_version_};
 }
 
 }  // namespace sleight::daemon

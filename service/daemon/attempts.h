@@ -34,6 +34,8 @@ inline constexpr double k_look_young_s = 0.1;
 inline constexpr double k_look_s = 1;
 /// The machine is told of a run that goes on so often.
 inline constexpr double k_tell_running_s = 5;
+/// The size of its folder is measured so often.
+inline constexpr double k_measure_s = 10;
 /// A keeper that can't be waited for yet is looked at again so much later.
 inline constexpr double k_again_s = 0.02;
 
@@ -65,8 +67,9 @@ class Attempts {
   void stop(const jobs::Stop& stop);
   void look(const jobs::Look& look);
 
-  /// Notices programs that were replaced, and tells the machine of their results version.
-  void look_at_programs();
+  /// Of programs that were replaced since the last look, the first one included: what the machine
+  /// is to hear of them.
+  std::optional<jobs::BackendNote> look_at_programs();
 
   /// Attempts whose keepers are waited for.
   std::size_t running() const { return running_.size(); }
@@ -83,6 +86,9 @@ class Attempts {
     std::uint64_t scans_before = 0;
     std::optional<double> first_commit_after_s{};
     double looked_s = 0;
+    double measured_s = 0;
+    std::uint64_t disk_bytes = 0;
+    std::string results_version{};
   };
 
   void tell(jobs::Input input);
@@ -105,7 +111,7 @@ class Attempts {
   std::map<jobs::JobId, rpc::Loop::Handle> again_;
   rpc::Loop::Handle polling_{};
   double poll_every_s_ = 0;
-  std::string programs_stamp_{};
+  std::optional<std::string> programs_stamp_{};
   std::string results_version_{};  ///< of the programs on the disk
 };
 

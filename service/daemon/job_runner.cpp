@@ -110,7 +110,6 @@ void JobRunner::begin() {
   files_.make_folder(folders_.fetched());
   worker_.run([folders = folders_] { folders.clear_away(); });
   carry_out(step(jobs::Began{}));
-  attempts_->look_at_programs();
   look_at_room();
   rooming_ = loop_.call_every(k_room_every_s, [this] { look_at_room(); });
 }
@@ -259,6 +258,8 @@ void JobRunner::plan_tick() {
 }
 
 void JobRunner::look_at_room() {
+  // Before there is room: nothing is started by programs that nobody has looked at.
+  if (auto note = attempts_->look_at_programs()) hear(*std::move(note));
   hear(jobs::Room{.cores = options_.cores,
                   .memory_bytes = options_.memory_bytes,
                   .disk_free_bytes = disk_free_bytes(options_.state),

@@ -63,7 +63,8 @@ class CallsTest : public ::testing::Test {
       answered = std::move(answer);
       loop_->stop();
     }));
-    if (!answered) loop_->run();
+    while (!answered)  // an answer that came at once has stopped the next run
+      loop_->run();
     return *std::move(answered);
   }
 
