@@ -48,6 +48,15 @@ std::string rate_cell(const rpc::JobView& job) {
   return events::grouped(static_cast<std::uint64_t>(job.simulations_per_s));
 }
 
+/// The reason of its state, but for one that only repeats it: "Cancelled."
+std::string reason_of(const rpc::JobView& job) {
+  std::string plain;
+  for (const char c : job.reason) {
+    if (c != '.') plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return plain == rpc::name_of(job.state) ? std::string() : shown(job.reason);
+}
+
 /// Why it is where it is, in states that need a reason.
 std::string why(const rpc::JobView& job) {
   switch (job.state) {
@@ -58,7 +67,7 @@ std::string why(const rpc::JobView& job) {
     case rpc::JobState::failed:
     case rpc::JobState::cancelled:
     case rpc::JobState::unknown:
-      return shown(job.reason);
+      return reason_of(job);
     case rpc::JobState::starting:
     case rpc::JobState::running:
     case rpc::JobState::done:
@@ -91,7 +100,8 @@ std::string with_time_left(std::string text, const std::optional<double>& left_s
 std::string state_line(const rpc::JobView& job) {
   std::string line = state_name(job.state);
   if (job.attempt > 1) line += fmt::format(", start {}", job.attempt);
-  if (!job.reason.empty()) line += ": " + shown(job.reason);
+  const std::string reason = reason_of(job);
+  if (!reason.empty()) line += fmt::format(": {}", reason);
   return line;
 }
 
@@ -116,8 +126,11 @@ std::string of_wanted(std::uint64_t count, std::uint64_t wanted) {
 
 std::string resources_line(const rpc::JobView& job) {
   std::vector<std::string> parts;
-  if (job.cores > 0) parts.push_back(fmt::format("{} cores now", job.cores));
-  parts.push_back(job.cores_wanted ? fmt::format("wants {} cores", *job.cores_wanted)
+  const auto cores = [](std::uint32_t count) {
+    return fmt::format("{} core{}", count, count == 1 ? "" : "s");
+  };
+  if (job.cores > 0) parts.push_back(cores(job.cores) + " now");
+  parts.push_back(job.cores_wanted ? "wants " + cores(*job.cores_wanted)
                                    : "wants the cores that are free");
   if (job.ranks > 0) parts.push_back(fmt::format("{} ranks by mpirun", job.ranks));
   if (job.memory_bytes > 0)
@@ -275,8 +288,8 @@ std::string end_line(const rpc::JobView& job) {
   if (job.core_s > 0) parts.push_back(events::clock_time(job.core_s) + " of processor time");
   std::string line = fmt::format("{} {} {}", job.id, name_of_job(job), state_name(job.state));
   if (!parts.empty()) line += fmt::format(": {}", fmt::join(parts, ", "));
-  const std::string& words = job.end_words.empty() ? job.reason : job.end_words;
-  if (job.state != rpc::JobState::done && !words.empty()) line += fmt::format(". {}", shown(words));
+  const std::string words = job.end_words.empty() ? reason_of(job) : shown(job.end_words);
+  if (job.state != rpc::JobState::done && !words.empty()) line += fmt::format(". {}", words);
   return line;
 }
 

@@ -280,9 +280,8 @@ void add_keeps(CLI::App& app, Action& action) {
   add_jobs(*command, *deleted);
   command->add_flag("-y,--yes", deleted->yes, "Don't ask");
   command->footer(
-      "With their archives and logs. Nothing is deleted where one of them has not ended. Asks on "
-      "a\n"
-      "terminal.\n\n"
+      "With their archives and logs. Nothing is deleted where one of them has not ended, or is\n"
+      "pinned. Asks on a terminal.\n\n"
       "Examples:\n  sleight delete 17\n  sleight delete g5 -y");
 
   const auto pinned = std::make_shared<cli::PinOptions>();

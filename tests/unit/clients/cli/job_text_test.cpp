@@ -146,6 +146,11 @@ TEST_F(JobText, EndLineCountsApart) {
   job.state = rpc::JobState::failed;
   job.end_words = "The search gave up.";
   EXPECT_EQ(end_line(job), "18 throws failed. The search gave up.");
+  // A reason that only repeats the state is left out.
+  job.state = rpc::JobState::cancelled;
+  job.reason = "Cancelled.";
+  job.end_words = "";
+  EXPECT_EQ(end_line(job), "18 throws cancelled");
 }
 
 TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
