@@ -257,7 +257,8 @@ void expect_a_whole_conversation(OtherClient& client, FakeService& service) {
 
   auto status = client.request("status");
   status.set("job", 1);
-  const auto view = client.send(status).get("job").as<capnp::DynamicStruct>();
+  const auto answered = client.send(status);
+  const auto view = answered.get("job").as<capnp::DynamicStruct>();
   EXPECT_EQ(view.get("name").as<capnp::Text>(), "one");
   EXPECT_EQ(view.get("left").as<double>(), 3);
   auto none = client.request("status");
