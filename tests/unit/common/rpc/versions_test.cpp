@@ -267,8 +267,8 @@ void expect_a_whole_conversation(OtherClient& client, FakeService& service) {
 
   auto watch = client.request("watch");
   watch.init("points", 1).as<capnp::DynamicList>()[0].as<capnp::DynamicStruct>().set("job", 1);
-  const auto batch =
-      client.send(watch).get("batches").as<capnp::DynamicList>()[0].as<capnp::DynamicStruct>();
+  const auto watched = client.send(watch);
+  const auto batch = watched.get("batches").as<capnp::DynamicList>()[0].as<capnp::DynamicStruct>();
   EXPECT_EQ(batch.get("events").as<capnp::DynamicList>().size(), 3U);
   EXPECT_TRUE(batch.get("settled").as<bool>());
 
