@@ -138,6 +138,7 @@ class Jobs {
     bool has_begun = false;                ///< its keeper has been seen
     bool is_looked_for = false;            ///< a Look is out
     bool is_found = false;                 ///< its launch was an earlier daemon's
+    bool is_launched_again = false;        ///< so an earlier launch may still be under way
     std::uint32_t unbegun = 0;             ///< answers in a row that it never began
     double charged_s = 0;                  ///< its cores are counted up to here
     std::optional<double> alarm_s{};       ///< its place in alarms_

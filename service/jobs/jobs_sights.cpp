@@ -52,8 +52,11 @@ void Jobs::take(const Launched& input) {
 void Jobs::take(const LaunchFailed& input) {
   const auto found = jobs_.find(input.job);
   if (found == jobs_.end() || !is_active(found->second.state) ||
-      found->second.attempt != input.attempt || open_.at(input.job).has_begun)
+      found->second.attempt != input.attempt)
     return;
+  // Of an attempt that was launched before this, another keeper may begin yet: looks go on.
+  const Open& open = open_.at(input.job);
+  if (open.has_begun || open.is_found || open.is_launched_again) return;
   close(found->second, judge(found->second, input, around(found->second), options_));
 }
 
@@ -66,7 +69,10 @@ void Jobs::see(Job& job, Open& open, const NeverBegan&) {
     close(job, judge_unbegun(job, options_));
     return;
   }
-  if (!open.has_begun) launch(job);
+  if (!open.has_begun) {
+    open.is_launched_again = true;
+    launch(job);
+  }
   set_alarm(job.id, open, clock_s_ + options_.look_after_launch_s);
 }
 

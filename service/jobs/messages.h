@@ -123,7 +123,8 @@ struct Launched {
   JobId job;
   Attempt attempt;
 };
-/// Its keeper couldn't be started.
+/// Its keeper couldn't be started, by this launch: nothing of it will begin. (A keeper that finds
+/// its folder taken is no such failure.)
 struct LaunchFailed {
   JobId job;
   Attempt attempt;

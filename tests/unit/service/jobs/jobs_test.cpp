@@ -148,6 +148,17 @@ TEST(Jobs, ThatNeverBeganAreLaunchedAgainAsTheSameAttempt) {
   EXPECT_TRUE(bench.see(id, NeverBegan{}).empty()) << "an answer that comes twice";
 }
 
+TEST(Jobs, OfTwoLaunchesOneMayFailAndTheOtherBegin) {
+  Bench bench;
+  const JobId id = bench.job();
+  bench.wait(5);  // nothing is heard, so it is looked for
+  ASSERT_EQ(all_of<Launch>(bench.see(id, NeverBegan{})).size(), 1U);
+  bench.step(LaunchFailed{.job = id, .attempt = Attempt{1}, .is_backend_away = true});
+  EXPECT_EQ(bench.at(id).state, State::starting) << "the first launch may be under way";
+  bench.step(Launched{.job = id, .attempt = Attempt{1}});
+  EXPECT_EQ(bench.at(id).state, State::running);
+}
+
 TEST(Jobs, ThatRunAreAdopted) {
   Bench bench;
   const JobId id = bench.job();
