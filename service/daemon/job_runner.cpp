@@ -190,10 +190,18 @@ void JobRunner::remove(jobs::JobId job) {
 
 void JobRunner::submit(std::vector<Submission> submissions,
                        std::function<void(const std::vector<jobs::Answer>&)> answered) {
+  // All or none: the first refusal is everybody's, and nothing is submitted then.
+  for (std::size_t i = 0; i < submissions.size(); ++i) {
+    auto refusal = machine_->refusal_of(submissions[i].submit, i);
+    if (!refusal) continue;
+    answered({jobs::Answer{.token = 0, .job = {}, .is_new = false, .refusal = std::move(refusal)}});
+    return;
+  }
+
+  // Then each, as one save.
   std::vector<jobs::Effect> effects;
   std::vector<jobs::Answer> answers;
   std::vector<StoredRequest> requests;
-  bool is_refused = false;
   for (Submission& submission : submissions) {
     submission.submit.token = next_token_++;
     std::vector<jobs::Effect> made = step(submission.submit);
@@ -201,25 +209,11 @@ void JobRunner::submit(std::vector<Submission> submissions,
       const auto* answer = std::get_if<jobs::Answer>(&effect);
       if (answer == nullptr || answer->token != submission.submit.token) continue;
       answers.push_back(*answer);
-      is_refused = is_refused || answer->refusal.has_value();
       if (!answer->is_new) continue;
       submission.request.job = answer->job;
       requests.push_back(std::move(submission.request));
     }
     append(effects, std::move(made));
-    if (is_refused) break;
-  }
-  // Where one is refused the others are taken back in the same save: nobody has seen them.
-  if (is_refused) {
-    for (const jobs::AskKind kind : {jobs::AskKind::cancel, jobs::AskKind::remove}) {
-      for (const StoredRequest& request : requests) {
-        append(effects, step(jobs::Ask{.token = next_token_++,
-                                       .user = {},
-                                       .is_operator = true,
-                                       .job = request.job,
-                                       .kind = kind}));
-      }
-    }
   }
   effects.emplace_back(jobs::Answer{.token = next_token_});
   owed_[next_token_++] = [answers = std::move(answers), answered = std::move(answered)](
