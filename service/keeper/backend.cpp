@@ -198,8 +198,7 @@ Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const 
   const bool has_ended = has_begun && look.record->end;
   if (!has_begun) look.record.reset();
   // Somebody may have taken the lock's file away: a keeper that lives has the folder all the same.
-  const bool lives = has_begun && !has_ended &&
-                     identity_of(look.record->keeper.pid) == std::optional(look.record->keeper);
+  const bool lives = has_begun && !has_ended && is_living(look.record->keeper);
   if (is_held || lives) {
     look.state = Look::State::running;
   } else if (!has_begun) {

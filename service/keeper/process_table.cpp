@@ -64,6 +64,11 @@ std::vector<pid_t> numbers_in(const std::string& folder) {
 
 }  // namespace
 
+bool is_living(const ProcessIdentity& identity) {
+  const auto stat = stat_of(identity.pid);
+  return stat && stat->state != 'Z' && stat->state != 'X' && identity_of(identity.pid) == identity;
+}
+
 std::optional<ProcessIdentity> identity_of(pid_t pid) {
   const auto stat = stat_of(pid);
   if (!stat) return std::nullopt;

@@ -17,6 +17,8 @@ namespace sleight::keeper {
 
 /// None where there is no such process. One that has ended and was not waited for is still there.
 std::optional<ProcessIdentity> identity_of(pid_t pid);
+/// Whether it runs: one that has ended and is not waited for yet does not.
+bool is_living(const ProcessIdentity& identity);
 
 /// Processes whose parent `pid` is, ascending, also those that were not waited for.
 std::vector<pid_t> children_of(pid_t pid);

@@ -69,7 +69,7 @@ class Service(ServiceTest):
 
     def test_cancel_resume_and_extend(self):
         self.serve()
-        request = self.write_request(chains=2, scans=30_000, iterations_per_scan=40)
+        request = self.write_request(chains=2, scans=30_000, iterations_per_scan=400)
         number = self.submit(request, "--cores", 1)
         self.until_running(number)
         self.succeed(self.ask("cancel", number))
@@ -81,7 +81,7 @@ class Service(ServiceTest):
         so_far = self.path("so_far.h5")
         self.succeed(self.ask("fetch", number, "--so-far", "-o", so_far))
         scans = self.info(so_far)["scans"]
-        exact = self.write_request("exact.toml", chains=2, scans=scans, iterations_per_scan=40)
+        exact = self.write_request("exact.toml", chains=2, scans=scans, iterations_per_scan=400)
         self.assertEqual(self.digest(so_far), self.quiet_digest(exact))
         self.succeed(self.ask("cancel", number))
         # Extended, it is the longer run asked for at once.
@@ -97,7 +97,7 @@ class Service(ServiceTest):
 
     def test_a_daemon_that_is_killed_loses_nothing(self):
         self.serve()
-        request = self.write_request(chains=2, scans=20_000, iterations_per_scan=40)
+        request = self.write_request(chains=2, scans=20_000, iterations_per_scan=250)
         number = self.submit(request)
         waiting = self.submit(self.write_request("second.toml", chains=1, scans=300))
         watcher = subprocess.Popen([harness.program("sleight"), "watch", str(number), "--json"],

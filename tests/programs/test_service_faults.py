@@ -27,8 +27,6 @@ def numbered(lines):
 
 
 class Faults(ServiceTest):
-    SECONDS_OF_WORK = 2
-
     def watch(self, number, first=1):
         return subprocess.Popen(
             [harness.program("sleight"), "watch", str(number), "--json", "--from", str(first)],
@@ -63,6 +61,7 @@ class Faults(ServiceTest):
                 pid = self.victim(kind, number)
                 if pid:
                     os.kill(pid, signal.SIGKILL)
+                    self.hits += 1
             except (OSError, ValueError, KeyError):
                 pass
         return watcher, []
@@ -72,8 +71,9 @@ class Faults(ServiceTest):
         chance = random.Random(seed)
         kills_of = {kind: max(2, kills // 4) for kind in KINDS}
         print(f"seed {seed}, kills of each kind {kills_of}")
+        self.hits = 0
         self.serve()
-        work = {"chains": 2, "scans": 6000, "iterations_per_scan": 40}
+        work = {"chains": 2, "scans": 6000, "iterations_per_scan": 250}
         request = self.write_request(**work)
         expected = self.quiet_digest(request)
         for with_ranks, kinds in [(False, KINDS[:3]), (True, KINDS[3:])]:
@@ -99,6 +99,9 @@ class Faults(ServiceTest):
                 history = self.ask_json("status", number, "--history")["history"]
                 self.assertEqual([c["state"] for c in history].count("done"), 1)
                 self.assertEqual(processes_of(self.folder_of(number)), [])
+        print(f"{self.hits} of {sum(kills_of.values()) - kills_of['daemon'] - kills_of['client']} kills of "
+              "keepers, mpiruns and ranks hit one")
+        self.assertGreater(self.hits, 0)
         self.assertEqual([p for p in pathlib.Path("/dev/shm").glob("*") if "vader" in p.name], [])
 
     @unittest.skipUnless(os.geteuid() == 0, "mounting a small disk takes root")
@@ -140,7 +143,7 @@ class Faults(ServiceTest):
         real, harness.arguments.bin = harness.arguments.bin, str(own)
         self.addCleanup(setattr, harness.arguments, "bin", real)
         self.serve()
-        request = self.write_request(chains=2, scans=8000, iterations_per_scan=40)
+        request = self.write_request(chains=2, scans=8000, iterations_per_scan=600)
         number = self.submit(request)
         self.until_running(number)
         # A later build of the same results goes on with the run.
@@ -173,7 +176,7 @@ exec {real}/sleight "$@"
     @unittest.skipUnless(shutil.which("faketime"), "needs faketime")
     def test_a_clock_that_is_set_back(self):
         self.serve()
-        request = self.write_request(chains=2, scans=6000, iterations_per_scan=40)
+        request = self.write_request(chains=2, scans=6000, iterations_per_scan=400)
         number = self.submit(request)
         later = self.submit(self.write_request("later.toml", chains=1, scans=300))
         self.until_running(number)

@@ -192,7 +192,7 @@ TEST_F(KeepTest, AProgramThatPrintsWithoutEndIsBounded) {
   // and the tail is the end.
   program_is(
       "yes 'all work and no play' & echo $$ > ready; until [ -s log.old ]; do sleep 0.05; done; "
-      "kill $!; echo done");
+      "kill $!; wait $!; echo done");
   const AttemptEnd end = run();
   EXPECT_EQ(end.exit_code, 0);
   EXPECT_EQ(end.log_tail.size(), k_tail_lines_max);
