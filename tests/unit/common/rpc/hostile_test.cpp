@@ -20,6 +20,8 @@
 #include <chrono>
 #include <cstring>
 #include <functional>
+#include <memory>
+#include <numeric>
 #include <thread>
 
 #include "common/random/stream.h"
