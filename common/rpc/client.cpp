@@ -17,6 +17,7 @@
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/rpc/encoding.h"
+#include "common/rpc/from_now.h"
 #include "common/rpc/link.h"
 #include "common/rpc/unix_socket.h"
 
@@ -39,10 +40,6 @@ capnp::ReaderOptions reader_options() {
   capnp::ReaderOptions options;
   options.traversalLimitInWords = k_traversal_bytes_max / sizeof(capnp::word);
   return options;
-}
-
-kj::Duration duration_of(double seconds) {
-  return static_cast<std::int64_t>(seconds * 1e6) * kj::MICROSECONDS;
 }
 
 kj::AutoCloseFd make_eventfd() {
@@ -86,7 +83,7 @@ struct Client::Impl final : Link {
   T wait(kj::Promise<T> promise, double seconds) {
     try {
       if (seconds > 0)
-        promise = io->provider->getTimer().timeoutAfter(duration_of(seconds), kj::mv(promise));
+        promise = io->provider->getTimer().timeoutAt(from_now(seconds), kj::mv(promise));
       return promise.wait(io->waitScope);
     } catch (const kj::Exception& error) {
       sort(error);
@@ -99,7 +96,7 @@ struct Client::Impl final : Link {
     if (take_interrupt()) throw Interrupted();
     if (silence_s_max > 0) {
       promise = promise.exclusiveJoin(
-          io->provider->getTimer().afterDelay(duration_of(silence_s_max)).then([]() -> T {
+          io->provider->getTimer().atTime(from_now(silence_s_max)).then([]() -> T {
             kj::throwFatalException(KJ_EXCEPTION(DISCONNECTED, "silent"));
           }));
     }
@@ -184,7 +181,7 @@ struct Client::Impl final : Link {
           throw NoServer(fmt::format("{} at {}, again and again", lost.what(), path));
       }
       was_repeated = true;
-      wait(kj::Promise<void>(io->provider->getTimer().afterDelay(duration_of(wait_s))), 0);
+      wait(kj::Promise<void>(io->provider->getTimer().atTime(from_now(wait_s))), 0);
     }
   }
 
@@ -272,8 +269,7 @@ struct Client::Impl final : Link {
   }
 
   void pause(double seconds) override {
-    wait_interruptibly(kj::Promise<void>(io->provider->getTimer().afterDelay(duration_of(seconds))),
-                       0);
+    wait_interruptibly(kj::Promise<void>(io->provider->getTimer().atTime(from_now(seconds))), 0);
   }
 
   double now_s() const override { return clock.now_s(); }

@@ -14,6 +14,7 @@
 
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/rpc/from_now.h"
 #include "common/rpc/loop_impl.h"
 
 namespace sleight::rpc {
@@ -58,10 +59,6 @@ bool is_readable(int descriptor) {
   return ::poll(&looked, 1, 0) > 0;
 }
 
-kj::Duration duration_of(double seconds) {
-  return static_cast<std::int64_t>(std::max(seconds, 0.0) * 1e6) * kj::MICROSECONDS;
-}
-
 }  // namespace
 
 // ------------------------------------------------------------------------------------------
@@ -83,7 +80,7 @@ struct Loop::Handle::State {
   bool is_calling = false;
   bool is_over = false;
   int descriptor = -1;
-  kj::Duration period = 0 * kj::SECONDS;
+  double period_s = 0;
   kj::Own<kj::UnixEventPort::FdObserver> observer;
   kj::Maybe<kj::Promise<void>> promise;
 };
@@ -93,7 +90,7 @@ namespace {
 using State = Loop::Handle::State;
 
 kj::Promise<void> tick(const std::shared_ptr<State>& state) {
-  return state->loop.timer().afterDelay(state->period).then([state]() -> kj::Promise<void> {
+  return state->loop.timer().atTime(from_now(state->period_s)).then([state]() -> kj::Promise<void> {
     if (state->is_over) return kj::READY_NOW;
     state->call();
     if (state->is_over) return kj::READY_NOW;
@@ -240,7 +237,7 @@ void Loop::stop() {
 Loop::Handle Loop::call_later(double seconds, Callback callback) {
   auto state = std::make_shared<State>(*impl_, std::move(callback));
   state->promise = impl_->timer()
-                       .afterDelay(duration_of(seconds))
+                       .atTime(from_now(seconds))
                        .then([weak = std::weak_ptr(state)] {
                          const auto held = weak.lock();
                          if (held && !held->is_over) held->call();
@@ -252,7 +249,7 @@ Loop::Handle Loop::call_later(double seconds, Callback callback) {
 Loop::Handle Loop::call_every(double seconds, Callback callback) {
   CHECK_GT(seconds, 0.0);
   auto state = std::make_shared<State>(*impl_, std::move(callback));
-  state->period = duration_of(seconds);
+  state->period_s = seconds;
   state->promise = tick(state).eagerlyEvaluate([](kj::Exception&&) {});
   return Handle(std::move(state));
 }

@@ -10,6 +10,7 @@
 
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/rpc/from_now.h"
 #include "common/rpc/guarded_messages.h"
 #include "common/rpc/loop_impl.h"
 #include "common/rpc/service_calls.h"
@@ -155,8 +156,7 @@ void Server::Impl::accept_next() {
                    exception.getDescription().cStr());
         }
         make_room();
-        const auto later = static_cast<std::int64_t>(k_accept_again_s * 1e3) * kj::MILLISECONDS;
-        tasks.add(timer.afterDelay(later).then([this] { accept_next(); }));
+        tasks.add(timer.atTime(from_now(k_accept_again_s)).then([this] { accept_next(); }));
       }));
 }
 

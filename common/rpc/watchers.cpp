@@ -4,6 +4,8 @@
 #include <exception>
 #include <memory>
 
+#include "common/rpc/from_now.h"
+
 namespace sleight::rpc {
 namespace {
 
@@ -90,8 +92,8 @@ kj::Promise<Batches> Watchers::wait(const Caller& caller, std::vector<WatchPoint
   if (!now.empty()) return now;
   auto later = kj::newPromiseAndFulfiller<Batches>();
   auto waiter = kj::heap<Waiter>(*this, caller, std::move(points), kj::mv(later.fulfiller));
-  const auto patience = static_cast<std::int64_t>(wait_s_max_ * 1e3) * kj::MILLISECONDS;
-  return later.promise.exclusiveJoin(timer_.afterDelay(patience).then([] { return Batches(); }))
+  return later.promise
+      .exclusiveJoin(timer_.atTime(from_now(wait_s_max_)).then([] { return Batches(); }))
       .attach(kj::mv(waiter));
 }
 

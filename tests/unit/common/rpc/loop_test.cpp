@@ -41,6 +41,25 @@ TEST(LoopTest, CallsInTimeAndInOrder) {
   EXPECT_EQ(called, (std::vector<int>{1, 2}));
 }
 
+TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
+  // Goal: a delay begins when it is asked for, not when the loop last woke. Method: a callback that
+  // takes 50 ms, then asks for 20 ms.
+  Loop loop;
+  double asked_s = 0.0;
+  double called_s = 0.0;
+  std::optional<Loop::Handle> second;
+  const auto first = loop.call_later(0.001, [&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    asked_s = now_s();
+    second = loop.call_later(0.02, [&] {
+      called_s = now_s();
+      loop.stop();
+    });
+  });
+  loop.run();
+  EXPECT_GE(called_s - asked_s, 0.02);
+}
+
 TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
   // Goal: an interval repeats, and its handle may be destroyed in its own callback. Method: count
   // to five, drop it there, and wait for a sixth call that must not come.
