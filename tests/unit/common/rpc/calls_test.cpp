@@ -325,5 +325,14 @@ TEST_F(CallsTest, AClientOutlivesItsServers) {
   }
 }
 
+TEST_F(CallsTest, AClientMayPauseForLongerThanACallMayTake) {
+  // Goal: a call's time begins with the call. Method: calls of 0.5 s at most, with 0.8 s between.
+  ServerThread server(socket(), service);
+  Client client(socket(), {.call_s_max = 0.5});
+  EXPECT_EQ(client.info().version, "1.2");
+  std::this_thread::sleep_for(std::chrono::milliseconds(800));
+  EXPECT_EQ(client.info().version, "1.2");
+}
+
 }  // namespace
 }  // namespace sleight::rpc
