@@ -14,10 +14,13 @@
 #include <utility>
 
 #include "clients/cli/job_text.h"
+#include "clients/cli/opened_archive.h"
 #include "clients/cli/selected_jobs.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
 #include "clients/cli/terminal.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/events/progress.h"
@@ -186,15 +189,45 @@ struct Brought {
   bool interrupted = false;
 };
 
-Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const std::string& place,
-                  const FetchOptions& options) {
+/// An archive whose bytes came as the server has them may have been damaged there.
+void check_archive(const std::string& path, const rpc::JobView& job) {
+  const auto findings_of = [&](const archive::Source& source) {
+    std::vector<std::string> findings = archive::verify(source);
+    if (findings.empty() && job.state == rpc::JobState::done) {
+      const auto digest = archive::digest(source);
+      if (digest != job.digest)
+        findings.push_back(fmt::format("its digest is {}, the job's {}", digest, job.digest));
+    }
+    for (const std::string& finding : findings)
+      complain(fmt::format("sleight: job {}: {}", job.id, shown(finding)));
+    return static_cast<int>(findings.empty() ? base::ExitCode::ok : base::ExitCode::bad_archive);
+  };
+  std::string words;
+  try {
+    if (with_archive(path, findings_of) == 0) return;
+  } catch (const base::Error& error) {
+    if (error.exit_code() != base::ExitCode::bad_archive) throw;
+    words = fmt::format(" ({})", error.what());
+  }
+  throw base::Error(
+      base::ExitCode::bad_archive,
+      fmt::format(
+          "job {}: its archive is damaged on the server's disk{}, and was not put in place; "
+          "`sleight fetch {} --so-far` has it made anew from what the run stored",
+          job.id, words, job.id));
+}
+
+Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& job,
+                  const std::string& place, const FetchOptions& options) {
   const bool is_file = ask.kind == rpc::FetchKind::archive || ask.kind == rpc::FetchKind::so_far;
   Arrivals arrivals(options, place, is_file);
   const rpc::FetchProgress progress = [&](const rpc::FileView& file, std::uint64_t bytes) {
     return arrivals.arrived(file, bytes);
   };
   const rpc::FetchedFiles fetched =
-      is_file ? client.fetch_file(ask, place, progress) : client.fetch_folder(ask, place, progress);
+      is_file ? client.fetch_file(ask, place, progress,
+                                  [&](const std::string& path) { check_archive(path, job); })
+              : client.fetch_folder(ask, place, progress);
   arrivals.clear();
   if (!is_file && fetched.paths.empty()) {
     // The folder was made for nothing; one with something in it stays.
@@ -246,7 +279,7 @@ int fetch_all(rpc::Client& client, const FetchOptions& options, std::span<const 
         place_of(options, job.id, several, group ? std::optional(*group) : std::nullopt);
     if (several) make_folder(fs::path(place).parent_path().string());
     try {
-      all.push_back(fetch_job(client, of_job, place, options));
+      all.push_back(fetch_job(client, of_job, job, place, options));
     } catch (const rpc::RefusedError& error) {
       // One job without an archive yet keeps the others' from nobody.
       if (!several) throw;

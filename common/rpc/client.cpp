@@ -422,8 +422,8 @@ Waited Client::watch(JobId job, std::uint64_t from_number, WatchSink& sink) {
 }
 
 FetchedFiles Client::fetch_file(FetchAsk ask, const std::string& path,
-                                const FetchProgress& progress) {
-  return fetch_file_over(*impl_, impl_->options, std::move(ask), path, progress);
+                                const FetchProgress& progress, const FetchCheck& check) {
+  return fetch_file_over(*impl_, impl_->options, std::move(ask), path, progress, check);
 }
 
 FetchedFiles Client::fetch_folder(FetchAsk ask, const std::string& folder,

@@ -81,6 +81,10 @@ enum class Waited : std::uint8_t {
 /// How a fetch goes. Returns whether to go on; what has come stays for the next attempt.
 using FetchProgress = std::function<bool(const FileView& file, std::uint64_t bytes)>;
 
+/// Looks at a fetched file, by its path, before it takes its place: it came as the service has it,
+/// but that may be damaged. Throws base::Error to refuse it: it is removed, its place untouched.
+using FetchCheck = std::function<void(const std::string& path)>;
+
 struct FetchedFiles {
   Waited how = Waited::settled;
   std::vector<std::string> paths{};  ///< of the files that are whole
@@ -117,8 +121,8 @@ class Client {
 
   /// The one file of this ask as `path`: written beside it, checked and renamed. A part that an
   /// earlier attempt left is gone on with where the service has the same file still.
-  FetchedFiles fetch_file(FetchAsk ask, const std::string& path,
-                          const FetchProgress& progress = {});
+  FetchedFiles fetch_file(FetchAsk ask, const std::string& path, const FetchProgress& progress = {},
+                          const FetchCheck& check = {});
   /// All files of this ask into a folder, which is made, under their own names.
   FetchedFiles fetch_folder(FetchAsk ask, const std::string& folder,
                             const FetchProgress& progress = {});

@@ -41,8 +41,13 @@ void check_view(const FileView& view) {
 /// One fetch over all its connections.
 class Fetching {
  public:
-  Fetching(Link& link, const ClientOptions& options, FetchAsk ask, const FetchProgress& progress)
-      : link_(link), patience_(link, options), ask_(std::move(ask)), progress_(progress) {}
+  Fetching(Link& link, const ClientOptions& options, FetchAsk ask, const FetchProgress& progress,
+           const FetchCheck& check)
+      : link_(link),
+        patience_(link, options),
+        ask_(std::move(ask)),
+        progress_(progress),
+        check_(check) {}
 
   /// `places` says where a file goes, by its name; the ask's files are one alone, or all pages.
   FetchedFiles run(bool is_one, const std::function<std::string(const std::string&)>& place_of) {
@@ -100,7 +105,7 @@ class Fetching {
     PartFile part(path, view);
     while (true) {
       if (progress_ && !progress_(view, part.bytes())) return std::nullopt;
-      if (part.is_whole()) return part.finish();
+      if (part.is_whole()) return part.finish(check_);
       const auto bytes = static_cast<std::uint32_t>(
           std::min<std::uint64_t>(view.size - part.bytes(), k_piece_bytes_max));
       part.append(link_.read(file, part.bytes(), bytes));
@@ -111,6 +116,7 @@ class Fetching {
   Patience patience_;
   FetchAsk ask_;
   const FetchProgress& progress_;
+  const FetchCheck& check_;
   FetchedFiles fetched_{};
   bool is_over_ = false;
   int wrong_ = 0;
@@ -119,19 +125,19 @@ class Fetching {
 }  // namespace
 
 FetchedFiles fetch_file_over(Link& link, const ClientOptions& options, FetchAsk ask,
-                             const std::string& path, const FetchProgress& progress) {
-  return Fetching(link, options, std::move(ask), progress).run(true, [&](const std::string&) {
-    return path;
-  });
+                             const std::string& path, const FetchProgress& progress,
+                             const FetchCheck& check) {
+  return Fetching(link, options, std::move(ask), progress, check)
+      .run(true, [&](const std::string&) { return path; });
 }
 
 FetchedFiles fetch_folder_over(Link& link, const ClientOptions& options, FetchAsk ask,
                                const std::string& folder, const FetchProgress& progress) {
   base::PosixFileSystem files;
   files.make_folder(folder);
-  return Fetching(link, options, std::move(ask), progress).run(false, [&](const std::string& name) {
-    return folder + "/" + name;
-  });
+  const FetchCheck unchecked;
+  return Fetching(link, options, std::move(ask), progress, unchecked)
+      .run(false, [&](const std::string& name) { return folder + "/" + name; });
 }
 
 }  // namespace sleight::rpc

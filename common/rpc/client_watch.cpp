@@ -13,6 +13,7 @@ Patience::Patience(Link& link, const ClientOptions& options)
 void Patience::again(const std::string& words) {
   if (!is_away_) away_since_s_ = link_.now_s();
   is_away_ = true;
+  was_there_ = true;  // else the caller had given up
   if (link_.now_s() - away_since_s_ > options_.away_s_max)
     throw NoServer(words + "; it did not come back");
   link_.pause(wait_s_);

@@ -66,6 +66,7 @@ class Patience {
   void reset();
   /// Has there been a failed attempt since the last good one?
   bool is_away() const { return is_away_; }
+  /// Has it answered, or at least been there, at some time?
   bool was_there() const { return was_there_; }
 
  private:
@@ -80,7 +81,8 @@ class Patience {
 Waited watch_over(Link& link, const ClientOptions& options, const std::vector<WatchPoint>& points,
                   WatchSink& sink);
 FetchedFiles fetch_file_over(Link& link, const ClientOptions& options, FetchAsk ask,
-                             const std::string& path, const FetchProgress& progress);
+                             const std::string& path, const FetchProgress& progress,
+                             const FetchCheck& check);
 FetchedFiles fetch_folder_over(Link& link, const ClientOptions& options, FetchAsk ask,
                                const std::string& folder, const FetchProgress& progress);
 

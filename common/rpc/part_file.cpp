@@ -89,11 +89,19 @@ void PartFile::append(base::BytesView piece) {
   bytes_ += piece.size();
 }
 
-bool PartFile::finish() {
+bool PartFile::finish(const FetchCheck& check) {
   CHECK(is_whole());
   if (hash::to_hex(hash_.finish()) != view_.sha256) {
     ::unlink(part_.c_str());
     return false;
+  }
+  if (check) {
+    try {
+      check(part_);
+    } catch (...) {
+      ::unlink(part_.c_str());
+      throw;
+    }
   }
   if (::fsync(descriptor_) != 0) throw failed("write", part_);
   base::PosixFileSystem files;

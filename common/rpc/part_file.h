@@ -12,7 +12,7 @@
 
 #include "common/base/bytes.h"
 #include "common/hash/sha256.h"
-#include "common/rpc/service.h"
+#include "common/rpc/client.h"
 
 namespace sleight::rpc {
 
@@ -33,8 +33,9 @@ class PartFile {
   void append(base::BytesView piece);
 
   /// Makes it durable in its place, and removes parts of other contents. False, and the part is
-  /// gone, where the content is another than was announced. REQUIRES: is_whole, not called before.
-  [[nodiscard]] bool finish();
+  /// gone, where the content is another than was announced; gone too where `check`, called with
+  /// the part's path, throws. REQUIRES: is_whole, not called before.
+  [[nodiscard]] bool finish(const FetchCheck& check = {});
 
  private:
   void remove_other_parts() const;
