@@ -14,13 +14,10 @@
 #include <utility>
 
 #include "clients/cli/job_text.h"
-#include "clients/cli/opened_archive.h"
 #include "clients/cli/selected_jobs.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
 #include "clients/cli/terminal.h"
-#include "common/archive/digest/digest.h"
-#include "common/archive/digest/verify.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/events/progress.h"
@@ -189,36 +186,9 @@ struct Brought {
   bool interrupted = false;
 };
 
-/// An archive whose bytes came as the server has them may have been damaged there.
-void check_archive(const std::string& path, const rpc::JobView& job) {
-  const auto findings_of = [&](const archive::Source& source) {
-    std::vector<std::string> findings = archive::verify(source);
-    if (findings.empty() && job.state == rpc::JobState::done) {
-      const auto digest = archive::digest(source);
-      if (digest != job.digest)
-        findings.push_back(fmt::format("its digest is {}, the job's {}", digest, job.digest));
-    }
-    for (const std::string& finding : findings)
-      complain(fmt::format("sleight: job {}: {}", job.id, shown(finding)));
-    return static_cast<int>(findings.empty() ? base::ExitCode::ok : base::ExitCode::bad_archive);
-  };
-  std::string words;
-  try {
-    if (with_archive(path, findings_of) == 0) return;
-  } catch (const base::Error& error) {
-    if (error.exit_code() != base::ExitCode::bad_archive) throw;
-    words = fmt::format(" ({})", error.what());
-  }
-  throw base::Error(
-      base::ExitCode::bad_archive,
-      fmt::format(
-          "job {}: its archive is damaged on the server's disk{}, and was not put in place; "
-          "`sleight fetch {} --so-far` has it made anew from what the run stored",
-          job.id, words, job.id));
-}
-
 Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& job,
-                  const std::string& place, const FetchOptions& options) {
+                  const std::string& place, const FetchOptions& options,
+                  const ArchiveCheck& check) {
   const bool is_file = ask.kind == rpc::FetchKind::archive || ask.kind == rpc::FetchKind::so_far;
   Arrivals arrivals(options, place, is_file);
   const rpc::FetchProgress progress = [&](const rpc::FileView& file, std::uint64_t bytes) {
@@ -226,7 +196,7 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
   };
   const rpc::FetchedFiles fetched =
       is_file ? client.fetch_file(ask, place, progress,
-                                  [&](const std::string& path) { check_archive(path, job); })
+                                  [&](const std::string& path) { check(path, job); })
               : client.fetch_folder(ask, place, progress);
   arrivals.clear();
   if (!is_file && fetched.paths.empty()) {
@@ -241,7 +211,12 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
   if (options.json || options.quiet) return brought;
   for (const std::string& path : brought.paths) {
     if (arrivals.same().empty()) {
-      fmt::print("{}  {}\n", shown(path), size_text(arrivals.bytes_of(path)));
+      // What a job that goes on has given is not the last word.
+      const bool is_of_now = is_file && !rpc::is_settled(job.state);
+      fmt::print("{}  {}{}\n", shown(path), size_text(arrivals.bytes_of(path)),
+                 is_of_now
+                     ? fmt::format(", as of now: job {} is {}", job.id, rpc::name_of(job.state))
+                     : "");
     } else {
       fmt::print("{}  is here already, with the same content\n", shown(path));
     }
@@ -264,7 +239,8 @@ void make_folder(const std::string& path) {
     throw base::Error(fmt::format("{}: can't make the folder: {}", path, failure.message()));
 }
 
-int fetch_all(rpc::Client& client, const FetchOptions& options, std::span<const JobName> names) {
+int fetch_all(rpc::Client& client, const FetchOptions& options, std::span<const JobName> names,
+              const ArchiveCheck& check) {
   const rpc::FetchAsk ask = fetch_ask_of(options);
   const std::vector<rpc::JobView> jobs = views_of(client, names);
   const bool several = !is_single_job(names);
@@ -279,7 +255,7 @@ int fetch_all(rpc::Client& client, const FetchOptions& options, std::span<const 
         place_of(options, job.id, several, group ? std::optional(*group) : std::nullopt);
     if (several) make_folder(fs::path(place).parent_path().string());
     try {
-      all.push_back(fetch_job(client, of_job, job, place, options));
+      all.push_back(fetch_job(client, of_job, job, place, options, check));
     } catch (const rpc::RefusedError& error) {
       // One job without an archive yet keeps the others' from nobody.
       if (!several) throw;
@@ -356,11 +332,11 @@ std::string place_of(const FetchOptions& options, rpc::JobId job, bool several,
   return (fs::path(folder) / name).string();
 }
 
-int fetch(const std::string& socket, const FetchOptions& options) {
+int fetch(const std::string& socket, const FetchOptions& options, const ArchiveCheck& check) {
   const std::vector<JobName> names = read_job_names(options.jobs);
   static_cast<void>(fetch_ask_of(options));  // errors of usage before anything else
-  return with_service(socket,
-                      [&](rpc::Client& client) { return fetch_all(client, options, names); });
+  return with_service(
+      socket, [&](rpc::Client& client) { return fetch_all(client, options, names, check); });
 }
 
 }  // namespace sleight::cli

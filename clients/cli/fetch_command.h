@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,7 +27,11 @@ struct FetchOptions {
   bool json = false;
 };
 
-int fetch(const std::string& socket, const FetchOptions& options);
+/// Refuses an archive by throwing base::Error, before it takes its place; check_archive of
+/// fetched_archive.h, but in tests.
+using ArchiveCheck = std::function<void(const std::string& path, const rpc::JobView& job)>;
+
+int fetch(const std::string& socket, const FetchOptions& options, const ArchiveCheck& check);
 
 /// Numbers of "3,7,10..20", in order, each once; none for anything else, or more than
 /// rpc::k_fetch_ids_max.

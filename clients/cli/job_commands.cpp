@@ -227,6 +227,15 @@ int pin(const std::string& socket, const PinOptions& options) {
   });
 }
 
+int set_priority(const std::string& socket, const PriorityOptions& options) {
+  return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
+    std::vector<rpc::Touched> touched = client.set_priority(job, options.priority);
+    for (rpc::Touched& one : touched)
+      one.words = fmt::format("priority {}", options.priority);
+    return touched;
+  });
+}
+
 rpc::Extension extension_of(const ExtendOptions& options) {
   std::vector<rpc::Extension> given;
   const auto add = [&](rpc::ExtendBy by, const auto& number) {

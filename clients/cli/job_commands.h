@@ -1,6 +1,6 @@
 // The commands on jobs that are one call or a few: list, status, watch, wait, cancel, hold,
-// resume, extend, delete, pin. Each takes the socket's path and what the command line gave, prints
-// to stdout and returns the exit code.
+// resume, extend, delete, pin, priority. Each takes the socket's path and what the command line
+// gave, prints to stdout and returns the exit code.
 #pragma once
 
 #include <cstdint>
@@ -56,6 +56,10 @@ struct PinOptions : JobsOptions {
   bool off = false;
 };
 
+struct PriorityOptions : JobsOptions {
+  std::int32_t priority = 0;
+};
+
 int list_jobs(const std::string& socket, const ListOptions& options);
 int show_status(const std::string& socket, const StatusOptions& options);
 int watch(const std::string& socket, const WatchOptions& options);
@@ -67,6 +71,7 @@ int extend(const std::string& socket, const ExtendOptions& options);
 /// Refuses all where one of them has not ended or is pinned; asks back on a terminal.
 int delete_jobs(const std::string& socket, const DeleteOptions& options);
 int pin(const std::string& socket, const PinOptions& options);
+int set_priority(const std::string& socket, const PriorityOptions& options);
 
 /// Throws base::Error(usage) where not exactly one is given, or it is none that a request may have.
 rpc::Extension extension_of(const ExtendOptions& options);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "clients/cli/fetch_command.h"
+#include "clients/cli/fetched_archive.h"
 #include "clients/cli/job_commands.h"
 #include "clients/cli/logs_command.h"
 #include "clients/cli/main_run.h"
@@ -220,6 +221,21 @@ void add_stops(CLI::App& app, Action& action) {
       "Example:\n  sleight resume 17");
 }
 
+void add_priority(CLI::App& app, Action& action) {
+  const auto options = std::make_shared<cli::PriorityOptions>();
+  CLI::App* command = add_command(app, "priority", "Which of your jobs come first", action,
+                                  cli::set_priority, options);
+  add_jobs(*command, *options);
+  command->add_option("--to", options->priority, "Higher ones come first; 0 if never given")
+      ->required()
+      ->check(CLI::Range(-k_priority_max, k_priority_max))
+      ->type_name("N");
+  command->footer(
+      "It orders the jobs of one user; between users, their shares of the machine do. A job that\n"
+      "runs is not stopped for it.\n\n"
+      "Examples:\n  sleight priority 17 --to 5\n  sleight priority g5 --to -1");
+}
+
 void add_extend(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::ExtendOptions>();
   CLI::App* command = add_command(app, "extend", "Ask more of jobs", action, cli::extend, options);
@@ -246,8 +262,12 @@ void add_extend(CLI::App& app, Action& action) {
 
 void add_fetch(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::FetchOptions>();
-  CLI::App* command =
-      add_command(app, "fetch", "Bring jobs' archives here", action, cli::fetch, options);
+  CLI::App* command = add_command(
+      app, "fetch", "Bring jobs' archives here", action,
+      [](const std::string& socket, const cli::FetchOptions& given) {
+        return cli::fetch(socket, given, cli::check_archive);
+      },
+      options);
   command->add_option("jobs", options->jobs, k_jobs_help)->required()->type_name("JOB");
   command
       ->add_option("-o,--output", options->output,
@@ -331,6 +351,7 @@ void add_service_commands(CLI::App& app, std::function<int()>& action) {
   add_list(app, action);
   add_looks(app, action);
   add_stops(app, action);
+  add_priority(app, action);
   add_extend(app, action);
   add_fetch(app, action);
   add_keeps(app, action);

@@ -1,7 +1,7 @@
 // The commands that speak to the service: submit, list, status, watch, wait, logs, cancel, hold,
-// resume, extend, fetch, delete, pin and server. Part of the programs' mains: this is their place
-// in the command line; what they do is in submit_command.h, job_commands.h, fetch_command.h and
-// server_commands.h.
+// resume, priority, extend, fetch, delete, pin and server. Part of the programs' mains: this is
+// their place in the command line; what they do is in submit_command.h, job_commands.h,
+// fetch_command.h and server_commands.h.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -207,6 +207,8 @@ std::optional<Refusal> Jobs::remove(Job& job) {
   if (!is_over(job.state))
     return wrong_state(job, fmt::format("is not over: it is {}", name_of(job.state)),
                        fmt::format("`sleight cancel {}` first.", job.id));
+  if (job.pinned)
+    return wrong_state(job, "is pinned", fmt::format("`sleight pin {} --off` lets it go.", job.id));
   let_go(job);
   return std::nullopt;
 }

@@ -295,6 +295,23 @@ TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
   EXPECT_EQ(erased.size(), 2U);
 }
 
+TEST_F(JobCommands, PriorityReachesTheService) {
+  // Goal: the number and the jobs, and words that say it.
+  std::vector<std::int32_t> priorities;
+  handler_.on_priority = [&](rpc::Target target, std::int32_t priority,
+                             rpc::Reply<std::vector<rpc::Touched>> reply) {
+    priorities.push_back(priority);
+    reply.answer({{.job = *target.job, .state = rpc::JobState::queued}});
+  };
+  serve();
+  PriorityOptions options;
+  options.jobs = {"17"};
+  options.priority = -3;
+  EXPECT_NE(out([&] { return set_priority(socket_, options); }).find("priority -3"),
+            std::string::npos);
+  EXPECT_EQ(priorities, std::vector<std::int32_t>{-3});
+}
+
 TEST_F(JobCommands, ExtendTakesOneRule) {
   // Goal: exactly one of the rules, with its number.
   std::vector<rpc::Extension> extensions;
@@ -372,12 +389,19 @@ class Fetching : public JobCommands {
     serve();
   }
   int fetch_to(const std::string& path, bool force = false) {
-    out([&] { return fetch(socket_, {.jobs = {"17"}, .output = path, .force = force}); });
+    out([&] { return fetch(socket_, {.jobs = {"17"}, .output = path, .force = force}, check_); });
     return code_;
   }
 
   std::string archive_ = std::string(3'000'000, 'a');
   std::vector<rpc::FetchAsk> asks_;
+  std::vector<std::string> checked_;  ///< content of what was looked at
+  bool is_damaged_ = false;
+  ArchiveCheck check_ = [this](const std::string& path, const rpc::JobView& job) {
+    EXPECT_EQ(job.id.value, 17U);
+    checked_.push_back(base::read_text_file(path, 10'000'000));
+    if (is_damaged_) throw base::Error(base::ExitCode::bad_archive, "it is damaged");
+  };
 };
 
 TEST_F(Fetching, BringsTheFileWhole) {
@@ -405,13 +429,31 @@ TEST_F(Fetching, LeavesOtherFilesAlone) {
             (std::vector<std::string>{"hi.h5", "socket"}));
 }
 
+TEST_F(Fetching, DamagedArchivesTakeNoPlace) {
+  // Goal: an archive is looked at before it takes its place; a damaged one does not, and leaves
+  // nothing: neither a part nor a loss of what was there.
+  const std::string path = scratch_ / "hi.h5";
+  base::PosixFileSystem files;
+  base::write_text_file(files, path, "mine");
+  is_damaged_ = true;
+  EXPECT_EQ(fetch_to(path, true), 6);
+  EXPECT_NE(words_.find("it is damaged"), std::string::npos) << words_;
+  EXPECT_EQ(checked_, std::vector<std::string>{archive_});
+  EXPECT_EQ(base::read_text_file(path, 10'000'000), "mine");
+  EXPECT_EQ(files.names_in(base::directory_of(path)),
+            (std::vector<std::string>{"hi.h5", "socket"}));
+  is_damaged_ = false;
+  EXPECT_EQ(fetch_to(path, true), 0);
+  EXPECT_EQ(base::read_text_file(path, 10'000'000), archive_);
+}
+
 TEST_F(Fetching, AGroupFillsAFolder) {
   // Goal: each job's archive under its own name; one that has none is told, and keeps the others'
   // from nobody.
   const std::string folder = scratch_ / "deep/g5";
   testing::internal::CaptureStderr();
-  const Json json = Json::parse(
-      out([&] { return fetch(socket_, {.jobs = {"g5"}, .output = folder, .json = true}); }));
+  const Json json = Json::parse(out(
+      [&] { return fetch(socket_, {.jobs = {"g5"}, .output = folder, .json = true}, check_); }));
   const std::string words = testing::internal::GetCapturedStderr();
   EXPECT_EQ(code_, 2);
   EXPECT_NE(words.find("job 18: Job 18 has no archive yet."), std::string::npos) << words;
@@ -422,7 +464,7 @@ TEST_F(Fetching, AGroupFillsAFolder) {
 
 TEST_F(Fetching, FailuresGoIntoAFolder) {
   const std::string folder = scratch_ / "failures";
-  out([&] { return fetch(socket_, {.jobs = {"17"}, .output = folder, .failures = true}); });
+  out([&] { return fetch(socket_, {.jobs = {"17"}, .output = folder, .failures = true}, check_); });
   EXPECT_EQ(code_, 0);
   EXPECT_EQ(asks_.front().kind, rpc::FetchKind::failure_files);
   EXPECT_EQ(base::read_text_file(folder + "/out.h5", 10'000'000), archive_);

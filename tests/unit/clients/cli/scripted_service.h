@@ -81,6 +81,7 @@ class ScriptedHandler final : public rpc::Handler {
   TouchCall on_cancel;
   TouchCall on_erase;
   Call<rpc::Target, rpc::Extension, rpc::Reply<std::vector<rpc::Touched>>> on_extend;
+  Call<rpc::Target, std::int32_t, rpc::Reply<std::vector<rpc::Touched>>> on_priority;
   Call<rpc::FetchAsk, rpc::Reply<rpc::Fetched>> on_fetch;
 
   void submit(const rpc::Caller&, rpc::Submission submission,
@@ -134,9 +135,9 @@ class ScriptedHandler final : public rpc::Handler {
            rpc::Reply<std::vector<rpc::Touched>> reply) override {
     reply.answer({});
   }
-  void set_priority(const rpc::Caller&, rpc::Target, std::int32_t,
+  void set_priority(const rpc::Caller&, rpc::Target target, std::int32_t priority,
                     rpc::Reply<std::vector<rpc::Touched>> reply) override {
-    reply.answer({});
+    on_priority(target, priority, std::move(reply));
   }
   void fetch(const rpc::Caller&, rpc::FetchAsk ask, rpc::Reply<rpc::Fetched> reply) override {
     on_fetch(std::move(ask), std::move(reply));

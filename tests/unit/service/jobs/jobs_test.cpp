@@ -373,6 +373,20 @@ TEST(Jobs, AreDeletedForRoomTheOldestFirst) {
   EXPECT_FALSE(bench.at(ids[0]).remove_at_s) << "taken back";
 }
 
+TEST(Jobs, ArePinnedAgainstEverybody) {
+  // Goal: a pinned job is deleted by no call, whatever a client forgot to look at.
+  Bench bench;
+  const JobId id = bench.job();
+  bench.see(id, Ended{.kind = EndKind::finished});
+  bench.ask(id, AskKind::pin);
+  const auto refusal = bench.ask(id, AskKind::remove);
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->kind, RefusalKind::wrong_state);
+  EXPECT_NE(refusal->what_to_do.find("--off"), std::string::npos);
+  bench.ask(id, AskKind::unpin);
+  EXPECT_FALSE(bench.ask(id, AskKind::remove));
+}
+
 TEST(Jobs, StopForADrainAndGoOnAfterIt) {
   Bench bench;
   const JobId id = bench.job();

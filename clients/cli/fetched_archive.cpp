@@ -1,0 +1,43 @@
+#include "clients/cli/fetched_archive.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "clients/cli/opened_archive.h"
+#include "clients/cli/output.h"
+#include "clients/cli/service_call.h"
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+
+void check_archive(const std::string& path, const rpc::JobView& job) {
+  const auto findings_of = [&](const archive::Source& source) {
+    std::vector<std::string> findings = archive::verify(source);
+    if (findings.empty() && job.state == rpc::JobState::done) {
+      const auto digest = archive::digest(source);
+      if (digest != job.digest)
+        findings.push_back(fmt::format("its digest is {}, the job's {}", digest, job.digest));
+    }
+    for (const std::string& finding : findings)
+      complain(fmt::format("sleight: job {}: {}", job.id, shown(finding)));
+    return static_cast<int>(findings.empty() ? base::ExitCode::ok : base::ExitCode::bad_archive);
+  };
+  std::string words;
+  try {
+    if (with_archive(path, findings_of) == 0) return;
+  } catch (const base::Error& error) {
+    if (error.exit_code() != base::ExitCode::bad_archive) throw;
+    words = fmt::format(" ({})", error.what());
+  }
+  throw base::Error(
+      base::ExitCode::bad_archive,
+      fmt::format(
+          "job {}: its archive is damaged on the server's disk{}, and was not put in place; "
+          "`sleight fetch {} --so-far` has it made anew from what the run stored",
+          job.id, words, job.id));
+}
+
+}  // namespace sleight::cli
