@@ -11,6 +11,7 @@
 
 #include "clients/cli/config_command.h"
 #include "clients/cli/main_run.h"
+#include "clients/cli/main_settings.h"
 #include "clients/command_tree/command_tree.h"
 #include "clients/command_tree/completion.h"
 #include "clients/command_tree/man_page.h"
@@ -21,16 +22,19 @@ namespace sleight::programs {
 namespace {
 
 /// The programs that have completion and manual pages: one for each name of k_programs.
-constexpr std::array<const char*, 2> k_programs{"sleight", "sleight-batch"};
+constexpr std::array<const char*, 3> k_programs{"sleight", "sleight-batch", "sleightd"};
 
 command_tree::Command tree_of_program(const std::string& name) {
   CLI::App app;
   CommandLine line;
   DirectArguments arguments;
+  std::vector<config::Given> given;
   if (name == k_programs[0]) {
     build_app(app, line);
-  } else {
+  } else if (name == k_programs[1]) {
     build_batch_app(app, arguments);
+  } else {
+    build_daemon_app(app, given);
   }
   return command_tree::tree_of(app);
 }

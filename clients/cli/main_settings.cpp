@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "clients/cli/main_run.h"
+
 namespace sleight::programs {
 namespace {
 
@@ -39,6 +41,19 @@ void add_setting_options(CLI::App& app, std::vector<config::Given>& given) {
            setting.help)
         ->type_name(setting.type);
   }
+}
+
+void build_daemon_app(CLI::App& app, std::vector<config::Given>& given) {
+  app.name("sleightd");
+  app.description(
+      "Sleight's service: takes direction requests as jobs and runs them on this machine.\n"
+      "`sleight server start` starts it in the background.");
+  app.set_version_flag("--version", version_text());
+  add_setting_options(app, given);
+  app.footer(
+      "`sleight config` shows the settings that hold and where each comes from.\n\nExamples:\n"
+      "  sleightd\n"
+      "  sleightd --state /scratch/ada/sleight --cores 8 --memory 24GB");
 }
 
 }  // namespace sleight::programs

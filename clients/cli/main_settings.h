@@ -13,4 +13,7 @@ namespace sleight::programs {
 /// command line's options. REQUIRES: `given` lives as long as the app.
 void add_setting_options(CLI::App& app, std::vector<config::Given>& given);
 
+/// The command line of `sleightd`: with those options alone. REQUIRES: likewise.
+void build_daemon_app(CLI::App& app, std::vector<config::Given>& given);
+
 }  // namespace sleight::programs

@@ -80,17 +80,9 @@ int serve(const config::Settings& settings) {
 
 int main_of(int argc, char** argv) {
   note_what_repeats(argc, argv);
-  CLI::App app{
-      "Sleight's service: takes direction requests as jobs and runs them on this machine.\n"
-      "`sleight server start` starts it in the background."};
-  app.name("sleightd");
-  app.set_version_flag("--version", version_text());
+  CLI::App app;
   std::vector<config::Given> given;
-  add_setting_options(app, given);
-  app.footer(
-      "`sleight config` shows the settings that hold and where each comes from.\n\nExamples:\n"
-      "  sleightd\n"
-      "  sleightd --state /scratch/ada/sleight --cores 8 --memory 24GB");
+  build_daemon_app(app, given);
   try {
     cli::occupy_standard_streams();
     try {

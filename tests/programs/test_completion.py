@@ -132,7 +132,7 @@ class Completion(ProgramTest):
 
     def test_bash_beside_bash_completion(self):
         """bash-completion loads the scripts by itself, from where packages put them."""
-        for name in ("sleight", "sleight-batch"):
+        for name in ("sleight", "sleight-batch", "sleightd"):
             self.write_script(self.home / ".local/share/bash-completion/completions" / name, "bash",
                               name)
         shell = self.shell(shells.bash, [f"source {BASH_COMPLETION}",
@@ -158,13 +158,13 @@ class Completion(ProgramTest):
         self.judge_without_server(shell, "export NO_SERVER=1")
 
     def test_zsh_from_its_function_path(self):
-        for name in ("sleight", "sleight-batch"):
+        for name in ("sleight", "sleight-batch", "sleightd"):
             self.write_script(self.home / "functions" / f"_{name}", "zsh", name)
         shell = self.shell(shells.zsh, [f"fpath=({self.home}/functions $fpath)", "compinit -u -D"])
         self.judge(shell, REAL)
 
     def test_fish(self):
-        for name in ("sleight", "sleight-batch"):
+        for name in ("sleight", "sleight-batch", "sleightd"):
             self.write_script(self.home / "completions" / f"{name}.fish", "fish", name)
         shell = self.shell(shells.Fish, ["toy completion fish | source",
                                          f"set -p fish_complete_path {self.home}/completions"])
@@ -192,7 +192,8 @@ class ManPages(ProgramTest):
         self.succeed(sleight("man", "--directory", self.folder, env={"SOURCE_DATE_EPOCH": "0"}))
         pages = set(os.listdir(self.folder))
         self.assertLessEqual({"sleight.1", "sleight-direct.1", "sleight-archive.1",
-                              "sleight-archive-export.1", "sleight-config.1", "sleight-batch.1"},
+                              "sleight-archive-export.1", "sleight-config.1", "sleight-batch.1",
+                              "sleightd.1"},
                              pages)
         self.assertNotIn("sleight-man.1", pages)
         self.assertEqual(self.lint().stdout, "")
