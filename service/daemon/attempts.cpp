@@ -45,6 +45,12 @@ std::string signal_words(const keeper::AttemptEnd& end) {
   return "the program ended";
 }
 
+/// As the run store says it, of its own files (common/store).
+bool is_of_damage(const std::string& words) {
+  return words.find(": damaged: ") != std::string::npos ||
+         words.find("is not a run store or is damaged") != std::string::npos;
+}
+
 }  // namespace
 
 Attempts::Attempts(Parts parts) : parts_(std::move(parts)) {}
@@ -266,6 +272,8 @@ jobs::Hindrance Attempts::hindrance_of(jobs::JobId job, const keeper::AttemptEnd
   const bool may_be_room = code == base::ExitCode::environment || !end.run_end;
   const std::string words = said_why ? end.run_end->words : end.not_started;
   if (may_be_room && has_no_room(words)) return jobs::Hindrance::disk_full;
+  if (code == base::ExitCode::environment && is_of_damage(words))
+    return jobs::Hindrance::store_damaged;
   return jobs::Hindrance::none;
 }
 

@@ -82,7 +82,12 @@ struct Running {
   std::string results_version{};  ///< of its run; empty: not known
 };
 /// Why a program couldn't go on, where the daemon could tell.
-enum class Hindrance { none, disk_full, other_results };
+enum class Hindrance {
+  none,
+  disk_full,
+  other_results,
+  store_damaged  ///< what the run had stored can't be read: no attempt would get further
+};
 /// It is gone, with all its processes, and its record has an end.
 struct Ended {
   EndKind kind = EndKind::none;

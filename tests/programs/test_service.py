@@ -121,6 +121,31 @@ class Service(ServiceTest):
                    if event.get("number", 0) > 0 and event["kind"] != "state"]
         self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
 
+    def test_what_the_disk_damaged_is_refused(self):
+        """Goal: neither a damaged archive nor a damaged run passes for a good one. Method: bytes of each are
+        changed on the daemon's disk."""
+        self.serve()
+        number = self.submit(self.write_request(chains=1, scans=400))
+        self.wait(number)
+        archive = self.folder_of(number) / "out.h5"
+        content = bytearray(archive.read_bytes())
+        for at in range(len(content) // 3, len(content) // 3 + 2000):
+            content[at] ^= 0x55
+        archive.write_bytes(content)
+        here = self.path("here.h5")
+        refused = self.ask("fetch", number, "-o", here)
+        self.assertEqual(refused.returncode, 6, refused.stderr)
+        self.assertIn("--so-far", refused.stderr)
+        self.assertFalse(here.exists())
+        self.succeed(self.ask("fetch", number, "--so-far", "-o", here))
+        self.assertEqual(self.digest(here), self.job(number)["digest"])
+        starts = self.job(number)["starts"]
+        (archive.parent / "out.h5.run" / "store.sqlite").write_bytes(b"garbage" * 1000)
+        self.succeed(self.ask("extend", number, "--scans", 500))
+        self.wait(number, 10)
+        self.assertEqual(self.job(number)["starts"], starts + 1)
+        self.assertIn("damaged", self.job(number)["end_words"])
+
     def test_one_daemon_a_folder(self):
         self.serve()
         second = subprocess.run([harness.program("sleightd")], capture_output=True, text=True,
