@@ -5,7 +5,6 @@
 #include <kj/async-io.h>
 #include <kj/async-unix.h>
 #include <kj/debug.h>
-#include <sys/eventfd.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -17,6 +16,7 @@
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/rpc/encoding.h"
+#include "common/rpc/event_descriptor.h"
 #include "common/rpc/from_now.h"
 #include "common/rpc/link.h"
 #include "common/rpc/unix_socket.h"
@@ -42,13 +42,6 @@ capnp::ReaderOptions reader_options() {
   return options;
 }
 
-kj::AutoCloseFd make_eventfd() {
-  const int descriptor = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  if (descriptor < 0)
-    throw base::Error("no event descriptor: " + std::system_category().message(errno));
-  return kj::AutoCloseFd(descriptor);
-}
-
 }  // namespace
 
 struct Client::Impl final : Link {
@@ -69,7 +62,7 @@ struct Client::Impl final : Link {
       : path(std::move(socket_path)),
         options(chosen),
         io(events_of_thread()),
-        interrupts(make_eventfd()),
+        interrupts(make_event_descriptor()),
         observer(io->unixEventPort, interrupts.get(), kj::UnixEventPort::FdObserver::OBSERVE_READ) {
   }
 
@@ -136,10 +129,7 @@ struct Client::Impl final : Link {
     }
   }
 
-  bool take_interrupt() {
-    std::uint64_t count = 0;
-    return ::read(interrupts.get(), &count, sizeof count) == sizeof count;
-  }
+  bool take_interrupt() { return drain_events(interrupts.get()) > 0; }
 
   // ----------------------------------------------------------------------------------- connecting
 

@@ -25,17 +25,11 @@ Refusal broken_answer() {
           .what_to_do = "Its log may say more."};
 }
 
-bool is_plain_name(const std::string& name) {
-  return !name.empty() && name.front() != '.' && name.size() <= k_name_bytes_max &&
-         std::none_of(name.begin(), name.end(),
-                      [](char c) { return c == '/' || static_cast<unsigned char>(c) < 0x20; });
-}
-
 void check_view(const FileView& view) {
   const bool is_hexadecimal =
       view.sha256.size() == k_sha256_digits &&
       view.sha256.find_first_not_of("0123456789abcdef") == std::string::npos;
-  if (!is_hexadecimal || !is_plain_name(view.name)) throw RefusedError(broken_answer());
+  if (!is_hexadecimal || !is_file_name(view.name)) throw RefusedError(broken_answer());
 }
 
 /// One fetch over all its connections.

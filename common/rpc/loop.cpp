@@ -2,7 +2,6 @@
 
 #include <poll.h>
 #include <signal.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <array>
@@ -14,6 +13,7 @@
 
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/rpc/event_descriptor.h"
 #include "common/rpc/from_now.h"
 #include "common/rpc/loop_impl.h"
 
@@ -38,20 +38,6 @@ void heard_signal(int signal) {
     [[maybe_unused]] const auto written = ::write(signal_target.load(), &unit, sizeof unit);
   }
   errno = saved;
-}
-
-kj::AutoCloseFd make_eventfd() {
-  const int descriptor = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  if (descriptor < 0) {
-    throw base::Error("no event descriptor: " + std::system_category().message(errno) +
-                      "; raise the limit of open files (ulimit -n)");
-  }
-  return kj::AutoCloseFd(descriptor);
-}
-
-std::uint64_t drain(int descriptor) {
-  std::uint64_t count = 0;
-  return ::read(descriptor, &count, sizeof count) == sizeof count ? count : 0;
 }
 
 bool is_readable(int descriptor) {
@@ -148,7 +134,7 @@ void Loop::Handle::end() {
 
 Loop::Impl::Impl()
     : io(kj::setupAsyncIo()),
-      wake_descriptor(make_eventfd()),
+      wake_descriptor(make_event_descriptor()),
       wakes(io.unixEventPort, wake_descriptor.get(), kj::UnixEventPort::FdObserver::OBSERVE_READ),
       tasks(*this) {
   tasks.add(look_at_wake());
@@ -197,7 +183,7 @@ void Loop::Impl::run_posted() {
 
 kj::Promise<void> Loop::Impl::look_at_wake() {
   return wakes.whenBecomesReadable().then([this]() -> kj::Promise<void> {
-    drain(wake_descriptor.get());
+    drain_events(wake_descriptor.get());
     run_posted();
     if (is_stopped && running) running->fulfill();
     return look_at_wake();
@@ -206,7 +192,7 @@ kj::Promise<void> Loop::Impl::look_at_wake() {
 
 kj::Promise<void> Loop::Impl::look_at_signals() {
   return signals->whenBecomesReadable().then([this]() -> kj::Promise<void> {
-    const std::uint64_t heard = drain(signal_descriptor.get());
+    const std::uint64_t heard = drain_events(signal_descriptor.get());
     for (std::size_t i = 0; i < k_stop_signals.size(); ++i) {
       if ((heard / signal_unit(i)) % signal_unit(1) > 0)
         call([this, i] { on_signal(k_stop_signals[i]); });
@@ -273,7 +259,7 @@ void Loop::post(Callback callback) {
 
 void Loop::on_stop_signals(std::function<void(int signal)> callback) {
   CHECK_EQ(signal_target.load(), -1);
-  impl_->signal_descriptor = make_eventfd();
+  impl_->signal_descriptor = make_event_descriptor();
   impl_->on_signal = std::move(callback);
   impl_->signals = kj::heap<kj::UnixEventPort::FdObserver>(
       impl_->io.unixEventPort, impl_->signal_descriptor.get(),

@@ -1,5 +1,6 @@
 #include "common/rpc/service.h"
 
+#include <algorithm>
 #include <array>
 
 namespace sleight::rpc {
@@ -19,6 +20,12 @@ std::string_view name_of(RefusalKind kind) {
 
 std::string_view name_of(JobState state) {
   return k_state_names.at(static_cast<std::size_t>(state));
+}
+
+bool is_file_name(std::string_view name) {
+  return !name.empty() && name.front() != '.' && name.size() <= k_name_bytes_max &&
+         std::none_of(name.begin(), name.end(),
+                      [](char c) { return c == '/' || static_cast<unsigned char>(c) < 0x20; });
 }
 
 std::optional<JobState> job_state_of(std::string_view name) {

@@ -350,4 +350,8 @@ inline constexpr std::size_t k_piece_bytes_max = 1U << 20U;
 inline constexpr std::size_t k_text_bytes_max = 64U << 10U;
 inline constexpr std::size_t k_history_max = 1000;
 
+/// Whether a fetched file may be called so: a name in a folder, not hidden, without control
+/// characters, at most k_name_bytes_max long.
+bool is_file_name(std::string_view name);
+
 }  // namespace sleight::rpc

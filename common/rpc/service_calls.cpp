@@ -143,11 +143,6 @@ struct Serving {
 
 // ------------------------------------------------------------------------------------------- files
 
-bool is_plain_name(const std::string& name) {
-  return !name.empty() && name.front() != '.' && name.size() < k_name_bytes_max &&
-         name.find('/') == std::string::npos && name.find('\0') == std::string::npos;
-}
-
 class FileCalls final : public generated::File::Server {
  public:
   FileCalls(Serving serving, std::unique_ptr<Source> source)
@@ -333,7 +328,7 @@ class ServiceCalls final : public generated::Service::Server {
           const std::size_t count = fetched.files.size();
           if (count > k_fetch_files_max) return failed();
           for (const auto& file : fetched.files) {
-            if (!is_plain_name(file->view().name)) return failed();
+            if (!is_file_name(file->view().name)) return failed();
           }
           if (serving.conversation->sources + count > serving.calls->limits.sources_max) {
             return Refusal{.kind = RefusalKind::limit,

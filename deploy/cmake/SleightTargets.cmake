@@ -1,9 +1,12 @@
 # How a folder declares what it holds.
 #
-#   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen... [DECIDES_NOTHING])   one per folder
+#   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen... [DECIDES_NOTHING] [TOGETHER])   one per folder
 #   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
 #   sleight_program_parts(mains SOURCES main_run.cpp LINKS ...)       that several programs share
 #   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds] [COMPUTES])
+#
+# Sources of programs' parts, and of libraries and tests that say TOGETHER, are compiled a few at a time;
+# all three take APART (SleightTogether.cmake).
 #
 # A test's own objects are built with less optimisation than what they test, as compiling them takes
 # longer than running them; COMPUTES says that it is the other way round.
@@ -19,12 +22,15 @@ function(sleight_folder_name out)
 endfunction()
 
 function(sleight_library)
-  cmake_parse_arguments(ARG "DECIDES_NOTHING" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "DECIDES_NOTHING;TOGETHER" "" "SOURCES;LINKS;APART" ${ARGN})
   sleight_folder_name(name)
   if(ARG_SOURCES)
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PUBLIC sleight_options ${ARG_LINKS})
     target_precompile_headers(${name} REUSE_FROM sleight_precompiled_products)
+    if(ARG_TOGETHER)
+      sleight_compile_together(${name} APART ${ARG_APART})
+    endif()
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE sleight_options ${ARG_LINKS})
@@ -45,14 +51,15 @@ endfunction()
 
 # What programs have in common of their mains, compiled once: like these it may join the sides.
 function(sleight_program_parts name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;APART" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC sleight_options ${ARG_LINKS})
   target_precompile_headers(${name} REUSE_FROM sleight_precompiled_products)
+  sleight_compile_together(${name} APART ${ARG_APART})
 endfunction()
 
 function(sleight_test)
-  cmake_parse_arguments(ARG "COMPUTES" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES;TOGETHER" "TIMEOUT" "SOURCES;LINKS;LABELS;APART" ${ARGN})
   sleight_folder_name(name)
   set(kind tests)
   if(ARG_COMPUTES)
@@ -62,6 +69,9 @@ function(sleight_test)
   target_link_libraries(${name} PRIVATE sleight_options sleight_options_${kind} ${ARG_LINKS}
     tests_support)
   target_precompile_headers(${name} REUSE_FROM sleight_precompiled_${kind})
+  if(ARG_TOGETHER)
+    sleight_compile_together(${name} APART ${ARG_APART})
+  endif()
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(NOT ARG_TIMEOUT)
