@@ -98,12 +98,11 @@ Verdict judge_error(const Job& job, const Ended& ended, const Surroundings& arou
       (code == ExitCode::environment && around.is_disk_low))
     return is_hindered(job, Reason::disk_full, k_disk_full);
   if (ended.hindrance == Hindrance::store_damaged)
-    return fails(
-        job, Reason::refused_by_program,
-        with_log(fmt::format("What the run had stored is damaged: {} Submit it anew; what "
-                             "archives it wrote are still there (`sleight fetch {}`).",
-                             ended.words, job.id),
-                 {}, ended.repeat));
+    return fails(job, Reason::refused_by_program,
+                 with_log(fmt::format("What the run had stored is damaged: {} Submit it anew; what "
+                                      "archives it wrote are still there (`sleight fetch {}`).",
+                                      ended.words, job.id),
+                          {}, ended.repeat));
   if (code == ExitCode::usage || code == ExitCode::bad_request || code == ExitCode::bad_archive)
     return fails(
         job, Reason::refused_by_program,
