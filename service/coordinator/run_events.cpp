@@ -103,13 +103,11 @@ void RunEvents::log(events::RunEvent event) {
     const std::scoped_lock lock(mutex_);
     if (stop_) return;
     if (event.number == 0) {
-      std::erase_if(newest_, [&](const events::RunEvent& other) {
-        return other.what.index() == event.what.index();
+      std::erase_if(waiting_, [&](const events::RunEvent& other) {
+        return other.number == 0 && other.what.index() == event.what.index();
       });
-      newest_.push_back(std::move(event));
-    } else if (numbered_.size() < k_lines_waiting_max) {
-      numbered_.push_back(std::move(event));
     }
+    if (waiting_.size() < k_lines_waiting_max) waiting_.push_back(std::move(event));
     try {
       if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
     } catch (const std::system_error& failure) {
@@ -133,14 +131,11 @@ void RunEvents::work() {
   events::EventLog log(folder_);
   std::unique_lock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [&] { return stop_ || !numbered_.empty() || !newest_.empty(); });
-    if (numbered_.empty() && newest_.empty()) return;
-    const std::deque<events::RunEvent> numbered = std::exchange(numbered_, {});
-    const std::vector<events::RunEvent> newest = std::exchange(newest_, {});
+    changed_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    const std::deque<events::RunEvent> taken = std::exchange(waiting_, {});
     lock.unlock();
-    for (const events::RunEvent& event : numbered)
-      log.append(event);
-    for (const events::RunEvent& event : newest)
+    for (const events::RunEvent& event : taken)
       log.append(event);
     lock.lock();
   }

@@ -86,8 +86,7 @@ class RunEvents {
 
   std::mutex mutex_;  ///< of all below
   std::condition_variable changed_;
-  std::deque<events::RunEvent> numbered_;  ///< for the log
-  std::vector<events::RunEvent> newest_;   ///< without numbers, one of each kind
+  std::deque<events::RunEvent> waiting_;   ///< for the log; without numbers one of each kind
   std::vector<events::RunEvent> to_hear_;  ///< committed
   bool stop_ = false;
   std::thread thread_;
