@@ -49,6 +49,9 @@ class Shell:
         self.type(line + "\t")
         self.type("\x18m")  # prints the mark, as set up
         text = self.read_until("MARK.")
+        # Until zsh shows the line again, the terminal itself would take the next key.
+        self.read_until(PROMPT)
+        self.unread = PROMPT + self.unread
         self.type("\x15\n")  # the line is given up
         return [row.strip() for row in text.splitlines()
                 if row.strip() and PROMPT.strip() not in row]
