@@ -1,7 +1,7 @@
 """The service's figures of docs/MEASUREMENTS.md: calls a second with many jobs, what an idle daemon takes
 up, how long until a submitted job commits, and what a job costs beside the same run by hand.
 
-    tests/bench/service_figures.py --bin build/release/bin [--jobs 10000] [--pairs 9]
+    tests/bench/service_figures.py --bin build/release/bin [--jobs 10000] [--pairs 15]
 """
 
 import argparse
@@ -18,7 +18,8 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 parser.add_argument("--bin", type=pathlib.Path, required=True)
 parser.add_argument("--jobs", type=int, default=10_000)
 parser.add_argument("--seconds", type=float, default=5)
-parser.add_argument("--pairs", type=int, default=9)
+parser.add_argument("--pairs", type=int, default=15)
+parser.add_argument("--only-cost", action="store_true", help="the last one alone")
 arguments = parser.parse_args()
 
 REQUEST = """
@@ -109,29 +110,39 @@ def committed(store):
 
 
 def cost():
-    """A job beside the same command by hand, in turns: processor time of everything, daemon included."""
+    """A job beside the same command by hand, in turns and either first: processor time of everything, daemon
+    included."""
     daemon = Daemon("--cores", "1")
-    shares = []
-    for seed in range(1, arguments.pairs + 1):
-        request = write_request(daemon.folder, seed, 6000)
+
+    def by_hand(request, seed):
         before = os.times()
         subprocess.run([arguments.bin / "sleight", "direct", request, "-o",
                         daemon.folder / f"{seed}.h5", "-q", "-j", "1"], check=True,
                        env=daemon.environment, stdout=subprocess.DEVNULL)
         after = os.times()
-        by_hand = (after.children_user + after.children_system
-                   - before.children_user - before.children_system)
+        return (after.children_user + after.children_system
+                - before.children_user - before.children_system)
+
+    def as_job(request, _):
         before = daemon.processor_s()
         number = json.loads(daemon.ask("submit", request, "--json").stdout)["id"]
         daemon.ask("wait", number)
         record = json.loads((daemon.folder / f"state/jobs/{number}/attempt.json").read_text())
-        as_job = record["end"]["processor_s"] + daemon.processor_s() - before
-        shares.append(as_job / by_hand)
-    print(f"a job's processor time beside that by hand, {arguments.pairs} pairs: median "
-          f"{statistics.median(shares):.3f}, from {min(shares):.3f} to {max(shares):.3f}")
+        return record["end"]["processor_s"] + daemon.processor_s() - before
+
+    shares = []
+    for seed in range(1, arguments.pairs + 1):
+        request = write_request(daemon.folder, seed, 60_000)
+        ways = [by_hand, as_job] if seed % 2 else [as_job, by_hand]
+        took = {way: way(request, seed) for way in ways}
+        shares.append(took[as_job] / took[by_hand])
+    print(f"a job's processor time beside that by hand, {arguments.pairs} pairs of about "
+          f"{took[by_hand]:.1f} s: median {statistics.median(shares):.4f}, quartiles "
+          f"{statistics.quantiles(shares)[0]:.4f} and {statistics.quantiles(shares)[2]:.4f}")
     daemon.end()
 
 
-many_jobs()
-first_commits()
+if not arguments.only_cost:
+    many_jobs()
+    first_commits()
 cost()
