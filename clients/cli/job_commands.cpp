@@ -106,6 +106,13 @@ int touch_and_tell(
   });
 }
 
+/// In place of what the state has for a reason, which says nothing of this.
+std::vector<rpc::Touched> told(std::vector<rpc::Touched> touched, const std::string& words) {
+  for (rpc::Touched& one : touched)
+    one.words = words;
+  return touched;
+}
+
 int watch_named(const std::string& socket, const JobsOptions& options, std::uint64_t from_number,
                 bool quiet) {
   const std::vector<JobName> names = read_job_names(options.jobs);
@@ -219,20 +226,14 @@ int resume(const std::string& socket, const JobsOptions& options) {
 
 int pin(const std::string& socket, const PinOptions& options) {
   return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
-    std::vector<rpc::Touched> touched = client.pin(job, !options.off);
-    // What the state has for a reason says nothing of the pin.
-    for (rpc::Touched& one : touched)
-      one.words = options.off ? "not pinned" : "pinned";
-    return touched;
+    return told(client.pin(job, !options.off), options.off ? "not pinned" : "pinned");
   });
 }
 
 int set_priority(const std::string& socket, const PriorityOptions& options) {
   return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
-    std::vector<rpc::Touched> touched = client.set_priority(job, options.priority);
-    for (rpc::Touched& one : touched)
-      one.words = fmt::format("priority {}", options.priority);
-    return touched;
+    return told(client.set_priority(job, options.priority),
+                fmt::format("priority {}", options.priority));
   });
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "common/store/damage.h"
 
 namespace sleight::store {
 namespace {
@@ -120,8 +121,8 @@ std::int64_t checksum_of_text(std::string_view place, std::string_view text) {
 }
 
 void refuse_damaged(const std::string& path, const std::string& what) {
-  throw base::Error(fmt::format(
-      "{}: damaged: {}; restore it from a backup, or start over with --fresh", path, what));
+  throw base::Error(fmt::format("{}{}{}; restore it from a backup, or start over with --fresh",
+                                path, k_damaged_words, what));
 }
 
 }  // namespace sleight::store

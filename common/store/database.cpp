@@ -10,6 +10,7 @@
 #include "common/base/check.h"
 #include "common/base/file_system.h"
 #include "common/base/network_disk.h"
+#include "common/store/damage.h"
 
 namespace sleight::store {
 namespace {
@@ -38,7 +39,7 @@ DatabaseError::Kind kind_of(int basic_code) {
   if (basic == SQLITE_IOERR) advice = "; check the disk, then run the same command again to go on";
   if (basic == SQLITE_CANTOPEN) advice = "; check that the folder exists and can be written";
   if (basic == SQLITE_NOTADB || basic == SQLITE_CORRUPT) {
-    advice = "; it is not a run store or is damaged: use --fresh, or another output";
+    advice = fmt::format("; {}: use --fresh, or another output", k_no_store_words);
   }
   const char* reason = connection != nullptr ? sqlite3_errmsg(connection) : sqlite3_errstr(code);
   throw DatabaseError(fmt::format("{}: {}{}", path, reason, advice), kind_of(basic), reason);

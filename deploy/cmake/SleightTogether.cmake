@@ -7,18 +7,15 @@
 # their flags and files are read object by object (SleightResultsVersion.cmake).
 option(SLEIGHT_TOGETHER "Compile sources of shells and tests a few at a time" ON)
 
-#   sleight_compile_together(TARGET [AT_ONCE n] [APART a.cpp b.cpp])
-# In the order in which the sources are listed. Those that are APART have a name of their file's alone,
-# in an unnamed namespace, that a neighbour has as well, or flags of their own.
+#   sleight_compile_together(TARGET [APART a.cpp b.cpp])
+# Eight at a time, in the order in which they are listed. Those that are APART have a name of their
+# file's alone, in an unnamed namespace, that a neighbour has as well.
 function(sleight_compile_together target)
-  cmake_parse_arguments(ARG "" "AT_ONCE" "APART" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "APART" ${ARGN})
   if(NOT SLEIGHT_TOGETHER)
     return()
   endif()
-  if(NOT ARG_AT_ONCE)
-    set(ARG_AT_ONCE 8)
-  endif()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_AT_ONCE})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   if(ARG_APART)
     set_source_files_properties(${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()

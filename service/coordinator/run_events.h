@@ -38,7 +38,7 @@ namespace sleight::coordinator {
 
 /// Progress goes into the log so often; the listener gets all.
 inline constexpr double k_progress_logged_every_s = 1;
-/// Numbered lines that may wait for the log.
+/// Lines that may wait for the log.
 inline constexpr std::size_t k_lines_waiting_max = 10'000;
 
 class RunEvents {

@@ -11,6 +11,7 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/logging/log.h"
+#include "common/store/damage.h"
 #include "common/store/sessions.h"
 #include "service/daemon/program_version.h"
 
@@ -43,12 +44,6 @@ std::string signal_words(const keeper::AttemptEnd& end) {
   if (end.signal) return fmt::format("the program was killed by signal {}", *end.signal);
   if (end.exit_code) return fmt::format("the program exited with {}", *end.exit_code);
   return "the program ended";
-}
-
-/// As the run store says it, of its own files (common/store).
-bool is_of_damage(const std::string& words) {
-  return words.find(": damaged: ") != std::string::npos ||
-         words.find("is not a run store or is damaged") != std::string::npos;
 }
 
 }  // namespace
@@ -272,7 +267,7 @@ jobs::Hindrance Attempts::hindrance_of(jobs::JobId job, const keeper::AttemptEnd
   const bool may_be_room = code == base::ExitCode::environment || !end.run_end;
   const std::string words = said_why ? end.run_end->words : end.not_started;
   if (may_be_room && has_no_room(words)) return jobs::Hindrance::disk_full;
-  if (code == base::ExitCode::environment && is_of_damage(words))
+  if (code == base::ExitCode::environment && store::tells_of_damage(words))
     return jobs::Hindrance::store_damaged;
   return jobs::Hindrance::none;
 }

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "common/base/error.h"
+#include "common/store/damage.h"
 #include "common/store/run_store.h"
 #include "tests/unit/common/store/examples.h"
 
@@ -136,14 +137,16 @@ TEST_F(RunStoreSessions, SeeNoHalfOfAUnit) {
 TEST_F(RunStoreSessions, NeedAFolderAndADatabase) {
   // Goal: what is no run store is refused and not written to. Method: a missing folder, and a
   // file of text where the store would be.
-  EXPECT_THAT(failure_of(base::ExitCode::environment,
-                         [&] { RunStore(path("missing"), example_identity(1)); }),
-              HasSubstr(path("missing")));
+  const std::string missing = failure_of(base::ExitCode::environment,
+                                         [&] { RunStore(path("missing"), example_identity(1)); });
+  EXPECT_THAT(missing, HasSubstr(path("missing")));
+  EXPECT_FALSE(tells_of_damage(missing)) << missing;
   const std::string text(8192, 't');
   put_bytes(RunStore::database_path(folder()), text);
-  EXPECT_THAT(
-      failure_of(base::ExitCode::environment, [&] { RunStore(folder(), example_identity(1)); }),
-      HasSubstr("not a run store"));
+  const std::string no_store =
+      failure_of(base::ExitCode::environment, [&] { RunStore(folder(), example_identity(1)); });
+  EXPECT_THAT(no_store, HasSubstr("not a run store"));
+  EXPECT_TRUE(tells_of_damage(no_store)) << no_store;
   EXPECT_EQ(bytes_of(RunStore::database_path(folder())), text);
 }
 

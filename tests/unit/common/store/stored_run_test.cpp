@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "common/store/damage.h"
 #include "common/store/run_store.h"
 #include "tests/unit/common/store/examples.h"
 
@@ -189,6 +190,7 @@ TEST_F(StoredRunOf, ChangedRowsAreDamage) {
       FAIL() << change;
     } catch (const base::Error& error) {
       EXPECT_THAT(error.what(), ::testing::HasSubstr("damaged: scan 0 of chain 0")) << change;
+      EXPECT_TRUE(tells_of_damage(error.what())) << change;
     }
     try {
       RunStore store(place, example_identity(1));
