@@ -11,6 +11,7 @@
 
 #include "common/hash/sha256.h"
 #include "common/rpc/client.h"
+#include "common/rpc/link.h"
 #include "common/rpc/part_file.h"
 #include "tests/unit/common/rpc/fake_service.h"
 
@@ -226,6 +227,43 @@ TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
                is_refused = !answer.ok();
              }));
   EXPECT_TRUE(is_refused);
+}
+
+/// A service that is cut off in the first call, away in the second, and back in the third.
+class CutLink final : public Link {
+ public:
+  std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>&) override { return {}; }
+  ArrivedFiles fetch(const FetchAsk&) override {
+    ++calls;
+    if (calls == 1 && !is_never_there) throw Lost("cut");
+    if (calls <= 2) throw NoServer("away");
+    return {
+        .files = {{.name = "a.h5", .size = content.size(), .sha256 = hash::sha256_hex(content)}}};
+  }
+  base::Bytes read(std::size_t, std::uint64_t offset, std::uint32_t bytes) override {
+    const auto* first = reinterpret_cast<const std::byte*>(content.data()) + offset;
+    return {first, first + bytes};
+  }
+  void pause(double seconds) override { now += seconds; }
+  double now_s() const override { return now; }
+
+  const std::string content = "content";
+  bool is_never_there = false;
+  int calls = 0;
+  double now = 0;
+};
+
+TEST_F(FetchTest, AFirstCallThatIsCutIsRepeated) {
+  // Goal: a daemon that is killed in a fetch's first call is waited for; one that never was there
+  // is not. Method: a link that loses the first call, then finds nobody; one that finds nobody at
+  // once.
+  CutLink cut;
+  EXPECT_EQ(fetch_file_over(cut, {}, archive, path("out/a.h5"), {}, {}).how, Waited::settled);
+  EXPECT_EQ(cut.calls, 3);
+  EXPECT_EQ(read(path("out/a.h5")), cut.content);
+  CutLink nobody;
+  nobody.is_never_there = true;
+  EXPECT_THROW(fetch_file_over(nobody, {}, archive, path("out/b.h5"), {}, {}), NoServer);
 }
 
 }  // namespace
