@@ -79,7 +79,8 @@ class Service(ServiceTest):
         self.succeed(self.ask("hold", number))
         self.until(lambda: self.job(number)["state"] == "held")
         so_far = self.path("so_far.h5")
-        self.succeed(self.ask("fetch", number, "--so-far", "-o", so_far))
+        fetched = self.succeed(self.ask("fetch", number, "--so-far", "-o", so_far))
+        self.assertIn(f"as of now: job {number} is held", fetched.stdout)
         scans = self.info(so_far)["scans"]
         exact = self.write_request("exact.toml", chains=2, scans=scans, iterations_per_scan=400)
         self.assertEqual(self.digest(so_far), self.quiet_digest(exact))
@@ -122,8 +123,8 @@ class Service(ServiceTest):
         self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
 
     def test_what_the_disk_damaged_is_refused(self):
-        """Goal: neither a damaged archive nor a damaged run passes for a good one. Method: bytes of each are
-        changed on the daemon's disk."""
+        """Goal: neither a damaged archive, nor another job's, nor a damaged run passes for a good one. Method:
+        bytes of each are changed on the daemon's disk; a sound archive of another seed in its place."""
         self.serve()
         number = self.submit(self.write_request(chains=1, scans=400))
         self.wait(number)
@@ -136,6 +137,13 @@ class Service(ServiceTest):
         refused = self.ask("fetch", number, "-o", here)
         self.assertEqual(refused.returncode, 6, refused.stderr)
         self.assertIn("--so-far", refused.stderr)
+        self.assertFalse(here.exists())
+        self.direct(self.write_request("other.toml", chains=1, scans=400), self.path("other.h5"),
+                    "--seed", 7)
+        archive.write_bytes(self.path("other.h5").read_bytes())
+        refused = self.ask("fetch", number, "-o", here)
+        self.assertEqual(refused.returncode, 6, refused.stderr)
+        self.assertIn("its digest is " + self.digest(self.path("other.h5")), refused.stderr)
         self.assertFalse(here.exists())
         self.succeed(self.ask("fetch", number, "--so-far", "-o", here))
         self.assertEqual(self.digest(here), self.job(number)["digest"])
