@@ -56,7 +56,7 @@ std::string words(rpc::JobId, const events::ArchiveWritten& archive) {
 
 std::string words(rpc::JobId, const events::RunEnd& end) {
   std::string text = fmt::format("session {} ended: {}", end.epoch, events::name_of(end.end));
-  if (!end.words.empty()) text += ". " + shown(end.words);
+  if (!end.words.empty()) text += ". " + shown_on_one_line(end.words);
   return text;
 }
 
@@ -69,7 +69,7 @@ std::string words_of_event(rpc::JobId job, const events::RunEvent& event) {
 std::string words_of_change(const rpc::StateChange& change) {
   std::string text(rpc::name_of(change.state));
   if (change.attempt > 1) text += fmt::format(", start {}", change.attempt);
-  if (!change.reason.empty()) text += ": " + shown(change.reason);
+  if (!change.reason.empty()) text += ": " + shown_on_one_line(change.reason);
   return text;
 }
 

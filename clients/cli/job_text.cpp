@@ -253,7 +253,7 @@ std::string job_text(const rpc::JobView& job) {
   lines.add("spent", job.core_s > 0 ? events::clock_time(job.core_s) + " of processor time" : "");
   lines.add("kept", kept_line(job));
   lines.add("archive", job.digest.empty() ? "" : "digest " + shown(job.digest));
-  lines.add("at the end", shown(job.end_words));
+  lines.add("at the end", shown_on_one_line(job.end_words));
   for (const std::string& line : job.last_log_lines)
     lines.add("log", shown(line));
   lines.add("to repeat it", shown(job.repeat_command));
@@ -271,9 +271,10 @@ std::string history_text(const rpc::JobView& job) {
                               {.head = "REASON"}},
                   .rows = {}};
   for (const rpc::StateChange& change : job.history) {
-    table.rows.push_back(
-        {fmt::format("{}", change.number), local_time(change.time_s), state_name(change.state),
-         change.attempt > 0 ? fmt::format("{}", change.attempt) : "", shown(change.reason)});
+    table.rows.push_back({fmt::format("{}", change.number), local_time(change.time_s),
+                          state_name(change.state),
+                          change.attempt > 0 ? fmt::format("{}", change.attempt) : "",
+                          shown_on_one_line(change.reason)});
   }
   return to_text(table, std::nullopt);
 }
@@ -288,14 +289,15 @@ std::string end_line(const rpc::JobView& job) {
   if (job.core_s > 0) parts.push_back(events::clock_time(job.core_s) + " of processor time");
   std::string line = fmt::format("{} {} {}", job.id, name_of_job(job), state_name(job.state));
   if (!parts.empty()) line += fmt::format(": {}", fmt::join(parts, ", "));
-  const std::string words = job.end_words.empty() ? reason_of(job) : shown(job.end_words);
+  const std::string words =
+      job.end_words.empty() ? reason_of(job) : shown_on_one_line(job.end_words);
   if (job.state != rpc::JobState::done && !words.empty()) line += fmt::format(". {}", words);
   return line;
 }
 
 std::string touched_line(const rpc::Touched& touched) {
   std::string line = fmt::format("{} {}", touched.job, state_name(touched.state));
-  if (!touched.words.empty()) line += ": " + shown(touched.words);
+  if (!touched.words.empty()) line += ": " + shown_on_one_line(touched.words);
   return line;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -67,6 +68,13 @@ std::string words_of(const rpc::Refusal& refusal) {
   std::string words = shown(refusal.sentence);
   if (!refusal.what_to_do.empty()) words += fmt::format(" {}", shown(refusal.what_to_do));
   return words;
+}
+
+std::string shown_on_one_line(std::string text) {
+  while (!text.empty() && text.back() == '\n')
+    text.pop_back();
+  std::ranges::replace(text, '\n', ' ');
+  return shown(text);
 }
 
 std::string shown(std::string_view text) {

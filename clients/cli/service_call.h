@@ -26,6 +26,8 @@ std::string words_of(const rpc::Refusal& refusal);
 
 /// Text of the service on one line, fit for a terminal.
 std::string shown(std::string_view text);
+/// Likewise, of text that may have several lines: they become one.
+std::string shown_on_one_line(std::string text);
 
 /// A line on stderr; where that is lost, the exit code still tells.
 void complain(const std::string& line);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace sleight::cli {
@@ -104,10 +105,21 @@ Json to_json(const rpc::Submitted& submitted) {
   return {{"id", std::move(id)}, {"group", group_json(submitted.group)}, {"ids", std::move(ids)}};
 }
 
+namespace {
+
+/// "core-hours of a user" as a key: core_hours_of_a_user.
+std::string key_of(std::string words) {
+  std::ranges::replace_if(
+      words, [](char c) { return c == ' ' || c == '-' || c == ','; }, '_');
+  return words;
+}
+
+}  // namespace
+
 Json to_json(const rpc::ServerView& server) {
   Json limits = Json::object();
   for (const rpc::NamedLimit& limit : server.limits)
-    limits[limit.name] = limit.value;
+    limits[key_of(limit.name)] = limit.value;
   Json jobs = Json::object();
   for (const rpc::StateCount& count : server.counts)
     jobs[std::string(rpc::name_of(count.state))] = count.count;

@@ -54,6 +54,15 @@ void Attempts::tell(jobs::Input input) {
   parts_.loop.post([this, input = std::move(input)]() mutable { parts_.hear(std::move(input)); });
 }
 
+void Attempts::tell_launch_failed(jobs::JobId job, jobs::Attempt attempt,
+                                  const std::string& words) {
+  tell(jobs::LaunchFailed{
+      .job = job,
+      .attempt = attempt,
+      .hindrance = has_no_room(words) ? jobs::Hindrance::disk_full : jobs::Hindrance::none,
+      .words = words});
+}
+
 void Attempts::launch(const jobs::Launch& launch) {
   const std::string folder = parts_.folders.folder(launch.job);
   try {
@@ -71,13 +80,34 @@ void Attempts::launch(const jobs::Launch& launch) {
         .strict = text.strict,
     };
     follow(launch.job, launch.attempt, parts_.backend.launch(spec), false);
-    tell(jobs::Launched{.job = launch.job, .attempt = launch.attempt});
+    await_begin(launch.job, launch.attempt);
   } catch (const base::Error& failure) {
-    tell(jobs::LaunchFailed{.job = launch.job,
-                            .attempt = launch.attempt,
-                            .hindrance = has_no_room(failure.what()) ? jobs::Hindrance::disk_full
-                                                                     : jobs::Hindrance::none,
-                            .words = failure.what()});
+    tell_launch_failed(launch.job, launch.attempt, failure.what());
+  }
+}
+
+/// Until the keeper has its record it may end and leave nothing: then nothing has begun.
+void Attempts::await_begin(jobs::JobId job, jobs::Attempt attempt) {
+  const auto run = running_.find(job);
+  if (run == running_.end() || run->second.attempt != attempt || run->second.has_begun) return;
+  if (look_whether_begun(job, attempt)) {
+    run->second.has_begun = true;
+    again_.erase(job);
+    tell(jobs::Launched{.job = job, .attempt = attempt});
+    return;
+  }
+  again_[job] =
+      parts_.loop.call_later(k_again_s, [this, job, attempt] { await_begin(job, attempt); });
+}
+
+/// Whether the attempt has a record, or is found to be another's: `see` tells of that.
+bool Attempts::look_whether_begun(jobs::JobId job, jobs::Attempt attempt) {
+  try {
+    return parts_.backend
+        .look(parts_.folders.folder(job), static_cast<std::uint32_t>(attempt.value))
+        .record.has_value();
+  } catch (const base::Error&) {
+    return false;  // looks that the machine asks for say so
   }
 }
 
@@ -157,6 +187,7 @@ void Attempts::follow(jobs::JobId job, jobs::Attempt attempt, keeper::RunningKee
   run.attempt = attempt;
   run.since_s = parts_.clock.now_s();
   run.is_found = is_found;
+  run.has_begun = is_found;
   // Of the program that was started; the one on the disk may be another by now.
   run.results_version = is_found ? run_results_version(job) : results_version_;
   const auto& progress = parts_.feeds.of(job).progress();
@@ -171,9 +202,25 @@ void Attempts::keeper_gone(jobs::JobId job) {
   const auto run = running_.find(job);
   if (run == running_.end()) return;
   const jobs::Attempt attempt = run->second.attempt;
+  const bool had_begun = run->second.has_begun;
   run->second.gone = {};
-  see(job, attempt);
+  if (had_begun || !tell_unbegun(job, attempt)) see(job, attempt);
   running_.erase(job);
+}
+
+/// Of a keeper that has gone: tells of an attempt without a record that it couldn't be started.
+bool Attempts::tell_unbegun(jobs::JobId job, jobs::Attempt attempt) {
+  again_.erase(job);
+  try {
+    const keeper::Look seen =
+        parts_.backend.look(parts_.folders.folder(job), static_cast<std::uint32_t>(attempt.value));
+    if (seen.state != keeper::Look::State::never_began) return false;
+    tell_launch_failed(job, attempt,
+                       seen.words.empty() ? "its keeper ended before it had begun" : seen.words);
+    return true;
+  } catch (const base::Error&) {
+    return false;
+  }
 }
 
 /// Looks as often as the youngest of the runs needs it.
@@ -209,8 +256,7 @@ void Attempts::poll() {
 }
 
 jobs::Counts Attempts::counts_of(jobs::JobId job, bool thoroughly) {
-  JobFeed& feed = parts_.feeds.of(job);
-  feed.read(thoroughly);
+  const JobFeed& feed = parts_.feeds.read(job, thoroughly);
   jobs::Counts counts;
   if (!feed.progress()) return counts;
   const events::Progress& progress = *feed.progress();

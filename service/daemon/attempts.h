@@ -1,10 +1,11 @@
 // Carries out what the machine of jobs says of attempts, and tells it what is seen of them: the
 // daemon's side of the local backend.
 //
-//   Launch ──▶ request.toml, a keeper ──▶ Launched, or LaunchFailed
-//   Look   ──▶ the folder's record    ──▶ Sight; of one that runs, its keeper is waited for from
-//   now on Stop   ──▶ a signal to the keeper keeper gone ──▶ Sight {Ended or Died}          now and
-//   then ──▶ Sight {Running}
+//   Launch      ──▶ request.toml and a keeper; once that has its record: Launched
+//   Look        ──▶ the folder's record: Sight; a keeper that is found running is waited for
+//   Stop        ──▶ a signal to the keeper
+//   keeper gone ──▶ Sight {Ended or Died}; without a record: LaunchFailed
+//   now and then──▶ Sight {Running}
 //
 // Thread safety: all on the loop's thread. What is heard is told through `hear`, never from inside
 // launch, stop or look.
@@ -36,7 +37,8 @@ inline constexpr double k_look_s = 1;
 inline constexpr double k_tell_running_s = 5;
 /// The size of its folder is measured so often.
 inline constexpr double k_measure_s = 10;
-/// A keeper that can't be waited for yet is looked at again so much later.
+/// A keeper without a record, or one that can't be waited for yet, is looked at again so much
+/// later.
 inline constexpr double k_again_s = 0.02;
 
 /// What a launch needs of the job beside its number.
@@ -79,8 +81,9 @@ class Attempts {
     jobs::Attempt attempt;
     std::optional<keeper::RunningKeeper> keeper;
     rpc::Loop::Handle gone;
-    double since_s = 0;     ///< launched, or found
-    bool is_found = false;  ///< an earlier daemon's: when it was launched isn't known
+    double since_s = 0;      ///< launched, or found
+    bool is_found = false;   ///< an earlier daemon's: when it was launched isn't known
+    bool has_begun = false;  ///< it has a record
     double told_s = 0;
     std::uint64_t told_scans = 0;
     std::uint64_t scans_before = 0;
@@ -92,6 +95,10 @@ class Attempts {
   };
 
   void tell(jobs::Input input);
+  void tell_launch_failed(jobs::JobId job, jobs::Attempt attempt, const std::string& words);
+  void await_begin(jobs::JobId job, jobs::Attempt attempt);
+  bool look_whether_begun(jobs::JobId job, jobs::Attempt attempt);
+  bool tell_unbegun(jobs::JobId job, jobs::Attempt attempt);
   void follow(jobs::JobId job, jobs::Attempt attempt, keeper::RunningKeeper keeper, bool is_found);
   void keeper_gone(jobs::JobId job);
   void see(jobs::JobId job, jobs::Attempt attempt);

@@ -361,7 +361,7 @@ void Calls::extend(const rpc::Caller& caller, rpc::Target target, rpc::Extension
     if (extension.by == rpc::ExtendBy::solutions && extension.to <= static_cast<double>(has)) {
       reply.refuse({.kind = rpc::RefusalKind::bad_request,
                     .sentence = fmt::format("Job {} has {} solutions already.", job.value, has),
-                    .what_to_do = "Ask for more."});
+                    .what_to_do = "Ask for more; no job was changed."});
       return;
     }
     const auto stored = runner_.reader().request(job, known->revision);

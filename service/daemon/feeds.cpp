@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace sleight::daemon {
 namespace {
@@ -14,10 +15,11 @@ std::uint64_t wall_us() {
 
 }  // namespace
 
-Feeds::Feeds(const JobFolders& folders, const base::Clock& clock)
-    : folders_(folders), clock_(clock) {}
+Feeds::Feeds(const JobFolders& folders, const base::Clock& clock,
+             std::function<void(jobs::JobId)> news)
+    : folders_(folders), clock_(clock), news_(std::move(news)) {}
 
-JobFeed& Feeds::of(jobs::JobId job) {
+Feeds::Held& Feeds::held(jobs::JobId job) {
   const double now_s = clock_.now_s();
   auto at = feeds_.find(job);
   if (at == feeds_.end()) {
@@ -25,17 +27,21 @@ JobFeed& Feeds::of(jobs::JobId job) {
     at->second.feed.read(true);
   }
   at->second.used_s = now_s;
-  return at->second.feed;
+  return at->second;
 }
 
-JobFeed* Feeds::find(jobs::JobId job) {
-  const auto at = feeds_.find(job);
-  return at == feeds_.end() ? nullptr : &at->second.feed;
+const JobFeed& Feeds::of(jobs::JobId job) {
+  return held(job).feed;
+}
+
+const JobFeed& Feeds::read(jobs::JobId job, bool thoroughly) {
+  JobFeed& feed = held(job).feed;
+  if (feed.read(thoroughly)) news_(job);
+  return feed;
 }
 
 void Feeds::watched(jobs::JobId job) {
-  of(job);
-  feeds_.at(job).watched_until_s = clock_.now_s() + k_watched_for_s;
+  held(job).watched_until_s = clock_.now_s() + k_watched_for_s;
 }
 
 std::vector<jobs::JobId> Feeds::watched_now() {

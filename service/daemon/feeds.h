@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 
@@ -28,12 +29,13 @@ inline constexpr double k_feed_idle_s = 60;
 
 class Feeds {
  public:
-  Feeds(const JobFolders& folders, const base::Clock& clock);
+  /// `news` hears of each job whose feed has something new, whoever had it read.
+  Feeds(const JobFolders& folders, const base::Clock& clock, std::function<void(jobs::JobId)> news);
 
   /// The job's, made and read if need be.
-  JobFeed& of(jobs::JobId job);
-  /// None where nobody has asked for it.
-  JobFeed* find(jobs::JobId job);
+  const JobFeed& of(jobs::JobId job);
+  /// The same, read now (job_feed.h).
+  const JobFeed& read(jobs::JobId job, bool thoroughly);
   /// From now on for k_watched_for_s the job is watched.
   void watched(jobs::JobId job);
   void drop(jobs::JobId job) { feeds_.erase(job); }
@@ -49,8 +51,11 @@ class Feeds {
     double used_s = 0;
     double watched_until_s = 0;
   };
+  Held& held(jobs::JobId job);
+
   const JobFolders& folders_;
   const base::Clock& clock_;
+  std::function<void(jobs::JobId)> news_;
   std::map<jobs::JobId, Held> feeds_;
 };
 

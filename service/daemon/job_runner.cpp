@@ -62,7 +62,7 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
       options_(std::move(options)),
       news_(std::move(news)),
       folders_(options_.state),
-      feeds_(folders_, clock_),
+      feeds_(folders_, clock_, [this](jobs::JobId job) { news_(job); }),
       backend_(options_.programs),
       saves_([&] {
         JobStore store(store_path(options_.state), lock);
@@ -272,7 +272,7 @@ void JobRunner::look_at_watched() {
   for (const jobs::JobId job : feeds_.watched_now()) {
     const Posted* posted = board_.find(job);
     if (posted == nullptr || !jobs::is_active(posted->job.state)) continue;
-    if (JobFeed* feed = feeds_.find(job); feed != nullptr && feed->read(false)) news_(job);
+    feeds_.read(job, false);
   }
   const double next_s = feeds_.watch_every_s();
   is_watching_ = next_s > 0;

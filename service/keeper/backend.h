@@ -9,8 +9,7 @@
 //   backend.look(folder, attempt)   at any time, by any daemon
 //     never_began  launch the same attempt again: of two keepers one starts the program. As long as
 //                  the keeper that launch returned has not gone, it means "not yet"
-//     running      adopt(folder, attempt) and wait for its descriptor; then look again. None to
-//     adopt:
+//     running      adopt(folder, attempt), wait for its descriptor, then look again. None to adopt:
 //                  it has just begun, or gone: look again some milliseconds later
 //     ended        the record has its end
 //     died         the keeper was killed, and the program with it: a new attempt
@@ -18,9 +17,8 @@
 // Invariants:
 //   1. A folder has at most one keeper, by a lock that lives as long as it; an attempt's program is
 //      started at most once.
-//   2. `ended` and `died` are final: nothing of the attempt runs any more, but for the moment
-//   (under
-//      0.1 s) that the kernel takes to kill a dead keeper's program.
+//   2. `ended` and `died` are final: nothing of the attempt runs any more, but for the moment that
+//      the kernel takes to kill a dead keeper's program, under 0.1 s.
 //   3. Signals reach the keeper of the attempt that they are meant for, never another process that
 //      has got its number.
 //   4. launch starts nothing that holds a descriptor of the daemon's, its terminal or its process

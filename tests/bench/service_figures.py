@@ -1,5 +1,6 @@
 """The service's figures of docs/MEASUREMENTS.md: calls a second with many jobs, what an idle daemon takes
-up, how long until a submitted job commits, and what a job costs beside the same run by hand.
+up, how long until a submitted job commits, how soon its events are at 100 watchers, and what a job costs
+beside the same run by hand.
 
     tests/bench/service_figures.py --bin build/release/bin [--jobs 10000] [--pairs 15]
 """
@@ -32,6 +33,19 @@ seed = {seed}
 iterations_per_scan = 40
 [stop]
 scans = {scans}
+"""
+
+# Some fifty events a second.
+WATCHED = """
+[world]
+name = "ball_2d"
+[sampler]
+method = "parallel_tempering"
+chains = 2
+seed = 1
+iterations_per_scan = 400
+[stop]
+independent_solutions = 500
 """
 
 
@@ -100,6 +114,19 @@ def first_commits():
     daemon.end()
 
 
+def watched():
+    daemon = Daemon("--cores", "1")
+    request = daemon.folder / "watched.toml"
+    request.write_text(WATCHED)
+    number = json.loads(daemon.ask("submit", request, "--json").stdout)["id"]
+    log = daemon.folder / f"state/jobs/{number}/out.h5.run/events.log"
+    while not log.exists():
+        time.sleep(0.01)
+    subprocess.run([arguments.bin / "sleight-watch-bench", daemon.folder / "state/socket", str(number), log],
+                   check=True)
+    daemon.end()
+
+
 def committed(store):
     import sqlite3
     try:
@@ -145,4 +172,5 @@ def cost():
 if not arguments.only_cost:
     many_jobs()
     first_commits()
+    watched()
 cost()

@@ -44,17 +44,18 @@ class Faults(ServiceTest):
             return None
         return found[-1] if kind == "rank" else found[0]
 
-    def strike(self, kind, number, watcher):
-        """Kills one of a kind. Returns the watcher, which may be another one, and what the first saw."""
+    def strike(self, kind, number, watcher, seen):
+        """Kills one of a kind. Returns the watcher, which may be another one that goes on after what was
+        seen, and what the first saw."""
         if kind == "daemon":
             self.kill_daemon()
             self.serve()
         elif kind == "client":
             watcher.kill()
-            seen = watcher.communicate()[0].splitlines()
+            lines = watcher.communicate()[0].splitlines()
             # A line that was being written is not whole.
-            whole = [line for line in seen if line.startswith("{") and line.endswith("}")]
-            last = max(numbered(whole), default=0)
+            whole = [line for line in lines if line.startswith("{") and line.endswith("}")]
+            last = max(numbered(seen + whole), default=0)
             return self.watch(number, last + 1), whole
         else:
             try:
@@ -87,7 +88,7 @@ class Faults(ServiceTest):
                     self.until(lambda: self.job(number)["state"] == "running"
                                or self.job(number)["state"] == "done")
                     time.sleep(chance.uniform(0, 0.6))
-                    watcher, more = self.strike(kind, number, watcher)
+                    watcher, more = self.strike(kind, number, watcher, seen)
                     seen += more
                 left = left[2:]
                 self.wait(number)

@@ -57,7 +57,7 @@ TEST(EventWords, AChangeSaysWhichStartAndWhy) {
   EXPECT_EQ(
       words_of_change(
           {.number = 2, .state = rpc::JobState::held, .reason = "the disk\nis full", .attempt = 3}),
-      "held, start 3: the disk\\u{a}is full");
+      "held, start 3: the disk is full");
   EXPECT_EQ(words_of_change({.number = 1, .state = rpc::JobState::running, .attempt = 1}),
             "running");
 }

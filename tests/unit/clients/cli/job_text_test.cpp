@@ -146,6 +146,8 @@ TEST_F(JobText, EndLineCountsApart) {
   job.state = rpc::JobState::failed;
   job.end_words = "The search gave up.";
   EXPECT_EQ(end_line(job), "18 throws failed. The search gave up.");
+  job.end_words = "The search gave up.\nNo start came near.\n";
+  EXPECT_EQ(end_line(job), "18 throws failed. The search gave up. No start came near.");
   // A reason that only repeats the state is left out.
   job.state = rpc::JobState::cancelled;
   job.reason = "Cancelled.";

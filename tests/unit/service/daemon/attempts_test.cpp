@@ -1,0 +1,106 @@
+// Goal: an attempt is said to have begun once its keeper has a record of it, and one whose keeper
+// ends before is known at once not to have begun. Method: real keepers, among them one that kills
+// itself at a stated moment, under a real loop; a script stands for `sleight`.
+#include "service/daemon/attempts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/base/file_system.h"
+#include "service/keeper/moments.h"
+#include "tests/unit/service/keeper/job.h"
+
+namespace sleight::daemon {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr jobs::JobId k_job{1};
+/// Of a test that has failed; a look of the machine's own would come after 5 s.
+constexpr double k_patience_s = 20;
+
+class AttemptsTest : public keeper::testing::JobTest {
+ protected:
+  AttemptsTest() : folders_(folder()), feeds_(folders_, clock_, [](jobs::JobId) {}) {
+    program_is("[ \"$1\" = --version ] && { echo results 1; exit 0; }; exec sleep 1000");
+  }
+
+  /// What is heard of a launch first, by keepers that die at that moment, or that live.
+  jobs::Input first_heard(std::optional<keeper::Moment> dies_at) {
+    const keeper::LocalBackend backend = this->backend(dies_at.has_value());
+    rpc::Loop loop;
+    std::optional<jobs::Input> heard;
+    const auto give_up = loop.call_later(k_patience_s, [&] { loop.stop(); });
+    Attempts attempts({.loop = loop,
+                       .clock = clock_,
+                       .files = files_,
+                       .folders = folders_,
+                       .feeds = feeds_,
+                       .backend = backend,
+                       .results_version = "1",
+                       .text_of = [](auto, auto) { return LaunchText{.request = "# none\n"}; },
+                       .hear =
+                           [&](jobs::Input input) {
+                             if (heard || std::holds_alternative<jobs::BackendNote>(input)) return;
+                             heard = std::move(input);
+                             seen_ = backend.look(folders_.folder(k_job), 1);
+                             loop.stop();
+                           }});
+    if (dies_at) {
+      const std::string name(keeper::k_moment_names.at(static_cast<std::size_t>(*dies_at)));
+      ::setenv("SLEIGHT_KEEPER_DIES_AT", name.c_str(), 1);
+    }
+    attempts.launch({.job = k_job, .attempt = jobs::Attempt{1}, .cores = 1});
+    ::unsetenv("SLEIGHT_KEEPER_DIES_AT");
+    loop.run();
+    EXPECT_TRUE(heard) << "nothing was heard";
+    return heard.value_or(jobs::Tick{});
+  }
+
+  base::SteadyClock clock_;
+  base::PosixFileSystem files_;
+  JobFolders folders_;
+  Feeds feeds_;
+  keeper::Look seen_{};  ///< what a look said when it was heard
+};
+
+TEST_F(AttemptsTest, HaveBegunOnceThereIsARecord) {
+  const jobs::Input heard = first_heard(std::nullopt);
+  EXPECT_TRUE(std::holds_alternative<jobs::Launched>(heard));
+  EXPECT_EQ(seen_.state, keeper::Look::State::running);
+  EXPECT_TRUE(seen_.record.has_value());
+}
+
+TEST_F(AttemptsTest, WhoseKeeperEndsBeforeTheRecordHaveNotBegun) {
+  for (const auto moment :
+       {keeper::Moment::begun, keeper::Moment::locked, keeper::Moment::prepared}) {
+    const jobs::Input heard = first_heard(moment);
+    const auto* failed = std::get_if<jobs::LaunchFailed>(&heard);
+    ASSERT_TRUE(failed) << static_cast<int>(moment);
+    EXPECT_EQ(failed->job, k_job);
+    EXPECT_EQ(failed->attempt, jobs::Attempt{1});
+    EXPECT_EQ(failed->hindrance, jobs::Hindrance::none);
+    EXPECT_THAT(failed->words, HasSubstr("keeper"));
+    EXPECT_EQ(seen_.state, keeper::Look::State::never_began);
+  }
+}
+
+TEST_F(AttemptsTest, WhoseKeeperEndsRightAfterTheRecordHaveDied) {
+  // Method: whether the record is seen before the death is chance; that it died is heard either
+  // way, first or after Launched, and never that it could not be started.
+  const jobs::Input heard = first_heard(keeper::Moment::recorded);
+  const auto* sight = std::get_if<jobs::Sight>(&heard);
+  EXPECT_TRUE(std::holds_alternative<jobs::Launched>(heard) ||
+              (sight && std::holds_alternative<jobs::Died>(sight->seen)));
+}
+
+}  // namespace
+}  // namespace sleight::daemon
