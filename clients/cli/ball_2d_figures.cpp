@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -49,19 +50,49 @@ Asked asked_of(const archive::Source& source) {
   return asked;
 }
 
-/// The segments of one animation, in columns.
+/// The hops of one animation, in columns.
 struct Segments {
   std::vector<double> duration_s;
   std::vector<double> position_m;    ///< x, z pairs
   std::vector<double> velocity_mps;  ///< x, z pairs
-  std::vector<double> normal_rad;
+  std::vector<double> normal_rad;    ///< of the collision that began it; NaN for the drop
 };
 
-Segments read_segments(const archive::Source& source, const Rows& rows) {
+/// x and z of vectors.
+std::vector<double> in_plane(const std::vector<double>& vectors) {
+  std::vector<double> pairs;
+  for (std::size_t i = 0; i + 2 < vectors.size(); i += 3)
+    pairs.insert(pairs.end(), {vectors[i], vectors[i + 2]});
+  return pairs;
+}
+
+/// Of formats 1 and 2, where hops had columns of their own.
+Segments read_old_segments(const archive::Source& source, const Rows& rows) {
   return {.duration_s = read_rows(source, archive::k_animations, "duration_s", 1, rows),
           .position_m = read_rows(source, archive::k_animations, "position_m", 2, rows),
           .velocity_mps = read_rows(source, archive::k_animations, "velocity_mps", 2, rows),
           .normal_rad = read_rows(source, archive::k_animations, "hop_normal_rad", 1, rows)};
+}
+
+Segments read_segments(const archive::Source& source, std::size_t animation) {
+  const Rows rows = segments_of(source, animation, k_hops_max);
+  const archive::Group* group = archive::find_group(source, archive::k_animations);
+  if (group != nullptr && archive::find_dataset(*group, "duration_s") != nullptr)
+    return read_old_segments(source, rows);
+  if (rows.count == 0) refuse_animation(source, animation, "has no motion");
+  const std::vector<double> start_s = read_rows(source, archive::k_animations, "start_s", 1, rows);
+  const std::uint64_t hops = rows.count - 1;  // the last row is where the ball lies
+  Segments segments{
+      .position_m = in_plane(read_rows(source, archive::k_animations, "position_m", 3, rows)),
+      .velocity_mps = in_plane(read_rows(source, archive::k_animations, "velocity_mps", 3, rows)),
+      .normal_rad = {std::numeric_limits<double>::quiet_NaN()}};
+  for (std::size_t i = 0; i < hops; ++i)
+    segments.duration_s.push_back(start_s[i + 1] - start_s[i]);
+  if (hops == 0) return segments;
+  const std::vector<double> normals = read_rows(source, archive::k_animations, "normal_rad",
+                                                hops - 1, {.first = animation, .count = 1});
+  segments.normal_rad.insert(segments.normal_rad.end(), normals.begin(), normals.end());
+  return segments;
 }
 
 /// One hop as points of its parabola, in diameters.
@@ -178,8 +209,7 @@ plot::Figure ball_2d_paths(const archive::Source& source, std::optional<std::uin
                       .columns = columns,
                       .panels = {}};
   for (const std::size_t i : chosen) {
-    plot::Panel panel =
-        path_panel(read_segments(source, segments_of(source, i, k_hops_max)), asked);
+    plot::Panel panel = path_panel(read_segments(source, i), asked);
     panel.title = fmt::format("chain {}, draw {}", chains[i], scans[i]);
     panel.legend = i == chosen.front();
     figure.panels.push_back(std::move(panel));

@@ -56,7 +56,7 @@ Segments read_segments(const archive::Source& source, std::size_t animation) {
     return read_rows(source, group, name, width, rows);
   };
   return {.count = rows.count,
-          .die = column("moving_die", 1),
+          .die = column(body_column(source, "moving_die"), 1),
           .start_s = column("start_s", 1),
           .position_m = column("position_m", 3),
           .velocity_mps = column("velocity_mps", 3),

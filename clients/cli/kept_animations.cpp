@@ -76,6 +76,12 @@ Rows segments_of(const archive::Source& source, std::size_t animation, std::uint
   return {.first = static_cast<std::uint64_t>(start), .count = static_cast<std::uint64_t>(count)};
 }
 
+std::string_view body_column(const archive::Source& source, std::string_view before) {
+  const archive::Group* group = archive::find_group(source, drawn_group(source));
+  const bool is_old = group != nullptr && archive::find_dataset(*group, before) != nullptr;
+  return is_old ? before : "body";
+}
+
 void refuse_animation(const archive::Source& source, std::size_t animation,
                       std::string_view reason) {
   throw base::Error(base::ExitCode::bad_archive,

@@ -31,6 +31,10 @@ std::vector<double> of_animations(const archive::Source& source, std::string_vie
 /// archive must not make a picture of gigabytes.
 Rows segments_of(const archive::Source& source, std::size_t animation, std::uint64_t most);
 
+/// What a column of segments is called that says which body moves: `body`; in archives of formats 1
+/// and 2, where each world had a name of its own, that one.
+std::string_view body_column(const archive::Source& source, std::string_view before);
+
 /// Throws base::Error(bad_archive): "<archive>: its animation <n> <reason>".
 [[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
                                    std::string_view reason);

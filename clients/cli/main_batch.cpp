@@ -21,6 +21,7 @@
 #include "common/base/error.h"
 #include "common/base/version.h"
 #include "common/logging/log.h"
+#include "service/coordinator/derive.h"
 #include "service/coordinator/local_crew.h"
 #include "service/coordinator/mpi/mpi_crew.h"
 #include "service/coordinator/stop_signal.h"

@@ -84,9 +84,12 @@ int derive(const DeriveArguments& arguments) {
   base::PosixFileSystem files;
   std::string digest;
   if (cut.scans > 0 || cut.found > 0) {
-    digest = coordinator::derive_archive(
-        {.request = request, .reader = *reader, .plan_of = plan_of, .files = files}, folder,
-        arguments.output, cut);
+    digest = coordinator::derive_archive({.request = request,
+                                          .reader = *reader,
+                                          .plan_of = plan_of,
+                                          .files = files,
+                                          .results_version = stored.results_version},
+                                         folder, arguments.output, cut);
   }
   if (arguments.json) {
     const nlohmann::ordered_json json{{"archive", digest.empty() ? "" : arguments.output},

@@ -42,7 +42,7 @@ std::vector<BallMotion> read_motions(const archive::Source& source, std::size_t 
   const auto column = [&](std::string_view name, std::uint64_t width) {
     return read_rows(source, group, name, width, rows);
   };
-  const std::vector<double> ball = column("moving_ball", 1);
+  const std::vector<double> ball = column(body_column(source, "moving_ball"), 1);
   const std::vector<double> start_s = column("start_s", 1);
   const std::vector<double> position_m = column("position_m", 3);
   const std::vector<double> velocity_mps = column("velocity_mps", 3);

@@ -20,8 +20,8 @@ struct Table {
   std::vector<std::string> index;  ///< the leading dimensions, whose coordinates come first
 };
 
-const std::array<Table, 7>& tables() {
-  static const std::array<Table, 7> all{{
+const std::array<Table, 13>& tables() {
+  static const std::array<Table, 13> all{{
       {"posterior", k_posterior, {"chain", "draw"}},
       {"sample_stats", k_sample_stats, {"chain", "draw"}},
       {"replicas", k_replicas, {"chain", "replica"}},
@@ -29,6 +29,12 @@ const std::array<Table, 7>& tables() {
       {"segments", k_animations, {"segment"}},
       {"finds", k_finds, {"animation"}},
       {"find_segments", k_finds, {"segment"}},
+      {"prior", k_prior, {"chain", "draw"}},
+      {"sample_stats_prior", k_sample_stats_prior, {"chain", "draw"}},
+      {"features", k_scene, {"feature"}},
+      {"parts", k_scene, {"part"}},
+      {"points", k_animations, {"point"}},
+      {"find_points", k_finds, {"point"}},
   }};
   return all;
 }
@@ -246,10 +252,10 @@ std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
 }
 
 /// The rows of these animations' segments.
-std::vector<RowRange> segments_of(const Source& source, const Group& group, std::uint64_t rows,
-                                  std::span<const std::uint64_t> animations) {
-  const std::vector<std::int64_t> starts = numbers_of(source, group, "segment_start");
-  const std::vector<std::int64_t> counts = numbers_of(source, group, "segment_count");
+std::vector<RowRange> rows_of(const Source& source, const Group& group, const std::string& dim,
+                              std::uint64_t rows, std::span<const std::uint64_t> animations) {
+  const std::vector<std::int64_t> starts = numbers_of(source, group, dim + "_start");
+  const std::vector<std::int64_t> counts = numbers_of(source, group, dim + "_count");
   std::vector<RowRange> ranges;
   for (const std::uint64_t animation : animations) {
     if (animation >= starts.size() || animation >= counts.size()) {
@@ -260,11 +266,17 @@ std::vector<RowRange> segments_of(const Source& source, const Group& group, std:
     const auto first = static_cast<std::uint64_t>(starts[animation]);
     const auto count = static_cast<std::uint64_t>(counts[animation]);
     if (first > rows || count > rows - first)
-      refuse(source,
-             fmt::format("{}: segments of animation {} are not there", group.name, animation));
+      refuse(source, fmt::format("{}: rows of animation {} along {} are not there", group.name,
+                                 animation, dim));
     ranges.push_back({.first = first, .count = count});
   }
   return ranges;
+}
+
+/// Not of every format, or of every world.
+bool is_optional(const Table& table) {
+  return table.group == k_scene || table.group == k_prior || table.group == k_sample_stats_prior ||
+         table.index.front() == "point";
 }
 
 }  // namespace
@@ -290,18 +302,23 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
                       fmt::format("{}: nothing was searched for, so there is no table '{}'",
                                   source.name(), table_name));
   }
-  if (group == nullptr) refuse(source, fmt::format("there is no group {}", table->group));
+  if (group == nullptr || find_dataset(*group, table->index.front()) == nullptr) {
+    if (!is_optional(*table)) refuse(source, fmt::format("there is no group {}", table->group));
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: this archive has no table '{}'", source.name(), table_name));
+  }
   const Exporter exporter(source, *group, table->index);
   if (animations.empty()) {
     const RowRange all{.first = 0, .count = exporter.rows()};
     exporter.run({&all, 1}, out);
     return;
   }
-  if (table->index != std::vector<std::string>{"segment"}) {
+  const std::string& dim = table->index.front();
+  if (dim != "segment" && dim != "point") {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("table '{}' has no segments of animations", table_name));
+                      fmt::format("table '{}' has no rows of single animations", table_name));
   }
-  exporter.run(segments_of(source, *group, exporter.rows(), animations), out);
+  exporter.run(rows_of(source, *group, dim, exporter.rows(), animations), out);
 }
 
 }  // namespace sleight::archive

@@ -5,6 +5,10 @@
 //   replicas                  a row for each (chain, replica)
 //   animations                a row for each animation
 //   segments                  a row for each segment of the kept animations
+//   finds, find_segments      likewise of what a search found
+//   prior, sample_stats_prior a row for each draw from the prior
+//   features, parts           a row for each of the scene's
+//   points, find_points       a row for each control point of an animation's surface
 // The first columns are the index, by its coordinates. An element of an array is `name[i,j]`, in
 // double quotes where the name holds a comma (RFC 4180); along a dimension whose coordinate is
 // text the word stands for the number: `accepted[all]`. Doubles are the shortest decimal that
@@ -22,7 +26,7 @@
 
 namespace sleight::archive {
 
-/// "posterior", "sample_stats", "replicas", "animations", "segments".
+/// Their names.
 std::vector<std::string> csv_tables();
 
 /// Writes one table, in batches; of one of segments only those of `animations`, in their order,

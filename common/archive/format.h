@@ -15,7 +15,7 @@ namespace sleight::archive {
 
 inline constexpr std::string_view k_format_name = "sleight-archive";
 /// Raised when a reader of the older version would misread the newer file.
-inline constexpr std::int64_t k_format_version = 2;
+inline constexpr std::int64_t k_format_version = 3;
 inline constexpr std::string_view k_inference_library = "sleight";
 
 inline constexpr std::string_view k_root = "/";
@@ -24,6 +24,14 @@ inline constexpr std::string_view k_sample_stats = "/sample_stats";
 inline constexpr std::string_view k_replicas = "/replicas";
 inline constexpr std::string_view k_tempering = "/tempering";  ///< only where something was learnt
 inline constexpr std::string_view k_animations = "/animations";
+/// What animations look like (common/scene); not in formats 1 and 2.
+inline constexpr std::string_view k_scene = "/scene";
+/// Draws from the prior, by ArviZ's names; not in formats 1 and 2.
+inline constexpr std::string_view k_prior = "/prior";
+inline constexpr std::string_view k_sample_stats_prior = "/sample_stats_prior";
+inline constexpr std::size_t k_prior_draws = 1000;
+/// The first format that has these, and motions of one form for all worlds.
+inline constexpr std::int64_t k_format_with_scene = 3;
 /// Only where a search found something, with the attribute `found`: how many, kept or not.
 inline constexpr std::string_view k_finds = "/finds";
 inline constexpr std::string_view k_found = "found";
@@ -34,10 +42,14 @@ inline constexpr std::string_view k_finds_warning =
 inline constexpr std::size_t k_throws = 1000;
 inline constexpr std::string_view k_request = "request";
 
-/// Root attributes that the digest leaves out: the digest itself, and the program's version, so
-/// that two versions which compute the same results have the same digest.
+/// Root attributes that the digest leaves out: the digest itself, and what the program's version
+/// enters, so that two versions which compute the same results have the same digest.
 inline constexpr std::string_view k_content_digest = "content_digest";
 inline constexpr std::string_view k_inference_library_version = "inference_library_version";
+/// Of the program that made the results (deploy/version).
+inline constexpr std::string_view k_results_version = "results_version";
+/// Which run it is: the same for all archives of one run, whatever their cuts.
+inline constexpr std::string_view k_run_id = "run_id";
 
 /// Root attribute, only there where something must be known of the samples: that they are biased.
 inline constexpr std::string_view k_warning = "warning";

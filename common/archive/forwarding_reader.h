@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "common/archive/world_layout.h"
@@ -21,6 +22,11 @@ class ForwardingReader : public StateReader {
     return reader_.likeness_distance(a, b);
   }
   Motion play(base::BytesView state) const override { return reader_.play(state); }
+  const scene::Scene& scene() const override { return reader_.scene(); }
+  scene::Variation variation(base::BytesView state, const Recording& recording) const override {
+    return reader_.variation(state, recording);
+  }
+  PriorDraw prior_draw(std::uint64_t nth) const override { return reader_.prior_draw(nth); }
   std::vector<double> log_priors_of_throws(std::size_t count) const override {
     return reader_.log_priors_of_throws(count);
   }

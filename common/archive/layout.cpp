@@ -7,58 +7,15 @@
 #include <utility>
 #include <vector>
 
-#include "common/archive/columns.h"
+#include "common/archive/animations_writer.h"
 #include "common/archive/distinct.h"
 #include "common/archive/format.h"
+#include "common/archive/scene_groups.h"
+#include "common/archive/specs.h"
 #include "common/base/check.h"
 
 namespace sleight::archive {
 namespace {
-
-using Dims = std::vector<Dimension>;
-
-std::int64_t signed_of(std::uint64_t value) {
-  CHECK_LE(value, static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()));
-  return static_cast<std::int64_t>(value);
-}
-
-std::int32_t count_of_proposals(std::uint32_t value) {
-  CHECK_LE(value, static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()));
-  return static_cast<std::int32_t>(value);
-}
-
-DatasetSpec spec_of(std::string name, ElementType type, Dims dims, std::string long_name,
-                    std::string units = "1") {
-  DatasetSpec spec{.name = std::move(name), .type = type, .dims = std::move(dims)};
-  spec.attributes = {{"long_name", std::move(long_name)}, {"units", std::move(units)}};
-  return spec;
-}
-
-/// The coordinate 0, step, 2 step, ... of a dimension.
-void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
-                      std::string long_name, std::uint64_t step = 1) {
-  Column<std::int64_t> column(sink, group,
-                              spec_of(dim.name, ElementType::i64, {dim}, std::move(long_name)));
-  for (std::size_t i = 0; i < dim.size; ++i)
-    column.push(signed_of(i * step));
-  column.flush();
-}
-
-/// Coordinates 0, 1, ... of the dimensions that a world's variables bring along, once each.
-void write_own_coordinates(Sink& sink, std::string_view group,
-                           const std::vector<Variable>& variables, Dims& written) {
-  for (const Variable& variable : variables) {
-    for (const Dimension& dim : variable.dims) {
-      const auto same = std::ranges::find(written, dim.name, &Dimension::name);
-      if (same != written.end()) {
-        CHECK_EQ(same->size, dim.size);
-        continue;
-      }
-      written.push_back(dim);
-      write_coordinate(sink, group, dim, "index of the " + dim.name);
-    }
-  }
-}
 
 std::uint64_t archived_states(const RunView& view, const ArchiveOptions& options) {
   return view.draws() == 0 ? 0 : (view.draws() - 1) / options.thin + 1;
@@ -95,32 +52,6 @@ class PosteriorWriter {
   std::optional<VariableColumns> states_;
 };
 
-/// The columns that /sample_stats, /replicas and /animations have in common.
-class DensityColumns {
- public:
-  DensityColumns(Sink& sink, std::string_view group, const Dims& leading)
-      : log_prior_(sink, group,
-                   spec_of("log_prior", ElementType::f64, leading,
-                           "log density of the state under the world's own probability")),
-        log_constraint_(sink, group,
-                        spec_of("log_constraint", ElementType::f64, leading,
-                                "log of the constraint's density at the outcome")) {}
-
-  void push(const plan::ScanRecord& record) {
-    log_prior_.push(record.log_prior);
-    log_constraint_.push(record.log_constraint);
-  }
-
-  void flush() {
-    log_prior_.flush();
-    log_constraint_.flush();
-  }
-
- private:
-  Column<double> log_prior_;
-  Column<double> log_constraint_;
-};
-
 Column<std::int64_t> lineage_column(Sink& sink, std::string_view group, const Dims& dims) {
   return {sink, group,
           spec_of("lineage", ElementType::i64, dims,
@@ -129,14 +60,9 @@ Column<std::int64_t> lineage_column(Sink& sink, std::string_view group, const Di
 
 void write_kinds(Sink& sink, std::string_view group, const Dimension& dim,
                  const std::vector<std::string>& kinds) {
-  DatasetSpec spec{.name = dim.name, .type = ElementType::text, .dims = {dim}};
-  spec.attributes = {{"long_name", std::string("kind of proposal")}};
-  for (const std::string& kind : kinds) {
+  for (const std::string& kind : kinds)
     CHECK(is_plain_name(kind));
-    spec.text_bytes = std::max(spec.text_bytes, kind.size());
-  }
-  const Sink::DatasetHandle dataset = sink.create_dataset(group, spec);
-  sink.append(dataset, std::span<const std::string>(kinds));
+  write_words(sink, group, dim.name, {dim}, "kind of proposal", kinds);
 }
 
 /// Proposals and acceptances of every scan, by kind.
@@ -164,8 +90,8 @@ class ProposalColumns {
     std::uint64_t proposed = 0;
     std::uint64_t accepted = 0;
     for (std::size_t kind = 0; kind < kinds_; ++kind) {
-      proposed_->push(count_of_proposals(record.proposed[kind]));
-      accepted_->push(count_of_proposals(record.accepted[kind]));
+      proposed_->push(small_of(record.proposed[kind]));
+      accepted_->push(small_of(record.accepted[kind]));
       proposed += record.proposed[kind];
       accepted += record.accepted[kind];
     }
@@ -209,7 +135,7 @@ class SampleStatsWriter {
 
   void push(const plan::ScanRecord& record) {
     lp_->push(record.log_prior + record.log_constraint);
-    densities_->push(record);
+    densities_->push(record.log_prior, record.log_constraint);
     satisfied_->push(record.satisfied ? 1 : 0);
     lineage_->push(signed_of(record.lineage));
     proposals_->push(record);
@@ -276,7 +202,7 @@ void write_replicas(const NewestStates& newest, const StateReader& reader, Sink&
       const plan::ScanRecord& record = replica ? replica->record : no_record;
       scan.push(replica ? signed_of(replica->scan.value) : -1);
       beta.push(record.inverse_temperature);
-      densities.push(record);
+      densities.push(record.log_prior, record.log_constraint);
       states.push(replica ? reader.variables(record.state) : std::vector<double>(width, k_nan));
     }
   }
@@ -332,101 +258,15 @@ void write_report(const plan::Report& report, const WorldLayout& layout, Sink& s
   }
 }
 
-/// A column that says where an animation was found.
-struct Address {
-  const char* name;
-  const char* meaning;
-};
-
-/// Animations and their segments: /animations and /finds.
-class AnimationsWriter {
- public:
-  /// REQUIRES: the group is there.
-  AnimationsWriter(const StateReader& reader, std::string_view group, const char* counted,
-                   std::span<const Address> addresses, Sink& sink)
-      : reader_(reader), group_(group) {
-    const Dims animation{{"animation", k_growing}};
-    const Dims segment{{"segment", k_growing}};
-    animation_ = integers(sink, "animation", animation, counted);
-    for (const Address& address : addresses)
-      addresses_.push_back(integers(sink, address.name, animation, address.meaning));
-    densities_.emplace(sink, group, animation);
-    segment_start_ =
-        integers(sink, "segment_start", animation, "the animation's first row over segment");
-    segment_count_ =
-        integers(sink, "segment_count", animation, "the animation's rows over segment");
-    segment_ = integers(sink, "segment", segment, "segment of a motion, animation by animation");
-    const WorldLayout& layout = reader.layout();
-    Dims written;
-    write_own_coordinates(sink, group, layout.variables, written);
-    write_own_coordinates(sink, group, layout.outcomes, written);
-    write_own_coordinates(sink, group, layout.segment_columns, written);
-    outcomes_.emplace(sink, group, animation, layout.outcomes);
-    states_.emplace(sink, group, animation, layout.variables);
-    segments_.emplace(sink, group, segment, layout.segment_columns);
-  }
-
-  /// REQUIRES: as many addresses as columns.
-  void push(std::initializer_list<std::int64_t> addresses, const plan::ScanRecord& record) {
-    CHECK_EQ(addresses.size(), addresses_.size());
-    animation_->push(animations_++);
-    for (std::size_t i = 0; i < addresses.size(); ++i)
-      addresses_[i]->push(addresses.begin()[i]);
-    densities_->push(record);
-    outcomes_->push(record.outcome);
-    states_->push(reader_.variables(record.state));
-    push_segments(record);
-  }
-
-  void flush() {
-    for (auto* column : {&animation_, &segment_start_, &segment_count_, &segment_})
-      (*column)->flush();
-    for (auto& column : addresses_)
-      column->flush();
-    densities_->flush();
-    outcomes_->flush();
-    states_->flush();
-    segments_->flush();
-  }
-
- private:
-  using Integers = std::optional<Column<std::int64_t>>;
-  Column<std::int64_t> integers(Sink& sink, const char* name, const Dims& dims,
-                                const char* long_name) {
-    return {sink, group_, spec_of(name, ElementType::i64, dims, long_name)};
-  }
-
-  void push_segments(const plan::ScanRecord& record) {
-    segment_start_->push(rows_);
-    const std::size_t width = segments_->width();
-    std::size_t rows = 0;
-    if (width != 0) {
-      const Recording recording = reader_.play(record.state).recording;
-      CHECK_EQ(recording.columns, width);
-      CHECK_EQ(recording.values.size() % width, 0U);
-      rows = recording.rows();
-      const std::span<const double> values(recording.values);
-      for (std::size_t row = 0; row < rows; ++row) {
-        segment_->push(rows_++);
-        segments_->push(values.subspan(row * width, width));
-      }
-    }
-    segment_count_->push(signed_of(rows));
-  }
-
-  const StateReader& reader_;
-  std::string_view group_;
-  std::int64_t animations_ = 0;
-  std::int64_t rows_ = 0;
-  Integers animation_, segment_start_, segment_count_, segment_;
-  std::vector<Integers> addresses_;
-  std::optional<DensityColumns> densities_;
-  std::optional<VariableColumns> outcomes_, states_, segments_;
-};
+/// Draws then occur otherwise than the model has them.
+bool has_weights(const plan::Report& report) {
+  return std::ranges::any_of(report.tables,
+                             [](const plan::Table& table) { return table.name == "log_weight"; });
+}
 
 /// /animations: what is kept of the draws.
 void write_animations(DistinctSelector& selector, const StateReader& reader,
-                      const ArchiveOptions& options, Sink& sink) {
+                      const ArchiveOptions& options, bool in_proportion, Sink& sink) {
   sink.create_group(k_animations);
   sink.set_attribute(k_animations, {"keep_max", signed_of(options.keep_max)});
   sink.set_attribute(k_animations, {"keep_per_lineage", signed_of(options.keep_per_lineage)});
@@ -435,7 +275,7 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
       Address{"chain", "chain that found it"}, Address{"draw", "scan that found it"},
       Address{"lineage", "visit of the chain to the prior from which the state descends"}};
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
-                              sink);
+                              in_proportion, sink);
   // Each kept animation is asked for once more, for its motion (remembering_reader.h).
   for (const KeptAnimation& kept : selector.finish())
     animations.push({kept.chain.value, signed_of(kept.scan.value), signed_of(kept.record.lineage)},
@@ -466,7 +306,7 @@ void write_finds(const RunView& view, const StateReader& reader, const ArchiveOp
   log_prior.flush();
 
   constexpr std::array k_addresses{Address{"start", "start of the search that found it"}};
-  AnimationsWriter animations(reader, k_finds, "find, by start", k_addresses, sink);
+  AnimationsWriter animations(reader, k_finds, "find, by start", k_addresses, false, sink);
   std::uint64_t kept = 0;
   view.for_each_find([&](std::uint64_t start, const plan::ScanRecord& record) {
     if (kept++ < options.keep_max) animations.push({signed_of(start)}, record);
@@ -482,6 +322,8 @@ void write_root(const WorldLayout& layout, const plan::Report& report, std::uint
   sink.set_attribute(k_root, {"inference_library", std::string(k_inference_library)});
   sink.set_attribute(k_root,
                      {std::string(k_inference_library_version), options.inference_library_version});
+  sink.set_attribute(k_root, {std::string(k_results_version), options.results_version});
+  sink.set_attribute(k_root, {std::string(k_run_id), options.run_id});
   const bool is_search = draws == 0;
   const std::string warning = is_search                ? std::string(k_finds_warning)
                               : layout.warning.empty() ? report.warning
@@ -509,6 +351,9 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   const plan::Report report = view.report();
   write_root(reader.layout(), report, view.draws(), view.failures(), options, sink);
 
+  write_scene(reader.scene(), sink);
+  write_prior(reader, sink);
+
   // One walk over the run, chain by chain: scalars, states and candidates for the animations.
   PosteriorWriter posterior(view, reader, options, sink);
   SampleStatsWriter sample_stats(view, reader.layout(), sink);
@@ -535,7 +380,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   write_replicas(newest_states(view, options.thin, std::move(newest)), reader, sink);
   write_report(report, reader.layout(), sink);
 
-  write_animations(selector, reader, options, sink);
+  write_animations(selector, reader, options, !has_weights(report), sink);
   write_finds(view, reader, options, sink);
 }
 

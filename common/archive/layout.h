@@ -7,6 +7,8 @@
 //   /replicas      each replica's newest archived state: (chain, replica, ...)
 //   /tempering     what the method learnt of its temperatures: (chain, round, level, ...)
 //   /animations    satisfying animations that look different (distinct.h), with their motion
+//   /scene         what the animations look like (common/scene)
+//   /prior, /sample_stats_prior   draws from the prior
 //   /request       the normalised request that reproduces the archive, as text
 //
 // Invariants:
@@ -27,12 +29,15 @@
 namespace sleight::archive {
 
 struct ArchiveOptions {
-  std::string request_text;               ///< normalised TOML, not empty, no NUL character
-  std::uint64_t thin = 1;                 ///< states of scans 0, thin, 2 thin, ...: at least 1
-  std::uint64_t keep_max = 5000;          ///< animations in all
-  std::uint64_t keep_per_lineage = 3;     ///< animations of one visit to the prior
-  double min_distance = 0;                ///< likeness distance, in the world's unit
-  std::string inference_library_version;  ///< base::version(); not part of the digest
+  std::string request_text;            ///< normalised TOML, not empty, no NUL character
+  std::uint64_t thin = 1;              ///< states of scans 0, thin, 2 thin, ...: at least 1
+  std::uint64_t keep_max = 5000;       ///< animations in all
+  std::uint64_t keep_per_lineage = 3;  ///< animations of one visit to the prior
+  double min_distance = 0;             ///< likeness distance, in the world's unit
+  // Not part of the digest:
+  std::string inference_library_version;  ///< base::version()
+  std::string results_version;            ///< of the program that made the results
+  std::string run_id;                     ///< the same for all archives of the run
 };
 
 /// Writes everything but content_digest and finish(), which write_digested adds. Throws what the

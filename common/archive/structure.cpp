@@ -20,7 +20,8 @@ struct Expected {
   Names dims;
 };
 
-std::vector<Expected> expected_datasets() {
+/// Of all formats. Those of a group that isn't there are passed over.
+std::vector<Expected> expected_in_all() {
   using enum ElementType;
   const Names draws{"chain", "draw"};
   const Names kinds{"chain", "draw", "proposal_kind"};
@@ -66,6 +67,121 @@ std::vector<Expected> expected_datasets() {
       {k_animations, "segment_start", i64, animations},
       {k_animations, "segment_count", i64, animations},
   };
+}
+
+/// Motions of one form, of /animations and /finds alike.
+std::vector<Expected> expected_motions(std::string_view group) {
+  using enum ElementType;
+  const Names segments{"segment"};
+  const Names vectors{"segment", "axis_xyz"};
+  return {
+      {group, "in_proportion", boolean, {"animation"}},
+      {group, "body", i32, segments},
+      {group, "start_s", f64, segments},
+      {group, "mode", i32, segments},
+      {group, "cause", i32, segments},
+      {group, "partner", i32, segments},
+      {group, "position_m", f64, vectors},
+      {group, "velocity_mps", f64, vectors},
+      {group, "acceleration_mps2", f64, vectors},
+      {group, "orientation", f64, {"segment", "quaternion_wxyz"}},
+      {group, "angular_velocity_radps", f64, vectors},
+      {group, "angular_acceleration_radps2", f64, vectors},
+  };
+}
+
+/// What of the scene is an animation's own: all of a kind, or none.
+std::vector<Expected> expected_own_parts(std::string_view group) {
+  using enum ElementType;
+  return {
+      {group, "part", i64, {"part"}},
+      {group, "part_start", i64, {"animation"}},
+      {group, "part_count", i64, {"animation"}},
+      {group, "part_feature", i32, {"part"}},
+      {group, "part_shape", i32, {"part"}},
+      {group, "part_size_m", f64, {"part", "axis_xyz"}},
+      {group, "part_position_m", f64, {"part", "axis_xyz"}},
+      {group, "part_orientation", f64, {"part", "quaternion_wxyz"}},
+  };
+}
+
+std::vector<Expected> expected_own_points(std::string_view group) {
+  using enum ElementType;
+  return {
+      {group, "point", i64, {"point"}},
+      {group, "point_start", i64, {"animation"}},
+      {group, "point_count", i64, {"animation"}},
+      {group, "point_i", i32, {"point"}},
+      {group, "point_j", i32, {"point"}},
+      {group, "point_height_m", f64, {"point"}},
+      {group, "point_restitution", f64, {"point"}},
+      {group, "point_friction", f64, {"point"}},
+  };
+}
+
+std::vector<Expected> expected_scene_and_prior() {
+  using enum ElementType;
+  const Names draws{"chain", "draw"};
+  return {
+      {k_scene, "kind", text, {"kind"}},
+      {k_scene, "shape", text, {"shape"}},
+      {k_scene, "view_m", f64, {"end", "axis_xyz"}},
+      {k_scene, "feature", i64, {"feature"}},
+      {k_scene, "feature_name", text, {"feature"}},
+      {k_scene, "feature_kind", i32, {"feature"}},
+      {k_scene, "feature_twin_of", i32, {"feature"}},
+      {k_scene, "feature_body", i32, {"feature"}},
+      {k_scene, "part", i64, {"part"}},
+      {k_scene, "part_feature", i32, {"part"}},
+      {k_scene, "part_shape", i32, {"part"}},
+      {k_scene, "part_size_m", f64, {"part", "axis_xyz"}},
+      {k_scene, "part_position_m", f64, {"part", "axis_xyz"}},
+      {k_scene, "part_orientation", f64, {"part", "quaternion_wxyz"}},
+      {k_scene, "part_first_triangle", i32, {"part"}},
+      {k_scene, "part_triangles", i32, {"part"}},
+      {k_prior, "chain", i64, {"chain"}},
+      {k_prior, "draw", i64, {"draw"}},
+      {k_sample_stats_prior, "chain", i64, {"chain"}},
+      {k_sample_stats_prior, "draw", i64, {"draw"}},
+      {k_sample_stats_prior, "lp", f64, draws},
+      {k_sample_stats_prior, "log_prior", f64, draws},
+      {k_sample_stats_prior, "log_constraint", f64, draws},
+      {k_sample_stats_prior, "satisfied", boolean, draws},
+  };
+}
+
+std::vector<Expected> expected_meshes() {
+  using enum ElementType;
+  return {
+      {k_scene, "vertex", i64, {"vertex"}},
+      {k_scene, "vertex_m", f64, {"vertex", "axis_xyz"}},
+      {k_scene, "vertex_offset", i32, {"vertex"}},
+      {k_scene, "triangle", i64, {"triangle"}},
+      {k_scene, "corner", i64, {"corner"}},
+      {k_scene, "triangle_vertex", i32, {"triangle", "corner"}},
+  };
+}
+
+bool has_dataset(const Source& source, std::string_view group, std::string_view dataset) {
+  const Group* found = find_group(source, group);
+  return found != nullptr && find_dataset(*found, dataset) != nullptr;
+}
+
+/// Of an archive of this version that has what this one has of the optional kinds.
+std::vector<Expected> expected_datasets(const Source& source, std::int64_t version) {
+  std::vector<Expected> all = expected_in_all();
+  const auto add = [&all](const std::vector<Expected>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  if (version < k_format_with_scene) return all;
+  add(expected_scene_and_prior());
+  if (has_dataset(source, k_scene, "vertex")) add(expected_meshes());
+  for (const std::string_view group : {k_animations, k_finds}) {
+    add(expected_motions(group));
+    if (has_dataset(source, group, "part")) add(expected_own_parts(group));
+    if (has_dataset(source, group, "point")) add(expected_own_points(group));
+  }
+  return all;
 }
 
 Names dim_names(const DatasetSpec& spec) {
@@ -117,22 +233,38 @@ void check_value(const Source& source, std::string_view name, const T& expected,
   }
 }
 
-/// Format 1 had no /tempering, and all that it has is in format 2.
-void check_version(const Source& source, Findings& findings) {
+/// 0 where there is none. Format 1 had no /tempering, format 2 no /scene and nothing of a prior;
+/// all that they have is in format 3.
+std::int64_t version_of(const Source& source) {
   const Attribute* attribute =
       find_attribute(find_group(source, k_root)->attributes, "format_version");
   const auto* value = attribute == nullptr ? nullptr : std::get_if<std::int64_t>(&attribute->value);
-  if (value == nullptr || *value < 1 || *value > k_format_version) {
+  return value == nullptr ? 0 : *value;
+}
+
+void check_version(const Source& source, std::int64_t version, Findings& findings) {
+  if (version < 1 || version > k_format_version) {
     findings.push_back(
         fmt::format("/: the attribute format_version is not 1 to {}", k_format_version));
-  } else if (*value == 1 && find_group(source, k_tempering) != nullptr) {
-    findings.emplace_back("/: the attribute format_version is 1, which has no group /tempering");
+    return;
   }
+  const auto complain_of = [&](std::string_view group) {
+    if (find_group(source, group) == nullptr) return;
+    findings.push_back(fmt::format("/: the attribute format_version is {}, which has no group {}",
+                                   version, group));
+  };
+  if (version < 2) complain_of(k_tempering);
+  if (version >= k_format_with_scene) return;
+  for (const std::string_view group : {k_scene, k_prior, k_sample_stats_prior})
+    complain_of(group);
 }
 
 /// The dimensions that a world's variable of a group may begin with.
 std::vector<Names> leading_dims(std::string_view group) {
-  if (group == k_posterior || group == k_sample_stats) return {{"chain", "draw"}};
+  if (group == k_posterior || group == k_sample_stats || group == k_sample_stats_prior)
+    return {{"chain", "draw"}};
+  // Without leading dimensions: means and standard deviations of a variable's elements.
+  if (group == k_prior) return {{"chain", "draw"}, {}};
   if (group == k_replicas) return {{"chain", "replica"}};
   if (group == k_tempering) return {{"chain"}};
   if (group == k_animations || group == k_finds) return {{"animation"}, {"segment"}};
@@ -182,12 +314,19 @@ std::vector<std::string> check_structure(const Source& source) {
   Findings findings;
   if (find_group(source, k_root) == nullptr) return {"there is no root group"};
   check_value(source, "format", std::string(k_format_name), findings);
-  check_version(source, findings);
+  const std::int64_t version = version_of(source);
+  check_version(source, version, findings);
   check_value(source, "inference_library", std::string(k_inference_library), findings);
   check_attribute<std::string>(source, k_root, "world", findings);
   check_attribute<std::string>(source, k_root, k_inference_library_version, findings);
   check_attribute<std::string>(source, k_root, k_content_digest, findings);
-  for (const std::string_view name : {k_posterior, k_sample_stats, k_replicas, k_animations}) {
+  std::vector<std::string_view> groups{k_posterior, k_sample_stats, k_replicas, k_animations};
+  if (version >= k_format_with_scene) {
+    groups.insert(groups.end(), {k_scene, k_prior, k_sample_stats_prior});
+    check_attribute<std::string>(source, k_root, k_results_version, findings);
+    check_attribute<std::string>(source, k_root, k_run_id, findings);
+  }
+  for (const std::string_view name : groups) {
     if (find_group(source, name) == nullptr) {
       findings.push_back(fmt::format("the group {} is missing", name));
     }
@@ -200,11 +339,11 @@ std::vector<std::string> check_structure(const Source& source) {
   check_attribute<std::int64_t>(source, k_animations, "keep_per_lineage", findings);
   check_attribute<double>(source, k_animations, "min_distance", findings);
 
-  const std::vector<Expected> all = expected_datasets();
+  const std::vector<Expected> all = expected_datasets(source, version);
   for (const Expected& expected : all)
     check_expected(source, expected, findings);
   for (const Group& group : source.groups()) {
-    if (group.name != k_root && leading_dims(group.name).empty()) {
+    if (group.name != k_root && group.name != k_scene && leading_dims(group.name).empty()) {
       findings.push_back(fmt::format("the group {} is not part of the format", group.name));
     }
     for (const DatasetSpec& spec : group.datasets) {

@@ -6,11 +6,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/base/bytes.h"
+#include "common/motion/segment.h"
+#include "common/scene/scene.h"
 
 namespace sleight::archive {
 
@@ -25,6 +28,10 @@ struct Variable {
   std::vector<Dimension> dims;  ///< none for a scalar
   std::string unit;             ///< "rad", "m", "1" for a pure number
   std::string meaning;          ///< one sentence, for `long_name`
+  /// Of a state's variable: its components' normal distributions under the prior, one for each
+  /// element; of a component that is not normal NaN, of one that is fixed 0. Empty: none is.
+  std::vector<double> prior_mean = {};
+  std::vector<double> prior_sd = {};
   std::size_t size() const {
     std::size_t product = 1;
     for (const Dimension& dim : dims)
@@ -38,7 +45,6 @@ struct WorldLayout {
   std::vector<Variable> variables;          ///< of the state
   std::vector<Variable> outcomes;           ///< of each scan
   std::vector<std::string> proposal_kinds;  ///< at least one
-  std::vector<Variable> segment_columns;    ///< of a recording; each row is one segment
   /// One line that a user of the samples must know; empty: none. Programs print it when a run
   /// starts, and its archive carries it.
   std::string warning = {};
@@ -50,11 +56,17 @@ struct WorldLayout {
   double log_natural_throw = 0;
 };
 
-/// The motion of one animation: segments in order, a row each.
+/// The motion of one animation: of each body its segments in the order of time, bodies in any
+/// order. Kept as numbers, which a store takes as they are.
 struct Recording {
-  std::size_t columns = 0;     ///< sum of the sizes of WorldLayout::segment_columns
-  std::vector<double> values;  ///< row-major
-  std::size_t rows() const { return columns == 0 ? 0 : values.size() / columns; }
+  /// Of a segment, in the order of its members.
+  static constexpr std::size_t k_columns = 24;
+  std::vector<double> values{};  ///< row-major
+
+  std::size_t rows() const { return values.size() / k_columns; }
+  void append(const motion::Segment& segment);
+  /// REQUIRES: row < rows(); what append wrote.
+  motion::Segment segment(std::size_t row) const;
 };
 
 /// Whether a motion ends as the outcome said.
@@ -70,6 +82,15 @@ struct Motion {
   Recording recording{};  ///< empty unless it plays out
 };
 
+/// A state drawn from the prior, and what it comes to.
+struct PriorDraw {
+  std::vector<double> variables{};  ///< as StateReader::variables
+  std::vector<double> outcome{};    ///< in layout order
+  double log_prior = 0;
+  double log_constraint = 0;  ///< -infinity where its simulation failed
+  bool satisfied = false;
+};
+
 /// Reads the opaque state bytes of one world with one request. Thread-safe.
 /// REQUIRES of every function: `state` came from this world's worker (a run store is ours).
 class StateReader {
@@ -82,6 +103,22 @@ class StateReader {
   virtual double likeness_distance(base::BytesView a, base::BytesView b) const = 0;
   /// The motion of a state. Only states that play out are kept as animations.
   virtual Motion play(base::BytesView state) const = 0;
+  /// What the run's animations look like; the same for each.
+  virtual const scene::Scene& scene() const = 0;
+  /// What of that is the animation's own. REQUIRES: the recording of that state.
+  virtual scene::Variation variation(base::BytesView /*state*/,
+                                     const Recording& /*recording*/) const {
+    return {};
+  }
+  /// A draw from the prior, simulated: the nth of those of this world, from a stream of its own.
+  virtual PriorDraw prior_draw(std::uint64_t nth) const = 0;
+  /// The first so many.
+  virtual std::vector<PriorDraw> prior_draws(std::size_t count) const {
+    std::vector<PriorDraw> draws;
+    for (std::uint64_t nth = 0; nth < count; ++nth)
+      draws.push_back(prior_draw(nth));
+    return draws;
+  }
   /// log p_w of so many blind throws, as a person would make them: what the log p_w of something
   /// found is to be compared with. Always the same ones.
   virtual std::vector<double> log_priors_of_throws(std::size_t /*count*/) const { return {}; }

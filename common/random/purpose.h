@@ -26,7 +26,8 @@ enum class Purpose : std::uint32_t {
   search = 14,       ///< the tries of a search
   guide = 15,        ///< what a world learns of itself
   blind_throw = 16,  ///< throws that something found is compared with
-  counted = 17       ///< which of a chain's satisfying scans is its independent solution
+  counted = 17,      ///< which of a chain's satisfying scans is its independent solution
+  prior_draw = 18    ///< draws from the prior that stand beside a run's samples
 };
 
 }  // namespace sleight::random

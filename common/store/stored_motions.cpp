@@ -19,12 +19,25 @@ constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS motion(
     state BLOB PRIMARY KEY, ends INTEGER NOT NULL, columns INTEGER NOT NULL, numbers BLOB NOT NULL,
     checksum INTEGER NOT NULL);
+  CREATE TABLE IF NOT EXISTS numbers(
+    name TEXT PRIMARY KEY, numbers BLOB NOT NULL, checksum INTEGER NOT NULL);
 )";
 
 std::int64_t sum_of(std::uint64_t salt, base::BytesView state, const archive::Motion& motion) {
   return checksum_of_motion(salt, state, static_cast<std::int64_t>(motion.ends),
-                            motion.recording.columns,
+                            archive::Recording::k_columns,
                             base::bytes_of(std::span<const double>(motion.recording.values)));
+}
+
+std::int64_t sum_of(std::uint64_t salt, const std::string& name, base::BytesView numbers) {
+  return checksum_of_motion(salt, base::bytes_of(std::span<const char>(name)), 0, 0, numbers);
+}
+
+/// Those that are whole.
+std::vector<double> numbers_in(base::BytesView bytes) {
+  std::vector<double> values(bytes.size() / sizeof(double));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(double));
+  return values;
 }
 
 /// As a map's key: GCC 12 warns wrongly where vectors of bytes are compared.
@@ -112,14 +125,11 @@ std::optional<archive::Motion> StoredMotions::read(base::BytesView state) {
   bool is_sound = false;
   if (select.step()) {
     const base::BytesView numbers = select.blob(2);
-    motion = archive::Motion{
-        .ends = static_cast<archive::PlaysOut>(select.integer(0)),
-        .recording = {.columns = static_cast<std::size_t>(select.integer(1)), .values = {}}};
-    std::vector<double>& values = motion->recording.values;
-    values.resize(numbers.size() / sizeof(double));
-    if (!values.empty()) std::memcpy(values.data(), numbers.data(), values.size() * sizeof(double));
-    is_sound =
-        sum_of(salt_, state, *motion) == select.integer(3) && numbers.size() % sizeof(double) == 0;
+    motion = archive::Motion{.ends = static_cast<archive::PlaysOut>(select.integer(0)),
+                             .recording = {.values = numbers_in(numbers)}};
+    is_sound = select.integer(1) == archive::Recording::k_columns &&
+               sum_of(salt_, state, *motion) == select.integer(3) &&
+               numbers.size() % sizeof(double) == 0;
   }
   select.reset();
   return is_sound ? motion : std::nullopt;
@@ -132,6 +142,31 @@ void StoredMotions::keep(base::BytesView state, const archive::Motion& motion) {
   if (waiting_bytes_ >= k_motions_bytes) attempt([this] { write(); });
 }
 
+std::optional<std::vector<double>> StoredMotions::find_numbers(const std::string& name) {
+  std::optional<std::vector<double>> found;
+  attempt([&] {
+    Statement select =
+        file_->database.prepare("SELECT numbers, checksum FROM numbers WHERE name=?1");
+    select.bind(1, name);
+    if (!select.step()) return;
+    const base::BytesView bytes = select.blob(0);
+    if (sum_of(salt_, name, bytes) == select.integer(1)) found = numbers_in(bytes);
+  });
+  return found;
+}
+
+void StoredMotions::keep_numbers(const std::string& name, const std::vector<double>& numbers) {
+  if (!is_usable_ || is_full_) return;
+  const base::BytesView bytes = base::bytes_of(std::span<const double>(numbers));
+  attempt([&] {
+    file_->database.prepare("INSERT OR REPLACE INTO numbers VALUES(?1,?2,?3)")
+        .bind(1, name)
+        .bind(2, bytes)
+        .bind(3, sum_of(salt_, name, bytes))
+        .run();
+  });
+}
+
 void StoredMotions::write() {
   if (waiting_.empty()) return;
   file_->database.execute("BEGIN IMMEDIATE");
@@ -139,7 +174,7 @@ void StoredMotions::write() {
     const base::BytesView state = base::bytes_of(std::span<const char>(text));
     file_->insert->bind(1, state)
         .bind(2, static_cast<std::int64_t>(motion.ends))
-        .bind(3, static_cast<std::int64_t>(motion.recording.columns))
+        .bind(3, static_cast<std::int64_t>(archive::Recording::k_columns))
         .bind(4, base::bytes_of(std::span<const double>(motion.recording.values)))
         .bind(5, sum_of(salt_, state, motion))
         .run();

@@ -12,6 +12,7 @@
 #include "common/archive/remembering_reader.h"
 #include "common/base/clock.h"
 #include "common/base/version.h"
+#include "common/hash/sha256.h"
 #include "common/store/stored_motions.h"
 #include "common/store/stored_run.h"
 
@@ -46,17 +47,26 @@ class StoppableSink final : public archive::Sink {
   std::function<void()> ask_;
 };
 
-/// Adds up what motions cost.
+/// Does it, and adds the processor time that it took; to null nothing.
+template <class Work>
+auto timed(double* total_s, const Work& work) {
+  const double begin_s = base::thread_processor_s();
+  auto result = work();
+  if (total_s != nullptr) *total_s += base::thread_processor_s() - begin_s;
+  return result;
+}
+
+/// Adds up what is simulated once a run.
 class TimedReader final : public archive::ForwardingReader {
  public:
   TimedReader(const archive::StateReader& reader, double* motions_s)
       : ForwardingReader(reader), motions_s_(motions_s) {}
 
   archive::Motion play(base::BytesView state) const override {
-    const double begin_s = base::thread_processor_s();
-    archive::Motion motion = ForwardingReader::play(state);
-    if (motions_s_ != nullptr) *motions_s_ += base::thread_processor_s() - begin_s;
-    return motion;
+    return timed(motions_s_, [&] { return ForwardingReader::play(state); });
+  }
+  archive::PriorDraw prior_draw(std::uint64_t nth) const override {
+    return timed(motions_s_, [&] { return ForwardingReader::prior_draw(nth); });
   }
 
  private:
@@ -66,6 +76,11 @@ class TimedReader final : public archive::ForwardingReader {
 /// On what remembered motions hang besides their states.
 std::string owner_of_motions(const request::DirectionRequest& request) {
   return fmt::format("{}\n{}", base::version(), request::identity_text(request));
+}
+
+/// The same for every archive of a run, whatever its cut and whoever derives it.
+std::string run_id(const request::DirectionRequest& request, const std::string& results_version) {
+  return hash::sha256_hex(fmt::format("{}\n{}", run_identity(request), results_version));
 }
 
 /// Feeds a plan with what the method can learn from a cut, and from no other scan.
@@ -78,6 +93,11 @@ void teach(plan::Plan& learner, const store::StoredRun& view, const std::functio
 }
 
 }  // namespace
+
+std::string run_identity(const request::DirectionRequest& request) {
+  return fmt::format("{}\n[output]\nthin = {}\n", request::identity_text(request),
+                     request.output.thin);
+}
 
 std::string derive_archive(const DeriveInputs& inputs, const std::string& folder,
                            const std::string& output, request::Cut& cut,
@@ -113,7 +133,9 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
       .keep_max = keep.keep_max,
       .keep_per_lineage = keep.keep_per_lineage,
       .min_distance = keep.min_distance,
-      .inference_library_version = std::string(base::version())};
+      .inference_library_version = std::string(base::version()),
+      .results_version = inputs.results_version,
+      .run_id = run_id(inputs.request, inputs.results_version)};
   store::StoredMotions motions(folder, owner_of_motions(inputs.request));
   const TimedReader timed(inputs.reader, inputs.motions_s);
   const archive::RememberingReader reader(timed, motions, ask);

@@ -21,6 +21,11 @@
 
 namespace sleight::coordinator {
 
+/// What decides the stored results of a run: two requests with one identity can share a run store,
+/// so that one goes on where the other stopped. [stop] and what is kept in the archive may differ;
+/// `thin` may not, since only every thin-th scan's state is stored.
+std::string run_identity(const request::DirectionRequest& request);
+
 /// Borrowed for the call.
 struct DeriveInputs {
   const request::DirectionRequest& request;
@@ -28,8 +33,10 @@ struct DeriveInputs {
   /// A fresh plan of the run that ends at a cut.
   const std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)>& plan_of;
   base::FileSystem& files;
-  /// Where the processor time in seconds is added that motions took which were not remembered; may
-  /// be null.
+  /// Of the program, which made the run's results.
+  const std::string& results_version;
+  /// Where the processor time in seconds is added that motions and prior draws took which were not
+  /// remembered; may be null.
   double* motions_s = nullptr;
   /// Through which the store is read, which on a network disk is the writer's own
   /// (RunStore::to_read); null: a connection of its own.

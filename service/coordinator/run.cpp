@@ -138,11 +138,6 @@ class FailureNotes {
 
 }  // namespace
 
-std::string run_identity(const request::DirectionRequest& request) {
-  return fmt::format("{}\n[output]\nthin = {}\n", request::identity_text(request),
-                     request.output.thin);
-}
-
 std::string run_folder(const std::string& output) {
   return output + ".run";
 }
@@ -164,6 +159,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                               .reader = inputs.reader,
                               .plan_of = inputs.plan_of,
                               .files = files,
+                              .results_version = inputs.results_version,
                               .motions_s = &motions_s,
                               .store = run_store.to_read(),
                               .fence = [&lock] { lock.check(); }};

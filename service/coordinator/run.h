@@ -75,11 +75,6 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options);
 /// With which a program ends that ends so.
 base::ExitCode exit_code_of(DriveEnd end);
 
-/// What decides the stored results of a run: two requests with one identity can share a run store,
-/// so that one goes on where the other stopped. [stop] and what is kept in the archive may differ;
-/// `thin` may not, since only every thin-th scan's state is stored.
-std::string run_identity(const request::DirectionRequest& request);
-
 /// The folder of an output's run store.
 std::string run_folder(const std::string& output);
 

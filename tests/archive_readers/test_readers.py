@@ -22,14 +22,19 @@ import h5py
 import numpy as np
 import xarray
 
-GROUPS = ("posterior", "sample_stats", "replicas", "animations", "finds")
+GROUPS = ("posterior", "sample_stats", "replicas", "animations", "finds", "scene", "prior",
+          "sample_stats_prior")
 BARE = b"This is a netCDF dimension but not a netCDF variable."
 HIDDEN = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_Netcdf4Dimid",
           "_Netcdf4Coordinates", "_Encoding"}
 INDEX = {"posterior": ("chain", "draw"), "sample_stats": ("chain", "draw"),
          "replicas": ("chain", "replica"), "animations": ("animation",), "segments": ("segment",),
-         "finds": ("animation",), "find_segments": ("segment",)}
-GROUP_OF = {"segments": "animations", "find_segments": "finds"}
+         "finds": ("animation",), "find_segments": ("segment",), "prior": ("chain", "draw"),
+         "sample_stats_prior": ("chain", "draw"), "features": ("feature",), "parts": ("part",),
+         "points": ("point",), "find_points": ("point",)}
+GROUP_OF = {"segments": "animations", "find_segments": "finds", "features": "scene",
+            "parts": "scene", "points": "animations", "find_points": "finds"}
+LEFT_OUT = ("content_digest", "inference_library_version", "results_version", "run_id")
 
 
 def check(condition, *what):
@@ -83,7 +88,7 @@ def same(a, b):
 def check_engine(path, file, engine):
     root = xarray.open_dataset(path, engine=engine)
     check(root.attrs["format"] == "sleight-archive", engine, "format")
-    check(int(root.attrs["format_version"]) == 2, engine, "format_version")
+    check(int(root.attrs["format_version"]) == 3, engine, "format_version")
     request = root["request"].values.item()
     request = request.decode() if isinstance(request, bytes) else request
     check(request == values_of(file["request"]), engine, "request", request)
@@ -123,8 +128,13 @@ def check_csv(folder, file):
                    if dims_of(d)[:len(index)] == index and dims_of(d) != (name,)}
         seen = {name: [] for name in columns}
         for i in range(place, len(header)):
-            seen[header[i].split("[")[0]].append([float(row[i]) for row in rows])
+            name = header[i].split("[")[0]
+            kind = str if is_text(columns[name]) else float
+            seen[name].append([kind(row[i]) for row in rows])
         for name, dataset in columns.items():
+            if is_text(dataset):
+                check(seen[name] == [list(values_of(dataset))], table, name)
+                continue
             flat = dataset[()].astype(float).reshape(len(rows), -1)
             found = np.array(seen[name], dtype=float).reshape(-1, len(rows)).T
             check(same(found, flat), table, name)
@@ -155,7 +165,7 @@ def digest_of(file):
     for place in ("/",) + tuple(f"/{group}" for group in GROUPS):
         lines.append(f"group {place}")
         for name, value in file[place].attrs.items():
-            if place != "/" or name not in ("content_digest", "inference_library_version"):
+            if place != "/" or name not in LEFT_OUT:
                 lines.append(attribute_line(place, name, value))
         for name, dataset in datasets_of(file[place]).items():
             path = f"{place.rstrip('/')}/{name}"

@@ -311,7 +311,7 @@ class Damage(ProgramTest):
         def damage(file):
             animations = file["animations"]
             del animations["position_m"]
-            flat = animations.create_dataset("position_m", data=animations["duration_s"][:],
+            flat = animations.create_dataset("position_m", data=animations["start_s"][:],
                                              dtype="<f8")
             flat.dims[0].attach_scale(animations["segment"])
         self.assertIn("/animations/position_m", self.refused(damage, "plot", "--what", "paths"))

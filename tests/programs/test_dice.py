@@ -100,7 +100,7 @@ class Dice(ProgramTest):
         result = sleight("plot", archive, "--what", "paths", "-o", self.path("no.svg"))
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn("try --what animations", result.stderr)
-        for dataset, value, words in [("moving_die", 2, "dice that its request doesn't have"),
+        for dataset, value, words in [("body", 2, "dice that its request doesn't have"),
                                       ("orientation", 0, "that are no rotations"),
                                       ("position_m", numpy.nan, "numbers that no motion of dice"),
                                       ("segment_count", 0, "moves no die")]:

@@ -16,8 +16,8 @@ from harness import ProgramTest
 
 # Folders whose files decide nothing that a run stores; all others of a library do.
 AFTERWARDS = {"common/archive", "common/archive/digest", "common/archive/hdf5", "common/config",
-              "common/events", "common/failure_file", "common/hash", "common/logging", "common/rpc",
-              "common/schema", "common/schema/wire", "common/store", "worker/run/mpi",
+              "common/events", "common/failure_file", "common/hash", "common/logging", "common/motion",
+              "common/rpc", "common/scene", "common/schema", "common/schema/wire", "common/store", "worker/run/mpi",
               "worker/worlds/readers", "worker/worlds/segments", "worker/physics/scenes"}
 
 

@@ -115,10 +115,11 @@ class Search(ProgramTest):
             self.assertTrue((numpy.abs(finds["log_prior"][:] - throws.mean()) < 6 * spread).all())
             # All balls end at rest.
             for first, count in zip(finds["segment_start"][:], finds["segment_count"][:]):
-                ball = finds["moving_ball"][first:first + count]
+                ball = finds["body"][first:first + count]
                 mode = finds["mode"][first:first + count]
                 ends = [numpy.flatnonzero(ball == one)[-1] for one in range(16)]
                 self.assertTrue((mode[ends] == 3).all())
+            self.assertFalse(finds["in_proportion"][:].any())
             self.assertEqual(archive["posterior/drop_m"].size, 0)
 
     def test_it_is_labelled_wherever_it_appears(self):

@@ -50,7 +50,7 @@ class Spelling(ProgramTest):
             starts = animations["segment_start"][:]
             counts = animations["segment_count"][:]
             for start, count in zip(starts, counts):
-                ball = animations["moving_ball"][start:start + count]
+                ball = animations["body"][start:start + count]
                 mode = animations["mode"][start:start + count]
                 place = animations["position_m"][start:start + count]
                 ends = [numpy.flatnonzero(ball == one)[-1] for one in (0, 1)]
@@ -131,8 +131,8 @@ class Spelling(ProgramTest):
 
     def test_damaged_motions_are_refused(self):
         self.direct(self.request(), self.path("two.h5"))
-        for dataset, value, words in [("moving_ball", 2, "balls that its request doesn't have"),
-                                      ("moving_ball", numpy.nan, "balls that its request"),
+        for dataset, value, words in [("body", 2, "balls that its request doesn't have"),
+                                      ("body", -1, "balls that its request"),
                                       ("start_s", numpy.nan, "not in the order of time"),
                                       ("segment_count", 1 << 62, "segments from"),
                                       ("segment_count", 0, "moves no ball")]:

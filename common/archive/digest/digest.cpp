@@ -82,7 +82,8 @@ std::string dataset_line(const std::string& path, const DatasetSpec& spec,
 
 bool left_out(const Group& group, const Attribute& attribute) {
   return group.name == k_root &&
-         (attribute.name == k_content_digest || attribute.name == k_inference_library_version);
+         (attribute.name == k_content_digest || attribute.name == k_inference_library_version ||
+          attribute.name == k_results_version || attribute.name == k_run_id);
 }
 
 /// `hash_of(group, spec)` gives the hash of a dataset's values.

@@ -13,7 +13,8 @@
 // NaN as 0x7ff8000000000000, a boolean as its byte, text as its length (8 bytes) and its bytes.
 // Hence the digest knows nothing of chunks, compression, creation order or NaN payloads.
 //
-// Left out: the root attributes content_digest and inference_library_version (format.h).
+// Left out: the root attributes content_digest, inference_library_version, results_version and
+// run_id (format.h).
 // Two manifests that differ name the object in which the archives differ.
 #pragma once
 

@@ -11,6 +11,7 @@
 
 #include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
+#include "common/archive/kept_motions.h"
 #include "common/archive/structure.h"
 
 namespace sleight::archive {
@@ -337,6 +338,103 @@ void check_finds(const Reader& reader, Findings& findings) {
   segments.report(findings);
 }
 
+/// An animation's rows along a dimension follow those of the one before it without gap.
+void check_rows(const Reader& reader, std::string_view group, const std::string& dim,
+                Findings& findings) {
+  check_progression(reader, group, dim, 1, findings);
+  Rule rule(fmt::format("{}: rows along {} follow one another without gap", group, dim));
+  std::uint64_t next = 0;
+  for_each_batch(reader.size(group, "animation"), [&](std::uint64_t first, std::uint64_t count) {
+    const auto start = reader.read<std::int64_t>(group, dim + "_start", first, count);
+    const auto rows = reader.read<std::int64_t>(group, dim + "_count", first, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      rule.expect(std::cmp_equal(start[i], next) && rows[i] >= 0,
+                  [&] { return fmt::format("animation {}", first + i); });
+      // Wraps around instead of overflowing: the numbers may be anything.
+      next = static_cast<std::uint64_t>(start[i]) + static_cast<std::uint64_t>(rows[i]);
+    }
+  });
+  rule.expect(next == reader.size(group, dim), [&] { return "the end of " + dim; });
+  rule.report(findings);
+}
+
+/// Motions that can be shown, and what of the scene is each animation's own.
+void check_motions(const Source& source, const Reader& reader, std::string_view group,
+                   const scene::Scene& scene, Findings& findings) {
+  const bool is_draws = group == k_animations;
+  Rule proportion(is_draws ? "in_proportion is 0 or 1" : "finds are not in proportion");
+  Rule motion(fmt::format("motions of {} are such", group));
+  Rule own(fmt::format("parts and points of {} are such", group));
+  const std::uint64_t total = reader.size(group, "animation");
+  for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {
+    const auto values = reader.read<std::int8_t>(group, "in_proportion", first, count);
+    for (std::size_t i = 0; i < count; ++i)
+      proportion.expect(values[i] == 0 || (is_draws && values[i] == 1),
+                        [&] { return fmt::format("animation {}", first + i); });
+  });
+  const KeptMotions motions(source, group);
+  for (std::uint64_t i = 0; i < total; ++i) {
+    std::string reason;
+    const auto place = [&] { return fmt::format("animation {}, which {}", i, reason); };
+    const auto found = motions.animation(i, scene);
+    if (!found) reason = found.error();
+    motion.expect(found.ok(), place);
+    const auto variation = motions.variation(i, scene);
+    if (!variation) reason = variation.error();
+    own.expect(variation.ok(), place);
+  }
+  for (const Rule* rule : {&proportion, &motion, &own})
+    rule->report(findings);
+}
+
+void check_scene(const Source& source, const Reader& reader, Findings& findings) {
+  const auto scene = scene_of(source);
+  if (!scene) {
+    findings.push_back(fmt::format("/scene {}", scene.error()));
+    return;
+  }
+  for (const std::string_view group : {k_animations, k_finds}) {
+    if (!reader.has_group(group)) continue;
+    bool is_whole = true;
+    for (const char* dim : {"part", "point"}) {
+      if (find_dataset(reader.group(group), dim) == nullptr) continue;
+      const std::size_t before = findings.size();
+      check_rows(reader, group, dim, findings);
+      is_whole = is_whole && findings.size() == before;
+    }
+    if (is_whole) check_motions(source, reader, group, scene.value(), findings);
+  }
+}
+
+void check_prior(const Reader& reader, Findings& findings) {
+  for (const std::string_view group : {k_prior, k_sample_stats_prior}) {
+    check_progression(reader, group, "chain", 1, findings);
+    check_progression(reader, group, "draw", 1, findings);
+  }
+  if (reader.size(k_prior, "draw") != reader.size(k_sample_stats_prior, "draw")) {
+    findings.emplace_back("/prior and /sample_stats_prior have other numbers of draws");
+    return;
+  }
+  Rule sum("/sample_stats_prior/lp = log_prior + log_constraint");
+  Rule truth("/sample_stats_prior/satisfied is 0 or 1");
+  for_each_batch(
+      reader.elements(k_sample_stats_prior, "lp"), [&](std::uint64_t first, std::uint64_t count) {
+        const auto lp = reader.read<double>(k_sample_stats_prior, "lp", first, count);
+        const auto prior = reader.read<double>(k_sample_stats_prior, "log_prior", first, count);
+        const auto constraint =
+            reader.read<double>(k_sample_stats_prior, "log_constraint", first, count);
+        const auto satisfied =
+            reader.read<std::int8_t>(k_sample_stats_prior, "satisfied", first, count);
+        for (std::size_t i = 0; i < count; ++i) {
+          const auto here = [&] { return fmt::format("draw {}", first + i); };
+          sum.expect(same(lp[i], prior[i] + constraint[i]), here);
+          truth.expect(satisfied[i] == 0 || satisfied[i] == 1, here);
+        }
+      });
+  sum.report(findings);
+  truth.report(findings);
+}
+
 /// Failures are counted under known kinds, and only where there are some.
 void check_failures(const Reader& reader, Findings& findings) {
   for (const Attribute& attribute : reader.group(k_root).attributes) {
@@ -366,13 +464,19 @@ std::vector<std::string> verify(const Source& source) {
   Findings findings = check_structure(source);
   if (!findings.empty()) return findings;
   const Reader reader(source);
-  check_digest(source, findings);
   check_failures(reader, findings);
   check_coordinates(reader, findings);
   check_scalars(reader, findings);
   check_proposals(reader, findings);
   AnimationCheck(reader).run(findings);
   check_finds(reader, findings);
+  if (reader.has_group(k_scene)) {
+    // Rows that are out of place have been told of; to follow them would tell of them again.
+    const bool is_whole = findings.empty();
+    if (is_whole) check_scene(source, reader, findings);
+    check_prior(reader, findings);
+  }
+  check_digest(source, findings);
   return findings;
 }
 

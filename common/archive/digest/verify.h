@@ -5,7 +5,8 @@
 //   lp = log_prior + log_constraint, bit for bit; 0 <= accepted <= proposed;
 //   draws are 0, thin, 2 thin, ... and every scan up to the cut;
 //   kept animations are in logical order, within keep_max and keep_per_lineage, satisfied, and
-//   equal to their scan's row in /sample_stats; their segments follow one another without gap.
+//   equal to their scan's row in /sample_stats; their segments follow one another without gap;
+//   the scene is such, and so are the motions of its bodies.
 #pragma once
 
 #include <string>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -10,6 +9,8 @@
 #include "common/base/check.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/motion.h"
+#include "worker/worlds/readers/prior_draw.h"
+#include "worker/worlds/readers/scene_parts.h"
 
 namespace sleight::worlds::ball_2d {
 namespace {
@@ -17,43 +18,62 @@ namespace {
 archive::WorldLayout make_layout(const WorldParameters& world) {
   const archive::Dimension collision{.name = "collision", .size = world.collisions};
   const archive::Dimension axis{.name = "axis_xz", .size = 2};
-  return {
-      .world = "ball_2d",
-      .variables = {{.name = "normal_rad",
-                     .dims = {collision},
-                     .unit = "rad",
-                     .meaning = "tilt of each collision's normal from the vertical, towards +x"}},
-      .outcomes = {{.name = "landing_x_m",
-                    .dims = {},
-                    .unit = "m",
-                    .meaning = "where the ball lands after its last random collision"},
-                   {.name = "landing_time_s",
-                    .dims = {},
-                    .unit = "s",
-                    .meaning = "when it lands there, after its release"}},
-      .proposal_kinds = {"change_normals"},
-      .segment_columns = {
-          {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the hop begins"},
-          {.name = "duration_s", .dims = {}, .unit = "s", .meaning = "how long the hop lasts"},
-          {.name = "position_m",
-           .dims = {axis},
-           .unit = "m",
-           .meaning =
-               "the ball's centre where the hop begins, x right and z up from contact height"},
-          {.name = "velocity_mps",
-           .dims = {axis},
-           .unit = "m s-1",
-           .meaning = "the centre's velocity just after the hop's first instant"},
-          {.name = "hop_normal_rad",
-           .dims = {},
-           .unit = "rad",
-           .meaning = "the normal's tilt at the collision that began the hop; NaN for the drop"}}};
+  return {.world = "ball_2d",
+          .variables = {{.name = "normal_rad",
+                         .dims = {collision},
+                         .unit = "rad",
+                         .meaning = "tilt of each collision's normal from the vertical, towards +x",
+                         .prior_mean = std::vector<double>(world.collisions, 0),
+                         .prior_sd = std::vector<double>(world.collisions, world.normal_sd_rad)}},
+          .outcomes = {{.name = "landing_x_m",
+                        .dims = {},
+                        .unit = "m",
+                        .meaning = "where the ball lands after its last random collision"},
+                       {.name = "landing_time_s",
+                        .dims = {},
+                        .unit = "s",
+                        .meaning = "when it lands there, after its release"}},
+          .proposal_kinds = {"change_normals"}};
+}
+
+constexpr std::uint32_t k_table = 1;
+/// A tilted piece of the table, in diameters of the ball.
+constexpr double k_piece_diameters = 0.9;
+constexpr double k_piece_thickness_diameters = 0.04;
+
+/// The ball's path lies in the plane y = 0.
+math::Vec3 in_space(const math::Vec2& place) {
+  return {place.x(), 0, place.y()};
+}
+
+scene::Scene make_scene(const Parameters& parameters) {
+  const double diameter_m = parameters.world.diameter_m;
+  const double table_z_m =
+      -0.5 * diameter_m;  // heights count from the centre of a ball that touches
+  const double drop_m = parameters.world.drop_height_diameters * diameter_m;
+  const double target_m = parameters.constraint.target_diameters * diameter_m;
+  scene::Scene scene;
+  add_feature(scene, scene::FeatureKind::body, "ball");
+  add_part(scene, scene::Shape::sphere, {diameter_m, diameter_m, diameter_m});
+  CHECK_EQ(add_feature(scene, scene::FeatureKind::fixed, "table"), k_table);
+  const double left_m = std::min(0.0, target_m) - 4 * diameter_m;
+  const double right_m = std::max(0.0, target_m) + 4 * diameter_m;
+  add_part(scene, scene::Shape::ground, {right_m - left_m, 2 * diameter_m, 0},
+           {0.5 * (left_m + right_m), 0, table_z_m});
+  add_feature(scene, scene::FeatureKind::wanted, "target");
+  add_part(scene, scene::Shape::box,
+           {2 * parameters.constraint.tolerance_diameters * diameter_m, diameter_m, 0},
+           {target_m, 0, table_z_m});
+  scene.has_own_parts = true;
+  scene.low_m = {left_m, -diameter_m, table_z_m};
+  scene.high_m = {right_m, diameter_m, drop_m + diameter_m};
+  return scene;
 }
 
 class Ball2dReader final : public archive::StateReader {
  public:
   explicit Ball2dReader(const Parameters& parameters)
-      : ball_(parameters), layout_(make_layout(parameters.world)) {}
+      : ball_(parameters), layout_(make_layout(parameters.world)), scene_(make_scene(parameters)) {}
 
   const archive::WorldLayout& layout() const override { return layout_; }
 
@@ -74,18 +94,57 @@ class Ball2dReader final : public archive::StateReader {
   }
 
   archive::Motion play(base::BytesView state) const override {
-    const NormalAngles normals = decoded(state);
-    const Motion simulated = simulate_motion(ball_.parameters().world, normals);
-    archive::Recording recording{.columns = 7, .values = {}};
-    for (std::size_t i = 0; i < simulated.flights.size(); ++i) {
-      const Flight& flight = simulated.flights[i];
-      const double normal_rad = i == 0 ? std::numeric_limits<double>::quiet_NaN() : normals[i - 1];
-      recording.values.insert(
-          recording.values.end(),
-          {flight.start_s, flight.duration_s, flight.position_m.x(), flight.position_m.y(),
-           flight.velocity_mps.x(), flight.velocity_mps.y(), normal_rad});
+    const Motion simulated = motion(state);
+    const double gravity_mps2 = ball_.parameters().world.gravity_mps2;
+    archive::Motion played;
+    motion::Cause cause = motion::Cause::start;
+    std::int32_t partner = motion::k_no_partner;
+    for (const Flight& flight : simulated.flights) {
+      played.recording.append({.start_s = flight.start_s,
+                               .mode = motion::Mode::flying,
+                               .cause = cause,
+                               .partner = partner,
+                               .position_m = in_space(flight.position_m),
+                               .velocity_mps = in_space(flight.velocity_mps),
+                               .acceleration_mps2 = {0, 0, -gravity_mps2}});
+      cause = motion::Cause::hit;
+      partner = k_table;
     }
-    return {.ends = archive::PlaysOut::yes, .recording = std::move(recording)};
+    // It ends where the ball lands.
+    played.recording.append({.start_s = simulated.landing.time_s,
+                             .mode = motion::Mode::resting,
+                             .cause = cause,
+                             .partner = partner,
+                             .position_m = {simulated.landing.x_m, 0, 0}});
+    return played;
+  }
+
+  const scene::Scene& scene() const override { return scene_; }
+
+  /// The table's pieces, each tilted as its collision has it.
+  scene::Variation variation(base::BytesView state,
+                             const archive::Recording& recording) const override {
+    const NormalAngles normals = decoded(state);
+    const double diameter_m = ball_.parameters().world.diameter_m;
+    const double thickness_m = k_piece_thickness_diameters * diameter_m;
+    const double side_m = k_piece_diameters * diameter_m;
+    scene::Variation own;
+    for (std::uint32_t i = 0; i < collisions(); ++i) {
+      const math::Quat tilt = math::quaternion_of_rotation_vector({0, normals[i], 0});
+      const math::Vec3 down_m = math::rotated(tilt, {0, 0, -0.5 * (diameter_m + thickness_m)});
+      own.parts.push_back({.feature = k_table,
+                           .shape = scene::Shape::box,
+                           .size_m = {side_m, side_m, thickness_m},
+                           .position_m = recording.segment(i + 1).position_m + down_m,
+                           .orientation = tilt});
+    }
+    return own;
+  }
+
+  archive::PriorDraw prior_draw(std::uint64_t nth) const override {
+    return worlds::prior_draw(ball_, nth, [this](const NormalAngles& normals) {
+      return std::vector<double>(normals.begin(), normals.begin() + collisions());
+    });
   }
 
  private:
@@ -103,6 +162,7 @@ class Ball2dReader final : public archive::StateReader {
 
   Ball2d ball_;
   archive::WorldLayout layout_;
+  scene::Scene scene_;
 };
 
 }  // namespace

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,18 +14,42 @@
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
+#include "common/scene/surface.h"
 #include "worker/physics/simulator/segment.h"
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/dice/dice.h"
 #include "worker/worlds/readers/played_out.h"
-#include "worker/worlds/segments/segment_values.h"
+#include "worker/worlds/readers/prior_draw.h"
+#include "worker/worlds/readers/scene_parts.h"
+#include "worker/worlds/segments/recorded_segments.h"
 
 namespace sleight::worlds::dice {
 namespace {
 
 constexpr double k_likeness_every_s = 1.0 / 60;
+constexpr const char* k_table_name = "table";
+/// Of a cube of side 1: from its centre to a corner.
+constexpr double k_half_diagonal = 0.8661;
+
+void append_vector(const Vec3& v, std::vector<double>& values) {
+  values.insert(values.end(), {v.x(), v.y(), v.z()});
+}
+
+/// As w, x, y, z.
+void append_quaternion(const Quat& q, std::vector<double>& values) {
+  values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
+}
+
+/// The components of one vector of all dice's starts.
+std::vector<double> components(const WorldParameters& world, Vec3 DieStart::*vector) {
+  std::vector<double> values;
+  for (const DieStart& die : world.dice)
+    append_vector(die.*vector, values);
+  return values;
+}
 
 std::vector<archive::Variable> variables_of(const Dice& world) {
+  const WorldParameters& parameters = world.parameters().world;
   const archive::Dimension die{.name = "die", .size = world.dice()};
   const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
   const archive::Dimension quaternion{.name = "quaternion_wxyz", .size = 4};
@@ -38,16 +65,25 @@ std::vector<archive::Variable> variables_of(const Dice& world) {
           {.name = "start_position_m",
            .dims = {die, xyz},
            .unit = "m",
-           .meaning = "the die's centre when it is let go"},
+           .meaning = "the die's centre when it is let go",
+           .prior_mean = components(parameters, &DieStart::position_m),
+           .prior_sd = components(parameters, &DieStart::position_sd_m)},
           {.name = "start_orientation",
            .dims = {die, quaternion},
            .unit = "1",
            .meaning = "then, from the unnumbered cube's frame to the table's"},
-          {.name = "start_velocity_mps", .dims = {die, xyz}, .unit = "m s-1", .meaning = "then"},
+          {.name = "start_velocity_mps",
+           .dims = {die, xyz},
+           .unit = "m s-1",
+           .meaning = "then",
+           .prior_mean = components(parameters, &DieStart::velocity_mps),
+           .prior_sd = components(parameters, &DieStart::velocity_sd_mps)},
           {.name = "start_spin_radps",
            .dims = {die, xyz},
            .unit = "rad s-1",
-           .meaning = "angular velocity then, in the table's frame"}};
+           .meaning = "angular velocity then, in the table's frame",
+           .prior_mean = components(parameters, &DieStart::spin_radps),
+           .prior_sd = components(parameters, &DieStart::spin_sd_radps)}};
 }
 
 std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
@@ -88,39 +124,11 @@ std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
 }
 
 archive::WorldLayout make_layout(const Dice& world) {
-  const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
-  const archive::Dimension quaternion{.name = "quaternion_wxyz", .size = 4};
-  archive::WorldLayout layout{
-      .world = "dice",
-      .variables = variables_of(world),
-      .outcomes = outcomes_of(world.parameters()),
-      .proposal_kinds = {"change_all", "change_die", "change_start", "change_control",
-                         "change_contact"},
-      .segment_columns = {
-          {.name = "moving_die", .dims = {}, .unit = "1", .meaning = "which die moves, from 0"},
-          {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the segment begins"},
-          {.name = "mode", .dims = {}, .unit = "1", .meaning = "0 flies, 3 rests"},
-          {.name = "position_m",
-           .dims = {xyz},
-           .unit = "m",
-           .meaning = "the die's centre there, from the middle of the table"},
-          {.name = "velocity_mps",
-           .dims = {xyz},
-           .unit = "m s-1",
-           .meaning = "the centre's velocity just after the segment's first instant"},
-          {.name = "acceleration_mps2",
-           .dims = {xyz},
-           .unit = "m s-2",
-           .meaning = "the centre's acceleration all along"},
-          {.name = "orientation",
-           .dims = {quaternion},
-           .unit = "1",
-           .meaning = "from the numbered die's frame (1 on +x, 2 on +y, 3 on +z) to the table's at "
-                      "the segment's beginning"},
-          {.name = "angular_velocity_radps",
-           .dims = {xyz},
-           .unit = "rad s-1",
-           .meaning = "in the table's frame, all along"}}};
+  archive::WorldLayout layout{.world = "dice",
+                              .variables = variables_of(world),
+                              .outcomes = outcomes_of(world.parameters()),
+                              .proposal_kinds = {"change_all", "change_die", "change_start",
+                                                 "change_control", "change_contact"}};
   if (world.parameters().numbering == Numbering::free) {
     for (std::uint32_t die = 0; die < world.dice(); ++die) {
       layout.log_natural_throw +=
@@ -128,6 +136,101 @@ archive::WorldLayout make_layout(const Dice& world) {
     }
   }
   return layout;
+}
+
+/// What a goal asks of its die, all but which die that is.
+std::string words_of(const Goal& goal) {
+  const auto numbers = [](const auto&... vectors) {
+    std::string text;
+    const auto add = [&text](const auto& vector) {
+      for (Eigen::Index i = 0; i < vector.size(); ++i)
+        text += fmt::format(" {}", vector[i]);
+    };
+    (add(vectors), ...);
+    return text;
+  };
+  struct Words {
+    decltype(numbers)& of;
+    std::string operator()(const Place& place) const { return of(place.centre_m); }
+    std::string operator()(const Region& region) const { return of(region.low_m, region.high_m); }
+    std::string operator()(const FaceDirection& face) const {
+      return fmt::format(" {}{}", face.face, of(face.direction));
+    }
+    std::string operator()(const Turn& turn) const { return of(turn.orientation.coeffs()); }
+    std::string operator()(const Velocity& velocity) const { return of(velocity.velocity_mps); }
+    std::string operator()(const RestBefore& rest) const { return fmt::format(" {}", rest.time_s); }
+  };
+  return fmt::format("{} at {} within {}, {}:{}", name_of(goal), goal.at_s.value_or(-1),
+                     goal.tolerance, goal.sigma, std::visit(Words{numbers}, goal.wanted));
+}
+
+/// All that is asked of a die, in the order of goals.
+std::string wishes_of(std::span<const Goal> goals, std::uint32_t die) {
+  std::string wishes;
+  for (const Goal& goal : goals) {
+    if (goal.die == die) wishes += words_of(goal) + "\n";
+  }
+  return wishes;
+}
+
+void add_goal(scene::Scene& scene, const Goal& goal, std::size_t number) {
+  add_feature(scene, scene::FeatureKind::wanted,
+              fmt::format("goal {}: {} of die {}", number, name_of(goal), goal.die + 1));
+  scene.features.back().body = static_cast<std::int32_t>(goal.die);
+  if (const auto* place = std::get_if<Place>(&goal.wanted)) {
+    add_part(scene, scene::Shape::disc, {2 * goal.tolerance, 2 * goal.tolerance, 0},
+             {place->centre_m.x(), place->centre_m.y(), 0});
+  } else if (const auto* region = std::get_if<Region>(&goal.wanted)) {
+    const Vec2 sides_m = region->high_m - region->low_m;
+    const Vec2 middle_m = 0.5 * (region->high_m + region->low_m);
+    add_part(scene, scene::Shape::box, {sides_m.x(), sides_m.y(), 0},
+             {middle_m.x(), middle_m.y(), 0});
+  }
+}
+
+/// About where dice start, where they go in half a second, and where they are to be.
+void set_view(scene::Scene& scene, const WorldParameters& world) {
+  constexpr double k_sds = 3;
+  constexpr double k_ahead_s = 0.5;
+  scene.low_m = {-2 * world.side_m, -2 * world.side_m, -world.side_m};
+  scene.high_m = {2 * world.side_m, 2 * world.side_m, 2 * world.side_m};
+  const auto hold = [&scene](const Vec3& low_m, const Vec3& high_m) {
+    scene.low_m = scene.low_m.cwiseMin(low_m);
+    scene.high_m = scene.high_m.cwiseMax(high_m);
+  };
+  for (const DieStart& die : world.dice) {
+    const Vec3 around_m = k_sds * die.position_sd_m + Vec3::Constant(world.side_m);
+    hold(die.position_m - around_m, die.position_m + around_m);
+    Vec3 ahead_m = die.position_m + k_ahead_s * die.velocity_mps;
+    ahead_m.z() = 0;
+    hold(ahead_m, ahead_m);
+  }
+  for (const scene::Part& part : scene.parts) {
+    if (scene.features[part.feature].kind == scene::FeatureKind::wanted)
+      hold(part.position_m - 0.5 * part.size_m, part.position_m + 0.5 * part.size_m);
+  }
+}
+
+scene::Scene make_scene(const Parameters& parameters) {
+  const WorldParameters& world = parameters.world;
+  scene::Scene scene;
+  std::map<std::string, std::uint32_t> first_with;
+  for (std::uint32_t die = 0; die < world.dice.size(); ++die) {
+    add_feature(scene, scene::FeatureKind::body, fmt::format("die {}", die + 1));
+    add_part(scene, scene::Shape::die, Vec3::Constant(world.side_m));
+    // Dice of which the same is wanted look alike.
+    scene.features.back().twin_of =
+        first_with.emplace(wishes_of(parameters.goals, die), die).first->second;
+  }
+  add_feature(scene, scene::FeatureKind::fixed, k_table_name);
+  const TableParameters& table = world.table;
+  add_part(scene, scene::Shape::surface,
+           {table.spacing_m * table.columns, table.spacing_m * table.rows, table.spacing_m});
+  for (std::size_t i = 0; i < parameters.goals.size(); ++i)
+    add_goal(scene, parameters.goals[i], i + 1);
+  scene.has_own_points = true;
+  set_view(scene, world);
+  return scene;
 }
 
 /// The animations that were asked for last: the choice of kept animations compares each one with
@@ -166,24 +269,15 @@ class LastAnimations {
 class DiceReader final : public archive::StateReader {
  public:
   explicit DiceReader(const Parameters& parameters)
-      : world_(parameters), layout_(make_layout(world_)) {}
+      : world_(parameters),
+        layout_(make_layout(world_)),
+        scene_(make_scene(parameters)),
+        table_(scene_.find(k_table_name).value()) {}
 
   const archive::WorldLayout& layout() const override { return layout_; }
 
   std::vector<double> variables(base::BytesView bytes) const override {
-    const State state = decoded(bytes);
-    std::vector<double> values{static_cast<double>(state.table_key >> 32U),
-                               static_cast<double>(state.table_key & 0xffffffffU),
-                               static_cast<double>(state.overrides.size())};
-    for (const DieThrow& die : state.dice)
-      append_vector(die.position_m, values);
-    for (const DieThrow& die : state.dice)
-      append_quaternion(die.orientation, values);
-    for (const DieThrow& die : state.dice)
-      append_vector(die.velocity_mps, values);
-    for (const DieThrow& die : state.dice)
-      append_vector(die.spin_radps, values);
-    return values;
+    return values_of(decoded(bytes));
   }
 
   double likeness_distance(base::BytesView a, base::BytesView b) const override {
@@ -212,16 +306,48 @@ class DiceReader final : public archive::StateReader {
     const auto animation = animations_.of(world_, state);
     const archive::PlaysOut ends = played_out(world_, animation->outcome);
     if (ends != archive::PlaysOut::yes) return {.ends = ends, .recording = {}};
-    archive::Recording recording{.columns = 19, .values = {}};
+    const FeatureNumbers features{
+        .body = [](std::uint32_t die) { return die; },
+        .fixed = [this](std::uint32_t) { return static_cast<std::int32_t>(table_); }};
+    archive::Motion motion;
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
       const Quat numbered = rotation_of_numbering(animation->outcome.judgement.numberings[die]);
-      for (const auto& [segment, cause] : animation->recording.segments({die})) {
-        recording.values.push_back(die);
-        append_segment(segment, math::composed(segment.flight.orientation, numbered),
-                       recording.values);
-      }
+      for (const motion::Segment& segment :
+           recorded_segments(animation->recording, die, features, numbered))
+        motion.recording.append(segment);
     }
-    return {.ends = ends, .recording = std::move(recording)};
+    return motion;
+  }
+
+  const scene::Scene& scene() const override { return scene_; }
+
+  /// The table's control points under and around the places where dice touch it.
+  scene::Variation variation(base::BytesView bytes,
+                             const archive::Recording& recording) const override {
+    const State state = decoded(bytes);
+    const WorldParameters& world = world_.parameters().world;
+    std::vector<Vec3> touches_m;
+    for (std::size_t row = 0; row < recording.rows(); ++row) {
+      const motion::Segment segment = recording.segment(row);
+      if (segment.partner == static_cast<std::int32_t>(table_) ||
+          segment.mode == motion::Mode::resting)
+        touches_m.push_back(segment.position_m);
+    }
+    scene::Variation own;
+    for (const auto& [i, j] :
+         scene::indices_about(touches_m, k_half_diagonal * world.side_m, world.table.spacing_m)) {
+      const SurfaceControl control = control_at(world, state, {i, j});
+      own.points.push_back({.i = i,
+                            .j = j,
+                            .height_m = control.height_m,
+                            .restitution = control.restitution,
+                            .friction = control.friction});
+    }
+    return own;
+  }
+
+  archive::PriorDraw prior_draw(std::uint64_t nth) const override {
+    return worlds::prior_draw(world_, nth, [](const State& state) { return values_of(state); });
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {
@@ -236,6 +362,21 @@ class DiceReader final : public archive::StateReader {
     return *std::move(state);
   }
 
+  static std::vector<double> values_of(const State& state) {
+    std::vector<double> values{static_cast<double>(state.table_key >> 32U),
+                               static_cast<double>(state.table_key & 0xffffffffU),
+                               static_cast<double>(state.overrides.size())};
+    for (const DieThrow& die : state.dice)
+      append_vector(die.position_m, values);
+    for (const DieThrow& die : state.dice)
+      append_quaternion(die.orientation, values);
+    for (const DieThrow& die : state.dice)
+      append_vector(die.velocity_mps, values);
+    for (const DieThrow& die : state.dice)
+      append_vector(die.spin_radps, values);
+    return values;
+  }
+
   /// Where it was last, after the recording's end; nothing before the die has started.
   static std::optional<Vec3> place_at(const physics::Recording& recording, physics::BodyId die,
                                       physics::Tick tick) {
@@ -247,6 +388,8 @@ class DiceReader final : public archive::StateReader {
 
   Dice world_;
   archive::WorldLayout layout_;
+  scene::Scene scene_;
+  std::uint32_t table_;  ///< feature of the scene
   mutable LastAnimations animations_;
 };
 

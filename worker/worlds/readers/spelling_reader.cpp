@@ -1,52 +1,23 @@
 #include "worker/worlds/readers/spelling_reader.h"
 
-#include <utility>
+#include <cstdint>
+#include <string_view>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
-#include "worker/physics/simulator/segment.h"
+#include "worker/physics/simulator/static_geometry.h"
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/readers/played_out.h"
-#include "worker/worlds/segments/segment_values.h"
+#include "worker/worlds/readers/prior_draw.h"
+#include "worker/worlds/readers/scene_parts.h"
+#include "worker/worlds/segments/recorded_segments.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
 namespace {
-
-/// What archives say of each segment of a kept animation.
-std::vector<archive::Variable> segment_columns() {
-  const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
-  const archive::Dimension quaternion{.name = "quaternion_wxyz", .size = 4};
-  return {
-      {.name = "moving_ball", .dims = {}, .unit = "1", .meaning = "which ball moves"},
-      {.name = "start_s", .dims = {}, .unit = "s", .meaning = "when the segment begins"},
-      {.name = "mode", .dims = {}, .unit = "1", .meaning = "0 flies, 1 slides, 2 rolls, 3 rests"},
-      {.name = "position_m",
-       .dims = {xyz},
-       .unit = "m",
-       .meaning = "the ball's centre there, from the middle of the box on the floor's rim"},
-      {.name = "velocity_mps",
-       .dims = {xyz},
-       .unit = "m s-1",
-       .meaning = "the centre's velocity just after the segment's first instant"},
-      {.name = "acceleration_mps2",
-       .dims = {xyz},
-       .unit = "m s-2",
-       .meaning = "the centre's acceleration all along"},
-      {.name = "orientation",
-       .dims = {quaternion},
-       .unit = "1",
-       .meaning = "from the ball's frame to the box's at the segment's beginning"},
-      {.name = "angular_velocity_radps",
-       .dims = {xyz},
-       .unit = "rad s-1",
-       .meaning = "in the box's frame at the segment's beginning"},
-      {.name = "angular_acceleration_radps2",
-       .dims = {xyz},
-       .unit = "rad s-2",
-       .meaning = "in the box's frame all along"}};
-}
 
 archive::WorldLayout make_layout(const Spelling& world) {
   const archive::Dimension vertex{.name = "partition_vertex", .size = world.bins().vertex_count()};
@@ -57,7 +28,10 @@ archive::WorldLayout make_layout(const Spelling& world) {
           .variables = {{.name = "vertex_offset_m",
                          .dims = {vertex, xyz},
                          .unit = "m",
-                         .meaning = "how far each partition vertex is moved"},
+                         .meaning = "how far each partition vertex is moved",
+                         .prior_mean = std::vector<double>(3 * vertex.size, 0),
+                         .prior_sd = std::vector<double>(3 * vertex.size,
+                                                         world.parameters().world.vertex_sd_m)},
                         {.name = "active",
                          .dims = {ball},
                          .unit = "1",
@@ -83,8 +57,66 @@ archive::WorldLayout make_layout(const Spelling& world) {
                 .meaning = "why it ended: 0 all at rest or in their bins for good, 1 time limit, 2 "
                            "no room to start, 3 the simulator could not go on"}},
           .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
-                             "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"},
-          .segment_columns = segment_columns()};
+                             "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"}};
+}
+
+/// A state without offsets in which all balls are dropped where the first bin to fill is.
+State plain_state(const Spelling& world) {
+  const auto vertices = world.bins().vertices_m().size();
+  return {.offsets_m = std::vector<Vec3>(vertices, Vec3{0, 0, 0}),
+          .active = std::vector<std::uint8_t>(world.balls(), 1),
+          .drops_m = std::vector<Vec2>(world.balls(), world.middle_m(0))};
+}
+
+scene::Scene make_scene(const Spelling& world, const physics::Scene& simulated) {
+  const WorldParameters& parameters = world.parameters().world;
+  const double diameter_m = parameters.ball_diameter_m;
+  scene::Scene scene;
+  scene.offset_variable = "vertex_offset_m";
+  for (std::uint32_t ball = 0; ball < world.balls(); ++ball) {
+    add_feature(scene, scene::FeatureKind::body, fmt::format("ball {}", ball + 1));
+    add_part(scene, scene::Shape::sphere, {diameter_m, diameter_m, diameter_m});
+    scene.features.back().twin_of = 0;
+  }
+  const Vec2& half_m = world.bins().half_m();
+  for (const physics::StaticMesh& mesh : simulated.meshes) {
+    add_feature(scene, scene::FeatureKind::fixed, mesh.name);
+    add_mesh(scene, *mesh.mesh, world.bins().vertex_count());
+  }
+  for (const physics::StaticConvex& convex : simulated.convexes) {
+    add_feature(scene, scene::FeatureKind::fixed, convex.name);
+    add_polyhedron(scene, *convex.polyhedron);
+  }
+  for (const physics::StaticPlane& plane : simulated.planes) {
+    add_feature(scene, scene::FeatureKind::fixed, plane.name);
+    add_part(scene, scene::Shape::ground, {4 * half_m.x(), 4 * half_m.y(), 0},
+             {0, 0, plane.outside.offset_m});
+  }
+  for (std::uint32_t number = 0; number < world.balls(); ++number) {
+    const Vec2& middle_m = world.middle_m(number);
+    add_feature(scene, scene::FeatureKind::wanted, fmt::format("bin {}", number + 1));
+    add_part(scene, scene::Shape::box, {parameters.bin_m, parameters.bin_m, 0},
+             {middle_m.x(), middle_m.y(), 0});
+  }
+  scene.low_m = {-half_m.x(), -half_m.y(), 0};
+  scene.high_m = {half_m.x(), half_m.y(), parameters.drop_height_m + diameter_m};
+  return scene;
+}
+
+/// The scene's features by their numbers in the simulator's static geometry.
+std::vector<std::int32_t> features_of(const physics::Scene& simulated, const scene::Scene& scene) {
+  const physics::StaticGeometry geometry(simulated);
+  std::vector<std::int32_t> features;
+  for (std::uint32_t index = 0; index < geometry.feature_count(); ++index) {
+    // Such as "mesh 'bins'".
+    const std::string_view name = geometry.name_of_feature(index);
+    const auto open = name.find('\'');
+    CHECK(open != std::string_view::npos && name.ends_with('\''));
+    const auto found = scene.find(name.substr(open + 1, name.size() - open - 2));
+    CHECK(found.has_value());
+    features.push_back(static_cast<std::int32_t>(*found));
+  }
+  return features;
 }
 
 class SpellingReader final : public archive::StateReader {
@@ -95,6 +127,10 @@ class SpellingReader final : public archive::StateReader {
       layout_.warning = "biased kernel: thesis (A.2.2 as printed)";
     // A throw has all balls in it; there are as many as bins to fill, so all that satisfy have.
     layout_.log_natural_throw = world_.balls() * math::log(0.5);
+    const auto simulated = world_.scene(plain_state(world_));
+    CHECK(simulated.has_value());
+    scene_ = make_scene(world_, *simulated);
+    fixed_ = features_of(*simulated, scene_);
   }
 
   const archive::WorldLayout& layout() const override { return layout_; }
@@ -118,16 +154,20 @@ class SpellingReader final : public archive::StateReader {
     const archive::PlaysOut ends = played_out(world_, world_.simulate_to_rest(state));
     if (ends != archive::PlaysOut::yes) return {.ends = ends, .recording = {}};
     const Animation animation = world_.animate(state);
-    archive::Recording recording{.columns = 22, .values = {}};
-    for (std::size_t body = 0; body < animation.balls.size(); ++body) {
-      const auto id = physics::BodyId{static_cast<std::uint32_t>(body)};
-      for (const auto& [segment, cause] : animation.recording.segments(id)) {
-        recording.values.push_back(static_cast<double>(animation.balls[body]));
-        append_segment(segment, segment.flight.orientation, recording.values);
-        append_vector(segment.angular_acceleration_radps2, recording.values);
-      }
+    const FeatureNumbers features{.body = [&](std::uint32_t body) { return animation.balls[body]; },
+                                  .fixed = [&](std::uint32_t index) { return fixed_.at(index); }};
+    archive::Motion motion;
+    for (std::uint32_t body = 0; body < animation.balls.size(); ++body) {
+      for (const motion::Segment& segment : recorded_segments(animation.recording, body, features))
+        motion.recording.append(segment);
     }
-    return {.ends = ends, .recording = std::move(recording)};
+    return motion;
+  }
+
+  const scene::Scene& scene() const override { return scene_; }
+
+  archive::PriorDraw prior_draw(std::uint64_t nth) const override {
+    return worlds::prior_draw(world_, nth, [](const State& state) { return values_of(state); });
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {
@@ -144,6 +184,8 @@ class SpellingReader final : public archive::StateReader {
 
   Spelling world_;
   archive::WorldLayout layout_;
+  scene::Scene scene_{};
+  std::vector<std::int32_t> fixed_{};  ///< features by the simulator's numbers
 };
 
 }  // namespace

@@ -99,9 +99,15 @@ TEST_F(Csv, AnimationsAndSegmentsAreSeparateTables) {
   const auto animations = lines_of(archive_, "animations");
   EXPECT_EQ(animations.size(),
             1 + find_dataset(*find_group(archive_, k_animations), "animation")->dims[0].size);
-  EXPECT_TRUE(animations[0].starts_with("animation,chain,draw,lineage,log_prior"));
+  EXPECT_TRUE(animations[0].starts_with("animation,chain,draw,lineage,in_proportion,log_prior"));
   const auto segments = lines_of(archive_, "segments");
-  EXPECT_EQ(segments[0], "segment,start_s,position_m[0],position_m[1]");
+  EXPECT_EQ(segments[0],
+            "segment,body,start_s,mode,cause,partner,position_m[0],position_m[1],position_m[2],"
+            "velocity_mps[0],velocity_mps[1],velocity_mps[2],acceleration_mps2[0],"
+            "acceleration_mps2[1],acceleration_mps2[2],orientation[0],orientation[1],"
+            "orientation[2],orientation[3],angular_velocity_radps[0],angular_velocity_radps[1],"
+            "angular_velocity_radps[2],angular_acceleration_radps2[0],"
+            "angular_acceleration_radps2[1],angular_acceleration_radps2[2]");
   EXPECT_EQ(segments.size(),
             1 + find_dataset(*find_group(archive_, k_animations), "segment")->dims[0].size);
 }

@@ -46,9 +46,25 @@ class FakeReader : public StateReader {
                .outcomes = {{"landing_m", {}, "m", "where it lands"},
                             {"bounces", {}, "1", "how often it bounces"}},
                .proposal_kinds = {"all", "one_normal"},
-               .segment_columns = {{"start_s", {}, "s", "time at which the segment starts"},
-                                   {"position_m", {axis}, "m", "place at which it starts"}},
                .warning = std::move(warning)};
+    layout_.variables[0].prior_mean = {0.5};
+    layout_.variables[0].prior_sd = {0.25};
+    scene_ = {.features =
+                  {{.name = "ball 1", .twin_of = 0},
+                   {.name = "ball 2", .twin_of = 0},
+                   {.name = "table", .kind = scene::FeatureKind::fixed, .twin_of = 2},
+                   {.name = "target", .kind = scene::FeatureKind::wanted, .twin_of = 3, .body = 1}},
+              .parts = {{.feature = 0, .shape = scene::Shape::sphere, .size_m = {0.1, 0.1, 0.1}},
+                        {.feature = 1, .shape = scene::Shape::sphere, .size_m = {0.1, 0.1, 0.1}},
+                        {.feature = 2, .shape = scene::Shape::surface, .size_m = {2, 2, 0.25}},
+                        {.feature = 2, .shape = scene::Shape::mesh, .triangles = 1},
+                        {.feature = 3, .shape = scene::Shape::disc, .size_m = {0.2, 0.2, 0}}},
+              .vertices = {{.place_m = {0, 0, 0}}, {.place_m = {1, 0, 0}}, {.place_m = {0, 1, 0}}},
+              .triangles = {{0, 1, 2}},
+              .has_own_parts = true,
+              .has_own_points = true,
+              .low_m = {-1, -1, 0},
+              .high_m = {1, 1, 1}};
   }
 
   const WorldLayout& layout() const override { return layout_; }
@@ -67,13 +83,51 @@ class FakeReader : public StateReader {
     return std::abs(unit_of(key_of(a)) - unit_of(key_of(b)));
   }
 
+  /// None to four segments, two bodies in turns.
   Motion play(base::BytesView state) const override {
     const std::uint64_t key = key_of(state);
-    Recording recording{.columns = 3, .values = {}};
-    for (std::uint64_t i = 0; i < 3 * (key % 5); ++i) {
-      recording.values.push_back(unit_of(key ^ (i << 32)));
+    Motion motion;
+    for (std::uint64_t i = 0; i < key % 5; ++i) {
+      const bool is_hit = i >= 2;
+      motion.recording.append(
+          {.body = static_cast<std::uint32_t>(i % 2),
+           .start_s = static_cast<double>(i) + unit_of(key ^ (i << 32)),
+           .mode = is_hit ? motion::Mode::rolling : motion::Mode::flying,
+           .cause = is_hit ? motion::Cause::hit : motion::Cause::start,
+           .partner = is_hit ? 2 : motion::k_no_partner,
+           .position_m = {unit_of(key + 1), unit_of(key + 2), unit_of(key + 3)},
+           .velocity_mps = {unit_of(key + 4), 0, -1},
+           .acceleration_mps2 = {0, 0, -9.81},
+           .orientation = math::quaternion_of_rotation_vector({unit_of(key + 5), 0, 1}),
+           .angular_velocity_radps = {0, unit_of(key + 6), 0}});
     }
-    return {.ends = PlaysOut::yes, .recording = std::move(recording)};
+    return motion;
+  }
+
+  const scene::Scene& scene() const override { return scene_; }
+
+  scene::Variation variation(base::BytesView state, const Recording& recording) const override {
+    const std::uint64_t key = key_of(state);
+    scene::Variation own;
+    if (key % 2 == 0)
+      own.parts.push_back({.feature = 2, .shape = scene::Shape::box, .size_m = {1, 1, 0.1}});
+    for (std::size_t i = 0; i < recording.rows(); ++i)
+      own.points.push_back({.i = static_cast<std::int32_t>(i),
+                            .j = -3,
+                            .height_m = unit_of(key + i),
+                            .restitution = 0.5,
+                            .friction = 0.25});
+    return own;
+  }
+
+  PriorDraw prior_draw(std::uint64_t nth) const override {
+    const base::Bytes state = state_of(mixed(nth));
+    return {.variables = variables(state),
+            .outcome = {unit_of(nth), static_cast<double>(nth % 7)},
+            .log_prior = -unit_of(nth + 1),
+            .log_constraint =
+                nth % 3 == 0 ? -std::numeric_limits<double>::infinity() : -unit_of(nth + 2),
+            .satisfied = nth % 11 == 1};
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {
@@ -98,6 +152,7 @@ class FakeReader : public StateReader {
 
  private:
   WorldLayout layout_;
+  scene::Scene scene_;
 };
 
 struct FakeRunOptions {
@@ -200,7 +255,9 @@ inline ArchiveOptions options_for(const FakeRunOptions& run) {
           .keep_max = 20,
           .keep_per_lineage = 3,
           .min_distance = 0.05,
-          .inference_library_version = "0.0.0+test"};
+          .inference_library_version = "0.0.0+test",
+          .results_version = "0123456789abcdef",
+          .run_id = "fake run"};
 }
 
 /// Writes the run's archive into a sink: the usual `fill` of the tests.

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tests/unit/worker/worlds/ball_2d/support.h"
+#include "tests/unit/worker/worlds/readers/played.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 
 namespace sleight::worlds::ball_2d {
@@ -53,12 +54,10 @@ TEST_F(Reader, LayoutFitsWhatIsGiven) {
   EXPECT_EQ(width(layout.variables), 7U);
   EXPECT_EQ(Ball2d(parameters_).outcome_values({}).size(), width(layout.outcomes));
   EXPECT_EQ(layout.proposal_kinds.size(), Ball2d(parameters_).proposal_kinds());
-  const archive::Recording recording = reader_->play(one).recording;
-  EXPECT_EQ(recording.columns, width(layout.segment_columns));
-  EXPECT_EQ(recording.rows(), 8U);
-  EXPECT_EQ(recording.values.size(), recording.columns * recording.rows());
+  EXPECT_EQ(reader_->play(one).recording.rows(), 9U);
+  worlds::testing::check_prior_draws(*reader_);
   std::set<std::string> names;
-  for (const auto* variables : {&layout.variables, &layout.outcomes, &layout.segment_columns}) {
+  for (const auto* variables : {&layout.variables, &layout.outcomes}) {
     for (const archive::Variable& variable : *variables) {
       EXPECT_TRUE(names.insert(variable.name).second) << variable.name;
       EXPECT_FALSE(variable.unit.empty());
@@ -76,34 +75,42 @@ TEST_F(Reader, VariablesAreTheNormals) {
 }
 
 TEST_F(Reader, RecordingsAreOneMotion) {
-  // Goal: rows follow one another without a gap, each from the table to the table, and end where
-  // the outcome says. Method: evaluate every row's parabola at its end.
-  const double g = parameters_.world.gravity_mps2;
+  // Goal: hops follow one another without a gap, each from the table to the table, and the last
+  // piece is where the outcome says; under each collision lies a piece of the table that is tilted
+  // by its normal and touches the ball. Method: evaluate every piece at its end.
+  const double radius_m = parameters_.world.diameter_m / 2;
   for (std::uint64_t index = 0; index < 200; ++index) {
     const base::Bytes one = state(index);
-    const archive::Recording recording = reader_->play(one).recording;
+    const motion::Animation animation = worlds::testing::played(*reader_, one);
     const NormalAngles normals = *Ball2d(parameters_).decode(one);
     const Landing landing = simulate_landing(parameters_.world, normals);
-    double time_s = 0;
-    double x_m = 0;
-    double z_m = parameters_.world.drop_height_diameters * parameters_.world.diameter_m;
-    for (std::size_t row = 0; row < recording.rows(); ++row) {
-      const double* at = recording.values.data() + row * recording.columns;
-      EXPECT_EQ(at[0], time_s);
-      EXPECT_EQ(at[2], x_m);
-      EXPECT_NEAR(at[3], z_m, 1e-14);
-      time_s = at[0] + at[1];
-      x_m = at[2] + at[4] * at[1];
-      z_m = at[3] + at[5] * at[1] - g / 2 * at[1] * at[1];
-      EXPECT_NEAR(z_m, 0, 1e-14);
-      if (row == 0) {
-        EXPECT_TRUE(std::isnan(at[6]));
-      } else {
-        EXPECT_EQ(at[6], normals[row - 1]);
-      }
+    const auto hops = animation.path(0).segments();
+    ASSERT_EQ(hops.size(), 9U);
+    EXPECT_EQ(hops[0].start_s, 0);
+    EXPECT_NEAR(hops[0].position_m.z(),
+                parameters_.world.drop_height_diameters * parameters_.world.diameter_m, 1e-14);
+    for (std::size_t i = 0; i + 1 < hops.size(); ++i) {
+      const math::Vec3 end_m = motion::position_at(hops[i], hops[i + 1].start_s);
+      EXPECT_LT(math::norm(math::Vec3(end_m - hops[i + 1].position_m)), 1e-12);
+      EXPECT_NEAR(end_m.z(), 0, 1e-12);
+      EXPECT_EQ(end_m.y(), 0);
     }
-    EXPECT_EQ(time_s, landing.time_s);
-    EXPECT_EQ(x_m, landing.x_m);
+    EXPECT_EQ(hops[8].start_s, landing.time_s);
+    EXPECT_EQ(hops[8].position_m.x(), landing.x_m);
+    EXPECT_EQ(hops[8].mode, motion::Mode::resting);
+    EXPECT_EQ(reader_->scene().features.at(static_cast<std::size_t>(hops[8].partner)).name,
+              "table");
+
+    const scene::Variation own = reader_->variation(one, reader_->play(one).recording);
+    ASSERT_EQ(own.parts.size(), 7U);
+    for (std::size_t i = 0; i < own.parts.size(); ++i) {
+      const math::Vec3 up = math::rotated(own.parts[i].orientation, {0, 0, 1});
+      EXPECT_NEAR(std::atan2(up.x(), up.z()), normals[i], 1e-12);
+      const math::Vec3 top_m = own.parts[i].position_m + 0.5 * own.parts[i].size_m.z() * up;
+      const math::Vec3 down_m = hops[i + 1].position_m - top_m;
+      EXPECT_NEAR(math::norm(down_m), radius_m, 1e-12);
+      EXPECT_NEAR(math::dot(down_m, up), radius_m, 1e-12);
+    }
   }
 }
 

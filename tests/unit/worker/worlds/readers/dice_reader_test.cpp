@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -10,7 +11,10 @@
 #include <thread>
 #include <vector>
 
+#include "common/scene/surface.h"
 #include "tests/unit/worker/worlds/dice/support.h"
+#include "tests/unit/worker/worlds/readers/played.h"
+#include "worker/physics/surface/spline_surface.h"
 
 namespace sleight::worlds::dice {
 namespace {
@@ -80,9 +84,6 @@ TEST(DiceReader, NamesFitValues) {
   std::size_t named = 0;
   for (const archive::Variable& variable : layout.variables)
     named += variable.size();
-  std::size_t columns = 0;
-  for (const archive::Variable& column : layout.segment_columns)
-    columns += column.size();
   std::set<std::string> names;
   for (const archive::Variable& outcome : layout.outcomes)
     names.insert(outcome.name);
@@ -100,27 +101,72 @@ TEST(DiceReader, NamesFitValues) {
   EXPECT_EQ(values[2], 2);
   EXPECT_EQ(world.outcome_values(world.simulate(state)).size(), outcomes);
 
-  const archive::Recording recording = reader->play(bytes).recording;
-  ASSERT_EQ(recording.columns, columns);
-  double die = -1;
-  for (std::size_t row = 0; row < recording.rows(); ++row) {
-    const double* now = &recording.values[row * columns];
-    if (now[0] != die) {
-      EXPECT_EQ(now[0], die + 1);
-      die = now[0];
-      EXPECT_EQ(now[1], 0);
-      EXPECT_EQ(now[3], state.dice[static_cast<std::size_t>(die)].position_m.x());
-    } else {
-      EXPECT_GE(now[1], now[1 - static_cast<std::ptrdiff_t>(columns)]);
-    }
-    const bool is_last = row + 1 == recording.rows() || now[columns] != die;
-    if (!is_last) continue;
-    EXPECT_EQ(now[2], 3);
-    const Quat q(now[12], now[13], now[14], now[15]);
-    EXPECT_GT(math::rotated(q, vector_of(direction_of_face(2, 0))).z(), 0.9);
+  worlds::testing::check_prior_draws(*reader);
+  const motion::Animation motion = worlds::testing::played(*reader, bytes);
+  ASSERT_EQ(motion.bodies(), 2U);
+  for (const motion::Path& path : motion.paths()) {
+    ASSERT_TRUE(path.enters());
+    EXPECT_EQ(path.start_s(), 0);
+    EXPECT_EQ(path.segments().front().position_m, state.dice[path.body()].position_m);
+    const motion::Segment& last = path.segments().back();
+    EXPECT_EQ(last.mode, motion::Mode::resting);
+    EXPECT_GT(math::rotated(last.orientation, vector_of(direction_of_face(2, 0))).z(), 0.9);
   }
-  EXPECT_EQ(die, 1);
-  EXPECT_EQ(reader->play(bytes).ends, archive::PlaysOut::yes);
+}
+
+TEST(DiceReader, TheTableIsTheSimulators) {
+  // Goal: the heights of the table that an archive's control points give are the simulator's, under
+  // and around every place where a die touches it. Method: random places within half a diagonal of
+  // the centres at contacts, in throws with overrides.
+  const Parameters parameters = testing::all_random(2);
+  const Dice world(parameters);
+  const auto reader = make_state_reader(parameters);
+  const scene::Scene& scene = reader->scene();
+  const std::uint32_t table = scene.find("table").value();
+  const auto part = std::ranges::find(scene.parts, table, &scene::Part::feature);
+  ASSERT_NE(part, scene.parts.end());
+  random::Stream stream = testing::stream_of(14, 0);
+  int contacts = 0;
+  for (std::uint64_t number = 0; number < 6; ++number) {
+    const State state = state_of(world, number);
+    const base::Bytes bytes = world.encode(state);
+    const archive::Motion motion = reader->play(bytes);
+    if (motion.ends == archive::PlaysOut::failed) continue;
+    const archive::Recording recording = motion.recording;
+    const scene::Surface drawn(reader->variation(bytes, recording).points, part->size_m.z());
+    physics::SplineSurface simulated(world.scene(state).surfaces.at(0));
+    for (const motion::Segment& segment : worlds::testing::segments_of(recording)) {
+      if (segment.partner != static_cast<std::int32_t>(table)) continue;
+      ++contacts;
+      for (int i = 0; i < 8; ++i) {
+        const double reach_m = 0.5 * std::sqrt(3.0) * parameters.world.side_m;
+        const double x_m = segment.position_m.x() + (2 * stream.uniform() - 1) * reach_m;
+        const double y_m = segment.position_m.y() + (2 * stream.uniform() - 1) * reach_m;
+        const auto height_m = drawn.height_m(x_m, y_m);
+        ASSERT_TRUE(height_m.has_value());
+        EXPECT_NEAR(*height_m, simulated.at(x_m, y_m).height_m, 1e-9);
+      }
+    }
+  }
+  EXPECT_GT(contacts, 20);
+}
+
+TEST(DiceReader, DiceOfWhichTheSameIsWantedAreTwins) {
+  // Goal: dice may take each other's place where goals ask the same of them. Method: three dice, of
+  // which two have equal goals.
+  Parameters parameters = testing::all_random(3);
+  for (const std::uint32_t die : {0U, 1U, 2U}) {
+    const std::uint32_t face = die == 1 ? 5 : 6;
+    parameters.goals.push_back(
+        {.die = die, .wanted = FaceDirection{.face = face}, .sigma = 0.2, .tolerance = 0.4});
+  }
+  const auto reader = make_state_reader(parameters);
+  const scene::Scene& scene = reader->scene();
+  EXPECT_EQ(scene.features[0].twin_of, 0U);
+  EXPECT_EQ(scene.features[1].twin_of, 1U);
+  EXPECT_EQ(scene.features[2].twin_of, 0U);
+  EXPECT_EQ(scene.features[4].body, 0);
+  EXPECT_EQ(scene::fault_of(scene), "");
 }
 
 TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {

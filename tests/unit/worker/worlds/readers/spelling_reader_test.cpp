@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "tests/unit/worker/worlds/readers/played.h"
+#include "worker/worlds/segments/recorded_segments.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
@@ -51,36 +54,121 @@ TEST(SpellingReader, NamesFitValues) {
   std::size_t named = 0;
   for (const archive::Variable& variable : reader->layout().variables)
     named += variable.size();
-  std::size_t columns = 0;
-  for (const archive::Variable& column : reader->layout().segment_columns)
-    columns += column.size();
   State state = state_of(world, 0);
   for (std::uint64_t number = 1; !world.satisfied(world.simulate(state)); ++number)
     state = state_of(world, number);
   const base::Bytes bytes = encode(state);
   EXPECT_EQ(reader->variables(bytes).size(), named);
   EXPECT_EQ(reader->layout().proposal_kinds.size(), k_kinds);
-  const archive::Recording recording = reader->play(bytes).recording;
-  ASSERT_EQ(recording.columns, columns);
-  double ball = -1;
+  worlds::testing::check_prior_draws(*reader);
+  const motion::Animation motion = worlds::testing::played(*reader, bytes);
   std::uint32_t balls = 0;
-  for (std::size_t row = 0; row < recording.rows(); ++row) {
-    const double* values = &recording.values[row * columns];
-    if (values[0] != ball) {
-      ball = values[0];
-      ++balls;
-      EXPECT_EQ(state.active[static_cast<std::size_t>(ball)], 1);
-      EXPECT_NEAR(values[1], 0.15 * ball, 1e-8);
-      EXPECT_NEAR(values[5], 0.080, 1e-12);
-    } else {
-      EXPECT_GE(values[1], values[1 - static_cast<std::ptrdiff_t>(columns)]);
-    }
-    const double* q = values + 12;
-    EXPECT_NEAR(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])), 1, 1e-12);
+  for (const motion::Path& path : motion.paths()) {
+    EXPECT_EQ(path.enters(), state.active[path.body()] == 1);
+    if (!path.enters()) continue;
+    ++balls;
+    EXPECT_NEAR(path.start_s(), 0.15 * path.body(), 1e-8);
+    EXPECT_NEAR(path.segments().front().position_m.z(), 0.080, 1e-12);
+    EXPECT_EQ(path.segments().back().mode, motion::Mode::resting);
   }
   EXPECT_EQ(balls, state.active_count());
-  EXPECT_EQ(recording.values[recording.values.size() - columns + 2], 3);
   EXPECT_EQ(world.outcome_values(world.simulate(state)).size(), reader->layout().outcomes.size());
+}
+
+TEST(SpellingReader, MotionsAreTheSimulators) {
+  // Goal: what an archive says of a motion is what the simulator says, at any time; a ball
+  // meets the ball that a hit names. Method: places and turns at random ticks of throws into HI; at
+  // hits the distance of the balls' centres.
+  const Parameters parameters;
+  const Spelling world(parameters);
+  const double radius_m = 0.5 * parameters.world.ball_diameter_m;
+  random::Stream stream({.seed = 31, .purpose = random::Purpose::prior}, 0);
+  int hits_of_balls = 0;
+  for (std::uint64_t number = 0; number < 12; ++number) {
+    const State state = world.draw_throw(stream);
+    if (!world.simulate_to_rest(state).is_animation()) continue;
+    const Animation animation = world.animate(state);
+    const auto scene = world.scene(state);
+    ASSERT_TRUE(scene.has_value());
+    for (std::uint32_t body = 0; body < animation.balls.size(); ++body) {
+      const auto segments =
+          recorded_segments(animation.recording, body,
+                            {.body = [&](std::uint32_t one) { return animation.balls[one]; },
+                             .fixed = [](std::uint32_t) { return 99; }});
+      motion::Path path(animation.balls[body]);
+      for (const motion::Segment& segment : segments)
+        path.append(segment);
+      const auto entries = animation.recording.segments({body});
+      for (int i = 0; i < 40; ++i) {
+        const physics::Tick tick =
+            entries.front().segment.flight.begin +
+            physics::ticks_after(stream.uniform() * (path.rest_s() - path.start_s()));
+        const physics::Segment* simulated = animation.recording.segment_at({body}, tick);
+        const double t_s = physics::seconds(tick - physics::Tick{});
+        const auto pose = path.pose_at(t_s);
+        ASSERT_TRUE(simulated != nullptr && pose.has_value());
+        EXPECT_LT(
+            math::norm(math::Vec3(pose->centre_m - physics::position_at(simulated->flight, tick))),
+            1e-9);
+        const math::Quat turn = math::composed(
+            pose->orientation,
+            math::inverse(physics::orientation_of(*simulated, scene->bodies[body].inertia, tick)));
+        EXPECT_LT(1 - std::fabs(turn.w()), 1e-11);
+      }
+      for (const motion::Segment& segment : segments) {
+        if (segment.cause != motion::Cause::hit || segment.partner == 99) continue;
+        const auto other =
+            std::ranges::find(animation.balls, static_cast<std::uint32_t>(segment.partner));
+        ASSERT_NE(other, animation.balls.end());
+        const auto id = static_cast<std::uint32_t>(other - animation.balls.begin());
+        const physics::Tick tick = physics::Tick{} + physics::ticks_after(segment.start_s);
+        const physics::Segment* partner = animation.recording.segment_at({id}, tick);
+        ASSERT_NE(partner, nullptr);
+        const math::Vec3 apart_m = segment.position_m - physics::position_at(partner->flight, tick);
+        EXPECT_NEAR(math::norm(apart_m), 2 * radius_m, 1e-7);
+        ++hits_of_balls;
+      }
+    }
+  }
+  EXPECT_GT(hits_of_balls, 10);
+}
+
+TEST(SpellingReader, TheSceneIsTheSimulators) {
+  // Goal: bodies are the balls, interchangeable; each static thing of the simulation is there under
+  // its name, the bins with vertices that the offsets move; each bin to fill is a goal. Method: HI
+  // against the simulator's scene of a state.
+  const Parameters parameters;
+  const Spelling world(parameters);
+  const auto reader = make_state_reader(parameters);
+  const scene::Scene& scene = reader->scene();
+  EXPECT_EQ(scene.bodies(), world.balls());
+  for (std::uint32_t body = 0; body < scene.bodies(); ++body)
+    EXPECT_EQ(scene.features[body].twin_of, 0U);
+  const State state = state_of(world, 3);
+  const auto simulated = world.scene(state);
+  ASSERT_TRUE(simulated.has_value());
+  const auto bins = scene.find("bins");
+  ASSERT_TRUE(bins.has_value());
+  const auto part = std::ranges::find(scene.parts, *bins, &scene::Part::feature);
+  ASSERT_NE(part, scene.parts.end());
+  const physics::TriangleMesh& mesh = *simulated->meshes.at(0).mesh;
+  ASSERT_EQ(part->triangles, mesh.triangles().size());
+  for (std::uint32_t i = 0; i < part->triangles; ++i) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const scene::Vertex& vertex =
+          scene.vertices.at(scene.triangles[part->first_triangle + i][corner]);
+      math::Vec3 place_m = vertex.place_m;
+      if (vertex.offset != scene::k_none)
+        place_m += state.offsets_m.at(static_cast<std::size_t>(vertex.offset));
+      EXPECT_LT(math::norm(math::Vec3(place_m - mesh.vertices_m()[mesh.triangles()[i][corner]])),
+                1e-15);
+    }
+  }
+  for (const physics::StaticConvex& wall : simulated->convexes)
+    EXPECT_TRUE(scene.find(wall.name).has_value()) << wall.name;
+  EXPECT_TRUE(scene.find("ground").has_value());
+  EXPECT_EQ(std::ranges::count(scene.features, scene::FeatureKind::wanted, &scene::Feature::kind),
+            static_cast<std::ptrdiff_t>(world.balls()));
 }
 
 TEST(SpellingReader, BiasedSamplesSaySo) {

@@ -1,0 +1,313 @@
+#include "common/archive/animations_writer.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/archive/specs.h"
+#include "common/base/check.h"
+
+namespace sleight::archive {
+namespace {
+
+using Integers = Column<std::int64_t>;
+using Numbers = Column<double>;
+
+const Dimension k_axis{"axis_xyz", 3};
+const Dimension k_quaternion{"quaternion_wxyz", 4};
+
+Dims with(const Dims& leading, const Dimension& last) {
+  Dims dims = leading;
+  dims.push_back(last);
+  return dims;
+}
+
+void push_vector(Numbers& column, const math::Vec3& v) {
+  for (const double value : {v.x(), v.y(), v.z()})
+    column.push(value);
+}
+
+void push_quaternion(Numbers& column, const math::Quat& q) {
+  for (const double value : {q.w(), q.x(), q.y(), q.z()})
+    column.push(value);
+}
+
+/// Makes columns of one group.
+struct Maker {
+  Sink& sink;
+  std::string_view group;
+
+  Integers integers(const char* name, const Dims& dims, const char* long_name) const {
+    return {sink, group, spec_of(name, ElementType::i64, dims, long_name)};
+  }
+  Column<std::int32_t> small(const char* name, const Dims& dims, const char* long_name) const {
+    return {sink, group, spec_of(name, ElementType::i32, dims, long_name)};
+  }
+  Numbers numbers(const char* name, const Dims& dims, const char* long_name,
+                  const char* unit) const {
+    return {sink, group, spec_of(name, ElementType::f64, dims, long_name, unit)};
+  }
+};
+
+/// Where an animation's rows along a dimension begin, and how many they are.
+class Rows {
+ public:
+  Rows(const Maker& maker, const char* dim, const char* counted)
+      : start_(maker.integers((std::string(dim) + "_start").c_str(), {{"animation", k_growing}},
+                              "the animation's first row along the dimension of this name")),
+        count_(maker.integers((std::string(dim) + "_count").c_str(), {{"animation", k_growing}},
+                              "the animation's rows along it")),
+        row_(maker.integers(dim, {{dim, k_growing}}, counted)) {}
+
+  void push(std::size_t rows) {
+    start_.push(next_);
+    count_.push(signed_of(rows));
+    for (std::size_t i = 0; i < rows; ++i)
+      row_.push(next_++);
+  }
+  void flush() {
+    start_.flush();
+    count_.flush();
+    row_.flush();
+  }
+
+ private:
+  Integers start_;
+  Integers count_;
+  Integers row_;
+  std::int64_t next_ = 0;
+};
+
+/// The pieces of motion.
+class Segments {
+ public:
+  explicit Segments(const Maker& maker)
+      : rows_(maker, "segment", "segment of a motion, animation by animation"),
+        body_(maker.small("body", k_segment, "the feature of /scene that moves")),
+        start_s_(maker.numbers("start_s", k_segment, "when the segment begins", "s")),
+        mode_(maker.small("mode", k_segment, "0 flying, 1 sliding, 2 rolling, 3 resting")),
+        cause_(maker.small("cause", k_segment,
+                           "what began it: 0 it entered, 1 it hit the partner, 2 its mode changed, "
+                           "3 it came to rest or was woken")),
+        partner_(maker.small("partner", k_segment,
+                             "the feature of /scene that was hit; -1 where none was")),
+        position_(maker.numbers("position_m", with(k_segment, k_axis),
+                                "the centre at the segment's beginning", "m")),
+        velocity_(maker.numbers("velocity_mps", with(k_segment, k_axis),
+                                "the centre's velocity just after that", "m s-1")),
+        acceleration_(maker.numbers("acceleration_mps2", with(k_segment, k_axis),
+                                    "the centre's acceleration all along", "m s-2")),
+        orientation_(maker.numbers("orientation", with(k_segment, k_quaternion),
+                                   "from the body's frame to the scene's, at the beginning", "1")),
+        spin_(maker.numbers("angular_velocity_radps", with(k_segment, k_axis),
+                            "in the scene's frame, at the beginning", "rad s-1")),
+        spin_up_(maker.numbers("angular_acceleration_radps2", with(k_segment, k_axis),
+                               "in the scene's frame, all along", "rad s-2")) {}
+
+  void push(const Recording& recording) {
+    rows_.push(recording.rows());
+    for (std::size_t row = 0; row < recording.rows(); ++row) {
+      const motion::Segment segment = recording.segment(row);
+      body_.push(small_of(segment.body));
+      start_s_.push(segment.start_s);
+      mode_.push(static_cast<std::int32_t>(segment.mode));
+      cause_.push(static_cast<std::int32_t>(segment.cause));
+      partner_.push(segment.partner);
+      push_vector(position_, segment.position_m);
+      push_vector(velocity_, segment.velocity_mps);
+      push_vector(acceleration_, segment.acceleration_mps2);
+      push_quaternion(orientation_, segment.orientation);
+      push_vector(spin_, segment.angular_velocity_radps);
+      push_vector(spin_up_, segment.angular_acceleration_radps2);
+    }
+  }
+  void flush() {
+    rows_.flush();
+    for (auto* column : {&body_, &mode_, &cause_, &partner_})
+      column->flush();
+    for (auto* column :
+         {&start_s_, &position_, &velocity_, &acceleration_, &orientation_, &spin_, &spin_up_})
+      column->flush();
+  }
+
+ private:
+  inline static const Dims k_segment{{"segment", k_growing}};
+  Rows rows_;
+  Column<std::int32_t> body_;
+  Numbers start_s_;
+  Column<std::int32_t> mode_, cause_, partner_;
+  Numbers position_, velocity_, acceleration_, orientation_, spin_, spin_up_;
+};
+
+/// Parts of the scene that are an animation's own.
+class OwnParts {
+ public:
+  explicit OwnParts(const Maker& maker)
+      : rows_(maker, "part", "part of the scene that is an animation's own"),
+        feature_(maker.small("part_feature", k_part, "the feature of /scene that it belongs to")),
+        shape_(maker.small("part_shape", k_part, "along shape of /scene")),
+        size_(maker.numbers("part_size_m", with(k_part, k_axis), "as in /scene", "m")),
+        position_(maker.numbers("part_position_m", with(k_part, k_axis), "of its middle", "m")),
+        orientation_(maker.numbers("part_orientation", with(k_part, k_quaternion),
+                                   "from its frame to the feature's", "1")) {}
+
+  void push(std::span<const scene::Part> parts) {
+    rows_.push(parts.size());
+    for (const scene::Part& part : parts) {
+      CHECK_EQ(part.triangles, 0U);
+      feature_.push(small_of(part.feature));
+      shape_.push(static_cast<std::int32_t>(part.shape));
+      push_vector(size_, part.size_m);
+      push_vector(position_, part.position_m);
+      push_quaternion(orientation_, part.orientation);
+    }
+  }
+  void flush() {
+    rows_.flush();
+    feature_.flush();
+    shape_.flush();
+    for (auto* column : {&size_, &position_, &orientation_})
+      column->flush();
+  }
+
+ private:
+  inline static const Dims k_part{{"part", k_growing}};
+  Rows rows_;
+  Column<std::int32_t> feature_, shape_;
+  Numbers size_, position_, orientation_;
+};
+
+/// Control points of a surface.
+class OwnPoints {
+ public:
+  explicit OwnPoints(const Maker& maker)
+      : rows_(maker, "point", "control point of the surface, near where bodies touch it"),
+        i_(maker.small("point_i", k_point, "it lies at x = i times the spacing")),
+        j_(maker.small("point_j", k_point, "it lies at y = j times the spacing")),
+        height_(maker.numbers("point_height_m", k_point, "its height", "m")),
+        restitution_(maker.numbers("point_restitution", k_point, "of what meets it", "1")),
+        friction_(maker.numbers("point_friction", k_point, "Coulomb's coefficient there", "1")) {}
+
+  void push(std::span<const scene::ControlPoint> points) {
+    rows_.push(points.size());
+    for (const scene::ControlPoint& point : points) {
+      i_.push(point.i);
+      j_.push(point.j);
+      height_.push(point.height_m);
+      restitution_.push(point.restitution);
+      friction_.push(point.friction);
+    }
+  }
+  void flush() {
+    rows_.flush();
+    i_.flush();
+    j_.flush();
+    for (auto* column : {&height_, &restitution_, &friction_})
+      column->flush();
+  }
+
+ private:
+  inline static const Dims k_point{{"point", k_growing}};
+  Rows rows_;
+  Column<std::int32_t> i_, j_;
+  Numbers height_, restitution_, friction_;
+};
+
+/// Coordinates of places and turns, which other datasets of the group hang on.
+struct Axes {
+  explicit Axes(const Maker& maker) {
+    for (const Dimension& dim : {k_axis, k_quaternion})
+      write_coordinate(maker.sink, maker.group, dim, "index of the " + dim.name);
+  }
+};
+
+}  // namespace
+
+struct AnimationsWriter::Columns {
+  Columns(const StateReader& state_reader, const Maker& maker, const char* counted,
+          std::span<const Address> address_columns, bool is_in_proportion)
+      : reader(state_reader),
+        axes(maker),
+        animation(maker.integers("animation", k_animation, counted)),
+        addresses(columns_of(maker, address_columns)),
+        in_proportion(maker.sink, maker.group,
+                      spec_of("in_proportion", ElementType::boolean, k_animation,
+                              "whether it is a draw of the model, and not merely found")),
+        proportion(is_in_proportion ? 1 : 0),
+        densities(maker.sink, maker.group, k_animation),
+        segments(maker) {
+    const WorldLayout& layout = reader.layout();
+    Dims written{k_axis, k_quaternion};
+    write_own_coordinates(maker.sink, maker.group, layout.variables, written);
+    write_own_coordinates(maker.sink, maker.group, layout.outcomes, written);
+    outcomes.emplace(maker.sink, maker.group, k_animation, layout.outcomes);
+    states.emplace(maker.sink, maker.group, k_animation, layout.variables);
+    if (reader.scene().has_own_parts) parts.emplace(maker);
+    if (reader.scene().has_own_points) points.emplace(maker);
+  }
+
+  static std::vector<Integers> columns_of(const Maker& maker, std::span<const Address> addresses) {
+    std::vector<Integers> columns;
+    for (const Address& address : addresses)
+      columns.push_back(maker.integers(address.name, k_animation, address.meaning));
+    return columns;
+  }
+
+  inline static const Dims k_animation{{"animation", k_growing}};
+  const StateReader& reader;
+  Axes axes;
+  std::int64_t animations = 0;
+  Integers animation;
+  std::vector<Integers> addresses;
+  Column<std::int8_t> in_proportion;
+  std::int8_t proportion;
+  DensityColumns densities;
+  Segments segments;
+  std::optional<VariableColumns> outcomes{}, states{};
+  std::optional<OwnParts> parts{};
+  std::optional<OwnPoints> points{};
+};
+
+AnimationsWriter::AnimationsWriter(const StateReader& reader, std::string_view group,
+                                   const char* counted, std::span<const Address> addresses,
+                                   bool in_proportion, Sink& sink)
+    : columns_(std::make_unique<Columns>(reader, Maker{.sink = sink, .group = group}, counted,
+                                         addresses, in_proportion)) {}
+
+AnimationsWriter::~AnimationsWriter() = default;
+
+void AnimationsWriter::push(std::initializer_list<std::int64_t> addresses,
+                            const plan::ScanRecord& record) {
+  Columns& columns = *columns_;
+  CHECK_EQ(addresses.size(), columns.addresses.size());
+  columns.animation.push(columns.animations++);
+  columns.in_proportion.push(columns.proportion);
+  for (std::size_t i = 0; i < addresses.size(); ++i)
+    columns.addresses[i].push(addresses.begin()[i]);
+  columns.densities.push(record.log_prior, record.log_constraint);
+  columns.outcomes->push(record.outcome);
+  columns.states->push(columns.reader.variables(record.state));
+  const Recording recording = columns.reader.play(record.state).recording;
+  columns.segments.push(recording);
+  if (!columns.parts && !columns.points) return;
+  const scene::Variation own = columns.reader.variation(record.state, recording);
+  if (columns.parts) columns.parts->push(own.parts);
+  if (columns.points) columns.points->push(own.points);
+}
+
+void AnimationsWriter::flush() {
+  Columns& columns = *columns_;
+  columns.animation.flush();
+  columns.in_proportion.flush();
+  for (Integers& address : columns.addresses)
+    address.flush();
+  columns.densities.flush();
+  columns.segments.flush();
+  columns.outcomes->flush();
+  columns.states->flush();
+  if (columns.parts) columns.parts->flush();
+  if (columns.points) columns.points->flush();
+}
+
+}  // namespace sleight::archive

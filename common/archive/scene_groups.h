@@ -1,0 +1,16 @@
+// The groups that say what a run's animations look like and what its prior is: /scene, /prior and
+// /sample_stats_prior. Private to common/archive.
+#pragma once
+
+#include "common/archive/model.h"
+#include "common/archive/world_layout.h"
+
+namespace sleight::archive {
+
+/// REQUIRES: fault_of(scene) finds none.
+void write_scene(const scene::Scene& scene, Sink& sink);
+
+/// k_prior_draws of them, as one chain.
+void write_prior(const StateReader& reader, Sink& sink);
+
+}  // namespace sleight::archive

@@ -1,0 +1,74 @@
+#include "common/archive/specs.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "common/archive/format.h"
+#include "common/archive/text.h"
+#include "common/base/check.h"
+
+namespace sleight::archive {
+
+std::int64_t signed_of(std::uint64_t value) {
+  CHECK_LE(value, static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()));
+  return static_cast<std::int64_t>(value);
+}
+
+std::int32_t small_of(std::uint64_t value) {
+  CHECK_LE(value, static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()));
+  return static_cast<std::int32_t>(value);
+}
+
+DatasetSpec spec_of(std::string name, ElementType type, Dims dims, std::string long_name,
+                    std::string units) {
+  DatasetSpec spec{.name = std::move(name), .type = type, .dims = std::move(dims)};
+  spec.attributes = {{"long_name", std::move(long_name)}, {"units", std::move(units)}};
+  return spec;
+}
+
+void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
+                      std::string long_name, std::uint64_t step) {
+  Column<std::int64_t> column(sink, group,
+                              spec_of(dim.name, ElementType::i64, {dim}, std::move(long_name)));
+  for (std::size_t i = 0; i < dim.size; ++i)
+    column.push(signed_of(i * step));
+  column.flush();
+}
+
+void write_own_coordinates(Sink& sink, std::string_view group,
+                           const std::vector<Variable>& variables, Dims& written) {
+  for (const Variable& variable : variables) {
+    for (const Dimension& dim : variable.dims) {
+      const auto same = std::ranges::find(written, dim.name, &Dimension::name);
+      if (same != written.end()) {
+        CHECK_EQ(same->size, dim.size);
+        continue;
+      }
+      written.push_back(dim);
+      write_coordinate(sink, group, dim, "index of the " + dim.name);
+    }
+  }
+}
+
+void write_words(Sink& sink, std::string_view group, const std::string& name, const Dims& dims,
+                 const std::string& long_name, std::span<const std::string> words) {
+  DatasetSpec spec{.name = name, .type = ElementType::text, .dims = dims};
+  spec.attributes = {{"long_name", long_name}};
+  for (const std::string& word : words) {
+    CHECK(is_clean_line(word));
+    spec.text_bytes = std::max(spec.text_bytes, word.size());
+  }
+  const Sink::DatasetHandle dataset = sink.create_dataset(group, spec);
+  sink.append(dataset, words);
+}
+
+DensityColumns::DensityColumns(Sink& sink, std::string_view group, const Dims& leading)
+    : log_prior_(sink, group,
+                 spec_of("log_prior", ElementType::f64, leading,
+                         "log density of the state under the world's own probability")),
+      log_constraint_(sink, group,
+                      spec_of("log_constraint", ElementType::f64, leading,
+                              "log of the constraint's density at the outcome")) {}
+
+}  // namespace sleight::archive

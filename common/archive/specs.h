@@ -1,0 +1,55 @@
+// What the writers of the archive's groups have in common: datasets' descriptions, coordinates,
+// the densities of a record. Private to common/archive.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/archive/columns.h"
+#include "common/archive/model.h"
+#include "common/archive/world_layout.h"
+
+namespace sleight::archive {
+
+using Dims = std::vector<Dimension>;
+
+/// REQUIRES: it fits.
+std::int64_t signed_of(std::uint64_t value);
+std::int32_t small_of(std::uint64_t value);
+
+DatasetSpec spec_of(std::string name, ElementType type, Dims dims, std::string long_name,
+                    std::string units = "1");
+
+/// The coordinate 0, step, 2 step, ... of a dimension.
+void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
+                      std::string long_name, std::uint64_t step = 1);
+
+/// Coordinates 0, 1, ... of the dimensions that a world's variables bring along, once each.
+void write_own_coordinates(Sink& sink, std::string_view group,
+                           const std::vector<Variable>& variables, Dims& written);
+
+/// A dataset of words, each at most as long as the longest.
+void write_words(Sink& sink, std::string_view group, const std::string& name, const Dims& dims,
+                 const std::string& long_name, std::span<const std::string> words);
+
+/// The columns that /sample_stats, /replicas, /animations and others have in common.
+class DensityColumns {
+ public:
+  DensityColumns(Sink& sink, std::string_view group, const Dims& leading);
+  void push(double log_prior, double log_constraint) {
+    log_prior_.push(log_prior);
+    log_constraint_.push(log_constraint);
+  }
+  void flush() {
+    log_prior_.flush();
+    log_constraint_.flush();
+  }
+
+ private:
+  Column<double> log_prior_;
+  Column<double> log_constraint_;
+};
+
+}  // namespace sleight::archive

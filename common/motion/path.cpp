@@ -1,0 +1,80 @@
+#include "common/motion/path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace sleight::motion {
+namespace {
+
+/// How far the square of a quaternion's norm may be from 1.
+constexpr double k_norm_off_max = 1e-3;
+
+bool is_sane(const math::Vec3& v) {
+  // False of NaN.
+  return std::abs(v.x()) <= k_number_max && std::abs(v.y()) <= k_number_max &&
+         std::abs(v.z()) <= k_number_max;
+}
+
+bool is_sane(const Segment& s) {
+  return std::abs(s.start_s) <= k_number_max && is_sane(s.position_m) && is_sane(s.velocity_mps) &&
+         is_sane(s.acceleration_mps2) && is_sane(s.angular_velocity_radps) &&
+         is_sane(s.angular_acceleration_radps2);
+}
+
+bool is_rotation(const math::Quat& q) {
+  const double square = q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z();
+  return std::abs(square - 1) <= k_norm_off_max;
+}
+
+}  // namespace
+
+const Segment* Path::segment_at(double t_s) const {
+  const auto after = std::upper_bound(segments_.begin(), segments_.end(), t_s,
+                                      [](double t, const Segment& s) { return t < s.start_s; });
+  return after == segments_.begin() ? nullptr : &*std::prev(after);
+}
+
+std::optional<Pose> Path::pose_at(double t_s) const {
+  const Segment* segment = segment_at(t_s);
+  if (segment == nullptr) return std::nullopt;
+  return Pose{.centre_m = position_at(*segment, t_s), .orientation = orientation_at(*segment, t_s)};
+}
+
+std::optional<math::Vec3> Path::centre_at(double t_s) const {
+  const Segment* segment = segment_at(t_s);
+  if (segment == nullptr) return std::nullopt;
+  return position_at(*segment, t_s);
+}
+
+base::Result<Animation, std::string> Animation::of(std::span<const Segment> segments,
+                                                   std::size_t bodies) {
+  Animation animation;
+  for (std::uint32_t body = 0; body < bodies; ++body)
+    animation.paths_.emplace_back(body);
+  for (const Segment& segment : segments) {
+    if (segment.body >= bodies)
+      return fmt::format("moves a body {} of {}", segment.body + 1, bodies);
+    if (!is_sane(segment)) return std::string("has numbers that no motion has");
+    if (!is_rotation(segment.orientation))
+      return std::string("has orientations that are no rotations");
+    Path& path = animation.paths_[segment.body];
+    if (path.enters() && path.rest_s() > segment.start_s)
+      return std::string("has segments that are not in the order of time");
+    Segment kept = segment;
+    kept.orientation = math::normalized(segment.orientation);
+    path.append(kept);
+    animation.end_s_ = std::max(animation.end_s_, segment.start_s);
+  }
+  return animation;
+}
+
+std::size_t Animation::segment_count() const {
+  std::size_t count = 0;
+  for (const Path& path : paths_)
+    count += path.segments().size();
+  return count;
+}
+
+}  // namespace sleight::motion

@@ -1,0 +1,70 @@
+#include "common/motion/segment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/elementary.h"
+
+namespace sleight::motion {
+namespace {
+
+using math::Quat;
+using math::Vec3;
+
+/// The most that a step of Magnus' expansion may turn by its second term. What is left out is of
+/// the size of this times the angle of a step.
+constexpr double k_second_term_rad = 1e-6;
+/// An axis that turns by less than this share is taken to stand still: that is below rounding.
+constexpr double k_straight = 0x1p-40;
+
+Quat turned(const Quat& orientation, const Vec3& w, const Vec3& a, double s) {
+  // The same at every step: a x (w + a s) has no s in it.
+  const Vec3 turn_of_axis = math::cross(a, w);
+  const double size = math::norm(turn_of_axis);
+  double steps = 1;
+  if (size > k_straight * math::norm(a) * math::norm(w)) {
+    const double step_s = math::pow(12 * k_second_term_rad / size, 1.0 / 3);
+    steps = std::clamp(std::ceil(s / step_s), 1.0, k_turn_steps_max);
+  }
+  const double h = s / steps;
+  const Vec3 second = (h * h * h / 12) * turn_of_axis;
+  Quat q = orientation;
+  for (double step = 0; step < steps; ++step) {
+    const Vec3 middle = w + ((step + 0.5) * h) * a;
+    q = math::composed(math::quaternion_of_rotation_vector(h * middle + second), q);
+  }
+  return math::normalized(q);
+}
+
+}  // namespace
+
+bool operator==(const Segment& a, const Segment& b) {
+  return a.body == b.body && a.start_s == b.start_s && a.mode == b.mode && a.cause == b.cause &&
+         a.partner == b.partner && a.position_m == b.position_m &&
+         a.velocity_mps == b.velocity_mps && a.acceleration_mps2 == b.acceleration_mps2 &&
+         a.orientation.coeffs() == b.orientation.coeffs() &&
+         a.angular_velocity_radps == b.angular_velocity_radps &&
+         a.angular_acceleration_radps2 == b.angular_acceleration_radps2;
+}
+
+Vec3 position_at(const Segment& segment, double t_s) {
+  const double s = t_s - segment.start_s;
+  return segment.position_m + s * segment.velocity_mps + (0.5 * s * s) * segment.acceleration_mps2;
+}
+
+Vec3 velocity_at(const Segment& segment, double t_s) {
+  return segment.velocity_mps + (t_s - segment.start_s) * segment.acceleration_mps2;
+}
+
+Quat orientation_at(const Segment& segment, double t_s) {
+  const double s = t_s - segment.start_s;
+  if (s == 0 || segment.mode == Mode::resting) return segment.orientation;
+  return turned(segment.orientation, segment.angular_velocity_radps,
+                segment.angular_acceleration_radps2, s);
+}
+
+double bow_m(const Segment& segment, double duration_s) {
+  return math::norm(segment.acceleration_mps2) * duration_s * duration_s / 8;
+}
+
+}  // namespace sleight::motion

@@ -1,0 +1,75 @@
+// Motions that readers give, checked as whoever reads an archive does.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "common/archive/world_layout.h"
+#include "common/motion/path.h"
+#include "common/scene/scene.h"
+
+namespace sleight::worlds::testing {
+
+inline std::vector<motion::Segment> segments_of(const archive::Recording& recording) {
+  std::vector<motion::Segment> segments;
+  for (std::size_t row = 0; row < recording.rows(); ++row)
+    segments.push_back(recording.segment(row));
+  return segments;
+}
+
+/// The motion of a state that plays out. Hits have partners that are in the scene, and others none;
+/// each body begins by its start.
+inline motion::Animation played(const archive::StateReader& reader, base::BytesView state) {
+  const archive::Motion motion = reader.play(state);
+  EXPECT_EQ(motion.ends, archive::PlaysOut::yes);
+  const scene::Scene& scene = reader.scene();
+  EXPECT_EQ(scene::fault_of(scene), "");
+  const auto segments = segments_of(motion.recording);
+  for (const motion::Segment& segment : segments) {
+    const bool is_hit = segment.cause == motion::Cause::hit;
+    EXPECT_EQ(is_hit, segment.partner != motion::k_no_partner);
+    if (!is_hit) continue;
+    const auto partner = static_cast<std::size_t>(segment.partner);
+    EXPECT_LT(partner, scene.features.size());
+    EXPECT_NE(scene.features.at(partner).kind, scene::FeatureKind::wanted);
+    EXPECT_NE(partner, segment.body);
+  }
+  const auto animation = motion::Animation::of(segments, scene.bodies());
+  EXPECT_TRUE(animation.ok()) << (animation.ok() ? std::string() : animation.error());
+  if (!animation) return {};
+  for (const motion::Path& path : animation.value().paths()) {
+    if (path.enters()) {
+      EXPECT_EQ(path.segments().front().cause, motion::Cause::start);
+    }
+  }
+  return animation.value();
+}
+
+/// Prior draws fit the layout, are the same at every call and differ from each other.
+inline void check_prior_draws(const archive::StateReader& reader) {
+  const auto width = [](const std::vector<archive::Variable>& variables) {
+    std::size_t sum = 0;
+    for (const archive::Variable& variable : variables)
+      sum += variable.size();
+    return sum;
+  };
+  const auto draws = reader.prior_draws(4);
+  for (std::size_t nth = 0; nth < draws.size(); ++nth) {
+    EXPECT_EQ(draws[nth].variables.size(), width(reader.layout().variables));
+    EXPECT_EQ(draws[nth].outcome.size(), width(reader.layout().outcomes));
+    EXPECT_EQ(reader.prior_draw(nth).variables, draws[nth].variables);
+    EXPECT_EQ(reader.prior_draw(nth).log_prior, draws[nth].log_prior);
+    EXPECT_FALSE(draws[nth].satisfied && draws[nth].log_constraint < -1e300);
+    if (nth > 0) {
+      EXPECT_NE(draws[nth].variables, draws[nth - 1].variables);
+    }
+  }
+  for (const archive::Variable& variable : reader.layout().variables) {
+    EXPECT_TRUE(variable.prior_sd.empty() || variable.prior_sd.size() == variable.size());
+    EXPECT_EQ(variable.prior_mean.size(), variable.prior_sd.size());
+  }
+}
+
+}  // namespace sleight::worlds::testing
