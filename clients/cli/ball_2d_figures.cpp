@@ -83,6 +83,7 @@ Segments read_segments(const archive::Source& source, std::size_t animation) {
   const std::vector<double> start_s = read_rows(source, archive::k_animations, "start_s", 1, rows);
   const std::uint64_t hops = rows.count - 1;  // the last row is where the ball lies
   Segments segments{
+      .duration_s = {},
       .position_m = in_plane(read_rows(source, archive::k_animations, "position_m", 3, rows)),
       .velocity_mps = in_plane(read_rows(source, archive::k_animations, "velocity_mps", 3, rows)),
       .normal_rad = {std::numeric_limits<double>::quiet_NaN()}};

@@ -194,10 +194,11 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
   const rpc::FetchProgress progress = [&](const rpc::FileView& file, std::uint64_t bytes) {
     return arrivals.arrived(file, bytes);
   };
+  const rpc::AtItsPlace other = options.force ? rpc::AtItsPlace::replaced : rpc::AtItsPlace::kept;
   const rpc::FetchedFiles fetched =
-      is_file ? client.fetch_file(ask, place, progress,
-                                  [&](const std::string& path) { check(path, job); })
-              : client.fetch_folder(ask, place, progress);
+      is_file ? client.fetch_file(
+                    ask, place, progress, [&](const std::string& path) { check(path, job); }, other)
+              : client.fetch_folder(ask, place, progress, other);
   arrivals.clear();
   if (!is_file && fetched.paths.empty()) {
     // The folder was made for nothing; one with something in it stays.
@@ -261,6 +262,14 @@ int fetch_all(rpc::Client& client, const FetchOptions& options, std::span<const 
       if (!several) throw;
       complain(fmt::format("sleight: job {}: {}", job.id, words_of(error.refusal())));
       if (code == base::ExitCode::ok) code = exit_code_of(error.refusal().kind);
+      continue;
+    } catch (const base::Error& error) {
+      // Nor does a damaged one, or a place that is taken. Without a service all fail.
+      if (!several || error.exit_code() == base::ExitCode::no_server ||
+          dynamic_cast<const rpc::NoServer*>(&error) != nullptr)
+        throw;
+      complain(fmt::format("sleight: {}", error.what()));
+      if (code == base::ExitCode::ok) code = error.exit_code();
       continue;
     }
     if (all.back().interrupted) {

@@ -48,13 +48,17 @@ std::string rate_cell(const rpc::JobView& job) {
   return events::grouped(static_cast<std::uint64_t>(job.simulations_per_s));
 }
 
-/// The reason of its state, but for one that only repeats it: "Cancelled."
-std::string reason_of(const rpc::JobView& job) {
+/// Words about a job, but for those that only repeat its state: "Cancelled."
+std::string unless_its_state(const rpc::JobView& job, const std::string& words) {
   std::string plain;
-  for (const char c : job.reason) {
+  for (const char c : words) {
     if (c != '.') plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   }
-  return plain == rpc::name_of(job.state) ? std::string() : shown(job.reason);
+  return plain == rpc::name_of(job.state) ? std::string() : shown_on_one_line(words);
+}
+
+std::string reason_of(const rpc::JobView& job) {
+  return unless_its_state(job, job.reason);
 }
 
 /// Why it is where it is, in states that need a reason.
@@ -290,7 +294,7 @@ std::string end_line(const rpc::JobView& job) {
   std::string line = fmt::format("{} {} {}", job.id, name_of_job(job), state_name(job.state));
   if (!parts.empty()) line += fmt::format(": {}", fmt::join(parts, ", "));
   const std::string words =
-      job.end_words.empty() ? reason_of(job) : shown_on_one_line(job.end_words);
+      unless_its_state(job, job.end_words.empty() ? job.reason : job.end_words);
   if (job.state != rpc::JobState::done && !words.empty()) line += fmt::format(". {}", words);
   return line;
 }

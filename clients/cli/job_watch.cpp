@@ -172,6 +172,7 @@ int watch_jobs(rpc::Client& client, std::span<const rpc::JobView> jobs, std::uin
   for (const rpc::JobView& job : jobs)
     points.push_back({.job = job.id, .event = from_number - 1});
   WatchPrinter printer(jobs, look);
+  const EndsWithItsReader ends_with_its_reader;
   const Interrupts interrupts(&client);
   const rpc::Waited how = client.watch(points, printer);
   printer.finish();

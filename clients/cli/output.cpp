@@ -42,7 +42,15 @@ int with_results(const std::function<int()>& work) {
   } catch (const std::system_error& error) {
     // The formatting library throws when a print fails.
     if (std::ferror(stdout) == 0) throw;
+    // A signal came while a reader kept us waiting.
+    if (error.code() == std::errc::interrupted)
+      return static_cast<int>(base::ExitCode::interrupted);
     fail_results(error.code().message());
+  }
+  // Of what was interrupted some may be lost, and its exit code says so.
+  if (code == static_cast<int>(base::ExitCode::interrupted)) {
+    std::fflush(stdout);
+    return code;
   }
   flush_stdout();
   return code;

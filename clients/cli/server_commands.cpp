@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <thread>
 
@@ -83,10 +84,33 @@ int wait_for_server(ServerProcess& process, const std::string& socket,
   }
 }
 
+/// It has, but who started it has not asked how.
+bool has_exited(std::int64_t pid) {
+  std::string line;
+  std::ifstream file(fmt::format("/proc/{}/stat", pid));
+  std::getline(file, line);
+  const auto name_end = line.rfind(')');
+  return name_end != std::string::npos && line.substr(name_end).starts_with(") Z");
+}
+
+/// Its socket goes first; the folder is free once the process has gone.
 bool is_gone(std::int64_t pid, const std::string& socket) {
-  if (pid > 0 && ::kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH) return true;
+  if (pid > 0 && ::kill(static_cast<pid_t>(pid), 0) == 0) return has_exited(pid);
+  if (pid > 0 && errno == ESRCH) return true;
   // Another user's process can't be asked for; its socket can.
   return ::access(socket.c_str(), F_OK) != 0;
+}
+
+/// A server that has the folder of this socket, but does not answer: somebody has deleted the
+/// socket, or it is just ending. 0: none.
+std::int64_t silent_server_at(const std::string& socket) {
+  const config::Settings settings = config::settings_here({});
+  if (settings.socket.value != socket) return 0;
+  std::int64_t pid = 0;
+  std::ifstream(settings.state.value + "/lock") >> pid;
+  std::string name;
+  std::ifstream(fmt::format("/proc/{}/comm", pid)) >> name;
+  return pid > 0 && name == "sleightd" ? pid : 0;
 }
 
 void wait_until_gone(std::int64_t pid, const std::string& socket) {
@@ -99,6 +123,16 @@ void wait_until_gone(std::int64_t pid, const std::string& socket) {
     }
     std::this_thread::sleep_for(k_look_again);
   }
+}
+
+int tell_stopped(std::int64_t pid, bool json) {
+  if (json) {
+    fmt::print("{}\n", indented({{"pid", pid}, {"stopped", true}}));
+  } else {
+    fmt::print("the server (pid {}) has ended; its jobs run on, and the next one takes them over\n",
+               pid);
+  }
+  return k_ok;
 }
 
 std::string jobs_line(const rpc::ServerView& server) {
@@ -169,6 +203,16 @@ int start_server(const ServerStartOptions& options) {
 int stop_server(const std::string& socket, bool json) {
   const auto server = server_at(socket);
   if (!server) {
+    if (const std::int64_t pid = silent_server_at(socket); pid > 0) {
+      if (::kill(static_cast<pid_t>(pid), SIGTERM) != 0) {
+        throw base::Error(base::ExitCode::not_allowed,
+                          fmt::format("the server (pid {}) does not answer, and can't be stopped "
+                                      "from here: {}",
+                                      pid, std::strerror(errno)));
+      }
+      wait_until_gone(pid, socket);
+      return tell_stopped(pid, json);
+    }
     if (json) {
       fmt::print("{}\n", indented({{"pid", nullptr}, {"stopped", false}}));
     } else {
@@ -179,14 +223,7 @@ int stop_server(const std::string& socket, bool json) {
   return with_service(socket, [&](rpc::Client& client) {
     client.stop();
     wait_until_gone(server->pid, socket);
-    if (json) {
-      fmt::print("{}\n", indented({{"pid", server->pid}, {"stopped", true}}));
-    } else {
-      fmt::print(
-          "the server (pid {}) has ended; its jobs run on, and the next one takes them over\n",
-          server->pid);
-    }
-    return k_ok;
+    return tell_stopped(server->pid, json);
   });
 }
 

@@ -1,10 +1,14 @@
 #include "clients/cli/service_call.h"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 
 #include "common/base/check.h"
@@ -95,6 +99,35 @@ int with_service(const std::string& socket, const std::function<int(rpc::Client&
     const rpc::Refusal& refusal = error.refusal();
     throw base::Error(exit_code_of(refusal.kind), words_of(refusal));
   }
+}
+
+EndsWithItsReader::EndsWithItsReader() : over_(::eventfd(0, EFD_CLOEXEC)) {
+  if (over_ < 0) return;
+  look_ = std::thread([over = over_] {
+    // Signals are the main thread's.
+    sigset_t all;
+    sigfillset(&all);
+    ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    while (true) {
+      pollfd looks[2] = {{.fd = STDOUT_FILENO, .events = 0, .revents = 0},
+                         {.fd = over, .events = POLLIN, .revents = 0}};
+      if (::poll(looks, 2, -1) < 0) continue;
+      if (looks[1].revents != 0) return;
+      // A terminal that is gone says so by SIGHUP.
+      if ((looks[0].revents & POLLERR) == 0) return;
+      std::signal(SIGPIPE, SIG_DFL);
+      ::kill(::getpid(), SIGPIPE);
+      return;
+    }
+  });
+}
+
+EndsWithItsReader::~EndsWithItsReader() {
+  if (over_ < 0) return;
+  const std::uint64_t one = 1;
+  static_cast<void>(!::write(over_, &one, sizeof one));
+  look_.join();
+  ::close(over_);
 }
 
 Interrupts::Interrupts(rpc::Client* client) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "common/base/error.h"
 #include "common/rpc/client.h"
@@ -31,6 +32,20 @@ std::string shown_on_one_line(std::string text);
 
 /// A line on stderr; where that is lost, the exit code still tells.
 void complain(const std::string& line);
+
+/// While it lives, this process ends as SIGPIPE would end it as soon as nobody reads its standard
+/// output any more, also while it has nothing to write: `sleight watch 17 | head -1`.
+class EndsWithItsReader {
+ public:
+  EndsWithItsReader();
+  ~EndsWithItsReader();
+  EndsWithItsReader(const EndsWithItsReader&) = delete;
+  EndsWithItsReader& operator=(const EndsWithItsReader&) = delete;
+
+ private:
+  int over_;  ///< an eventfd; -1: there is none, and nothing is looked at
+  std::thread look_;
+};
 
 /// While it lives, Ctrl-C and SIGTERM make this client's watch or fetch return instead of ending
 /// the process; a second one ends it. One a process at a time; for the main thread.

@@ -44,7 +44,12 @@ std::string job_name(const SubmitOptions& options) {
     name = options.word.empty() ? std::filesystem::path(options.request_path).stem().string()
                                 : options.word;
   // A name is for people: a file's may be anything.
-  return request::printable(name, rpc::k_name_bytes_max / 8);
+  name = request::printable(name, name.size());
+  if (!options.name.empty() && name.size() > rpc::k_name_bytes_max) {
+    throw base::Error(base::ExitCode::usage, fmt::format("--name: has {} bytes; at most {}",
+                                                         name.size(), rpc::k_name_bytes_max));
+  }
+  return name;
 }
 
 /// The sets that tell this request of a group from the others.

@@ -79,7 +79,7 @@ class RememberingReader final : public ForwardingReader {
   /// None where they are of another size.
   std::optional<std::vector<PriorDraw>> draws_of(const std::vector<double>& numbers,
                                                  std::size_t count) const {
-    const auto variables = static_cast<std::ptrdiff_t>(width_of(layout().variables));
+    const auto variables = static_cast<std::ptrdiff_t>(width_of(prior_variables(layout())));
     const auto outcomes = static_cast<std::ptrdiff_t>(width_of(layout().outcomes));
     const auto width = static_cast<std::size_t>(3 + variables + outcomes);
     if (numbers.size() != count * width) return std::nullopt;

@@ -168,7 +168,7 @@ void write_prior(const StateReader& reader, Sink& sink) {
   Dims written = leading;
   write_own_coordinates(sink, k_prior, layout.variables, written);
   write_normal_priors(sink, layout.variables);
-  VariableColumns states(sink, k_prior, leading, layout.variables);
+  VariableColumns states(sink, k_prior, leading, prior_variables(layout));
   for (const PriorDraw& draw : draws)
     states.push(draw.variables);
   states.flush();

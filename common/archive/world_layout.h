@@ -56,6 +56,13 @@ struct WorldLayout {
   double log_natural_throw = 0;
 };
 
+/// Of a state's variables those whose values prior draws hold: not large ones of which the
+/// distribution says all, such as a thousand normal offsets.
+inline constexpr std::size_t k_prior_elements_max = 64;
+std::vector<Variable> prior_variables(const WorldLayout& layout);
+/// Of the values of all variables theirs.
+std::vector<double> prior_values(const WorldLayout& layout, std::span<const double> values);
+
 /// The motion of one animation: of each body its segments in the order of time, bodies in any
 /// order. Kept as numbers, which a store takes as they are.
 struct Recording {
@@ -84,7 +91,7 @@ struct Motion {
 
 /// A state drawn from the prior, and what it comes to.
 struct PriorDraw {
-  std::vector<double> variables{};  ///< as StateReader::variables
+  std::vector<double> variables{};  ///< of prior_variables
   std::vector<double> outcome{};    ///< in layout order
   double log_prior = 0;
   double log_constraint = 0;  ///< -infinity where its simulation failed

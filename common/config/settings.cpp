@@ -57,7 +57,7 @@ void visit(AnySettings& s, Visitor& visitor) {
   visitor.count("limits.cores", s.limits.cores, Range{1, k_cores_max, "cores"},
                 "of one user's running jobs");
   visitor.count("limits.core_hours", s.limits.core_hours, Range{1, k_integer_max, "core-hours"},
-                "of one user's jobs that are kept");
+                "of one user, in a day");
   visitor.bytes("limits.bytes", s.limits.bytes, 1, "on the disk, of one user's jobs");
 }
 

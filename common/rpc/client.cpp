@@ -412,13 +412,14 @@ Waited Client::watch(JobId job, std::uint64_t from_number, WatchSink& sink) {
 }
 
 FetchedFiles Client::fetch_file(FetchAsk ask, const std::string& path,
-                                const FetchProgress& progress, const FetchCheck& check) {
-  return fetch_file_over(*impl_, impl_->options, std::move(ask), path, progress, check);
+                                const FetchProgress& progress, const FetchCheck& check,
+                                AtItsPlace other) {
+  return fetch_file_over(*impl_, impl_->options, std::move(ask), path, progress, check, other);
 }
 
 FetchedFiles Client::fetch_folder(FetchAsk ask, const std::string& folder,
-                                  const FetchProgress& progress) {
-  return fetch_folder_over(*impl_, impl_->options, std::move(ask), folder, progress);
+                                  const FetchProgress& progress, AtItsPlace other) {
+  return fetch_folder_over(*impl_, impl_->options, std::move(ask), folder, progress, other);
 }
 
 void Client::interrupt() {

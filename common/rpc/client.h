@@ -85,6 +85,13 @@ using FetchProgress = std::function<bool(const FileView& file, std::uint64_t byt
 /// but that may be damaged. Throws base::Error to refuse it: it is removed, its place untouched.
 using FetchCheck = std::function<void(const std::string& path)>;
 
+/// What becomes of another file that lies at a fetched one's place, also one that came there while
+/// it was fetched.
+enum class AtItsPlace : std::uint8_t {
+  replaced,
+  kept,  ///< and the fetch fails: base::Error, conflict
+};
+
 struct FetchedFiles {
   Waited how = Waited::settled;
   std::vector<std::string> paths{};  ///< of the files that are whole
@@ -122,10 +129,11 @@ class Client {
   /// The one file of this ask as `path`: written beside it, checked and renamed. A part that an
   /// earlier attempt left is gone on with where the service has the same file still.
   FetchedFiles fetch_file(FetchAsk ask, const std::string& path, const FetchProgress& progress = {},
-                          const FetchCheck& check = {});
+                          const FetchCheck& check = {}, AtItsPlace other = AtItsPlace::replaced);
   /// All files of this ask into a folder, which is made, under their own names.
   FetchedFiles fetch_folder(FetchAsk ask, const std::string& folder,
-                            const FetchProgress& progress = {});
+                            const FetchProgress& progress = {},
+                            AtItsPlace other = AtItsPlace::replaced);
 
   /// Makes a watch or fetch that is going on, or the next one, return.
   void interrupt();

@@ -36,12 +36,13 @@ void check_view(const FileView& view) {
 class Fetching {
  public:
   Fetching(Link& link, const ClientOptions& options, FetchAsk ask, const FetchProgress& progress,
-           const FetchCheck& check)
+           const FetchCheck& check, AtItsPlace other)
       : link_(link),
         patience_(link, options),
         ask_(std::move(ask)),
         progress_(progress),
-        check_(check) {}
+        check_(check),
+        other_(other) {}
 
   /// `places` says where a file goes, by its name; the ask's files are one alone, or all pages.
   FetchedFiles run(bool is_one, const std::function<std::string(const std::string&)>& place_of) {
@@ -99,7 +100,7 @@ class Fetching {
     PartFile part(path, view);
     while (true) {
       if (progress_ && !progress_(view, part.bytes())) return std::nullopt;
-      if (part.is_whole()) return part.finish(check_);
+      if (part.is_whole()) return part.finish(check_, other_);
       const auto bytes = static_cast<std::uint32_t>(
           std::min<std::uint64_t>(view.size - part.bytes(), k_piece_bytes_max));
       part.append(link_.read(file, part.bytes(), bytes));
@@ -111,6 +112,7 @@ class Fetching {
   FetchAsk ask_;
   const FetchProgress& progress_;
   const FetchCheck& check_;
+  AtItsPlace other_;
   FetchedFiles fetched_{};
   bool is_over_ = false;
   int wrong_ = 0;
@@ -120,17 +122,18 @@ class Fetching {
 
 FetchedFiles fetch_file_over(Link& link, const ClientOptions& options, FetchAsk ask,
                              const std::string& path, const FetchProgress& progress,
-                             const FetchCheck& check) {
-  return Fetching(link, options, std::move(ask), progress, check)
+                             const FetchCheck& check, AtItsPlace other) {
+  return Fetching(link, options, std::move(ask), progress, check, other)
       .run(true, [&](const std::string&) { return path; });
 }
 
 FetchedFiles fetch_folder_over(Link& link, const ClientOptions& options, FetchAsk ask,
-                               const std::string& folder, const FetchProgress& progress) {
+                               const std::string& folder, const FetchProgress& progress,
+                               AtItsPlace other) {
   base::PosixFileSystem files;
   files.make_folder(folder);
   const FetchCheck unchecked;
-  return Fetching(link, options, std::move(ask), progress, unchecked)
+  return Fetching(link, options, std::move(ask), progress, unchecked, other)
       .run(false, [&](const std::string& name) { return folder + "/" + name; });
 }
 

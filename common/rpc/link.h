@@ -82,8 +82,9 @@ Waited watch_over(Link& link, const ClientOptions& options, const std::vector<Wa
                   WatchSink& sink);
 FetchedFiles fetch_file_over(Link& link, const ClientOptions& options, FetchAsk ask,
                              const std::string& path, const FetchProgress& progress,
-                             const FetchCheck& check);
+                             const FetchCheck& check, AtItsPlace other);
 FetchedFiles fetch_folder_over(Link& link, const ClientOptions& options, FetchAsk ask,
-                               const std::string& folder, const FetchProgress& progress);
+                               const std::string& folder, const FetchProgress& progress,
+                               AtItsPlace other);
 
 }  // namespace sleight::rpc

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
+#include <fstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -34,6 +36,18 @@ std::string file_name_of(const std::string& path) {
 std::string part_of(const std::string& path, const std::string& sha256) {
   return fmt::format("{}/.{}.{}{}", base::directory_of(path), file_name_of(path),
                      sha256.substr(0, k_digits_in_name), k_part_end);
+}
+
+/// Empty where it can't be read.
+std::string hash_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  hash::Sha256 hash;
+  std::string piece(std::size_t{1} << 20U, '\0');
+  while (file) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    hash.update(std::string_view(piece).substr(0, static_cast<std::size_t>(file.gcount())));
+  }
+  return file.eof() ? hash::to_hex(hash.finish()) : std::string();
 }
 
 }  // namespace
@@ -89,7 +103,7 @@ void PartFile::append(base::BytesView piece) {
   bytes_ += piece.size();
 }
 
-bool PartFile::finish(const FetchCheck& check) {
+bool PartFile::finish(const FetchCheck& check, AtItsPlace other) {
   CHECK(is_whole());
   if (hash::to_hex(hash_.finish()) != view_.sha256) {
     ::unlink(part_.c_str());
@@ -104,11 +118,32 @@ bool PartFile::finish(const FetchCheck& check) {
     }
   }
   if (::fsync(descriptor_) != 0) throw failed("write", part_);
-  base::PosixFileSystem files;
-  files.rename(part_, path_);
-  files.sync_directory_of(path_);
+  put_in_place(other);
+  base::PosixFileSystem().sync_directory_of(path_);
   remove_other_parts();
   return true;
+}
+
+void PartFile::put_in_place(AtItsPlace other) {
+  if (other == AtItsPlace::replaced) {
+    base::PosixFileSystem().rename(part_, path_);
+    return;
+  }
+  // In one step with the look whether something is there. Where the file system has no such rename,
+  // a second name is one, too.
+  if (::renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) == 0) return;
+  if (errno != EEXIST && ::link(part_.c_str(), path_.c_str()) == 0) {
+    ::unlink(part_.c_str());
+    return;
+  }
+  if (errno != EEXIST) throw failed("put in its place", path_);
+  const bool is_same = hash_of_file(path_) == view_.sha256;
+  ::unlink(part_.c_str());
+  if (is_same) return;
+  throw base::Error(base::ExitCode::conflict,
+                    fmt::format("{}: came to be there meanwhile, with other content; --force "
+                                "replaces it, -o names another place",
+                                path_));
 }
 
 // Those that no process is writing.

@@ -34,10 +34,12 @@ class PartFile {
 
   /// Makes it durable in its place, and removes parts of other contents. False, and the part is
   /// gone, where the content is another than was announced; gone too where `check`, called with
-  /// the part's path, throws. REQUIRES: is_whole, not called before.
-  [[nodiscard]] bool finish(const FetchCheck& check = {});
+  /// the part's path, throws, or where another file lies at its place and is kept.
+  /// REQUIRES: is_whole, not called before.
+  [[nodiscard]] bool finish(const FetchCheck& check = {}, AtItsPlace other = AtItsPlace::replaced);
 
  private:
+  void put_in_place(AtItsPlace other);
   void remove_other_parts() const;
 
   std::string path_;

@@ -238,6 +238,7 @@ void Attempts::plan_poll() {
 
 void Attempts::poll() {
   const double now_s = parts_.clock.now_s();
+  end_those_without_folder(now_s);
   for (auto& [job, run] : running_) {
     const bool had_committed = run.first_commit_after_s.has_value();
     const bool is_young = !run.is_found && !had_committed;
@@ -253,6 +254,27 @@ void Attempts::poll() {
     tell(jobs::Sight{.job = job, .attempt = run.attempt, .seen = *running});
   }
   plan_poll();
+}
+
+/// Somebody has deleted their folders: nothing of what they do is kept.
+void Attempts::end_those_without_folder(double now_s) {
+  std::vector<jobs::JobId> gone;
+  for (const auto& [job, run] : running_) {
+    if (run.has_begun && now_s - run.looked_s >= k_look_s &&
+        !parts_.files.exists(parts_.folders.folder(job)))
+      gone.push_back(job);
+  }
+  for (const jobs::JobId job : gone) {
+    const auto run = running_.find(job);
+    run->second.keeper->stop(keeper::Stop::now);
+    tell(jobs::Sight{
+        .job = job,
+        .attempt = run->second.attempt,
+        .seen = jobs::Died{
+            .words = "Its folder was deleted.", .repeat = {}, .counts = {}, .disk_bytes = 0}});
+    parts_.feeds.drop(job);
+    running_.erase(run);
+  }
 }
 
 jobs::Counts Attempts::counts_of(jobs::JobId job, bool thoroughly) {

@@ -103,6 +103,7 @@ class Attempts {
   void keeper_gone(jobs::JobId job);
   void see(jobs::JobId job, jobs::Attempt attempt);
   void poll();
+  void end_those_without_folder(double now_s);
   void plan_poll();
   std::optional<jobs::Running> running_of(jobs::JobId job, Run& run);
   jobs::Ended ended_of(jobs::JobId job, const keeper::AttemptRecord& record,

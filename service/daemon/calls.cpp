@@ -64,6 +64,7 @@ Calls::Calls(rpc::Loop& loop, JobRunner& runner, ServerFacts facts, ReadRequest 
       begin_s_(clock_.now_s()),
       fetching_({.loop = loop,
                  .worker = runner.worker(),
+                 .maker = runner.maker(),
                  .folders = runner.folders(),
                  .sleight = runner.options().programs.sleight}) {}
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +20,10 @@
 
 namespace sleight::daemon {
 namespace {
+
+constexpr int k_low_priority = 10;
+/// How often it is asked whether the program is to be stopped.
+constexpr double k_look_ms = 100;
 
 std::vector<std::string> environment_of_this() {
   std::vector<std::string> variables;
@@ -37,7 +42,8 @@ std::vector<char*> pointers_of(std::vector<std::string>& texts) {
 }
 
 /// Between fork and exec: only what is async-signal-safe, and nothing that allocates.
-[[noreturn]] void become(char* const* arguments, char* const* variables, int output) {
+[[noreturn]] void become(char* const* arguments, char* const* variables, int output, bool yields) {
+  if (yields) setpriority(PRIO_PROCESS, 0, k_low_priority);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int nothing = open("/dev/null", O_RDONLY);
   dup2(nothing, STDIN_FILENO);
@@ -58,9 +64,9 @@ bool read_all(int descriptor, const ChildOptions& options, std::string& output) 
   std::array<char, 4096> piece;
   while (true) {
     const double left_s = end_s - clock.now_s();
-    if (left_s <= 0) return false;
+    if (left_s <= 0 || (options.stop != nullptr && *options.stop)) return false;
     pollfd waiting{.fd = descriptor, .events = POLLIN, .revents = 0};
-    const int ready = poll(&waiting, 1, static_cast<int>(std::min(left_s * 1000 + 1, 1e6)));
+    const int ready = poll(&waiting, 1, static_cast<int>(std::min(left_s * 1000 + 1, k_look_ms)));
     if (ready < 0 && errno != EINTR) return true;
     if (ready <= 0) continue;
     const ssize_t count = read(descriptor, piece.data(), piece.size());
@@ -81,7 +87,8 @@ ChildEnd run_child(const std::vector<std::string>& command, const ChildOptions& 
   const std::vector<char*> argument_pointers = pointers_of(arguments);
   const std::vector<char*> variable_pointers = pointers_of(variables);
   const pid_t child = fork();
-  if (child == 0) become(argument_pointers.data(), variable_pointers.data(), ends[1]);
+  if (child == 0)
+    become(argument_pointers.data(), variable_pointers.data(), ends[1], options.yields);
   const int failure = errno;
   close(ends[1]);
   if (child < 0) {

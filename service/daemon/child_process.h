@@ -7,6 +7,7 @@
 // Thread safety: any thread.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ namespace sleight::daemon {
 
 struct ChildOptions {
   double seconds_max = 60;  ///< then it is killed
+  /// Likewise soon after this has become true; null: never.
+  const std::atomic<bool>* stop = nullptr;
+  bool yields = false;  ///< it runs at a low priority
   std::size_t output_bytes_max = 64U << 10U;
 };
 

@@ -77,7 +77,7 @@ void Fetching::fetch(const rpc::FetchAsk& ask, std::string segments,
 Fetching::Files Fetching::derived(jobs::JobId job, const std::string& made) const {
   const ChildEnd end =
       run_child({parts_.sleight, "archive", "derive", parts_.folders.run(job), "-o", made},
-                {.seconds_max = k_make_s_max});
+                {.seconds_max = k_make_s_max, .stop = &parts_.maker.ending(), .yields = true});
   if (end.exit_code != 0) {
     return refusal(rpc::RefusalKind::environment, fmt::format("No archive of job {} so far: {}",
                                                               job.value, last_line(end.output)));
@@ -93,6 +93,11 @@ Fetching::Files Fetching::newest(jobs::JobId job, const std::string& made) const
   if (std::filesystem::exists(archive))
     return std::vector<Found>{{.path = archive, .name = fmt::format("job-{}.h5", job.value)}};
   if (std::filesystem::exists(parts_.folders.run(job))) return derived(job, made);
+  if (!std::filesystem::exists(parts_.folders.folder(job))) {
+    return refusal(rpc::RefusalKind::not_found,
+                   fmt::format("The files of job {} are not there.", job.value),
+                   "It may not have begun, or somebody has deleted its folder.");
+  }
   return refusal(rpc::RefusalKind::conflict, fmt::format("Job {} has no archive yet.", job.value),
                  "It comes when something is stored.");
 }
@@ -107,7 +112,8 @@ Fetching::Files Fetching::recordings(jobs::JobId job, const std::string& segment
     command.emplace_back("--animation");
     command.push_back(std::to_string(id));
   }
-  const ChildEnd end = run_child(command, {.seconds_max = k_make_s_max});
+  const ChildEnd end = run_child(
+      command, {.seconds_max = k_make_s_max, .stop = &parts_.maker.ending(), .yields = true});
   if (end.exit_code != 0) {
     return refusal(rpc::RefusalKind::not_found, fmt::format("No such recordings of job {}: {}",
                                                             job.value, last_line(end.output)));
@@ -164,7 +170,11 @@ Fetching::Files Fetching::find(const rpc::FetchAsk& ask, const std::string& segm
 void Fetching::make(const rpc::FetchAsk& ask, const std::string& segments,
                     std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
   const std::string beside = fmt::format("{}/{}", parts_.folders.fetched(), ++made_);
-  parts_.worker.run([this, ask, segments, beside, reply] {
+  const bool is_there = ask.kind == rpc::FetchKind::failure_files ||
+                        (ask.kind == rpc::FetchKind::archive &&
+                         std::filesystem::exists(parts_.folders.archive(job_id(ask.job))));
+  Worker& worker = is_there ? parts_.worker : parts_.maker;
+  worker.run([this, ask, segments, beside, reply] {
     std::variant<std::vector<Hashed>, rpc::Refusal> outcome = std::vector<Hashed>{};
     bool has_more = false;
     try {

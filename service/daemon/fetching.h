@@ -35,7 +35,8 @@ class Fetching {
  public:
   struct Parts {
     rpc::Loop& loop;
-    Worker& worker;
+    Worker& worker;  ///< hashes what is there
+    Worker& maker;   ///< makes what is not, which takes longer: nobody else waits for that
     const JobFolders& folders;
     std::string sleight{};  ///< the program that makes archives and recordings
   };

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sys/statvfs.h>
 
+#include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <system_error>
 
@@ -42,6 +44,21 @@ void JobFolders::write_request(jobs::JobId job, const std::string& text,
   files.rename(beside, path);
   files.sync_directory_of(path);
   files.sync_directory_of(folder(job));
+}
+
+std::uint64_t JobFolders::highest() const {
+  std::uint64_t highest = 0;
+  std::error_code reason;
+  std::filesystem::directory_iterator folders(all(), reason);
+  if (reason) return 0;
+  for (const auto& entry : folders) {
+    const std::string name = entry.path().filename().string();
+    std::uint64_t number = 0;
+    const auto [rest, failure] = std::from_chars(name.data(), name.data() + name.size(), number);
+    if (failure == std::errc() && rest == name.data() + name.size())
+      highest = std::max(highest, number);
+  }
+  return highest;
 }
 
 bool JobFolders::set_aside(jobs::JobId job) const {

@@ -29,6 +29,9 @@ class JobFolders {
   /// Makes the folder if need be and replaces the request in one step, durably. Throws base::Error.
   void write_request(jobs::JobId job, const std::string& text, base::FileSystem& files) const;
 
+  /// The highest number that a folder of a job has, whether or not the job is known; 0: none.
+  std::uint64_t highest() const;
+
   /// Moves the folder out of the way, at once, to be deleted by `clear_away`. False: there is none.
   bool set_aside(jobs::JobId job) const;
   /// Deletes what was set aside, also by earlier daemons; what can't be deleted stays. Takes long

@@ -68,6 +68,14 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
         JobStore store(store_path(options_.state), lock);
         to_read_ = store.to_read();
         StoredJobs stored = store.load();
+        // A store that somebody deleted leaves folders behind: no new job takes up what is there.
+        if (const std::uint64_t highest = folders_.highest(); highest >= stored.next_id) {
+          logging::warn(fmt::format(
+              "{} has folders of jobs up to {} that the job store doesn't know; new jobs are "
+              "numbered from {}",
+              folders_.all(), highest, highest + 1));
+          stored.next_id = highest + 1;
+        }
         board_ = Board(stored);
         next_id_ = stored.next_id;
         machine_ = std::make_unique<jobs::Jobs>(options_.jobs,

@@ -80,6 +80,7 @@ class JobRunner {
   const JobFolders& folders() const { return folders_; }
   const RunnerOptions& options() const { return options_; }
   Worker& worker() { return worker_; }
+  Worker& maker() { return maker_; }
   /// Of the group that the next submission makes.
   jobs::GroupId next_group() const { return jobs::GroupId{next_id_}; }
   /// Why nothing can be saved at the moment; empty: it can.
@@ -116,6 +117,7 @@ class JobRunner {
   JobReader reader_;
   std::unique_ptr<Attempts> attempts_;
   Worker worker_;
+  Worker maker_;
   std::map<jobs::Token, Answered> owed_;
   jobs::Token next_token_ = 1;
   std::size_t pending_ = 0;  ///< steps whose effects wait for the store

@@ -29,8 +29,8 @@ rpc::Refusal bad_request(std::vector<request::Diagnostic> diagnostics) {
 
 rpc::Refusal no_extension(std::string why) {
   return {.kind = rpc::RefusalKind::bad_request,
-          .sentence = fmt::format("That is no longer run: {}.", why),
-          .what_to_do = "Ask for more than the request has under [stop]."};
+          .sentence = fmt::format("It can't be extended so: {}.", why),
+          .what_to_do = "No job was changed."};
 }
 
 /// Within the type's range; the reader of requests then judges it by the key's.

@@ -20,7 +20,7 @@ std::unique_ptr<store::RunLock> lock_state_folder(const std::string& state) {
     std::ifstream(state + "/lock") >> process;
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: another server has this folder{}; `sleight server status` "
-                                  "shows it",
+                                  "shows it, `sleight server stop` ends it",
                                   state, process.empty() ? "" : ": process " + process));
   }
 }

@@ -1,9 +1,10 @@
-// One thread for what takes long and may wait its turn: hashing files, deriving archives, deleting
-// folders.
+// One thread for what takes long and may wait its turn: hashing files, deleting folders; another
+// one for deriving archives.
 //
 // Thread safety: `run` is called from one thread.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -17,13 +18,15 @@ class Worker {
   using Work = std::function<void()>;
 
   Worker();
-  /// Waits for the work that has begun; what has not is dropped.
+  /// Waits for the work that has begun, which `ending` tells; what has not is dropped.
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
   /// In order. `work` must not throw, and says by Loop::post what came of it.
   void run(Work work);
+  /// True from the beginning of its end: work that takes long looks at it. Any thread.
+  const std::atomic<bool>& ending() const { return ending_; }
 
  private:
   void go_on();
@@ -31,7 +34,7 @@ class Worker {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Work> queue_;
-  bool ending_ = false;
+  std::atomic<bool> ending_ = false;
   std::thread thread_;
 };
 

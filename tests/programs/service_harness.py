@@ -86,6 +86,13 @@ class ServiceTest(ProgramTest):
     def end_everything(self):
         if self.daemon and self.daemon.poll() is None:
             self.kill_daemon()
+        # A wrapper's end is not the daemon's.
+        try:
+            pid = int((self.state / "lock").read_text())
+            if pathlib.Path(f"/proc/{pid}/comm").read_text().strip() == "sleightd":
+                os.kill(pid, signal.SIGKILL)
+        except (OSError, ValueError):
+            pass
         for record in self.state.glob("jobs/*/attempt.json"):
             try:
                 os.kill(json.loads(record.read_text())["keeper"]["pid"], signal.SIGKILL)

@@ -5,9 +5,11 @@ nothing. Method: a daemon in a folder of its own, the commands of `sleight`, dig
 
 import json
 import pathlib
+import shutil
 import subprocess
 import signal
 import sqlite3
+import time
 import unittest
 
 import harness
@@ -153,6 +155,91 @@ class Service(ServiceTest):
         self.wait(number, 10)
         self.assertEqual(self.job(number)["starts"], starts + 1)
         self.assertIn("damaged", self.job(number)["end_words"])
+
+    def test_a_group_with_a_damaged_archive(self):
+        """Goal: what is wrong with one job's archive keeps the others' from nobody."""
+        self.serve()
+        self.ask_json("submit", self.write_request(chains=1, scans=100), "--set", "sampler.seed=1..3")
+        for number in (1, 2, 3):
+            self.wait(number)
+        (self.folder_of(1) / "out.h5").write_bytes(b"nothing")
+        result = self.ask("fetch", "1..3", "-o", self.path("all"))
+        self.assertEqual(result.returncode, 6, result.stderr)
+        self.assertEqual(sorted(p.name for p in self.path("all").glob("*.h5")), ["job-2.h5", "job-3.h5"])
+
+    def test_files_that_came_meanwhile_are_kept(self):
+        """Goal: of two fetches of other content to one place one succeeds. Method: both at once, again and
+        again; the file is one of the two."""
+        self.serve()
+        self.ask_json("submit", self.write_request(chains=1, scans=100), "--set", "sampler.seed=1..2")
+        for number in (1, 2):
+            self.wait(number)
+        digests = [self.job(number)["digest"] for number in (1, 2)]
+        for nth in range(6):
+            place = self.path(f"both-{nth}.h5")
+            both = [subprocess.Popen([harness.program("sleight"), "fetch", str(number), "-o", place],
+                                     stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                     env={**harness.environment(), **self.environment()})
+                    for number in (1, 2)]
+            words = [one.communicate(timeout=60)[1] for one in both]
+            codes = sorted(one.returncode for one in both)
+            self.assertEqual(codes, [0, 4], words)
+            kept = 0 if both[0].returncode == 0 else 1
+            self.assertEqual(self.digest(place), digests[kept])
+
+    def test_a_reader_that_goes_ends_a_watch(self):
+        """Goal: `sleight watch 1 | head -1` ends, though nothing more is to be written. Method: the pipe's
+        other end is closed while the job waits for cores."""
+        self.serve("--disk-reserve", "8000TB")
+        number = self.submit(self.write_request(chains=1, scans=100))
+        for command in [["watch", number], ["watch", number, "--json"], ["wait", number]]:
+            watcher = subprocess.Popen([harness.program("sleight"), *map(str, command)],
+                                       stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                                       env={**harness.environment(), **self.environment()})
+            time.sleep(0.3)
+            self.assertIsNone(watcher.poll())
+            watcher.stdout.close()
+            self.assertEqual(watcher.wait(timeout=30), -signal.SIGPIPE)
+
+    def test_folders_that_somebody_deleted(self):
+        """Goal: a job whose folder is deleted begins again and says so; a deleted job store leaves folders that
+        no new job takes for its own; without its socket a server can be stopped."""
+        self.serve()
+        request = self.write_request(chains=2, scans=20_000, iterations_per_scan=250)
+        number = self.submit(request)
+        self.until_running(number)
+        shutil.rmtree(self.folder_of(number))
+        self.until(lambda: self.job(number)["starts"] == 2, 30)
+        history = self.ask_json("status", number, "--history")["history"]
+        self.assertIn("Its folder was deleted.", str(history))
+        self.wait(number)
+        self.assertEqual(self.job(number)["digest"], self.quiet_digest(request))
+        shutil.rmtree(self.folder_of(number))
+        gone = self.ask("fetch", number, "-o", self.path("gone.h5"))
+        self.assertIn(f"The files of job {number} are not there.", gone.stderr)
+        self.submit(self.write_request("second.toml", chains=1, scans=100))
+        self.wait(2)
+        (self.state / "socket").unlink()
+        stopped = self.succeed(self.ask("server", "stop", "--json"))
+        self.assertEqual(json.loads(stopped.stdout), {"pid": self.daemon.pid, "stopped": True})
+        self.daemon.wait(timeout=30)
+        for store in self.state.glob("jobs.sqlite*"):
+            store.unlink()
+        self.serve()
+        self.assertIn("doesn't know", self.path("sleightd.log").read_text())
+        third = self.submit(self.write_request("third.toml", chains=1, scans=50))
+        self.assertEqual(third, 3)
+        self.wait(third)
+        self.assertEqual(self.job(third)["scans_done"], 50)
+
+    def test_names_are_kept_or_refused(self):
+        self.serve("--disk-reserve", "8000TB")
+        request = self.write_request(chains=1, scans=100)
+        number = self.submit(request, "--name", "n" * 200)
+        self.assertEqual(self.job(number)["name"], "n" * 200)
+        long = self.ask("submit", request, "--name", "n" * 257)
+        self.assertEqual(long.returncode, 2, long.stderr)
+        self.assertIn("--name: has 257 bytes; at most 256", long.stderr)
 
     def test_one_daemon_a_folder(self):
         self.serve()

@@ -142,7 +142,7 @@ class Ball2dReader final : public archive::StateReader {
   }
 
   archive::PriorDraw prior_draw(std::uint64_t nth) const override {
-    return worlds::prior_draw(ball_, nth, [this](const NormalAngles& normals) {
+    return worlds::prior_draw(ball_, layout_, nth, [this](const NormalAngles& normals) {
       return std::vector<double>(normals.begin(), normals.begin() + collisions());
     });
   }

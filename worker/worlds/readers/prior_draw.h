@@ -9,13 +9,13 @@
 
 namespace sleight::worlds {
 
-/// The nth, from a stream of its own. `variables_of` gives the values of a state.
+/// The nth, from a stream of its own. `variables_of` gives the values of all variables of a state.
 template <sampling::Target World, class VariablesOf>
-archive::PriorDraw prior_draw(const World& world, std::uint64_t nth,
-                              const VariablesOf& variables_of) {
+archive::PriorDraw prior_draw(const World& world, const archive::WorldLayout& layout,
+                              std::uint64_t nth, const VariablesOf& variables_of) {
   random::Stream stream({.purpose = random::Purpose::prior_draw}, nth);
   const auto sample = sampling::evaluate(world, world.draw_prior(stream));
-  return {.variables = variables_of(sample.state),
+  return {.variables = archive::prior_values(layout, variables_of(sample.state)),
           .outcome = world.outcome_values(sample.outcome),
           .log_prior = sample.log_prior,
           .log_constraint = sample.log_constraint,

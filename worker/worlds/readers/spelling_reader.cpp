@@ -167,7 +167,8 @@ class SpellingReader final : public archive::StateReader {
   const scene::Scene& scene() const override { return scene_; }
 
   archive::PriorDraw prior_draw(std::uint64_t nth) const override {
-    return worlds::prior_draw(world_, nth, [](const State& state) { return values_of(state); });
+    return worlds::prior_draw(world_, layout_, nth,
+                              [](const State& state) { return values_of(state); });
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {

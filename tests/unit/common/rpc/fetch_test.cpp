@@ -161,6 +161,33 @@ TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
   EXPECT_EQ(names_in(path("out")), std::vector<std::string>{"ball.h5"});
 }
 
+TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
+  // Goal: a file that comes to lie at the place while another is fetched stays, unless it is to be
+  // replaced; one of the same content is as good. Method: it is made with the last piece.
+  const std::string content = content_of(2 * k_piece_bytes_max, 3);
+  service.add_file("ball.h5", content);
+  const ServerThread server(socket(), service);
+  Client client(socket());
+  const std::string to = path("out/ball.h5");
+  const auto fetch = [&](const std::string& meanwhile, AtItsPlace other) {
+    std::filesystem::remove(to);
+    return client.fetch_file(
+        archive, to,
+        [&](const FileView& file, std::uint64_t bytes) {
+          if (bytes == file.size) std::ofstream(to, std::ios::binary) << meanwhile;
+          return true;
+        },
+        {}, other);
+  };
+  EXPECT_THROW(fetch("other", AtItsPlace::kept), base::Error);
+  EXPECT_EQ(read(to), "other");
+  EXPECT_EQ(names_in(path("out")), std::vector<std::string>{"ball.h5"});
+  EXPECT_EQ(fetch(content, AtItsPlace::kept).how, Waited::settled);
+  EXPECT_EQ(fetch("other", AtItsPlace::replaced).how, Waited::settled);
+  EXPECT_TRUE(read(to) == content);
+  EXPECT_EQ(names_in(path("out")), std::vector<std::string>{"ball.h5"});
+}
+
 TEST_F(FetchTest, BringsManyFilesByPages) {
   // Goal: all files of an ask come into a folder, over pages and killed connections; names that
   // leave the folder are refused. Method: 20 files, 7 in a page; a hostile name.

@@ -53,9 +53,13 @@ class DeriveArchive : public testing::BallRuns {
     base::PosixFileSystem files;
     const auto plan = run::make_plan(request, world);
     request::Cut cut = committed_cut(run_folder(output), *plan);
-    return derive_archive(
-        {.request = request, .reader = *reader, .plan_of = plan_of, .files = files},
-        run_folder(output), place, cut, stop);
+    const std::string results_version = "0123456789abcdef";
+    return derive_archive({.request = request,
+                           .reader = *reader,
+                           .plan_of = plan_of,
+                           .files = files,
+                           .results_version = results_version},
+                          run_folder(output), place, cut, stop);
   }
 };
 

@@ -1,3 +1,4 @@
+#include "service/coordinator/derive.h"
 #include "service/coordinator/run.h"
 
 #include <gmock/gmock.h>

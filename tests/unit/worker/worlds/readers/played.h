@@ -57,7 +57,7 @@ inline void check_prior_draws(const archive::StateReader& reader) {
   };
   const auto draws = reader.prior_draws(4);
   for (std::size_t nth = 0; nth < draws.size(); ++nth) {
-    EXPECT_EQ(draws[nth].variables.size(), width(reader.layout().variables));
+    EXPECT_EQ(draws[nth].variables.size(), width(archive::prior_variables(reader.layout())));
     EXPECT_EQ(draws[nth].outcome.size(), width(reader.layout().outcomes));
     EXPECT_EQ(reader.prior_draw(nth).variables, draws[nth].variables);
     EXPECT_EQ(reader.prior_draw(nth).log_prior, draws[nth].log_prior);

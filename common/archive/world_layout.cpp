@@ -1,5 +1,7 @@
-#include "common/archive/world_layout.h"
+#include <algorithm>
+#include <cmath>
 
+#include "common/archive/world_layout.h"
 #include "common/base/check.h"
 
 namespace sleight::archive {
@@ -13,7 +15,32 @@ math::Vec3 vector_at(const double* values) {
   return {values[0], values[1], values[2]};
 }
 
+bool is_in_prior(const Variable& variable) {
+  const bool is_all_normal =
+      !variable.prior_sd.empty() &&
+      std::ranges::none_of(variable.prior_sd, [](double sd) { return std::isnan(sd); });
+  return !is_all_normal || variable.size() <= k_prior_elements_max;
+}
+
 }  // namespace
+
+std::vector<Variable> prior_variables(const WorldLayout& layout) {
+  std::vector<Variable> kept;
+  for (const Variable& variable : layout.variables) {
+    if (is_in_prior(variable)) kept.push_back(variable);
+  }
+  return kept;
+}
+
+std::vector<double> prior_values(const WorldLayout& layout, std::span<const double> values) {
+  std::vector<double> kept;
+  for (const Variable& variable : layout.variables) {
+    const std::span<const double> own = values.first(variable.size());
+    if (is_in_prior(variable)) kept.insert(kept.end(), own.begin(), own.end());
+    values = values.subspan(variable.size());
+  }
+  return kept;
+}
 
 void Recording::append(const motion::Segment& segment) {
   const std::size_t before = values.size();
