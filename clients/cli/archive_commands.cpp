@@ -177,7 +177,10 @@ void print_for_people(const std::string& path, const Facts& facts) {
     fmt::print("               {} satisfied, but could not be simulated to rest: not kept\n",
                summary.failed_animations);
   if (facts.odds) fmt::print("{}", in_words(*facts.odds));
-  fmt::print("  written by   sleight {}\n", summary.inference_library_version);
+  fmt::print("  written by   sleight {}, format {}\n", summary.inference_library_version,
+             summary.format_version);
+  if (!summary.run_id.empty())
+    fmt::print("  run          {}, results {}\n", summary.run_id, summary.results_version);
   fmt::print("  digest       {}\n\n", summary.content_digest);
   fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
 }
@@ -201,6 +204,8 @@ nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
                               {"failed_simulations", failures_json(summary.failures)},
                               {"failed_animations", summary.failed_animations},
                               {"version", summary.inference_library_version},
+                              {"results_version", summary.results_version},
+                              {"run_id", summary.run_id},
                               {"digest", summary.content_digest},
                               {"request", summary.request_text}};
   if (facts.finds) {

@@ -21,6 +21,12 @@ class Derive(ProgramTest):
         result = self.succeed(sleight("archive", "derive", run, "-o", output, "--json"))
         return json.loads(result.stdout)
 
+    def run_id(self, archive):
+        """Of all archives of a run the same."""
+        info = json.loads(self.succeed(sleight("archive", "info", archive, "--json")).stdout)
+        self.assertEqual(len(info["run_id"]), 64)
+        return info["run_id"]
+
     def refused(self, code, words, *args):
         result = sleight("archive", "derive", *args)
         self.assertEqual(result.returncode, code, result.stderr)
@@ -49,6 +55,11 @@ class Derive(ProgramTest):
             self.direct(exact, self.path("exact.h5"), "--fresh")
             self.assertEqual(self.digest(self.path("exact.h5")), archive["digest"])
             self.assertEqual(self.digest(archive["archive"]), archive["digest"])
+            self.assertEqual(self.run_id(archive["archive"]), self.run_id(output))
+            self.assertEqual(self.run_id(self.path("exact.h5")), self.run_id(output))
+        other = self.write_request("other.toml", chains=2, scans=10, seed=8, iterations_per_scan=20)
+        self.direct(other, self.path("other.h5"))
+        self.assertNotEqual(self.run_id(self.path("other.h5")), self.run_id(output))
         shutil.copytree(f"{output}.run", self.path("copy"))
         copied = self.derive(self.path("copy"), self.path("copied.h5"))
         self.assertEqual(copied["digest"], self.digest(output))

@@ -70,7 +70,7 @@ class Faults(ServiceTest):
     def test_kills(self):
         seed, kills = harness.arguments.seed, harness.arguments.kills
         chance = random.Random(seed)
-        kills_of = {kind: max(2, kills // 4) for kind in KINDS}
+        kills_of = {kind: max(3, kills // 4) for kind in KINDS}
         print(f"seed {seed}, kills of each kind {kills_of}")
         self.hits = 0
         self.serve()

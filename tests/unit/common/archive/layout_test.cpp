@@ -178,6 +178,9 @@ TEST(Layout, FindsLieBesideDraws) {
   }
   EXPECT_EQ(find_group(without, k_finds), nullptr);
   const Summary summary = summary_of(archive);
+  EXPECT_EQ(summary.format_version, k_format_version);
+  EXPECT_EQ(summary.results_version, "0123456789abcdef");
+  EXPECT_EQ(summary.run_id, "fake run");
   EXPECT_EQ(summary.finds.found, 6U);
   EXPECT_EQ(summary.finds.animations, 6U);
   EXPECT_EQ(summary.warning, "");
@@ -200,6 +203,9 @@ TEST(Layout, SmallestRuns) {
     const std::string digest_written = write_digested(archive, filler(options));
     EXPECT_EQ(digest(archive), digest_written);
     const Summary summary = summary_of(archive);
+    EXPECT_EQ(summary.format_version, k_format_version);
+    EXPECT_EQ(summary.results_version, "0123456789abcdef");
+    EXPECT_EQ(summary.run_id, "fake run");
     EXPECT_EQ(summary.scans, 1U);
     EXPECT_EQ(summary.states, 1U);
     EXPECT_EQ(summary.animations, share > 0 ? 1U : 0U);
