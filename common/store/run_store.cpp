@@ -9,6 +9,7 @@
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/store/checksum.h"
+#include "common/store/stored_run.h"
 #include "common/store/take_over.h"
 
 namespace sleight::store {
@@ -308,6 +309,11 @@ void RunStore::replay(plan::ReplicaKey replica, const ReplayVisit& visit) {
     refuse_damaged(database_.path(),
                    fmt::format("scan {} of chain {} is missing", reached, replica.chain.value));
   }
+}
+
+void RunStore::replay_all(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
+                                                   std::span<const plan::ScanRecord>)>& visit) {
+  for_each_stored(*connection_, visit);
 }
 
 void RunStore::put(plan::UnitResult result) {

@@ -78,6 +78,9 @@ class RunStore {
   /// Visits every stored scan of a replica in order, in batches, for a plan to catch up; records
   /// come without state and outcome. Throws base::Error when what is stored has been changed.
   void replay(plan::ReplicaKey replica, const ReplayVisit& visit);
+  /// The same of all replicas, the one that is least far first (scan_rows.h).
+  void replay_all(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
+                                           std::span<const plan::ScanRecord>)>& visit);
 
   /// Takes a result to be committed soon; throws the failure of an earlier commit: a full disk, or
   /// base::Error(conflict) once another session has taken a newer epoch (fencing).

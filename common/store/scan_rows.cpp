@@ -57,42 +57,67 @@ void read_record(const Database& database, const RowKey& key, Statement& select,
   }
 }
 
-std::uint64_t replay_rows(SharedDatabase& database, std::uint64_t salt,
-                          const plan::ReplicaKey& replica, std::uint64_t end,
-                          const ReplayVisit& visit) {
-  const std::string rows = fmt::format(
+RowReplay::RowReplay(SharedDatabase& database, std::uint64_t salt, const plan::ReplicaKey& replica,
+                     std::uint64_t end)
+    : database_(&database), salt_(salt), replica_(replica), end_(end) {}
+
+bool RowReplay::step(const ReplayVisit& visit) {
+  if (is_over_) return false;
+  static const std::string k_rows = fmt::format(
       "SELECT scan, {} FROM scan WHERE chain=?1 AND replica=?2 AND scan>=?3 AND scan<?4 "
       "ORDER BY scan LIMIT {}",
       k_record_columns, k_replay_batch);
-  std::vector<plan::ScanRecord> batch;
-  std::uint64_t next = 0;
-  bool has_begun = false;
-  do {
-    batch.clear();
-    {
-      const SharedDatabase::Turn turn = database.turn();
-      Statement select = turn->prepare(rows);
-      select.bind(1, std::int64_t{replica.chain.value});
-      select.bind(2, std::int64_t{replica.replica.value});
-      select.bind(3, static_cast<std::int64_t>(next)).bind(4, static_cast<std::int64_t>(end));
-      while (select.step()) {
-        const auto scan = static_cast<std::uint64_t>(select.integer(0));
-        // A replica may have come into being later than its chain.
-        if (!has_begun) next = scan;
-        has_begun = true;
-        if (scan != next) break;
-        plan::ScanRecord& record = batch.emplace_back();
-        read_record(*turn, {.salt = salt, .replica = replica, .scan = scan}, select, 1, record);
-        record.outcome = {};
-        record.state = {};
-        ++next;
-      }
+  batch_.clear();
+  {
+    const SharedDatabase::Turn turn = database_->turn();
+    Statement select = turn->prepare(k_rows);
+    select.bind(1, std::int64_t{replica_.chain.value});
+    select.bind(2, std::int64_t{replica_.replica.value});
+    select.bind(3, static_cast<std::int64_t>(next_)).bind(4, static_cast<std::int64_t>(end_));
+    while (select.step()) {
+      const auto scan = static_cast<std::uint64_t>(select.integer(0));
+      // A replica may have come into being later than its chain.
+      if (!has_begun_) next_ = scan;
+      has_begun_ = true;
+      if (scan != next_) break;
+      plan::ScanRecord& record = batch_.emplace_back();
+      read_record(*turn, {.salt = salt_, .replica = replica_, .scan = scan}, select, 1, record);
+      record.outcome = {};
+      record.state = {};
+      ++next_;
     }
-    // Between batches nothing is being read: a writer's log can be cut short meanwhile, and on a
-    // network disk it has its turn.
-    if (!batch.empty()) visit(base::ScanIndex{next - batch.size()}, batch);
-  } while (batch.size() == k_replay_batch);
-  return next;
+  }
+  is_over_ = batch_.size() < k_replay_batch;
+  // Between batches nothing is being read: a writer's log can be cut short meanwhile, and on a
+  // network disk it has its turn.
+  if (batch_.empty()) return false;
+  visit(base::ScanIndex{next_ - batch_.size()}, batch_);
+  return true;
+}
+
+void replay_together(std::span<RowReplay> replays,
+                     const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
+                                              std::span<const plan::ScanRecord>)>& visit) {
+  while (true) {
+    RowReplay* behind = nullptr;
+    for (RowReplay& replay : replays) {
+      if (!replay.is_over() && (behind == nullptr || replay.next() < behind->next()))
+        behind = &replay;
+    }
+    if (behind == nullptr) return;
+    behind->step([&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
+      visit(behind->replica(), first, records);
+    });
+  }
+}
+
+std::uint64_t replay_rows(SharedDatabase& database, std::uint64_t salt,
+                          const plan::ReplicaKey& replica, std::uint64_t end,
+                          const ReplayVisit& visit) {
+  RowReplay replay(database, salt, replica, end);
+  while (replay.step(visit)) {
+  }
+  return replay.next();
 }
 
 }  // namespace sleight::store

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/plan/unit.h"
 #include "common/store/shared_database.h"
@@ -38,6 +39,38 @@ void read_record(const Database& database, const RowKey& key, Statement& select,
                  plan::ScanRecord& record);
 
 using ReplayVisit = std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>;
+
+/// A replica's scans below `end` in order, batch by batch, from its first one to the first gap;
+/// records come without state and outcome. Each batch is a turn, and is visited after it.
+class RowReplay {
+ public:
+  /// Borrows the database.
+  RowReplay(SharedDatabase& database, std::uint64_t salt, const plan::ReplicaKey& replica,
+            std::uint64_t end);
+
+  /// Visits the next batch; false where there is none.
+  bool step(const ReplayVisit& visit);
+  const plan::ReplicaKey& replica() const { return replica_; }
+  /// The scan after the last that was visited; 0 before the first.
+  std::uint64_t next() const { return next_; }
+  bool is_over() const { return is_over_; }
+
+ private:
+  SharedDatabase* database_;
+  std::uint64_t salt_;
+  plan::ReplicaKey replica_;
+  std::uint64_t end_;
+  std::uint64_t next_ = 0;
+  bool has_begun_ = false;
+  bool is_over_ = false;
+  std::vector<plan::ScanRecord> batch_{};
+};
+
+/// All of them to their ends, the one that is least far first: of replicas that hang together, as a
+/// ladder's do, a plan never has to keep more than some batches until the others have come.
+void replay_together(std::span<RowReplay> replays,
+                     const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
+                                              std::span<const plan::ScanRecord>)>& visit);
 
 /// Visits a replica's scans below `end` in order, in batches, from its first one to the first gap;
 /// records come without state and outcome. Each batch is a turn, and is visited after it. Returns

@@ -270,15 +270,14 @@ plan::FailureCounts StoredRun::failures() const {
 
 void StoredRun::replay(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                                 std::span<const plan::ScanRecord>)>& visit) const {
+  std::vector<RowReplay> replays;
   for (std::uint32_t chain = 0; chain < chains_; ++chain) {
     for (std::uint32_t replica = 0; replica < replicas_; ++replica) {
       const plan::ReplicaKey key{base::ChainId{chain}, base::ReplicaId{replica}};
-      replay_rows(*database_, salt_, key, scans_,
-                  [&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
-                    visit(key, first, records);
-                  });
+      replays.emplace_back(*database_, salt_, key, scans_);
     }
   }
+  replay_together(replays, visit);
 }
 
 void for_each_stored(SharedDatabase& database,
@@ -297,15 +296,15 @@ void for_each_stored(SharedDatabase& database,
       replicas.emplace_back(key, static_cast<std::uint64_t>(select.integer(2)));
     }
   }
-  for (const auto& [key, end] : replicas) {
-    const std::uint64_t reached = replay_rows(
-        database, salt, key, end,
-        [&, replica = key](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
-          visit(replica, first, records);
-        });
-    if (reached != end) {
+  std::vector<RowReplay> replays;
+  for (const auto& [key, end] : replicas)
+    replays.emplace_back(database, salt, key, end);
+  replay_together(replays, visit);
+  for (std::size_t i = 0; i < replays.size(); ++i) {
+    if (replays[i].next() != replicas[i].second) {
       refuse_damaged(database.path(),
-                     fmt::format("scan {} of chain {} is missing", reached, key.chain.value));
+                     fmt::format("scan {} of chain {} is missing", replays[i].next(),
+                                 replicas[i].first.chain.value));
     }
   }
 }

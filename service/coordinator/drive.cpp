@@ -46,17 +46,18 @@ class Driver {
  private:
   /// Brings plan and scheduler to where earlier sessions left the run.
   void catch_up() {
+    std::map<plan::ReplicaKey, std::uint64_t> next_scans;
+    // It refuses a damaged store.
+    store_.replay_all([&](const plan::ReplicaKey& replica, base::ScanIndex first,
+                          std::span<const plan::ScanRecord> records) {
+      plan_.consume(replica, first, records);
+      if (options_.consumed) options_.consumed(replica, first, records);
+      for (const plan::ScanRecord& record : records)
+        counted_.failures.add(record.failures);
+      next_scans[replica] = first.value + records.size();
+    });
     for (store::ReplicaProgress& replica : store_.progress()) {
-      std::uint64_t next_scan = 0;
-      store_.replay(replica.replica,
-                    [&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
-                      plan_.consume(replica.replica, first, records);
-                      if (options_.consumed) options_.consumed(replica.replica, first, records);
-                      for (const plan::ScanRecord& record : records)
-                        counted_.failures.add(record.failures);
-                      next_scan = first.value + records.size();
-                    });
-      CHECK_EQ(next_scan, replica.next_scan);  // replay refuses a damaged store
+      CHECK_EQ(next_scans[replica.replica], replica.next_scan);
       scheduler_.resume(replica.replica, replica.next_scan, std::move(replica.state));
     }
     earlier_scans_ = plan_.scans_consumed();

@@ -6,6 +6,7 @@
 #include <bit>
 #include <functional>
 #include <limits>
+#include <map>
 #include <string>
 
 #include "common/base/error.h"
@@ -152,6 +153,38 @@ TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
     scans += records.size();
   });
   EXPECT_EQ(scans, 8U);
+}
+
+TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
+  // Goal: what a plan learns of replicas that hang together comes together, so that it keeps little
+  // until it has all; each replica's scans come in order and once. Method: three replicas of more
+  // scans than some batches hold; how far they are apart.
+  constexpr std::uint64_t k_scans = 10'000;
+  constexpr std::uint64_t k_apart_max = 4096;
+  RunStore store(folder(), example_identity(1));
+  for (std::uint32_t replica = 0; replica < 3; ++replica) {
+    plan::UnitResult result = result_of(0, 0, k_scans);
+    result.unit.replica.replica = base::ReplicaId{replica};
+    store.put(std::move(result));
+  }
+  store.flush();
+  const auto check = [&](const auto& replay) {
+    std::map<plan::ReplicaKey, std::uint64_t> next;
+    for (std::uint32_t replica = 0; replica < 3; ++replica)
+      next[{base::ChainId{0}, base::ReplicaId{replica}}] = 0;
+    replay([&](const plan::ReplicaKey& replica, base::ScanIndex first,
+               std::span<const plan::ScanRecord> records) {
+      EXPECT_EQ(first.value, next.at(replica));
+      for (const auto& [other, reached] : next)
+        EXPECT_LE(first.value, reached + k_apart_max);
+      next.at(replica) += records.size();
+    });
+    for (const auto& [replica, reached] : next)
+      EXPECT_EQ(reached, k_scans);
+  };
+  const StoredRun view(folder(), 1, k_scans);
+  check([&](const auto& visit) { view.replay(visit); });
+  check([&](const auto& visit) { store.replay_all(visit); });
 }
 
 TEST_F(StoredRunOf, MissingStoreIsAnError) {
