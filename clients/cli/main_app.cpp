@@ -213,9 +213,10 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
   command->add_option("-o,--output", options.output, "A picture; the terminal if not given")
       ->type_name("FILE.svg|FILE.png");
   command
-      ->add_option("--what", options.what,
-                   "trace: outcome and log p; paths: the motion (ball_2d); animations: the motion "
-                   "(dice, spelling); plausibility: starts and tables beside blind throws' (dice)")
+      ->add_option(
+          "--what", options.what,
+          "trace: outcome and log p; animations: the motion; paths: the same as the thesis "
+          "shows it (ball_2d); plausibility: starts and tables beside blind throws' (dice)")
       ->check(CLI::IsMember({"trace", "paths", "animations", "plausibility"}))
       ->capture_default_str();
   command->add_option("--chain", options.chain, "Only this chain")

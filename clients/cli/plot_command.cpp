@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "clients/cli/animation_figures.h"
 #include "clients/cli/ball_2d_figures.h"
 #include "clients/cli/dice_figures.h"
 #include "clients/cli/output.h"
@@ -14,6 +15,7 @@
 #include "clients/cli/trace.h"
 #include "clients/plot/save.h"
 #include "clients/plot/terminal.h"
+#include "common/archive/format.h"
 #include "common/archive/hdf5/guarded.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/archive/summary.h"
@@ -105,22 +107,21 @@ plot::Figure figure_of(const archive::Source& source, const PlotOptions& options
                     world == "spelling" || world == "dice" ? "; try --what animations" : ""));
   }
   if (options.what == "animations") {
-    if (world == "spelling") {
+    // Archives of formats 1 and 2 have no scene: what they are of has to be known.
+    const bool has_scene = archive::find_group(source, archive::k_scene) != nullptr;
+    if (!has_scene && world == "spelling") {
       // A terminal's dots are too few for the frames.
       return spelling_animations(
           source, spelling_box_of(source, readers),
           {.chain = options.chain, .count = options.count, .frames = !options.output.empty()});
     }
-    if (world == "dice") {
+    if (!has_scene && world == "dice") {
       return dice_animations(
           source, read_of(source, readers.dice_scene, "dice"),
           {.chain = options.chain, .count = options.count, .front = !options.output.empty()});
     }
-    throw base::Error(
-        base::ExitCode::usage,
-        fmt::format("animations can be drawn of dice and spelling archives only, and {} is of "
-                    "the world {}{}",
-                    source.name(), world, world == "ball_2d" ? "; try --what paths" : ""));
+    return animation_figure(
+        source, {.chain = options.chain, .count = options.count, .whole = !options.output.empty()});
   }
   if (world == "ball_2d") return ball_2d_trace(source, options.chain, options.draws);
   if (world == "spelling") {

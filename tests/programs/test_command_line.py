@@ -119,7 +119,7 @@ class Results(ProgramTest):
 
     def test_plots(self):
         self.direct(self.write_request(), self.path("a.h5"))
-        for what in ["trace", "paths"]:
+        for what in ["trace", "paths", "animations"]:
             for ending, head in [("svg", b"<"), ("png", b"\x89PNG")]:
                 picture = self.path(f"{what}.{ending}")
                 self.succeed(sleight("plot", self.path("a.h5"), "--what", what, "-o", picture))

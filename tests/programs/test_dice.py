@@ -100,10 +100,10 @@ class Dice(ProgramTest):
         result = sleight("plot", archive, "--what", "paths", "-o", self.path("no.svg"))
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn("try --what animations", result.stderr)
-        for dataset, value, words in [("body", 2, "dice that its request doesn't have"),
+        for dataset, value, words in [("body", 20, "moves a body 21 of 2"),
                                       ("orientation", 0, "that are no rotations"),
-                                      ("position_m", numpy.nan, "numbers that no motion of dice"),
-                                      ("segment_count", 0, "moves no die")]:
+                                      ("position_m", numpy.nan, "has numbers that no motion has"),
+                                      ("segment_count", 0, "moves nothing")]:
             damaged.write_bytes(archive.read_bytes())
             with h5py.File(damaged, "r+") as file:
                 file["animations"][dataset][:] = value
