@@ -285,12 +285,14 @@ TEST_F(FetchTest, AFirstCallThatIsCutIsRepeated) {
   // is not. Method: a link that loses the first call, then finds nobody; one that finds nobody at
   // once.
   CutLink cut;
-  EXPECT_EQ(fetch_file_over(cut, {}, archive, path("out/a.h5"), {}, {}).how, Waited::settled);
+  EXPECT_EQ(fetch_file_over(cut, {}, archive, path("out/a.h5"), {}, {}, AtItsPlace::replaced).how,
+            Waited::settled);
   EXPECT_EQ(cut.calls, 3);
   EXPECT_EQ(read(path("out/a.h5")), cut.content);
   CutLink nobody;
   nobody.is_never_there = true;
-  EXPECT_THROW(fetch_file_over(nobody, {}, archive, path("out/b.h5"), {}, {}), NoServer);
+  EXPECT_THROW(fetch_file_over(nobody, {}, archive, path("out/b.h5"), {}, {}, AtItsPlace::replaced),
+               NoServer);
 }
 
 }  // namespace
