@@ -239,7 +239,7 @@ TEST(AnimationFigures, AreDrawnFromAnArchiveAlone) {
   EXPECT_EQ(plot::to_svg(figure).find("nan"), std::string::npos);
   archive::MemoryArchive still;
   write(archive::testing::FakeReader(), still);
-  EXPECT_EQ(failure_of([&] { animation_figure(still, {.count = 12}); }, "moves nothing"),
+  EXPECT_EQ(failure_of([&] { animation_figure(still, {.count = 100}); }, "moves nothing"),
             base::ExitCode::bad_archive);
   archive::MemoryArchive old;
   old.set_attribute("/", {"format_version", std::int64_t{2}});

@@ -131,16 +131,18 @@ TEST(Submit, MoreThanASubmissionTakesIsRefused) {
 
 TEST(Submit, NamesFitTheService) {
   // Goal: whatever a file is called, the name is printable and within the service's bound. Method:
-  // a long name of wide characters with an escape in it, and a group that lengthens it.
+  // a long name of wide characters, and a group that lengthens it; one with an escape in it. A name
+  // that is given is not cut in silence.
   std::string name;
   for (int i = 0; i < 200; ++i)
     name += "ü";
-  const rpc::Submission submission = made(
-      {.request_path = "\x1b[2J.toml", .sets = {"sampler.seed=1..2"}, .name = name}, {"x", "text"});
+  const rpc::Submission submission =
+      made({.request_path = name + ".toml", .sets = {"sampler.seed=1..2"}}, {"x", "text"});
   EXPECT_LE(submission.jobs.front().name.size(), rpc::k_name_bytes_max);
   EXPECT_TRUE(request::is_utf8(submission.jobs.front().name));
   const rpc::Submission unnamed = made({.request_path = "\x1b[2J.toml"}, {"x", "text"});
   EXPECT_EQ(unnamed.jobs.front().name, "\\u{1b}[2J");
+  EXPECT_THROW((void)made({.request_path = "a.toml", .name = name}, {"x", "text"}), base::Error);
 }
 
 TEST(Submit, TellsWhatToTypeNext) {

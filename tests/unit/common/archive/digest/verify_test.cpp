@@ -134,7 +134,7 @@ TEST_F(Verify, NamesBrokenStructure) {
   broken([&] { lp().type = ElementType::i64; }, "/sample_stats/lp is i64 over (chain, draw)");
   broken([&] { lp().dims[1].name = "scan"; }, "no coordinate");
   broken([&] { archive_.group(k_replicas).name = "/copies"; }, "/replicas is missing");
-  broken([&] { archive_.group(k_root).attributes[1].value = std::int64_t{3}; }, "format_version");
+  broken([&] { archive_.group(k_root).attributes[1].value = std::int64_t{4}; }, "format_version");
   broken([&] { archive_.group(k_animations).attributes.clear(); }, "keep_per_lineage is missing");
   broken(
       [&] {

@@ -169,7 +169,7 @@ TEST_F(Writer, EachCallMayFailOnce) {
   // Goal: whichever call fails, even one in the middle of the file that is followed by good ones,
   // the old file stays whole or the new one is there. Method: the k-th call fails, once, for every
   // k until none is left to fail.
-  const FakeRunOptions run{.scans = 700};
+  const FakeRunOptions run{.scans = 60};
   write_file(path("b.h5"), files_, filler(run));
   const std::string whole = bytes_of(path("b.h5"));
   std::uint64_t call = 0;
