@@ -53,7 +53,7 @@ class DeriveArchive : public testing::BallRuns {
     base::PosixFileSystem files;
     const auto plan = run::make_plan(request, world);
     request::Cut cut = committed_cut(run_folder(output), *plan);
-    const std::string results_version = "0123456789abcdef";
+    const std::string results_version = "results of tests";
     return derive_archive({.request = request,
                            .reader = *reader,
                            .plan_of = plan_of,
