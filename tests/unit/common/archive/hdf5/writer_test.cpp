@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 
 #include "common/archive/digest/digest.h"
 #include "common/archive/digest/verify.h"
@@ -172,11 +173,12 @@ TEST_F(Writer, EachCallMayFailOnce) {
   const FakeRunOptions run{.scans = 60};
   write_file(path("b.h5"), files_, filler(run));
   const std::string whole = bytes_of(path("b.h5"));
+  write_file(path("a.h5"), files_, filler({.chains = 1}));
+  const std::string old = bytes_of(path("a.h5"));
   std::uint64_t call = 0;
   for (bool got_through = false; !got_through; ++call) {
     SCOPED_TRACE(call);
-    write_file(path("a.h5"), files_, filler({.chains = 1}));
-    const std::string old = bytes_of(path("a.h5"));
+    std::ofstream(path("a.h5"), std::ios::binary) << old;
     FaultyFileSystem failing;
     failing.fail({.after = call, .times = 1, .reason = std::errc::no_space_on_device});
     bool thrown = false;
