@@ -1,0 +1,307 @@
+#include "clients/browse/groups.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "clients/browse/resemblance.h"
+#include "common/base/check.h"
+#include "common/hash/sha256.h"
+
+namespace sleight::browse {
+namespace {
+
+constexpr float k_far = std::numeric_limits<float>::infinity();
+
+/// What each point's nearest and second nearest medoid are.
+struct Nearest {
+  std::size_t medoid = 0;  ///< its place in the list of medoids
+  float distance = k_far;
+  float second = k_far;
+};
+
+std::vector<Nearest> nearest_of(std::span<const float> matrix, std::size_t size,
+                                std::span<const std::size_t> medoids) {
+  std::vector<Nearest> nearest(size);
+  for (std::size_t point = 0; point < size; ++point) {
+    for (std::size_t i = 0; i < medoids.size(); ++i) {
+      const float distance = matrix[medoids[i] * size + point];
+      if (distance < nearest[point].distance) {
+        nearest[point].second = nearest[point].distance;
+        nearest[point].distance = distance;
+        nearest[point].medoid = i;
+      } else {
+        nearest[point].second = std::min(nearest[point].second, distance);
+      }
+    }
+  }
+  return nearest;
+}
+
+/// Each next medoid is the point that lowers the sum of distances most.
+std::vector<std::size_t> first_medoids(std::span<const float> matrix, std::size_t size,
+                                       std::size_t k) {
+  std::vector<std::size_t> medoids;
+  std::vector<bool> is_medoid(size, false);
+  std::vector<float> nearest(size, k_far);
+  for (std::size_t i = 0; i < k; ++i) {
+    std::size_t best = size;
+    double best_sum = std::numeric_limits<double>::infinity();
+    for (std::size_t candidate = 0; candidate < size; ++candidate) {
+      if (is_medoid[candidate]) continue;
+      double sum = 0;
+      for (std::size_t point = 0; point < size; ++point)
+        sum += std::min(nearest[point], matrix[candidate * size + point]);
+      if (sum < best_sum) {
+        best_sum = sum;
+        best = candidate;
+      }
+    }
+    CHECK(best < size);
+    medoids.push_back(best);
+    is_medoid[best] = true;
+    for (std::size_t point = 0; point < size; ++point)
+      nearest[point] = std::min(nearest[point], matrix[best * size + point]);
+  }
+  return medoids;
+}
+
+/// Exchanges one medoid for another point where that lowers the sum of distances most; false if no
+/// exchange does.
+bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::size_t>& medoids) {
+  const std::vector<Nearest> nearest = nearest_of(matrix, size, medoids);
+  // What the sum rises by if a medoid alone goes.
+  std::vector<double> loss(medoids.size(), 0);
+  for (const Nearest& point : nearest)
+    loss[point.medoid] += static_cast<double>(point.second) - static_cast<double>(point.distance);
+  double best_change = 0;
+  std::pair<std::size_t, std::size_t> best{0, size};
+  std::vector<double> change(medoids.size());
+  for (std::size_t candidate = 0; candidate < size; ++candidate) {
+    if (std::ranges::find(medoids, candidate) != medoids.end()) continue;
+    // What the candidate changes whichever medoid goes, and beyond that for each that may.
+    double common = 0;
+    std::ranges::copy(loss, change.begin());
+    for (std::size_t point = 0; point < size; ++point) {
+      const double distance = matrix[candidate * size + point];
+      const double first = nearest[point].distance;
+      const double second = nearest[point].second;
+      if (distance < first) {
+        common += distance - first;
+        change[nearest[point].medoid] += first - second;
+      } else if (distance < second) {
+        change[nearest[point].medoid] += distance - second;
+      }
+    }
+    const auto least = std::ranges::min_element(change);
+    if (common + *least < best_change) {
+      best_change = common + *least;
+      best = {static_cast<std::size_t>(least - change.begin()), candidate};
+    }
+  }
+  // Rounding must not exchange for ever.
+  double total = 0;
+  for (const Nearest& point : nearest)
+    total += static_cast<double>(point.distance);
+  if (best.second == size || -best_change <= 1e-9 * total) return false;
+  medoids[best.first] = best.second;
+  return true;
+}
+
+/// The member from which the sum of distances to the others is least.
+std::size_t central_member(std::span<const float> matrix, std::size_t size,
+                           std::span<const std::size_t> members) {
+  std::size_t best = members.front();
+  double best_sum = std::numeric_limits<double>::infinity();
+  for (const std::size_t member : members) {
+    double sum = 0;
+    for (const std::size_t other : members)
+      sum += static_cast<double>(matrix[member * size + other]);
+    if (sum < best_sum) {
+      best_sum = sum;
+      best = member;
+    }
+  }
+  return best;
+}
+
+/// The representatives of the sample's groups.
+std::vector<std::size_t> representatives_of(std::span<const float> matrix, std::size_t size,
+                                            std::size_t k, Grouping by) {
+  if (by == Grouping::medoids) return medoids_of(matrix, size, k);
+  const std::vector<std::size_t> group_of = hierarchy_of(matrix, size, k);
+  std::vector<std::size_t> representatives;
+  for (std::size_t group = 0; group < k; ++group) {
+    std::vector<std::size_t> members;
+    for (std::size_t point = 0; point < size; ++point) {
+      if (group_of[point] == group) members.push_back(point);
+    }
+    representatives.push_back(central_member(matrix, size, members));
+  }
+  return representatives;
+}
+
+/// So many of the entries (given by name), by a hash of their names; in the order of names.
+std::vector<std::size_t> sample_of(std::span<const Entry* const> entries, std::size_t count) {
+  std::vector<std::pair<std::string, std::size_t>> hashed;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const AnimationName& name = entries[i]->name;
+    hashed.emplace_back(hash::sha256_hex(name.run + "\n" + short_text(name)), i);
+  }
+  std::ranges::nth_element(hashed, hashed.begin() + static_cast<std::ptrdiff_t>(count));
+  std::vector<std::size_t> sample;
+  for (std::size_t i = 0; i < count; ++i)
+    sample.push_back(hashed[i].second);
+  std::ranges::sort(sample);
+  return sample;
+}
+
+}  // namespace
+
+std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t size,
+                                    std::size_t k) {
+  CHECK(k >= 1 && k <= size);
+  std::vector<std::size_t> medoids = first_medoids(matrix, size, k);
+  // With one medoid there is no second nearest, and the first choice is the best.
+  while (k > 1 && k < size && exchange(matrix, size, medoids)) {
+  }
+  std::ranges::sort(medoids);
+  return medoids;
+}
+
+std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t size,
+                                      std::size_t k) {
+  CHECK(k >= 1 && k <= size);
+  // Chains of nearest neighbours find the merges in another order than by distance; sorted by it,
+  // the first size - k are those that leave k groups.
+  struct Merge {
+    float distance;
+    std::size_t a;
+    std::size_t b;
+  };
+  std::vector<float> between(matrix.begin(), matrix.end());
+  std::vector<double> members(size, 1);
+  std::vector<bool> is_there(size, true);
+  std::vector<Merge> merges;
+  std::vector<std::size_t> chain;
+  while (merges.size() + 1 < size) {
+    if (chain.empty()) {
+      chain.push_back(
+          static_cast<std::size_t>(std::ranges::find(is_there, true) - is_there.begin()));
+    }
+    const std::size_t last = chain.back();
+    std::size_t nearest = chain.size() > 1 ? chain[chain.size() - 2] : size;
+    float distance = nearest == size ? k_far : between[last * size + nearest];
+    for (std::size_t other = 0; other < size; ++other) {
+      if (other == last || !is_there[other]) continue;
+      if (between[last * size + other] < distance || nearest == size) {
+        distance = between[last * size + other];
+        nearest = other;
+      }
+    }
+    if (chain.size() < 2 || nearest != chain[chain.size() - 2]) {
+      chain.push_back(nearest);
+      continue;
+    }
+    // The last two are each other's nearest.
+    chain.resize(chain.size() - 2);
+    const auto [kept, gone] = std::minmax(last, nearest);
+    merges.push_back({.distance = distance, .a = kept, .b = gone});
+    for (std::size_t other = 0; other < size; ++other) {
+      if (other == kept || other == gone || !is_there[other]) continue;
+      const double mean = (members[kept] * static_cast<double>(between[kept * size + other]) +
+                           members[gone] * static_cast<double>(between[gone * size + other])) /
+                          (members[kept] + members[gone]);
+      between[kept * size + other] = static_cast<float>(mean);
+      between[other * size + kept] = static_cast<float>(mean);
+    }
+    members[kept] += members[gone];
+    is_there[gone] = false;
+  }
+  std::ranges::stable_sort(merges, {}, &Merge::distance);
+  std::vector<std::size_t> root(size);
+  std::iota(root.begin(), root.end(), std::size_t{0});
+  const auto root_of = [&](std::size_t point) {
+    while (root[point] != point)
+      point = root[point] = root[root[point]];
+    return point;
+  };
+  for (std::size_t i = 0; i < size - k; ++i) {
+    const auto [low, high] = std::minmax({root_of(merges[i].a), root_of(merges[i].b)});
+    root[high] = low;
+  }
+  std::map<std::size_t, std::size_t> number_of;
+  std::vector<std::size_t> group_of;
+  for (std::size_t point = 0; point < size; ++point)
+    group_of.push_back(number_of.try_emplace(root_of(point), number_of.size()).first->second);
+  return group_of;
+}
+
+Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scene,
+                 const GroupOptions& options) {
+  CHECK(options.groups >= 1);
+  if (entries.empty()) return {};
+  std::vector<std::size_t> by_name(entries.size());
+  std::iota(by_name.begin(), by_name.end(), std::size_t{0});
+  std::ranges::sort(by_name, {}, [&](std::size_t i) { return entries[i]->name; });
+  std::vector<const Entry*> sorted;
+  for (const std::size_t i : by_name)
+    sorted.push_back(entries[i]);
+
+  // Group all, or a part that stands for all.
+  Groups found{.is_approximate = sorted.size() > k_full_matrix_max};
+  std::vector<std::size_t> sample(sorted.size());
+  std::iota(sample.begin(), sample.end(), std::size_t{0});
+  if (found.is_approximate) sample = sample_of(sorted, k_full_matrix_max);
+  const Sketches sketches(sorted, scene);
+  std::vector<float> matrix;
+  {
+    std::vector<const Entry*> sampled;
+    for (const std::size_t i : sample)
+      sampled.push_back(sorted[i]);
+    matrix = Sketches(sampled, scene).matrix(options.threads);
+  }
+  const std::size_t k = std::min(options.groups, sample.size());
+  const auto representatives = representatives_of(matrix, sample.size(), k, options.by);
+
+  // Everyone goes to a group: of the sample as the grouping says, the others to the nearest.
+  std::vector<std::size_t> group_of(sorted.size(), k);
+  if (options.by == Grouping::hierarchy) {
+    const auto grouped = hierarchy_of(matrix, sample.size(), k);
+    for (std::size_t i = 0; i < sample.size(); ++i)
+      group_of[sample[i]] = grouped[i];
+  }
+  for (std::size_t group = 0; group < k; ++group)
+    found.groups.push_back({.representative = sample[representatives[group]]});
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    std::vector<double> distance(k);
+    for (std::size_t group = 0; group < k; ++group)
+      distance[group] = i == found.groups[group].representative
+                            ? -1
+                            : sketches.between(i, found.groups[group].representative).value_m();
+    if (group_of[i] == k)
+      group_of[i] = static_cast<std::size_t>(std::ranges::min_element(distance) - distance.begin());
+    AlikeGroup& group = found.groups[group_of[i]];
+    group.members.push_back(i);
+    const double apart_m = std::max(0.0, distance[group_of[i]]);
+    group.mean_m += apart_m;
+    group.greatest_m = std::max(group.greatest_m, apart_m);
+  }
+  for (AlikeGroup& group : found.groups)
+    group.mean_m /= static_cast<double>(group.members.size());
+  std::ranges::sort(found.groups, {}, [](const AlikeGroup& group) {
+    return std::pair(-static_cast<std::ptrdiff_t>(group.members.size()), group.representative);
+  });
+  // Back to the order in which they were given.
+  for (AlikeGroup& group : found.groups) {
+    group.representative = by_name[group.representative];
+    for (std::size_t& member : group.members)
+      member = by_name[member];
+  }
+  return found;
+}
+
+}  // namespace sleight::browse

@@ -1,0 +1,69 @@
+// Animations that look alike, in groups; each has a member that stands for it.
+//
+// Up to 500 animations the groups are those of the full matrix of resemblance (resemblance.h):
+//   medoids    k members so that the sum of everyone's distance to the nearest is small: chosen one
+//              by one, then exchanged as long as an exchange helps (PAM: L. Kaufman and
+//              P. Rousseeuw, "Finding Groups in Data", 1990; all exchanges weighed at once:
+//              E. Schubert and P. Rousseeuw, Information Systems 101, 2021, algorithm 2)
+//   hierarchy  the two nearest groups become one until k are left; between groups counts the mean
+//              distance of their members (average linkage, by chains of nearest neighbours:
+//              F. Murtagh, The Computer Journal 26, 1983). Groups of k are parts of those of k - 1
+//
+// Of more than 500 the groups are those of 500 of them, chosen by a hash of their names, as even
+// over the set as a draw; all others go to the group whose representative is nearest. So at most
+// 500 groups can be asked for then.
+//
+// The result depends on the set alone, not on the order in which it is given: the animations are
+// worked through in the order of their names, and of equal choices the first is taken.
+//
+// Thread safety: pure.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "clients/browse/index.h"
+#include "common/scene/scene.h"
+
+namespace sleight::browse {
+
+/// Largest set whose full matrix is computed.
+inline constexpr std::size_t k_full_matrix_max = 500;
+
+enum class Grouping : std::uint8_t { medoids, hierarchy };
+
+struct GroupOptions {
+  std::size_t groups = 12;  ///< so many, or as many as there are animations if that is less
+  Grouping by = Grouping::medoids;
+  std::size_t threads = 1;  ///< changes nothing but the time
+};
+
+struct AlikeGroup {
+  std::size_t representative = 0;      ///< of the entries given
+  std::vector<std::size_t> members{};  ///< with the representative, by name
+  /// Of the members from their representative.
+  double mean_m = 0;
+  double greatest_m = 0;
+};
+
+struct Groups {
+  std::vector<AlikeGroup> groups{};  ///< the largest first; of equal ones by their representative
+  bool is_approximate = false;       ///< of 500 of the animations, as said above
+};
+
+/// REQUIRES: entries of this scene, with different names; 1 <= groups, at most 500 of more than
+/// 500.
+Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scene,
+                 const GroupOptions& options);
+
+// What it is made of, on a full matrix row by row.
+
+/// The medoids, ascending. REQUIRES: 1 <= k <= size.
+std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t size, std::size_t k);
+/// The group, 0 to k - 1, of each. REQUIRES: 1 <= k <= size.
+std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t size,
+                                      std::size_t k);
+
+}  // namespace sleight::browse

@@ -1,0 +1,132 @@
+#include "clients/browse/query.h"
+
+#include <algorithm>
+
+namespace sleight::browse {
+namespace {
+
+/// When a step that follows one at `after_s` is first met: not before, or later, if the step before
+/// was a hit, as one hit is one event.
+struct After {
+  double time_s = -std::numeric_limits<double>::infinity();
+  bool is_later = false;
+};
+
+bool overlaps(const Box& a, const Box& b) {
+  return (a.low_m.array() <= b.high_m.array()).all() && (b.low_m.array() <= a.high_m.array()).all();
+}
+
+/// The earliest of what one or each of the bodies says: each, then the latest of their earliest.
+template <class FirstOf>
+std::optional<double> first_of(const Bodies& who, const Entry& entry, FirstOf first_of_body) {
+  std::optional<double> found;
+  for (const std::uint32_t body : who.bodies) {
+    if (entry.tracks[body].count == 0) continue;
+    const std::optional<double> first = first_of_body(body);
+    if (who.is_every) {
+      if (!first) return std::nullopt;
+      found = found ? std::max(*found, *first) : *first;
+    } else if (first) {
+      found = found ? std::min(*found, *first) : *first;
+    }
+  }
+  return found;
+}
+
+std::optional<double> first_met(const Inside& inside, const Entry& entry, const After& after) {
+  const Stretch when{.from_s = std::max(inside.when.from_s, after.time_s),
+                     .to_s = inside.when.to_s};
+  return first_of(inside.who, entry, [&](std::uint32_t body) -> std::optional<double> {
+    if (!overlaps(entry.tracks[body].reach, inside.box)) return std::nullopt;
+    return first_inside(entry.pieces_of(body), inside.box, when);
+  });
+}
+
+bool is_among(std::uint32_t feature, const std::vector<std::uint32_t>& features) {
+  return features.empty() || std::ranges::binary_search(features, feature);
+}
+
+std::optional<double> first_met(const Touches& touches, const Entry& entry, const After& after) {
+  const double from_s = std::max(touches.when.from_s, after.time_s);
+  const auto begin = std::ranges::lower_bound(entry.contacts, from_s, {}, &Contact::time_s);
+  return first_of(touches.who, entry, [&](std::uint32_t body) -> std::optional<double> {
+    for (auto it = begin; it != entry.contacts.end() && it->time_s <= touches.when.to_s; ++it) {
+      if (after.is_later && it->time_s == after.time_s) continue;
+      // A hit of two bodies is both's, whichever of them it is recorded of.
+      const bool is_hit = (it->body == body && is_among(it->partner, touches.partners)) ||
+                          (it->partner == body && is_among(it->body, touches.partners));
+      if (is_hit) return it->time_s;
+    }
+    return std::nullopt;
+  });
+}
+
+bool holds(const Inside& inside, const Entry& entry) {
+  return first_met(inside, entry, After{}).has_value();
+}
+
+bool holds(const Touches& touches, const Entry& entry) {
+  return first_met(touches, entry, After{}).has_value();
+}
+
+bool holds(const EndsIn& ends, const Entry& entry) {
+  // The last piece begins where the body rests.
+  return first_of(ends.who, entry,
+                  [&](std::uint32_t body) -> std::optional<double> {
+                    const Piece& last = entry.pieces_of(body).back();
+                    const bool is_in = (last.position_m.array() >= ends.box.low_m.array()).all() &&
+                                       (last.position_m.array() <= ends.box.high_m.array()).all();
+                    return is_in ? std::optional(last.start_s) : std::nullopt;
+                  })
+      .has_value();
+}
+
+bool holds(const NumberIn& range, const Entry& entry) {
+  const double number = entry.numbers[range.number];
+  // False of NaN: what doesn't apply is in no range.
+  const bool is_above = range.is_low_open ? number > range.low : number >= range.low;
+  const bool is_below = range.is_high_open ? number < range.high : number <= range.high;
+  return is_above && is_below;
+}
+
+/// The earliest moment of each step that the steps before leave: none can be met earlier by
+/// choosing another moment for those.
+bool holds(const InOrder& order, const Entry& entry) {
+  After after;
+  for (const Condition& step : order.steps) {
+    const auto* touches = std::get_if<Touches>(&step.is);
+    const auto met = touches != nullptr ? first_met(*touches, entry, after)
+                                        : first_met(std::get<Inside>(step.is), entry, after);
+    if (!met) return false;
+    after = {.time_s = *met, .is_later = touches != nullptr};
+  }
+  return true;
+}
+
+bool holds(const AllOf& all, const Entry& entry) {
+  return std::ranges::all_of(all.parts, [&](const Condition& c) { return is_met(c, entry); });
+}
+
+bool holds(const AnyOf& any, const Entry& entry) {
+  return std::ranges::any_of(any.parts, [&](const Condition& c) { return is_met(c, entry); });
+}
+
+bool holds(const Not& no, const Entry& entry) {
+  return !is_met(no.part.front(), entry);
+}
+
+}  // namespace
+
+bool is_met(const Condition& condition, const Entry& entry) {
+  return std::visit([&](const auto& is) { return holds(is, entry); }, condition.is);
+}
+
+std::vector<std::size_t> find(const Condition& condition, const Index& index) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < index.entries.size(); ++i) {
+    if (is_met(condition, index.entries[i])) found.push_back(i);
+  }
+  return found;
+}
+
+}  // namespace sleight::browse

@@ -1,0 +1,39 @@
+// An index out of an archive, and how it grows while a run goes on.
+//
+// Thread safety: as the source's.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "clients/browse/index.h"
+#include "common/archive/model.h"
+#include "common/base/result.h"
+
+namespace sleight::browse {
+
+/// Numbers of an animation with more elements than this are left out, as HI's offsets of vertices.
+inline constexpr std::size_t k_number_elements_max = 64;
+
+struct ReadingOptions {
+  /// An index of an earlier archive of the run, or of this one; null: none. Its scene is not asked
+  /// for. Entries are taken over where the archive's animations are called so and have the same
+  /// numbers; all of them unread where the digest is this archive's.
+  const Index* earlier = nullptr;
+  /// Told now and then: animations that were read, of how many.
+  std::function<void(std::uint64_t, std::uint64_t)> progress{};
+};
+
+struct ReadIndex {
+  Index index{};
+  std::uint64_t taken_over = 0;  ///< entries that are the earlier index's
+};
+
+/// The animations of /animations, then those of /finds. Or why they can't be told, as a predicate:
+/// "has no scene, as archives of format 2 have none". Throws base::Error where it can't be read, or
+/// an animation is none.
+base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
+                                                const ReadingOptions& options = {});
+
+}  // namespace sleight::browse

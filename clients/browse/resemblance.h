@@ -1,0 +1,93 @@
+// How much two animations look alike, by their recordings alone.
+//
+//   value = (mean + greatest) / 2 * (1 + order)                          in metres
+//
+// mean and greatest: of the distances between a body's centres in the two animations, at 64 equal
+// times from the beginning to when 19 in 20 animations of the set are at rest, and at rest itself;
+// the mean over bodies and times, the greatest over both. A body that has not entered is where it
+// will enter. order: the share of first contacts (of each two things that meet, their first hit, at
+// most 256) that does not come in the same order: 1 - longest common subsequence / the longer list.
+// So equal paths have 0 however they are told, and another order of hits can double a distance, no
+// more.
+//
+// Bodies that may take each other's place (scene::Feature::twin_of) are matched so that the mean at
+// nine of the times is least (the assignment problem, solved by shortest augmenting paths:
+// R. Jonker and A. Volgenant, Computing 38, 1987).
+//
+// This is not the likeness distance that decides what a run keeps (docs/SAMPLING.md): that one
+// asks the world, this one a recording of any world. It is symmetric, and 0 of an animation and
+// itself; the triangle inequality need not hold.
+//
+// Thread safety: const functions may be called from several threads at once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "clients/browse/index.h"
+#include "common/scene/scene.h"
+
+namespace sleight::browse {
+
+/// Equal times at which bodies are compared; one more at rest.
+inline constexpr std::size_t k_equal_times = 64;
+/// Of these and the rest, those at which bodies are matched.
+inline constexpr std::size_t k_matching_times = 9;
+/// First contacts that are compared, at most.
+inline constexpr std::size_t k_first_contacts_max = 256;
+
+struct Resemblance {
+  double mean_m = 0;
+  double greatest_m = 0;
+  double order = 0;  ///< 0: all first contacts in the same order; 1: none
+  double value_m() const { return 0.5 * (mean_m + greatest_m) * (1 + order); }
+};
+
+/// A set of animations of one scene, made ready for comparing.
+class Sketches {
+ public:
+  /// REQUIRES: entries of this scene.
+  Sketches(std::span<const Entry* const> entries, const scene::Scene& scene);
+
+  std::size_t size() const { return sketches_.size(); }
+  /// Of the entries a and b. The same for (b, a).
+  Resemblance between(std::size_t a, std::size_t b) const;
+
+  /// The values of all pairs, row by row; by so many threads, with the same bits by any.
+  std::vector<float> matrix(std::size_t threads) const;
+
+ private:
+  static constexpr std::size_t k_times = k_equal_times + 1;
+  struct Places {
+    float x[k_times];
+    float y[k_times];
+    float z[k_times];
+  };
+  struct FirstContact {
+    std::uint32_t low = 0;
+    std::uint32_t high = 0;
+  };
+  struct Sketch {
+    std::vector<Places> places{};       ///< by body
+    std::vector<bool> enters{};         ///< by body
+    std::vector<FirstContact> first{};  ///< in the order of time
+  };
+
+  Sketch sketch_of(const Entry& entry, double duration_s) const;
+  std::vector<std::uint32_t> matched(const Sketch& a, const Sketch& b) const;
+  double order_between(const Sketch& a, const Sketch& b,
+                       const std::vector<std::uint32_t>& partner_of) const;
+
+  std::size_t features_ = 0;
+  std::vector<std::vector<std::uint32_t>> twins_{};  ///< classes of bodies
+  double apart_m_ = 0;  ///< how far a body that enters is from one that never does
+  std::vector<Sketch> sketches_{};
+};
+
+/// The column of each row, so that the sum of costs is least. REQUIRES: size^2 finite costs, row by
+/// row.
+std::vector<std::uint32_t> cheapest_matching(std::span<const double> costs, std::size_t size);
+
+}  // namespace sleight::browse
