@@ -144,22 +144,32 @@ std::vector<std::size_t> representatives_of(std::span<const float> matrix, std::
   return representatives;
 }
 
-/// So many of the entries (given by name), by a hash of their names; in the order of names.
-std::vector<std::size_t> sample_of(std::span<const Entry* const> entries, std::size_t count) {
+}  // namespace
+
+std::vector<std::size_t> evenly_chosen(std::span<const Entry* const> entries, std::size_t count) {
   std::vector<std::pair<std::string, std::size_t>> hashed;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const AnimationName& name = entries[i]->name;
     hashed.emplace_back(hash::sha256_hex(name.run + "\n" + short_text(name)), i);
   }
-  std::ranges::nth_element(hashed, hashed.begin() + static_cast<std::ptrdiff_t>(count));
-  std::vector<std::size_t> sample;
-  for (std::size_t i = 0; i < count; ++i)
-    sample.push_back(hashed[i].second);
-  std::ranges::sort(sample);
-  return sample;
+  std::ranges::sort(hashed);
+  hashed.resize(std::min(hashed.size(), count));
+  std::vector<std::size_t> chosen;
+  for (const auto& [hash, i] : hashed)
+    chosen.push_back(i);
+  std::ranges::sort(chosen, {}, [&](std::size_t i) { return entries[i]->name; });
+  return chosen;
 }
 
-}  // namespace
+bool are_comparable(const scene::Scene& a, const scene::Scene& b) {
+  if (a.bodies() != b.bodies()) return false;
+  for (std::uint32_t body = 0; body < a.bodies(); ++body) {
+    if (a.features[body].name != b.features[body].name ||
+        a.features[body].twin_of != b.features[body].twin_of)
+      return false;
+  }
+  return true;
+}
 
 std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t size,
                                     std::size_t k) {
@@ -255,7 +265,7 @@ Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scen
   Groups found{.is_approximate = sorted.size() > k_full_matrix_max};
   std::vector<std::size_t> sample(sorted.size());
   std::iota(sample.begin(), sample.end(), std::size_t{0});
-  if (found.is_approximate) sample = sample_of(sorted, k_full_matrix_max);
+  if (found.is_approximate) sample = evenly_chosen(sorted, k_full_matrix_max);
   const Sketches sketches(sorted, scene);
   std::vector<float> matrix;
   {

@@ -58,6 +58,14 @@ struct Groups {
 Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scene,
                  const GroupOptions& options);
 
+/// So many of the entries, chosen by a hash of their names: as even as a draw, and the same in
+/// whatever order they are given. By name. REQUIRES: different names.
+std::vector<std::size_t> evenly_chosen(std::span<const Entry* const> entries, std::size_t count);
+
+/// Whether animations of one scene can be compared with those of the other: the same bodies, called
+/// the same, of which the same may take each other's place.
+bool are_comparable(const scene::Scene& a, const scene::Scene& b);
+
 // What it is made of, on a full matrix row by row.
 
 /// The medoids, ascending. REQUIRES: 1 <= k <= size.

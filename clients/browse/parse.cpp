@@ -339,10 +339,10 @@ class Parser {
                                   "behind it",
                                   name));
     const auto near = request::nearest(name, known);
-    fail_at(
-        column,
-        near ? fmt::format("no number is called '{}'; did you mean '{}'?", name, *near)
-             : fmt::format("no number is called '{}'; `sleight find --numbers` lists them", name));
+    fail_at(column,
+            near
+                ? fmt::format("no number is called '{}'; did you mean '{}'?", name, *near)
+                : fmt::format("no number is called '{}'; `sleight find --names` lists them", name));
   }
 
   // Boxes, ranges and units.

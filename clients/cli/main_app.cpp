@@ -11,6 +11,7 @@
 
 #include "clients/cli/archive_commands.h"
 #include "clients/cli/diagnose_command.h"
+#include "clients/cli/main_browse.h"
 #include "clients/cli/main_derive.h"
 #include "clients/cli/main_direct.h"
 #include "clients/cli/main_own.h"
@@ -261,6 +262,7 @@ struct CommandLine::Arguments {
   DeriveArguments derive;
   DiagnoseArguments diagnose;
   cli::PlotOptions plot;
+  BrowseArguments browse;
   OwnArguments own;
 };
 
@@ -287,6 +289,7 @@ void build_app(CLI::App& app, CommandLine& line) {
   add_derive(*add_archive(app, arguments.archive, action), arguments.derive, action);
   add_diagnose(app, arguments.diagnose, action);
   add_plot(app, arguments.plot, action);
+  add_browse_commands(app, arguments.browse, action);
   add_service_commands(app, action);
 
   // The program itself.

@@ -1,0 +1,142 @@
+#include "clients/cli/browsed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "clients/browse/reading.h"
+#include "clients/cli/index_cache.h"
+#include "clients/cli/progress_printer.h"
+#include "common/archive/hdf5/reader.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+/// Reading that takes less is not spoken of.
+constexpr double k_silent_s = 1;
+
+/// Says how the reading of one archive goes.
+class ReadingPrinter {
+ public:
+  explicit ReadingPrinter(const std::string& path) : printer_("reading " + path, stderr) {}
+  ~ReadingPrinter() { printer_.clear(); }
+  void show(std::uint64_t read, std::uint64_t of) {
+    const double elapsed_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    if (elapsed_s < k_silent_s || read == 0) return;
+    const double left_s = elapsed_s / static_cast<double>(read) * static_cast<double>(of - read);
+    printer_.say(fmt::format("{} of {} animations, {:.0f} s left", read, of, std::ceil(left_s)));
+  }
+
+ private:
+  ProgressPrinter printer_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
+browse::Index read_one(const std::string& path) {
+  const auto source = archive::hdf5::open_file(path);
+  const std::optional<browse::Index> kept = kept_index(path);
+  ReadingPrinter printer(path);
+  auto read = browse::read_index(
+      *source, {.earlier = kept ? &*kept : nullptr,
+                .progress = [&](std::uint64_t done, std::uint64_t of) { printer.show(done, of); }});
+  if (!read) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: {}; `sleight archive derive` makes a newer one of its run",
+                                  path, read.error()));
+  }
+  browse::ReadIndex found = std::move(read).value();
+  if (found.taken_over < found.index.entries.size() || (kept && kept->digest != found.index.digest))
+    keep_index(path, found.index);
+  return std::move(found.index);
+}
+
+browse::Condition parsed(const std::string& text, const char* option,
+                         const BrowsedArchive& archive) {
+  auto condition = browse::parse_query(text, archive.index.scene, archive.index.numbers);
+  if (condition) return std::move(condition).value();
+  throw base::Error(base::ExitCode::usage, fmt::format("{} for {}: {}", option, archive.path,
+                                                       browse::with_mark(condition.error(), text)));
+}
+
+}  // namespace
+
+std::size_t Browsed::animations() const {
+  std::size_t sum = 0;
+  for (const BrowsedArchive& archive : archives)
+    sum += archive.index.entries.size();
+  return sum;
+}
+
+Browsed browse_archives(const std::vector<std::string>& paths) {
+  Browsed browsed;
+  std::optional<base::Error> first;
+  std::set<browse::AnimationName> seen;
+  for (const std::string& path : paths) {
+    try {
+      BrowsedArchive archive{.path = path, .index = read_one(path)};
+      auto& entries = archive.index.entries;
+      archive.twice = std::erase_if(
+          entries, [&](const browse::Entry& entry) { return !seen.insert(entry.name).second; });
+      browsed.archives.push_back(std::move(archive));
+    } catch (const base::Error& error) {
+      if (error.exit_code() == base::ExitCode::interrupted) throw;
+      if (!first) first = error;
+      const std::string prefix = path + ": ";
+      std::string reason = error.what();
+      if (reason.starts_with(prefix)) reason.erase(0, prefix.size());
+      browsed.left_out.push_back({.path = path, .reason = std::move(reason)});
+    }
+  }
+  if (browsed.archives.empty() && first) throw base::Error(*first);
+  return browsed;
+}
+
+std::vector<Picked> picked(const Browsed& browsed, const Asked& asked) {
+  std::vector<Picked> all;
+  for (const BrowsedArchive& archive : browsed.archives) {
+    browse::AllOf wanted;
+    for (const std::string& text : asked.where)
+      wanted.parts.push_back(parsed(text, "--where", archive));
+    for (const std::string& text : asked.in)
+      wanted.parts.push_back(parsed(text, "--in", archive));
+    for (const std::string& text : asked.not_in) {
+      browse::Not no;
+      no.part.push_back(parsed(text, "--not", archive));
+      wanted.parts.push_back({std::move(no)});
+    }
+    for (const std::size_t i : browse::find({std::move(wanted)}, archive.index))
+      all.push_back({.archive = &archive, .entry = &archive.index.entries[i]});
+  }
+  return all;
+}
+
+std::string name_among(const Browsed& browsed, const browse::AnimationName& name) {
+  const bool is_one_run = std::ranges::all_of(browsed.archives, [&](const BrowsedArchive& archive) {
+    return archive.index.run_id == browsed.archives.front().index.run_id;
+  });
+  return is_one_run ? browse::short_text(name) : browse::long_text(name);
+}
+
+void say_what_is_missing(const Browsed& browsed) {
+  for (const LeftOut& left : browsed.left_out)
+    fmt::print(stderr, "left out: {}: {}\n", left.path, left.reason);
+  for (const BrowsedArchive& archive : browsed.archives) {
+    if (archive.twice > 0)
+      fmt::print(stderr, "{}: {} of its animations are in an archive before it, and count once\n",
+                 archive.path, archive.twice);
+  }
+}
+
+std::string shown_number(double number) {
+  return std::isnan(number) ? std::string() : fmt::format("{:.6g}", number);
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,63 @@
+// Archives to be browsed together: their animations, and which archives were left out and why.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clients/browse/index.h"
+#include "clients/browse/query.h"
+
+namespace sleight::cli {
+
+struct BrowsedArchive {
+  std::string path{};
+  browse::Index index{};
+  /// Of its animations, those that an archive before it has too: they are left out of its index.
+  std::size_t twice = 0;
+};
+
+struct LeftOut {
+  std::string path{};
+  std::string reason{};
+};
+
+struct Browsed {
+  std::vector<BrowsedArchive> archives{};
+  std::vector<LeftOut> left_out{};
+  std::size_t animations() const;
+};
+
+/// Opens all, each by itself: one that is damaged costs its own place alone. Tells stderr how
+/// reading goes, where it takes long. Throws base::Error with the first one's reason if none is
+/// left.
+Browsed browse_archives(const std::vector<std::string>& paths);
+
+/// An animation of a browsed archive.
+struct Picked {
+  const BrowsedArchive* archive = nullptr;
+  const browse::Entry* entry = nullptr;
+};
+
+/// What a command asks for: all of it must hold.
+struct Asked {
+  std::vector<std::string> where{};   ///< queries
+  std::vector<std::string> in{};      ///< likewise; the option for what is in a box
+  std::vector<std::string> not_in{};  ///< queries of which none may hold
+};
+
+/// The animations that are meant, in the archives' order. Throws base::Error(usage) that marks the
+/// place in a query that can't be understood.
+std::vector<Picked> picked(const Browsed& browsed, const Asked& asked);
+
+/// "0.250"; of several runs "3f2a9c01:0.250".
+std::string name_among(const Browsed& browsed, const browse::AnimationName& name);
+
+/// Lines on stderr: which archives were left out, and which animations there are twice.
+void say_what_is_missing(const Browsed& browsed);
+
+/// A number as people read it: six digits, "" of NaN.
+std::string shown_number(double number);
+
+}  // namespace sleight::cli

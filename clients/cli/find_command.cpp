@@ -1,0 +1,156 @@
+#include "clients/cli/find_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "clients/cli/browsed_json.h"
+#include "clients/cli/opened_archive.h"
+#include "clients/cli/output.h"
+#include "clients/cli/terminal.h"
+#include "clients/cli/text_table.h"
+#include "common/base/error.h"
+#include "common/request/nearest.h"
+
+namespace sleight::cli {
+namespace {
+
+/// The number of this name; throws base::Error(usage) where the archive has none.
+std::size_t number_called(const std::string& name, const BrowsedArchive& archive) {
+  const auto& numbers = archive.index.numbers;
+  const auto found = std::ranges::find(numbers, name, &browse::NumberName::name);
+  if (found != numbers.end()) return static_cast<std::size_t>(found - numbers.begin());
+  std::vector<std::string> known;
+  for (const browse::NumberName& number : numbers)
+    known.push_back(number.name);
+  const auto near = request::nearest(name, known);
+  throw base::Error(
+      base::ExitCode::usage,
+      fmt::format("--sort: animations of {} have no number '{}'{}", archive.path, name,
+                  near ? fmt::format("; did you mean '{}'?", *near)
+                       : "; `sleight find --names` lists them"));
+}
+
+void sort_picked(const std::string& name, bool descending, std::vector<Picked>& picked) {
+  std::vector<std::pair<double, Picked>> keyed;
+  for (const Picked& one : picked)
+    keyed.emplace_back(one.entry->numbers[number_called(name, *one.archive)], one);
+  // What has no such number comes last, either way.
+  std::ranges::stable_sort(keyed, [&](const auto& a, const auto& b) {
+    if (std::isnan(a.first) || std::isnan(b.first)) return !std::isnan(a.first);
+    return descending ? a.first > b.first : a.first < b.first;
+  });
+  std::ranges::transform(keyed, picked.begin(), &std::pair<double, Picked>::second);
+}
+
+/// Names of numbers that a person asked about: in the queries, or to sort by.
+std::vector<std::string> asked_numbers(const FindOptions& options, const Browsed& browsed) {
+  std::string words = options.sort + " ";
+  for (const auto* list : {&options.asked.where, &options.asked.in, &options.asked.not_in}) {
+    for (const std::string& text : *list)
+      words += text + " ";
+  }
+  std::vector<std::string> names;
+  for (std::size_t i = browse::k_chain; i < browsed.archives.front().index.numbers.size(); ++i) {
+    const std::string& name = browsed.archives.front().index.numbers[i].name;
+    const bool is_shown_anyway = i == browse::k_rest_s || i == browse::k_events ||
+                                 i == browse::k_chain || i == browse::k_draw;
+    if (!is_shown_anyway && words.find(name) != std::string::npos) names.push_back(name);
+  }
+  return names;
+}
+
+void print_table(const FindOptions& options, const Browsed& browsed,
+                 const std::vector<Picked>& shown) {
+  TextTable table{.columns = {{.head = "animation"},
+                              {.head = "log_prior", .to_the_right = true},
+                              {.head = "rest_s", .to_the_right = true},
+                              {.head = "events", .to_the_right = true}}};
+  const std::vector<std::string> names = asked_numbers(options, browsed);
+  for (const std::string& name : names)
+    table.columns.push_back({.head = name, .to_the_right = true, .rank = 1});
+  table.columns.push_back({.head = "in proportion", .rank = 2});
+  const bool has_archives = browsed.archives.size() > 1;
+  if (has_archives) table.columns.push_back({.head = "archive", .rank = 3});
+  for (const Picked& one : shown) {
+    const browse::Entry& entry = *one.entry;
+    std::vector<std::string> row{
+        name_among(browsed, entry.name), shown_number(entry.numbers[browse::k_log_prior]),
+        fmt::format("{:.3f}", entry.end_s), fmt::format("{}", entry.events)};
+    for (const std::string& name : names) {
+      const auto& numbers = one.archive->index.numbers;
+      const auto found = std::ranges::find(numbers, name, &browse::NumberName::name);
+      row.push_back(
+          found == numbers.end()
+              ? std::string()
+              : shown_number(entry.numbers[static_cast<std::size_t>(found - numbers.begin())]));
+    }
+    row.emplace_back(entry.in_proportion ? "yes" : "no");
+    if (has_archives) row.push_back(one.archive->path);
+    table.rows.push_back(std::move(row));
+  }
+  fmt::print("{}", to_text(table, width_of(stdout)));
+}
+
+int print_names(const FindOptions& options, const Browsed& browsed) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const BrowsedArchive& archive : browsed.archives) {
+    if (options.json) {
+      json.push_back(names_json(archive));
+      continue;
+    }
+    fmt::print("{}\n", archive.path);
+    const scene::Scene& scene = archive.index.scene;
+    const auto print_features = [&](const char* head, scene::FeatureKind kind) {
+      for (const scene::Feature& feature : scene.features) {
+        if (feature.kind == kind) fmt::print("  {:9}{}\n", std::exchange(head, ""), feature.name);
+      }
+    };
+    print_features("bodies", scene::FeatureKind::body);
+    print_features("things", scene::FeatureKind::fixed);
+    const char* head = "numbers";
+    for (const browse::NumberName& number : archive.index.numbers) {
+      fmt::print("  {:9}{}{}\n", std::exchange(head, ""), number.name,
+                 number.unit == "1" ? "" : fmt::format("  [{}]", number.unit));
+    }
+  }
+  if (options.json) fmt::print("{}\n", dumped(json));
+  return static_cast<int>(base::ExitCode::ok);
+}
+
+}  // namespace
+
+int find_animations(const FindOptions& options) {
+  return with_results([&] {
+    const Browsed browsed = browse_archives(options.paths);
+    say_what_is_missing(browsed);
+    if (options.names) return print_names(options, browsed);
+    std::vector<Picked> found = picked(browsed, options.asked);
+    const std::size_t total = found.size();
+    if (!options.sort.empty()) sort_picked(options.sort, options.descending, found);
+    if (options.limit > 0 && found.size() > options.limit) found.resize(options.limit);
+    if (options.json) {
+      nlohmann::ordered_json json = archives_json(browsed);
+      json["found"] = total;
+      json["of"] = browsed.animations();
+      json["animations"] = nlohmann::ordered_json::array();
+      for (const Picked& one : found)
+        json["animations"].push_back(animation_json(browsed, one));
+      fmt::print("{}\n", dumped(json));
+      return static_cast<int>(base::ExitCode::ok);
+    }
+    if (!found.empty()) print_table(options, browsed, found);
+    fmt::print(
+        "{}{} of {} animations{}\n",
+        found.size() < total ? fmt::format("shown {} of ", found.size()) : "", total,
+        browsed.animations(),
+        browsed.archives.size() > 1 ? fmt::format(" in {} archives", browsed.archives.size()) : "");
+    return static_cast<int>(base::ExitCode::ok);
+  });
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,25 @@
+// `sleight find`: the animations of archives that a query means.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clients/cli/browsed.h"
+
+namespace sleight::cli {
+
+struct FindOptions {
+  std::vector<std::string> paths{};
+  Asked asked{};
+  std::string sort{};       ///< a number's name; empty: in the archives' order
+  bool descending = false;  ///< the greatest first
+  std::uint64_t limit = 0;  ///< at most so many; 0: all
+  bool names = false;       ///< list what queries can speak of instead
+  bool json = false;
+};
+
+/// Returns the exit code; throws base::Error.
+int find_animations(const FindOptions& options);
+
+}  // namespace sleight::cli

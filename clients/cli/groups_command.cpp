@@ -1,0 +1,138 @@
+#include "clients/cli/groups_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <utility>
+
+#include "clients/cli/browsed_json.h"
+#include "clients/cli/opened_archive.h"
+#include "clients/cli/output.h"
+#include "clients/cli/picked_figure.h"
+#include "clients/cli/terminal.h"
+#include "clients/cli/text_table.h"
+#include "clients/plot/save.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr double k_mm_per_m = 1000;
+
+void print_groups(const Browsed& browsed, const std::vector<Picked>& picked,
+                  const browse::Groups& groups) {
+  TextTable table{.columns = {{.head = "group", .to_the_right = true},
+                              {.head = "animations", .to_the_right = true},
+                              {.head = "stands for it"},
+                              {.head = "mean mm", .to_the_right = true},
+                              {.head = "most mm", .to_the_right = true},
+                              {.head = "log_prior", .to_the_right = true, .rank = 1},
+                              {.head = "rest_s", .to_the_right = true, .rank = 2}}};
+  const bool has_archives = browsed.archives.size() > 1;
+  if (has_archives) table.columns.push_back({.head = "archive", .rank = 3});
+  for (std::size_t i = 0; i < groups.groups.size(); ++i) {
+    const browse::AlikeGroup& group = groups.groups[i];
+    const Picked& representative = picked[group.representative];
+    std::vector<std::string> row{fmt::format("{}", i + 1),
+                                 fmt::format("{}", group.members.size()),
+                                 name_among(browsed, representative.entry->name),
+                                 fmt::format("{:.1f}", k_mm_per_m * group.mean_m),
+                                 fmt::format("{:.1f}", k_mm_per_m * group.greatest_m),
+                                 shown_number(representative.entry->numbers[browse::k_log_prior]),
+                                 fmt::format("{:.3f}", representative.entry->end_s)};
+    if (has_archives) row.push_back(representative.archive->path);
+    table.rows.push_back(std::move(row));
+  }
+  fmt::print("{}", to_text(table, width_of(stdout)));
+  fmt::print("{} animations in {} groups; mm: resemblance to the one that stands for the group\n",
+             picked.size(), groups.groups.size());
+  if (groups.is_approximate) {
+    fmt::print("The groups are those of {} of them; the others were put to the nearest.\n",
+               browse::k_full_matrix_max);
+  }
+}
+
+nlohmann::ordered_json groups_json(const Browsed& browsed, const std::vector<Picked>& picked,
+                                   const browse::Groups& groups) {
+  nlohmann::ordered_json json = archives_json(browsed);
+  json["animations"] = picked.size();
+  json["approximate"] = groups.is_approximate;
+  json["groups"] = nlohmann::ordered_json::array();
+  for (const browse::AlikeGroup& group : groups.groups) {
+    nlohmann::ordered_json members = nlohmann::ordered_json::array();
+    for (const std::size_t member : group.members)
+      members.push_back(name_among(browsed, picked[member].entry->name));
+    json["groups"].push_back(
+        {{"representative", animation_json(browsed, picked[group.representative])},
+         {"mean_m", group.mean_m},
+         {"greatest_m", group.greatest_m},
+         {"members", std::move(members)}});
+  }
+  return json;
+}
+
+}  // namespace
+
+browse::Groups groups_of(const std::vector<Picked>& picked, std::uint64_t groups,
+                         browse::Grouping by) {
+  std::vector<const browse::Entry*> entries;
+  for (const Picked& one : picked) {
+    const BrowsedArchive& first = *picked.front().archive;
+    if (!browse::are_comparable(first.index.scene, one.archive->index.scene)) {
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("{} and {} have other bodies: their animations can't be "
+                                    "compared; group each by itself",
+                                    first.path, one.archive->path));
+    }
+    entries.push_back(one.entry);
+  }
+  if (entries.size() > browse::k_full_matrix_max && groups > browse::k_full_matrix_max) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("-k: of {} animations at most {} groups can be told, as they are "
+                                  "those of a sample",
+                                  entries.size(), browse::k_full_matrix_max));
+  }
+  if (entries.empty()) return {};
+  return browse::groups_of(
+      entries, picked.front().archive->index.scene,
+      {.groups = groups, .by = by, .threads = std::max(1U, std::thread::hardware_concurrency())});
+}
+
+int group_animations(const GroupsOptions& options) {
+  for (const std::string& path : options.paths) {
+    if (!options.output.empty()) refuse_same_file(path, options.output);
+  }
+  return with_results([&] {
+    const Browsed browsed = browse_archives(options.paths);
+    say_what_is_missing(browsed);
+    const std::vector<Picked> all = picked(browsed, options.asked);
+    const browse::Groups groups = groups_of(
+        all, options.groups,
+        options.by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids);
+    if (options.json) {
+      fmt::print("{}\n", dumped(groups_json(browsed, all, groups)));
+    } else if (all.empty()) {
+      fmt::print("no animation of {} is meant\n", browsed.animations());
+    } else {
+      print_groups(browsed, all, groups);
+    }
+    if (!options.output.empty() && !all.empty()) {
+      std::vector<PickedPanel> panels;
+      for (const browse::AlikeGroup& group : groups.groups) {
+        if (panels.size() == k_picked_panels_max) break;
+        panels.push_back(
+            {.picked = all[group.representative],
+             .title = fmt::format("{} of {} are like {}", group.members.size(), all.size(),
+                                  name_among(browsed, all[group.representative].entry->name))});
+      }
+      plot::save(picked_figure(fmt::format("{} groups", groups.groups.size()), panels),
+                 options.output);
+      if (!options.json) fmt::print("{}\n", options.output);
+    }
+    return static_cast<int>(base::ExitCode::ok);
+  });
+}
+
+}  // namespace sleight::cli

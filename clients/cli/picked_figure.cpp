@@ -1,0 +1,47 @@
+#include "clients/cli/picked_figure.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "common/archive/format.h"
+#include "common/archive/hdf5/reader.h"
+#include "common/archive/kept_motions.h"
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+[[noreturn]] void refuse(const Picked& picked, const std::string& reason) {
+  throw base::Error(base::ExitCode::bad_archive,
+                    fmt::format("{}: its animation {} {}", picked.archive->path,
+                                browse::short_text(picked.entry->name), reason));
+}
+
+}  // namespace
+
+ShownAnimation read_picked(const Picked& picked, std::string title) {
+  const auto source = archive::hdf5::open_file(picked.archive->path);
+  const auto group = picked.entry->name.is_find ? archive::k_finds : archive::k_animations;
+  const scene::Scene& scene = picked.archive->index.scene;
+  if (archive::find_group(*source, group) == nullptr) refuse(picked, "is there no more");
+  const archive::KeptMotions motions(*source, group);
+  if (picked.entry->row >= motions.count()) refuse(picked, "is there no more");
+  auto motion = motions.animation(picked.entry->row, scene);
+  if (!motion) refuse(picked, motion.error());
+  auto own = motions.variation(picked.entry->row, scene);
+  if (!own) refuse(picked, own.error());
+  return {.title = std::move(title),
+          .motion = std::move(motion).value(),
+          .own = std::move(own).value(),
+          .offsets_m = motions.offsets_m(picked.entry->row, scene)};
+}
+
+plot::Figure picked_figure(const std::string& title, const std::vector<PickedPanel>& panels) {
+  std::vector<ShownAnimation> shown;
+  for (const PickedPanel& panel : panels)
+    shown.push_back(read_picked(panel.picked, panel.title));
+  return animation_figure(title, panels.front().picked.archive->index.scene, shown);
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,29 @@
+// A picture of some animations of browsed archives.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "clients/cli/animation_figures.h"
+#include "clients/cli/browsed.h"
+#include "clients/plot/figure.h"
+
+namespace sleight::cli {
+
+/// Most animations of one picture.
+inline constexpr std::size_t k_picked_panels_max = 24;
+
+struct PickedPanel {
+  Picked picked{};
+  std::string title{};
+};
+
+/// The animation itself, out of its archive's file. Throws base::Error(bad_archive) where the file
+/// holds none any more.
+ShownAnimation read_picked(const Picked& picked, std::string title);
+
+/// A panel for each. REQUIRES: at least one, of comparable scenes.
+plot::Figure picked_figure(const std::string& title, const std::vector<PickedPanel>& panels);
+
+}  // namespace sleight::cli
