@@ -78,14 +78,9 @@ std::size_t Browsed::animations() const {
 Browsed browse_archives(const std::vector<std::string>& paths) {
   Browsed browsed;
   std::optional<base::Error> first;
-  std::set<browse::AnimationName> seen;
   for (const std::string& path : paths) {
     try {
-      BrowsedArchive archive{.path = path, .index = read_one(path)};
-      auto& entries = archive.index.entries;
-      archive.twice = std::erase_if(
-          entries, [&](const browse::Entry& entry) { return !seen.insert(entry.name).second; });
-      browsed.archives.push_back(std::move(archive));
+      browsed.archives.push_back({.path = path, .index = read_one(path)});
     } catch (const base::Error& error) {
       if (error.exit_code() == base::ExitCode::interrupted) throw;
       if (!first) first = error;
@@ -96,10 +91,20 @@ Browsed browse_archives(const std::vector<std::string>& paths) {
     }
   }
   if (browsed.archives.empty() && first) throw base::Error(*first);
+  leave_out_twice(browsed);
   return browsed;
 }
 
-std::vector<Picked> picked(const Browsed& browsed, const Asked& asked) {
+void leave_out_twice(Browsed& browsed) {
+  std::set<browse::AnimationName> seen;
+  for (BrowsedArchive& archive : browsed.archives) {
+    archive.twice += std::erase_if(archive.index.entries, [&](const browse::Entry& entry) {
+      return !seen.insert(entry.name).second;
+    });
+  }
+}
+
+std::vector<Picked> picked(const Browsed& browsed, const QueryOptions& asked) {
   std::vector<Picked> all;
   for (const BrowsedArchive& archive : browsed.archives) {
     browse::AllOf wanted;

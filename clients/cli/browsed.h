@@ -34,6 +34,10 @@ struct Browsed {
 /// left.
 Browsed browse_archives(const std::vector<std::string>& paths);
 
+/// Takes out of each archive's index what an archive before it has too, so that each animation
+/// counts once. Part of browse_archives.
+void leave_out_twice(Browsed& browsed);
+
 /// An animation of a browsed archive.
 struct Picked {
   const BrowsedArchive* archive = nullptr;
@@ -41,7 +45,7 @@ struct Picked {
 };
 
 /// What a command asks for: all of it must hold.
-struct Asked {
+struct QueryOptions {
   std::vector<std::string> where{};   ///< queries
   std::vector<std::string> in{};      ///< likewise; the option for what is in a box
   std::vector<std::string> not_in{};  ///< queries of which none may hold
@@ -49,7 +53,7 @@ struct Asked {
 
 /// The animations that are meant, in the archives' order. Throws base::Error(usage) that marks the
 /// place in a query that can't be understood.
-std::vector<Picked> picked(const Browsed& browsed, const Asked& asked);
+std::vector<Picked> picked(const Browsed& browsed, const QueryOptions& asked);
 
 /// "0.250"; of several runs "3f2a9c01:0.250".
 std::string name_among(const Browsed& browsed, const browse::AnimationName& name);

@@ -20,7 +20,7 @@ Json archives_json(const Browsed& browsed) {
     json["archives"].push_back({{"path", archive.path},
                                 {"run_id", archive.index.run_id},
                                 {"world", archive.index.world},
-                                {"animations", archive.index.entries.size()},
+                                {"animations", archive.index.entries.size() + archive.twice},
                                 {"in_an_archive_before", archive.twice}});
   }
   for (const LeftOut& left : browsed.left_out)

@@ -72,6 +72,7 @@ struct ComparedGroup {
 };
 
 struct Comparison {
+  std::array<std::size_t, 2> animations{};
   std::vector<OtherLine> request;
   std::vector<ComparedNumber> numbers;
   std::string why_no_groups;  ///< empty: there are groups and a test
@@ -198,9 +199,11 @@ void print_comparison(const Browsed& browsed, const Comparison& comparison) {
   for (std::size_t i = 0; i < browsed.archives.size(); ++i) {
     const BrowsedArchive& archive = browsed.archives[i];
     fmt::print("{:7} {}: {} of {} animations, run {}\n", k_order.at(i), archive.path,
-               archive.index.world, archive.index.entries.size(),
-               archive.index.run_id.substr(0, 8));
+               archive.index.world, comparison.animations[i], archive.index.run_id.substr(0, 8));
   }
+  if (const std::size_t twice = browsed.archives[1].twice; twice > 0)
+    fmt::print("{} animations are in both; in the looks below they are the first's alone.\n",
+               twice);
   fmt::print("\n");
   print_requests(comparison.request);
   TextTable table{.columns = {{.head = "number"},
@@ -289,16 +292,15 @@ std::vector<OtherLine> other_lines(const std::string& first, const std::string& 
 
 int compare_archives(const CompareOptions& options) {
   return with_results([&] {
-    const Browsed browsed = browse_archives({options.first, options.second});
-    if (!browsed.left_out.empty()) {
-      throw base::Error(
-          base::ExitCode::bad_archive,
-          fmt::format("{}: {}", browsed.left_out.front().path, browsed.left_out.front().reason));
-    }
-    say_what_is_missing(browsed);
+    // Each by itself: numbers are of all that an archive has, also of what is in both.
+    Browsed browsed = browse_archives({options.first});
+    browsed.archives.push_back(std::move(browse_archives({options.second}).archives.front()));
     Comparison comparison;
+    for (std::size_t i = 0; i < 2; ++i)
+      comparison.animations[i] = browsed.archives[i].index.entries.size();
     comparison.request = other_lines(request_of(options.first), request_of(options.second));
     comparison.numbers = compared_numbers(browsed);
+    leave_out_twice(browsed);
     compare_looks(browsed, options.groups, comparison);
     if (options.json) {
       fmt::print("{}\n", dumped(comparison_json(browsed, comparison)));

@@ -11,7 +11,7 @@ namespace sleight::cli {
 
 struct FindOptions {
   std::vector<std::string> paths{};
-  Asked asked{};
+  QueryOptions asked{};
   std::string sort{};       ///< a number's name; empty: in the archives' order
   bool descending = false;  ///< the greatest first
   std::uint64_t limit = 0;  ///< at most so many; 0: all

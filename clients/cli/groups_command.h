@@ -12,7 +12,7 @@ namespace sleight::cli {
 
 struct GroupsOptions {
   std::vector<std::string> paths{};
-  Asked asked{};  ///< only of these animations
+  QueryOptions asked{};  ///< only of these animations
   std::uint64_t groups = 12;
   std::string by = "medoids";  ///< or "hierarchy"
   std::string output{};        ///< a picture of the representatives; empty: none
