@@ -74,7 +74,7 @@ std::optional<AskedName> parse_name(std::string_view text) {
   AskedName asked;
   if (const std::size_t colon = text.rfind(':'); colon != std::string_view::npos) {
     asked.run = text.substr(0, colon);
-    if (asked.run.empty()) return std::nullopt;
+    if (asked.run.empty() || asked.run.find(':') != std::string::npos) return std::nullopt;
     text.remove_prefix(colon + 1);
   }
   const std::size_t dot = text.find('.');

@@ -455,12 +455,26 @@ base::Result<Condition, QueryError> parse_query(std::string_view text, const sce
 }
 
 std::string with_mark(const QueryError& error, std::string_view text) {
+  // Of a long text what is about the place.
+  constexpr std::size_t k_shown_about = 60;
+  const auto is_inside_sign = [&](std::size_t byte) {
+    return byte < text.size() && (static_cast<unsigned char>(text[byte]) & 0xC0U) == 0x80U;
+  };
+  std::size_t begin = error.column > k_shown_about ? error.column - k_shown_about : 0;
+  while (begin > 0 && is_inside_sign(begin))
+    --begin;
+  std::size_t end = std::min(text.size(), error.column + k_shown_about);
+  while (is_inside_sign(end))
+    ++end;
+  std::string shown(begin > 0 ? "... " : "");
+  const std::size_t mark = shown.size() + error.column - begin;
+  shown += text.substr(begin, end - begin);
+  if (end < text.size()) shown += " ...";
   // Signs that could steer a terminal are shown as blanks.
-  std::string shown(text);
   std::ranges::replace_if(
       shown, [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, ' ');
-  return fmt::format("column {}: {}\n  {}\n  {:>{}}", screen_column(shown, error.column) + 1,
-                     error.message, shown, "^", screen_column(shown, error.column) + 1);
+  return fmt::format("column {}: {}\n  {}\n  {:>{}}", screen_column(text, error.column) + 1,
+                     error.message, shown, "^", screen_column(shown, mark) + 1);
 }
 
 }  // namespace sleight::browse

@@ -1,0 +1,274 @@
+// Goal: groups are those of the stated methods, whatever the order of animations. Method: medoids
+// beside all choices and all single exchanges, hierarchies beside the plain algorithm, sets in
+// random orders.
+#include "clients/browse/groups.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+#include <vector>
+
+#include "clients/browse/agreement.h"
+#include "tests/support/property.h"
+#include "tests/unit/clients/browse/random_index.h"
+
+namespace sleight::browse {
+namespace {
+
+using testing::below;
+using testing::entries_of;
+using testing::random_index;
+
+constexpr std::uint64_t k_seed = 28;
+
+random::Stream stream_of(std::uint64_t n) {
+  return {{.seed = k_seed, .purpose = random::Purpose::prior}, n};
+}
+
+/// Distances of points in a plane, in clumps or not.
+std::vector<float> matrix_of(std::size_t size, random::Stream& stream) {
+  std::vector<math::Vec3> points;
+  const std::size_t clumps = 1 + below(stream, 4);
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto clump = static_cast<double>(below(stream, clumps));
+    points.emplace_back(clump + 0.3 * stream.uniform(), clump * clump + 0.3 * stream.uniform(), 0);
+  }
+  std::vector<float> matrix(size * size);
+  for (std::size_t a = 0; a < size; ++a) {
+    for (std::size_t b = 0; b < size; ++b)
+      matrix[a * size + b] = static_cast<float>((points[a] - points[b]).norm());
+  }
+  return matrix;
+}
+
+double cost_of(const std::vector<float>& matrix, std::size_t size,
+               const std::vector<std::size_t>& medoids) {
+  double sum = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const std::size_t medoid : medoids)
+      nearest = std::min(nearest, matrix[i * size + medoid]);
+    sum += nearest;
+  }
+  return sum;
+}
+
+TEST(Groups, NoExchangeOfOneMedoidHelps) {
+  int best = 0;
+  int cases = 0;
+  for (const std::uint64_t n : property::cases(200)) {
+    random::Stream stream = stream_of(n);
+    const std::size_t size = 2 + below(stream, 9);
+    const std::size_t k = 1 + below(stream, std::min<std::size_t>(size, 4));
+    const std::vector<float> matrix = matrix_of(size, stream);
+    const std::vector<std::size_t> medoids = medoids_of(matrix, size, k);
+    ASSERT_EQ(medoids.size(), k);
+    EXPECT_TRUE(std::ranges::is_sorted(medoids));
+    const double cost = cost_of(matrix, size, medoids);
+    for (std::size_t i = 0; i < k; ++i) {
+      for (std::size_t other = 0; other < size; ++other) {
+        std::vector<std::size_t> exchanged = medoids;
+        exchanged[i] = other;
+        EXPECT_GE(cost_of(matrix, size, exchanged), cost - 1e-6);
+      }
+    }
+    // All choices of k.
+    std::vector<char> chosen(size, 0);
+    std::fill_n(chosen.begin(), k, 1);
+    double least = cost;
+    do {
+      std::vector<std::size_t> choice;
+      for (std::size_t i = 0; i < size; ++i) {
+        if (chosen[i] != 0) choice.push_back(i);
+      }
+      least = std::min(least, cost_of(matrix, size, choice));
+    } while (std::ranges::prev_permutation(chosen).found);
+    ++cases;
+    if (cost <= least + 1e-6) ++best;
+  }
+  // Exchanges end in a local optimum, which is mostly the best of all.
+  if (property::all_cases()) {
+    EXPECT_GE(best, cases * 9 / 10);
+  }
+}
+
+/// Average linkage without any cleverness.
+std::vector<std::size_t> plain_hierarchy(const std::vector<float>& matrix, std::size_t size,
+                                         std::size_t k) {
+  std::vector<std::vector<std::size_t>> groups(size);
+  for (std::size_t i = 0; i < size; ++i)
+    groups[i] = {i};
+  while (groups.size() > k) {
+    double least = std::numeric_limits<double>::infinity();
+    std::pair<std::size_t, std::size_t> nearest;
+    for (std::size_t a = 0; a < groups.size(); ++a) {
+      for (std::size_t b = a + 1; b < groups.size(); ++b) {
+        double sum = 0;
+        for (const std::size_t i : groups[a]) {
+          for (const std::size_t j : groups[b])
+            sum += matrix[i * size + j];
+        }
+        const double mean = sum / static_cast<double>(groups[a].size() * groups[b].size());
+        if (mean < least) {
+          least = mean;
+          nearest = {a, b};
+        }
+      }
+    }
+    auto& into = groups[nearest.first];
+    into.insert(into.end(), groups[nearest.second].begin(), groups[nearest.second].end());
+    groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(nearest.second));
+  }
+  std::vector<std::size_t> labels(size);
+  for (std::size_t group = 0; group < groups.size(); ++group) {
+    for (const std::size_t i : groups[group])
+      labels[i] = group;
+  }
+  return labels;
+}
+
+TEST(Groups, HierarchyJoinsTheNearest) {
+  for (const std::uint64_t n : property::cases(200)) {
+    random::Stream stream = stream_of(1000 + n);
+    const std::size_t size = 1 + below(stream, 12);
+    const std::size_t k = 1 + below(stream, size);
+    const std::vector<float> matrix = matrix_of(size, stream);
+    const std::vector<std::size_t> found = hierarchy_of(matrix, size, k);
+    EXPECT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), k);
+    EXPECT_EQ(adjusted_rand_index(found, plain_hierarchy(matrix, size, k)), 1);
+    // Nested: what is together in k groups is so in k - 1.
+    if (k == 1) continue;
+    const std::vector<std::size_t> wider = hierarchy_of(matrix, size, k - 1);
+    std::map<std::size_t, std::size_t> into;
+    for (std::size_t i = 0; i < size; ++i)
+      EXPECT_EQ(into.try_emplace(found[i], wider[i]).first->second, wider[i]);
+  }
+}
+
+/// Groups as sets of draws, with who stands for each.
+std::map<std::uint64_t, std::set<std::uint64_t>> named(const Groups& groups,
+                                                       const std::vector<const Entry*>& entries) {
+  std::map<std::uint64_t, std::set<std::uint64_t>> all;
+  for (const AlikeGroup& group : groups.groups) {
+    std::set<std::uint64_t>& members = all[entries[group.representative]->name.draw];
+    for (const std::size_t member : group.members)
+      members.insert(entries[member]->name.draw);
+  }
+  return all;
+}
+
+TEST(Groups, AreTheSameInAnyOrder) {
+  random::Stream stream = stream_of(1);
+  for (const std::size_t size : {1UL, 3UL, 40UL, 505UL}) {
+    const Index index = random_index(size, stream);
+    for (const Grouping by : {Grouping::medoids, Grouping::hierarchy}) {
+      if (size > k_full_matrix_max && by == Grouping::hierarchy) continue;  // it takes seconds
+      std::vector<const Entry*> entries = entries_of(index);
+      const Groups first = groups_of(entries, index.scene, {.groups = 7, .by = by});
+      EXPECT_EQ(first.is_approximate, size > k_full_matrix_max);
+      EXPECT_EQ(first.groups.size(), std::min<std::size_t>(size, 7));
+      const auto expected = named(first, entries);
+      std::size_t members = 0;
+      for (const auto& [representative, group] : expected) {
+        EXPECT_TRUE(group.contains(representative));
+        members += group.size();
+      }
+      EXPECT_EQ(members, size);
+      for (std::size_t i = size - 1; i > 0; --i)
+        std::swap(entries[i], entries[below(stream, i + 1)]);
+      const Groups again = groups_of(entries, index.scene, {.groups = 7, .by = by, .threads = 3});
+      EXPECT_EQ(named(again, entries), expected);
+    }
+  }
+}
+
+TEST(Groups, OfClumpsAreTheClumps) {
+  // Four kinds of animations, 30 of each, that differ by much less than the kinds do.
+  random::Stream stream = stream_of(2);
+  const Index kinds = random_index(4, stream);
+  Index index = kinds;
+  index.entries.clear();
+  std::vector<std::size_t> kind_of;
+  for (std::uint64_t draw = 0; draw < 120; ++draw) {
+    Entry entry = kinds.entries[draw % 4];
+    entry.name.draw = draw;
+    const math::Vec3 shift = testing::random_vector(stream, 0.002);
+    for (Piece& piece : entry.pieces)
+      piece.position_m += shift;
+    index.entries.push_back(std::move(entry));
+    kind_of.push_back(draw % 4);
+  }
+  const std::vector<const Entry*> entries = entries_of(index);
+  for (const Grouping by : {Grouping::medoids, Grouping::hierarchy}) {
+    const Groups groups = groups_of(entries, index.scene, {.groups = 4, .by = by});
+    std::vector<std::size_t> label(entries.size());
+    for (std::size_t group = 0; group < groups.groups.size(); ++group) {
+      EXPECT_LT(groups.groups[group].greatest_m, 0.02);
+      for (const std::size_t member : groups.groups[group].members)
+        label[member] = group;
+    }
+    EXPECT_EQ(adjusted_rand_index(label, kind_of), 1);
+  }
+}
+
+TEST(Agreement, OfDivisionsIsAdjustedForChance) {
+  // By hand: L. Hubert and P. Arabie's formula on a table of 2, 1 / 0, 3.
+  const std::vector<std::size_t> a{0, 0, 0, 1, 1, 1};
+  const std::vector<std::size_t> b{0, 0, 1, 1, 1, 1};
+  // Pairs together in both 1 + 3 = 4; in a 6, in b 7, of 15: (4 - 2.8) / (6.5 - 2.8).
+  EXPECT_NEAR(adjusted_rand_index(a, b), 1.2 / 3.7, 1e-12);
+  EXPECT_EQ(adjusted_rand_index(a, a), 1);
+  const std::vector<std::size_t> renamed{5, 5, 5, 2, 2, 2};
+  EXPECT_EQ(adjusted_rand_index(a, renamed), 1);
+  random::Stream stream = stream_of(3);
+  double sum = 0;
+  constexpr int k_times = 300;
+  for (int time = 0; time < k_times; ++time) {
+    std::vector<std::size_t> x;
+    std::vector<std::size_t> y;
+    for (int i = 0; i < 60; ++i) {
+      x.push_back(below(stream, 5));
+      y.push_back(below(stream, 3));
+    }
+    sum += adjusted_rand_index(x, y);
+  }
+  EXPECT_NEAR(sum / k_times, 0, 0.01);
+}
+
+TEST(Agreement, NeighboursTellTwoSetsFromOne) {
+  random::Stream stream = stream_of(4);
+  constexpr std::size_t k_size = 80;
+  const auto test_of = [&](double apart) {
+    std::vector<double> place;
+    std::vector<std::uint8_t> set_of;
+    for (std::size_t i = 0; i < k_size; ++i) {
+      set_of.push_back(i % 2);
+      place.push_back(stream.uniform() + (i % 2 == 0 ? 0 : apart));
+    }
+    std::vector<float> matrix(k_size * k_size);
+    for (std::size_t i = 0; i < k_size; ++i) {
+      for (std::size_t j = 0; j < k_size; ++j)
+        matrix[i * k_size + j] = static_cast<float>(std::abs(place[i] - place[j]));
+    }
+    return neighbour_test(matrix, set_of);
+  };
+  const NeighbourTest far = test_of(5);
+  EXPECT_EQ(far.share, 1);
+  EXPECT_NEAR(far.p_value, 1.0 / (k_deals + 1), 1e-12);
+  // Of sets that are alike p is uniform, or a little more.
+  int small = 0;
+  for (int i = 0; i < 100; ++i) {
+    const NeighbourTest same = test_of(0);
+    EXPECT_NEAR(same.expected, 0.5, 0.02);
+    if (same.p_value < 0.1) ++small;
+  }
+  EXPECT_LE(small, 20);
+}
+
+}  // namespace
+}  // namespace sleight::browse
