@@ -77,7 +77,7 @@ TEST(Queries, TheComparisonNoticesAnswersThatAreWrong) {
     EXPECT_TRUE(is_met_slowly || !is_sampled);
     if (is_met_slowly && !is_sampled) ++missed;
   }
-  EXPECT_GT(missed, 100U);
+  EXPECT_GT(missed, 50U);
 }
 
 /// A ball thrown up from 1 m to the right, that rests at 1.5 s; it hits the table twice. Another
