@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "clients/cli/kept_animations.h"
 #include "clients/cli/trace.h"
@@ -29,19 +30,70 @@ constexpr std::uint64_t k_outcome_elements_max = 64;
                     fmt::format("{}: its animation {} {}", source.name(), id.text, reason));
 }
 
-/// The rows of the table of each animation, so that each has its id.
-std::vector<std::uint64_t> rows_of_each(const archive::Source& source,
-                                        std::span<const AnimationId> ids,
-                                        const std::string& table) {
-  std::vector<std::uint64_t> counts(ids.size(), 1);
-  if (table == "animations") return counts;
+/// The fields of a line of CSV as they stand in it, quotes and all.
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields(1);
+  bool is_quoted = false;
+  for (const char letter : line) {
+    if (letter == '"') is_quoted = !is_quoted;
+    if (letter == ',' && !is_quoted) {
+      fields.emplace_back();
+    } else {
+      fields.back() += letter;
+    }
+  }
+  return fields;
+}
+
+/// A table of animations of one group.
+struct CsvRows {
+  std::vector<std::string> columns{};
+  std::stringstream lines{};
+  std::vector<std::uint64_t> counts{};  ///< of lines, by animation
+};
+
+/// In the order of ids, which are of one group; no columns where there are none.
+CsvRows rows_of(const archive::Source& source, std::span<const AnimationId> ids,
+                const std::string& table) {
+  CsvRows rows;
+  if (ids.empty()) return rows;
+  std::vector<std::uint64_t> numbers;
+  for (const AnimationId& id : ids)
+    numbers.push_back(id.row);
+  std::string in_archive = table;
+  if (ids.front().is_find) in_archive = table == "animations" ? "finds" : "find_" + table;
+  archive::export_csv(source, in_archive, rows.lines, numbers);
+  // No field holds a line's end: archives have none in text but requests.
+  std::string header;
+  std::getline(rows.lines, header);
+  rows.columns = fields_of(header);
+  rows.counts.assign(ids.size(), 1);
+  if (table == "animations") return rows;
   const std::string column = table == "segments" ? "segment_count" : "point_count";
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const double count =
         read_rows(source, group_of(ids[i]), column, 1, {.first = ids[i].row, .count = 1}).front();
-    counts[i] = count > 0 ? static_cast<std::uint64_t>(count) : 0;
+    rows.counts[i] = count > 0 ? static_cast<std::uint64_t>(count) : 0;
   }
-  return counts;
+  return rows;
+}
+
+/// The lines of the nth animation. REQUIRES: called for one after the other.
+std::vector<std::string> lines_of(CsvRows& rows, std::size_t nth) {
+  std::vector<std::string> lines;
+  std::string line;
+  for (std::uint64_t row = 0; row < rows.counts[nth] && std::getline(rows.lines, line); ++row)
+    lines.push_back(line);
+  return lines;
+}
+
+/// Where each of some columns is among all. REQUIRES: all hold them.
+std::vector<std::size_t> places_in(std::span<const std::string> some,
+                                   std::span<const std::string> all) {
+  std::vector<std::size_t> places;
+  for (const std::string& column : some)
+    places.push_back(static_cast<std::size_t>(std::ranges::find(all, column) - all.begin()));
+  return places;
 }
 
 }  // namespace
@@ -80,7 +132,7 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
       whole(name);
   }
   clip.extras.push_back({"in_proportion", motions.in_proportion(id.row)});
-  clip.extras.push_back({"end_s", clip.motion.end_s()});
+  clip.extras.push_back({"duration_s", clip.motion.end_s()});
   // Densities and outcomes are what scans have too; all else of an animation is its state.
   const archive::Group* group = archive::find_group(source, group_name);
   const archive::Group* stats = archive::find_group(source, archive::k_sample_stats);
@@ -96,10 +148,13 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
     if (width > k_outcome_elements_max) continue;
     std::vector<double> values =
         read_rows(source, group_name, spec.name, width, {.first = id.row, .count = 1});
+    // A world may call an outcome as we call a fact.
+    const bool is_taken = std::ranges::count(clip.extras, spec.name, &gltf::Extra::key) > 0;
+    const std::string key = (is_taken ? "outcome_" : "") + spec.name;
     if (spec.dims.size() == 1) {
-      clip.extras.push_back({spec.name, values.front()});
+      clip.extras.push_back({key, values.front()});
     } else {
-      clip.extras.push_back({spec.name, std::move(values)});
+      clip.extras.push_back({key, std::move(values)});
     }
   }
   return clip;
@@ -108,28 +163,37 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
 void write_animations_csv(const archive::Source& source, std::span<const AnimationId> ids,
                           const std::string& table, std::ostream& out) {
   CHECK(!ids.empty());
-  const bool are_finds = ids.front().is_find;
-  if (!std::ranges::all_of(ids, [&](const AnimationId& id) { return id.is_find == are_finds; })) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: finds have other columns than animations of chains; write "
-                                  "a table of each with --ids",
-                                  source.name()));
-  }
-  std::string in_archive = table;
-  if (are_finds) in_archive = table == "animations" ? "finds" : "find_" + table;
-  std::vector<std::uint64_t> rows;
+  std::vector<AnimationId> of_chains;
+  std::vector<AnimationId> finds;
   for (const AnimationId& id : ids)
-    rows.push_back(id.row);
-  // No field holds a line's end: archives have none in text but requests.
-  std::stringstream lines;
-  archive::export_csv(source, in_archive, lines, rows);
-  std::string line;
-  std::getline(lines, line);
-  out << "id," << line << '\n';
-  const std::vector<std::uint64_t> counts = rows_of_each(source, ids, table);
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    for (std::uint64_t row = 0; row < counts[i] && std::getline(lines, line); ++row)
-      out << ids[i].text << ',' << line << '\n';
+    (id.is_find ? finds : of_chains).push_back(id);
+  CsvRows from_chains = rows_of(source, of_chains, table);
+  CsvRows from_finds = rows_of(source, finds, table);
+
+  // All columns: those of chains, then what finds alone have.
+  std::vector<std::string> columns = from_chains.columns;
+  for (const std::string& column : from_finds.columns) {
+    if (std::ranges::count(columns, column) == 0) columns.push_back(column);
+  }
+  out << fmt::format("id,{}\n", fmt::join(columns, ","));
+
+  // Rows, in the order that was asked for.
+  const std::vector<std::size_t> places_of_chains = places_in(from_chains.columns, columns);
+  const std::vector<std::size_t> places_of_finds = places_in(from_finds.columns, columns);
+  std::size_t next_of_chains = 0;
+  std::size_t next_of_finds = 0;
+  for (const AnimationId& id : ids) {
+    CsvRows& rows = id.is_find ? from_finds : from_chains;
+    std::size_t& nth = id.is_find ? next_of_finds : next_of_chains;
+    for (const std::string& line : lines_of(rows, nth++)) {
+      std::vector<std::string> fields(columns.size());
+      const std::vector<std::size_t>& places = id.is_find ? places_of_finds : places_of_chains;
+      std::size_t column = 0;
+      for (std::string& field : fields_of(line)) {
+        if (column < places.size()) fields[places[column++]] = std::move(field);
+      }
+      out << fmt::format("{},{}\n", id.text, fmt::join(fields, ","));
+    }
   }
 }
 

@@ -16,13 +16,14 @@ namespace sleight::cli {
 gltf::Extras extras_of(const archive::Source& source);
 
 /// The animation with its motion, what is its own of the scene, and about it: id, chain, draw and
-/// lineage (or start), in_proportion, end_s, log densities and outcomes. Throws
+/// lineage (or start), in_proportion, duration_s, log densities and outcomes. Throws
 /// base::Error(bad_archive) on what can be no motion.
 gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene, const AnimationId& id);
 
 /// A table of "animations", "segments" or "points" as CSV, of these animations in this order, with
-/// their ids as first column. REQUIRES: an animation at least. Throws base::Error(usage) where some
-/// are finds and others not, as their columns differ.
+/// their ids as first column. Finds have other columns than animations of chains: where both are
+/// there, the table has all, and a field that a row has not is empty. REQUIRES: an animation at
+/// least.
 void write_animations_csv(const archive::Source& source, std::span<const AnimationId> ids,
                           const std::string& table, std::ostream& out);
 

@@ -25,6 +25,7 @@ constexpr double k_ribbon = 0.06;  ///< of the diameter, or of the shorter side
 constexpr std::uint32_t k_ring_corners = 36;
 constexpr std::uint32_t k_side_pieces = 8;  ///< of a rectangle's ribbon, to follow the table
 constexpr double k_tint_opacity = 0.5;
+constexpr double k_ground_reach = 0.4;  ///< of the shorter side: below a flat goal, not beside it
 
 Frame frame_of(const scene::Part& part) {
   return {.origin_m = part.position_m, .turn = math::normalized(part.orientation)};
@@ -102,18 +103,20 @@ class Maker {
     return {.name = "table", .color = colors::k_table, .is_double_sided = true};
   }
 
+  /// In its part's frame, moved as the animation has it.
+  Vec3 place_of(std::uint32_t number) const {
+    const scene::Vertex& vertex = scene_.vertices[number];
+    if (vertex.offset < 0 || static_cast<std::size_t>(vertex.offset) >= offsets_m_.size())
+      return vertex.place_m;
+    return vertex.place_m + offsets_m_[static_cast<std::size_t>(vertex.offset)];
+  }
+
   void add_mesh(const scene::Part& part, const Frame& frame) {
-    const auto place_of = [&](std::uint32_t index) {
-      const scene::Vertex& vertex = scene_.vertices[index];
-      Vec3 place_m = vertex.place_m;
-      if (vertex.offset >= 0 && static_cast<std::size_t>(vertex.offset) < offsets_m_.size())
-        place_m += offsets_m_[static_cast<std::size_t>(vertex.offset)];
-      return frame.at(place_m);
-    };
+    const auto at = [&](std::uint32_t vertex) { return frame.at(place_of(vertex)); };
     Triangles& to = of(sheet());
     for (const auto& [a, b, c] :
          std::span(scene_.triangles).subspan(part.first_triangle, part.triangles))
-      to.polygon(std::array<Vec3, 3>{place_of(a), place_of(b), place_of(c)});
+      to.polygon(std::array<Vec3, 3>{at(a), at(b), at(c)});
   }
 
   /// Where any body may be it is tinted; what is for one body is a ring. A disc is one always.
@@ -125,13 +128,36 @@ class Maker {
       return;
     }
     Frame frame = frame_of(part);
-    if (is_flat) frame.origin_m += math::rotated(frame.turn, {0, 0, k_lift_m});
+    if (is_flat) frame.origin_m = frame.at({0, 0, ground_above_m(part, frame) + k_lift_m});
     Triangles& to = of({.name = "wanted",
                         .color = colors::k_tint.with_opacity(k_tint_opacity),
                         .is_double_sided = true});
     if (part.shape == Shape::box || part.shape == Shape::die) add_box(to, frame, part.size_m);
     if (part.shape == Shape::sphere) add_sphere(to, frame, part.size_m.x());
     if (part.shape == Shape::mesh) add_mesh(part, frame);
+  }
+
+  /// How high the vertices of what stands still are above the middle of a flat goal; those near its
+  /// rim are of walls around it, those far above it of what hangs there.
+  double ground_above_m(const scene::Part& part, const Frame& frame) const {
+    const double reach_m = k_ground_reach * std::min(part.size_m.x(), part.size_m.y());
+    double highest_m = 0;
+    for (const scene::Part& other : scene_.parts) {
+      if (other.shape != Shape::mesh || scene_.features[other.feature].kind != FeatureKind::fixed)
+        continue;
+      const Frame from = frame_of(other);
+      for (const auto& triangle :
+           std::span(scene_.triangles).subspan(other.first_triangle, other.triangles)) {
+        for (const std::uint32_t vertex : triangle) {
+          const Vec3 place_m =
+              math::rotated(math::inverse(frame.turn), from.at(place_of(vertex)) - frame.origin_m);
+          if (std::abs(place_m.x()) < reach_m && std::abs(place_m.y()) < reach_m &&
+              place_m.z() < reach_m)
+            highest_m = std::max(highest_m, place_m.z());
+        }
+      }
+    }
+    return highest_m;
   }
 
   void add_ring(const scene::Part& part) {
