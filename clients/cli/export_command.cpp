@@ -71,6 +71,11 @@ void check(const ExportAnimationsOptions& options) {
     refuse_usage(fmt::format("{}: a table's name must end with .csv", options.output));
   if (format == "csv" && (options.together || options.fps))
     refuse_usage("--together and --fps are for --format glb");
+  // Also what is no number, which lies in no range and outside none.
+  if (options.fps && !(*options.fps >= k_export_fps_min && *options.fps <= k_export_fps_max)) {
+    refuse_usage(fmt::format("--fps {}: it must be from {} to {}", *options.fps, k_export_fps_min,
+                             k_export_fps_max));
+  }
 }
 
 /// Step one: which animations.
@@ -82,10 +87,9 @@ std::vector<AnimationId> choose(const archive::Source& source,
     throw base::Error(fmt::format("{}: it holds no animation; run more scans", source.name()));
   // A table grows by a line for each.
   if (all.size() > k_export_max && !options.all && options.format != "csv") {
-    refuse_usage(fmt::format(
-        "{}: it holds {} animations; name some with --ids, or give --all for a file of more than "
-        "{}",
-        source.name(), all.size(), k_export_max));
+    refuse_usage(
+        fmt::format("{}: it holds {} animations, more than {}; name some with --ids, or give --all",
+                    source.name(), all.size(), k_export_max));
   }
   return all;
 }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "clients/export/keys.h"
+
 namespace sleight::cli {
 
 struct ExportAnimationsOptions {
@@ -24,6 +26,8 @@ struct ExportAnimationsOptions {
 
 /// Without --all at most so many are written that were not named one by one.
 inline constexpr std::size_t k_export_max = 100;
+inline constexpr double k_export_fps_min = 0.1;
+inline constexpr double k_export_fps_max = gltf::k_fps_max;
 
 std::vector<std::string> export_formats();
 std::vector<std::string> export_tables();

@@ -282,7 +282,7 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
       ->add_option("--fps", options.fps,
                    "A key on each whole frame and nowhere else; without, as many as keep places to "
                    "0.1 mm and turns to 0.2 degrees")
-      ->check(CLI::Range(0.1, 1000.0).description(""))
+      ->check(CLI::Range(cli::k_export_fps_min, cli::k_export_fps_max).description(""))
       ->type_name("N");
   command->add_option("--table", options.table, "Of csv: animations, segments or points")
       ->check(CLI::IsMember(cli::export_tables()))
