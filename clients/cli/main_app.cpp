@@ -293,8 +293,8 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
   command->footer(
       "Examples:\n"
       "  sleight export ball.h5 --ids 0.250 -o ball.glb\n"
-      "  sleight export die.h5 --ids 0.120 1.733 -o throws\n"
-      "  sleight export die.h5 --together -o throws.glb\n"
+      "  sleight export die.h5 --ids 0.17 1.25 -o throws\n"
+      "  sleight export die.h5 --all --together -o throws.glb\n"
       "  sleight export hi.h5 --ids find.0 --fps 24 -o hi.glb\n"
       "  sleight export ball.h5 --format csv > animations.csv");
   command->callback([&] { action = [&] { return cli::export_animations(options); }; });
