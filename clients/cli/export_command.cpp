@@ -71,6 +71,8 @@ void check(const ExportAnimationsOptions& options) {
     refuse_usage(fmt::format("{}: a table's name must end with .csv", options.output));
   if (format == "csv" && (options.together || options.fps))
     refuse_usage("--together and --fps are for --format glb");
+  if (options.json && options.output.empty())
+    refuse_usage("--json tells which files were written; name one with -o");
   // Also what is no number, which lies in no range and outside none.
   if (options.fps && !(*options.fps >= k_export_fps_min && *options.fps <= k_export_fps_max)) {
     refuse_usage(fmt::format("--fps {}: it must be from {} to {}", *options.fps, k_export_fps_min,

@@ -125,6 +125,13 @@ class Assembler {
       : document_(document), options_(options), shown_(all_shown(document)) {}
 
   base::Result<Glb, std::string> assemble() {
+    const std::size_t channels = most_channels();
+    if (channels > k_channels_max) {
+      return fmt::format(
+          "and those with it have up to {} channels in one file, at most {}: put fewer of them "
+          "together, or each into a file",
+          channels, k_channels_max);
+    }
     for (const Clip& clip : document_.clips) {
       if (std::string fault = add_keys(clip); !fault.empty()) return fault;
     }
@@ -140,6 +147,13 @@ class Assembler {
   }
 
  private:
+  std::size_t most_channels() const {
+    std::size_t in_each = 0;
+    for (const Shown& shown : shown_)
+      in_each += (is_body(shown) ? 2 : 0) + (std::ranges::count(shown.in, false) > 0 ? 1 : 0);
+    return in_each * document_.clips.size();
+  }
+
   std::string add_keys(const Clip& clip) {
     auto& keys = keys_.emplace_back(document_.scene.bodies());
     for (const motion::Path& path : clip.motion.paths()) {

@@ -52,7 +52,11 @@ struct Options {
   std::optional<double> fps{};
 };
 
-/// The file; or why there is none, as a predicate: too many keys, too many bytes.
+/// Of a file: what shows in some clips only has a channel in each, so they grow with the square of
+/// the clips: five hundred of those with a table each.
+inline constexpr std::size_t k_channels_max = 250'000;
+
+/// The file; or why there is none, as a predicate: too many keys, channels or bytes.
 /// REQUIRES: a sound scene (scene::fault_of); each clip of all its bodies, variations sound; fps in
 /// (0, k_fps_max].
 base::Result<Glb, std::string> glb_of(const Document& document, const Options& options = {});

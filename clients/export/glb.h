@@ -25,8 +25,8 @@
 
 namespace sleight::gltf {
 
-/// A file's length is a number of 32 bits, and readers hold files whole.
-inline constexpr std::uint64_t k_glb_bytes_max = std::uint64_t{2} << 30;
+/// Writers and readers hold files whole, some of them several times.
+inline constexpr std::uint64_t k_glb_bytes_max = std::uint64_t{512} << 20;
 
 /// A whole file.
 struct Glb {

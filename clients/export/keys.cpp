@@ -162,20 +162,24 @@ class Turning {
   double piece_from_s_ = 0;
 };
 
-base::Result<BodyKeys, std::string> at_frames(const motion::Path& path, double from_s, double to_s,
-                                              double fps) {
+base::Result<BodyKeys, std::string> at_frames(const std::vector<Piece>& pieces, double fps) {
+  const double from_s = pieces.front().from_s;
   const double first = std::ceil(from_s * fps);
-  const double last = std::max(first, std::ceil(to_s * fps));
+  const double last = std::max(first, std::ceil(pieces.back().to_s * fps));
   if (!(last - first < static_cast<double>(k_keys_max))) return too_many(last - first);
   BodyKeys keys{.enters_s = static_cast<float>(first / fps)};
   Keys<Float3> places;
   Keys<Float4> turns;
+  Turning turning;
+  std::size_t i = 0;
   for (double frame = first; frame <= last; ++frame) {
     // A product that was rounded up may be divided to a moment before it.
-    const motion::Pose pose = path.pose_at(std::max(frame / fps, from_s)).value();
+    const double t_s = std::max(frame / fps, from_s);
+    while (i + 1 < pieces.size() && pieces[i + 1].from_s <= t_s)
+      ++i;
     const auto time_s = static_cast<float>(frame / fps);
-    places.add(time_s, y_up(pose.centre_m));
-    turns.add(time_s, y_up(pose.orientation));
+    places.add(time_s, y_up(position_at(pieces[i].segment, t_s)));
+    turns.add(time_s, y_up(turning(pieces[i], t_s)));
   }
   keys.translation = std::move(places.channel);
   keys.rotation = std::move(turns.channel);
@@ -188,17 +192,8 @@ base::Result<BodyKeys, std::string> keys_of(const motion::Path& path, double end
                                             std::optional<double> fps) {
   CHECK(path.enters());
   const std::vector<Piece> pieces = pieces_of(path, end_s);
-  BodyKeys keys{.enters_s = static_cast<float>(pieces.front().from_s)};
-  if (fps) {
-    CHECK(*fps > 0 && *fps <= k_fps_max);
-    auto framed = at_frames(path, pieces.front().from_s, pieces.back().to_s, *fps);
-    if (!framed) return framed.error();
-    keys = std::move(framed).value();
-    make_neighbours(keys.rotation.values);
-    return keys;
-  }
 
-  // How many, before any is made.
+  // How many, before any is made. With frames too: it bounds how far they have to turn.
   std::vector<double> for_places;
   std::vector<double> for_turns;
   double total = 0;
@@ -208,6 +203,16 @@ base::Result<BodyKeys, std::string> keys_of(const motion::Path& path, double end
     total += std::max(for_places.back(), for_turns.back());
   }
   if (!(total <= static_cast<double>(k_keys_max))) return too_many(total);
+
+  BodyKeys keys{.enters_s = static_cast<float>(pieces.front().from_s)};
+  if (fps) {
+    CHECK(*fps > 0 && *fps <= k_fps_max);
+    auto framed = at_frames(pieces, *fps);
+    if (!framed) return framed.error();
+    keys = std::move(framed).value();
+    make_neighbours(keys.rotation.values);
+    return keys;
+  }
 
   Keys<Float3> places;
   add_pieces(

@@ -301,6 +301,7 @@ class Export(ProgramTest):
                 (2, "add --together", [archive, "-o", output]),
                 (2, "must end with .csv", [archive, "--format", "csv", "-o", output]),
                 (2, "are for --format glb", [archive, "--format", "csv", "--fps", "24"]),
+                (2, "name one with -o", [archive, "--format", "csv", "--json"]),
                 (2, "--table", [archive, "--format", "csv", "--table", "posterior"]),
                 (2, "--format", [archive, "--format", "obj", "-o", output]),
                 (5, "can't write it", [archive, "--together", "-o", self.path("no/folder/a.glb")]),

@@ -241,6 +241,16 @@ TEST(Document, SaysWhyThereIsNone) {
   const auto glb = glb_of(document);
   ASSERT_FALSE(glb.ok());
   EXPECT_THAT(glb.error(), HasSubstr("keys"));
+
+  // A table each: channels grow with the square of the clips.
+  document = only(two_clips(), 0);
+  const Clip clip = document.clips[0];
+  document.clips.clear();
+  for (int i = 0; i < 510; ++i) {
+    document.clips.push_back(clip);
+    document.clips.back().own.parts[0].position_m.z() = 1e-3 * i;
+  }
+  EXPECT_THAT(glb_of(document).error(), HasSubstr("put fewer of them together"));
 }
 
 }  // namespace
