@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "clients/plot/scene_colors.h"
 #include "common/scene/surface.h"
 
 namespace sleight::cli {
@@ -13,6 +14,10 @@ namespace {
 using math::Vec3;
 using plot::Color;
 using plot::Point;
+using plot::scene_colors::k_ivory;
+using plot::scene_colors::k_ring;
+using plot::scene_colors::k_table;
+using plot::scene_colors::k_tint;
 
 constexpr double k_instant_s = 1.0 / 60;     ///< between the centres that are shown
 constexpr std::size_t k_instants_max = 360;  ///< of a body; longer motions have rarer ones
@@ -25,33 +30,12 @@ constexpr double k_number_px_min = 7;  ///< smaller numbers can't be read
 constexpr double k_grid_px_min = 5;    ///< closer lines are none
 constexpr double k_margin_mm = 4;
 
-constexpr Color k_table{0xF6, 0xF4, 0xEF};
 constexpr Color k_grid{0xE2, 0xDE, 0xD5};
-constexpr Color k_low{0xFA, 0xFA, 0xFA};   ///< the lowest pieces of what stands still
-constexpr Color k_high{0xD5, 0xD5, 0xD5};  ///< the highest
-constexpr double k_see_through = 0.15;     ///< of what stands still, from the front
-constexpr Color k_ivory{0xFF, 0xFD, 0xF5};
+constexpr Color k_low{0xFA, 0xFA, 0xFA};  ///< the lowest pieces of what stands still
+constexpr Color k_high = plot::scene_colors::k_fixed;
+constexpr double k_see_through = 0.15;       ///< of what stands still, from the front
 constexpr Color k_shaded{0xE6, 0xE2, 0xD6};  ///< faces that look neither up nor to the front
-constexpr Color k_ring{0xC4, 0x12, 0x30};    ///< no body has this colour
-constexpr Color k_tint{0xF4, 0xB8, 0xA0};
 constexpr Color k_white{0xFF, 0xFF, 0xFF};
-
-/// The first and the last body's colours and those between: viridis, which grows in lightness alike
-/// for people with any of the common colour blindnesses and on grey prints.
-constexpr std::array<std::array<double, 3>, 5> k_order_colors = {
-    {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
-
-/// `share` of the way from the first body to the last.
-Color order_color(double share) {
-  const double at = std::clamp(share, 0.0, 1.0) * (k_order_colors.size() - 1);
-  const auto low = std::min(static_cast<std::size_t>(at), k_order_colors.size() - 2);
-  const double part = at - static_cast<double>(low);
-  const auto channel = [&](std::size_t i) {
-    return static_cast<std::uint8_t>(
-        std::lround((1 - part) * k_order_colors[low][i] + part * k_order_colors[low + 1][i]));
-  };
-  return {channel(0), channel(1), channel(2)};
-}
 
 Color between(const Color& a, const Color& b, double share) {
   const auto channel = [share](std::uint8_t x, std::uint8_t y) {
@@ -190,9 +174,7 @@ bool ScenePainter::is_in(const SceneView& view, const Point& place_mm) const {
 }
 
 Color ScenePainter::color_of(std::uint32_t body) const {
-  const std::uint32_t bodies = scene_.bodies();
-  if (bodies <= k_ways_max) return plot::palette::series(body);
-  return order_color(static_cast<double>(body) / static_cast<double>(bodies - 1));
+  return plot::scene_colors::of_body(body, scene_.bodies());
 }
 
 void ScenePainter::scenery(const SceneView& view) {

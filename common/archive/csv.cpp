@@ -251,6 +251,24 @@ std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
   return *numbers;
 }
 
+[[noreturn]] void refuse_number(const Source& source, std::uint64_t animation,
+                                std::uint64_t animations) {
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("{}: no animation {}; it has {}, numbered from 0", source.name(),
+                                animation, animations));
+}
+
+/// A row for each of these animations.
+std::vector<RowRange> single_rows(const Source& source, std::uint64_t rows,
+                                  std::span<const std::uint64_t> animations) {
+  std::vector<RowRange> ranges;
+  for (const std::uint64_t animation : animations) {
+    if (animation >= rows) refuse_number(source, animation, rows);
+    ranges.push_back({.first = animation, .count = 1});
+  }
+  return ranges;
+}
+
 /// The rows of these animations' segments.
 std::vector<RowRange> rows_of(const Source& source, const Group& group, const std::string& dim,
                               std::uint64_t rows, std::span<const std::uint64_t> animations) {
@@ -258,11 +276,8 @@ std::vector<RowRange> rows_of(const Source& source, const Group& group, const st
   const std::vector<std::int64_t> counts = numbers_of(source, group, dim + "_count");
   std::vector<RowRange> ranges;
   for (const std::uint64_t animation : animations) {
-    if (animation >= starts.size() || animation >= counts.size()) {
-      throw base::Error(base::ExitCode::usage,
-                        fmt::format("{}: no animation {}; it has {}, numbered from 0",
-                                    source.name(), animation, starts.size()));
-    }
+    if (animation >= starts.size() || animation >= counts.size())
+      refuse_number(source, animation, starts.size());
     const auto first = static_cast<std::uint64_t>(starts[animation]);
     const auto count = static_cast<std::uint64_t>(counts[animation]);
     if (first > rows || count > rows - first)
@@ -314,6 +329,10 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
     return;
   }
   const std::string& dim = table->index.front();
+  if (dim == "animation") {
+    exporter.run(single_rows(source, exporter.rows(), animations), out);
+    return;
+  }
   if (dim != "segment" && dim != "point") {
     throw base::Error(base::ExitCode::usage,
                       fmt::format("table '{}' has no rows of single animations", table_name));

@@ -29,9 +29,9 @@ namespace sleight::archive {
 /// Their names.
 std::vector<std::string> csv_tables();
 
-/// Writes one table, in batches; of one of segments only those of `animations`, in their order,
-/// where there are any. The caller checks the stream's state at the end.
-/// Throws base::Error: usage when `table` is none of csv_tables() or has no such animation,
+/// Writes one table, in batches; of one over animations, segments or points only the rows of
+/// `animations`, in their order, where there are any. The caller checks the stream's state at the
+/// end. Throws base::Error: usage when `table` is none of csv_tables() or has no such animation,
 /// bad_archive when the archive has no such group or is damaged.
 void export_csv(const Source& source, std::string_view table, std::ostream& out,
                 std::span<const std::uint64_t> animations = {});

@@ -1,0 +1,317 @@
+"""Goal: `sleight export` writes the animations that were asked for, as glTF that others accept and as
+tables that say what the archive says, and harms no file. Method: small runs of each world and a made-up
+archive with finds; Khronos's validator of glTF; a few poses and tables against h5py."""
+
+import csv
+import io
+import json
+import pathlib
+import re
+import struct
+
+import h5py
+import harness
+from harness import ProgramTest, run, sleight
+
+BALL = """
+[world]
+name = "ball_2d"
+[constraint]
+tolerance_diameters = 5
+sigma_diameters = 5
+[sampler]
+method = "metropolis_hastings"
+chains = 4
+seed = 1
+[stop]
+scans = 100
+[output]
+thin = 1
+min_distance = 0.001
+keep_per_lineage = 1000
+"""
+
+DICE = """
+[world]
+name = "dice"
+dice = 2
+[[constraint.place]]
+die = 1
+x_mm = 30
+y_mm = 0
+sigma_mm = 100
+tolerance_mm = 200
+[[constraint.face]]
+die = 2
+up = 5
+[sampler]
+method = "metropolis_hastings"
+chains = 1
+seed = 4
+[stop]
+scans = 40
+[output]
+thin = 1
+"""
+
+SPELLING = '''
+[world]
+name = "spelling"
+bitmap = """
+.#.
+.#.
+"""
+[constraint]
+log_lambda = 3
+[sampler]
+method = "metropolis_hastings"
+chains = 2
+seed = 4
+iterations_per_scan = 2
+[stop]
+scans = 40
+'''
+
+
+class Model:
+    """A .glb, read by the specification."""
+
+    def __init__(self, path):
+        data = path.read_bytes()
+        magic, version, length, json_bytes, kind = struct.unpack_from("<4sIII4s", data)
+        assert (magic, version, length, kind) == (b"glTF", 2, len(data), b"JSON")
+        self.text = data[20:20 + json_bytes]
+        self.json = json.loads(self.text)
+        self.binary = data[28 + json_bytes:]
+        self.clips = [clip["name"] for clip in self.json["animations"]]
+
+    def floats(self, number):
+        accessor = self.json["accessors"][number]
+        view = self.json["bufferViews"][accessor["bufferView"]]
+        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        rows = struct.iter_unpack(f"<{width}f", self.binary[view["byteOffset"]:][:view["byteLength"]])
+        return list(rows)
+
+    def keys(self, node_name, path, clip=0):
+        """Times and values."""
+        animation = self.json["animations"][clip]
+        for channel in animation["channels"]:
+            target = channel["target"]
+            if (self.json["nodes"][target["node"]]["name"], target["path"]) == (node_name, path):
+                sampler = animation["samplers"][channel["sampler"]]
+                return ([time for time, in self.floats(sampler["input"])],
+                        self.floats(sampler["output"]))
+        raise KeyError(node_name)
+
+
+class Export(ProgramTest):
+    def run_of(self, world, text):
+        request = self.path(f"{world}.toml")
+        request.write_text(text)
+        self.direct(request, self.path(f"{world}.h5"))
+        return self.path(f"{world}.h5")
+
+    def made_up(self):
+        """Twenty animations of chains and seven finds, of no world that there is."""
+        writer = pathlib.Path(harness.arguments.bin).parent / "tests/sleight-sample-archive"
+        self.succeed(run([writer, self.path("made_up.h5"), "100"]))
+        return self.path("made_up.h5")
+
+    def export(self, *args):
+        return self.succeed(sleight("export", *args)).stdout
+
+    def refused(self, code, words, *args):
+        result = sleight("export", *args)
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertIn(words, result.stderr)
+
+    def table(self, archive, *args):
+        return list(csv.DictReader(io.StringIO(self.export(archive, "--format", "csv", *args))))
+
+    def test_models_of_each_world(self):
+        archives = [self.run_of("dice", DICE), self.run_of("spelling", SPELLING), self.made_up(),
+                    self.run_of("ball", BALL)]
+        files = []
+        for archive in archives:
+            world = archive.stem
+            ids = [row["id"] for row in self.table(archive)][:3]
+            told = json.loads(self.export(archive, "--ids", *ids, "-o", self.path(world), "--json"))
+            self.assertEqual(told["archive"], str(archive))
+            self.assertEqual([written["ids"] for written in told["written"]], [[one] for one in ids])
+            each = [pathlib.Path(written["path"]) for written in told["written"]]
+            run_id = re.sub(r"[^0-9A-Za-z]", "", self.info(archive)["run_id"])[:8]
+            self.assertEqual([path.name for path in each], [f"{run_id}-{one}.glb" for one in ids])
+            self.assertEqual(sorted(each), sorted(self.path(world).iterdir()))
+            self.assertEqual([path.stat().st_size for path in each],
+                             [written["bytes"] for written in told["written"]])
+            together = self.path(f"{world}.glb")
+            self.export(archive, "--ids", *ids, "--together", "--fps", "24", "-o", together)
+            self.assertEqual(Model(together).clips, ids)
+            self.bodies_are_where_the_archive_says(archive, each, ids)
+            files += [*each, together]
+        validator = pathlib.Path(harness.arguments.source) / "tests/gltf/validate.js"
+        judged = self.succeed(run(["node", validator, *files]))
+        self.assertIn(f"{len(files)} files judged", judged.stdout)
+        # It tells a file that is none.
+        bad = self.path("bad.glb")
+        bad.write_bytes(files[0].read_bytes().replace(b'"LINEAR"', b'"CURVED"'))
+        self.assertEqual(run(["node", validator, bad]).returncode, 1)
+
+    def bodies_are_where_the_archive_says(self, archive, files, ids):
+        with h5py.File(archive) as file:
+            group = file["animations"]
+            request = file["request"].asstr()[()]
+            for path, one in zip(files, ids):
+                model = Model(path)
+                self.assertEqual(model.json["asset"]["extras"]["request"], request)
+                extras = model.json["animations"][0]["extras"]
+                self.assertEqual(extras["id"], one)
+                nth = next(i for i in range(len(group["chain"]))
+                           if one == f"{group['chain'][i]}.{group['draw'][i]}")
+                self.assertEqual(extras["log_prior"], group["log_prior"][nth])
+                self.assertEqual(extras["lineage"], group["lineage"][nth])
+                first, count = group["segment_start"][nth], group["segment_count"][nth]
+                last = {}
+                for i in range(first, first + count):
+                    last[int(group["body"][i])] = i
+                bodies = [node["name"] for node in model.json["nodes"]
+                          if node["extras"]["kind"] == "body"]
+                self.assertEqual(len(bodies), len(last))
+                for name, body in zip(bodies, sorted(last)):
+                    times, places = model.keys(name, "translation")
+                    x, y, z = group["position_m"][last[body]]
+                    start_s = group["start_s"][last[body]]
+                    # Of two keys where made-up motions jump, the second.
+                    key = max(i for i, time in enumerate(times) if time <= start_s + 1e-5)
+                    self.assertAlmostEqual(times[key], start_s, places=5)
+                    for shown, true in zip(places[key], [x, z, -y]):
+                        self.assertAlmostEqual(shown, true, places=5)
+
+    def test_the_same_bytes_and_only_our_files(self):
+        archive = self.made_up()
+        one, two = self.path("one.glb"), self.path("two.glb")
+        self.export(archive, "--together", "-o", one)
+        self.export(archive, "--together", "-o", two)
+        self.assertEqual(one.read_bytes(), two.read_bytes())
+        # A model of ours is replaced, another's file only by force; so in folders too.
+        self.export(archive, "--ids", "find.3", "-o", one)
+        self.assertEqual(Model(one).clips, ["find.3"])
+        self.export(archive, "--ids", "find.3", "-o", self.path("folder/deep"))
+        in_folder = next(self.path("folder/deep").iterdir())
+        self.assertEqual(in_folder.read_bytes(), one.read_bytes())
+        for theirs, output in [(two, two), (in_folder, in_folder.parent)]:
+            theirs.write_bytes(b"glTF of somebody else")
+            self.refused(4, f"{theirs}: it is there already", archive, "--ids", "find.3", "-o", output)
+            self.assertEqual(theirs.read_bytes(), b"glTF of somebody else")
+            self.export(archive, "--ids", "find.3", "-o", output, "--force")
+            self.assertEqual(theirs.read_bytes(), one.read_bytes())
+        self.refused(2, "this is the archive itself", archive, "--ids", "find.3", "--force",
+                     "--format", "csv", "-o", self.linked(archive, "link.csv"))
+        left = {path.name for path in self.folder.rglob("*")}
+        self.assertEqual({name for name in left if name.startswith(".") or "export" in name}, set())
+
+    def linked(self, archive, name):
+        self.path(name).symlink_to(archive)
+        return self.path(name)
+
+    def test_ids(self):
+        archive = self.made_up()
+        rows = self.table(archive)
+        self.assertEqual(len(rows), 27)
+        first, last = rows[0]["id"], rows[-1]["id"]
+        self.assertEqual(last, "find.6")
+        # In the order asked for, each once.
+        asked = [last, first, last]
+        self.assertEqual([row["id"] for row in self.table(archive, "--ids", *asked)], [last, first])
+        output = self.path("a.glb")
+        self.export(archive, "--ids", *asked, "--together", "-o", output)
+        self.assertEqual(Model(output).clips, [last, first])
+        for unknown in ["9.9", "find.7", "find.-1", "0", "\x1b[31m"]:
+            result = sleight("export", archive, "--ids", unknown, "-o", self.path("b.glb"))
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(f"it has {first}, ", result.stderr)
+            self.assertIn("22 more", result.stderr)
+            self.assertNotIn("\x1b", result.stderr)
+        self.assertFalse(self.path("b.glb").exists())
+
+    def test_without_ids_not_without_end(self):
+        archive = self.run_of("ball", BALL)
+        count = len(self.table(archive))
+        self.assertGreater(count, 100)
+        self.refused(2, f"it holds {count} animations, more than 100", archive, "-o", self.path("all"))
+        self.assertFalse(self.path("all").exists())
+        self.assertIn(f"{count} animations, {count} files",
+                      self.export(archive, "--all", "-o", self.path("all")))
+        self.assertEqual(len(list(self.path("all").iterdir())), count)
+
+    def test_frames(self):
+        archive = self.run_of("ball", BALL)
+        one = self.table(archive)[0]["id"]
+        output = self.path("a.glb")
+        self.export(archive, "--ids", one, "--fps", "25", "-o", output)
+        times, _ = Model(output).keys("ball", "translation")
+        for frame, time in enumerate(times):
+            self.assertAlmostEqual(time, frame / 25, places=6)
+        duration_s = Model(output).json["animations"][0]["extras"]["duration_s"]
+        self.assertTrue(times[-2] < duration_s <= times[-1] + 1e-6, (times, duration_s))
+        for wrong in ["0", "-1", "1e9", "nan", "fast"]:
+            self.assertEqual(sleight("export", archive, "--ids", one, "--fps", wrong, "-o",
+                                     output).returncode, 2)
+
+    def test_tables(self):
+        archive = self.made_up()
+        with h5py.File(archive) as file:
+            # Chains' animations, then finds, each with its columns; what a row lacks is empty.
+            rows = self.table(archive)
+            count = len(file["animations/chain"])
+            self.assertEqual([row["log_prior"] for row in rows[:count]],
+                             [repr(float(value)) for value in file["animations/log_prior"]])
+            self.assertEqual([row["start"] for row in rows[:count]], [""] * count)
+            self.assertEqual([row["start"] for row in rows[count:]],
+                             [str(start) for start in file["finds/start"]])
+            self.assertEqual([row["chain"] for row in rows[count:]], [""] * (len(rows) - count))
+            # Segments of three animations, in the order asked for.
+            places = [len(rows) - 1, 1, 0]
+            ids = [rows[place]["id"] for place in places]
+            segments = self.table(archive, "--ids", *ids, "--table", "segments")
+            expected = []
+            for one, place in zip(ids, places):
+                group = file["finds" if place >= count else "animations"]
+                nth = place % count
+                first = group["segment_start"][nth]
+                expected += [(one, repr(float(group["start_s"][i])).removesuffix(".0"))
+                             for i in range(first, first + group["segment_count"][nth])]
+            self.assertGreater(len(expected), len(ids))
+            self.assertEqual([(row["id"], row["start_s"].removesuffix(".0")) for row in segments],
+                             expected)
+        output = self.path("t.csv")
+        self.export(archive, "--format", "csv", "-o", output)
+        self.assertEqual(output.read_text(), self.export(archive, "--format", "csv"))
+        self.refused(4, "give --force", archive, "--format", "csv", "-o", output)
+
+    def test_what_it_cannot_do(self):
+        archive = self.made_up()
+        output = self.path("a.glb")
+        none = self.path("none.toml")
+        none.write_text(BALL.replace("tolerance_diameters = 5", "tolerance_diameters = 1e-6"))
+        self.direct(none, self.path("none.h5"))
+        for code, words, args in [
+                (2, "say where to with -o", [archive]),
+                (2, "its name must end with .glb", [archive, "--together", "-o", self.path("a")]),
+                (2, "add --together", [archive, "-o", output]),
+                (2, "must end with .csv", [archive, "--format", "csv", "-o", output]),
+                (2, "are for --format glb", [archive, "--format", "csv", "--fps", "24"]),
+                (2, "name one with -o", [archive, "--format", "csv", "--json"]),
+                (2, "--table", [archive, "--format", "csv", "--table", "posterior"]),
+                (2, "--format", [archive, "--format", "obj", "-o", output]),
+                (5, "can't write it", [archive, "--together", "-o", self.path("no/folder/a.glb")]),
+                (5, "can't make this folder", [archive, "-o", archive / "folder"]),
+                (5, "no.h5: can't open it", [self.path("no.h5"), "-o", output]),
+                (6, "", [none, "-o", output]),
+                (5, "holds no animation", [self.path("none.h5"), "-o", output])]:
+            self.refused(code, words, *args)
+        self.assertFalse(output.exists())
+
+
+if __name__ == "__main__":
+    harness.main()
