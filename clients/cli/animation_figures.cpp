@@ -12,6 +12,7 @@
 #include "clients/cli/scene_painter.h"
 #include "clients/plot/layout.h"
 #include "clients/plot/text.h"
+#include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
@@ -334,6 +335,7 @@ plot::Figure animation_figure(const std::string& title, const scene::Scene& scen
 
 plot::Figure animation_figure(const archive::Source& source,
                               const AnimationFigureOptions& options) {
+  require_group(source, archive::k_scene, "scene");
   const auto scene = archive::scene_of(source);
   if (!scene) {
     throw base::Error(base::ExitCode::bad_archive,
