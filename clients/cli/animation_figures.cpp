@@ -32,23 +32,6 @@ constexpr double k_title_room_px = 9;
 constexpr std::size_t k_instants = 8;
 constexpr double k_panel_height_max_px = 400;
 constexpr double k_above_share_max = 0.6;  ///< of the width, for the view from above
-/// What is that flat moves in a plane: it is looked at from the front alone.
-constexpr double k_flat = 1e-6;
-
-bool is_flat(const std::vector<ShownAnimation>& animations) {
-  double low_m = 1e300;
-  double high_m = -1e300;
-  for (const ShownAnimation& animation : animations) {
-    for (const motion::Path& path : animation.motion.paths()) {
-      for (const motion::Segment& segment : path.segments()) {
-        low_m = std::min(low_m, segment.position_m.y());
-        high_m = std::max(high_m, segment.position_m.y());
-      }
-    }
-  }
-  return high_m - low_m <= k_flat;
-}
-
 double end_s(const ShownAnimation& animation) {
   return animation.motion.end_s();
 }

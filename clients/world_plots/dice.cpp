@@ -100,7 +100,12 @@ bool is_table_random(const archive::Source& source) {
   const archive::DatasetSpec* spec =
       archive::find_dataset(*archive::find_group(source, archive::k_sample_stats_prior), k_squares);
   const std::uint64_t draws = spec == nullptr || spec->dims.size() != 2 ? 0 : spec->dims[1].size;
-  // One chain, of so many draws.
+  if (draws < 2 || draws > archive::k_prior_draws) {
+    throw base::Error(base::ExitCode::bad_archive,
+                      fmt::format("{}: {}: expected one chain of 2 to {} draws", source.name(),
+                                  archive::path_of(archive::k_sample_stats_prior, k_squares),
+                                  archive::k_prior_draws));
+  }
   const std::vector<double> squares = cli::read_rows(source, archive::k_sample_stats_prior,
                                                      k_squares, draws, {.first = 0, .count = 1});
   return std::ranges::any_of(squares, [](double sum) { return sum > 0; });

@@ -18,6 +18,7 @@
 #include "common/base/error.h"
 #include "tests/unit/clients/cli/failures.h"
 #include "tests/unit/clients/cli/panel_series.h"
+#include "tests/unit/clients/cli/small_archive.h"
 #include "tests/unit/common/archive/fake_world.h"
 
 namespace sleight::cli {
@@ -241,10 +242,10 @@ TEST(AnimationFigures, AreDrawnFromAnArchiveAlone) {
   write(archive::testing::FakeReader(), still);
   EXPECT_EQ(failure_of([&] { animation_figure(still, {.count = 100}); }, "moves nothing"),
             base::ExitCode::bad_archive);
-  archive::MemoryArchive old;
-  old.set_attribute("/", {"format_version", std::int64_t{2}});
-  EXPECT_EQ(failure_of([&] { animation_figure(old, {}); }, "has no scene"),
-            base::ExitCode::bad_archive);
+  // Of format 1.
+  EXPECT_EQ(failure_of([&] { animation_figure(OldArchive("fake"), {}); },
+                       "small.h5: archives of its format, 1, have no scene"),
+            base::ExitCode::usage);
 }
 
 }  // namespace
