@@ -32,6 +32,24 @@ constexpr double k_title_room_px = 9;
 constexpr std::size_t k_instants = 8;
 constexpr double k_panel_height_max_px = 400;
 constexpr double k_above_share_max = 0.6;  ///< of the width, for the view from above
+
+/// What the signs mean that the view from above has.
+std::string caption_from_above(const scene::Scene& scene, const ShownAnimation& animation,
+                               std::string words) {
+  bool has_tint = false;
+  bool has_ring = false;
+  for (const scene::Part& part : scene.parts) {
+    const scene::Feature& feature = scene.features[part.feature];
+    if (feature.kind != scene::FeatureKind::wanted) continue;
+    const bool is_ring = feature.body != scene::k_none || part.shape == scene::Shape::disc;
+    (is_ring ? has_ring : has_tint) = true;
+  }
+  if (has_tint) words += "; tinted: places to fill";
+  if (has_ring) words += "; ring: wanted place of the centre";
+  if (!animation.own.points.empty()) words += "; darker: lower";
+  return words;
+}
+
 double end_s(const ShownAnimation& animation) {
   return animation.motion.end_s();
 }
@@ -119,7 +137,7 @@ plot::Panel ways_panel(const scene::Scene& scene, const SceneExtent& extent, con
   if (!flat) {
     const double low_px = sizes.height_px - k_caption_px - sizes.above_height_px;
     painter.caption({0, sizes.height_px - k_caption_size_px},
-                    "from above; ring: wanted place of the centre; darker: lower");
+                    caption_from_above(scene, animation, "from above"));
     const SceneView above{
         .seen = Seen::from_above,
         .origin = {-scale * extent.low_mm.x(), low_px - scale * extent.low_mm.y()},
@@ -225,7 +243,7 @@ plot::Panel instants_panel(const scene::Scene& scene, const SceneExtent& extent,
   const double above_low_px = sizes.height_px - k_caption_px - above_px;
   const double above_width_px = extent.width_mm() * sizes.above_px_per_mm;
   painter.caption({0, sizes.height_px - k_caption_size_px},
-                  "from above, at rest; tinted: places to fill");
+                  caption_from_above(scene, animation, "from above, at rest"));
   painter.caption({0.5 * above_width_px, above_low_px - k_caption_size_px}, "front",
                   plot::Anchor::middle);
   const SceneView above{.seen = Seen::from_above,

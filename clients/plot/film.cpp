@@ -62,7 +62,7 @@ void Film::show(const Figure& moving) {
 }
 
 base::Bytes Film::png() const {
-  return png_of(surfaces_->shown.get());
+  return quick_png_of(surfaces_->shown.get());
 }
 
 base::BytesView Film::pixels() const {

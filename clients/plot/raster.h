@@ -51,7 +51,9 @@ struct PixelSize {
 };
 PixelSize pixel_size(double width_px, double height_px, double scale);
 
-/// Throws base::Error when it can't be encoded.
+/// Small. Throws base::Error when it can't be encoded.
 base::Bytes png_of(cairo_surface_t* surface);
+/// The same pixels in a third of the time, a fourth larger. REQUIRES: a surface of white_surface.
+base::Bytes quick_png_of(cairo_surface_t* surface);
 
 }  // namespace sleight::plot

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "clients/cli/ffmpeg.h"
-#include "clients/plot/png.h"
+#include "clients/plot/film.h"
 #include "clients/plot/svg.h"
 #include "common/base/error.h"
 #include "tests/unit/clients/cli/failures.h"
@@ -248,7 +248,7 @@ TEST_F(Frames, AreWrittenAsPngFiles) {
   for (std::size_t frame = 0; frame < count; ++frame) {
     const std::string name = "/throw-000" + std::to_string(frame + 1) + ".png";
     const base::Bytes whole =
-        plot::to_png(frame_figure(scene, animation, static_cast<double>(frame) / 4), 1);
+        plot::Film(frame_figure(scene, animation, static_cast<double>(frame) / 4)).png();
     const std::string expected(reinterpret_cast<const char*>(whole.data()), whole.size());
     EXPECT_TRUE(text_of(folder + name) == expected) << name;
   }
