@@ -12,6 +12,7 @@
 #include "clients/cli/scene_painter.h"
 #include "clients/plot/layout.h"
 #include "clients/plot/text.h"
+#include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
@@ -31,21 +32,22 @@ constexpr double k_title_room_px = 9;
 constexpr std::size_t k_instants = 8;
 constexpr double k_panel_height_max_px = 400;
 constexpr double k_above_share_max = 0.6;  ///< of the width, for the view from above
-/// What is that flat moves in a plane: it is looked at from the front alone.
-constexpr double k_flat = 1e-6;
 
-bool is_flat(const std::vector<ShownAnimation>& animations) {
-  double low_m = 1e300;
-  double high_m = -1e300;
-  for (const ShownAnimation& animation : animations) {
-    for (const motion::Path& path : animation.motion.paths()) {
-      for (const motion::Segment& segment : path.segments()) {
-        low_m = std::min(low_m, segment.position_m.y());
-        high_m = std::max(high_m, segment.position_m.y());
-      }
-    }
+/// What the signs mean that the view from above has.
+std::string caption_from_above(const scene::Scene& scene, const ShownAnimation& animation,
+                               std::string words) {
+  bool has_tint = false;
+  bool has_ring = false;
+  for (const scene::Part& part : scene.parts) {
+    const scene::Feature& feature = scene.features[part.feature];
+    if (feature.kind != scene::FeatureKind::wanted) continue;
+    const bool is_ring = feature.body != scene::k_none || part.shape == scene::Shape::disc;
+    (is_ring ? has_ring : has_tint) = true;
   }
-  return high_m - low_m <= k_flat;
+  if (has_tint) words += "; tinted: places to fill";
+  if (has_ring) words += "; ring: wanted place of the centre";
+  if (!animation.own.points.empty()) words += "; darker: lower";
+  return words;
 }
 
 double end_s(const ShownAnimation& animation) {
@@ -135,7 +137,7 @@ plot::Panel ways_panel(const scene::Scene& scene, const SceneExtent& extent, con
   if (!flat) {
     const double low_px = sizes.height_px - k_caption_px - sizes.above_height_px;
     painter.caption({0, sizes.height_px - k_caption_size_px},
-                    "from above; ring: wanted place of the centre; darker: lower");
+                    caption_from_above(scene, animation, "from above"));
     const SceneView above{
         .seen = Seen::from_above,
         .origin = {-scale * extent.low_mm.x(), low_px - scale * extent.low_mm.y()},
@@ -241,7 +243,7 @@ plot::Panel instants_panel(const scene::Scene& scene, const SceneExtent& extent,
   const double above_low_px = sizes.height_px - k_caption_px - above_px;
   const double above_width_px = extent.width_mm() * sizes.above_px_per_mm;
   painter.caption({0, sizes.height_px - k_caption_size_px},
-                  "from above, at rest; tinted: places to fill");
+                  caption_from_above(scene, animation, "from above, at rest"));
   painter.caption({0.5 * above_width_px, above_low_px - k_caption_size_px}, "front",
                   plot::Anchor::middle);
   const SceneView above{.seen = Seen::from_above,
@@ -334,6 +336,7 @@ plot::Figure animation_figure(const std::string& title, const scene::Scene& scen
 
 plot::Figure animation_figure(const archive::Source& source,
                               const AnimationFigureOptions& options) {
+  require_group(source, archive::k_scene, "scene");
   const auto scene = archive::scene_of(source);
   if (!scene) {
     throw base::Error(base::ExitCode::bad_archive,

@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t k_read_bytes = 1U << 20U;
 constexpr double k_show_every_s = 0.1;
 
-std::optional<std::uint64_t> number_of(std::string_view text) {
+std::optional<std::uint64_t> whole_number_of(std::string_view text) {
   std::uint64_t number = 0;
   const char* end = text.data() + text.size();
   const auto [rest, failure] = std::from_chars(text.data(), end, number);
@@ -290,8 +290,9 @@ std::optional<std::vector<std::uint64_t>> recording_ids_of(std::string_view text
     const std::size_t comma = text.find(',');
     const std::string_view item = text.substr(0, comma);
     const std::size_t dots = item.find("..");
-    const auto first = number_of(item.substr(0, dots));
-    const auto last = dots == std::string_view::npos ? first : number_of(item.substr(dots + 2));
+    const auto first = whole_number_of(item.substr(0, dots));
+    const auto last =
+        dots == std::string_view::npos ? first : whole_number_of(item.substr(dots + 2));
     if (!first || !last || *first > *last || *last - *first >= rpc::k_fetch_ids_max)
       return std::nullopt;
     for (std::uint64_t id = *first; id - *first <= *last - *first; ++id)

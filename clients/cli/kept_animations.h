@@ -1,10 +1,8 @@
 // Which of an archive's kept animations to draw, and where their motions lie.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,23 +29,13 @@ std::vector<double> of_animations(const archive::Source& source, std::string_vie
 /// archive must not make a picture of gigabytes.
 Rows segments_of(const archive::Source& source, std::size_t animation, std::uint64_t most);
 
-/// What a column of segments is called that says which body moves: `body`; in archives of formats 1
-/// and 2, where each world had a name of its own, that one.
-std::string_view body_column(const archive::Source& source, std::string_view before);
-
 /// Throws base::Error(bad_archive): "<archive>: its animation <n> <reason>".
 [[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
                                    std::string_view reason);
 
-/// The last of a motion's pieces that has begun by then, or null. REQUIRES: pieces in the order of
-/// their start_s.
-template <class Piece>
-const Piece* piece_in_force(const std::vector<Piece>& pieces, double time_s) {
-  const auto after =
-      std::upper_bound(pieces.begin(), pieces.end(), time_s,
-                       [](double time, const Piece& piece) { return time < piece.start_s; });
-  return after == pieces.begin() ? nullptr : &*std::prev(after);
-}
+/// Throws base::Error(usage) that says what an archive of format 1 or 2 lacks, and what to do,
+/// where there is no such group; bad_archive of a later format. `what`: what is in it, "scene".
+void require_group(const archive::Source& source, std::string_view group, std::string_view what);
 
 /// Up to `count` animations, of one chain or of all: the first of each lineage, then the others, in
 /// the archive's order. Throws base::Error that says why when there is none, usage when there is no

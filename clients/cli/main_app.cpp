@@ -17,8 +17,8 @@
 #include "clients/cli/main_direct.h"
 #include "clients/cli/main_own.h"
 #include "clients/cli/main_run.h"
-#include "clients/cli/main_scenes.h"
 #include "clients/cli/main_service.h"
+#include "clients/cli/main_world_plots.h"
 #include "clients/cli/plot_command.h"
 #include "common/archive/csv.h"
 #include "worker/sampling/diagnostics/convergence.h"
@@ -209,17 +209,19 @@ void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
   });
 }
 
-void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
+struct PlotArguments {
+  cli::PlotOptions options;
+  cli::PlotsOfWorlds worlds = plots_of_program();
+};
+
+void add_plot(CLI::App& app, PlotArguments& arguments, Action& action) {
+  cli::PlotOptions& options = arguments.options;
   CLI::App* command = app.add_subcommand("plot", "Draw an archive: on the terminal, SVG or PNG");
   command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
   command->add_option("-o,--output", options.output, "A picture; the terminal if not given")
       ->type_name("FILE.svg|FILE.png");
-  command
-      ->add_option(
-          "--what", options.what,
-          "trace: outcome and log p; animations: the motion; paths: the same as the thesis "
-          "shows it (ball_2d); plausibility: starts and tables beside blind throws' (dice)")
-      ->check(CLI::IsMember({"trace", "paths", "animations", "plausibility"}))
+  command->add_option("--what", options.what, cli::help_of_whats(arguments.worlds))
+      ->check(CLI::IsMember(cli::whats_of(arguments.worlds)))
       ->capture_default_str();
   command->add_option("--chain", options.chain, "Only this chain")
       ->check(CLI::Range(std::uint64_t{0}, k_number_max).description(""))
@@ -244,13 +246,8 @@ void add_plot(CLI::App& app, cli::PlotOptions& options, Action& action) {
       "  sleight plot hi.h5 --what animations --count 4 -o hi_animations.png\n"
       "  sleight plot die.h5 --what animations -o die_animations.svg\n"
       "  sleight plot die.h5 --what plausibility -o die_plausibility.svg");
-  command->callback([&] {
-    action = [&] {
-      return cli::plot_archive(options, {.spelling_box = read_spelling_box,
-                                         .dice_scene = read_dice_scene,
-                                         .dice_prior = read_dice_prior});
-    };
-  });
+  command->callback(
+      [&] { action = [&] { return cli::plot_archive(arguments.options, arguments.worlds); }; });
 }
 
 /// What is exported is chosen here; how it is written is in `add_export`.
@@ -310,9 +307,9 @@ struct CommandLine::Arguments {
   ArchiveArguments archive;
   DeriveArguments derive;
   DiagnoseArguments diagnose;
-  cli::PlotOptions plot;
   BrowseArguments browse;
   cli::ExportAnimationsOptions exported;
+  PlotArguments plot;
   OwnArguments own;
 };
 

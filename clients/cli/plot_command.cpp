@@ -1,23 +1,20 @@
 #include "clients/cli/plot_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "clients/cli/animation_figures.h"
-#include "clients/cli/ball_2d_figures.h"
-#include "clients/cli/dice_figures.h"
+#include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/cli/request_numbers.h"
-#include "clients/cli/spelling_figures.h"
 #include "clients/cli/trace.h"
 #include "clients/plot/save.h"
 #include "clients/plot/terminal.h"
 #include "common/archive/format.h"
-#include "common/archive/hdf5/guarded.h"
-#include "common/archive/hdf5/reader.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
@@ -47,87 +44,53 @@ plot::Figure plain_trace(const archive::Source& source, const PlotOptions& optio
   return figure;
 }
 
-/// What a world's reader makes of the archive's request.
-template <class Read>
-auto read_of(const archive::Source& source, const Read& read, const char* things) {
-  auto scene = read(archive::summary_of(source).request_text);
-  if (scene) return std::move(scene).value();
-  throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: its request is none of {}: {}",
-                                                             source.name(), things, scene.error()));
+/// The world's own, where it draws that; else null.
+const WorldPlots* plots_for(const PlotsOfWorlds& worlds, std::string_view world,
+                            std::string_view what) {
+  for (const auto& plots : worlds) {
+    if (plots->world() != world) continue;
+    const auto kinds = plots->kinds();
+    if (std::ranges::find(kinds, what, &WorldPlots::Kind::what) != kinds.end()) return plots.get();
+  }
+  return nullptr;
 }
 
-SpellingBox spelling_box_of(const archive::Source& source, const WorldReaders& readers) {
-  return read_of(source, readers.spelling_box, "balls that spell");
-}
-
-/// A picture, and words to go with it.
-struct Picture {
-  plot::Figure figure;
-  std::string words{};
+/// A word of `--what` that only some worlds have.
+struct OwnWhat {
+  WorldPlots::Kind kind{};
+  std::vector<std::string> worlds{};
 };
 
-Picture plausibility_of(const archive::Source& source, const PlotOptions& options,
-                        const WorldReaders& readers) {
-  const std::string world = archive::summary_of(source).world;
-  if (world != "dice") {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("plausibility can be drawn of dice archives only, and {} is of "
-                                  "the world {}",
-                                  source.name(), world));
+/// In the order of worlds and kinds.
+std::vector<OwnWhat> own_whats_of(const PlotsOfWorlds& worlds) {
+  std::vector<OwnWhat> found;
+  for (const auto& plots : worlds) {
+    for (WorldPlots::Kind& kind : plots->kinds()) {
+      if (kind.what == k_trace || kind.what == k_drawn_animations) continue;
+      const auto same = std::ranges::find(
+          found, kind.what, [](const OwnWhat& one) -> const auto& { return one.kind.what; });
+      if (same == found.end()) {
+        found.push_back({.kind = std::move(kind), .worlds = {plots->world()}});
+      } else {
+        same->worlds.push_back(plots->world());
+      }
+    }
   }
-  const DicePrior prior = read_of(source, readers.dice_prior, "dice");
-  if (prior.start.empty() && !prior.is_table_random) {
-    throw base::Error(
-        base::ExitCode::environment,
-        fmt::format("{}: of its throws nothing is normally distributed: no component of a start, "
-                    "no heights of the table",
-                    source.name()));
-  }
-  const DicePlausibility found = dice_plausibility(source, prior, options.chain);
-  return {.figure = plausibility_figure(found, prior), .words = plausibility_words(found)};
+  return found;
 }
 
-plot::Figure figure_of(const archive::Source& source, const PlotOptions& options,
-                       const WorldReaders& readers) {
-  const archive::Summary summary = archive::summary_of(source);
-  const std::string& world = summary.world;
-  if (options.what == "trace" && summary.scans == 0 && summary.finds.found > 0) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: its animations were found by search, which leaves no trace; "
-                                  "try --what animations",
-                                  source.name()));
+[[noreturn]] void refuse_what(const archive::Source& source, const std::string& what,
+                              std::string_view world, const PlotsOfWorlds& worlds) {
+  std::vector<std::string> whose;
+  for (const OwnWhat& own : own_whats_of(worlds)) {
+    if (own.kind.what == what) whose = own.worlds;
   }
-  if (options.what == "paths") {
-    if (world == "ball_2d") return ball_2d_paths(source, options.chain, options.count);
-    throw base::Error(
-        base::ExitCode::usage,
-        fmt::format("paths can be drawn of ball_2d archives only, and {} is of the "
-                    "world {}{}",
-                    source.name(), world,
-                    world == "spelling" || world == "dice" ? "; try --what animations" : ""));
-  }
-  if (options.what == "animations") {
-    // Archives of formats 1 and 2 have no scene: what they are of has to be known.
-    const bool has_scene = archive::find_group(source, archive::k_scene) != nullptr;
-    if (!has_scene && world == "spelling") {
-      // A terminal's dots are too few for the frames.
-      return spelling_animations(
-          source, spelling_box_of(source, readers),
-          {.chain = options.chain, .count = options.count, .frames = !options.output.empty()});
-    }
-    if (!has_scene && world == "dice") {
-      return dice_animations(
-          source, read_of(source, readers.dice_scene, "dice"),
-          {.chain = options.chain, .count = options.count, .front = !options.output.empty()});
-    }
-    return animation_figure(
-        source, {.chain = options.chain, .count = options.count, .whole = !options.output.empty()});
-  }
-  if (world == "ball_2d") return ball_2d_trace(source, options.chain, options.draws);
-  if (world == "spelling") {
-    return spelling_trace(source, spelling_box_of(source, readers), options.chain, options.draws);
-  }
-  return plain_trace(source, options);
+  // Archives without a scene have no animations to draw.
+  const bool has_scene = archive::find_group(source, archive::k_scene) != nullptr;
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("{} can be drawn of {} archives only, and {} is of the world {}{}",
+                                what, fmt::join(whose, " and "), source.name(), world,
+                                has_scene ? "; try --what animations" : ""));
 }
 
 void draw_on_terminal(const plot::Figure& figure) {
@@ -140,16 +103,50 @@ void draw_on_terminal(const plot::Figure& figure) {
 
 }  // namespace
 
-int plot_archive(const PlotOptions& options, const WorldReaders& readers) {
+std::vector<std::string> whats_of(const PlotsOfWorlds& worlds) {
+  std::vector<std::string> whats{std::string(k_trace), std::string(k_drawn_animations)};
+  for (const OwnWhat& own : own_whats_of(worlds))
+    whats.push_back(own.kind.what);
+  return whats;
+}
+
+std::string help_of_whats(const PlotsOfWorlds& worlds) {
+  std::string help =
+      fmt::format("{}: outcome and log p; {}: the motion", k_trace, k_drawn_animations);
+  for (const OwnWhat& own : own_whats_of(worlds)) {
+    help += fmt::format("; {}: {} ({})", own.kind.what, own.kind.help, fmt::join(own.worlds, ", "));
+  }
+  return help;
+}
+
+Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
+                   const PlotsOfWorlds& worlds) {
+  const archive::Summary summary = archive::summary_of(source);
+  if (options.what == k_trace && summary.scans == 0 && summary.finds.found > 0) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: its animations were found by search, which leaves no trace; "
+                                  "try --what animations",
+                                  source.name()));
+  }
+  if (const WorldPlots* own = plots_for(worlds, summary.world, options.what)) {
+    return own->draw(options.what, source,
+                     {.chain = options.chain, .draws = options.draws, .count = options.count});
+  }
+  if (options.what == k_trace) return {.figure = plain_trace(source, options)};
+  if (options.what == k_drawn_animations) {
+    return {.figure = animation_figure(
+                source, {.chain = options.chain, .count = options.count, .whole = whole})};
+  }
+  refuse_what(source, options.what, summary.world, worlds);
+}
+
+int plot_archive(const PlotOptions& options, const PlotsOfWorlds& worlds) {
   if (!options.output.empty()) refuse_same_file(options.path, options.output);
   const plot::Notes notes = plot::notes_of(options.notes);
   if (options.output.empty() && !notes.empty())
     throw base::Error(base::ExitCode::usage, "--note goes with -o FILE.svg");
-  const auto draw = [&] {
-    const auto source = archive::hdf5::open_file(options.path);
-    const Picture picture = options.what == "plausibility"
-                                ? plausibility_of(*source, options, readers)
-                                : Picture{.figure = figure_of(*source, options, readers)};
+  const auto draw = [&](const archive::Source& source) {
+    const Picture picture = picture_of(source, options, !options.output.empty(), worlds);
     if (options.output.empty()) {
       draw_on_terminal(picture.figure);
     } else {
@@ -159,7 +156,7 @@ int plot_archive(const PlotOptions& options, const WorldReaders& readers) {
     fmt::print("{}", picture.words);
     return static_cast<int>(base::ExitCode::ok);
   };
-  return archive::hdf5::guarded(options.path, {}, [&] { return with_results(draw); });
+  return with_archive(options.path, draw);
 }
 
 }  // namespace sleight::cli

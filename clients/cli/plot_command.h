@@ -1,4 +1,6 @@
 // `sleight plot`: pictures of an archive, on the terminal or as SVG or PNG.
+//
+// A trace and the animations of any world; and what single worlds have (world_plots.h).
 #pragma once
 
 #include <cstdint>
@@ -6,30 +8,31 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/dice_figures.h"
-#include "clients/cli/dice_plausibility.h"
-#include "clients/cli/spelling_figures.h"
+#include "clients/cli/world_plots.h"
 
 namespace sleight::cli {
 
 struct PlotOptions {
   std::string path;
   std::string output;                  ///< .svg or .png; empty: draw on the terminal
-  std::string what = "trace";          ///< "trace", "paths", "animations" or "plausibility"
+  std::string what{k_trace};           ///< one of whats_of
   std::optional<std::uint64_t> chain;  ///< none: all, up to six
   std::uint64_t draws = 0;             ///< the first so many; 0: all
-  std::uint64_t count = 3;             ///< paths or animations to draw
+  std::uint64_t count = 3;             ///< animations to draw
   std::vector<std::string> notes{};  ///< `name=value`, for an SVG's metadata (clients/plot/notes.h)
 };
 
-/// What pictures need of requests that only their worlds know.
-struct WorldReaders {
-  SpellingBoxReader spelling_box;
-  DiceSceneReader dice_scene;
-  DicePriorReader dice_prior;
-};
+/// What can be asked for: of every world, then of single ones.
+std::vector<std::string> whats_of(const PlotsOfWorlds& worlds);
 
-/// Returns the exit code; throws base::Error.
-int plot_archive(const PlotOptions& options, const WorldReaders& readers);
+/// What each of these is, for the help: "trace: ...; animations: ...; paths: ... (ball_2d)".
+std::string help_of_whats(const PlotsOfWorlds& worlds);
+
+/// Returns the exit code; throws base::Error. REQUIRES: one of whats_of is asked for.
+int plot_archive(const PlotOptions& options, const PlotsOfWorlds& worlds);
+
+/// What it draws, as a value. `whole`: for a file, with more than a terminal has room for.
+Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
+                   const PlotsOfWorlds& worlds);
 
 }  // namespace sleight::cli

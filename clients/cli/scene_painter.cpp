@@ -29,6 +29,7 @@ constexpr double k_caption_size_px = 11.5;
 constexpr double k_number_px_min = 7;  ///< smaller numbers can't be read
 constexpr double k_grid_px_min = 5;    ///< closer lines are none
 constexpr double k_margin_mm = 4;
+constexpr double k_flat_m = 1e-6;  ///< what moves no further in y moves in a plane
 
 constexpr Color k_grid{0xE2, 0xDE, 0xD5};
 constexpr Color k_low{0xFA, 0xFA, 0xFA};  ///< the lowest pieces of what stands still
@@ -107,6 +108,20 @@ SceneExtent extent_of(const scene::Scene& scene, const std::vector<ShownAnimatio
     }
   }
   return extent;
+}
+
+bool is_flat(const std::vector<ShownAnimation>& animations) {
+  double low_m = 1e300;
+  double high_m = -1e300;
+  for (const ShownAnimation& animation : animations) {
+    for (const motion::Path& path : animation.motion.paths()) {
+      for (const motion::Segment& segment : path.segments()) {
+        low_m = std::min(low_m, segment.position_m.y());
+        high_m = std::max(high_m, segment.position_m.y());
+      }
+    }
+  }
+  return high_m - low_m <= k_flat_m;
 }
 
 ScenePainter::ScenePainter(const scene::Scene& scene, const SceneExtent& extent,

@@ -1,4 +1,4 @@
-// Draws a scene and its animations into a panel. Private to animation_figures.
+// Draws a scene and its animations into a panel. Private to animation_figures and animation_frames.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,9 @@ struct SceneExtent {
 
 /// Of all that bodies do in the animations, what stands still but the ground, and goals.
 SceneExtent extent_of(const scene::Scene& scene, const std::vector<ShownAnimation>& animations);
+
+/// Whether all bodies move in planes of constant y: then the view from the front shows all.
+bool is_flat(const std::vector<ShownAnimation>& animations);
 
 /// Places a plane of the scene in a panel.
 struct SceneView {

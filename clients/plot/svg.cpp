@@ -222,18 +222,22 @@ void draw_legend_entry(SvgWriter& svg, const LegendEntry& entry) {
   svg.text({entry.left + width + 6, entry.baseline}, entry.label, {.size = style::k_legend});
 }
 
+/// The data, cut to the frame; a line upon the edge keeps its whole width.
+void draw_series(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) {
+  svg.begin_clipped({layout.frame.left - 1, layout.frame.top - 1, layout.frame.width + 2,
+                     layout.frame.height + 2});
+  for (const Series& series : panel.series)
+    std::visit(SeriesPainter(svg, layout), series);
+  svg.end_group();
+}
+
 void draw_panel(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) {
   // What lies beneath the data: bands, then the grid.
   for (const Series& series : panel.series) {
     if (const auto* band = std::get_if<HorizontalBand>(&series)) draw_band(svg, layout, *band);
   }
   if (panel.grid && panel.axes) draw_grid(svg, layout);
-  // The data, cut to the frame; a line upon the edge keeps its whole width.
-  svg.begin_clipped({layout.frame.left - 1, layout.frame.top - 1, layout.frame.width + 2,
-                     layout.frame.height + 2});
-  for (const Series& series : panel.series)
-    std::visit(SeriesPainter(svg, layout), series);
-  svg.end_group();
+  draw_series(svg, panel, layout);
   // Axes and words.
   if (panel.axes) draw_axes(svg, layout);
   svg.text({layout.frame.left, layout.cell.top + style::k_panel_title}, layout.title,
@@ -254,6 +258,14 @@ std::string to_svg(const Figure& figure, const Notes& notes) {
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     draw_panel(svg, figure.panels[i], layout.panels[i]);
   }
+  return svg.finish();
+}
+
+std::string svg_of_series(const Figure& figure) {
+  const FigureLayout layout = layout_of(figure);
+  SvgWriter svg(figure.width_px, figure.height_px, printable(figure.title));
+  for (std::size_t i = 0; i < figure.panels.size(); ++i)
+    draw_series(svg, figure.panels[i], layout.panels[i]);
   return svg.finish();
 }
 

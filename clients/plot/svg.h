@@ -16,4 +16,8 @@ namespace sleight::plot {
 /// requires of its fields.
 std::string to_svg(const Figure& figure, const Notes& notes = {});
 
+/// Its panels' series alone, where the whole figure has them, on nothing: to be drawn upon another
+/// picture of the same sizes (film.h). Bands are left out.
+std::string svg_of_series(const Figure& figure);
+
 }  // namespace sleight::plot

@@ -23,6 +23,7 @@ if(SLEIGHT_SHELLS)
   find_package(SQLite3 REQUIRED)
   find_package(MPI REQUIRED COMPONENTS C)
   pkg_check_modules(RSVG REQUIRED IMPORTED_TARGET librsvg-2.0)
+  pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
   pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
   # "hdf5" may name the parallel build: the serial one is asked for by its own name.
   pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)

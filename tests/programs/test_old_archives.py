@@ -1,4 +1,5 @@
-"""Goal: archives of format 2 are verified, listed, exported and drawn as ever, and what they lack is said.
+"""Goal: archives of format 2 are verified, listed and exported as ever; of pictures those that need no scene
+and no prior are drawn, and what they lack is said.
 Method: archives that sleight 0.1.0 of commit 4aed61e wrote, of each world."""
 
 import json
@@ -9,8 +10,9 @@ import harness
 from harness import ProgramTest, sleight
 
 FOLDER = "tests/archive_readers/format_2"
-PICTURES = {"ball": ["trace", "paths"], "spelling": ["trace", "animations"],
-            "dice": ["trace", "animations", "plausibility"]}
+PICTURES = {"ball": ["trace", "paths"], "spelling": ["trace"], "dice": ["trace"]}
+LACKING = {"ball": {"animations": "scene"}, "spelling": {"animations": "scene"},
+           "dice": {"animations": "scene", "plausibility": "prior to compare with"}}
 
 
 class OldArchives(ProgramTest):
@@ -40,6 +42,16 @@ class OldArchives(ProgramTest):
             result = sleight("archive", "export", archive, "--csv", "--table", table)
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(f"this archive has no table '{table}'", result.stderr)
+        for world, pictures in LACKING.items():
+            archive = self.old(world)
+            for what, lacking in pictures.items():
+                picture = self.path(f"{world}_{what}.svg")
+                result = sleight("plot", archive, "--what", what, "-o", picture)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn(f"{archive}: archives of its format, 2, have no {lacking}; make a newer one of "
+                              "its run, by `sleight archive derive`, or direct its request again",
+                              result.stderr)
+                self.assertFalse(picture.exists())
 
 
 if __name__ == "__main__":

@@ -6,40 +6,70 @@
 #include <memory>
 #include <utility>
 
-#include "clients/cli/dice_figures.h"
+#include "clients/cli/animation_figures.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
+#include "common/motion/path.h"
 #include "common/request/direction_request.h"
 #include "common/request/world_parameters.h"
+#include "common/scene/scene.h"
 #include "worker/run/catalogue.h"
 #include "worker/worlds/dice/dice.h"
 #include "worker/worlds/dice/request.h"
+#include "worker/worlds/segments/recorded_segments.h"
 
 namespace sleight::thesis {
 namespace {
 
 namespace dice = worlds::dice;
 
-constexpr double k_mm_per_m = 1000;
+constexpr double k_m_per_mm = 0.001;
 
-/// The motion of a state's only die.
-cli::DieMotion motion_of(const dice::Dice& world, base::BytesView state, std::uint32_t nth) {
+/// The motion of a state's only die, as that of the nth; hits are the table's.
+std::vector<motion::Segment> motion_of(const dice::Dice& world, base::BytesView state,
+                                       std::uint32_t nth, std::uint32_t table) {
   const auto decoded = world.decode(state);
   CHECK(decoded.has_value());
   const dice::Animation animation = world.animate(*decoded);
   const math::Quat numbered =
       dice::rotation_of_numbering(animation.outcome.judgement.numberings.front());
-  cli::DieMotion motion(nth);
-  for (const auto& [segment, cause] : animation.recording.segments({0})) {
-    const physics::FreeFlight& flight = segment.flight;
-    motion.append({.start_s = physics::seconds(flight.begin - physics::Tick{}),
-                   .position_mm = k_mm_per_m * flight.position_m,
-                   .velocity_mmps = k_mm_per_m * flight.velocity_mps,
-                   .acceleration_mmps2 = k_mm_per_m * flight.acceleration_mps2,
-                   .orientation = math::composed(flight.orientation, numbered),
-                   .spin_radps = flight.angular_velocity_radps});
+  return worlds::recorded_segments(
+      animation.recording, 0,
+      {.body = [nth](std::uint32_t) { return nth; },
+       .fixed = [table](std::uint32_t) { return static_cast<std::int32_t>(table); }},
+      numbered);
+}
+
+/// All dice over one flat table, with the wanted places.
+scene::Scene composite_scene(const std::vector<ThrownDie>& dice, const DiceOptions& options) {
+  const worlds::dice::WorldParameters world;
+  const auto count = static_cast<std::uint32_t>(dice.size());
+  scene::Scene scene;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    scene.features.push_back({.name = fmt::format("die {}", i + 1), .twin_of = i});
+    scene.parts.push_back(
+        {.feature = i, .shape = scene::Shape::die, .size_m = math::Vec3::Constant(world.side_m)});
   }
-  return motion;
+  scene.features.push_back({.name = "table", .kind = scene::FeatureKind::fixed, .twin_of = count});
+  scene.parts.push_back(
+      {.feature = count,
+       .shape = scene::Shape::surface,
+       .size_m = {world.table.spacing_m * world.table.columns,
+                  world.table.spacing_m * world.table.rows, world.table.spacing_m}});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t feature = count + 1 + i;
+    const double across_m = 2 * k_m_per_mm * options.tolerance_mm;
+    scene.features.push_back({.name = fmt::format("place {}", i + 1),
+                              .kind = scene::FeatureKind::wanted,
+                              .twin_of = feature,
+                              .body = static_cast<std::int32_t>(i)});
+    scene.parts.push_back({.feature = feature,
+                           .shape = scene::Shape::disc,
+                           .size_m = {across_m, across_m, 0},
+                           .position_m = {k_m_per_mm * dice[i].wish.place_mm.x,
+                                          k_m_per_mm * dice[i].wish.place_mm.y, 0}});
+  }
+  return scene;
 }
 
 /// The first state at inverse temperature 1 that is satisfied, and what it took.
@@ -118,24 +148,20 @@ ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& 
   die.elapsed_s = clock.now_s() - begin_s;
   if (state) {
     const dice::Dice world(request::world_parameters(text, &dice::request_binding).value());
-    die.motion = motion_of(world, *state, nth);
+    die.motion = motion_of(world, *state, nth, static_cast<std::uint32_t>(dice_wishes().size()));
   }
   return die;
 }
 
 plot::Figure dice_composite(const std::vector<ThrownDie>& dice, const DiceOptions& options) {
-  const worlds::dice::WorldParameters world;
-  cli::DiceScene scene{.dice = dice.size(),
-                       .side_mm = k_mm_per_m * world.side_m,
-                       .spacing_mm = k_mm_per_m * world.table.spacing_m};
-  cli::DiceAnimation animation{.title = "a composite of single animations", .dice = {}};
-  for (std::size_t i = 0; i < dice.size(); ++i) {
-    scene.places.push_back(
-        {.die = i, .centre_mm = dice[i].wish.place_mm, .tolerance_mm = options.tolerance_mm});
-    if (dice[i].motion) animation.dice.push_back(*dice[i].motion);
-  }
-  return cli::dice_figure("Six dice, each thrown by itself onto a table of its own", scene,
-                          {animation});
+  std::vector<motion::Segment> segments;
+  for (const ThrownDie& die : dice)
+    segments.insert(segments.end(), die.motion.begin(), die.motion.end());
+  const cli::ShownAnimation animation{
+      .title = "a composite of single animations",
+      .motion = motion::Animation::of(segments, dice.size()).value()};
+  return cli::animation_figure("Six dice, each thrown by itself onto a table of its own",
+                               composite_scene(dice, options), {animation});
 }
 
 }  // namespace sleight::thesis

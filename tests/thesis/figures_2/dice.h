@@ -4,12 +4,11 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "clients/cli/dice_motions.h"
 #include "clients/plot/figure.h"
+#include "common/motion/segment.h"
 
 namespace sleight::thesis {
 
@@ -32,8 +31,8 @@ struct DiceOptions {
 struct ThrownDie {
   DieWish wish;
   std::uint64_t seed = 0;
-  std::optional<cli::DieMotion>
-      motion{};                   ///< of the first satisfying animation; none within rounds
+  /// Of the first satisfying animation, the die's number being its own; none within rounds.
+  std::vector<motion::Segment> motion{};
   std::uint64_t simulations = 0;  ///< of all temperatures, until then
   std::uint64_t scans = 0;        ///< of the ladder, likewise
   double elapsed_s = 0;           ///< by one thread

@@ -300,15 +300,15 @@ void throw_dice(const Arguments& arguments) {
       "seconds | numbered before: simulations | scans | seconds |\n"
       "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   const auto effort = [](const ThrownDie& die) {
-    return fmt::format(" {}{} | {} | {:.1f} |", die.simulations, die.motion ? "" : ", none found",
-                       die.scans, die.elapsed_s);
+    return fmt::format(" {}{} | {} | {:.1f} |", die.simulations,
+                       die.motion.empty() ? ", none found" : "", die.scans, die.elapsed_s);
   };
   for (std::size_t i = 0; i < after.size(); ++i) {
     const DieWish& wish = after[i].wish;
     fmt::print("| {} | {} | {} | {}, {} |{}{}\n", i + 1, after[i].seed, wish.face, wish.place_mm.x,
                wish.place_mm.y, effort(after[i]), effort(before[i]));
   }
-  if (std::ranges::any_of(after, [](const ThrownDie& die) { return die.motion.has_value(); })) {
+  if (std::ranges::any_of(after, [](const ThrownDie& die) { return !die.motion.empty(); })) {
     plot::save(dice_composite(after, options), arguments.out + "/figure_2_13.svg",
                {.notes = plot::notes_of(arguments.notes)});
   }

@@ -31,6 +31,7 @@ LIBRARIES = (
     ("spdlog", r"spdlog/.*", r"spdlog.*", ("common/logging",), False),
     ("librsvg", r"librsvg/.*|cairo.*|gdk-pixbuf/.*", r"PkgConfig::RSVG|rsvg.*", ("clients/plot",),
      False),
+    ("libpng", r"libpng\d*/.*", r"PkgConfig::PNG|PNG::.*|png", ("clients/plot",), False),
     ("memory mapping", r"sys/mman\.h", r"(?!)", ("common/base",), False),
 )
 

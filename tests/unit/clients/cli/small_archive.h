@@ -15,7 +15,8 @@
 
 namespace sleight::cli {
 
-/// Two chains of four scans each; equal animations, those of scan 3 in chains 0, 1, ...
+/// Of format 1: two chains of four scans each; equal animations, those of scan 3 in chains 0, 1,
+/// ...
 class StoredArchive : public archive::Source {
  public:
   StoredArchive(std::string world, std::string request, double animations)
@@ -78,6 +79,14 @@ class StoredArchive : public archive::Source {
     add("/animations", name, std::move(dims), std::move(values));
   }
 
+  /// A dataset of any group; the group is made where there is none.
+  void add_anywhere(const char* group, const char* name, std::vector<archive::Dimension> dims,
+                    std::vector<double> values) {
+    if (std::ranges::find(groups_, group, &archive::Group::name) == groups_.end())
+      groups_.push_back({.name = group});
+    add(group, name, std::move(dims), std::move(values));
+  }
+
   /// One of every animation's segments: values of one animation, so many to a segment.
   void add_column(const char* name, std::vector<archive::Dimension> dims,
                   const std::vector<double>& values) {
@@ -101,6 +110,14 @@ class StoredArchive : public archive::Source {
   std::size_t segments_ = 0;
   std::vector<archive::Group> groups_;
   std::map<std::string, std::vector<double>> values_;
+};
+
+/// Of format 1 and any world, with an animation of which nothing is known.
+class OldArchive final : public StoredArchive {
+ public:
+  explicit OldArchive(std::string world) : StoredArchive(std::move(world), "", 1) {
+    add_animations(1);
+  }
 };
 
 }  // namespace sleight::cli

@@ -15,17 +15,23 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "clients/cli/world_plots.h"
 #include "clients/plot/figure.h"
 #include "common/archive/model.h"
-#include "common/base/result.h"
 
-namespace sleight::cli {
+namespace sleight::world_plots {
+
+/// Bins of the outcome `offsets`, by a control point's height in standard deviations: below the
+/// first edge, in steps from there, above the last. Its long_name says the same.
+inline constexpr std::size_t k_offset_bins = 14;
+inline constexpr double k_offset_first_sd = -3;
+inline constexpr double k_offset_step_sd = 0.5;
+std::size_t offset_bin_of(double score);
 
 /// A random number of a throw: a column of an archive's variable.
 struct StartComponent {
@@ -37,21 +43,16 @@ struct StartComponent {
   double sd = 1;    ///< above 0
 };
 
-/// The prior of a request for dice.
+/// What blind throws have.
 struct DicePrior {
   std::uint64_t dice = 0;
   std::vector<StartComponent> start{};
   bool is_table_random = true;  ///< the heights of its control points
-  std::size_t offset_bins = 0;  ///< of the outcome "offsets"
-  double offset_first_sd = 0;   ///< where its second bin begins
-  double offset_step_sd = 1;
-  std::function<std::size_t(double score)> bin_of{};  ///< the world's, below offset_bins
 };
 
-/// The prior of a request's text, or what is wrong with a text that is no request for the world
-/// "dice".
-using DicePriorReader =
-    std::function<base::Result<DicePrior, std::string>(std::string_view request_text)>;
+/// From /prior and /sample_stats_prior. Throws base::Error: usage when the archive's format has
+/// none, bad_archive when it is damaged.
+DicePrior dice_prior_of(const archive::Source& source);
 
 /// By how much log densities lie below blind throws' mean.
 struct PlausibilityCost {
@@ -80,7 +81,7 @@ struct DicePlausibility {
 
 /// Of the kept animations of one chain or of all. Throws base::Error: bad_archive when the archive
 /// lacks one of the variables or is damaged, environment when there is no animation, usage when
-/// there is no such chain.
+/// there is no such chain, or all animations were found by search.
 DicePlausibility dice_plausibility(const archive::Source& source, const DicePrior& prior,
                                    std::optional<std::uint64_t> chain);
 
@@ -91,4 +92,13 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
 /// What the figure shows, and the costs in plain words: a few lines.
 std::string plausibility_words(const DicePlausibility& found);
 
-}  // namespace sleight::cli
+/// `plausibility`: these.
+class Dice final : public cli::WorldPlots {
+ public:
+  std::string world() const override;
+  std::vector<Kind> kinds() const override;
+  cli::Picture draw(std::string_view what, const archive::Source& source,
+                    const cli::DrawnPart& part) const override;
+};
+
+}  // namespace sleight::world_plots

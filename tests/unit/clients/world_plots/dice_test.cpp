@@ -1,7 +1,7 @@
 // Goal: what is said of how plausible satisfying animations are follows from their numbers and the
 // prior. Method: a small archive of known starts and heights; draws of the prior itself, which cost
 // nothing.
-#include "clients/cli/dice_plausibility.h"
+#include "clients/world_plots/dice.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,21 +16,35 @@
 #include "tests/unit/clients/cli/failures.h"
 #include "tests/unit/clients/cli/panel_series.h"
 #include "tests/unit/clients/cli/small_archive.h"
+#include "worker/worlds/dice/dice.h"
 
-namespace sleight::cli {
+namespace sleight::world_plots {
 namespace {
 
+using cli::all_of;
+using cli::failure_of;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Of four bins: below -1, to 0, to 1, above.
-std::size_t bin_of(double score) {
-  return score < -1 ? 0 : score < 0 ? 1 : score < 1 ? 2 : 3;
+/// Counts by bin: of the outermost below, of those at -1 and 0 standard deviations, and of the
+/// outermost above.
+std::vector<double> in_bins(double below, double at_minus_one, double at_zero, double above) {
+  std::vector<double> counts(k_offset_bins);
+  counts.front() = below;
+  counts[offset_bin_of(-1)] = at_minus_one;
+  counts[offset_bin_of(0)] = at_zero;
+  counts.back() = above;
+  return counts;
 }
 
-/// Two dice, of which a component each is random and another of the second one; four bins.
+std::vector<double> joined(std::vector<double> first, const std::vector<double>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+/// Two dice, of which a component each is random and another of the second one.
 DicePrior small_prior() {
   const auto x = [](std::uint64_t die) {
     return StartComponent{.variable = "start_position_m",
@@ -49,11 +63,7 @@ DicePrior small_prior() {
                      .axis = 2,
                      .mean = 0,
                      .sd = 0.5}},
-          .is_table_random = true,
-          .offset_bins = 4,
-          .offset_first_sd = -1,
-          .offset_step_sd = 1,
-          .bin_of = bin_of};
+          .is_table_random = true};
 }
 
 /// By animation: (x, y, z) of die 0, then of die 1; heights by bin.
@@ -61,11 +71,18 @@ struct Contents {
   double animations = 2;
   std::vector<double> position_m{1, 7, 7, 3, 7, 7, -1, 7, 7, 5, 7, 7};
   std::vector<double> velocity_mps{7, 7, 7, 7, 7, 0.5, 7, 7, 7, 7, 7, -1};
-  std::vector<double> offsets{0, 3, 1, 0, 1, 2, 0, 1};
+  std::vector<double> offsets = joined(in_bins(0, 3, 1, 0), in_bins(1, 2, 0, 1));
   std::vector<double> offset_squares{2, 8};
+  /// Of the prior: whether there is one, and what a test changes of it.
+  bool has_prior = false;
+  double dice = 2;
+  std::vector<double> position_mean{1, 7, 7, 1, 7, 7};
+  std::vector<double> position_sd{2, 0, k_nan, 2, 0, 0};
+  double velocity_z_sd = 0.5;
+  std::vector<double> squares_of_throws{0, 3, 0};
 };
 
-class SmallArchive final : public StoredArchive {
+class SmallArchive final : public cli::StoredArchive {
  public:
   explicit SmallArchive(const Contents& contents = {})
       : StoredArchive("dice", "[sampler]\nchains = 2\n", contents.animations) {
@@ -74,8 +91,22 @@ class SmallArchive final : public StoredArchive {
     const archive::Dimension xyz{"axis_xyz", 3};
     add_of_animations("start_position_m", {die, xyz}, contents.position_m);
     add_of_animations("start_velocity_mps", {die, xyz}, contents.velocity_mps);
-    add_of_animations("offsets", {{"offset_bin", 4}}, contents.offsets);
+    add_of_animations("offsets", {{"offset_bin", k_offset_bins}}, contents.offsets);
     add_of_animations("offset_squares", {}, contents.offset_squares);
+    if (!contents.has_prior) return;
+    const auto add_prior = [&](const char* name, const std::vector<double>& values) {
+      add_anywhere("/prior", name, {{"die", static_cast<std::uint64_t>(contents.dice)}, xyz},
+                   values);
+    };
+    add_prior("start_position_m_prior_mean", contents.position_mean);
+    add_prior("start_position_m_prior_sd", contents.position_sd);
+    add_prior("start_velocity_mps_prior_mean", {0, 0, 0, 0, 0, 0});
+    add_prior("start_velocity_mps_prior_sd", {0, 0, 0, 0, 0, contents.velocity_z_sd});
+    add_prior("start_spin_radps_prior_mean", {0, 0, 0, 0, 0, 0});
+    add_prior("start_spin_radps_prior_sd", {0, 0, 0, 0, 0, 0});
+    add_anywhere("/sample_stats_prior", "offset_squares",
+                 {{"chain", 1}, {"draw", contents.squares_of_throws.size()}},
+                 contents.squares_of_throws);
   }
 };
 
@@ -88,7 +119,7 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_EQ(all.start[0].name, "position x");
   EXPECT_THAT(all.start[0].scores, ElementsAre(0, -1, 1, 2));
   EXPECT_THAT(all.start[1].scores, ElementsAre(1, -2));
-  EXPECT_THAT(all.offsets, ElementsAre(1, 5, 1, 1));
+  EXPECT_EQ(all.offsets, in_bins(1, 5, 1, 1));
   EXPECT_EQ(all.lineages, 2U);
   EXPECT_DOUBLE_EQ(all.start_cost.mean, 0.5 * (5.5 - 3));
   EXPECT_DOUBLE_EQ(all.start_cost.spread, std::sqrt(1.5));
@@ -148,11 +179,11 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
       contents.position_m.push_back(normal(1, 2));
       contents.velocity_mps.push_back(normal(0, 0.5));
     }
-    std::vector<double> bins(4);
+    std::vector<double> bins(k_offset_bins);
     double squares = 0;
     for (int point = 0; point < 30; ++point) {
       const double height = normal(0, 1);
-      ++bins[bin_of(height)];
+      ++bins[offset_bin_of(height)];
       squares += height * height;
     }
     contents.offsets.insert(contents.offsets.end(), bins.begin(), bins.end());
@@ -176,10 +207,12 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
       area += (bar.high.x - bar.low.x) * bar.high.y;
     EXPECT_NEAR(area, 1, 1e-9) << panel.title;
     const auto bars = all_of<plot::Rectangle>(panel);
-    ASSERT_EQ(bars.size(), 4U);
-    EXPECT_DOUBLE_EQ(bars[1].low.x, -1);
-    EXPECT_NEAR(bars[1].high.y, 0.3413, 0.03);
-    EXPECT_NEAR(bars[3].high.y, 0.1587, 0.03);
+    ASSERT_EQ(bars.size(), k_offset_bins);
+    EXPECT_DOUBLE_EQ(bars[1].low.x, -3);
+    EXPECT_DOUBLE_EQ(bars[5].low.x, -1);
+    // From -1 to -1/2, 0.1499 of all in half a unit; beyond 3, 0.0013.
+    EXPECT_NEAR(bars[5].high.y, 0.2998, 0.05);
+    EXPECT_NEAR(bars[13].high.y, 0.0027, 0.01);
   }
   EXPECT_EQ(plot::to_svg(figure).find("nan"), std::string::npos);
 }
@@ -201,20 +234,15 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
         base::ExitCode::bad_archive);
   };
   refused({.position_m = {1, 7, 7, k_nan, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m: it has");
-  refused({.offsets = {0, 3, 1, -1, 1, 2, 0, 1}}, "offsets: it has");
-  refused({.offsets = {0, 3, 1, k_nan, 1, 2, 0, 1}}, "offsets: it has");
+  refused({.offsets = joined(in_bins(0, 3, 1, -1), in_bins(1, 2, 0, 1))}, "offsets: it has");
+  refused({.offsets = joined(in_bins(0, 3, 1, k_nan), in_bins(1, 2, 0, 1))}, "offsets: it has");
   refused({.offset_squares = {2, -8}}, "offset_squares: it has");
   refused({.offset_squares = {2, std::numeric_limits<double>::infinity()}}, "offset_squares: it");
   refused({.position_m = {1, 7, 7, 1e200, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m: it has");
-  refused({.offsets = {0, 3, 1, 1e200, 1, 2, 0, 1}}, "offsets: it has");
-  refused({.offsets = {0, 3, 1, 0.5, 1, 2, 0, 1}}, "offsets: it has");
+  refused({.offsets = joined(in_bins(0, 3, 1, 1e200), in_bins(1, 2, 0, 1))}, "offsets: it has");
+  refused({.offsets = joined(in_bins(0, 3, 1, 0.5), in_bins(1, 2, 0, 1))}, "offsets: it has");
   refused({.offset_squares = {2, 1e200}}, "offset_squares: it has");
   DicePrior prior = small_prior();
-  prior.offset_bins = 5;
-  EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(), prior, {}); },
-                       "offsets: expected rows of 5 numbers"),
-            base::ExitCode::bad_archive);
-  prior = small_prior();
   prior.dice = 3;
   EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(), prior, {}); },
                        "start_position_m: expected rows of 9 numbers"),
@@ -228,5 +256,65 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
             base::ExitCode::usage);
 }
 
+TEST(DicePlausibility, ThePriorIsTheArchives) {
+  // Goal: what blind throws have is read from the archive: components that vary, in the order of
+  // dice, and whether the table does; an old archive says what it lacks and what to do. Method: a
+  // small archive with known priors, then without, then damaged.
+  const DicePrior prior = dice_prior_of(SmallArchive({.has_prior = true}));
+  EXPECT_EQ(prior.dice, 2U);
+  EXPECT_TRUE(prior.is_table_random);
+  std::vector<std::string> found;
+  for (const StartComponent& one : prior.start)
+    found.push_back(one.name + " of " + std::to_string(one.die));
+  EXPECT_THAT(found, ElementsAre("position x of 0", "position x of 1", "velocity z of 1"));
+  EXPECT_EQ(prior.start[1].variable, "start_position_m");
+  EXPECT_EQ(prior.start[1].mean, 1);
+  EXPECT_EQ(prior.start[1].sd, 2);
+  EXPECT_EQ(prior.start[2].axis, 2U);
+  EXPECT_EQ(prior.start[2].sd, 0.5);
+  EXPECT_FALSE(dice_prior_of(SmallArchive({.has_prior = true, .squares_of_throws = {0, 0}}))
+                   .is_table_random);
+  // The whole picture is that of the same prior by hand.
+  const cli::Picture picture = Dice().draw("plausibility", SmallArchive({.has_prior = true}), {});
+  EXPECT_EQ(picture.words,
+            plausibility_words(dice_plausibility(SmallArchive(), small_prior(), {})));
+  EXPECT_EQ(picture.figure.panels.size(), 3U);
+
+  EXPECT_EQ(failure_of([&] { dice_prior_of(SmallArchive()); },
+                       "archives of its format, 1, have no prior to compare with; make a newer one "
+                       "of its run, by `sleight archive derive`"),
+            base::ExitCode::usage);
+  const auto refused = [](const Contents& contents, const char* words) {
+    EXPECT_EQ(failure_of([&] { dice_prior_of(SmallArchive(contents)); }, words),
+              base::ExitCode::bad_archive);
+  };
+  refused({.has_prior = true, .position_mean = {k_nan, 7, 7, 1, 7, 7}},
+          "start_position_m_prior_mean: it has values that no throw has");
+  refused({.has_prior = true, .dice = 1e6}, "expected three numbers of each of at most 1000 dice");
+  refused({.has_prior = true, .squares_of_throws = {}},
+          "offset_squares: expected one chain of 2 to 1000 draws");
+}
+
+TEST(DicePlausibility, NothingRandomIsSaid) {
+  // Goal: of throws of which nothing varies there is nothing to compare. Method: such a prior.
+  const SmallArchive fixed({.has_prior = true,
+                            .position_sd = {0, 0, 0, 0, 0, 0},
+                            .velocity_z_sd = 0,
+                            .squares_of_throws = {0, 0}});
+  EXPECT_EQ(failure_of([&] { Dice().draw("plausibility", fixed, {}); },
+                       "of its throws nothing is normally distributed"),
+            base::ExitCode::environment);
+}
+
+TEST(DicePlausibility, BinsAreThoseOfTheWorld) {
+  // Goal: scores fall into the bins that the world counts control points by. Method: both functions
+  // over scores in and beyond all bins.
+  EXPECT_EQ(k_offset_bins, worlds::dice::k_offset_bins);
+  EXPECT_EQ(k_offset_first_sd, worlds::dice::k_offset_first_sd);
+  EXPECT_EQ(k_offset_step_sd, worlds::dice::k_offset_step_sd);
+  for (int eighth = -80; eighth <= 80; ++eighth)
+    EXPECT_EQ(offset_bin_of(eighth / 8.0), worlds::dice::offset_bin_of(eighth / 8.0)) << eighth;
+}
+
 }  // namespace
-}  // namespace sleight::cli
+}  // namespace sleight::world_plots

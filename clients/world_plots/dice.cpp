@@ -1,8 +1,9 @@
-#include "clients/cli/dice_plausibility.h"
+#include "clients/world_plots/dice.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -17,10 +18,11 @@
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
-namespace sleight::cli {
+namespace sleight::world_plots {
 namespace {
 
-constexpr double k_edge_sd = 3.75;  ///< panels end there
+constexpr std::uint64_t k_dice_max = 1000;  ///< more than any request has
+constexpr double k_edge_sd = 3.75;          ///< panels end there
 constexpr std::size_t k_curve_points = 81;
 constexpr double k_row_px = 240;
 constexpr std::size_t k_columns = 4;
@@ -30,16 +32,15 @@ double normal_density(double x) {
 }
 
 /// Scores by the bins of control points.
-std::vector<double> counted(std::span<const double> scores, const DicePrior& prior) {
-  std::vector<double> counts(prior.offset_bins);
+std::vector<double> counted(std::span<const double> scores) {
+  std::vector<double> counts(k_offset_bins);
   for (const double score : scores)
-    ++counts.at(prior.bin_of(score));
+    ++counts.at(offset_bin_of(score));
   return counts;
 }
 
 /// Bars whose area is 1, and the prior. The outermost bins are drawn as wide as others.
-plot::Panel panel_of(const std::string& title, std::span<const double> counts,
-                     const DicePrior& prior) {
+plot::Panel panel_of(const std::string& title, std::span<const double> counts) {
   plot::Panel panel{.title = title,
                     .x_label = "standard scores",
                     .y_label = "density",
@@ -47,13 +48,12 @@ plot::Panel panel_of(const std::string& title, std::span<const double> counts,
                     .legend = false};
   const double all = std::max(1.0, std::accumulate(counts.begin(), counts.end(), 0.0));
   for (std::size_t bin = 0; bin < counts.size(); ++bin) {
-    const double low =
-        prior.offset_first_sd + (static_cast<double>(bin) - 1) * prior.offset_step_sd;
-    panel.series.push_back(plot::Rectangle{
-        .low = {low, 0},
-        .high = {low + prior.offset_step_sd, counts[bin] / all / prior.offset_step_sd},
-        .color = plot::palette::k_sky,
-        .label = "satisfying animations"});
+    const double low = k_offset_first_sd + (static_cast<double>(bin) - 1) * k_offset_step_sd;
+    panel.series.push_back(
+        plot::Rectangle{.low = {low, 0},
+                        .high = {low + k_offset_step_sd, counts[bin] / all / k_offset_step_sd},
+                        .color = plot::palette::k_sky,
+                        .label = "satisfying animations"});
   }
   plot::Line curve{.color = plot::palette::k_vermillion, .label = "blind throws"};
   for (std::size_t i = 0; i < k_curve_points; ++i) {
@@ -64,17 +64,65 @@ plot::Panel panel_of(const std::string& title, std::span<const double> counts,
   return panel;
 }
 
-[[noreturn]] void refuse_number(const archive::Source& source, std::string_view variable) {
+/// What is normally distributed of a die's start.
+struct NormalVector {
+  const char* variable;
+  const char* name;  ///< for people
+};
+constexpr std::array<NormalVector, 3> k_normal_vectors{{{"start_position_m", "position"},
+                                                        {"start_velocity_mps", "velocity"},
+                                                        {"start_spin_radps", "spin"}}};
+constexpr std::array k_axes{"x", "y", "z"};
+
+/// How many dice an archive is of: the rows of a start's variable.
+std::uint64_t dice_of(const archive::Source& source) {
+  const std::string name = fmt::format("{}_prior_sd", k_normal_vectors.front().variable);
+  const archive::DatasetSpec* spec =
+      archive::find_dataset(*archive::find_group(source, archive::k_prior), name);
+  if (spec == nullptr || spec->dims.size() != 2 || spec->dims[0].size > k_dice_max) {
+    throw base::Error(
+        base::ExitCode::bad_archive,
+        fmt::format("{}: {}: expected three numbers of each of at most {} dice", source.name(),
+                    archive::path_of(archive::k_prior, name), k_dice_max));
+  }
+  return spec->dims[0].size;
+}
+
+/// Three numbers of each die.
+std::vector<double> of_dice(const archive::Source& source, const std::string& name,
+                            std::uint64_t dice) {
+  return cli::read_rows(source, archive::k_prior, name, 3, {.first = 0, .count = dice});
+}
+
+/// Whether control points of blind throws have heights other than the mean.
+bool is_table_random(const archive::Source& source) {
+  constexpr const char* k_squares = "offset_squares";
+  const archive::DatasetSpec* spec =
+      archive::find_dataset(*archive::find_group(source, archive::k_sample_stats_prior), k_squares);
+  const std::uint64_t draws = spec == nullptr || spec->dims.size() != 2 ? 0 : spec->dims[1].size;
+  if (draws < 2 || draws > archive::k_prior_draws) {
+    throw base::Error(base::ExitCode::bad_archive,
+                      fmt::format("{}: {}: expected one chain of 2 to {} draws", source.name(),
+                                  archive::path_of(archive::k_sample_stats_prior, k_squares),
+                                  archive::k_prior_draws));
+  }
+  const std::vector<double> squares = cli::read_rows(source, archive::k_sample_stats_prior,
+                                                     k_squares, draws, {.first = 0, .count = 1});
+  return std::ranges::any_of(squares, [](double sum) { return sum > 0; });
+}
+
+[[noreturn]] void refuse_number(const archive::Source& source, std::string_view variable,
+                                std::string_view group = archive::k_animations) {
   throw base::Error(base::ExitCode::bad_archive,
                     fmt::format("{}: {}: it has values that no throw has", source.name(),
-                                archive::path_of(archive::k_animations, variable)));
+                                archive::path_of(group, variable)));
 }
 
 /// One variable of all animations.
 std::vector<double> read_all(const archive::Source& source, std::string_view variable,
                              std::uint64_t width) {
-  return read_rows(source, archive::k_animations, variable, width,
-                   {.first = 0, .count = archive::summary_of(source).animations});
+  return cli::read_rows(source, archive::k_animations, variable, width,
+                        {.first = 0, .count = archive::summary_of(source).animations});
 }
 
 /// No throw's scores are beyond.
@@ -105,16 +153,16 @@ std::vector<double> read_start(const archive::Source& source, const DicePrior& p
 }
 
 /// The same of the table.
-std::vector<double> read_table(const archive::Source& source, const DicePrior& prior,
+std::vector<double> read_table(const archive::Source& source,
                                std::span<const std::size_t> animations, DicePlausibility& found) {
-  found.offsets.resize(prior.offset_bins);
-  const std::vector<double> offsets = read_all(source, "offsets", prior.offset_bins);
-  const std::vector<double> squares = of_animations(source, "offset_squares");
+  found.offsets.resize(k_offset_bins);
+  const std::vector<double> offsets = read_all(source, "offsets", k_offset_bins);
+  const std::vector<double> squares = cli::of_animations(source, "offset_squares");
   std::vector<double> costs;
   for (const std::size_t row : animations) {
     double points = 0;
-    for (std::size_t bin = 0; bin < prior.offset_bins; ++bin) {
-      const double count = offsets[row * prior.offset_bins + bin];
+    for (std::size_t bin = 0; bin < k_offset_bins; ++bin) {
+      const double count = offsets[row * k_offset_bins + bin];
       if (!(count >= 0 && count <= k_points_max) || std::trunc(count) != count)
         refuse_number(source, "offsets");
       found.offsets[bin] += count;
@@ -130,8 +178,8 @@ std::vector<double> read_table(const archive::Source& source, const DicePrior& p
 /// Animations' lineages, as numbers from 0; how many there are.
 std::size_t number_lineages(const archive::Source& source, std::span<const std::size_t> animations,
                             std::vector<std::size_t>& numbers) {
-  const std::vector<double> chain = of_animations(source, "chain");
-  const std::vector<double> lineage = of_animations(source, "lineage");
+  const std::vector<double> chain = cli::of_animations(source, "chain");
+  const std::vector<double> lineage = cli::of_animations(source, "lineage");
   std::map<std::pair<double, double>, std::size_t> seen;
   for (const std::size_t row : animations)
     numbers.push_back(seen.try_emplace({chain[row], lineage[row]}, seen.size()).first->second);
@@ -181,10 +229,56 @@ std::string verdict(const PlausibilityCost& cost) {
 
 }  // namespace
 
+std::size_t offset_bin_of(double score) {
+  constexpr double k_last = k_offset_bins - 1;
+  const double bin = std::floor((score - k_offset_first_sd) / k_offset_step_sd) + 1;
+  return static_cast<std::size_t>(std::clamp(bin, 0.0, k_last));
+}
+
+DicePrior dice_prior_of(const archive::Source& source) {
+  cli::require_group(source, archive::k_prior, "prior to compare with");
+  cli::require_group(source, archive::k_sample_stats_prior, "prior to compare with");
+  DicePrior prior{.dice = dice_of(source)};
+  std::vector<std::vector<double>> means;
+  std::vector<std::vector<double>> sds;
+  for (const NormalVector& vector : k_normal_vectors) {
+    means.push_back(of_dice(source, fmt::format("{}_prior_mean", vector.variable), prior.dice));
+    sds.push_back(of_dice(source, fmt::format("{}_prior_sd", vector.variable), prior.dice));
+  }
+  for (std::uint64_t die = 0; die < prior.dice; ++die) {
+    for (std::size_t i = 0; i < k_normal_vectors.size(); ++i) {
+      for (std::uint64_t axis = 0; axis < k_axes.size(); ++axis) {
+        const double sd = sds[i].at(3 * die + axis);
+        const double mean = means[i].at(3 * die + axis);
+        // 0 of what is fixed, NaN of what is otherwise distributed.
+        if (!(sd > 0)) continue;
+        if (!std::isfinite(sd) || !std::isfinite(mean)) {
+          refuse_number(source, fmt::format("{}_prior_mean", k_normal_vectors[i].variable),
+                        archive::k_prior);
+        }
+        prior.start.push_back({.variable = k_normal_vectors[i].variable,
+                               .name = fmt::format("{} {}", k_normal_vectors[i].name, k_axes[axis]),
+                               .die = die,
+                               .axis = axis,
+                               .mean = mean,
+                               .sd = sd});
+      }
+    }
+  }
+  prior.is_table_random = is_table_random(source);
+  return prior;
+}
+
 DicePlausibility dice_plausibility(const archive::Source& source, const DicePrior& prior,
                                    std::optional<std::uint64_t> chain) {
+  if (cli::drawn_group(source) == archive::k_finds) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: its animations were found by search, not in the model's "
+                                  "proportions: how plausible they are says nothing of others",
+                                  source.name()));
+  }
   const std::vector<std::size_t> animations =
-      choose_animations(source, chain, std::numeric_limits<std::size_t>::max());
+      cli::choose_animations(source, chain, std::numeric_limits<std::size_t>::max());
   DicePlausibility found{.animations = animations.size()};
   std::vector<std::size_t> lineage_of;
   found.lineages = number_lineages(source, animations, lineage_of);
@@ -204,7 +298,7 @@ DicePlausibility dice_plausibility(const archive::Source& source, const DicePrio
     numbers += components;
   }
   if (prior.is_table_random) {
-    const std::vector<double> of_table = read_table(source, prior, animations, found);
+    const std::vector<double> of_table = read_table(source, animations, found);
     const double points = std::accumulate(found.offsets.begin(), found.offsets.end(), 0.0) /
                           static_cast<double>(animations.size());
     found.table_cost = add(of_table, points);
@@ -221,10 +315,9 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
                            found.animations),
       .height_px = 0,
       .panels = {}};
-  if (prior.is_table_random)
-    figure.panels.push_back(panel_of("table heights", found.offsets, prior));
+  if (prior.is_table_random) figure.panels.push_back(panel_of("table heights", found.offsets));
   for (const DicePlausibility::Scores& component : found.start)
-    figure.panels.push_back(panel_of(component.name, counted(component.scores, prior), prior));
+    figure.panels.push_back(panel_of(component.name, counted(component.scores)));
   figure.columns = std::clamp<std::size_t>(figure.panels.size(), 1, k_columns);
   const std::size_t rows = (figure.panels.size() + figure.columns - 1) / figure.columns;
   figure.height_px = k_row_px * static_cast<double>(std::max<std::size_t>(1, rows));
@@ -240,4 +333,26 @@ std::string plausibility_words(const DicePlausibility& found) {
       words_of(found.start_cost), words_of(found.table_cost), verdict(found.cost));
 }
 
-}  // namespace sleight::cli
+std::string Dice::world() const {
+  return "dice";
+}
+
+std::vector<cli::WorldPlots::Kind> Dice::kinds() const {
+  return {{.what = "plausibility", .help = "starts and tables beside blind throws'"}};
+}
+
+cli::Picture Dice::draw(std::string_view /*what*/, const archive::Source& source,
+                        const cli::DrawnPart& part) const {
+  const DicePrior prior = dice_prior_of(source);
+  if (prior.start.empty() && !prior.is_table_random) {
+    throw base::Error(
+        base::ExitCode::environment,
+        fmt::format("{}: of its throws nothing is normally distributed: no component of a start, "
+                    "no heights of the table",
+                    source.name()));
+  }
+  const DicePlausibility found = dice_plausibility(source, prior, part.chain);
+  return {.figure = plausibility_figure(found, prior), .words = plausibility_words(found)};
+}
+
+}  // namespace sleight::world_plots

@@ -1,12 +1,13 @@
-#include "clients/cli/ball_2d_figures.h"
+#include "clients/world_plots/ball_2d.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
-#include <vector>
 
 #include "clients/cli/kept_animations.h"
 #include "clients/cli/request_numbers.h"
@@ -15,8 +16,13 @@
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
-namespace sleight::cli {
+namespace sleight::world_plots {
 namespace {
+
+using cli::RequestNumbers;
+using cli::Rows;
+
+constexpr const char* k_paths = "paths";
 
 constexpr int k_points_per_hop = 40;
 
@@ -40,7 +46,7 @@ Asked asked_of(const archive::Source& source) {
                     .target = numbers.at("constraint", "target_diameters"),
                     .tolerance = numbers.at("constraint", "tolerance_diameters"),
                     .gravity_mps2 = numbers.at("world", "gravity_mps2"),
-                    .step = scan_label(numbers)};
+                    .step = cli::scan_label(numbers)};
   if (!(asked.diameter_m > 0 && asked.tolerance >= 0) || !std::isfinite(asked.diameter_m) ||
       !std::isfinite(asked.target) || !std::isfinite(asked.tolerance) ||
       !std::isfinite(asked.gravity_mps2)) {
@@ -68,30 +74,32 @@ std::vector<double> in_plane(const std::vector<double>& vectors) {
 
 /// Of formats 1 and 2, where hops had columns of their own.
 Segments read_old_segments(const archive::Source& source, const Rows& rows) {
-  return {.duration_s = read_rows(source, archive::k_animations, "duration_s", 1, rows),
-          .position_m = read_rows(source, archive::k_animations, "position_m", 2, rows),
-          .velocity_mps = read_rows(source, archive::k_animations, "velocity_mps", 2, rows),
-          .normal_rad = read_rows(source, archive::k_animations, "hop_normal_rad", 1, rows)};
+  return {.duration_s = cli::read_rows(source, archive::k_animations, "duration_s", 1, rows),
+          .position_m = cli::read_rows(source, archive::k_animations, "position_m", 2, rows),
+          .velocity_mps = cli::read_rows(source, archive::k_animations, "velocity_mps", 2, rows),
+          .normal_rad = cli::read_rows(source, archive::k_animations, "hop_normal_rad", 1, rows)};
 }
 
 Segments read_segments(const archive::Source& source, std::size_t animation) {
-  const Rows rows = segments_of(source, animation, k_hops_max);
+  const Rows rows = cli::segments_of(source, animation, k_hops_max);
   const archive::Group* group = archive::find_group(source, archive::k_animations);
   if (group != nullptr && archive::find_dataset(*group, "duration_s") != nullptr)
     return read_old_segments(source, rows);
-  if (rows.count == 0) refuse_animation(source, animation, "has no motion");
-  const std::vector<double> start_s = read_rows(source, archive::k_animations, "start_s", 1, rows);
+  if (rows.count == 0) cli::refuse_animation(source, animation, "has no motion");
+  const std::vector<double> start_s =
+      cli::read_rows(source, archive::k_animations, "start_s", 1, rows);
   const std::uint64_t hops = rows.count - 1;  // the last row is where the ball lies
   Segments segments{
       .duration_s = {},
-      .position_m = in_plane(read_rows(source, archive::k_animations, "position_m", 3, rows)),
-      .velocity_mps = in_plane(read_rows(source, archive::k_animations, "velocity_mps", 3, rows)),
+      .position_m = in_plane(cli::read_rows(source, archive::k_animations, "position_m", 3, rows)),
+      .velocity_mps =
+          in_plane(cli::read_rows(source, archive::k_animations, "velocity_mps", 3, rows)),
       .normal_rad = {std::numeric_limits<double>::quiet_NaN()}};
   for (std::size_t i = 0; i < hops; ++i)
     segments.duration_s.push_back(start_s[i + 1] - start_s[i]);
   if (hops == 0) return segments;
-  const std::vector<double> normals = read_rows(source, archive::k_animations, "normal_rad",
-                                                hops - 1, {.first = animation, .count = 1});
+  const std::vector<double> normals = cli::read_rows(source, archive::k_animations, "normal_rad",
+                                                     hops - 1, {.first = animation, .count = 1});
   segments.normal_rad.insert(segments.normal_rad.end(), normals.begin(), normals.end());
   return segments;
 }
@@ -156,10 +164,7 @@ plot::Panel path_panel(const Segments& segments, const Asked& asked) {
   return panel;
 }
 
-}  // namespace
-
-plot::Figure ball_2d_trace(const archive::Source& source, std::optional<std::uint64_t> chain,
-                           std::uint64_t draws) {
+plot::Figure trace_figure(const archive::Source& source, const cli::DrawnPart& part) {
   const Asked asked = asked_of(source);
   plot::Panel landing{.title = "Where the ball lands",
                       .x_label = asked.step,
@@ -170,14 +175,14 @@ plot::Figure ball_2d_trace(const archive::Source& source, std::optional<std::uin
                                                 .label = "satisfied"});
   plot::Panel log_p{.title = "log p", .x_label = asked.step, .y_label = "log p"};
 
-  const std::vector<std::uint64_t> chains = chains_to_draw(source, chain);
+  const std::vector<std::uint64_t> chains = cli::chains_to_draw(source, part.chain);
   std::vector<double> all_landings;
   std::vector<double> all_log_p;
   for (std::size_t i = 0; i < chains.size(); ++i) {
-    const TraceRange range{.chain = chains[i], .draws = draws};
+    const cli::TraceRange range{.chain = chains[i], .draws = part.draws};
     const std::string label = fmt::format("chain {}", chains[i]);
-    std::vector<plot::Point> x = trace(source, "landing_x_m", range, 1 / asked.diameter_m);
-    std::vector<plot::Point> lp = trace(source, "lp", range, 1);
+    std::vector<plot::Point> x = cli::trace(source, "landing_x_m", range, 1 / asked.diameter_m);
+    std::vector<plot::Point> lp = cli::trace(source, "lp", range, 1);
     append_values(x, all_landings);
     append_values(lp, all_log_p);
     landing.series.push_back(plot::Steps{
@@ -196,12 +201,11 @@ plot::Figure ball_2d_trace(const archive::Source& source, std::optional<std::uin
           .panels = {std::move(landing), std::move(log_p)}};
 }
 
-plot::Figure ball_2d_paths(const archive::Source& source, std::optional<std::uint64_t> chain,
-                           std::size_t count) {
+plot::Figure paths_figure(const archive::Source& source, const cli::DrawnPart& part) {
   const Asked asked = asked_of(source);
-  const std::vector<std::size_t> chosen = choose_animations(source, chain, count);
-  const std::vector<double> chains = of_animations(source, "chain");
-  const std::vector<double> scans = of_animations(source, "draw");
+  const std::vector<std::size_t> chosen = cli::choose_animations(source, part.chain, part.count);
+  const std::vector<double> chains = cli::of_animations(source, "chain");
+  const std::vector<double> scans = cli::of_animations(source, "draw");
   const std::size_t columns = std::min(chosen.size(), k_columns_max);
   const std::size_t rows = (chosen.size() - 1) / columns + 1;
   plot::Figure figure{.title = "2D ball: paths that land at the target",
@@ -218,4 +222,20 @@ plot::Figure ball_2d_paths(const archive::Source& source, std::optional<std::uin
   return figure;
 }
 
-}  // namespace sleight::cli
+}  // namespace
+
+std::string Ball2d::world() const {
+  return "ball_2d";
+}
+
+std::vector<cli::WorldPlots::Kind> Ball2d::kinds() const {
+  return {{.what = std::string(cli::k_trace)},
+          {.what = k_paths, .help = "the same as the thesis shows it"}};
+}
+
+cli::Picture Ball2d::draw(std::string_view what, const archive::Source& source,
+                          const cli::DrawnPart& part) const {
+  return {.figure = what == k_paths ? paths_figure(source, part) : trace_figure(source, part)};
+}
+
+}  // namespace sleight::world_plots

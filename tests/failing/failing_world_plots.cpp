@@ -1,0 +1,10 @@
+// The programs' plots for tests of failures: those of every world.
+#include "clients/cli/main_world_plots.h"
+
+namespace sleight::programs {
+
+cli::PlotsOfWorlds plots_of_program() {
+  return {};
+}
+
+}  // namespace sleight::programs

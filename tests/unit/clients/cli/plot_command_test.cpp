@@ -1,0 +1,96 @@
+// Goal: a world's own plots come from the list of them: what can be asked for, the help, whose
+// trace is drawn, and what is said of a picture that an archive can't have. Method: two made-up
+// worlds and archives of them, of a third world and of an old format.
+#include "clients/cli/plot_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+
+#include "common/base/error.h"
+#include "tests/unit/clients/cli/failures.h"
+#include "tests/unit/clients/cli/small_archive.h"
+
+namespace sleight::cli {
+namespace {
+
+using ::testing::ElementsAre;
+
+class MadeUpPlots final : public WorldPlots {
+ public:
+  MadeUpPlots(std::string world, std::vector<Kind> kinds)
+      : world_(std::move(world)), kinds_(std::move(kinds)) {}
+
+  std::string world() const override { return world_; }
+  std::vector<Kind> kinds() const override { return kinds_; }
+  Picture draw(std::string_view what, const archive::Source&,
+               const DrawnPart& part) const override {
+    return {.figure = {.title = world_ + "'s " + std::string(what)},
+            .words = std::to_string(part.count)};
+  }
+
+ private:
+  std::string world_;
+  std::vector<Kind> kinds_;
+};
+
+/// Marbles have smoke and a trace of their own, rods smoke and mirrors.
+PlotsOfWorlds two_worlds() {
+  PlotsOfWorlds worlds;
+  worlds.push_back(std::make_unique<MadeUpPlots>(
+      "marbles", std::vector<WorldPlots::Kind>{{"trace", ""}, {"smoke", "what burns"}}));
+  worlds.push_back(std::make_unique<MadeUpPlots>(
+      "rods", std::vector<WorldPlots::Kind>{{"smoke", "what glows"}, {"mirrors", "what shines"}}));
+  return worlds;
+}
+
+PlotOptions asking_for(std::string what) {
+  PlotOptions options;
+  options.path = "small.h5";
+  options.what = std::move(what);
+  options.count = 7;
+  return options;
+}
+
+TEST(PlotCommand, WhatCanBeAskedForComesFromTheWorlds) {
+  const PlotsOfWorlds worlds = two_worlds();
+  EXPECT_THAT(whats_of(worlds), ElementsAre("trace", "animations", "smoke", "mirrors"));
+  EXPECT_THAT(whats_of({}), ElementsAre("trace", "animations"));
+  EXPECT_EQ(help_of_whats(worlds),
+            "trace: outcome and log p; animations: the motion; smoke: what burns (marbles, rods); "
+            "mirrors: what shines (rods)");
+}
+
+TEST(PlotCommand, AWorldDrawsWhatItHas) {
+  const PlotsOfWorlds worlds = two_worlds();
+  const auto title = [&](const char* world, const char* what) {
+    return picture_of(OldArchive(world), asking_for(what), true, worlds).figure.title;
+  };
+  EXPECT_EQ(title("marbles", "trace"), "marbles's trace");
+  EXPECT_EQ(title("marbles", "smoke"), "marbles's smoke");
+  EXPECT_EQ(title("rods", "mirrors"), "rods's mirrors");
+  // A trace that is everyone's.
+  EXPECT_EQ(title("rods", "trace"), "rods");
+  EXPECT_EQ(title("gas", "trace"), "gas");
+  EXPECT_EQ(picture_of(OldArchive("rods"), asking_for("mirrors"), true, worlds).words, "7");
+}
+
+TEST(PlotCommand, WhatAnArchiveCannotHaveIsSaid) {
+  const PlotsOfWorlds worlds = two_worlds();
+  const auto refused = [&](const char* world, const char* what, const char* words) {
+    EXPECT_EQ(
+        failure_of([&] { picture_of(OldArchive(world), asking_for(what), true, worlds); }, words),
+        base::ExitCode::usage);
+  };
+  refused("gas", "smoke",
+          "smoke can be drawn of marbles and rods archives only, and small.h5 is of the world gas");
+  refused("marbles", "mirrors", "mirrors can be drawn of rods archives only, and small.h5 is of");
+  refused("gas", "animations",
+          "small.h5: archives of its format, 1, have no scene; make a newer one of its run, by "
+          "`sleight archive derive`, or direct its request again");
+}
+
+}  // namespace
+}  // namespace sleight::cli
