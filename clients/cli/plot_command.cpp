@@ -17,7 +17,7 @@
 #include "clients/plot/terminal.h"
 #include "common/archive/format.h"
 #include "common/archive/hdf5/guarded.h"
-#include "common/archive/hdf5/reader.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
@@ -146,7 +146,7 @@ int plot_archive(const PlotOptions& options, const WorldReaders& readers) {
   if (options.output.empty() && !notes.empty())
     throw base::Error(base::ExitCode::usage, "--note goes with -o FILE.svg");
   const auto draw = [&] {
-    const auto source = archive::hdf5::open_file(options.path);
+    const auto source = archive::remote::open_remote(options.path);
     const Picture picture = options.what == "plausibility"
                                 ? plausibility_of(*source, options, readers)
                                 : Picture{.figure = figure_of(*source, options, readers)};
