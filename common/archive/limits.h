@@ -1,6 +1,6 @@
 // Sizes up to which an archive is read. What writes one stays far below them; what asks for more is
-// damaged or hostile. The HDF5 reader (hdf5/reader.h) checks them in files, and the other end of the
-// pipe to a reader process (remote/remote_source.h) checks them again in its answers.
+// damaged or hostile. The HDF5 reader (hdf5/reader.h) checks them in files, and the other end of
+// the pipe to a reader process (remote/remote_source.h) checks them again in its answers.
 #pragma once
 
 #include <cstdint>

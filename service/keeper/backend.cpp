@@ -18,9 +18,9 @@
 #include <linux/close_range.h>
 
 #include "common/base/check.h"
+#include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
-#include "common/base/descriptor.h"
 #include "service/keeper/keeper_lock.h"
 #include "service/keeper/process_table.h"
 #include "service/keeper/program.h"

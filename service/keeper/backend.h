@@ -36,9 +36,9 @@
 #include <optional>
 #include <string>
 
+#include "common/base/descriptor.h"
 #include "service/keeper/attempt_record.h"
 #include "service/keeper/command.h"
-#include "common/base/descriptor.h"
 
 namespace sleight::keeper {
 

@@ -25,11 +25,11 @@
 
 #include "common/base/check.h"
 #include "common/base/clock.h"
+#include "common/base/descriptor.h"
 #include "common/base/file_system.h"
 #include "common/store/sessions.h"
 #include "service/keeper/attempt_record.h"
 #include "service/keeper/command.h"
-#include "common/base/descriptor.h"
 #include "service/keeper/keeper_lock.h"
 #include "service/keeper/process_table.h"
 #include "service/keeper/program.h"

@@ -188,6 +188,7 @@ class Shells(TidyTest):
         ("openssl/evp.h", "OpenSSL::Crypto", "common/hash", "OpenSSL"),
         ("spdlog/spdlog.h", "spdlog::spdlog", "common/logging", "spdlog"),
         ("librsvg/rsvg.h", "PkgConfig::RSVG", "clients/plot", "librsvg"),
+        ("seccomp.h", "PkgConfig::SECCOMP", "common/archive/reader_program", "libseccomp"),
         ("sys/mman.h", None, "common/base", "memory mapping"),
     )
 

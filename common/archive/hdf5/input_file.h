@@ -1,4 +1,5 @@
-// The file that HDF5 reads an archive from, as an HDF5 file driver over a file that is already open.
+// The file that HDF5 reads an archive from, as an HDF5 file driver over a file that is already
+// open.
 //
 // HDF5's own driver opens files by name. A process that has given up the right to open any
 // (archive/reader_program) has its archive open already, and reads it through this one.

@@ -144,8 +144,8 @@ std::unique_ptr<Source> open_file(const std::string& path) {
     throw base::Error(fmt::format("{}: can't open it: {}", path, std::strerror(errno)));
   }
   if (!S_ISREG(status.st_mode)) Api(path, base::ExitCode::bad_archive).fail("", "not a file");
-  return open_descriptor(path, {.descriptor = file.release(),
-                                .bytes = static_cast<std::uint64_t>(status.st_size)});
+  return open_descriptor(
+      path, {.descriptor = file.release(), .bytes = static_cast<std::uint64_t>(status.st_size)});
 }
 
 std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile& open) {
@@ -156,8 +156,8 @@ std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile&
   api.ok(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "", "set how it is closed");
   if (!input->has_signature()) api.fail("", "not an HDF5 file");
   // The driver needs no name; one that isn't absolute makes HDF5 ask for the working folder.
-  Handle file = api.id(H5Fopen("/archive", H5F_ACC_RDONLY, access.get()), H5Fclose, "",
-                       "open it as HDF5");
+  Handle file =
+      api.id(H5Fopen("/archive", H5F_ACC_RDONLY, access.get()), H5Fclose, "", "open it as HDF5");
   Contents contents = inspect(api, file.get(), open.bytes);
   return std::make_unique<FileSource>(std::move(api), std::move(input), std::move(file),
                                       std::move(contents));

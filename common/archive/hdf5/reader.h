@@ -4,8 +4,9 @@
 // not have written: soft and external links, objects with several names (and so cycles), groups
 // below groups, committed and variable-length types, virtual datasets, external storage, filters
 // other than shuffle, deflate and fletcher32, dimensions without coordinate, sizes beyond the
-// limits below and in limits.h or beyond what the file's bytes can hold. Variable-length data is never read: the
-// names of dimensions come from the scales' REFERENCE_LIST, not from DIMENSION_LIST.
+// limits below and in limits.h or beyond what the file's bytes can hold. Variable-length data is
+// never read: the names of dimensions come from the scales' REFERENCE_LIST, not from
+// DIMENSION_LIST.
 //
 // Each refusal is a base::Error with ExitCode::bad_archive that names the file, the object and the
 // reason. Damage in compressed values shows only when they are read, and damage in plain ones only
@@ -42,8 +43,8 @@ struct OpenFile {
   std::uint64_t bytes = 0;  ///< its length
 };
 
-/// The same of such a file, which it takes over. `name`: for messages. REQUIRES: start() was called, and
-/// it is a regular file. Makes no system call but for memory and to read it.
+/// The same of such a file, which it takes over. `name`: for messages. REQUIRES: start() was
+/// called, and it is a regular file. Makes no system call but for memory and to read it.
 std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile& open);
 
 }  // namespace sleight::archive::hdf5

@@ -91,8 +91,8 @@ bool say_values(std::uint32_t number, const Values& values) {
       values);
 }
 
-/// Reads what is asked for; and while the program makes something of that, what it will ask for next if
-/// it goes through a dataset from its beginning, as all do that take it whole.
+/// Reads what is asked for; and while the program makes something of that, what it will ask for
+/// next if it goes through a dataset from its beginning, as all do that take it whole.
 class ForwardReader {
  public:
   explicit ForwardReader(const Source& source) : source_(source), datasets_(numbered(source)) {}
@@ -109,9 +109,8 @@ class ForwardReader {
     knows_next_ = false;
     const Values values = is_known ? std::move(ahead_) : read(question);
     if (!say_values(question.number, values)) return false;
-    next_ = {.dataset = question.dataset,
-             .first = end,
-             .count = std::min(question.count, total - end)};
+    next_ = {
+        .dataset = question.dataset, .first = end, .count = std::min(question.count, total - end)};
     if (next_.count > 0 && next_.count <= k_ahead_elements_max && (is_next || question.first == 0))
       read_ahead();
     return true;

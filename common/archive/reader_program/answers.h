@@ -1,5 +1,5 @@
-// A reader process' part of the conversation that archive/remote/messages.h describes: says what is in
-// an archive, then answers questions until nobody asks any more.
+// A reader process' part of the conversation that archive/remote/messages.h describes: says what is
+// in an archive, then answers questions until nobody asks any more.
 //
 // Not thread-safe.
 #pragma once
@@ -14,8 +14,8 @@
 
 namespace sleight::archive::reader_program {
 
-/// An archive's name in the reader's messages, which it leaves out of what it says: the program that
-/// asks knows it, and the reader need not.
+/// An archive's name in the reader's messages, which it leaves out of what it says: the program
+/// that asks knows it, and the reader need not.
 inline constexpr const char* k_nameless = "archive";
 
 /// Opens the archive, and answers. Returns the process' exit code. What `open` throws is a refusal:

@@ -24,8 +24,8 @@ namespace {
 
 void require(bool is_done, std::string_view what, int reason) {
   if (is_done) return;
-  throw base::Error(fmt::format("can't {}: {}; without that no archive is read", what,
-                                std::strerror(reason)));
+  throw base::Error(
+      fmt::format("can't {}: {}; without that no archive is read", what, std::strerror(reason)));
 }
 
 void limit(__rlimit_resource_t resource, rlim_t most, std::string_view what) {
@@ -94,16 +94,16 @@ void permit_what_reading_needs(Permits& permits) {
 
 #ifdef SLEIGHT_SANITIZED
 void permit_what_sanitizers_need(Permits& permits) {
-  permits.permit_of(SCMP_SYS(write), STDERR_FILENO);
   constexpr std::uint64_t k_changing = O_ACCMODE | O_CREAT | O_TRUNC | O_APPEND;
   permits.permit_if(SCMP_SYS(openat), 2, k_changing, O_RDONLY);
   permits.permit_if(SCMP_SYS(open), 1, k_changing, O_RDONLY);
-  for (const int call :
-       {SCMP_SYS(read), SCMP_SYS(close), SCMP_SYS(fstat), SCMP_SYS(newfstatat), SCMP_SYS(stat),
-        SCMP_SYS(readlink), SCMP_SYS(readlinkat), SCMP_SYS(lseek), SCMP_SYS(ioctl),
-        SCMP_SYS(getcwd), SCMP_SYS(sigaltstack), SCMP_SYS(sched_getaffinity),
-        SCMP_SYS(sched_yield), SCMP_SYS(nanosleep), SCMP_SYS(clock_nanosleep), SCMP_SYS(getrlimit),
-        SCMP_SYS(getrusage), SCMP_SYS(access)})
+  for (const int call : {SCMP_SYS(read),        SCMP_SYS(write),       SCMP_SYS(close),
+                         SCMP_SYS(pipe),        SCMP_SYS(pipe2),       SCMP_SYS(fstat),
+                         SCMP_SYS(newfstatat),  SCMP_SYS(stat),        SCMP_SYS(readlink),
+                         SCMP_SYS(readlinkat),  SCMP_SYS(lseek),       SCMP_SYS(ioctl),
+                         SCMP_SYS(getcwd),      SCMP_SYS(sigaltstack), SCMP_SYS(sched_getaffinity),
+                         SCMP_SYS(sched_yield), SCMP_SYS(nanosleep),   SCMP_SYS(clock_nanosleep),
+                         SCMP_SYS(getrlimit),   SCMP_SYS(getrusage),   SCMP_SYS(access)})
     permits.permit(call);
 }
 #endif

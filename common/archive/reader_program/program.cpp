@@ -74,8 +74,8 @@ int run_confined(int argc, const char* const* argv, const std::function<int(cons
 
 int read_and_answer(const Given& given) {
   const auto open = [&given] {
-    return hdf5::open_descriptor(k_nameless, {.descriptor = remote::k_archive_descriptor,
-                                              .bytes = given.archive_bytes});
+    return hdf5::open_descriptor(
+        k_nameless, {.descriptor = remote::k_archive_descriptor, .bytes = given.archive_bytes});
   };
   return answer(open, given.memory_bytes);
 }

@@ -13,8 +13,8 @@ struct Given {
   std::uint64_t archive_bytes = 0;  ///< length of the file that it is to read
 };
 
-/// What a main does: takes its place, gives everything up (confine.h), and then runs `work`, with whose
-/// exit code the process ends.
+/// What a main does: takes its place, gives everything up (confine.h), and then runs `work`, with
+/// whose exit code the process ends.
 int run_confined(int argc, const char* const* argv, const std::function<int(const Given&)>& work);
 
 /// The work of `sleight-reader`.

@@ -1,5 +1,6 @@
-// Whether what a reader process says of an archive's contents can be: what hdf5/inspect.h makes sure
-// of in a file, judged anew from its answer, since a hostile file may have taken the process over.
+// Whether what a reader process says of an archive's contents can be: what hdf5/inspect.h makes
+// sure of in a file, judged anew from its answer, since a hostile file may have taken the process
+// over.
 //
 // Whoever reads a Source relies on these: names are plain words and unique in their place, the root
 // group comes first, every dimension is named by a dataset of its own, sizes stay in their limits

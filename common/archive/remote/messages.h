@@ -1,14 +1,15 @@
 // What a reader process and the program that asks it say to one another.
 //
-// The reader (archive/reader_program) begins: an answer with the number 0 says what is in the archive.
-// Then each question is followed by one answer with the question's number:
+// The reader (archive/reader_program) begins: an answer with the number 0 says what is in the
+// archive. Then each question is followed by one answer with the question's number:
 //
 //   question  number u32, dataset u32, first u64, count u64
 //   answer    number u32, kind u8, type u8, nothing u16, bytes u64, and then so many bytes:
 //             contents   the groups (encode_contents)
 //             values     elements in the type's own size; each text as its length u32 and its bytes
-//             refusal    why the reader can't give it, for people, without the archive's name; its type
-//                        is 1 where that isn't the archive's fault, which can be at the beginning alone
+//             refusal    why the reader can't give it, for people, without the archive's name;
+//                        its type is 1 where that isn't the archive's fault, which can be at the
+//                        beginning alone
 //
 // Datasets are numbered from 0 in the order in which the contents have them. Numbers are
 // little-endian. Both ends are of one build, so there are no versions.

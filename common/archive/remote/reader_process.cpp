@@ -128,7 +128,8 @@ std::vector<std::string> cleaned_environment() {
   std::vector<std::string> variables{"LC_ALL=C"};
 #ifdef SLEIGHT_SANITIZED
   for (const char* name : {"ASAN_OPTIONS", "UBSAN_OPTIONS", "TSAN_OPTIONS"}) {
-    if (const char* value = std::getenv(name)) variables.push_back(fmt::format("{}={}", name, value));
+    if (const char* value = std::getenv(name))
+      variables.push_back(fmt::format("{}={}", name, value));
   }
 #endif
   return variables;
@@ -169,8 +170,7 @@ ReaderProcess::ReaderProcess(const std::string& program, int archive, const Read
   Ends questions = socket_pair(program);
   Ends answers = pipe_of(true, program);
   Ends lifeline = pipe_of(false, program);
-  const base::Descriptor raised_archive(
-      ::fcntl(archive, F_DUPFD_CLOEXEC, k_first_free_descriptor));
+  const base::Descriptor raised_archive(::fcntl(archive, F_DUPFD_CLOEXEC, k_first_free_descriptor));
   if (!raised_archive) fail_start(program, errno);
   // A larger pipe is a matter of speed, and may be refused.
   ::fcntl(answers.ours.get(), F_SETPIPE_SZ, k_pipe_bytes);
@@ -184,8 +184,8 @@ ReaderProcess::ReaderProcess(const std::string& program, int archive, const Read
   orders.clean_all_else();
   std::vector<std::string> arguments{program, std::to_string(limits.address_space_bytes)};
   std::vector<std::string> environment = cleaned_environment();
-  const int reason = orders.spawn(id_, program, pointers_of(arguments).data(),
-                                  pointers_of(environment).data());
+  const int reason =
+      orders.spawn(id_, program, pointers_of(arguments).data(), pointers_of(environment).data());
   if (reason != 0) fail_start(program, reason);
   questions_ = std::move(questions.ours);
   answers_ = std::move(answers.ours);
@@ -240,8 +240,8 @@ Received ReaderProcess::receive(std::span<std::byte> bytes) {
     }
     if (got == 0 || (errno != EAGAIN && errno != EINTR)) return Received::ended;
     // One that says a byte now and then comes here after each. What is there already is never late.
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(
-        deadline_ - std::chrono::steady_clock::now());
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());
     if (left.count() <= 0) return Received::late;
     pollfd watched{answers_.get(), POLLIN, 0};
     ::poll(&watched, 1, static_cast<int>(std::min<std::int64_t>(left.count(), 60'000)));
@@ -278,8 +278,8 @@ std::string reader_beside_this_program() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) {
-    throw base::Error(fmt::format("/proc/self/exe: can't tell where this program is: {}",
-                                  error.message()));
+    throw base::Error(
+        fmt::format("/proc/self/exe: can't tell where this program is: {}", error.message()));
   }
   return program.parent_path() / "sleight-reader";
 }

@@ -4,10 +4,10 @@
 // archive is read in a process of its own, which has given up everything but reading that file and
 // answering before it looks at it; what becomes of the process is no harm to this one.
 //
-// The process is started as one may be in a program of many threads: not by fork, but by posix_spawn,
-// which between the two runs nothing of ours. It has no descriptors but its own, a cleaned
-// environment, and no signals from the terminal. It ends when this object does, or when this
-// process does, however that ends: the kernel then closes its lifeline.
+// The process is started as one may be in a program of many threads: not by fork, but by
+// posix_spawn, which between the two runs nothing of ours. It has no descriptors but its own, a
+// cleaned environment, and no signals from the terminal. It ends when this object does, or when
+// this process does, however that ends: the kernel then closes its lifeline.
 //
 // Not thread-safe; different objects are independent of each other.
 #pragma once
@@ -25,8 +25,8 @@
 namespace sleight::archive::remote {
 
 struct ReaderLimits {
-  /// The process' whole address space. Not enforced under a sanitizer, whose own maps need more than
-  /// any limit.
+  /// The process' whole address space. Not enforced under a sanitizer, whose own maps need more
+  /// than any limit.
   std::uint64_t address_space_bytes = std::uint64_t{4} << 30;
   std::uint32_t cpu_s = 600;  ///< processor time of one question, and of opening
   double timeout_s = 900;     ///< time on the wall of one question, and of opening

@@ -134,9 +134,8 @@ class RemoteSource final : public Source {
       fail("its reader refuses in a way that there isn't");
     std::string reason(head.bytes, '\0');
     receive(std::as_writable_bytes(std::span<char>(reason)));
-    throw base::Error(
-        is_of_environment ? base::ExitCode::environment : base::ExitCode::bad_archive,
-        fmt::format("{}: {}", path_, shown_text(reason)));
+    throw base::Error(is_of_environment ? base::ExitCode::environment : base::ExitCode::bad_archive,
+                      fmt::format("{}: {}", path_, shown_text(reason)));
   }
 
   template <class Number>
@@ -150,9 +149,8 @@ class RemoteSource final : public Source {
   std::vector<std::string> receive_texts(const AnswerHead& head, const Numbered& asked,
                                          std::uint64_t count) const {
     // Nothing that a reader gives at once is longer (hdf5/reader.h).
-    const std::uint64_t bytes_max =
-        std::min(texts_bytes_max(count, asked.spec->text_bytes),
-                 k_text_bytes_max + texts_bytes_max(count, 0));
+    const std::uint64_t bytes_max = std::min(texts_bytes_max(count, asked.spec->text_bytes),
+                                             k_text_bytes_max + texts_bytes_max(count, 0));
     if (head.bytes > bytes_max) fail_count();
     base::Bytes bytes(head.bytes);
     receive(bytes);
@@ -173,7 +171,7 @@ class RemoteSource final : public Source {
   std::string path_;
   ReaderLimits limits_;
   std::vector<Group> groups_;
-  std::map<std::string, Numbered> datasets_;  ///< by path
+  std::map<std::string, Numbered> datasets_;      ///< by path
   mutable std::optional<ReaderProcess> process_;  ///< none once it has failed
   mutable std::string failure_;
   mutable std::uint32_t asked_ = 0;  ///< questions so far
@@ -199,8 +197,8 @@ std::vector<OpenedArchive> open_all_by(const std::string& program,
   for (std::size_t begin = 0; begin < paths.size(); begin += k_opened_at_once) {
     // Start some readers; then take from each what its archive holds.
     std::vector<std::unique_ptr<RemoteSource>> started;
-    for (const std::string& path : paths.subspan(begin, std::min(k_opened_at_once,
-                                                                 paths.size() - begin))) {
+    for (const std::string& path :
+         paths.subspan(begin, std::min(k_opened_at_once, paths.size() - begin))) {
       OpenedArchive place{.path = path, .source = nullptr, .refused = {}};
       std::unique_ptr<RemoteSource> source;
       try {

@@ -2,12 +2,14 @@
 //
 // Invariants:
 //  1. Whatever the file holds and whatever becomes of its reader, the program that asks goes on: a
-//     reader that crashes, hangs, takes too much or says what can't be costs its archive alone, as a
-//     base::Error with ExitCode::bad_archive, "<path>: <reason>". From then on each question to it
-//     throws the same.
-//  2. An answer is checked like any stranger's: type, number and size of elements are exactly what was
+//     reader that crashes, hangs, takes too much or says what can't be costs its archive alone, as
+//     a base::Error with ExitCode::bad_archive, "<path>: <reason>". From then on each question to
+//     it throws the same.
+//  2. An answer is checked like any stranger's: type, number and size of elements are exactly what
+//  was
 //     asked for, names, dimensions and texts are such as hdf5/reader.h lets through.
-//  3. What the reader refuses of a sound file (a chunk that is damaged) is thrown too, but the reader
+//  3. What the reader refuses of a sound file (a chunk that is damaged) is thrown too, but the
+//  reader
 //     stays: other parts may be read.
 //
 // Thread safety: one thread at a time uses a Source; different ones are independent, also when they
@@ -24,8 +26,8 @@
 
 namespace sleight::archive::remote {
 
-/// Opens an archive in a process of its own. Throws base::Error: ExitCode::environment where the file
-/// or the reader can't be opened or started, bad_archive as above.
+/// Opens an archive in a process of its own. Throws base::Error: ExitCode::environment where the
+/// file or the reader can't be opened or started, bad_archive as above.
 std::unique_ptr<Source> open_remote(const std::string& path, const ReaderLimits& limits = {});
 
 /// The same by another reader than the one beside the running program: for tests.
