@@ -13,7 +13,7 @@
 #include "clients/browse/reading.h"
 #include "clients/cli/index_cache.h"
 #include "clients/cli/progress_printer.h"
-#include "common/archive/hdf5/reader.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {
@@ -41,7 +41,7 @@ class ReadingPrinter {
 };
 
 browse::Index read_one(const std::string& path) {
-  const auto source = archive::hdf5::open_file(path);
+  const auto source = archive::remote::open_remote(path);
   const std::optional<browse::Index> kept = kept_index(path);
   ReadingPrinter printer(path);
   auto read = browse::read_index(

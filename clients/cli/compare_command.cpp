@@ -21,7 +21,7 @@
 #include "clients/cli/output.h"
 #include "clients/cli/terminal.h"
 #include "clients/cli/text_table.h"
-#include "common/archive/hdf5/reader.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
@@ -82,7 +82,7 @@ struct Comparison {
 };
 
 std::string request_of(const std::string& path) {
-  return archive::summary_of(*archive::hdf5::open_file(path)).request_text;
+  return archive::summary_of(*archive::remote::open_remote(path)).request_text;
 }
 
 std::vector<ComparedNumber> compared_numbers(const Browsed& browsed) {

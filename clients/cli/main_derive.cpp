@@ -7,7 +7,9 @@
 #include <system_error>
 
 #include "clients/cli/main_worlds.h"
+#include "clients/cli/progress_printer.h"
 #include "clients/cli/results_version.h"
+#include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/request/direction_request.h"
@@ -16,6 +18,8 @@
 #include "common/store/shared_database.h"
 #include "service/coordinator/derive.h"
 #include "service/coordinator/output_place.h"
+#include "service/coordinator/stop_signal.h"
+#include "service/coordinator/writing_words.h"
 #include "worker/run/catalogue.h"
 
 namespace sleight::programs {
@@ -84,12 +88,27 @@ int derive(const DeriveArguments& arguments) {
   base::PosixFileSystem files;
   std::string digest;
   if (cut.scans > 0 || cut.found > 0) {
-    digest = coordinator::derive_archive({.request = request,
-                                          .reader = *reader,
-                                          .plan_of = plan_of,
-                                          .files = files,
-                                          .results_version = stored.results_version},
-                                         folder, arguments.output, cut);
+    const base::SteadyClock clock;
+    cli::ProgressPrinter printer(request.world, stderr);
+    coordinator::WritingWords words([&](const std::string& phase) { printer.say(phase); }, clock);
+    coordinator::catch_stop_signals();
+    try {
+      digest = coordinator::derive_archive(
+          {.request = request,
+           .reader = *reader,
+           .plan_of = plan_of,
+           .files = files,
+           .results_version = stored.results_version,
+           .hear = [&](const archive::WritingProgress& now) { words.hear(now); }},
+          folder, arguments.output, cut, &coordinator::stop_requested);
+    } catch (const coordinator::DeriveStopped&) {
+      printer.clear();
+      throw base::Error(
+          base::ExitCode::interrupted,
+          fmt::format("{}: stopped before it was written; what was there is as it was",
+                      arguments.output));
+    }
+    printer.clear();
   }
   if (arguments.json) {
     const nlohmann::ordered_json json{{"archive", digest.empty() ? "" : arguments.output},

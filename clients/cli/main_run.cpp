@@ -136,7 +136,12 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return;
   }
-  if (summary.digest.empty()) {
+  if (summary.is_archive_given_up) {
+    fmt::print(
+        "Stopped while the archive was written: {} is as it was before, and {} has all that was "
+        "computed.\n",
+        arguments.output, coordinator::run_folder(arguments.output));
+  } else if (summary.digest.empty()) {
     fmt::print("{}\n", what_is_missing(summary));
   } else if (summary.scans == 0) {
     fmt::print("{}: {} found, not in the model's proportions; seed {}, digest {}\n",

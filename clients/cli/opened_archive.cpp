@@ -4,13 +4,13 @@
 
 #include "clients/cli/output.h"
 #include "common/archive/hdf5/guarded.h"
-#include "common/archive/hdf5/reader.h"
+#include "common/archive/remote/remote_source.h"
 
 namespace sleight::cli {
 
 int with_archive(const std::string& path, const std::function<int(const archive::Source&)>& work) {
   return archive::hdf5::guarded(path, {}, [&] {
-    return with_results([&] { return work(*archive::hdf5::open_file(path)); });
+    return with_results([&] { return work(*archive::remote::open_remote(path)); });
   });
 }
 

@@ -9,8 +9,12 @@
 
 namespace sleight::cli {
 
-ProgressPrinter::ProgressPrinter(std::string name, std::FILE* stream)
-    : name_(std::move(name)), stream_(stream), terminal_(::isatty(::fileno(stream)) == 1) {}
+ProgressPrinter::ProgressPrinter(std::string name, std::FILE* stream, double plain_line_every_s)
+    : name_(std::move(name)),
+      stream_(stream),
+      plain_line_every_s_(plain_line_every_s),
+      terminal_(::isatty(::fileno(stream)) == 1),
+      plain_line_at_(std::chrono::steady_clock::now()) {}
 
 void ProgressPrinter::show(const events::Progress& progress) {
   if (terminal_) {
@@ -23,13 +27,24 @@ void ProgressPrinter::show(const events::Progress& progress) {
   const bool is_news = has_found && !std::exchange(said_found_, has_found);
   // Another session of the run began: its time starts anew.
   if (progress.elapsed_s < shown_s_) shown_s_ = 0;
-  if (!is_news && progress.elapsed_s - shown_s_ < k_plain_line_every_s) return;
+  if (!is_news && progress.elapsed_s - shown_s_ < plain_line_every_s_) return;
   shown_s_ = progress.elapsed_s;
-  std::fputs((events::progress_line(name_, progress) + "\n").c_str(), stream_);
+  put_plain(events::progress_line(name_, progress));
 }
 
 void ProgressPrinter::say(const std::string& phase) {
-  if (terminal_) renew(fmt::format("{}  {}", name_, phase));
+  const std::string line = fmt::format("{}  {}", name_, phase);
+  if (terminal_) {
+    renew(line);
+    return;
+  }
+  const std::chrono::duration<double> silence = std::chrono::steady_clock::now() - plain_line_at_;
+  if (silence.count() >= plain_line_every_s_) put_plain(line);
+}
+
+void ProgressPrinter::put_plain(const std::string& line) {
+  std::fputs((line + "\n").c_str(), stream_);
+  plain_line_at_ = std::chrono::steady_clock::now();
 }
 
 void ProgressPrinter::renew(const std::string& line) {

@@ -1,6 +1,7 @@
 // How a run goes, on stderr: one line that renews itself on a terminal, plain lines elsewhere.
 #pragma once
 
+#include <chrono>
 #include <cstdio>
 #include <string>
 
@@ -14,9 +15,10 @@ inline constexpr double k_plain_line_every_s = 5;
 /// Writes to a stream (stderr in programs). Not thread-safe.
 class ProgressPrinter {
  public:
-  ProgressPrinter(std::string name, std::FILE* stream);
+  ProgressPrinter(std::string name, std::FILE* stream,
+                  double plain_line_every_s = k_plain_line_every_s);
   void show(const events::Progress& progress);
-  /// What goes on where there is nothing to count; on a terminal only.
+  /// What goes on where there are no scans to count: elsewhere than on a terminal too if it lasts.
   void say(const std::string& phase);
   /// Takes the renewed line away, so that another line can take its place.
   void clear();
@@ -25,10 +27,13 @@ class ProgressPrinter {
 
  private:
   void renew(const std::string& line);
+  void put_plain(const std::string& line);
 
   std::string name_;
   std::FILE* stream_;
+  double plain_line_every_s_;
   bool terminal_;
+  std::chrono::steady_clock::time_point plain_line_at_;  ///< the last; at first the beginning
   bool line_open_ = false;
   double shown_s_ = 0;
   bool said_found_ = false;

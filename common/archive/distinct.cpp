@@ -25,13 +25,27 @@ void DistinctSelector::offer(base::ChainId chain, base::ScanIndex scan,
   }
   if (!record.satisfied || of_chain_.size() >= options_.keep_max) return;
   CHECK(!record.state.empty());
+  if (options_.keep_per_lineage == 0 || full_lineages_.contains(record.lineage)) return;
+
+  // Compare it with those of its lineage: nothing to ask for of the first, which most often stays
+  // alone.
   const auto lineage = by_lineage_.find(record.lineage);
-  if (lineage == by_lineage_.end()) {
-    if (options_.keep_per_lineage == 0 || !plays_out(record)) return;
-    by_lineage_[record.lineage] = {of_chain_.size()};
+  std::vector<double> likeness;
+  if (lineage != by_lineage_.end()) {
+    likeness = reader_.likeness(record.state);
+    if (!is_distinct(lineage->second, likeness)) return;
+  }
+  if (!plays_out(record)) return;
+
+  // Keep it, and what the next ones are compared with.
+  auto& kept = lineage != by_lineage_.end() ? lineage->second : by_lineage_[record.lineage];
+  if (kept.size() + 1 >= options_.keep_per_lineage) {
+    forget(kept);
+    by_lineage_.erase(record.lineage);
+    full_lineages_.insert(record.lineage);
   } else {
-    if (!is_distinct(lineage->second, record) || !plays_out(record)) return;
-    lineage->second.push_back(of_chain_.size());
+    kept.push_back({.index = of_chain_.size()});
+    hold(kept.back(), std::move(likeness));
   }
   of_chain_.push_back({scan, chain, record});
 }
@@ -42,13 +56,28 @@ bool DistinctSelector::plays_out(const plan::ScanRecord& record) {
   return ends == PlaysOut::yes;
 }
 
-bool DistinctSelector::is_distinct(const std::vector<std::size_t>& kept_of_lineage,
-                                   const plan::ScanRecord& record) const {
-  if (kept_of_lineage.size() >= options_.keep_per_lineage) return false;
-  return std::ranges::all_of(kept_of_lineage, [&](std::size_t index) {
-    return reader_.likeness_distance(of_chain_[index].record.state, record.state) >
-           options_.min_distance;
+bool DistinctSelector::is_distinct(std::vector<Compared>& kept, std::span<const double> likeness) {
+  return std::ranges::all_of(kept, [&](Compared& other) {
+    if (!other.likeness.empty())
+      return reader_.is_unlike(other.likeness, likeness, options_.min_distance);
+    std::vector<double> asked = reader_.likeness(of_chain_[other.index].record.state);
+    const bool is_unlike = reader_.is_unlike(asked, likeness, options_.min_distance);
+    hold(other, std::move(asked));
+    return is_unlike;
   });
+}
+
+void DistinctSelector::hold(Compared& compared, std::vector<double> likeness) {
+  const std::size_t bytes = likeness.size() * sizeof(double);
+  if (bytes > options_.likeness_bytes_max - likeness_bytes_) return;
+  likeness_bytes_ += bytes;
+  compared.likeness = std::move(likeness);
+}
+
+void DistinctSelector::forget(std::vector<Compared>& kept) {
+  for (const Compared& compared : kept)
+    likeness_bytes_ -= compared.likeness.size() * sizeof(double);
+  kept.clear();
 }
 
 void DistinctSelector::close_chain() {
@@ -62,6 +91,8 @@ void DistinctSelector::close_chain() {
   merged_ = std::move(both);
   of_chain_.clear();
   by_lineage_.clear();
+  full_lineages_.clear();
+  likeness_bytes_ = 0;
 }
 
 std::vector<KeptAnimation> DistinctSelector::finish() {

@@ -15,11 +15,18 @@
 // keep_max members are all that can survive, which bounds the memory: at most 2 keep_max records
 // are held, however long the run.
 //
+// What (c) compares is asked of the reader once for each animation, as it may take a simulation:
+// that of kept ones is held while their lineage may get another, up to k_likeness_bytes_max in all.
+// What does not fit is asked for again at each comparison.
+//
 // Not thread-safe.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
+#include <span>
 #include <vector>
 
 #include "common/archive/world_layout.h"
@@ -27,10 +34,14 @@
 
 namespace sleight::archive {
 
+/// Likenesses of kept animations that are held: 1,000 of five dice take some 20 MB.
+inline constexpr std::size_t k_likeness_bytes_max = std::size_t{512} << 20;
+
 struct DistinctOptions {
   std::uint64_t keep_max = 0;
   std::uint64_t keep_per_lineage = 0;
   double min_distance = 0;  ///< in the unit of the world's likeness distance
+  std::size_t likeness_bytes_max = k_likeness_bytes_max;
 };
 
 struct KeptAnimation {
@@ -54,9 +65,17 @@ class DistinctSelector {
   std::uint64_t failed() const { return failed_; }
 
  private:
+  /// A kept animation of a lineage that may get more.
+  struct Compared {
+    std::size_t index = 0;              ///< into of_chain_
+    std::vector<double> likeness = {};  ///< empty where it isn't held, or nothing was compared yet
+  };
+
   bool plays_out(const plan::ScanRecord& record);
-  bool is_distinct(const std::vector<std::size_t>& kept_of_lineage,
-                   const plan::ScanRecord& record) const;
+  bool is_distinct(std::vector<Compared>& kept, std::span<const double> likeness);
+  /// If there is room.
+  void hold(Compared& compared, std::vector<double> likeness);
+  void forget(std::vector<Compared>& kept);
   void close_chain();
 
   const StateReader& reader_;
@@ -64,8 +83,10 @@ class DistinctSelector {
   base::ChainId chain_{};
   std::vector<KeptAnimation> merged_;    ///< of the chains before, in logical order
   std::vector<KeptAnimation> of_chain_;  ///< of the chain at hand
-  /// Indices into of_chain_ by lineage: used for look-up alone.
-  std::map<std::uint64_t, std::vector<std::size_t>> by_lineage_;
+  /// Of a lineage that is full, none. Used for look-up alone.
+  std::map<std::uint64_t, std::vector<Compared>> by_lineage_;
+  std::set<std::uint64_t> full_lineages_;
+  std::size_t likeness_bytes_ = 0;  ///< held
   std::uint64_t failed_ = 0;
 };
 

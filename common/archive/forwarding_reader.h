@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/archive/world_layout.h"
@@ -18,8 +19,15 @@ class ForwardingReader : public StateReader {
   std::vector<double> variables(base::BytesView state) const override {
     return reader_.variables(state);
   }
-  double likeness_distance(base::BytesView a, base::BytesView b) const override {
+  std::vector<double> likeness(base::BytesView state) const override {
+    return reader_.likeness(state);
+  }
+  double likeness_distance(std::span<const double> a, std::span<const double> b) const override {
     return reader_.likeness_distance(a, b);
+  }
+  bool is_unlike(std::span<const double> a, std::span<const double> b,
+                 double distance) const override {
+    return reader_.is_unlike(a, b, distance);
   }
   Motion play(base::BytesView state) const override { return reader_.play(state); }
   const scene::Scene& scene() const override { return reader_.scene(); }

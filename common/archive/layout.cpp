@@ -264,9 +264,30 @@ bool has_weights(const plan::Report& report) {
                              [](const plan::Table& table) { return table.name == "log_weight"; });
 }
 
+/// Counts what is done of a part, for whoever hears it.
+class Counted {
+ public:
+  Counted(const HearWriting& hear, WritingProgress::Part part, std::uint64_t total)
+      : hear_(hear), now_{.part = part, .done = 0, .total = total} {
+    tell();
+  }
+  void count() {
+    ++now_.done;
+    tell();
+  }
+
+ private:
+  void tell() const {
+    if (hear_) hear_(now_);
+  }
+  const HearWriting& hear_;
+  WritingProgress now_;
+};
+
 /// /animations: what is kept of the draws.
 void write_animations(DistinctSelector& selector, const StateReader& reader,
-                      const ArchiveOptions& options, bool in_proportion, Sink& sink) {
+                      const ArchiveOptions& options, bool in_proportion, Sink& sink,
+                      const HearWriting& hear) {
   sink.create_group(k_animations);
   sink.set_attribute(k_animations, {"keep_max", signed_of(options.keep_max)});
   sink.set_attribute(k_animations, {"keep_per_lineage", signed_of(options.keep_per_lineage)});
@@ -277,9 +298,13 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
                               in_proportion, sink);
   // Each kept animation is asked for once more, for its motion (remembering_reader.h).
-  for (const KeptAnimation& kept : selector.finish())
+  const std::vector<KeptAnimation> all_kept = selector.finish();
+  Counted written(hear, WritingProgress::Part::animations, all_kept.size());
+  for (const KeptAnimation& kept : all_kept) {
     animations.push({kept.chain.value, signed_of(kept.scan.value), signed_of(kept.record.lineage)},
                     kept.record);
+    written.count();
+  }
   if (selector.failed() > 0) {
     sink.set_attribute(k_animations,
                        {std::string(k_failed_animations), signed_of(selector.failed())});
@@ -289,7 +314,7 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
 
 /// /finds: what a search found, and how plausible blind throws are beside it.
 void write_finds(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
-                 Sink& sink) {
+                 Sink& sink, const HearWriting& hear) {
   if (view.finds() == 0) return;
   sink.create_group(k_finds);
   sink.set_attribute(k_finds, {"keep_max", signed_of(options.keep_max)});
@@ -308,8 +333,12 @@ void write_finds(const RunView& view, const StateReader& reader, const ArchiveOp
   constexpr std::array k_addresses{Address{"start", "start of the search that found it"}};
   AnimationsWriter animations(reader, k_finds, "find, by start", k_addresses, false, sink);
   std::uint64_t kept = 0;
+  Counted written(hear, WritingProgress::Part::animations,
+                  std::min(view.finds(), options.keep_max));
   view.for_each_find([&](std::uint64_t start, const plan::ScanRecord& record) {
-    if (kept++ < options.keep_max) animations.push({signed_of(start)}, record);
+    if (kept++ >= options.keep_max) return;
+    animations.push({signed_of(start)}, record);
+    written.count();
   });
   animations.flush();
 }
@@ -344,7 +373,7 @@ void write_root(const WorldLayout& layout, const plan::Report& report, std::uint
 }  // namespace
 
 void write_archive(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
-                   Sink& sink) {
+                   Sink& sink, const HearWriting& hear) {
   CHECK(view.draws() == 0 ? view.finds() > 0 : view.chains() > 0);
   CHECK_GE(options.thin, 1U);
   CHECK(!options.request_text.empty());
@@ -352,6 +381,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   write_root(reader.layout(), report, view.draws(), view.failures(), options, sink);
 
   write_scene(reader.scene(), sink);
+  Counted(hear, WritingProgress::Part::prior, 0);
   write_prior(reader, sink);
 
   // One walk over the run, chain by chain: scalars, states and candidates for the animations.
@@ -361,6 +391,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
                             {options.keep_max, options.keep_per_lineage, options.min_distance});
   NewestStates newest(view.chains(), std::vector<std::optional<NewestState>>(1));
   const std::uint64_t states = archived_states(view, options);
+  Counted walked(hear, WritingProgress::Part::draws, view.chains() * view.draws());
   const std::uint64_t newest_scan = states == 0 ? 0 : (states - 1) * options.thin;
   for (std::uint32_t i = 0; i < view.chains(); ++i) {
     const base::ChainId chain{i};
@@ -371,6 +402,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
       sample_stats.push(record);
       if (view.may_be_kept(chain, scan)) selector.offer(chain, scan, record);
       if (scan.value == newest_scan) newest[i][0] = NewestState{scan, record};
+      walked.count();
     });
     CHECK_EQ(draws, view.draws());
   }
@@ -380,8 +412,8 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   write_replicas(newest_states(view, options.thin, std::move(newest)), reader, sink);
   write_report(report, reader.layout(), sink);
 
-  write_animations(selector, reader, options, !has_weights(report), sink);
-  write_finds(view, reader, options, sink);
+  write_animations(selector, reader, options, !has_weights(report), sink, hear);
+  write_finds(view, reader, options, sink, hear);
 }
 
 }  // namespace sleight::archive

@@ -20,6 +20,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "common/archive/model.h"
@@ -40,12 +41,27 @@ struct ArchiveOptions {
   std::string run_id;                     ///< the same for all archives of the run
 };
 
+/// How far the writing of an archive is.
+struct WritingProgress {
+  enum class Part : std::uint8_t {
+    learning,   ///< what the method learns from the run's scans (who writes it may tell that)
+    prior,      ///< draws from the prior are simulated
+    draws,      ///< the run's draws are written, and animations chosen among them
+    animations  ///< the chosen ones are written, each with its motion
+  };
+  Part part = Part::draws;
+  std::uint64_t done = 0;
+  std::uint64_t total = 0;  ///< 0: nobody knows
+};
+using HearWriting = std::function<void(const WritingProgress&)>;
+
 /// Writes everything but content_digest and finish(), which write_digested adds. Throws what the
 /// view and the sink throw.
+/// `hear` is told often how far it is, and changes nothing; it may be empty.
 /// REQUIRES: at least one chain and one scan; records fit the reader's layout and hold a state at
 /// every thin-th scan and at every satisfied one; the layout's names are plain words (format.h),
 /// unique within each group and none of this format's own.
 void write_archive(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
-                   Sink& sink);
+                   Sink& sink, const HearWriting& hear = {});
 
 }  // namespace sleight::archive

@@ -28,15 +28,15 @@ class Motions {
 
 class RememberingReader final : public ForwardingReader {
  public:
-  /// `before_each` is called before each motion that has to be simulated and before each
-  /// comparison; what it throws ends the work. Everything is borrowed.
+  /// `before_each` is called before each motion that has to be simulated and before each animation
+  /// that is to be compared; what it throws ends the work. Everything is borrowed.
   RememberingReader(const StateReader& reader, Motions& motions,
                     std::function<void()> before_each = {})
       : ForwardingReader(reader), motions_(motions), before_each_(std::move(before_each)) {}
 
-  double likeness_distance(base::BytesView a, base::BytesView b) const override {
+  std::vector<double> likeness(base::BytesView state) const override {
     if (before_each_) before_each_();
-    return ForwardingReader::likeness_distance(a, b);
+    return ForwardingReader::likeness(state);
   }
   Motion play(base::BytesView state) const override {
     if (auto known = motions_.find(state)) return *std::move(known);

@@ -106,8 +106,17 @@ class StateReader {
   virtual const WorldLayout& layout() const = 0;
   /// The values of all variables, in layout order, row-major each.
   virtual std::vector<double> variables(base::BytesView state) const = 0;
-  /// How unlike two animations look, in the world's own stated unit: 0 for equal ones.
-  virtual double likeness_distance(base::BytesView a, base::BytesView b) const = 0;
+  /// What of an animation is compared with others: numbers whose meaning is the world's own. They
+  /// may take a simulation, and some kilobytes.
+  virtual std::vector<double> likeness(base::BytesView state) const = 0;
+  /// How unlike two animations look, in the world's own stated unit: 0 for equal ones. REQUIRES:
+  /// what likeness() gave of them.
+  virtual double likeness_distance(std::span<const double> a, std::span<const double> b) const = 0;
+  /// Whether that is above `distance`, which may be seen sooner than how far above.
+  virtual bool is_unlike(std::span<const double> a, std::span<const double> b,
+                         double distance) const {
+    return likeness_distance(a, b) > distance;
+  }
   /// The motion of a state. Only states that play out are kept as animations.
   virtual Motion play(base::BytesView state) const = 0;
   /// What the run's animations look like; the same for each.

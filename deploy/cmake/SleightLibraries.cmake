@@ -25,6 +25,7 @@ if(SLEIGHT_SHELLS)
   pkg_check_modules(RSVG REQUIRED IMPORTED_TARGET librsvg-2.0)
   pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
   pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+  pkg_check_modules(SECCOMP REQUIRED IMPORTED_TARGET libseccomp)
   # "hdf5" may name the parallel build: the serial one is asked for by its own name.
   pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
   find_library(HDF5_HL_LIBRARY hdf5_hl PATHS /usr/lib/x86_64-linux-gnu/hdf5/serial

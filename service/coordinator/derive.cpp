@@ -84,11 +84,15 @@ std::string run_id(const request::DirectionRequest& request, const std::string& 
 }
 
 /// Feeds a plan with what the method can learn from a cut, and from no other scan.
-void teach(plan::Plan& learner, const store::StoredRun& view, const std::function<void()>& ask) {
+void teach(plan::Plan& learner, const store::StoredRun& view, const std::function<void()>& ask,
+           const archive::HearWriting& hear) {
+  archive::WritingProgress now{.part = archive::WritingProgress::Part::learning};
   view.replay([&](const plan::ReplicaKey& replica, base::ScanIndex first,
                   std::span<const plan::ScanRecord> records) {
     ask();
     learner.consume(replica, first, records);
+    now.done += records.size();
+    if (hear) hear(now);
   });
 }
 
@@ -101,9 +105,9 @@ std::string run_identity(const request::DirectionRequest& request) {
 
 std::string derive_archive(const DeriveInputs& inputs, const std::string& folder,
                            const std::string& output, request::Cut& cut,
-                           const std::atomic<bool>* stop) {
-  const auto ask = [stop, &inputs] {
-    if (stop != nullptr && *stop) throw DeriveStopped();
+                           const std::function<bool()>& stop) {
+  const auto ask = [&stop, &inputs] {
+    if (stop && stop()) throw DeriveStopped();
     if (inputs.fence) inputs.fence();
   };
 
@@ -114,7 +118,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
   if (cut.scans > 0) {
     const std::unique_ptr<plan::Plan> learner = inputs.plan_of(cut);
     if (learner->learns()) {
-      teach(*learner, *view, ask);
+      teach(*learner, *view, ask, inputs.hear);
       view->set_report(learner->report());
       view->set_draws(learner->draws());
     }
@@ -141,7 +145,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
   const archive::RememberingReader reader(timed, motions, ask);
   return archive::hdf5::write_file(output, inputs.files, [&](archive::Sink& file) {
     StoppableSink sink(file, ask);
-    archive::write_archive(*view, reader, options, sink);
+    archive::write_archive(*view, reader, options, sink, inputs.hear);
   });
 }
 

@@ -8,11 +8,11 @@
 // Thread safety: one archive at a time in the process (hdf5/writer.h), in any thread.
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "common/archive/layout.h"
 #include "common/archive/world_layout.h"
 #include "common/base/file_system.h"
 #include "common/plan/plan.h"
@@ -44,6 +44,8 @@ struct DeriveInputs {
   /// Asked between batches and before the archive gets its name; throws where the run may be
   /// another process's by now. May be empty.
   std::function<void()> fence{};
+  /// Told often how far the archive is; may be empty.
+  archive::HearWriting hear{};
 };
 
 /// Thrown out of derive_archive when it was stopped; nothing was written.
@@ -53,11 +55,12 @@ struct DeriveStopped {};
 /// Returns its digest; empty, and no archive, while the run is in its burn-in and has found
 /// nothing. `cut` is then what the archive holds: no scans where these are no draws yet. Motions
 /// are remembered in the folder (store/stored_motions.h). Throws base::Error where the store can't
-/// be read or the archive can't be written, and DeriveStopped soon after `stop` has become true.
-/// REQUIRES: the cut is committed.
+/// be read or the archive can't be written, and DeriveStopped soon after `stop` has become true:
+/// after one simulation, or a batch. It is asked in this thread and may be empty. REQUIRES: the cut
+/// is committed.
 std::string derive_archive(const DeriveInputs& inputs, const std::string& folder,
                            const std::string& output, request::Cut& cut,
-                           const std::atomic<bool>* stop = nullptr);
+                           const std::function<bool()>& stop = {});
 
 /// What is committed in `folder` of a run of this request: the scans that all chains have, and the
 /// finds of its search.

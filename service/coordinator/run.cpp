@@ -24,6 +24,7 @@
 #include "service/coordinator/failure_files.h"
 #include "service/coordinator/output_place.h"
 #include "service/coordinator/run_events.h"
+#include "service/coordinator/writing_words.h"
 
 namespace sleight::coordinator {
 namespace {
@@ -153,7 +154,8 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
   lock.keep();  // nothing forks any more
   if (run_store.epoch() > 1) run_events.say("reading what earlier sessions stored");
   double motions_s = 0;  // of the thread of checkpoints while that runs
-  const auto archive_of = [&](const Reached& reached, const std::atomic<bool>* stop) {
+  const auto archive_of = [&](const Reached& reached, const std::function<bool()>& stop,
+                              const archive::HearWriting& hear) {
     request::Cut cut = cut_of(reached);
     const DeriveInputs derive{.request = inputs.request,
                               .reader = inputs.reader,
@@ -162,7 +164,8 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                               .results_version = inputs.results_version,
                               .motions_s = &motions_s,
                               .store = run_store.to_read(),
-                              .fence = [&lock] { lock.check(); }};
+                              .fence = [&lock] { lock.check(); },
+                              .hear = hear};
     std::string digest = derive_archive(derive, folder, options.output, cut, stop);
     if (!digest.empty())
       run_events.archive_written({.digest = digest, .scans = cut.scans, .found = cut.found});
@@ -172,7 +175,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
       [&](const Reached& reached, const std::atomic<bool>& stop) {
         run_store.flush();  // what was reached may be on its way
         motions_s = 0;
-        const std::string digest = archive_of(reached, &stop).first;
+        const std::string digest = archive_of(reached, [&stop] { return stop.load(); }, {}).first;
         return Checkpoints::Made{.archive = !digest.empty(), .motions_s = motions_s};
       },
       inputs.clock, options.checkpoint_every_s, files.exists(options.output));
@@ -205,8 +208,19 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                      .progress = outcome.progress,
                      .handling = outcome.handling};
   if (summary.scans > 0 || summary.found > 0) {
-    run_events.say("writing the archive");
-    std::tie(summary.digest, summary.scans) = archive_of(outcome.reached, nullptr);
+    run_events.say(k_writing);
+    WritingWords words([&](const std::string& phase) { run_events.say(phase); }, inputs.clock);
+    // Told to stop before, it was to end with an archive; the same signal again then ends it at
+    // once.
+    const bool is_stopping = summary.end == DriveEnd::stop_requested;
+    try {
+      std::tie(summary.digest, summary.scans) = archive_of(
+          outcome.reached, is_stopping ? std::function<bool()>() : options.stop_requested,
+          [&words](const archive::WritingProgress& now) { words.hear(now); });
+    } catch (const DeriveStopped&) {
+      summary.is_archive_given_up = true;
+      if (summary.end != DriveEnd::simulation_failed) summary.end = DriveEnd::stop_requested;
+    }
     if (summary.end == DriveEnd::finished)
       say_what_is_left_out(run_store, options.output, outcome.reached.scans);
   }
@@ -231,6 +245,8 @@ events::End end_of(const RunSummary& summary) {
 
 /// For people; of most ends there is nothing to say.
 std::string words_of(const RunSummary& summary) {
+  if (summary.is_archive_given_up)
+    return "it was told to stop while it wrote the archive, which is as it was before";
   const std::string& stuck_at = summary.progress.finds.stuck_at;
   switch (end_of(summary)) {
     case events::End::gave_up:

@@ -59,11 +59,12 @@ struct RunOptions {
 
 struct RunSummary {
   DriveEnd end = DriveEnd::finished;
-  std::uint64_t scans = 0;      ///< of every chain
-  std::uint64_t found = 0;      ///< by a search
-  std::string digest{};         ///< of the archive's content; empty: none could be written
-  std::uint64_t epoch = 0;      ///< 1 for a run's first session
-  std::string first_failure{};  ///< of this session: its file, if it was kept
+  std::uint64_t scans = 0;           ///< of every chain
+  std::uint64_t found = 0;           ///< by a search
+  std::string digest{};              ///< of the archive's content; empty: none could be written
+  bool is_archive_given_up = false;  ///< it was told to stop while it wrote it
+  std::uint64_t epoch = 0;           ///< 1 for a run's first session
+  std::string first_failure{};       ///< of this session: its file, if it was kept
   events::Progress progress{};
   Handling handling{};
 };

@@ -18,9 +18,9 @@
 #include <linux/close_range.h>
 
 #include "common/base/check.h"
+#include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
-#include "service/keeper/descriptor.h"
 #include "service/keeper/keeper_lock.h"
 #include "service/keeper/process_table.h"
 #include "service/keeper/program.h"
@@ -45,14 +45,14 @@ bool signal_process(int descriptor, int number) {
 
 /// Both ends of a connection between the launcher and the keeper's process.
 struct Line {
-  Descriptor mine;
-  Descriptor theirs;
+  base::Descriptor mine;
+  base::Descriptor theirs;
 };
 
 Line make_line() {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail("a socket", errno);
-  return {.mine = Descriptor(ends[0]), .theirs = Descriptor(ends[1])};
+  return {.mine = base::Descriptor(ends[0]), .theirs = base::Descriptor(ends[1])};
 }
 
 /// Whether all of it came.
@@ -122,7 +122,7 @@ std::string words_in(const std::string& folder) {
 
 }  // namespace
 
-RunningKeeper::RunningKeeper(ProcessIdentity identity, Descriptor descriptor)
+RunningKeeper::RunningKeeper(ProcessIdentity identity, base::Descriptor descriptor)
     : identity_(std::move(identity)), descriptor_(std::move(descriptor)) {}
 
 bool RunningKeeper::has_gone() const {
@@ -145,10 +145,10 @@ RunningKeeper LocalBackend::launch(const AttemptSpec& spec) const {
   std::vector<std::string> variables = program_environment();
   const std::vector<char*> arguments = pointers_to(command);
   const std::vector<char*> environment = pointers_to(variables);
-  const Descriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const base::Descriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
   if (!null) fail("/dev/null", errno);
   const std::string words_path = spec.folder + "/" + k_keeper_words_name;
-  const Descriptor words(
+  const base::Descriptor words(
       ::open(words_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!words) fail(words_path, errno);
   Line line = make_line();
@@ -170,7 +170,7 @@ RunningKeeper LocalBackend::launch(const AttemptSpec& spec) const {
   if (!receive(line.mine.get(), keeper)) fail("a keeper can't be started", EAGAIN);
   // The keeper waits for leave: its number can't be another's yet.
   RunningKeeper running(identity_of(keeper).value_or(ProcessIdentity{.pid = keeper}),
-                        Descriptor(open_process(keeper)));
+                        base::Descriptor(open_process(keeper)));
   if (running.descriptor() < 0) fail("a keeper can't be watched", errno);
   if (!send(line.mine.get(), true)) fail("a keeper can't be started", ESRCH);
   int error = 0;
@@ -214,7 +214,7 @@ std::optional<RunningKeeper> LocalBackend::adopt(const std::string& folder,
   const Look looked = look(folder, attempt);
   if (looked.state != Look::State::running || !looked.record) return std::nullopt;
   const ProcessIdentity& recorded = looked.record->keeper;
-  Descriptor descriptor(open_process(recorded.pid));
+  base::Descriptor descriptor(open_process(recorded.pid));
   // Read after it was opened: what has the number now began at the recorded moment, so it had the
   // number then too.
   if (!descriptor || identity_of(recorded.pid) != recorded) return std::nullopt;

@@ -36,9 +36,9 @@
 #include <optional>
 #include <string>
 
+#include "common/base/descriptor.h"
 #include "service/keeper/attempt_record.h"
 #include "service/keeper/command.h"
-#include "service/keeper/descriptor.h"
 
 namespace sleight::keeper {
 
@@ -46,7 +46,7 @@ namespace sleight::keeper {
 class RunningKeeper {
  public:
   /// `descriptor` is a pidfd.
-  RunningKeeper(ProcessIdentity identity, Descriptor descriptor);
+  RunningKeeper(ProcessIdentity identity, base::Descriptor descriptor);
 
   const ProcessIdentity& identity() const { return identity_; }
   /// For poll and its like: becomes readable when the keeper has gone, and stays so.
@@ -57,7 +57,7 @@ class RunningKeeper {
 
  private:
   ProcessIdentity identity_;
-  Descriptor descriptor_;
+  base::Descriptor descriptor_;
 };
 
 struct Look {

@@ -25,11 +25,11 @@
 
 #include "common/base/check.h"
 #include "common/base/clock.h"
+#include "common/base/descriptor.h"
 #include "common/base/file_system.h"
 #include "common/store/sessions.h"
 #include "service/keeper/attempt_record.h"
 #include "service/keeper/command.h"
-#include "service/keeper/descriptor.h"
 #include "service/keeper/keeper_lock.h"
 #include "service/keeper/process_table.h"
 #include "service/keeper/program.h"
@@ -110,8 +110,8 @@ class EndPipe {
   }
 
  private:
-  Descriptor reader_;
-  Descriptor writer_;
+  base::Descriptor reader_;
+  base::Descriptor writer_;
   std::string text_{};
   std::optional<events::RunEnd> told_{};
 };
@@ -150,8 +150,8 @@ class Output {
 
  private:
   BoundedLog& log_;
-  Descriptor reader_;
-  Descriptor writer_;
+  base::Descriptor reader_;
+  base::Descriptor writer_;
   LastLines last_{k_tail_lines_max};
   std::array<char, 1U << 16U> piece_{};
 };
@@ -186,7 +186,7 @@ class Signals {
   }
 
  private:
-  Descriptor descriptor_;
+  base::Descriptor descriptor_;
 };
 
 /// The program while it runs.

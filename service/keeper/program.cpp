@@ -15,7 +15,7 @@
 #include <linux/close_range.h>
 
 #include "common/base/check.h"
-#include "service/keeper/descriptor.h"
+#include "common/base/descriptor.h"
 
 namespace sleight::keeper {
 namespace {
@@ -85,8 +85,8 @@ base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moment
   // The end that the child has is closed by exec: no word means success.
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return failed(errno);
-  const Descriptor heard(ends[0]);
-  Descriptor report(ends[1]);
+  const base::Descriptor heard(ends[0]);
+  base::Descriptor report(ends[1]);
   const pid_t keeper = ::getpid();
   const pid_t child = ::fork();
   if (child < 0) return failed(errno);

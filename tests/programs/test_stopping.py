@@ -4,6 +4,8 @@ unusable outputs."""
 
 import json
 import os
+import re
+import signal
 import subprocess
 import time
 
@@ -56,6 +58,51 @@ class Stopping(ProgramTest):
         summary = json.loads(result.stdout)
         self.assertGreaterEqual(summary["independent_solutions"], 3)
         self.assertIn(summary["scans"], [64 * (2 ** r - 1) for r in range(1, 12)])
+
+
+class WhileItWrites(ProgramTest):
+    def ended_by_signal(self, process):
+        begin = time.monotonic()
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertLess(time.monotonic() - begin, 20)
+
+    def test_it_says_how_far_it_is_and_stops(self):
+        # An archive of so many scans takes seconds.
+        output = self.path("a.h5")
+        request = self.write_request(chains=1, scans=600000)
+        direct = [harness.program("sleight"), "direct", request, "-o", output]
+        process = harness.start(direct)
+        log = self.path("a.h5.run/events.log")
+        counted = re.compile(r"writing the archive: [0-9,]+ of 600,000 draws \([0-9]+%\)  [0-9:]+ left  "
+                             r"[0-9,]+ draws/s")
+        while not (log.exists() and counted.search(log.read_text())):
+            self.assertIsNone(process.poll(), "it has ended, and nothing was counted")
+            time.sleep(0.02)
+        self.ended_by_signal(process)
+        self.assertIn("told to stop while it wrote the archive", log.read_text())
+        self.assertEqual([p.name for p in self.folder.iterdir() if ".tmp." in p.name], [])
+
+        # What it has computed is there: of fewer scans an archive is written at once.
+        few = self.succeed(sleight("direct", self.write_request("few.toml", chains=1, scans=1000),
+                                   "-o", output, "--json"))
+        summary = json.loads(few.stdout)
+        self.assertEqual((summary["end"], summary["session_scans"]), ("finished", 0))
+
+        # Once more, with an archive that stays; derived by hand too.
+        before = output.read_bytes()
+        other = self.path("other.h5")
+        for command, place in [(direct, output),
+                               ([harness.program("sleight"), "archive", "derive",
+                                 self.path("a.h5.run"), "-o", other], other)]:
+            process = harness.start(command)
+            while not any(p.name.startswith(place.name + ".tmp.") for p in self.folder.iterdir()):
+                self.assertIsNone(process.poll(), "it has ended")
+                time.sleep(0.02)
+            self.ended_by_signal(process)
+        self.assertEqual(output.read_bytes(), before)
+        self.assertFalse(other.exists())
 
 
 class UnusableOutputs(ProgramTest):

@@ -189,6 +189,7 @@ class Shells(TidyTest):
         ("spdlog/spdlog.h", "spdlog::spdlog", "common/logging", "spdlog"),
         ("librsvg/rsvg.h", "PkgConfig::RSVG", "clients/plot", "librsvg"),
         ("libpng16/png.h", "PkgConfig::PNG", "clients/plot", "libpng"),
+        ("seccomp.h", "PkgConfig::SECCOMP", "common/archive/reader_program", "libseccomp"),
         ("sys/mman.h", None, "common/base", "memory mapping"),
     )
 

@@ -1,5 +1,6 @@
 #include "common/archive/hdf5/reader.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -11,17 +12,22 @@
 #include "common/archive/format.h"
 #include "common/archive/hdf5/boxes.h"
 #include "common/archive/hdf5/handle.h"
+#include "common/archive/hdf5/input_file.h"
 #include "common/archive/hdf5/inspect.h"
 #include "common/archive/text.h"
 #include "common/base/check.h"
+#include "common/base/descriptor.h"
 
 namespace sleight::archive::hdf5 {
 namespace {
 
 class FileSource final : public Source {
  public:
-  FileSource(Api api, Handle file, Contents contents)
-      : api_(std::move(api)), file_(std::move(file)), contents_(std::move(contents)) {}
+  FileSource(Api api, std::unique_ptr<InputFile> input, Handle file, Contents contents)
+      : api_(std::move(api)),
+        input_(std::move(input)),
+        file_(std::move(file)),
+        contents_(std::move(contents)) {}
 
   std::string name() const override { return api_.path(); }
   const std::vector<Group>& groups() const override { return contents_.groups; }
@@ -118,34 +124,43 @@ class FileSource final : public Source {
   }
 
   Api api_;
+  std::unique_ptr<InputFile> input_;
   Handle file_;
   Contents contents_;  // closes its datasets before the file
 };
 
-std::uint64_t length_of(const Api& api, const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) {
-    throw base::Error(fmt::format("{}: can't open it: {}", path, std::strerror(errno)));
-  }
-  if (!S_ISREG(status.st_mode)) api.fail("", "not a file");
-  return static_cast<std::uint64_t>(status.st_size);
-}
-
 }  // namespace
 
+void start() {
+  const Api started("HDF5", base::ExitCode::bug);
+}
+
 std::unique_ptr<Source> open_file(const std::string& path) {
-  Api api(path, base::ExitCode::bad_archive);
-  const std::uint64_t bytes = length_of(api, path);
+  start();
+  // A pipe or a device would keep us waiting.
+  base::Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  struct stat status {};
+  if (!file || ::fstat(file.get(), &status) != 0) {
+    throw base::Error(fmt::format("{}: can't open it: {}", path, std::strerror(errno)));
+  }
+  if (!S_ISREG(status.st_mode)) Api(path, base::ExitCode::bad_archive).fail("", "not a file");
+  return open_descriptor(
+      path, {.descriptor = file.release(), .bytes = static_cast<std::uint64_t>(status.st_size)});
+}
+
+std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile& open) {
+  auto input = std::make_unique<InputFile>(open.descriptor, open.bytes);
+  Api api(name, base::ExitCode::bad_archive);
   const Handle access = api.id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "", "make a file-access list");
-  // Archives are replaced, never changed: a lock would only fail on file systems without locks.
-  api.ok(H5Pset_file_locking(access.get(), false, true), "", "switch locks off");
+  api.ok(input->use_in(access.get()), "", "set how it is read");
   api.ok(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "", "set how it is closed");
-  const htri_t is_hdf5 = H5Fis_hdf5(path.c_str());
-  if (is_hdf5 == 0) api.fail("", "not an HDF5 file");
+  if (!input->has_signature()) api.fail("", "not an HDF5 file");
+  // The driver needs no name; one that isn't absolute makes HDF5 ask for the working folder.
   Handle file =
-      api.id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, "", "open it as HDF5");
-  Contents contents = inspect(api, file.get(), bytes);
-  return std::make_unique<FileSource>(std::move(api), std::move(file), std::move(contents));
+      api.id(H5Fopen("/archive", H5F_ACC_RDONLY, access.get()), H5Fclose, "", "open it as HDF5");
+  Contents contents = inspect(api, file.get(), open.bytes);
+  return std::make_unique<FileSource>(std::move(api), std::move(input), std::move(file),
+                                      std::move(contents));
 }
 
 }  // namespace sleight::archive::hdf5

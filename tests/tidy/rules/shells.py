@@ -15,7 +15,8 @@ PURE = ("worker/physics", "worker/sampling", "worker/worlds", "service/core", "c
 PURE_TESTS = tuple("tests/unit/" + folder for folder in PURE)
 # What SLEIGHT_SHELLS=OFF builds, and what it leaves out of that.
 BARE = PURE + ("worker/run", "common/base", "common/request", "common/archive", "common/schema")
-SHELLS = ("worker/run/mpi", "common/archive/digest", "common/archive/hdf5", "common/schema/wire")
+SHELLS = ("worker/run/mpi", "common/archive/digest", "common/archive/hdf5",
+          "common/archive/reader_program", "common/archive/remote", "common/schema/wire")
 
 # name, its headers, its link names, the folders that may use it, whether a program's main may too.
 LIBRARIES = (
@@ -32,7 +33,11 @@ LIBRARIES = (
     ("librsvg", r"librsvg/.*|cairo.*|gdk-pixbuf/.*", r"PkgConfig::RSVG|rsvg.*", ("clients/plot",),
      False),
     ("libpng", r"libpng\d*/.*", r"PkgConfig::PNG|PNG::.*|png", ("clients/plot",), False),
-    ("memory mapping", r"sys/mman\.h", r"(?!)", ("common/base",), False),
+    ("libseccomp", r"seccomp\.h", r"PkgConfig::SECCOMP|seccomp", ("common/archive/reader_program",),
+     False),
+    # The second maps nothing: it forbids memory that holds code.
+    ("memory mapping", r"sys/mman\.h", r"(?!)", ("common/base", "common/archive/reader_program"),
+     False),
 )
 
 # What else pure code must not touch: the wall clock, files, sockets.

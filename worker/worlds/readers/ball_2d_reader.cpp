@@ -82,14 +82,20 @@ class Ball2dReader final : public archive::StateReader {
     return {normals.begin(), normals.begin() + collisions()};
   }
 
-  double likeness_distance(base::BytesView a, base::BytesView b) const override {
-    const Motion left = motion(a);
-    const Motion right = motion(b);
-    double largest_m = std::abs(left.landing.x_m - right.landing.x_m);
-    for (std::size_t i = 0; i < left.flights.size(); ++i) {
-      largest_m = std::max(
-          largest_m, std::abs(left.flights[i].position_m.x() - right.flights[i].position_m.x()));
-    }
+  /// Where it lands, and where its flights begin, along x.
+  std::vector<double> likeness(base::BytesView state) const override {
+    const Motion simulated = motion(state);
+    std::vector<double> places_m{simulated.landing.x_m};
+    for (const Flight& flight : simulated.flights)
+      places_m.push_back(flight.position_m.x());
+    return places_m;
+  }
+
+  double likeness_distance(std::span<const double> left_m,
+                           std::span<const double> right_m) const override {
+    double largest_m = 0;
+    for (std::size_t i = 0; i < left_m.size(); ++i)
+      largest_m = std::max(largest_m, std::abs(left_m[i] - right_m[i]));
     return largest_m / ball_.parameters().world.diameter_m;
   }
 

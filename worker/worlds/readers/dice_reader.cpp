@@ -266,6 +266,24 @@ class LastAnimations {
   std::size_t next_ = 0;
 };
 
+/// What DiceReader::likeness says, by its parts.
+class Likeness {
+ public:
+  Likeness(std::span<const double> numbers, std::size_t dice) : numbers_(numbers), dice_(dice) {}
+
+  double touches() const { return numbers_[0]; }
+  /// Those at equal distances, without the end.
+  std::size_t times() const { return (numbers_.size() - 1) / (3 * dice_) - 1; }
+  /// Where it was last, after the end.
+  Eigen::Map<const Vec3> place_m(std::size_t nth, std::uint32_t die) const {
+    return Eigen::Map<const Vec3>(&numbers_[1 + 3 * (std::min(nth, times()) * dice_ + die)]);
+  }
+
+ private:
+  std::span<const double> numbers_;
+  std::size_t dice_;
+};
+
 class DiceReader final : public archive::StateReader {
  public:
   explicit DiceReader(const Parameters& parameters)
@@ -280,26 +298,40 @@ class DiceReader final : public archive::StateReader {
     return values_of(decoded(bytes));
   }
 
-  double likeness_distance(base::BytesView a, base::BytesView b) const override {
-    const auto one_throw = animations_.of(world_, a);
-    const auto other_throw = animations_.of(world_, b);
-    CHECK(one_throw->outcome.is_animation() && other_throw->outcome.is_animation());
-    const physics::Recording& left = one_throw->recording;
-    const physics::Recording& right = other_throw->recording;
+  /// Collisions with the table; and of each time, the animation's end last, the places of all dice,
+  /// which are NaN before a die has started.
+  std::vector<double> likeness(base::BytesView state) const override {
+    const auto animation = animations_.of(world_, state);
+    CHECK(animation->outcome.is_animation());
+    const physics::Recording& recording = animation->recording;
     const physics::TickCount step = physics::ticks_after(k_likeness_every_s);
+    std::vector<double> numbers{static_cast<double>(animation->outcome.collisions)};
+    for (physics::Tick t{}; t <= recording.end(); t = t + step)
+      append_places(recording, t, numbers);
+    append_places(recording, recording.end(), numbers);
+    return numbers;
+  }
+
+  double likeness_distance(std::span<const double> a, std::span<const double> b) const override {
+    const Likeness left(a, world_.dice());
+    const Likeness right(b, world_.dice());
     double most_m = 0;
-    for (std::uint32_t die = 0; die < world_.dice(); ++die) {
-      for (physics::Tick t{}; t <= std::max(left.end(), right.end()); t = t + step) {
-        const auto one = place_at(left, {die}, t);
-        const auto other = place_at(right, {die}, t);
-        if (one && other) most_m = std::max(most_m, math::norm(Vec3(*one - *other)));
-      }
+    for (std::size_t i = 0; i < std::max(left.times(), right.times()); ++i)
+      most_m = std::max(most_m, most_apart_m(left, right, i));
+    return distance_of(left, right, most_m);
+  }
+
+  bool is_unlike(std::span<const double> a, std::span<const double> b,
+                 double distance) const override {
+    // The distance grows with the greatest one between dice, so a part of the times may tell.
+    const Likeness left(a, world_.dice());
+    const Likeness right(b, world_.dice());
+    double most_m = 0;
+    for (std::size_t i = 0; i < std::max(left.times(), right.times()); ++i) {
+      most_m = std::max(most_m, most_apart_m(left, right, i));
+      if (distance_of(left, right, most_m) > distance) return true;
     }
-    const double left_touches = one_throw->outcome.collisions;
-    const double right_touches = other_throw->outcome.collisions;
-    const double more = std::max({left_touches, right_touches, 1.0});
-    return most_m / world_.parameters().world.side_m +
-           std::fabs(left_touches - right_touches) / more;
+    return false;
   }
 
   archive::Motion play(base::BytesView state) const override {
@@ -378,13 +410,31 @@ class DiceReader final : public archive::StateReader {
     return values;
   }
 
-  /// Where it was last, after the recording's end; nothing before the die has started.
-  static std::optional<Vec3> place_at(const physics::Recording& recording, physics::BodyId die,
-                                      physics::Tick tick) {
-    const physics::Tick known = std::min(tick, recording.end());
-    const physics::Segment* segment = recording.segment_at(die, known);
-    if (segment == nullptr) return std::nullopt;
-    return physics::position_at(segment->flight, known);
+  /// Of all dice at one time.
+  void append_places(const physics::Recording& recording, physics::Tick tick,
+                     std::vector<double>& numbers) const {
+    for (std::uint32_t die = 0; die < world_.dice(); ++die) {
+      const physics::Segment* segment = recording.segment_at({die}, tick);
+      append_vector(segment == nullptr ? Vec3(Vec3::Constant(std::nan("")))
+                                       : Vec3(physics::position_at(segment->flight, tick)),
+                    numbers);
+    }
+  }
+
+  /// At the nth time; 0 where no die has started in both.
+  double most_apart_m(const Likeness& left, const Likeness& right, std::size_t nth) const {
+    double most_m = 0;
+    for (std::uint32_t die = 0; die < world_.dice(); ++die) {
+      const double apart_m = math::norm(Vec3(left.place_m(nth, die) - right.place_m(nth, die)));
+      if (apart_m > most_m) most_m = apart_m;
+    }
+    return most_m;
+  }
+
+  double distance_of(const Likeness& left, const Likeness& right, double most_m) const {
+    const double more = std::max({left.touches(), right.touches(), 1.0});
+    return most_m / world_.parameters().world.side_m +
+           std::fabs(left.touches() - right.touches()) / more;
   }
 
   Dice world_;

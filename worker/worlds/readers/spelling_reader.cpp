@@ -140,9 +140,14 @@ class SpellingReader final : public archive::StateReader {
     return values_of(decoded(state));
   }
 
-  double likeness_distance(base::BytesView a, base::BytesView b) const override {
-    const std::vector<int> left = world_.balls_of_bins(decoded(a));
-    const std::vector<int> right = world_.balls_of_bins(decoded(b));
+  /// The balls of designated bins.
+  std::vector<double> likeness(base::BytesView state) const override {
+    const std::vector<int> balls = world_.balls_of_bins(decoded(state));
+    return {balls.begin(), balls.end()};
+  }
+
+  double likeness_distance(std::span<const double> left,
+                           std::span<const double> right) const override {
     double unlike = 0;
     for (std::size_t bin = 0; bin < left.size(); ++bin)
       unlike += left[bin] != right[bin] ? 1 : 0;

@@ -26,5 +26,21 @@ TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
   EXPECT_EQ(text.find('\r'), std::string::npos);
 }
 
+TEST(ProgressPrinter, WritesPhasesThatLast) {
+  // Goal: a log file hears of the writing of an archive if that takes its time, and not of one that
+  // is over at once. Method: a file in place of a terminal; lines at any time, and seldom.
+  for (const double every_s : {0.0, k_plain_line_every_s}) {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+    ASSERT_NE(file, nullptr);
+    ProgressPrinter printer("x", file.get(), every_s);
+    printer.say("writing the archive: 1 of 2 draws (50%)");
+    printer.finish();
+    std::rewind(file.get());
+    std::string text(10'000, '\0');
+    text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+    EXPECT_EQ(text, every_s > 0 ? "" : "x  writing the archive: 1 of 2 draws (50%)\n");
+  }
+}
+
 }  // namespace
 }  // namespace sleight::cli

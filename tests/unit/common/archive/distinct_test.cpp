@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "tests/unit/common/archive/fake_world.h"
@@ -30,7 +31,9 @@ std::vector<Address> reference(const FakeRun& run, const FakeReader& reader,
       bool keep = record.satisfied && others.size() < options.keep_per_lineage &&
                   kept.size() < options.keep_max;
       for (const base::Bytes& other : others) {
-        keep = keep && reader.likeness_distance(other, record.state) > options.min_distance;
+        keep = keep &&
+               reader.likeness_distance(reader.likeness(other), reader.likeness(record.state)) >
+                   options.min_distance;
       }
       if (!keep) continue;
       others.push_back(record.state);
@@ -80,15 +83,73 @@ TEST(Distinct, EqualsTheDefinitionOnRandomRuns) {
   EXPECT_GT(truncated, 100U) << "the runs hardly ever meet keep_max";
 }
 
+/// A draw with this state.
+plan::ScanRecord satisfied(std::uint64_t key) {
+  return {.satisfied = true,
+          .lineage = 4,
+          .proposed = {},
+          .accepted = {},
+          .outcome = {},
+          .state = FakeReader::state_of(key)};
+}
+
+/// Counts how often each state's likeness is asked for.
+class CountedLikenesses final : public FakeReader {
+ public:
+  std::vector<double> likeness(base::BytesView state) const override {
+    ++asked_[base::Bytes(state.begin(), state.end())];
+    return FakeReader::likeness(state);
+  }
+  const std::map<base::Bytes, int>& asked() const { return asked_; }
+
+ private:
+  mutable std::map<base::Bytes, int> asked_;
+};
+
+TEST(Distinct, AsksOfEachAnimationOnceWhatIsCompared) {
+  // Goal: a simulation for each animation, not for each pair of them; where what is compared does
+  // not fit in memory it is asked for again, and the same ones are kept. Method: one long lineage
+  // of different states, of which most are kept; room for all, and for five.
+  constexpr std::uint64_t k_scans = 300;
+  DistinctOptions options{.keep_max = 1000, .keep_per_lineage = 1000, .min_distance = 1e-3};
+  const auto kept_by = [&](const StateReader& reader) {
+    DistinctSelector selector(reader, options);
+    for (std::uint64_t scan = 0; scan < k_scans; ++scan)
+      selector.offer({0}, {scan}, satisfied(scan));
+    std::vector<std::uint64_t> scans;
+    for (const KeptAnimation& kept : selector.finish())
+      scans.push_back(kept.scan.value);
+    return scans;
+  };
+  const CountedLikenesses once;
+  const std::vector<std::uint64_t> kept = kept_by(once);
+  EXPECT_GT(kept.size(), 200U);
+  EXPECT_LT(kept.size(), k_scans);
+  EXPECT_EQ(once.asked().size(), k_scans);
+  for (const auto& [state, times] : once.asked())
+    EXPECT_EQ(times, 1);
+
+  options.likeness_bytes_max = 5 * sizeof(double);
+  const CountedLikenesses often;
+  EXPECT_EQ(kept_by(often), kept);
+  int most = 0;
+  for (const auto& [state, times] : often.asked())
+    most = std::max(most, times);
+  EXPECT_GT(most, 100);
+}
+
+TEST(Distinct, AsksNothingOfThoseThatStayAlone) {
+  // Goal: an archive that keeps one of each lineage compares nothing.
+  const FakeRun run({.chains = 2, .scans = 300, .thin = 1, .satisfied_share = 0.8, .lineages = 5});
+  const CountedLikenesses reader;
+  EXPECT_EQ(selected(run, reader, {.keep_max = 1000, .keep_per_lineage = 1}).size(), 10U);
+  EXPECT_TRUE(reader.asked().empty());
+}
+
 TEST(Distinct, EqualStatesAreKeptOnceWhenTheDistanceIsZero) {
   const FakeReader reader;
   DistinctSelector selector(reader, {.keep_max = 10, .keep_per_lineage = 3, .min_distance = 0});
-  const plan::ScanRecord record{.satisfied = true,
-                                .lineage = 4,
-                                .proposed = {},
-                                .accepted = {},
-                                .outcome = {},
-                                .state = FakeReader::state_of(9)};
+  const plan::ScanRecord record = satisfied(9);
   for (std::uint64_t scan = 0; scan < 5; ++scan)
     selector.offer({0}, {scan}, record);
   selector.offer({1}, {2}, record);  // the same lineage number in another chain is another lineage

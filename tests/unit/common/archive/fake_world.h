@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -79,8 +80,11 @@ class FakeReader : public StateReader {
     return values;
   }
 
-  double likeness_distance(base::BytesView a, base::BytesView b) const override {
-    return std::abs(unit_of(key_of(a)) - unit_of(key_of(b)));
+  std::vector<double> likeness(base::BytesView state) const override {
+    return {unit_of(key_of(state))};
+  }
+  double likeness_distance(std::span<const double> a, std::span<const double> b) const override {
+    return std::abs(a[0] - b[0]);
   }
 
   /// None to four segments, two bodies in turns.

@@ -365,5 +365,33 @@ TEST(DigestDeathTest, IncompleteArchivesAreBugs) {
   EXPECT_DEATH(write_digested(archive, without_coordinate), "coordinate");
 }
 
+TEST(Layout, SaysHowFarItIs) {
+  // Goal: parts in their order, each counted to its end, and the archive is the same. Method: all
+  // that is heard of a run.
+  const FakeRunOptions run{.chains = 3, .scans = 50, .thin = 5};
+  std::vector<WritingProgress> heard;
+  MemoryArchive told;
+  const std::string digest = write_digested(told, [&](Sink& sink) {
+    write_archive(FakeRun(run), FakeReader(), options_for(run), sink,
+                  [&](const WritingProgress& now) { heard.push_back(now); });
+  });
+  MemoryArchive silent;
+  EXPECT_EQ(write_digested(silent, testing::filler(run)), digest);
+  ASSERT_FALSE(heard.empty());
+  EXPECT_EQ(heard.front().part, WritingProgress::Part::prior);
+  std::uint64_t draws = 0;
+  std::uint64_t animations = 0;
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    EXPECT_LE(heard[i].done, heard[i].total);
+    if (i > 0) {
+      EXPECT_GE(heard[i].part, heard[i - 1].part);
+    }
+    if (heard[i].part == WritingProgress::Part::draws) draws = heard[i].done;
+    if (heard[i].part == WritingProgress::Part::animations) animations = heard[i].done;
+  }
+  EXPECT_EQ(draws, 150U);
+  EXPECT_EQ(animations, find_dataset(*find_group(told, k_animations), "animation")->dims[0].size);
+}
+
 }  // namespace
 }  // namespace sleight::archive

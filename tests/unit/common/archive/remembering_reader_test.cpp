@@ -105,10 +105,15 @@ TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
   is_stopped = true;
   EXPECT_NO_THROW((void)remembering.play(one));  // known
   EXPECT_THROW((void)remembering.play(other), std::runtime_error);
-  EXPECT_THROW((void)remembering.likeness_distance(one, other), std::runtime_error);
+  EXPECT_THROW((void)remembering.likeness(one), std::runtime_error);
   EXPECT_THROW((void)remembering.prior_draws(3), std::runtime_error);
   is_stopped = false;
-  EXPECT_EQ(remembering.likeness_distance(one, other), reader.likeness_distance(one, other));
+  const std::vector<double> looks = remembering.likeness(one);
+  EXPECT_EQ(looks, reader.likeness(one));
+  EXPECT_EQ(remembering.likeness_distance(looks, reader.likeness(other)),
+            reader.likeness_distance(looks, reader.likeness(other)));
+  EXPECT_TRUE(remembering.is_unlike(looks, reader.likeness(other), 0));
+  EXPECT_FALSE(remembering.is_unlike(looks, looks, 0));
   EXPECT_EQ(remembering.variables(one).size(), reader.variables(one).size());
   EXPECT_EQ(remembering.log_priors_of_throws(3), reader.log_priors_of_throws(3));
   EXPECT_EQ(&remembering.layout(), &reader.layout());

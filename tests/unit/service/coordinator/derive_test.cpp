@@ -43,7 +43,7 @@ class DeriveArchive : public testing::BallRuns {
  protected:
   /// Derives the archive of a run so far, as a program does that knows its folder alone.
   static std::string derived(const std::string& text, const std::string& output,
-                             const std::string& place, const std::atomic<bool>* stop = nullptr) {
+                             const std::string& place, const std::function<bool()>& stop = {}) {
     run::Catalogue catalogue;
     const auto request = request::read_request(text, "request.toml", catalogue.bindings()).value();
     const run::WorldEntry& world = catalogue.world(request.world);
@@ -173,11 +173,45 @@ TEST_F(DeriveArchive, CanBeStopped) {
   // Goal: an archive that is given up leaves what was there, and no file. Method: stopped at once.
   const std::string text = request_text("scans = 200");
   (void)session(text, {.output = path("run.h5")});
-  const std::atomic<bool> stop = true;
+  const auto stop = [] { return true; };
   const std::string before = bytes_of(path("run.h5"));
-  EXPECT_THROW(derived(text, path("run.h5"), path("run.h5"), &stop), DeriveStopped);
+  EXPECT_THROW(derived(text, path("run.h5"), path("run.h5"), stop), DeriveStopped);
   EXPECT_EQ(bytes_of(path("run.h5")), before);
   EXPECT_THAT(names(), ::testing::UnorderedElementsAre("run.h5", "run.h5.run"));
+}
+
+TEST_F(DeriveArchive, ARunThatIsToldToStopWhileItWritesKeepsTheOldOne) {
+  // Goal: the old archive stays, the store has all, the session ends as one that was interrupted,
+  // and the same request then has the archive that it would have had. Method: stopped by the phase
+  // that says that the archive is written, the run in its first session and gone on with.
+  const std::string text = request_text("scans = 200");
+  const std::string longer = request_text("scans = 300");
+  for (const bool has_archive : {false, true}) {
+    const std::string output = path(has_archive ? "second.h5" : "first.h5");
+    if (has_archive) (void)session(text, {.output = output});
+    const std::string before = has_archive ? bytes_of(output) : std::string();
+    bool is_writing = false;
+    const auto hear = [&](const events::RunEvent& event) {
+      const auto* phase = std::get_if<events::Phase>(&event.what);
+      is_writing = is_writing || (phase != nullptr && phase->words == "writing the archive");
+    };
+    const RunSummary stopped = session(
+        longer, {.output = output, .stop_requested = [&] { return is_writing; }, .hear = hear});
+    EXPECT_TRUE(is_writing);
+    EXPECT_EQ(stopped.end, DriveEnd::stop_requested);
+    EXPECT_TRUE(stopped.is_archive_given_up);
+    EXPECT_EQ(stopped.digest, "");
+    EXPECT_EQ(stopped.scans, 300U);
+    EXPECT_EQ(base::PosixFileSystem().exists(output), has_archive);
+    if (has_archive) {
+      EXPECT_EQ(bytes_of(output), before);
+    }
+    const RunSummary again = session(longer, {.output = output});
+    EXPECT_EQ(again.end, DriveEnd::finished);
+    EXPECT_FALSE(again.is_archive_given_up);
+    EXPECT_EQ(again.progress.session_scans, 0U);
+    EXPECT_EQ(again.digest, session(longer, {.output = path("whole.h5"), .fresh = true}).digest);
+  }
 }
 
 }  // namespace

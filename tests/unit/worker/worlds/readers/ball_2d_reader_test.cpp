@@ -121,16 +121,17 @@ TEST_F(Reader, LikenessIsADistance) {
     const base::Bytes a = state(3 * index);
     const base::Bytes b = state(3 * index + 1);
     const base::Bytes c = state(3 * index + 2);
-    const double ab = reader_->likeness_distance(a, b);
-    EXPECT_EQ(reader_->likeness_distance(a, a), 0);
-    EXPECT_EQ(ab, reader_->likeness_distance(b, a));
+    const double ab = worlds::testing::distance_by(*reader_, a, b);
+    EXPECT_EQ(worlds::testing::distance_by(*reader_, a, a), 0);
+    EXPECT_EQ(ab, worlds::testing::distance_by(*reader_, b, a));
     EXPECT_GT(ab, 0);
-    EXPECT_LE(ab, reader_->likeness_distance(a, c) + reader_->likeness_distance(c, b) + 1e-12);
+    EXPECT_LE(ab, worlds::testing::distance_by(*reader_, a, c) +
+                      worlds::testing::distance_by(*reader_, c, b) + 1e-12);
   }
-  const double before = reader_->likeness_distance(state(0), state(1));
+  const double before = worlds::testing::distance_by(*reader_, state(0), state(1));
   parameters_.world.diameter_m *= 4;
   remake();
-  EXPECT_DOUBLE_EQ(reader_->likeness_distance(state(0), state(1)), before);
+  EXPECT_DOUBLE_EQ(worlds::testing::distance_by(*reader_, state(0), state(1)), before);
 }
 
 TEST_F(Reader, LikenessIsTheLargestDifferenceOfPlaces) {
@@ -146,7 +147,7 @@ TEST_F(Reader, LikenessIsTheLargestDifferenceOfPlaces) {
   const double farthest_m =
       std::max(std::abs(motion.flights[2].position_m.x()), std::abs(motion.landing.x_m));
   EXPECT_GT(farthest_m, 0);
-  EXPECT_DOUBLE_EQ(reader_->likeness_distance(ball.encode({}), ball.encode(normals)),
+  EXPECT_DOUBLE_EQ(worlds::testing::distance_by(*reader_, ball.encode({}), ball.encode(normals)),
                    farthest_m / parameters_.world.diameter_m);
 }
 

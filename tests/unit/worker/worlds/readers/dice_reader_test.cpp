@@ -193,9 +193,10 @@ TEST(DiceReader, LikenessIsADistance) {
   for (std::uint64_t number = 0; number < 5; ++number) {
     const base::Bytes a = world.encode(state_of(world, number));
     const base::Bytes b = world.encode(state_of(world, number + 100));
-    EXPECT_EQ(reader->likeness_distance(a, a), 0);
-    EXPECT_EQ(reader->likeness_distance(a, b), reader->likeness_distance(b, a));
-    EXPECT_GT(reader->likeness_distance(a, b), 0.1);
+    EXPECT_EQ(worlds::testing::distance_by(*reader, a, a), 0);
+    EXPECT_EQ(worlds::testing::distance_by(*reader, a, b),
+              worlds::testing::distance_by(*reader, b, a));
+    EXPECT_GT(worlds::testing::distance_by(*reader, a, b), 0.1);
   }
 }
 
@@ -213,7 +214,8 @@ TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
   for (std::uint64_t number = 0; number < k_states; ++number) {
     states.push_back(world.encode(state_of(world, number)));
     rows.push_back(make_state_reader(parameters)->play(states.back()).recording.rows());
-    distances.push_back(make_state_reader(parameters)->likeness_distance(states[0], states.back()));
+    distances.push_back(
+        worlds::testing::distance_by(*make_state_reader(parameters), states[0], states.back()));
   }
   std::atomic<int> wrong = 0;
   const auto ask = [&](std::uint64_t seed) {
@@ -221,7 +223,7 @@ TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
     for (int i = 0; i < 300; ++i) {
       const auto n = static_cast<std::size_t>(stream.uniform() * k_states);
       wrong += reader->play(states[n]).recording.rows() != rows[n] ? 1 : 0;
-      wrong += reader->likeness_distance(states[0], states[n]) != distances[n] ? 1 : 0;
+      wrong += worlds::testing::distance_by(*reader, states[0], states[n]) != distances[n] ? 1 : 0;
     }
   };
   {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,17 @@ inline motion::Animation played(const archive::StateReader& reader, base::BytesV
     }
   }
   return animation.value();
+}
+
+/// Of two states, by what is compared of them; the quick question agrees with it.
+inline double distance_by(const archive::StateReader& reader, base::BytesView a,
+                          base::BytesView b) {
+  const std::vector<double> left = reader.likeness(a);
+  const std::vector<double> right = reader.likeness(b);
+  const double distance = reader.likeness_distance(left, right);
+  EXPECT_FALSE(reader.is_unlike(left, right, distance));
+  EXPECT_TRUE(reader.is_unlike(left, right, std::nextafter(distance, -1.0)));
+  return distance;
 }
 
 /// Prior draws fit the layout, are the same at every call and differ from each other.

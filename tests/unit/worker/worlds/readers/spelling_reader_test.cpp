@@ -189,10 +189,11 @@ TEST(SpellingReader, LikenessIsADistance) {
   for (std::uint64_t number = 0; number < 5; ++number) {
     const base::Bytes a = encode(state_of(world, number));
     const base::Bytes b = encode(state_of(world, number + 100));
-    EXPECT_EQ(reader->likeness_distance(a, a), 0);
-    EXPECT_EQ(reader->likeness_distance(a, b), reader->likeness_distance(b, a));
-    EXPECT_LE(reader->likeness_distance(a, b), 1);
-    most = std::max(most, reader->likeness_distance(a, b));
+    EXPECT_EQ(worlds::testing::distance_by(*reader, a, a), 0);
+    EXPECT_EQ(worlds::testing::distance_by(*reader, a, b),
+              worlds::testing::distance_by(*reader, b, a));
+    EXPECT_LE(worlds::testing::distance_by(*reader, a, b), 1);
+    most = std::max(most, worlds::testing::distance_by(*reader, a, b));
   }
   EXPECT_GT(most, 0);
 }

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace sleight::keeper {
+namespace sleight::base {
 
 /// Move-only; below 0: none.
 class Descriptor {
@@ -22,6 +22,8 @@ class Descriptor {
 
   int get() const { return number_; }
   explicit operator bool() const { return number_ >= 0; }
+  /// Gives it away.
+  int release() { return std::exchange(number_, -1); }
   void reset(int number = -1) {
     if (number_ >= 0) ::close(number_);
     number_ = number;
@@ -31,4 +33,4 @@ class Descriptor {
   int number_;
 };
 
-}  // namespace sleight::keeper
+}  // namespace sleight::base

@@ -1,0 +1,142 @@
+#include "common/archive/hdf5/input_file.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <iterator>
+#include <string_view>
+
+namespace sleight::archive::hdf5 {
+namespace {
+
+using ReadState = InputFile::State;
+
+/// HDF5's view of an open file: its own fields first, then ours.
+struct ReadFile {
+  H5FD_t base;
+  ReadState* state;
+};
+
+/// The driver's part of a file-access list, which HDF5 copies as bytes.
+struct ReadInfo {
+  ReadState* state;
+};
+
+ReadState& read_state(H5FD_t* file) {
+  return *reinterpret_cast<ReadFile*>(file)->state;
+}
+const ReadState& read_state(const H5FD_t* file) {
+  return *reinterpret_cast<const ReadFile*>(file)->state;
+}
+
+/// Fills `to` from a place of the file, with zeros past its end. False when the disk fails.
+bool read_at(int descriptor, std::uint64_t address, std::byte* to, std::size_t size) {
+  while (size > 0) {
+    const ssize_t got = ::pread(descriptor, to, size, static_cast<off_t>(address));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return false;
+    if (got == 0) {
+      std::memset(to, 0, size);
+      return true;
+    }
+    to += got;
+    address += static_cast<std::uint64_t>(got);
+    size -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+H5FD_t* begin_reading(const char*, unsigned flags, hid_t list, haddr_t) {
+  const auto* info = static_cast<const ReadInfo*>(H5Pget_driver_info(list));
+  if (info == nullptr || (flags & H5F_ACC_RDWR) != 0) return nullptr;
+  auto* file = new ReadFile{};
+  file->state = info->state;
+  return &file->base;
+}
+
+herr_t end_reading(H5FD_t* file) {
+  delete reinterpret_cast<ReadFile*>(file);
+  return 0;
+}
+
+herr_t reading_features(const H5FD_t*, unsigned long* flags) {
+  *flags = H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
+  return 0;
+}
+
+haddr_t reading_eoa(const H5FD_t* file, H5FD_mem_t) {
+  return read_state(file).allocated;
+}
+
+herr_t set_reading_eoa(H5FD_t* file, H5FD_mem_t, haddr_t address) {
+  read_state(file).allocated = address;
+  return 0;
+}
+
+haddr_t reading_eof(const H5FD_t* file, H5FD_mem_t) {
+  return read_state(file).bytes;
+}
+
+herr_t read_part(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, void* buffer) {
+  const ReadState& state = read_state(file);
+  haddr_t end = 0;
+  if (__builtin_add_overflow(address, size, &end) || end > state.allocated) return -1;
+  return read_at(state.descriptor, address, static_cast<std::byte*>(buffer), size) ? 0 : -1;
+}
+
+herr_t refuse_to_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, std::size_t, const void*) {
+  return -1;
+}
+
+H5FD_class_t reading_driver() {
+  H5FD_class_t driver{};
+  driver.name = "sleight_input";
+  driver.maxaddr = (haddr_t{1} << 62) - 1;
+  driver.fc_degree = H5F_CLOSE_STRONG;
+  driver.fapl_size = sizeof(ReadInfo);
+  driver.open = begin_reading;
+  driver.close = end_reading;
+  driver.query = reading_features;
+  driver.get_eoa = reading_eoa;
+  driver.set_eoa = set_reading_eoa;
+  driver.get_eof = reading_eof;
+  driver.read = read_part;
+  driver.write = refuse_to_write;
+  const H5FD_mem_t map[H5FD_MEM_NTYPES] = H5FD_FLMAP_DICHOTOMY;
+  std::copy(std::begin(map), std::end(map), std::begin(driver.fl_map));
+  return driver;
+}
+
+}  // namespace
+
+InputFile::~InputFile() {
+  ::close(state_.descriptor);
+}
+
+herr_t InputFile::use_in(hid_t file_access_list) {
+  static const H5FD_class_t driver = reading_driver();
+  static const hid_t driver_id = H5FDregister(&driver);
+  if (driver_id < 0) return -1;
+  const ReadInfo info{&state_};
+  return H5Pset_driver(file_access_list, driver_id, &info);
+}
+
+bool InputFile::has_signature() const {
+  constexpr std::string_view k_signature = "\211HDF\r\n\032\n";
+  constexpr std::uint64_t k_first_place_after_begin = 512;
+  std::array<char, k_signature.size()> found{};
+  for (std::uint64_t place = 0; place + found.size() <= state_.bytes;
+       place = place == 0 ? k_first_place_after_begin : 2 * place) {
+    if (!read_at(state_.descriptor, place, reinterpret_cast<std::byte*>(found.data()),
+                 found.size()))
+      return false;
+    if (std::string_view(found.data(), found.size()) == k_signature) return true;
+  }
+  return false;
+}
+
+}  // namespace sleight::archive::hdf5

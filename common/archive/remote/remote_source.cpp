@@ -1,0 +1,230 @@
+#include "common/archive/remote/remote_source.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "common/archive/format.h"
+#include "common/archive/limits.h"
+#include "common/archive/remote/contents_check.h"
+#include "common/archive/remote/messages.h"
+#include "common/base/check.h"
+#include "common/base/descriptor.h"
+#include "common/base/error.h"
+
+namespace sleight::archive::remote {
+namespace {
+
+/// Archives of a list whose readers look at them at the same time.
+constexpr std::size_t k_opened_at_once = 8;
+
+class RemoteSource final : public Source {
+ public:
+  /// Starts the reader; take_contents says whether it could open the archive.
+  RemoteSource(const std::string& program, std::string path, const ReaderLimits& limits)
+      : path_(std::move(path)), limits_(limits) {
+    // A pipe or a device would keep us waiting.
+    const base::Descriptor archive(
+        ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+    struct stat status {};
+    if (!archive || ::fstat(archive.get(), &status) != 0)
+      throw base::Error(fmt::format("{}: can't open it: {}", path_, std::strerror(errno)));
+    if (!S_ISREG(status.st_mode)) fail("not a file");
+    process_.emplace(program, archive.get(), limits);
+  }
+
+  /// REQUIRES: once, before anything else.
+  void take_contents() {
+    const AnswerHead head = receive_head();
+    if (head.kind != AnswerKind::contents || head.type != 0 || head.bytes > k_contents_bytes_max)
+      fail("its reader doesn't begin with what is in it");
+    base::Bytes bytes(head.bytes);
+    receive(bytes);
+    auto groups = decode_contents(bytes);
+    if (!groups) fail(groups.error());
+    const std::string fault = fault_of_contents(groups.value());
+    if (!fault.empty()) fail(fault);
+    groups_ = std::move(groups).value();
+    std::uint32_t number = 0;
+    for (const Group& group : groups_) {
+      for (const DatasetSpec& spec : group.datasets)
+        datasets_.emplace(path_of(group.name, spec.name), Numbered{number++, &group, &spec});
+    }
+  }
+
+  std::string name() const override { return path_; }
+  const std::vector<Group>& groups() const override { return groups_; }
+
+  Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
+              std::uint64_t count) const override {
+    const auto found = datasets_.find(path_of(group, dataset));
+    CHECK(found != datasets_.end());
+    const Numbered& asked = found->second;
+    const std::uint64_t total = element_count(*asked.spec);
+    CHECK_LE(first, total);
+    CHECK_LE(count, total - first);
+    if (!process_) throw base::Error(base::ExitCode::bad_archive, failure_);
+    ask({.number = ++asked_, .dataset = asked.number, .first = first, .count = count});
+    const AnswerHead head = receive_head();
+    if (head.kind != AnswerKind::values || head.type != static_cast<std::uint8_t>(asked.spec->type))
+      fail("its reader answers with something else than it was asked for");
+    switch (asked.spec->type) {
+      case ElementType::f64:
+        return receive_numbers<double>(head, count);
+      case ElementType::i64:
+        return receive_numbers<std::int64_t>(head, count);
+      case ElementType::i32:
+        return receive_numbers<std::int32_t>(head, count);
+      case ElementType::boolean:
+        return receive_numbers<std::int8_t>(head, count);
+      case ElementType::text:
+        return receive_texts(head, asked, count);
+    }
+    base::check_failed("a known element type", found->first);
+  }
+
+ private:
+  struct Numbered {
+    std::uint32_t number = 0;
+    const Group* group = nullptr;
+    const DatasetSpec* spec = nullptr;
+  };
+
+  /// Gives the reader up, for this reason.
+  [[noreturn]] void fail(std::string_view reason) const {
+    process_.reset();
+    failure_ = fmt::format("{}: {}", path_, reason);
+    throw base::Error(base::ExitCode::bad_archive, failure_);
+  }
+
+  [[noreturn]] void fail_of(Received how_far) const {
+    if (how_far == Received::ended) fail(std::string(process_->end()));
+    fail(fmt::format("reading it takes more than {} s: the file is damaged or hostile",
+                     limits_.timeout_s));
+  }
+
+  void ask(const Question& question) const {
+    if (process_->has_unasked_words()) fail("its reader says what it wasn't asked for");
+    process_->renew_limits();
+    if (!process_->send(encode(question))) fail_of(Received::ended);
+  }
+
+  void receive(std::span<std::byte> bytes) const {
+    const Received how_far = process_->receive(bytes);
+    if (how_far != Received::all) fail_of(how_far);
+  }
+
+  /// Throws where the reader refuses.
+  AnswerHead receive_head() const {
+    HeadBytes bytes{};
+    receive(bytes);
+    const AnswerHead head = decode_head(bytes);
+    if (head.number != asked_ || head.nothing != 0)
+      fail("its reader answers another question than it was asked");
+    if (head.kind != AnswerKind::refusal) return head;
+    const bool is_of_environment = head.type == k_of_environment && asked_ == 0;
+    if (head.bytes > k_refusal_bytes_max || (head.type != k_of_archive && !is_of_environment))
+      fail("its reader refuses in a way that there isn't");
+    std::string reason(head.bytes, '\0');
+    receive(std::as_writable_bytes(std::span<char>(reason)));
+    throw base::Error(is_of_environment ? base::ExitCode::environment : base::ExitCode::bad_archive,
+                      fmt::format("{}: {}", path_, shown_text(reason)));
+  }
+
+  template <class Number>
+  std::vector<Number> receive_numbers(const AnswerHead& head, std::uint64_t count) const {
+    if (head.bytes != count * sizeof(Number)) fail_count();
+    std::vector<Number> values(count);
+    receive(std::as_writable_bytes(std::span<Number>(values)));
+    return values;
+  }
+
+  std::vector<std::string> receive_texts(const AnswerHead& head, const Numbered& asked,
+                                         std::uint64_t count) const {
+    // Nothing that a reader gives at once is longer (hdf5/reader.h).
+    const std::uint64_t bytes_max = std::min(texts_bytes_max(count, asked.spec->text_bytes),
+                                             k_text_bytes_max + texts_bytes_max(count, 0));
+    if (head.bytes > bytes_max) fail_count();
+    base::Bytes bytes(head.bytes);
+    receive(bytes);
+    auto texts = decode_texts(bytes, count, asked.spec->text_bytes);
+    if (!texts) fail(texts.error());
+    for (const std::string& text : texts.value()) {
+      if (!is_text_for(asked.group->name, asked.spec->name, text))
+        fail(fmt::format("{}: it holds control characters or is not UTF-8",
+                         path_of(asked.group->name, asked.spec->name)));
+    }
+    return std::move(texts).value();
+  }
+
+  [[noreturn]] void fail_count() const {
+    fail("its reader answers with another number of values than it was asked for");
+  }
+
+  std::string path_;
+  ReaderLimits limits_;
+  std::vector<Group> groups_;
+  std::map<std::string, Numbered> datasets_;      ///< by path
+  mutable std::optional<ReaderProcess> process_;  ///< none once it has failed
+  mutable std::string failure_;
+  mutable std::uint32_t asked_ = 0;  ///< questions so far
+};
+
+}  // namespace
+
+std::unique_ptr<Source> open_remote_by(const std::string& program, const std::string& path,
+                                       const ReaderLimits& limits) {
+  auto source = std::make_unique<RemoteSource>(program, path, limits);
+  source->take_contents();
+  return source;
+}
+
+std::unique_ptr<Source> open_remote(const std::string& path, const ReaderLimits& limits) {
+  return open_remote_by(reader_beside_this_program(), path, limits);
+}
+
+std::vector<OpenedArchive> open_all_by(const std::string& program,
+                                       std::span<const std::string> paths,
+                                       const ReaderLimits& limits) {
+  std::vector<OpenedArchive> opened;
+  for (std::size_t begin = 0; begin < paths.size(); begin += k_opened_at_once) {
+    // Start some readers; then take from each what its archive holds.
+    std::vector<std::unique_ptr<RemoteSource>> started;
+    for (const std::string& path :
+         paths.subspan(begin, std::min(k_opened_at_once, paths.size() - begin))) {
+      OpenedArchive place{.path = path, .source = nullptr, .refused = {}};
+      std::unique_ptr<RemoteSource> source;
+      try {
+        source = std::make_unique<RemoteSource>(program, path, limits);
+      } catch (const base::Error& error) {
+        place.refused = error.what();
+      }
+      started.push_back(std::move(source));
+      opened.push_back(std::move(place));
+    }
+    for (std::size_t i = 0; i < started.size(); ++i) {
+      if (!started[i]) continue;
+      try {
+        started[i]->take_contents();
+        opened[begin + i].source = std::move(started[i]);
+      } catch (const base::Error& error) {
+        opened[begin + i].refused = error.what();
+      }
+    }
+  }
+  return opened;
+}
+
+std::vector<OpenedArchive> open_all(std::span<const std::string> paths,
+                                    const ReaderLimits& limits) {
+  return open_all_by(reader_beside_this_program(), paths, limits);
+}
+
+}  // namespace sleight::archive::remote

@@ -1,0 +1,335 @@
+// Goal: whatever an archive holds and whatever its reader does, the program that asks goes on,
+// knows why, and reads its other archives. Method: the real reader on sound and damaged archives,
+// from several threads; and a reader under the same limits (lying_reader.cpp) that crashes, hangs,
+// lies in one way each, or tries what it may not.
+#include "common/archive/remote/remote_source.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <thread>
+
+#include "common/archive/digest/digest.h"
+#include "common/archive/digest/verify.h"
+#include "common/archive/hdf5/writer.h"
+#include "common/base/error.h"
+#include "tests/support/property.h"
+#include "tests/unit/common/archive/fake_world.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::archive::remote {
+namespace {
+
+using archive::testing::mixed;
+using ::testing::HasSubstr;
+
+constexpr const char* k_reader = SLEIGHT_READER;
+constexpr const char* k_liar = SLEIGHT_LYING_READER;
+
+/// What `work` throws; fails where it throws nothing or an error of another kind.
+std::string reason_of(const std::function<void()>& work,
+                      base::ExitCode code = base::ExitCode::bad_archive) {
+  try {
+    work();
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(static_cast<int>(error.exit_code()), static_cast<int>(code)) << error.what();
+    return error.what();
+  }
+  return {};
+}
+
+class Remote : public archive::testing::Scratch {
+ protected:
+  ~Remote() override {
+    EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a reader was left behind";
+  }
+
+  std::string write(const std::string& name, std::uint32_t chains) {
+    base::PosixFileSystem files;
+    digest_ = hdf5::write_file(
+        path(name), files, archive::testing::filler({.chains = chains, .scans = 300, .thin = 10}));
+    return path(name);
+  }
+
+  /// An "archive" that tells the lying reader what to do.
+  std::string telling(const std::string& word) {
+    put_bytes(path(word), word);
+    return path(word);
+  }
+
+  std::string why_refused(const std::string& word, const ReaderLimits& limits = {}) {
+    const std::string file = telling(word);
+    const std::string reason = reason_of([&] { open_remote_by(k_liar, file, limits); });
+    EXPECT_THAT(reason, ::testing::StartsWith(file + ": "));
+    return reason;
+  }
+
+  /// Of a lie in the answer to a question; the next question is to fail as the first does.
+  std::string why_not_read(const std::string& word, const std::string& dataset = "draw",
+                           const ReaderLimits& limits = {}) {
+    const auto source = open_remote_by(k_liar, telling(word), limits);
+    const auto ask = [&] { source->read(k_posterior, dataset, 0, 4); };
+    const std::string reason = reason_of(ask);
+    EXPECT_EQ(reason_of(ask), reason);
+    return reason;
+  }
+
+  std::string digest_;
+};
+
+TEST_F(Remote, ReadsAllThatTheFileHolds) {
+  const auto source = open_remote_by(k_reader, write("a.h5", 2));
+  EXPECT_EQ(digest(*source), digest_);
+  EXPECT_TRUE(verify(*source).empty());
+  // In any order, and nothing at all.
+  EXPECT_EQ(count_of(view_of(source->read(k_posterior, "draw", 0, 0))), 0U);
+  EXPECT_EQ(std::get<std::vector<std::int64_t>>(source->read(k_posterior, "draw", 2, 2)),
+            (std::vector<std::int64_t>{20, 30}));
+  EXPECT_EQ(std::get<std::vector<std::int64_t>>(source->read(k_posterior, "draw", 0, 1)),
+            (std::vector<std::int64_t>{0}));
+}
+
+TEST_F(Remote, SaysWhatIsNoArchive) {
+  put_bytes(path("text.h5"), std::string(3000, 'x'));
+  EXPECT_EQ(reason_of([&] { open_remote_by(k_reader, path("text.h5")); }),
+            path("text.h5") + ": not an HDF5 file");
+  std::filesystem::create_directory(path("folder.h5"));
+  EXPECT_EQ(reason_of([&] { open_remote_by(k_reader, path("folder.h5")); }),
+            path("folder.h5") + ": not a file");
+  EXPECT_THAT(
+      reason_of([&] { open_remote_by(k_reader, path("none.h5")); }, base::ExitCode::environment),
+      HasSubstr("can't open it"));
+  EXPECT_THAT(reason_of([&] { open_remote_by(path("no-reader"), write("a.h5", 1)); },
+                        base::ExitCode::environment),
+              HasSubstr("belongs beside the program"));
+}
+
+TEST_F(Remote, SeveralArchivesFromSeveralThreads) {
+  constexpr std::uint32_t k_threads = 4;
+  std::array<std::string, k_threads> files;
+  std::array<std::string, k_threads> digests;
+  for (std::uint32_t i = 0; i < k_threads; ++i) {
+    files[i] = write("a" + std::to_string(i) + ".h5", i + 1);
+    digests[i] = digest_;
+  }
+  std::array<int, k_threads> equal{};
+  std::vector<std::thread> threads;
+  for (std::uint32_t i = 0; i < k_threads; ++i) {
+    threads.emplace_back([&, i] {
+      // Two at once in each thread, with others' starting and ending meanwhile.
+      const auto mine = open_remote_by(k_reader, files[i]);
+      const auto next = open_remote_by(k_reader, files[(i + 1) % k_threads]);
+      equal[i] = static_cast<int>(digest(*mine) == digests[i]) +
+                 static_cast<int>(digest(*next) == digests[(i + 1) % k_threads]);
+    });
+  }
+  for (std::thread& thread : threads)
+    thread.join();
+  EXPECT_THAT(equal, ::testing::Each(2));
+}
+
+TEST_F(Remote, OfAListEachHasItsPlace) {
+  std::string damaged = bytes_of(write("a.h5", 1));
+  put_bytes(path("cut.h5"), damaged.substr(0, damaged.size() / 2));
+  const std::vector<std::string> paths{path("none.h5"), path("a.h5"), path("cut.h5"), path("a.h5")};
+  const std::vector<OpenedArchive> opened = open_all_by(k_reader, paths);
+  ASSERT_EQ(opened.size(), paths.size());
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    EXPECT_EQ(opened[i].path, paths[i]);
+    EXPECT_EQ(opened[i].source != nullptr, i % 2 == 1);
+    EXPECT_EQ(opened[i].refused.empty(), i % 2 == 1) << opened[i].refused;
+    if (opened[i].source) {
+      EXPECT_EQ(digest(*opened[i].source), digest_);
+    }
+  }
+  EXPECT_THAT(opened[0].refused, HasSubstr("none.h5: can't open it"));
+  EXPECT_THAT(opened[2].refused, HasSubstr("cut.h5: "));
+}
+
+TEST_F(Remote, ThoseThatHangCostAListOneTimeLimit) {
+  std::vector<std::string> paths;
+  for (int i = 0; i < 8; ++i) {
+    paths.push_back(path("a" + std::to_string(i)));
+    put_bytes(paths.back(), i == 5 ? "honest" : "silent");
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<OpenedArchive> opened = open_all_by(k_liar, paths, {.timeout_s = 1});
+  // One after the other they would take 7 s.
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    EXPECT_EQ(opened[i].source != nullptr, i == 5) << opened[i].refused;
+}
+
+TEST_F(Remote, ChangedBytesNeverPassForSound) {
+  const std::string whole = bytes_of(write("a.h5", 2));
+  int equal = 0;
+  for (const std::uint64_t seed : property::cases(property::long_run() ? 2000 : 40)) {
+    std::string bytes = whole;
+    // Half in the first 4 KiB, where the structures are dense.
+    const std::uint64_t place = mixed(seed) % (seed % 2 == 0 ? 4096 : bytes.size());
+    bytes[place] = static_cast<char>(bytes[place] ^ (1 << mixed(seed + 7) % 8));
+    put_bytes(path("b.h5"), bytes);
+    try {
+      const auto source = open_remote_by(k_reader, path("b.h5"), {.cpu_s = 20, .timeout_s = 30});
+      const bool is_sound = verify(*source).empty();
+      if (is_sound) {
+        EXPECT_EQ(digest(*source), digest_);
+      }
+      equal += static_cast<int>(is_sound);
+    } catch (const base::Error& error) {
+      EXPECT_EQ(static_cast<int>(error.exit_code()), static_cast<int>(base::ExitCode::bad_archive))
+          << error.what();
+      EXPECT_THAT(error.what(), ::testing::StartsWith(path("b.h5") + ": "));
+    }
+    ASSERT_FALSE(HasFailure()) << "seed " << seed << ", byte " << place;
+  }
+  if (!property::all_cases()) return;
+  EXPECT_GT(equal, 0);
+  EXPECT_LT(equal, property::long_run() ? 2000 : 40);
+}
+
+TEST_F(Remote, AReaderThatEndsOrHangsIsNamed) {
+  EXPECT_THAT(why_refused("exit"), HasSubstr("ended early with code 3"));
+  EXPECT_THAT(why_refused("silent", {.timeout_s = 0.2}), HasSubstr("more than 0.2 s"));
+  EXPECT_THAT(why_refused("spin", {.cpu_s = 1, .timeout_s = 60}),
+              HasSubstr("more than 1 s of processor time"));
+  EXPECT_THAT(why_not_read("late", "draw", {.timeout_s = 0.2}), HasSubstr("more than 0.2 s"));
+#ifndef SLEIGHT_SANITIZED
+  // A sanitizer has handlers of its own for this.
+  EXPECT_THAT(why_refused("crash"), HasSubstr("crashed (Illegal instruction)"));
+  EXPECT_THAT(why_not_read("crash_later"), HasSubstr("crashed (Illegal instruction)"));
+  EXPECT_THAT(why_refused("bomb", {.address_space_bytes = std::uint64_t{256} << 20}),
+              HasSubstr("takes more than 268435456 bytes of memory"));
+#endif
+}
+
+TEST_F(Remote, AKilledReaderIsNamed) {
+  telling("honest");
+  const base::Descriptor archive(::open(path("honest").c_str(), O_RDONLY | O_CLOEXEC));
+  ReaderProcess process(k_liar, archive.get(), {});
+  ASSERT_EQ(::kill(process.id(), SIGKILL), 0);
+  std::array<std::byte, 1> byte{};
+  while (process.receive(byte) == Received::all) {
+  }
+  EXPECT_FALSE(process.send(byte));
+  EXPECT_THAT(process.end(), HasSubstr("crashed (Killed)"));
+}
+
+TEST_F(Remote, LiesAboutContentsAreFound) {
+  EXPECT_THAT(why_refused("huge_contents"), HasSubstr("doesn't begin with what is in it"));
+  EXPECT_THAT(why_refused("broken_contents"), HasSubstr("list of contents is broken"));
+  EXPECT_THAT(why_refused("escaping_name"), HasSubstr("no plain word"));
+}
+
+TEST_F(Remote, LiesAboutValuesAreFound) {
+  for (const char* word : {"fewer", "huge"})
+    EXPECT_THAT(why_not_read(word), HasSubstr("another number of values"));
+  for (const char* word : {"type", "kind"})
+    EXPECT_THAT(why_not_read(word), HasSubstr("something else than it was asked for"));
+  for (const char* word : {"number", "padding"})
+    EXPECT_THAT(why_not_read(word), HasSubstr("another question"));
+  EXPECT_THAT(why_not_read("blame"), HasSubstr("in a way that there isn't"));
+  EXPECT_THAT(why_not_read("half"), HasSubstr("ended early with code 0"));
+  EXPECT_THAT(why_not_read("escape", "words"), HasSubstr("/posterior/words: it holds control"));
+  EXPECT_THAT(why_not_read("long_text", "words"), HasSubstr("its texts are broken"));
+}
+
+TEST_F(Remote, WordsThatNobodyAskedForAreFound) {
+  // The first answer is as it should be; more follows, which shows with the next question.
+  const auto source = open_remote_by(k_liar, telling("more"));
+  source->read(k_posterior, "draw", 0, 4);
+  std::string reason;
+  for (int i = 0; i < 1000 && reason.empty(); ++i) {
+    try {
+      source->read(k_posterior, "draw", 0, 4);
+    } catch (const base::Error& error) {
+      reason = error.what();
+    }
+  }
+  EXPECT_THAT(reason,
+              ::testing::AnyOf(HasSubstr("wasn't asked for"), HasSubstr("another question")));
+  EXPECT_THAT(why_not_read("unasked"),
+              ::testing::AnyOf(HasSubstr("wasn't asked for"), HasSubstr("something else")));
+}
+
+TEST_F(Remote, ARefusalIsNoEnd) {
+  const auto source = open_remote_by(k_liar, telling("refusal"));
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(reason_of([&] { source->read(k_posterior, "draw", 0, 4); }),
+              path("refusal") + ": a chunk is damaged ?[2J");
+  }
+}
+
+TEST_F(Remote, WhatReadingDoesntNeedIsForbidden) {
+  for (const char* word : {"socket", "write", "fork", "kill", "exec"})
+    EXPECT_THAT(why_refused(word), HasSubstr("tried what reading doesn't need")) << word;
+  EXPECT_FALSE(std::filesystem::exists("/tmp/sleight-lying-reader"));
+  // The same reader, without trying any.
+  EXPECT_EQ(
+      count_of(view_of(open_remote_by(k_liar, telling("honest"))->read(k_posterior, "draw", 0, 4))),
+      4U);
+}
+
+TEST_F(Remote, AReaderHasNothingButItsOwn) {
+  telling("honest");
+  // Neither what others have open, nor other readers' pipes.
+  const base::Descriptor archive(::open(path("honest").c_str(), O_RDONLY | O_CLOEXEC));
+  const base::Descriptor inherited(::open("/dev/null", O_RDONLY));
+  const auto other = open_remote_by(k_liar, path("honest"));
+  ReaderProcess process(k_liar, archive.get(), {});
+  std::array<std::byte, k_head_bytes> head{};
+  ASSERT_EQ(process.receive(head), Received::all);
+  const std::string place = "/proc/" + std::to_string(process.id());
+  std::vector<std::string> descriptors;
+  for (const auto& entry : std::filesystem::directory_iterator(place + "/fd"))
+    descriptors.push_back(entry.path().filename());
+  EXPECT_THAT(descriptors, ::testing::UnorderedElementsAre("0", "1", "2", "3", "4"));
+  EXPECT_THAT(bytes_of(place + "/environ"), ::testing::Not(HasSubstr("PATH=")));
+}
+
+TEST_F(Remote, EndsWithTheProgramThatAsks) {
+  telling("spin");
+  // What a killed process leaves comes to this one, which so learns how it ended.
+  ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0), 0);
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int archive = ::open(path("spin").c_str(), O_RDONLY | O_CLOEXEC);
+    ReaderProcess process(k_liar, archive, {});
+    // Long enough for it to be confined, and to spin.
+    ::usleep(300'000);
+    const pid_t reader = process.id();
+    if (::write(ends[1], &reader, sizeof reader) != sizeof reader) ::_exit(1);
+    while (true)
+      ::pause();
+  }
+  pid_t reader = -1;
+  ASSERT_EQ(::read(ends[0], &reader, sizeof reader), static_cast<ssize_t>(sizeof reader));
+  EXPECT_EQ(::kill(reader, 0), 0) << "it has ended before";
+  ASSERT_EQ(::kill(child, SIGKILL), 0);
+  ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+  int status = 0;
+  pid_t got = 0;
+  for (int i = 0; i < 1000 && got == 0; ++i) {
+    got = ::waitpid(reader, &status, WNOHANG);
+    if (got == 0) ::usleep(10'000);
+  }
+  if (got == 0) ::kill(reader, SIGKILL);
+  EXPECT_EQ(got, reader);
+  ::prctl(PR_SET_CHILD_SUBREAPER, 0, 0, 0, 0);
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
+}  // namespace
+}  // namespace sleight::archive::remote

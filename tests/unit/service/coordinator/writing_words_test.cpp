@@ -1,0 +1,49 @@
+// Goal: the writing of an archive is told in words, with a rate and the time that is left, once it
+// takes its time. Method: a clock that is moved.
+#include "service/coordinator/writing_words.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace sleight::coordinator {
+namespace {
+
+using Part = archive::WritingProgress::Part;
+
+TEST(WritingWords, TellsWhatTakesItsTime) {
+  base::ManualClock clock;
+  std::vector<std::string> said;
+  WritingWords words([&](const std::string& line) { said.push_back(line); }, clock);
+  words.hear({.part = Part::learning, .done = 100});
+  words.hear({.part = Part::prior});
+  words.hear({.part = Part::draws, .done = 0, .total = 5000});
+  clock.advance(0.4);
+  words.hear({.part = Part::draws, .done = 900, .total = 5000});
+  EXPECT_TRUE(said.empty()) << "what is over at once is not told";
+  clock.advance(0.6);
+  words.hear({.part = Part::draws, .done = 1250, .total = 5000});
+  words.hear({.part = Part::draws, .done = 1251, .total = 5000});
+  // A part has a rate of its own.
+  words.hear({.part = Part::animations, .done = 0, .total = 3000});
+  clock.advance(10);
+  words.hear({.part = Part::animations, .done = 1000, .total = 3000});
+  clock.advance(1);
+  words.hear({.part = Part::animations, .done = 0, .total = 0});
+  clock.advance(1);
+  words.hear({.part = Part::learning, .done = 1'000'000});
+  clock.advance(1);
+  words.hear({.part = Part::prior});
+  EXPECT_THAT(said, ::testing::ElementsAre(
+                        "writing the archive: 1,250 of 5,000 draws (25%)  0:03 left  1,250 draws/s",
+                        "writing the archive: 1,000 of 3,000 animations (33%)  0:20 left  100 "
+                        "animations/s",
+                        "writing the archive: animations",
+                        "writing the archive: learning from stored scans, 1,000,000 so far",
+                        "writing the archive: simulating draws from the prior"));
+}
+
+}  // namespace
+}  // namespace sleight::coordinator
