@@ -94,6 +94,15 @@ class GroupReader {
     log_constraint_ = column("log_constraint");
     in_proportion_ = column("in_proportion");
     segment_count_ = column("segment_count");
+    double segments = 0;
+    for (const double count : segment_count_)
+      segments += count;
+    if (!(segments <= k_browsed_segments_max)) {
+      throw base::Error(base::ExitCode::bad_archive,
+                        fmt::format("{}: its animations have {:.0f} segments; at most {:.0f} are "
+                                    "browsed",
+                                    source_.name(), segments, k_browsed_segments_max));
+    }
     if (!is_finds_) {
       chain_ = whole("chain");
       draw_ = whole("draw");

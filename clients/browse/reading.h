@@ -16,6 +16,10 @@ namespace sleight::browse {
 /// Numbers of an animation with more elements than this are left out, as HI's offsets of vertices.
 inline constexpr std::size_t k_number_elements_max = 64;
 
+/// Segments of an archive that are read, at most: a damaged file may claim any number. An index
+/// takes about 120 bytes for each.
+inline constexpr double k_browsed_segments_max = 50e6;
+
 struct ReadingOptions {
   /// An index of an earlier archive of the run, or of this one; null: none. Its scene is not asked
   /// for. Entries are taken over where the archive's animations are called so and have the same

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "clients/browse/index.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
@@ -60,13 +61,19 @@ std::vector<AnimationId> animation_ids(const archive::Source& source) {
 std::vector<AnimationId> animations_of(const archive::Source& source,
                                        std::span<const std::string> asked) {
   const std::vector<AnimationId> all = animation_ids(source);
+  const std::string run_id = archive::summary_of(source).run_id;
   std::map<std::string_view, const AnimationId*> by_text;
   for (const AnimationId& id : all)
     by_text.emplace(id.text, &id);
   std::vector<AnimationId> chosen;
   std::set<std::string_view> taken;
   for (const std::string& text : asked) {
-    const auto found = by_text.find(text);
+    const auto name = browse::parse_name(text);
+    const auto found =
+        !name || !run_id.starts_with(name->run)
+            ? by_text.end()
+            : by_text.find(browse::short_text(browse::AnimationName{
+                  .is_find = name->is_find, .chain = name->chain, .draw = name->draw}));
     if (found == by_text.end()) {
       std::vector<std::string_view> first;
       for (const AnimationId& id : std::span(all).first(std::min(all.size(), k_shown_ids)))

@@ -1,5 +1,6 @@
-// How people and programs name an archive's animations: "0.250" is the one that chain 0 found at
-// draw 250; "find.3" is the fourth that a search found (rows of /finds count from 0).
+// How people and programs name an archive's animations (browse/index.h): "0.250" is the one that
+// chain 0 found at draw 250; "find.3" is the fourth that a search found (rows of /finds count from
+// 0); with the first characters of the run before it, "3f2a9c01:0.250", one of that run alone.
 //
 // An id stays the same while a run goes on and its archive grows, and other archives of the run
 // have the same animation by it: rows of /animations may shift.
@@ -29,7 +30,7 @@ std::string_view group_of(const AnimationId& id);
 std::vector<AnimationId> animation_ids(const archive::Source& source);
 
 /// Those that are asked for, in that order, each once. Throws base::Error(usage) that names an
-/// unknown id and shows the first few that exist.
+/// unknown id, or one of another run, and shows the first few that exist.
 std::vector<AnimationId> animations_of(const archive::Source& source,
                                        std::span<const std::string> ids);
 

@@ -12,7 +12,9 @@
 
 #include "clients/browse/reading.h"
 #include "clients/cli/index_cache.h"
+#include "clients/cli/kept_animations.h"
 #include "clients/cli/progress_printer.h"
+#include "common/archive/format.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/base/error.h"
 
@@ -40,24 +42,6 @@ class ReadingPrinter {
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
-browse::Index read_one(const std::string& path) {
-  const auto source = archive::remote::open_remote(path);
-  const std::optional<browse::Index> kept = kept_index(path);
-  ReadingPrinter printer(path);
-  auto read = browse::read_index(
-      *source, {.earlier = kept ? &*kept : nullptr,
-                .progress = [&](std::uint64_t done, std::uint64_t of) { printer.show(done, of); }});
-  if (!read) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: {}; `sleight archive derive` makes a newer one of its run",
-                                  path, read.error()));
-  }
-  browse::ReadIndex found = std::move(read).value();
-  if (found.taken_over < found.index.entries.size() || (kept && kept->digest != found.index.digest))
-    keep_index(path, found.index);
-  return std::move(found.index);
-}
-
 browse::Condition parsed(const std::string& text, const char* option,
                          const BrowsedArchive& archive) {
   auto condition = browse::parse_query(text, archive.index.scene, archive.index.numbers);
@@ -75,12 +59,29 @@ std::size_t Browsed::animations() const {
   return sum;
 }
 
+browse::Index index_of(const archive::Source& source, const std::string& path) {
+  require_group(source, archive::k_scene, "scene");
+  const std::optional<browse::Index> kept = kept_index(path);
+  ReadingPrinter printer(path);
+  auto read = browse::read_index(
+      source, {.earlier = kept ? &*kept : nullptr,
+               .progress = [&](std::uint64_t done, std::uint64_t of) { printer.show(done, of); }});
+  if (!read) {
+    throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", path, read.error()));
+  }
+  browse::ReadIndex found = std::move(read).value();
+  if (found.taken_over < found.index.entries.size() || (kept && kept->digest != found.index.digest))
+    keep_index(path, found.index);
+  return std::move(found.index);
+}
+
 Browsed browse_archives(const std::vector<std::string>& paths) {
   Browsed browsed;
   std::optional<base::Error> first;
   for (const std::string& path : paths) {
     try {
-      browsed.archives.push_back({.path = path, .index = read_one(path)});
+      browsed.archives.push_back(
+          {.path = path, .index = index_of(*archive::remote::open_remote(path), path)});
     } catch (const base::Error& error) {
       if (error.exit_code() == base::ExitCode::interrupted) throw;
       if (!first) first = error;
@@ -108,6 +109,8 @@ std::vector<Picked> picked(const Browsed& browsed, const QueryOptions& asked) {
   std::vector<Picked> all;
   for (const BrowsedArchive& archive : browsed.archives) {
     browse::AllOf wanted;
+    for (const std::string& text : asked.select)
+      wanted.parts.push_back(parsed(text, "--select", archive));
     for (const std::string& text : asked.where)
       wanted.parts.push_back(parsed(text, "--where", archive));
     for (const std::string& text : asked.in)

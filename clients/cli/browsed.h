@@ -8,6 +8,7 @@
 
 #include "clients/browse/index.h"
 #include "clients/browse/query.h"
+#include "common/archive/model.h"
 
 namespace sleight::cli {
 
@@ -34,6 +35,10 @@ struct Browsed {
 /// left.
 Browsed browse_archives(const std::vector<std::string>& paths);
 
+/// The index of an archive that is open, what is kept of it taken over (index_cache.h). Throws
+/// base::Error where it has none, or can't be read.
+browse::Index index_of(const archive::Source& source, const std::string& path);
+
 /// Takes out of each archive's index what an archive before it has too, so that each animation
 /// counts once. Part of browse_archives.
 void leave_out_twice(Browsed& browsed);
@@ -46,7 +51,8 @@ struct Picked {
 
 /// What a command asks for: all of it must hold.
 struct QueryOptions {
-  std::vector<std::string> where{};   ///< queries
+  std::vector<std::string> select{};  ///< queries
+  std::vector<std::string> where{};   ///< likewise; the option's name is all that differs
   std::vector<std::string> in{};      ///< likewise; the option for what is in a box
   std::vector<std::string> not_in{};  ///< queries of which none may hold
 };

@@ -1,14 +1,7 @@
 #include "clients/cli/export_command.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cctype>
-#include <cerrno>
-#include <chrono>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -21,6 +14,8 @@
 
 #include "clients/cli/animation_ids.h"
 #include "clients/cli/exported_animations.h"
+#include "clients/cli/exported_files.h"
+#include "clients/cli/film_export.h"
 #include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/export/document.h"
@@ -34,124 +29,76 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
-constexpr std::size_t k_run_letters = 8;
-constexpr auto k_progress_every = std::chrono::seconds(1);
+/// A film takes as long as it takes: how much is asked is checked, and progress shown.
+constexpr archive::hdf5::GuardLimits k_no_hurry{.cpu_s = 1'000'000, .timeout_s = 1e7};
 
 [[noreturn]] void refuse_usage(const std::string& reason) {
   throw base::Error(base::ExitCode::usage, reason);
 }
 
-[[noreturn]] void refuse_write(const std::string& path) {
-  throw base::Error(fmt::format("{}: can't write it: {}", path,
-                                errno != 0 ? std::strerror(errno) : "is the disk full?"));
-}
-
-/// A file of the output.
-struct Written {
-  std::string path;
-  std::vector<std::string> ids;
-  std::uint64_t bytes = 0;
-};
-
 bool is_file_of(const std::string& output, const std::string& format) {
   return output.ends_with("." + format);
+}
+
+bool is_film(const std::string& format) {
+  return format == "png" || format == "svg" || format == "mp4";
+}
+
+/// Also what is no number, which lies in no range and outside none.
+void check_range(const char* option, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  refuse_usage(fmt::format("{} {}: it must be from {} to {}", option, value, low, high));
 }
 
 /// What the options say by themselves, before any file is opened.
 void check(const ExportAnimationsOptions& options) {
   const std::string& format = options.format;
-  if (format != "glb" && format != "csv")
-    refuse_usage(fmt::format("--format {}: not yet; glb and csv are written", format));
-  if (format == "glb" && options.output.empty())
-    refuse_usage("say where to with -o: a file OUT.glb, or a folder for a file each");
-  if (format == "glb" && options.together && !is_file_of(options.output, format))
+  const ExportChoice& choice = options.choice;
+  if (!choice.ids.empty() && (!choice.select.empty() || choice.representatives))
+    refuse_usage("--ids names animations itself: leave out --select and --representatives");
+  if (format != "csv" && options.output.empty()) {
+    refuse_usage(format == "png"
+                     ? std::string("say where to with -o: a folder for a folder of frames each")
+                     : fmt::format("say where to with -o: a file OUT.{}, or a folder for a file "
+                                   "each",
+                                   format));
+  }
+  if (format != "glb" && options.together) refuse_usage("--together is for --format glb");
+  if (options.together && !is_file_of(options.output, format))
     refuse_usage(
         fmt::format("{}: --together makes one file; its name must end with .glb", options.output));
   if (format == "csv" && !options.output.empty() && !is_file_of(options.output, format))
     refuse_usage(fmt::format("{}: a table's name must end with .csv", options.output));
-  if (format == "csv" && (options.together || options.fps))
-    refuse_usage("--together and --fps are for --format glb");
+  if ((format == "csv" || format == "svg") && options.fps)
+    refuse_usage("--fps is for --format glb, png and mp4");
+  if (format != "png" && format != "mp4" && (options.view != "both" || options.scale != 1))
+    refuse_usage("--view and --scale are for --format png and mp4");
   if (options.json && options.output.empty())
     refuse_usage("--json tells which files were written; name one with -o");
-  // Also what is no number, which lies in no range and outside none.
-  if (options.fps && !(*options.fps >= k_export_fps_min && *options.fps <= k_export_fps_max)) {
-    refuse_usage(fmt::format("--fps {}: it must be from {} to {}", *options.fps, k_export_fps_min,
-                             k_export_fps_max));
-  }
+  if (options.fps) check_range("--fps", *options.fps, k_export_fps_min, k_export_fps_max);
+  check_range("--scale", options.scale, 1 / k_film_scale_max, k_film_scale_max);
 }
 
-/// Step one: which animations.
+/// Step one: which animations. A table grows by a line for each, all else by a file.
 std::vector<AnimationId> choose(const archive::Source& source,
                                 const ExportAnimationsOptions& options) {
-  if (!options.ids.empty()) return animations_of(source, options.ids);
-  std::vector<AnimationId> all = animation_ids(source);
-  if (all.empty())
-    throw base::Error(fmt::format("{}: it holds no animation; run more scans", source.name()));
-  // A table grows by a line for each.
-  if (all.size() > k_export_max && !options.all && options.format != "csv") {
-    refuse_usage(
-        fmt::format("{}: it holds {} animations, more than {}; name some with --ids, or give --all",
-                    source.name(), all.size(), k_export_max));
-  }
-  return all;
+  return chosen(source, options.choice, options.format != "csv");
 }
-
-/// A file of our making says so in its first words.
-bool is_ours(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string head(96, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return head.starts_with("glTF") && head.find("\"generator\":\"Sleight\"") != std::string::npos;
-}
-
-void refuse_others_file(const std::string& path, bool force) {
-  std::error_code none;
-  if (force || !fs::is_regular_file(path, none) || is_ours(path)) return;
-  throw base::Error(
-      base::ExitCode::conflict,
-      fmt::format("{}: it is there already, and sleight did not make it, or can't tell; give "
-                  "--force to replace it",
-                  path));
-}
-
-void write_file(const std::string& place, const std::string& shown,
-                const std::function<void(std::ostream&)>& write) {
-  errno = 0;
-  std::ofstream file(place, std::ios::binary);
-  if (file) {
-    write(file);
-    file.close();
-  }
-  if (!file) refuse_write(shown);
-}
-
-/// Tells how far it is, now and then, where it takes long.
-class Progress {
- public:
-  explicit Progress(std::size_t all) : all_(all) {}
-  void done(std::size_t count) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - told_ < k_progress_every || count == all_) return;
-    told_ = now;
-    fmt::print(stderr, "{} of {} animations\n", count, all_);
-  }
-
- private:
-  std::size_t all_;
-  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
-};
 
 /// Makes the files of models. Runs in the child that reads the archive.
 class GlbExport {
  public:
   GlbExport(const archive::Source& source, const ExportAnimationsOptions& options)
-      : source_(source), options_(options), scene_(scene_of(source)), extras_(extras_of(source)) {}
+      : source_(source),
+        options_(options),
+        scene_(exported_scene(source)),
+        extras_(extras_of(source)) {}
 
   /// All as clips of one file. `place`: where to write.
-  Written write_one(std::span<const AnimationId> ids, const std::string& place) {
-    Progress progress(ids.size());
+  WrittenFile write_one(std::span<const AnimationId> ids, const std::string& place) {
+    ExportProgress progress(ids.size());
     gltf::Document document{.scene = scene_, .extras = extras_};
-    Written written{.path = options_.output, .ids = {}};
+    WrittenFile written{.path = options_.output, .ids = {}};
     for (const AnimationId& id : ids) {
       document.clips.push_back(clip_of(source_, scene_, id));
       written.ids.push_back(id.text);
@@ -162,21 +109,21 @@ class GlbExport {
   }
 
   /// A file each, written in `beside` and then renamed into the output folder.
-  std::vector<Written> write_each(std::span<const AnimationId> ids, const std::string& beside) {
-    Progress progress(ids.size());
-    const std::string run = run_letters(archive::summary_of(source_).run_id);
+  std::vector<WrittenFile> write_each(std::span<const AnimationId> ids, const std::string& beside) {
+    ExportProgress progress(ids.size());
+    const std::string run_id = archive::summary_of(source_).run_id;
     const auto name_of = [&](const AnimationId& id) {
-      return fmt::format("{}-{}.glb", run, id.text);
+      return export_name(run_id, id.text) + ".glb";
     };
-    make_folder(options_.output);
+    make_export_folder(options_.output);
     for (const AnimationId& id : ids)
       refuse_others_file(options_.output + "/" + name_of(id), options_.force);
-    make_folder(beside);
-    std::vector<Written> all;
+    make_export_folder(beside);
+    std::vector<WrittenFile> all;
     for (const AnimationId& id : ids) {
       gltf::Document document{.scene = scene_, .extras = extras_};
       document.clips.push_back(clip_of(source_, scene_, id));
-      Written written{.path = options_.output + "/" + name_of(id), .ids = {id.text}};
+      WrittenFile written{.path = options_.output + "/" + name_of(id), .ids = {id.text}};
       const std::string place = beside + "/" + name_of(id);
       put(document, place, written);
       std::error_code failed;
@@ -190,38 +137,13 @@ class GlbExport {
   }
 
  private:
-  static scene::Scene scene_of(const archive::Source& source) {
-    auto scene = archive::scene_of(source);
-    if (scene) return std::move(scene).value();
-    throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: {}", source.name(), scene.error()));
-  }
-
-  /// Letters and digits, whatever an archive says.
-  static std::string run_letters(const std::string& run_id) {
-    std::string letters;
-    for (const char letter : run_id) {
-      if (std::isalnum(static_cast<unsigned char>(letter)) != 0 && letters.size() < k_run_letters)
-        letters += letter;
-    }
-    return letters.empty() ? "run" : letters;
-  }
-
-  static void make_folder(const std::string& path) {
-    std::error_code failed;
-    fs::create_directories(path, failed);
-    if (!failed && fs::is_directory(path)) return;
-    throw base::Error(fmt::format("{}: can't make this folder: {}", path,
-                                  failed ? failed.message() : "a file has its name"));
-  }
-
-  void put(const gltf::Document& document, const std::string& place, Written& written) {
+  void put(const gltf::Document& document, const std::string& place, WrittenFile& written) {
     const auto glb = gltf::glb_of(document, {.fps = options_.fps});
     if (!glb) {
       throw base::Error(
           fmt::format("{}: animation {} {}", source_.name(), written.ids.front(), glb.error()));
     }
-    write_file(place, written.path, [&](std::ostream& file) { file << glb.value().bytes; });
+    write_export(place, written.path, [&](std::ostream& file) { file << glb.value().bytes; });
     written.bytes = glb.value().bytes.size();
   }
 
@@ -231,11 +153,11 @@ class GlbExport {
   gltf::Extras extras_;
 };
 
-void tell(const ExportAnimationsOptions& options, const std::vector<Written>& all) {
+void tell(const ExportAnimationsOptions& options, const std::vector<WrittenFile>& all) {
   std::uint64_t bytes = 0;
   std::size_t animations = 0;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
-  for (const Written& written : all) {
+  for (const WrittenFile& written : all) {
     bytes += written.bytes;
     animations += written.ids.size();
     files.push_back({{"path", written.path}, {"ids", written.ids}, {"bytes", written.bytes}});
@@ -251,45 +173,61 @@ void tell(const ExportAnimationsOptions& options, const std::vector<Written>& al
              static_cast<double>(bytes) / 1e6);
 }
 
+void require_one(std::span<const AnimationId> ids, const ExportAnimationsOptions& options) {
+  if (ids.size() == 1 || options.together) return;
+  refuse_usage(fmt::format(
+      "{}: one file can't hold {} animations by themselves; {}give a folder", options.output,
+      ids.size(), options.format == "glb" ? "add --together for clips of one file, or " : ""));
+}
+
 /// Step two, of one file: `place` is where to write it.
-std::vector<Written> write_one_file(const archive::Source& source,
-                                    const ExportAnimationsOptions& options,
-                                    std::span<const AnimationId> ids, const std::string& place) {
+std::vector<WrittenFile> write_one_file(const archive::Source& source,
+                                        const ExportAnimationsOptions& options,
+                                        std::span<const AnimationId> ids,
+                                        const std::string& place) {
   if (options.format == "glb") {
-    if (ids.size() > 1 && !options.together) {
-      refuse_usage(fmt::format(
-          "{}: one file can't hold {} animations by themselves; add --together for clips of one "
-          "file, or give a folder",
-          options.output, ids.size()));
-    }
+    require_one(ids, options);
     return {GlbExport(source, options).write_one(ids, place)};
   }
-  Written written{.path = options.output, .ids = {}};
+  WrittenFile written{.path = options.output, .ids = {}};
   for (const AnimationId& id : ids)
     written.ids.push_back(id.text);
-  write_file(place, options.output, [&](std::ostream& file) {
+  write_export(place, options.output, [&](std::ostream& file) {
     write_animations_csv(source, ids, options.table, file);
     written.bytes = static_cast<std::uint64_t>(std::max<std::streamoff>(0, file.tellp()));
   });
   return {written};
 }
 
-/// A folder beside the files, for those that are not whole; it is gone at the end.
-class Workshop {
- public:
-  explicit Workshop(const std::string& output)
-      : path_(fmt::format("{}/.sleight-export.{}", output, ::getpid())) {}
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
-  ~Workshop() {
-    std::error_code none;
-    fs::remove_all(path_, none);
+/// Pictures and films, which put themselves in their places when they are whole.
+std::vector<WrittenFile> write_films(const archive::Source& source,
+                                     const ExportAnimationsOptions& options) {
+  const std::vector<AnimationId> ids = choose(source, options);
+  const bool is_one = options.format != "png" && is_file_of(options.output, options.format);
+  if (is_one) require_one(ids, options);
+  if (!is_one) make_export_folder(options.output);
+  const std::string run_id = archive::summary_of(source).run_id;
+  const std::string ending = options.format == "png" ? "" : "." + options.format;
+  const auto place_of = [&](const AnimationId& id) {
+    return is_one ? options.output
+                  : fmt::format("{}/{}{}", options.output, export_name(run_id, id.text), ending);
+  };
+  for (const AnimationId& id : ids)
+    refuse_others_file(place_of(id), options.force);
+  const FilmExport films(source, {.format = options.format,
+                                  .fps = options.fps.value_or(k_film_fps),
+                                  .view = options.view,
+                                  .scale = options.scale});
+  ExportProgress progress(ids.size());
+  std::vector<WrittenFile> all;
+  for (const AnimationId& id : ids) {
+    all.push_back(films.write(id, place_of(id), [&](std::size_t done, std::size_t of) {
+      progress.done(all.size(), done, of);
+    }));
+    progress.done(all.size());
   }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
+  return all;
+}
 
 }  // namespace
 
@@ -301,6 +239,10 @@ std::vector<std::string> export_tables() {
   return {"animations", "segments", "points"};
 }
 
+std::vector<std::string> export_views() {
+  return {"both", "above", "front"};
+}
+
 int export_animations(const ExportAnimationsOptions& options) {
   check(options);
   if (options.output.empty()) {
@@ -310,6 +252,15 @@ int export_animations(const ExportAnimationsOptions& options) {
     });
   }
   refuse_same_file(options.path, options.output);
+  if (is_film(options.format)) {
+    return with_archive(
+        options.path,
+        [&](const archive::Source& source) {
+          tell(options, write_films(source, options));
+          return k_ok;
+        },
+        k_no_hurry);
+  }
   if (is_file_of(options.output, options.format)) {
     refuse_others_file(options.output, options.force);
     OutputBeside output(options.output);

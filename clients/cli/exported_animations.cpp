@@ -108,6 +108,14 @@ gltf::Extras extras_of(const archive::Source& source) {
   return extras;
 }
 
+scene::Scene exported_scene(const archive::Source& source) {
+  require_group(source, archive::k_scene, "scene");
+  auto scene = archive::scene_of(source);
+  if (scene) return std::move(scene).value();
+  throw base::Error(base::ExitCode::bad_archive,
+                    fmt::format("{}: {}", source.name(), scene.error()));
+}
+
 gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
                    const AnimationId& id) {
   const std::string_view group_name = group_of(id);

@@ -12,7 +12,6 @@
 #include "clients/cli/archive_commands.h"
 #include "clients/cli/diagnose_command.h"
 #include "clients/cli/main_browse.h"
-#include "clients/cli/export_command.h"
 #include "clients/cli/main_derive.h"
 #include "clients/cli/main_direct.h"
 #include "clients/cli/main_own.h"
@@ -250,54 +249,6 @@ void add_plot(CLI::App& app, PlotArguments& arguments, Action& action) {
       [&] { action = [&] { return cli::plot_archive(arguments.options, arguments.worlds); }; });
 }
 
-/// What is exported is chosen here; how it is written is in `add_export`.
-void add_selection(CLI::App& command, cli::ExportAnimationsOptions& options) {
-  command
-      .add_option("--ids", options.ids,
-                  "These animations: CHAIN.DRAW, or find.NUMBER of a search's finds")
-      ->type_name("ID...");
-  command.add_flag("--all", options.all,
-                   fmt::format("All, also where there are more than {}", cli::k_export_max));
-}
-
-void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("export", "Animations as models for Blender and others, or as a table");
-  command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
-  command
-      ->add_option("--format", options.format,
-                   "glb: glTF 2.0 with bodies, scene and motion; csv: a table")
-      ->check(CLI::IsMember(cli::export_formats()))
-      ->capture_default_str()
-      ->type_name("FORMAT");
-  add_selection(*command, options);
-  command
-      ->add_option("-o,--output", options.output,
-                   "A file, OUT.glb or OUT.csv; else a folder for a file each")
-      ->type_name("OUT");
-  command->add_flag("--together", options.together, "All as clips of one .glb");
-  command
-      ->add_option("--fps", options.fps,
-                   "A key on each whole frame and nowhere else; without, as many as keep places to "
-                   "0.1 mm and turns to 0.2 degrees")
-      ->check(CLI::Range(cli::k_export_fps_min, cli::k_export_fps_max).description(""))
-      ->type_name("N");
-  command->add_option("--table", options.table, "Of csv: animations, segments or points")
-      ->check(CLI::IsMember(cli::export_tables()))
-      ->capture_default_str()
-      ->type_name("TABLE");
-  command->add_flag("--force", options.force, "Replace files that sleight did not make");
-  command->add_flag("--json", options.json, "What was written, as JSON");
-  command->footer(
-      "Examples:\n"
-      "  sleight export ball.h5 --ids 0.250 -o ball.glb\n"
-      "  sleight export die.h5 --ids 0.17 1.25 -o throws\n"
-      "  sleight export die.h5 --all --together -o throws.glb\n"
-      "  sleight export hi.h5 --ids find.0 --fps 24 -o hi.glb\n"
-      "  sleight export ball.h5 --format csv > animations.csv");
-  command->callback([&] { action = [&] { return cli::export_animations(options); }; });
-}
-
 }  // namespace
 
 struct CommandLine::Arguments {
@@ -308,7 +259,6 @@ struct CommandLine::Arguments {
   DeriveArguments derive;
   DiagnoseArguments diagnose;
   BrowseArguments browse;
-  cli::ExportAnimationsOptions exported;
   PlotArguments plot;
   OwnArguments own;
 };
@@ -337,7 +287,6 @@ void build_app(CLI::App& app, CommandLine& line) {
   add_diagnose(app, arguments.diagnose, action);
   add_plot(app, arguments.plot, action);
   add_browse_commands(app, arguments.browse, action);
-  add_export(app, arguments.exported, action);
   add_service_commands(app, action);
 
   // The program itself.

@@ -1,5 +1,7 @@
 #include "clients/cli/main_browse.h"
 
+#include <fmt/format.h>
+
 namespace sleight::programs {
 namespace {
 
@@ -108,12 +110,80 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
   command->callback([&] { action = [&] { return cli::compare_archives(options); }; });
 }
 
+/// What is exported is chosen here; how it is written, in add_export.
+void add_choice(CLI::App& command, cli::ExportChoice& choice) {
+  command
+      .add_option("--ids", choice.ids,
+                  "These animations: CHAIN.DRAW, or find.NUMBER of a search's finds")
+      ->type_name("ID...");
+  command
+      .add_option("--select", choice.select,
+                  "Those of which this query is true (`sleight find --help`)")
+      ->allow_extra_args(false)
+      ->type_name("QUERY");
+  command
+      .add_option("--representatives", choice.representatives,
+                  "Of all, or those selected, one for each of N groups that look alike")
+      ->check(CLI::Range(1, 1'000'000).description(""))
+      ->type_name("N");
+  command.add_flag("--all", choice.all,
+                   fmt::format("All, also where there are more than {}", cli::k_export_max));
+}
+
+void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "export", "Animations as models for Blender and others, as tables, pictures and films");
+  command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
+  command
+      ->add_option("--format", options.format,
+                   "glb: glTF 2.0 with bodies, scene and motion; csv: a table; png: a folder of "
+                   "frames; svg: a picture of the whole motion; mp4: a film, by ffmpeg")
+      ->check(CLI::IsMember(cli::export_formats()))
+      ->capture_default_str()
+      ->type_name("FORMAT");
+  add_choice(*command, options.choice);
+  command
+      ->add_option("-o,--output", options.output,
+                   "A file that ends as the format does; else a folder for a file each")
+      ->type_name("OUT");
+  command->add_flag("--together", options.together, "All as clips of one .glb");
+  command
+      ->add_option("--fps", options.fps,
+                   "Of png and mp4, frames a second (24). Of glb a key on each whole frame and "
+                   "nowhere else; without, as many as keep places to 0.1 mm and turns to 0.2 "
+                   "degrees")
+      ->check(CLI::Range(cli::k_export_fps_min, cli::k_export_fps_max).description(""))
+      ->type_name("N");
+  command->add_option("--view", options.view, "Of png and mp4: both, above or front")
+      ->check(CLI::IsMember(cli::export_views()))
+      ->capture_default_str()
+      ->type_name("VIEW");
+  command->add_option("--scale", options.scale, "Of png and mp4: so many times 1280 x 720")
+      ->capture_default_str()
+      ->type_name("FACTOR");
+  command->add_option("--table", options.table, "Of csv: animations, segments or points")
+      ->check(CLI::IsMember(cli::export_tables()))
+      ->capture_default_str()
+      ->type_name("TABLE");
+  command->add_flag("--force", options.force, "Replace files that sleight did not make");
+  command->add_flag("--json", options.json, "What was written, as JSON");
+  command->footer(
+      "Examples:\n"
+      "  sleight export ball.h5 --ids 0.250 -o ball.glb\n"
+      "  sleight export die.h5 --select 'die 1 in z 60mm.. during 0.2s..' -o throws\n"
+      "  sleight export die.h5 --representatives 12 --together -o kinds.glb\n"
+      "  sleight export hi.h5 --ids find.0 --format mp4 -o hi.mp4\n"
+      "  sleight export ball.h5 --format csv > animations.csv");
+  command->callback([&] { action = [&] { return cli::export_animations(options); }; });
+}
+
 }  // namespace
 
 void add_browse_commands(CLI::App& app, BrowseArguments& arguments, Action& action) {
   add_find(app, arguments.find, action);
   add_groups(app, arguments.groups, action);
   add_compare(app, arguments.compare, action);
+  add_export(app, arguments.exported, action);
 }
 
 }  // namespace sleight::programs

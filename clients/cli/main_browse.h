@@ -1,4 +1,4 @@
-// The commands that browse archives: find, groups, compare.
+// The commands that browse archives and take things out of them: find, groups, compare, export.
 #pragma once
 
 #include <memory>
@@ -6,9 +6,10 @@
 #include <CLI/CLI.hpp>
 
 #include "clients/cli/compare_command.h"
+#include "clients/cli/export_command.h"
 #include "clients/cli/find_command.h"
 #include "clients/cli/groups_command.h"
-#include "clients/cli/main_run.h"
+#include "clients/cli/main_app.h"
 
 namespace sleight::programs {
 
@@ -16,6 +17,7 @@ struct BrowseArguments {
   cli::FindOptions find{};
   cli::GroupsOptions groups{};
   cli::CompareOptions compare{};
+  cli::ExportAnimationsOptions exported{};
 };
 
 /// Adds them; `arguments` and `action` must outlive the app.

@@ -1,12 +1,16 @@
 #include "clients/cli/picked_figure.h"
 
+#include "clients/cli/animation_figures.h"
+
 #include <fmt/format.h>
 
+#include <map>
+#include <memory>
 #include <utility>
 
 #include "common/archive/format.h"
-#include "common/archive/hdf5/reader.h"
 #include "common/archive/kept_motions.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {
@@ -18,14 +22,12 @@ namespace {
                                 browse::short_text(picked.entry->name), reason));
 }
 
-}  // namespace
-
-ShownAnimation read_picked(const Picked& picked, std::string title) {
-  const auto source = archive::hdf5::open_file(picked.archive->path);
+/// The animation itself, out of its archive's file.
+ShownAnimation read_picked(const archive::Source& source, const Picked& picked, std::string title) {
   const auto group = picked.entry->name.is_find ? archive::k_finds : archive::k_animations;
   const scene::Scene& scene = picked.archive->index.scene;
-  if (archive::find_group(*source, group) == nullptr) refuse(picked, "is there no more");
-  const archive::KeptMotions motions(*source, group);
+  if (archive::find_group(source, group) == nullptr) refuse(picked, "is there no more");
+  const archive::KeptMotions motions(source, group);
   if (picked.entry->row >= motions.count()) refuse(picked, "is there no more");
   auto motion = motions.animation(picked.entry->row, scene);
   if (!motion) refuse(picked, motion.error());
@@ -37,10 +39,17 @@ ShownAnimation read_picked(const Picked& picked, std::string title) {
           .offsets_m = motions.offsets_m(picked.entry->row, scene)};
 }
 
+}  // namespace
+
 plot::Figure picked_figure(const std::string& title, const std::vector<PickedPanel>& panels) {
+  std::map<std::string, std::unique_ptr<archive::Source>> sources;
   std::vector<ShownAnimation> shown;
-  for (const PickedPanel& panel : panels)
-    shown.push_back(read_picked(panel.picked, panel.title));
+  for (const PickedPanel& panel : panels) {
+    const std::string& path = panel.picked.archive->path;
+    std::unique_ptr<archive::Source>& source = sources[path];
+    if (source == nullptr) source = archive::remote::open_remote(path);
+    shown.push_back(read_picked(*source, panel.picked, panel.title));
+  }
   return animation_figure(title, panels.front().picked.archive->index.scene, shown);
 }
 

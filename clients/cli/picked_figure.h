@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/animation_figures.h"
 #include "clients/cli/browsed.h"
 #include "clients/plot/figure.h"
 
@@ -19,11 +18,8 @@ struct PickedPanel {
   std::string title{};
 };
 
-/// The animation itself, out of its archive's file. Throws base::Error(bad_archive) where the file
-/// holds none any more.
-ShownAnimation read_picked(const Picked& picked, std::string title);
-
-/// A panel for each. REQUIRES: at least one, of comparable scenes.
+/// A panel for each, out of its archive's file. Throws base::Error(bad_archive) where the file
+/// holds it no more. REQUIRES: at least one, of comparable scenes.
 plot::Figure picked_figure(const std::string& title, const std::vector<PickedPanel>& panels);
 
 }  // namespace sleight::cli

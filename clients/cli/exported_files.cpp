@@ -1,0 +1,100 @@
+#include "clients/cli/exported_files.h"
+
+#include <unistd.h>
+
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "common/base/error.h"
+
+namespace sleight::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t k_run_letters = 8;
+constexpr auto k_progress_every = std::chrono::seconds(1);
+
+/// A model of our making says so in its first words.
+bool is_ours(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(96, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head.starts_with("glTF") && head.find("\"generator\":\"Sleight\"") != std::string::npos;
+}
+
+}  // namespace
+
+std::string export_name(const std::string& run_id, const std::string& id) {
+  std::string letters;
+  for (const char letter : run_id) {
+    if (std::isalnum(static_cast<unsigned char>(letter)) != 0 && letters.size() < k_run_letters)
+      letters += letter;
+  }
+  return fmt::format("{}-{}", letters.empty() ? "run" : letters, id);
+}
+
+void make_export_folder(const std::string& path) {
+  std::error_code failed;
+  fs::create_directories(path, failed);
+  if (!failed && fs::is_directory(path)) return;
+  throw base::Error(fmt::format("{}: can't make this folder: {}", path,
+                                failed ? failed.message() : "a file has its name"));
+}
+
+void refuse_others_file(const std::string& path, bool force) {
+  std::error_code none;
+  if (force || !fs::is_regular_file(path, none) || is_ours(path)) return;
+  throw base::Error(
+      base::ExitCode::conflict,
+      fmt::format("{}: it is there already, and sleight did not make it, or can't tell; give "
+                  "--force to replace it",
+                  path));
+}
+
+void write_export(const std::string& place, const std::string& shown,
+                  const std::function<void(std::ostream&)>& write) {
+  errno = 0;
+  std::ofstream file(place, std::ios::binary);
+  if (file) {
+    write(file);
+    file.close();
+  }
+  if (file) return;
+  throw base::Error(fmt::format("{}: can't write it: {}", shown,
+                                errno != 0 ? std::strerror(errno) : "is the disk full?"));
+}
+
+Workshop::Workshop(const std::string& output)
+    : path_(fmt::format("{}/.sleight-export.{}", output, ::getpid())) {}
+
+Workshop::~Workshop() {
+  std::error_code none;
+  fs::remove_all(path_, none);
+}
+
+void ExportProgress::done(std::size_t count, std::size_t frames, std::size_t of) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - told_ < k_progress_every || count == all_) return;
+  told_ = now;
+  const double part = of == 0 ? 0 : static_cast<double>(frames) / static_cast<double>(of);
+  const double finished = static_cast<double>(count) + part;
+  std::string left;
+  if (finished > 0) {
+    const double elapsed_s = std::chrono::duration<double>(now - began_).count();
+    left = fmt::format(", {:.0f} s left",
+                       std::ceil(elapsed_s / finished * (static_cast<double>(all_) - finished)));
+  }
+  const std::string in_next = of == 0 ? "" : fmt::format(", frame {} of {}", frames, of);
+  fmt::print(stderr, "{} of {} animations{}{}\n", count, all_, in_next, left);
+}
+
+}  // namespace sleight::cli
