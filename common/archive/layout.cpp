@@ -381,7 +381,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   write_root(reader.layout(), report, view.draws(), view.failures(), options, sink);
 
   write_scene(reader.scene(), sink);
-  Counted(hear, WritingProgress::Part::prior, 0);
+  Counted(hear, WritingProgress::Part::prior, k_prior_draws);
   write_prior(reader, sink);
 
   // One walk over the run, chain by chain: scalars, states and candidates for the animations.

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "common/archive/format.h"
 #include "common/archive/forwarding_reader.h"
 #include "common/archive/hdf5/writer.h"
 #include "common/archive/layout.h"
@@ -56,21 +57,29 @@ auto timed(double* total_s, const Work& work) {
   return result;
 }
 
-/// Adds up what is simulated once a run.
+/// Adds up what is simulated once a run, and tells how many draws from the prior are.
 class TimedReader final : public archive::ForwardingReader {
  public:
-  TimedReader(const archive::StateReader& reader, double* motions_s)
-      : ForwardingReader(reader), motions_s_(motions_s) {}
+  TimedReader(const archive::StateReader& reader, double* motions_s,
+              const archive::HearWriting& hear)
+      : ForwardingReader(reader), motions_s_(motions_s), hear_(hear) {}
 
   archive::Motion play(base::BytesView state) const override {
     return timed(motions_s_, [&] { return ForwardingReader::play(state); });
   }
   archive::PriorDraw prior_draw(std::uint64_t nth) const override {
-    return timed(motions_s_, [&] { return ForwardingReader::prior_draw(nth); });
+    archive::PriorDraw draw = timed(motions_s_, [&] { return ForwardingReader::prior_draw(nth); });
+    if (hear_) {
+      hear_({.part = archive::WritingProgress::Part::prior,
+             .done = nth + 1,
+             .total = archive::k_prior_draws});
+    }
+    return draw;
   }
 
  private:
   double* motions_s_;
+  const archive::HearWriting& hear_;
 };
 
 /// On what remembered motions hang besides their states.
@@ -141,7 +150,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
       .results_version = inputs.results_version,
       .run_id = run_id(inputs.request, inputs.results_version)};
   store::StoredMotions motions(folder, owner_of_motions(inputs.request));
-  const TimedReader timed(inputs.reader, inputs.motions_s);
+  const TimedReader timed(inputs.reader, inputs.motions_s, inputs.hear);
   const archive::RememberingReader reader(timed, motions, ask);
   return archive::hdf5::write_file(output, inputs.files, [&](archive::Sink& file) {
     StoppableSink sink(file, ask);

@@ -14,7 +14,8 @@ using Part = archive::WritingProgress::Part;
 using events::grouped;
 
 /// "1,200 of 5,000 draws (24%)  0:12 left  310 draws/s".
-std::string counted(const archive::WritingProgress& now, const char* things, double per_s) {
+std::string counted(const archive::WritingProgress& now, const char* things, double per_s,
+                    const char* unit) {
   if (now.total == 0) return things;
   std::string words = fmt::format(
       "{} of {} {} ({:.0f}%)", grouped(now.done), grouped(now.total), things,
@@ -22,7 +23,7 @@ std::string counted(const archive::WritingProgress& now, const char* things, dou
   if (per_s > 0) {
     words += fmt::format("  {} left  {} {}/s",
                          events::clock_time(static_cast<double>(now.total - now.done) / per_s),
-                         grouped(static_cast<std::uint64_t>(per_s)), things);
+                         grouped(static_cast<std::uint64_t>(per_s)), unit);
   }
   return words;
 }
@@ -32,13 +33,13 @@ std::string words_of(const archive::WritingProgress& now, double per_s) {
     case Part::learning:
       return fmt::format("learning from stored scans, {} so far", grouped(now.done));
     case Part::prior:
-      return "simulating draws from the prior";
+      return counted(now, "draws from the prior", per_s, "draws");
     case Part::draws:
-      return counted(now, "draws", per_s);
+      return counted(now, "draws", per_s, "draws");
     case Part::animations:
       break;
   }
-  return counted(now, "animations", per_s);
+  return counted(now, "animations", per_s, "animations");
 }
 
 }  // namespace

@@ -71,11 +71,11 @@ class WhileItWrites(ProgramTest):
     def test_it_says_how_far_it_is_and_stops(self):
         # An archive of so many scans takes seconds.
         output = self.path("a.h5")
-        request = self.write_request(chains=1, scans=600000)
+        request = self.write_request(chains=1, scans=400000)
         direct = [harness.program("sleight"), "direct", request, "-o", output]
         process = harness.start(direct)
         log = self.path("a.h5.run/events.log")
-        counted = re.compile(r"writing the archive: [0-9,]+ of 600,000 draws \([0-9]+%\)  [0-9:]+ left  "
+        counted = re.compile(r"writing the archive: [0-9,]+ of 400,000 draws \([0-9]+%\)  [0-9:]+ left  "
                              r"[0-9,]+ draws/s")
         while not (log.exists() and counted.search(log.read_text())):
             self.assertIsNone(process.poll(), "it has ended, and nothing was counted")

@@ -35,14 +35,19 @@ TEST(WritingWords, TellsWhatTakesItsTime) {
   clock.advance(1);
   words.hear({.part = Part::learning, .done = 1'000'000});
   clock.advance(1);
-  words.hear({.part = Part::prior});
-  EXPECT_THAT(said, ::testing::ElementsAre(
-                        "writing the archive: 1,250 of 5,000 draws (25%)  0:03 left  1,250 draws/s",
-                        "writing the archive: 1,000 of 3,000 animations (33%)  0:20 left  100 "
-                        "animations/s",
-                        "writing the archive: animations",
-                        "writing the archive: learning from stored scans, 1,000,000 so far",
-                        "writing the archive: simulating draws from the prior"));
+  words.hear({.part = Part::prior, .done = 10, .total = 1000});
+  clock.advance(1);
+  words.hear({.part = Part::prior, .done = 20, .total = 1000});
+  EXPECT_THAT(
+      said,
+      ::testing::ElementsAre(
+          "writing the archive: 1,250 of 5,000 draws (25%)  0:03 left  1,250 draws/s",
+          "writing the archive: 1,000 of 3,000 animations (33%)  0:20 left  100 "
+          "animations/s",
+          "writing the archive: animations",
+          "writing the archive: learning from stored scans, 1,000,000 so far",
+          "writing the archive: 10 of 1,000 draws from the prior (1%)",
+          "writing the archive: 20 of 1,000 draws from the prior (2%)  1:38 left  10 draws/s"));
 }
 
 }  // namespace
