@@ -312,6 +312,29 @@ class Export(ProgramTest):
             self.refused(code, words, *args)
         self.assertFalse(output.exists())
 
+    def test_archives_that_lie(self):
+        archive = self.made_up()
+        output = self.path("a.glb")
+        ids = [row["id"] for row in self.table(archive)]
+        with h5py.File(archive, "r+") as file:
+            starts = file["animations/segment_start"]
+            counts = file["animations/segment_count"][()]
+            longest = int(counts.argmax())
+            first, second = ids[(longest + 1) % len(counts)], ids[longest]
+            self.assertGreater(counts[longest], 1)
+            file["animations/position_m"][starts[(longest + 1) % len(counts)], 1] = float("nan")
+            of_second = slice(starts[longest], starts[longest] + counts[longest])
+            file["animations/mode"][of_second] = 0  # flying
+            file["animations/body"][of_second] = 0
+            file["animations/start_s"][of_second] = range(counts[longest])
+            file["animations/angular_velocity_radps"][of_second, 0] = 1e9
+        self.refused(6, f"its animation {first} has numbers that no motion has", archive, "--ids",
+                     first, "-o", output)
+        for frames in [[], ["--fps", "24"]]:
+            self.refused(5, "moves in more ways than can be exported", archive, "--ids", second, *frames,
+                         "-o", output)
+        self.assertFalse(output.exists())
+
 
 if __name__ == "__main__":
     harness.main()
