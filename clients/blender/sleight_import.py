@@ -135,7 +135,7 @@ def import_files(paths, fps=24, scene=None):
     return made
 
 
-def export_archive(program, archive, folder, ids="", whole_frames_fps=None):
+def export_archive(program, archive, folder, ids="", whole_frames_fps=None, however_many=False):
     """Has `sleight` write an archive's animations into a folder; the files."""
     found = shutil.which(program)
     if found is None:
@@ -144,6 +144,8 @@ def export_archive(program, archive, folder, ids="", whole_frames_fps=None):
     command = [found, "export", str(archive), "-o", str(folder), "--json"]
     if whole_frames_fps:
         command += ["--fps", str(whole_frames_fps)]
+    if however_many:
+        command.append("--all")
     words = ids.replace(",", " ").split()
     if any(word.startswith("-") for word in words):
         raise ImportFailed(f"these are no animations' ids: {ids}")
@@ -174,6 +176,8 @@ class ImportSleight(bpy.types.Operator, ImportHelper):
     fps: IntProperty(name="Frame rate", description="Frames a second", default=24, min=1, max=1000)
     ids: StringProperty(name="Animations", default="",
                         description="Of an archive: ids such as 0.250 or find.3; empty: all")
+    however_many: BoolProperty(name="More than 100", default=False,
+                               description="Of an archive: all, however many there are")
     whole_frames: BoolProperty(name="Keys on whole frames", default=False,
                                description="Of an archive: a key on each frame and nowhere else")
     program: StringProperty(name="Program", default="sleight",
@@ -192,7 +196,8 @@ class ImportSleight(bpy.types.Operator, ImportHelper):
                     if path.suffix == ".h5":
                         folder = pathlib.Path(scratch) / str(number)
                         paths += export_archive(self.program, path, folder, self.ids,
-                                                self.fps if self.whole_frames else None)
+                                                self.fps if self.whole_frames else None,
+                                                self.however_many)
                     else:
                         paths.append(path)
                 made = import_files(paths, self.fps, context.scene)

@@ -138,8 +138,9 @@ void add_pieces(const std::vector<Piece>& pieces, const std::vector<double>& par
 }
 
 std::string too_many(double keys) {
-  return fmt::format("moves in more ways than can be exported: body has {:.3g} keys, at most {}",
-                     keys, k_keys_max);
+  return fmt::format(
+      "moves in more ways than can be exported: a body would have {:.3g} keys, at most {}", keys,
+      k_keys_max);
 }
 
 /// Turns of one piece in the order of time, each from the one before: from the beginning each

@@ -47,7 +47,7 @@ class Csv : public ::testing::Test {
 };
 
 // The rows of an animation are those that its start and count say, and the others are left out.
-TEST_F(Csv, SegmentsOfSomeAnimations) {
+TEST_F(Csv, RowsOfSomeAnimations) {
   const auto all = lines_of(archive_, "segments");
   const auto starts =
       std::get<std::vector<std::int64_t>>(archive_.read(k_animations, "segment_start", 0, 2));
@@ -64,6 +64,11 @@ TEST_F(Csv, SegmentsOfSomeAnimations) {
   EXPECT_EQ(out.str(), expected);
   const std::uint64_t none[] = {1'000'000};
   EXPECT_THROW(export_csv(archive_, "segments", out, none), base::Error);
+  EXPECT_THROW(export_csv(archive_, "animations", out, none), base::Error);
+  const auto rows = lines_of(archive_, "animations");
+  std::ostringstream table;
+  export_csv(archive_, "animations", table, asked);
+  EXPECT_EQ(table.str(), rows[0] + "\n" + rows[2] + "\n" + rows[1] + "\n");
   EXPECT_THROW(export_csv(archive_, "posterior", out, asked), base::Error);
 }
 
