@@ -7,6 +7,7 @@ import io
 import json
 import pathlib
 import re
+import shutil
 import struct
 
 import h5py
@@ -244,6 +245,54 @@ class Export(ProgramTest):
                       self.export(archive, "--all", "-o", self.path("all")))
         self.assertEqual(len(list(self.path("all").iterdir())), count)
 
+    def test_queries_and_representatives(self):
+        archive = self.run_of("ball", BALL)
+        found = json.loads(self.succeed(sleight("find", archive, "--where", "ball in x 0.. z 0.2..",
+                                                "--where", "draw < 60", "--json")).stdout)
+        ids = [one["id"] for one in found["animations"]]
+        self.assertGreater(len(ids), 3)
+        selection = ["--select", "ball in x 0.. z 0.2..", "--select", "draw < 60"]
+        self.assertEqual([row["id"] for row in self.table(archive, *selection)], ids)
+        groups = json.loads(self.succeed(sleight("groups", archive, "-k", 3, "--where", "draw < 60",
+                                                 "--json")).stdout)
+        self.export(archive, "--select", "draw < 60", "--representatives", "3", "--together", "-o",
+                    self.path("kinds.glb"))
+        self.assertEqual(Model(self.path("kinds.glb")).clips,
+                         [group["representative"]["id"] for group in groups["groups"]])
+        # The long name of an animation is of its run alone.
+        run = found["archives"][0]["run_id"][:8]
+        self.assertEqual(len(self.table(archive, "--ids", f"{run}:{ids[0]}")), 1)
+        self.refused(2, "no animation", archive, "--ids", f"00000000:{ids[0]}", "-o", self.path("a.glb"))
+
+    def test_pictures_and_films(self):
+        archive = self.run_of("dice", DICE)
+        ids = [row["id"] for row in self.table(archive)][:2]
+        told = json.loads(self.export(archive, "--format", "png", "--fps", "10", "--scale", "0.25", "--ids",
+                                      *ids, "--json", "-o", self.path("frames")))
+        self.assertEqual([written["ids"] for written in told["written"]], [[one] for one in ids])
+        for written in told["written"]:
+            frames = sorted(pathlib.Path(written["path"]).iterdir())
+            rest_s = float(self.table(archive, "--ids", *written["ids"], "--table", "segments")[-1]["start_s"])
+            self.assertLessEqual(abs(len(frames) - 10 * rest_s - 1), 1)
+            self.assertEqual(written["bytes"], sum(frame.stat().st_size for frame in frames))
+            for frame in frames:
+                self.assertEqual(frame.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        # A folder of frames is not written into again.
+        self.refused(2, "frames", archive, "--format", "png", "--ids", *ids, "-o", self.path("frames"))
+        self.export(archive, "--format", "svg", "--ids", ids[0], "-o", self.path("one.svg"))
+        self.assertIn(ids[0], self.path("one.svg").read_text())
+        self.refused(4, "give --force", archive, "--format", "svg", "--ids", ids[0], "-o", self.path("one.svg"))
+        self.export(archive, "--format", "svg", "--ids", *ids, "-o", self.path("pictures"))
+        self.assertEqual(len(list(self.path("pictures").iterdir())), 2)
+        film = ["--format", "mp4", "--scale", "0.25", "--ids", ids[0], "-o", self.path("one.mp4")]
+        missing = sleight("export", archive, *film, env={"PATH": str(self.folder)})
+        self.assertEqual(missing.returncode, 5, missing.stderr)
+        self.assertIn("ffmpeg", missing.stderr)
+        self.assertFalse(self.path("one.mp4").exists())
+        if shutil.which("ffmpeg"):
+            self.export(archive, *film)
+            self.assertEqual(self.path("one.mp4").read_bytes()[4:8], b"ftyp")
+
     def test_frames(self):
         archive = self.run_of("ball", BALL)
         one = self.table(archive)[0]["id"]
@@ -300,7 +349,14 @@ class Export(ProgramTest):
                 (2, "its name must end with .glb", [archive, "--together", "-o", self.path("a")]),
                 (2, "add --together", [archive, "-o", output]),
                 (2, "must end with .csv", [archive, "--format", "csv", "-o", output]),
-                (2, "are for --format glb", [archive, "--format", "csv", "--fps", "24"]),
+                (2, "--fps is for", [archive, "--format", "csv", "--fps", "24"]),
+                (2, "--together is for", [archive, "--format", "svg", "--together", "-o", output]),
+                (2, "--view and --scale are for", [archive, "--view", "front", "-o", output]),
+                (2, "--scale 9", [archive, "--format", "png", "--scale", "9", "-o", output]),
+                (2, "say where to with -o", [archive, "--format", "png"]),
+                (2, "leave out --select", [archive, "--ids", "0.1", "--select", "draw < 3", "-o", output]),
+                (2, "column 12: ", [archive, "--select", "log_prior < low", "-o", output]),
+                (2, "no animation is meant", [archive, "--select", "draw < 0", "-o", output]),
                 (2, "name one with -o", [archive, "--format", "csv", "--json"]),
                 (2, "--table", [archive, "--format", "csv", "--table", "posterior"]),
                 (2, "--format", [archive, "--format", "obj", "-o", output]),
