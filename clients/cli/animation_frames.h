@@ -3,12 +3,13 @@
 //
 // A frame shows the scene from above and from the front, one beneath the other or beside it,
 // whichever is larger; or one of both. Bodies are where their motion has them at the frame's time.
-// All frames of an animation show the same part of the scene at the same scale. Frame n is of the
-// time n / fps from the animation's beginning, the last one of the last such time before all bodies
-// rest, or of that very moment.
+// All frames of an animation show the same part of the scene at the same scale. Counted from 0,
+// frame n is of the time n / fps from the animation's beginning; the last one is of the last such
+// time up to the moment when all bodies rest.
 //
 // What stands still is drawn once for all frames (clients/plot/film.h). On one core of 2026 a
-// second makes some 75 PNG files of one ball, 30 of a die and 20 of HI, and more of a film.
+// second makes some 90 PNG files of one ball, 80 of a die and 45 of HI. A film of HI took as long
+// as its PNG files, mostly for ffmpeg.
 //
 // Files are whole or not there: each is written beside its place and renamed. Nothing that is
 // somebody else's is overwritten: a folder of frames must be new or empty; a file of the same name
