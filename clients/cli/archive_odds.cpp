@@ -31,12 +31,12 @@ std::vector<LogEstimate> estimates_of(const archive::Source& source, const std::
   return ladders;
 }
 
-/// What the throw is whose odds are told, where it is no draw from the prior.
-std::string natural_throw_of(std::string_view world, double log_natural_throw) {
+/// What the throw is whose odds are told, where it is no draw from the prior: of any world
+/// (WorldLayout::log_natural_throw).
+std::string natural_throw_of(double log_natural_throw) {
   if (log_natural_throw == 0) return "";
-  if (world == "spelling") return "a throw drops all balls";
-  if (world == "dice") return "a throw's dice are numbered before it";
-  return "a throw is what a person can make blindly";
+  return log_natural_throw < 0 ? "a throw leaves no body out"
+                               : "a throw's bodies are numbered before it";
 }
 
 ArchiveOdds weighted_of(const archive::Source& source, std::uint64_t chains) {
@@ -406,7 +406,7 @@ std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive:
   if (!odds) odds = ladders_say(source, summary, burns_in(method));
   if (!odds) return std::nullopt;
   odds->log_natural_throw = log_natural_throw(source);
-  odds->natural_throw = natural_throw_of(summary.world, odds->log_natural_throw);
+  odds->natural_throw = natural_throw_of(odds->log_natural_throw);
   return odds;
 }
 

@@ -1,6 +1,8 @@
-// The programs' worlds for tests of failures: one, which is called ball_2d and takes its requests.
+// The programs' worlds for tests: one that fails, which is called ball_2d and takes its requests,
+// and one that is made up. This line of a list is all that a world costs a program.
 #include "clients/cli/main_worlds.h"
 #include "tests/failing/failing_ball.h"
+#include "tests/failing/pucks.h"
 #include "worker/run/world_entry.h"
 #include "worker/worlds/ball_2d/request.h"
 #include "worker/worlds/readers/ball_2d_reader.h"
@@ -11,8 +13,11 @@ run::Catalogue worlds_of_program() {
   namespace ball_2d = worlds::ball_2d;
   using Entry = run::EntryOf<failing::FailingBall, ball_2d::Parameters, &ball_2d::request_binding,
                              &ball_2d::make_state_reader>;
+  using PucksEntry = run::EntryOf<failing::Pucks, failing::PuckParameters, &failing::pucks_binding,
+                                  &failing::make_pucks_reader>;
   std::vector<run::Catalogue::Named> worlds;
   worlds.push_back({"ball_2d", std::make_unique<Entry>()});
+  worlds.push_back({"pucks", std::make_unique<PucksEntry>()});
   return run::Catalogue(std::move(worlds));
 }
 

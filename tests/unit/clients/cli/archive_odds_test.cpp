@@ -169,17 +169,17 @@ TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
   tables.log_natural_throw = 3 * std::log(0.5);
   tables.log_p = {-6.88, -6.88, -6.88};
   EXPECT_THAT(words(tables),
-              HasSubstr("  by chance    one throw in 122 (116 to 128), where a throw drops all "
-                        "balls\n               log P -4.80 +- 0.05 ("));
+              HasSubstr("  by chance    one throw in 122 (116 to 128), where a throw leaves no "
+                        "body out\n               log P -4.80 +- 0.05 ("));
   const nlohmann::ordered_json said = json(tables);
   EXPECT_NEAR(said["log_p_satisfied"]["value"].get<double>(), -6.88, 1e-12);
   EXPECT_NEAR(said["log_p_throw"]["value"].get<double>(), -4.80, 1e-3);
-  EXPECT_EQ(said["natural_throw"], "a throw drops all balls");
+  EXPECT_EQ(said["natural_throw"], "a throw leaves no body out");
   tables.round_trips = 0;
   EXPECT_THAT(words(tables), HasSubstr("so far log P -4.80, error unknown (4 ladders), "
-                                       "round 3 of 3, where a throw drops all balls\n"));
-  tables.world = "dice";
-  EXPECT_THAT(words(tables), HasSubstr("a throw's dice are numbered before it"));
+                                       "round 3 of 3, where a throw leaves no body out\n"));
+  tables.log_natural_throw = 1;
+  EXPECT_THAT(words(tables), HasSubstr("a throw's bodies are numbered before it"));
 }
 
 TEST(ArchiveOdds, WhatNeverSatisfiedIsUnknown) {
