@@ -1,0 +1,160 @@
+// Goal: what browsing keeps between commands is the archive's or nothing; archives together count
+// each animation once; requests are compared by their keys. Method: indices of made-up animations
+// in a folder of their own, changed and cut; small lists.
+#include "clients/cli/browsed.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "clients/cli/compare_command.h"
+#include "clients/cli/index_cache.h"
+#include "common/base/error.h"
+#include "tests/unit/clients/browse/random_index.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class IndexCache : public archive::testing::Scratch {
+ protected:
+  void SetUp() override {
+    ::setenv("XDG_CACHE_HOME", path("cache").c_str(), 1);
+    archive_ = path("a.h5");
+    std::ofstream(archive_) << "an archive";
+  }
+  void TearDown() override { ::unsetenv("XDG_CACHE_HOME"); }
+
+  static browse::Index large() {
+    random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 0);
+    browse::Index index = browse::testing::random_index(4, stream);
+    browse::Entry& long_one = index.entries.front();
+    while (long_one.pieces.size() < k_pieces_worth_keeping)
+      long_one.pieces.push_back(long_one.pieces.back());
+    long_one.tracks.back().count =
+        static_cast<std::uint32_t>(long_one.pieces.size()) - long_one.tracks.back().first;
+    return index;
+  }
+  fs::path kept_file() const {
+    for (const auto& file : fs::directory_iterator(path("cache/sleight/browse")))
+      return file.path();
+    return {};
+  }
+
+  std::string archive_;
+};
+
+TEST_F(IndexCache, GivesBackWhatItKept) {
+  EXPECT_FALSE(kept_index(archive_).has_value());
+  const browse::Index index = large();
+  keep_index(archive_, index);
+  const auto kept = kept_index(archive_);
+  ASSERT_TRUE(kept.has_value());
+  EXPECT_EQ(kept->digest, index.digest);
+  ASSERT_EQ(kept->entries.size(), index.entries.size());
+  for (std::size_t i = 0; i < index.entries.size(); ++i)
+    EXPECT_TRUE(kept->entries[i] == index.entries[i]);
+  // By whatever path the archive is reached; of no other archive.
+  fs::create_symlink(archive_, path("link.h5"));
+  EXPECT_TRUE(kept_index(path("link.h5")).has_value());
+  std::ofstream(path("b.h5")) << "another";
+  EXPECT_FALSE(kept_index(path("b.h5")).has_value());
+  // Nobody else can read it.
+  struct stat status {};
+  ASSERT_EQ(::stat(kept_file().c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  ASSERT_EQ(::stat(kept_file().parent_path().c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0700U);
+}
+
+TEST_F(IndexCache, ForgetsWhatWasChanged) {
+  keep_index(archive_, large());
+  const fs::path file = kept_file();
+  fs::resize_file(file, fs::file_size(file) - 1);
+  EXPECT_FALSE(kept_index(archive_).has_value());
+  std::ofstream(file) << "nothing of ours";
+  EXPECT_FALSE(kept_index(archive_).has_value());
+  keep_index(archive_, large());
+  EXPECT_TRUE(kept_index(archive_).has_value());
+}
+
+TEST_F(IndexCache, DoesWithoutWhereItCannotWrite) {
+  std::ofstream(path("cache")) << "a file in its place";
+  keep_index(archive_, large());
+  EXPECT_FALSE(kept_index(archive_).has_value());
+  ::setenv("XDG_CACHE_HOME", "relative", 1);
+  ::setenv("HOME", path("").c_str(), 1);
+  keep_index(archive_, large());
+  EXPECT_TRUE(fs::exists(path(".cache/sleight/browse")));
+  EXPECT_FALSE(fs::exists("relative"));
+}
+
+TEST_F(IndexCache, KeepsNothingSmall) {
+  random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 1);
+  keep_index(archive_, browse::testing::random_index(3, stream));
+  EXPECT_FALSE(kept_index(archive_).has_value());
+}
+
+Browsed two_archives() {
+  random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 2);
+  Browsed browsed;
+  browsed.archives.push_back({.path = "a.h5", .index = browse::testing::random_index(3, stream)});
+  browsed.archives.push_back({.path = "b.h5", .index = browse::testing::random_index(5, stream)});
+  return browsed;
+}
+
+TEST(BrowsedArchives, CountEachAnimationOnce) {
+  Browsed browsed = two_archives();
+  leave_out_twice(browsed);
+  EXPECT_EQ(browsed.animations(), 5U);
+  EXPECT_EQ(browsed.archives[0].twice, 0U);
+  EXPECT_EQ(browsed.archives[1].twice, 3U);
+  EXPECT_EQ(name_among(browsed, browsed.archives[1].index.entries[0].name), "0.3");
+  browsed.archives[1].index.run_id = "another";
+  EXPECT_EQ(name_among(browsed, browsed.archives[1].index.entries[0].name), "run:0.3");
+}
+
+TEST(BrowsedArchives, AnswerAllQueriesThatAreGiven) {
+  const Browsed browsed = two_archives();
+  EXPECT_EQ(picked(browsed, {}).size(), 8U);
+  const auto found =
+      picked(browsed, {.where = {"draw > 0"}, .in = {"draw < 3"}, .not_in = {"draw = 1"}});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].archive->path, "a.h5");
+  EXPECT_EQ(found[1].entry->name.draw, 2U);
+  try {
+    picked(browsed, {.not_in = {"draw < "}});
+    FAIL() << "it is no query";
+  } catch (const base::Error& error) {
+    EXPECT_EQ(error.exit_code(), base::ExitCode::usage);
+    EXPECT_THAT(error.what(), HasSubstr("--not for a.h5: column 8: a number is expected"));
+  }
+}
+
+TEST(ComparedRequests, DifferByTheirKeys) {
+  const std::string first =
+      "# a comment\n[world]\nname = \"dice\"\n\n[[constraint.place]]\ndie = 1\nx_mm = 30\n\n"
+      "[[constraint.place]]\ndie = 2\nx_mm = 5\n\n[stop]\nscans = 100\n";
+  EXPECT_TRUE(other_lines(first, first).empty());
+  std::string second = first;
+  second.replace(second.find("x_mm = 5"), 8, "x_mm = 6");
+  second.replace(second.find("scans = 100"), 11, "found = 3");
+  const auto other = other_lines(first, second);
+  std::vector<std::string> words;
+  for (const OtherLine& line : other)
+    words.push_back(line.key + "|" + line.first + "|" + line.second);
+  EXPECT_THAT(words,
+              ElementsAre("constraint.place[2].x_mm|5|6", "stop.scans|100|", "stop.found||3"));
+}
+
+}  // namespace
+}  // namespace sleight::cli
