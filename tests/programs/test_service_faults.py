@@ -139,7 +139,7 @@ class Faults(ServiceTest):
     def test_programs_that_are_replaced(self):
         own = self.path("bin")
         own.mkdir()
-        for name in ["sleight", "sleightd", "sleight-keeper", "sleight-batch"]:
+        for name in ["sleight", "sleightd", "sleight-keeper", "sleight-batch", "sleight-reader"]:
             shutil.copy(harness.program(name), own / name)
         real, harness.arguments.bin = harness.arguments.bin, str(own)
         self.addCleanup(setattr, harness.arguments, "bin", real)
