@@ -12,7 +12,6 @@ namespace sleight::browse {
 namespace {
 
 /// Characters of a run that its animations' long names have.
-constexpr std::size_t k_run_letters = 8;
 /// Relative to the size of numbers, what rounding may put a place beyond the box of its piece.
 constexpr double k_rounding = 1e-12;
 

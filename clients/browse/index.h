@@ -32,12 +32,14 @@ struct AnimationName {
   friend auto operator<=>(const AnimationName&, const AnimationName&) = default;
 };
 
+/// A run's name among others, where people read it.
+inline constexpr std::size_t k_run_letters = 8;
 /// Within an archive: "0.250" (chain 0, draw 250) or "find.3".
 std::string short_text(const AnimationName& name);
 /// Among several runs: the first eight characters of the run, and that: "3f2a9c01:0.250".
 std::string long_text(const AnimationName& name);
 
-/// Of which text a name is the short or long text of some animation.
+/// A name as a person writes it, short or long.
 struct AskedName {
   std::string run{};  ///< the first characters of its run; empty: of any
   bool is_find = false;

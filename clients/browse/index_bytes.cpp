@@ -122,7 +122,7 @@ Entry get_entry(Reader& reader, const std::string& run, std::size_t numbers) {
   for (std::size_t i = 0; reader.is_good && i < numbers; ++i)
     entry.numbers.push_back(reader.get<double>());
   std::uint64_t pieces = 0;
-  for (std::size_t i = reader.count(sizeof(std::uint32_t)); i > 0; --i) {
+  for (std::size_t i = reader.count(sizeof(std::uint32_t)); reader.is_good && i > 0; --i) {
     const auto count = reader.get<std::uint32_t>();
     entry.tracks.push_back({.first = static_cast<std::uint32_t>(pieces), .count = count});
     pieces += count;

@@ -243,7 +243,8 @@ class Parser {
           next().kind == Token::Kind::number &&
           next().text.find_first_not_of("0123456789") == std::string::npos &&
           !(after_next().kind == Token::Kind::sign && after_next().text == "..") &&
-          !(after_next().kind == Token::Kind::word && after_next().is_joined);
+          !(after_next().kind == Token::Kind::word &&
+            (after_next().is_joined || find_unit(after_next().text) != nullptr));
       if (!is_more_words && !is_its_number) return name;
       name += " " + tokens_[at_++].text;
     }

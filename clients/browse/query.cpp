@@ -5,11 +5,11 @@
 namespace sleight::browse {
 namespace {
 
-/// When a step that follows one at `after_s` is first met: not before, or later, if the step before
-/// was a hit, as one hit is one event.
+/// What a step follows: it is not met before that moment, and a hit is later than the last hit, as
+/// one hit is one event.
 struct After {
   double time_s = -std::numeric_limits<double>::infinity();
-  bool is_later = false;
+  double hit_s = -std::numeric_limits<double>::infinity();
 };
 
 bool overlaps(const Box& a, const Box& b) {
@@ -51,7 +51,7 @@ std::optional<double> first_met(const Touches& touches, const Entry& entry, cons
   const auto begin = std::ranges::lower_bound(entry.contacts, from_s, {}, &Contact::time_s);
   return first_of(touches.who, entry, [&](std::uint32_t body) -> std::optional<double> {
     for (auto it = begin; it != entry.contacts.end() && it->time_s <= touches.when.to_s; ++it) {
-      if (after.is_later && it->time_s == after.time_s) continue;
+      if (it->time_s <= after.hit_s) continue;
       // A hit of two bodies is both's, whichever of them it is recorded of.
       const bool is_hit = (it->body == body && is_among(it->partner, touches.partners)) ||
                           (it->partner == body && is_among(it->body, touches.partners));
@@ -98,7 +98,8 @@ bool holds(const InOrder& order, const Entry& entry) {
     const auto met = touches != nullptr ? first_met(*touches, entry, after)
                                         : first_met(std::get<Inside>(step.is), entry, after);
     if (!met) return false;
-    after = {.time_s = *met, .is_later = touches != nullptr};
+    after.time_s = *met;
+    if (touches != nullptr) after.hit_s = *met;
   }
   return true;
 }

@@ -87,6 +87,10 @@ class GroupReader {
   /// What is said of each animation at once: names and numbers.
   void read_tables() {
     const std::uint64_t animations = count();
+    const auto rows = static_cast<double>(animations);
+    require_at_most(rows * index_.scene.bodies(), k_browsed_bodies_max, "bodies");
+    require_at_most(rows * static_cast<double>(index_.numbers.size()), k_browsed_numbers_max,
+                    "numbers");
     const auto column = [&](const char* name) {
       return as_numbers(source_.read(group_, name, 0, animations));
     };
@@ -97,12 +101,7 @@ class GroupReader {
     double segments = 0;
     for (const double count : segment_count_)
       segments += count;
-    if (!(segments <= k_browsed_segments_max)) {
-      throw base::Error(base::ExitCode::bad_archive,
-                        fmt::format("{}: its animations have {:.0f} segments; at most {:.0f} are "
-                                    "browsed",
-                                    source_.name(), segments, k_browsed_segments_max));
-    }
+    require_at_most(segments, k_browsed_segments_max, "segments");
     if (!is_finds_) {
       chain_ = whole("chain");
       draw_ = whole("draw");
@@ -185,8 +184,21 @@ class GroupReader {
     return text.empty() ? text : "[" + text + "]";
   }
 
+  /// Chains, draws and lineages count from 0.
   std::vector<std::int64_t> whole(const char* name) const {
-    return std::get<std::vector<std::int64_t>>(source_.read(group_, name, 0, count()));
+    auto values = std::get<std::vector<std::int64_t>>(source_.read(group_, name, 0, count()));
+    if (std::ranges::any_of(values, [](std::int64_t value) { return value < 0; })) {
+      throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}/{} has a number below 0",
+                                                                 source_.name(), group_, name));
+    }
+    return values;
+  }
+
+  void require_at_most(double count, double most, const char* of_what) const {
+    if (count <= most) return;
+    throw base::Error(base::ExitCode::bad_archive,
+                      fmt::format("{}: its animations have {:.0f} {}; at most {:.0f} are browsed",
+                                  source_.name(), count, of_what, most));
   }
 
   Entry without_motion(std::uint64_t row) const {
@@ -300,14 +312,15 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
   }
   const Index* earlier = options.earlier;
   if (earlier != nullptr && !is_usable(*earlier, index)) earlier = nullptr;
-  if (earlier != nullptr && !index.digest.empty() && earlier->digest == index.digest &&
-      earlier->entries.size() == total) {
-    index.entries = earlier->entries;
-    read.taken_over = total;
-    return read;
+  if (earlier != nullptr && earlier->digest == index.digest) {
+    if (options.is_of_this_file && earlier->entries.size() == total) {
+      index.entries = earlier->entries;
+      read.taken_over = total;
+      return read;
+    }
+    earlier = nullptr;
   }
 
-  index.entries.reserve(total);
   for (GroupReader& group : groups) {
     group.read_tables();
     const auto before = earlier_entries(earlier, group.is_finds());

@@ -16,15 +16,20 @@ namespace sleight::browse {
 /// Numbers of an animation with more elements than this are left out, as HI's offsets of vertices.
 inline constexpr std::size_t k_number_elements_max = 64;
 
-/// Segments of an archive that are read, at most: a damaged file may claim any number. An index
-/// takes about 120 bytes for each.
+/// What of an archive is read, at most: a small file may claim any number. An index takes about 120
+/// bytes for a segment, 60 for a body of an animation, 8 for a number of one.
 inline constexpr double k_browsed_segments_max = 50e6;
+inline constexpr double k_browsed_bodies_max = 5e6;
+inline constexpr double k_browsed_numbers_max = 200e6;
 
 struct ReadingOptions {
-  /// An index of an earlier archive of the run, or of this one; null: none. Its scene is not asked
-  /// for. Entries are taken over where the archive's animations are called so and have the same
-  /// numbers; all of them unread where the digest is this archive's.
+  /// An index of an earlier archive of the run; null: none. Its scene is not asked for. Entries are
+  /// taken over where the archive's animations are called so and have the same numbers. Of an
+  /// archive with the same digest nothing is: it may have been changed by other programs, which
+  /// leave the digest as it was.
   const Index* earlier = nullptr;
+  /// It is of this very file, which nobody has written since: then all is taken over, unread.
+  bool is_of_this_file = false;
   /// Told now and then: animations that were read, of how many.
   std::function<void(std::uint64_t, std::uint64_t)> progress{};
 };

@@ -16,6 +16,8 @@ namespace sleight::browse {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
+/// Beyond it values are equally far, so that sums of them are finite: no scene is so large.
+constexpr double k_value_max_m = 1e30;
 /// Of all rest times, the part that the equal times reach.
 constexpr double k_covered = 0.95;
 
@@ -32,9 +34,10 @@ double covered_duration_s(std::span<const Entry* const> entries) {
 
 double distance_m(const float* ax, const float* ay, const float* az, const float* bx,
                   const float* by, const float* bz, std::size_t i) {
-  const float dx = ax[i] - bx[i];
-  const float dy = ay[i] - by[i];
-  const float dz = az[i] - bz[i];
+  // A hostile archive's places may be so large that their squares are no floats.
+  const double dx = double{ax[i]} - double{bx[i]};
+  const double dy = double{ay[i]} - double{by[i]};
+  const double dz = double{az[i]} - double{bz[i]};
   return std::sqrt(dx * dx + dy * dy + dz * dz);
 }
 
@@ -108,8 +111,7 @@ std::vector<std::uint32_t> cheapest_matching(std::span<const double> costs, std:
 }
 
 Sketches::Sketches(std::span<const Entry* const> entries, const scene::Scene& scene)
-    : features_(scene.features.size()),
-      apart_m_(math::norm(math::Vec3(scene.high_m - scene.low_m))) {
+    : apart_m_(math::norm(math::Vec3(scene.high_m - scene.low_m))) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> classes;
   for (std::uint32_t body = 0; body < scene.bodies(); ++body)
     classes[scene.features[body].twin_of].push_back(body);
@@ -142,8 +144,12 @@ Sketches::Sketch Sketches::sketch_of(const Entry& entry, double duration_s) cons
   for (const Contact& contact : entry.contacts) {
     if (sketch.first.size() == k_first_contacts_max) break;
     const auto [low, high] = std::minmax(contact.body, contact.partner);
-    if (seen.emplace(low, high).second) sketch.first.push_back({.low = low, .high = high});
+    if (!seen.emplace(low, high).second) continue;
+    const auto place = static_cast<std::uint32_t>(sketch.first.size());
+    sketch.first.push_back({.low = low, .high = high});
+    sketch.by_things.push_back({.low = low, .high = high, .place = place});
   }
+  std::ranges::sort(sketch.by_things);
   return sketch;
 }
 
@@ -183,12 +189,6 @@ double Sketches::order_between(const Sketch& a, const Sketch& b,
   if (longer == 0) return 0;
   // Where each of b's contacts stands. No two of a list are equal, so that the longest common
   // subsequence is the longest one of a's whose places in b rise.
-  const auto key = [&](std::uint32_t low, std::uint32_t high) { return low * features_ + high; };
-  thread_local std::vector<std::uint32_t> place_of;
-  constexpr std::uint32_t k_nowhere = std::numeric_limits<std::uint32_t>::max();
-  place_of.assign(b.places.size() * features_, k_nowhere);
-  for (std::uint32_t i = 0; i < b.first.size(); ++i)
-    place_of[key(b.first[i].low, b.first[i].high)] = i;
   std::array<std::uint32_t, k_first_contacts_max> places{};
   std::size_t count = 0;
   const auto in_b = [&](std::uint32_t feature) {
@@ -196,8 +196,10 @@ double Sketches::order_between(const Sketch& a, const Sketch& b,
   };
   for (const FirstContact& contact : a.first) {
     const auto [low, high] = std::minmax({in_b(contact.low), in_b(contact.high)});
-    if (const std::uint32_t place = place_of[key(low, high)]; place != k_nowhere)
-      places[count++] = place;
+    const PlacedContact sought{.low = low, .high = high};
+    const auto found = std::ranges::lower_bound(b.by_things, sought);
+    if (found != b.by_things.end() && found->low == low && found->high == high)
+      places[count++] = found->place;
   }
   const std::size_t same = longest_rising(std::span(places).first(count));
   return 1 - static_cast<double>(same) / static_cast<double>(longer);
@@ -241,7 +243,8 @@ std::vector<float> Sketches::matrix(std::size_t threads) const {
   const auto work = [&] {
     for (std::size_t row = next_row++; row < size(); row = next_row++) {
       for (std::size_t column = row + 1; column < size(); ++column) {
-        const auto value = static_cast<float>(between(row, column).value_m());
+        const auto value =
+            static_cast<float>(std::min(between(row, column).value_m(), k_value_max_m));
         values[row * size() + column] = value;
         values[column * size() + row] = value;
       }

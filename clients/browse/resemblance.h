@@ -21,6 +21,7 @@
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -69,10 +70,18 @@ class Sketches {
     std::uint32_t low = 0;
     std::uint32_t high = 0;
   };
+  /// Where a first contact stands among those of its animation.
+  struct PlacedContact {
+    std::uint32_t low = 0;
+    std::uint32_t high = 0;
+    std::uint32_t place = 0;
+    friend auto operator<=>(const PlacedContact&, const PlacedContact&) = default;
+  };
   struct Sketch {
     std::vector<Places> places{};       ///< by body
     std::vector<bool> enters{};         ///< by body
     std::vector<FirstContact> first{};  ///< in the order of time
+    std::vector<PlacedContact> by_things{};
   };
 
   Sketch sketch_of(const Entry& entry, double duration_s) const;
@@ -80,7 +89,6 @@ class Sketches {
   double order_between(const Sketch& a, const Sketch& b,
                        const std::vector<std::uint32_t>& partner_of) const;
 
-  std::size_t features_ = 0;
   std::vector<std::vector<std::uint32_t>> twins_{};  ///< classes of bodies
   double apart_m_ = 0;  ///< how far a body that enters is from one that never does
   std::vector<Sketch> sketches_{};

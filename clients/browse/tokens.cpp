@@ -62,7 +62,8 @@ class Lexer {
     while (is_letter(peek(0)) || is_digit(peek(0)))
       ++at_;
     // Of "mm/s": the only sign within a unit.
-    if (peek(0) == '/' && is_letter(peek(1)) && token.is_joined) {
+    const std::string_view word = text_.substr(begin, at_ - begin);
+    if (peek(0) == '/' && is_letter(peek(1)) && (word == "m" || word == "mm")) {
       ++at_;
       while (is_letter(peek(0)))
         ++at_;

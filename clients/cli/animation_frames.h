@@ -22,6 +22,7 @@
 #include <string>
 
 #include "clients/cli/animation_figures.h"
+#include "clients/export/keys.h"
 #include "clients/plot/figure.h"
 #include "common/motion/path.h"
 #include "common/scene/scene.h"
@@ -48,7 +49,7 @@ plot::Figure frame_figure(const scene::Scene& scene, const ShownAnimation& anima
 
 /// Most frames of an animation, over an hour at 24 a second: a damaged archive must not fill disks.
 inline constexpr std::size_t k_frames_max = 100'000;
-inline constexpr double k_fps_max = 1000;
+inline constexpr double k_fps_max = gltf::k_fps_max;
 
 /// floor(duration * fps) + 1. Throws base::Error(usage) when that is more than k_frames_max, or fps
 /// is not above 0 and at most k_fps_max.

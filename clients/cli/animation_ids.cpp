@@ -46,7 +46,13 @@ std::vector<AnimationId> animation_ids(const archive::Source& source) {
     const auto chains = numbers_of(source, "chain", summary.animations);
     const auto draws = numbers_of(source, "draw", summary.animations);
     for (std::size_t row = 0; row < chains.size(); ++row) {
-      ids.push_back({.row = row, .text = fmt::format("{}.{}", chains[row], draws[row])});
+      if (chains[row] < 0 || draws[row] < 0) {
+        throw base::Error(base::ExitCode::bad_archive,
+                          fmt::format("{}: a chain or draw is below 0", source.name()));
+      }
+      ids.push_back({.row = row,
+                     .text = browse::short_text({.chain = static_cast<std::uint64_t>(chains[row]),
+                                                 .draw = static_cast<std::uint64_t>(draws[row])})});
       if (!texts.insert(ids.back().text).second) {
         throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: it has two animations {}",
                                                                    source.name(), ids.back().text));
@@ -54,7 +60,8 @@ std::vector<AnimationId> animation_ids(const archive::Source& source) {
     }
   }
   for (std::uint64_t row = 0; row < summary.finds.animations; ++row)
-    ids.push_back({.is_find = true, .row = row, .text = fmt::format("find.{}", row)});
+    ids.push_back(
+        {.is_find = true, .row = row, .text = browse::short_text({.is_find = true, .draw = row})});
   return ids;
 }
 

@@ -61,17 +61,19 @@ std::size_t Browsed::animations() const {
 
 browse::Index index_of(const archive::Source& source, const std::string& path) {
   require_group(source, archive::k_scene, "scene");
-  const std::optional<browse::Index> kept = kept_index(path);
+  const std::optional<FileState> state = state_of_file(path);
+  const std::optional<KeptIndex> kept = kept_index(path);
+  const bool is_of_this_file = kept && state && kept->of == *state;
   ReadingPrinter printer(path);
   auto read = browse::read_index(
-      source, {.earlier = kept ? &*kept : nullptr,
+      source, {.earlier = kept ? &kept->index : nullptr,
+               .is_of_this_file = is_of_this_file,
                .progress = [&](std::uint64_t done, std::uint64_t of) { printer.show(done, of); }});
   if (!read) {
     throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", path, read.error()));
   }
   browse::ReadIndex found = std::move(read).value();
-  if (found.taken_over < found.index.entries.size() || (kept && kept->digest != found.index.digest))
-    keep_index(path, found.index);
+  if (state && !is_of_this_file) keep_index(path, *state, found.index);
   return std::move(found.index);
 }
 
@@ -79,16 +81,22 @@ Browsed browse_archives(const std::vector<std::string>& paths) {
   Browsed browsed;
   std::optional<base::Error> first;
   for (const std::string& path : paths) {
-    try {
-      browsed.archives.push_back(
-          {.path = path, .index = index_of(*archive::remote::open_remote(path), path)});
-    } catch (const base::Error& error) {
-      if (error.exit_code() == base::ExitCode::interrupted) throw;
+    const auto leave_out = [&](const base::Error& error) {
       if (!first) first = error;
       const std::string prefix = path + ": ";
       std::string reason = error.what();
       if (reason.starts_with(prefix)) reason.erase(0, prefix.size());
       browsed.left_out.push_back({.path = path, .reason = std::move(reason)});
+    };
+    try {
+      browsed.archives.push_back(
+          {.path = path, .index = index_of(*archive::remote::open_remote(path), path)});
+    } catch (const base::Error& error) {
+      if (error.exit_code() == base::ExitCode::interrupted) throw;
+      leave_out(error);
+    } catch (const std::bad_alloc&) {
+      leave_out({base::ExitCode::bad_archive,
+                 fmt::format("{}: browsing it takes more memory than there is", path)});
     }
   }
   if (browsed.archives.empty() && first) throw base::Error(*first);

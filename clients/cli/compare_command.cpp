@@ -199,7 +199,8 @@ void print_comparison(const Browsed& browsed, const Comparison& comparison) {
   for (std::size_t i = 0; i < browsed.archives.size(); ++i) {
     const BrowsedArchive& archive = browsed.archives[i];
     fmt::print("{:7} {}: {} of {} animations, run {}\n", k_order.at(i), archive.path,
-               archive.index.world, comparison.animations[i], archive.index.run_id.substr(0, 8));
+               archive.index.world, comparison.animations[i],
+               archive.index.run_id.substr(0, browse::k_run_letters));
   }
   if (const std::size_t twice = browsed.archives[1].twice; twice > 0)
     fmt::print("{} animations are in both; in the looks below they are the first's alone.\n",

@@ -1,13 +1,12 @@
 #include "clients/cli/export_choice.h"
 
-#include <algorithm>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "clients/browse/groups.h"
 #include "clients/cli/browsed.h"
+#include "clients/cli/groups_command.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {
@@ -27,19 +26,10 @@ std::vector<AnimationId> selected(const archive::Source& source, const ExportCho
   };
   std::vector<AnimationId> ids;
   if (choice.representatives && !meant.empty()) {
-    std::vector<const browse::Entry*> entries;
-    for (const Picked& one : meant)
-      entries.push_back(one.entry);
-    if (entries.size() > browse::k_full_matrix_max &&
-        *choice.representatives > browse::k_full_matrix_max) {
-      refuse(source, fmt::format("--representatives: at most {}", browse::k_full_matrix_max));
-    }
-    const auto groups =
-        browse::groups_of(entries, browsed.archives.front().index.scene,
-                          {.groups = *choice.representatives,
-                           .threads = std::max(1U, std::thread::hardware_concurrency())});
+    const browse::Groups groups =
+        groups_of(meant, *choice.representatives, browse::Grouping::medoids);
     for (const browse::AlikeGroup& group : groups.groups)
-      ids.push_back(id_of(*entries[group.representative]));
+      ids.push_back(id_of(*meant[group.representative].entry));
   } else {
     for (const Picked& one : meant)
       ids.push_back(id_of(*one.entry));

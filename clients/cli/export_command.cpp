@@ -16,10 +16,12 @@
 #include "clients/cli/exported_animations.h"
 #include "clients/cli/exported_files.h"
 #include "clients/cli/film_export.h"
+#include "clients/cli/interruption.h"
 #include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/export/document.h"
 #include "common/archive/kept_motions.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
@@ -29,9 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
-/// A film takes as long as it takes: how much is asked is checked, and progress shown.
-constexpr archive::hdf5::GuardLimits k_no_hurry{.cpu_s = 1'000'000, .timeout_s = 1e7};
-
 [[noreturn]] void refuse_usage(const std::string& reason) {
   throw base::Error(base::ExitCode::usage, reason);
 }
@@ -85,7 +84,7 @@ std::vector<AnimationId> choose(const archive::Source& source,
   return chosen(source, options.choice, options.format != "csv");
 }
 
-/// Makes the files of models. Runs in the child that reads the archive.
+/// Makes the files of models.
 class GlbExport {
  public:
   GlbExport(const archive::Source& source, const ExportAnimationsOptions& options)
@@ -115,10 +114,8 @@ class GlbExport {
     const auto name_of = [&](const AnimationId& id) {
       return export_name(run_id, id.text) + ".glb";
     };
-    make_export_folder(options_.output);
     for (const AnimationId& id : ids)
       refuse_others_file(options_.output + "/" + name_of(id), options_.force);
-    make_export_folder(beside);
     std::vector<WrittenFile> all;
     for (const AnimationId& id : ids) {
       gltf::Document document{.scene = scene_, .extras = extras_};
@@ -199,6 +196,18 @@ std::vector<WrittenFile> write_one_file(const archive::Source& source,
   return {written};
 }
 
+/// Before the first is drawn: the last one's turn may come in an hour.
+void refuse_taken_place(const std::string& place, const ExportAnimationsOptions& options) {
+  std::error_code none;
+  if (options.format == "png" && fs::exists(place, none) && !fs::is_empty(place, none)) {
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: something is there already, and frames want a folder of "
+                                  "their own",
+                                  place));
+  }
+  refuse_others_file(place, options.force);
+}
+
 /// Pictures and films, which put themselves in their places when they are whole.
 std::vector<WrittenFile> write_films(const archive::Source& source,
                                      const ExportAnimationsOptions& options) {
@@ -213,7 +222,7 @@ std::vector<WrittenFile> write_films(const archive::Source& source,
                   : fmt::format("{}/{}{}", options.output, export_name(run_id, id.text), ending);
   };
   for (const AnimationId& id : ids)
-    refuse_others_file(place_of(id), options.force);
+    refuse_taken_place(place_of(id), options);
   const FilmExport films(source, {.format = options.format,
                                   .fps = options.fps.value_or(k_film_fps),
                                   .view = options.view,
@@ -245,38 +254,26 @@ std::vector<std::string> export_views() {
 
 int export_animations(const ExportAnimationsOptions& options) {
   check(options);
-  if (options.output.empty()) {
-    return with_archive(options.path, [&](const archive::Source& source) {
-      write_animations_csv(source, choose(source, options), options.table, std::cout);
-      return k_ok;
-    });
-  }
-  refuse_same_file(options.path, options.output);
-  if (is_film(options.format)) {
-    return with_archive(
-        options.path,
-        [&](const archive::Source& source) {
-          tell(options, write_films(source, options));
-          return k_ok;
-        },
-        k_no_hurry);
-  }
-  if (is_file_of(options.output, options.format)) {
-    refuse_others_file(options.output, options.force);
-    OutputBeside output(options.output);
-    // What was written is told when it is in its place: so the file is renamed by the child, which
-    // alone knows what it holds.
-    return with_archive(options.path, [&](const archive::Source& source) {
-      const auto written = write_one_file(source, options, choose(source, options), output.path());
+  if (!options.output.empty()) refuse_same_file(options.path, options.output);
+  return with_results([&] {
+    const Interruption interruption;
+    const auto source = archive::remote::open_remote(options.path);
+    if (options.output.empty()) {
+      write_animations_csv(*source, choose(*source, options), options.table, std::cout);
+    } else if (is_film(options.format)) {
+      tell(options, write_films(*source, options));
+    } else if (is_file_of(options.output, options.format)) {
+      refuse_others_file(options.output, options.force);
+      OutputBeside output(options.output);
+      const auto written =
+          write_one_file(*source, options, choose(*source, options), output.path());
       output.put_in_place();
       tell(options, written);
-      return k_ok;
-    });
-  }
-  const Workshop workshop(options.output);
-  return with_archive(options.path, [&](const archive::Source& source) {
-    const std::vector<AnimationId> ids = choose(source, options);
-    tell(options, GlbExport(source, options).write_each(ids, workshop.path()));
+    } else {
+      const std::vector<AnimationId> ids = choose(*source, options);
+      const Workshop workshop(options.output);
+      tell(options, GlbExport(*source, options).write_each(ids, workshop.path()));
+    }
     return k_ok;
   });
 }

@@ -1,5 +1,6 @@
 #include "clients/cli/exported_files.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cctype>
@@ -13,6 +14,8 @@
 
 #include <fmt/format.h>
 
+#include "clients/browse/index.h"
+#include "clients/cli/interruption.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {
@@ -20,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t k_run_letters = 8;
 constexpr auto k_progress_every = std::chrono::seconds(1);
 
 /// A model of our making says so in its first words.
@@ -36,7 +38,8 @@ bool is_ours(const std::string& path) {
 std::string export_name(const std::string& run_id, const std::string& id) {
   std::string letters;
   for (const char letter : run_id) {
-    if (std::isalnum(static_cast<unsigned char>(letter)) != 0 && letters.size() < k_run_letters)
+    if (std::isalnum(static_cast<unsigned char>(letter)) != 0 &&
+        letters.size() < browse::k_run_letters)
       letters += letter;
   }
   return fmt::format("{}-{}", letters.empty() ? "run" : letters, id);
@@ -74,7 +77,12 @@ void write_export(const std::string& place, const std::string& shown,
 }
 
 Workshop::Workshop(const std::string& output)
-    : path_(fmt::format("{}/.sleight-export.{}", output, ::getpid())) {}
+    : path_(fmt::format("{}/.sleight-export.{}", output, ::getpid())) {
+  make_export_folder(output);
+  // One that is there already, or a link, is not ours.
+  if (::mkdir(path_.c_str(), S_IRWXU) != 0)
+    throw base::Error(fmt::format("{}: can't make this folder: {}", path_, std::strerror(errno)));
+}
 
 Workshop::~Workshop() {
   std::error_code none;
@@ -82,6 +90,7 @@ Workshop::~Workshop() {
 }
 
 void ExportProgress::done(std::size_t count, std::size_t frames, std::size_t of) {
+  Interruption::check();
   const auto now = std::chrono::steady_clock::now();
   if (now - told_ < k_progress_every || count == all_) return;
   told_ = now;

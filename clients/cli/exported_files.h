@@ -34,9 +34,10 @@ void refuse_others_file(const std::string& path, bool force);
 void write_export(const std::string& place, const std::string& shown,
                   const std::function<void(std::ostream&)>& write);
 
-/// A folder beside the files, for those that are not whole; it is gone at the end.
+/// A folder of our own in the output's, for files that are not whole; it is gone at the end.
 class Workshop {
  public:
+  /// Makes both. Throws base::Error where a folder can't be made.
   explicit Workshop(const std::string& output);
   Workshop(const Workshop&) = delete;
   Workshop& operator=(const Workshop&) = delete;
@@ -48,6 +49,7 @@ class Workshop {
 };
 
 /// Tells stderr how far an export is, now and then, where it takes long: a line a second at most.
+/// Throws what Interruption::check does.
 class ExportProgress {
  public:
   explicit ExportProgress(std::size_t all) : all_(all) {}

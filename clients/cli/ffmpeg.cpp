@@ -136,7 +136,9 @@ int Ffmpeg::wait() {
 }
 
 void Ffmpeg::fail() {
-  // It has closed its input: it ends by itself, and says why before.
+  // Without input it ends by itself, and says why before.
+  if (input_ >= 0) ::close(input_);
+  input_ = -1;
   if (id_ >= 0) wait();
   const std::vector<std::string> lines = last_lines(messages_.get());
   throw base::Error(fmt::format("ffmpeg could not make the film{}{}",

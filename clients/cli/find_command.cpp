@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -47,6 +48,19 @@ void sort_picked(const std::string& name, bool descending, std::vector<Picked>& 
   std::ranges::transform(keyed, picked.begin(), &std::pair<double, Picked>::second);
 }
 
+/// As a word of its own: "end" is none of "ends in".
+bool is_spoken_of(const std::string& name, const std::string& words) {
+  const auto is_of_word = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+  };
+  for (std::size_t at = words.find(name); at != std::string::npos; at = words.find(name, at + 1)) {
+    const std::size_t end = at + name.size();
+    if ((at == 0 || !is_of_word(words[at - 1])) && (end == words.size() || !is_of_word(words[end])))
+      return true;
+  }
+  return false;
+}
+
 /// Names of numbers that a person asked about: in the queries, or to sort by.
 std::vector<std::string> asked_numbers(const FindOptions& options, const Browsed& browsed) {
   std::string words = options.sort + " ";
@@ -55,11 +69,12 @@ std::vector<std::string> asked_numbers(const FindOptions& options, const Browsed
       words += text + " ";
   }
   std::vector<std::string> names;
-  for (std::size_t i = browse::k_chain; i < browsed.archives.front().index.numbers.size(); ++i) {
+  for (std::size_t i = browse::k_log_constraint; i < browsed.archives.front().index.numbers.size();
+       ++i) {
     const std::string& name = browsed.archives.front().index.numbers[i].name;
     const bool is_shown_anyway = i == browse::k_rest_s || i == browse::k_events ||
                                  i == browse::k_chain || i == browse::k_draw;
-    if (!is_shown_anyway && words.find(name) != std::string::npos) names.push_back(name);
+    if (!is_shown_anyway && is_spoken_of(name, words)) names.push_back(name);
   }
   return names;
 }

@@ -90,7 +90,7 @@ browse::Groups groups_of(const std::vector<Picked>& picked, std::uint64_t groups
   }
   if (entries.size() > browse::k_full_matrix_max && groups > browse::k_full_matrix_max) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("-k: of {} animations at most {} groups can be told, as they are "
+                      fmt::format("of {} animations at most {} groups can be told, as they are "
                                   "those of a sample",
                                   entries.size(), browse::k_full_matrix_max));
   }

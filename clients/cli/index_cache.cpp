@@ -4,9 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -41,7 +45,12 @@ std::optional<fs::path> place_of(const std::string& archive) {
   return *folder / (hash::sha256_hex(real.string()).substr(0, k_name_letters) + k_ending);
 }
 
-/// Deletes what was used longest ago, until there is room for so many bytes more.
+/// Of a file that is being written; one that is this old was left by a program that was killed.
+constexpr const char* k_unfinished = ".index.tmp";
+constexpr auto k_left_behind = std::chrono::hours(1);
+
+/// Deletes what was left behind, and what was used longest ago until there is room for so many
+/// bytes more.
 void make_room(const fs::path& folder, std::uint64_t bytes) {
   struct Kept {
     fs::file_time_type used;
@@ -56,7 +65,12 @@ void make_room(const fs::path& folder, std::uint64_t bytes) {
     std::error_code unknown;
     const std::uint64_t size = it->file_size(unknown);
     const auto used = it->last_write_time(unknown);
-    if (unknown || it->path().extension() != k_ending) continue;
+    if (unknown) continue;
+    const std::string name = it->path().filename().string();
+    if (name.find(k_unfinished) != std::string::npos &&
+        used < fs::file_time_type::clock::now() - k_left_behind)
+      fs::remove(it->path(), unknown);
+    if (it->path().extension() != k_ending) continue;
     kept.push_back({.used = used, .path = it->path(), .bytes = size});
     total += size;
   }
@@ -68,23 +82,62 @@ void make_room(const fs::path& folder, std::uint64_t bytes) {
   }
 }
 
+/// Writes both to a new file of its own beside the place; empty where that can't be done.
+std::string write_beside(const fs::path& place, const FileState& of, base::BytesView index) {
+  std::string path = place.string() + ".tmp.XXXXXX";
+  const int file = ::mkstemp(path.data());
+  if (file < 0) return {};
+  bool is_written = true;
+  for (base::BytesView left : {base::BytesView(std::as_bytes(std::span(&of, 1))), index}) {
+    while (is_written && !left.empty()) {
+      const ssize_t put = ::write(file, left.data(), left.size());
+      if (put < 0 && errno == EINTR) continue;
+      is_written = put > 0;
+      if (is_written) left = left.subspan(static_cast<std::size_t>(put));
+    }
+  }
+  is_written = ::close(file) == 0 && is_written;
+  if (is_written) return path;
+  ::unlink(path.c_str());
+  return {};
+}
+
 }  // namespace
 
-std::optional<browse::Index> kept_index(const std::string& archive) {
+std::optional<FileState> state_of_file(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+  const auto ns = [](const timespec& time) {
+    constexpr std::int64_t k_ns_per_s = 1'000'000'000;
+    return k_ns_per_s * time.tv_sec + time.tv_nsec;
+  };
+  return FileState{.size = static_cast<std::uint64_t>(status.st_size),
+                   .device = status.st_dev,
+                   .inode = status.st_ino,
+                   .modified_ns = ns(status.st_mtim),
+                   .changed_ns = ns(status.st_ctim)};
+}
+
+std::optional<KeptIndex> kept_index(const std::string& archive) {
   const auto place = place_of(archive);
   if (!place) return std::nullopt;
   std::ifstream file(*place, std::ios::binary);
   std::error_code failure;
   const std::uint64_t size = fs::file_size(*place, failure);
-  if (!file || failure || size > k_cache_bytes_max) return std::nullopt;
+  KeptIndex kept;
+  if (!file || failure || size < sizeof(kept.of) || size > k_cache_bytes_max) return std::nullopt;
   base::Bytes bytes(size);
   if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
     return std::nullopt;
+  std::memcpy(&kept.of, bytes.data(), sizeof(kept.of));
+  auto index = browse::index_of(base::BytesView(bytes).subspan(sizeof(kept.of)));
+  if (!index) return std::nullopt;
+  kept.index = std::move(*index);
   fs::last_write_time(*place, fs::file_time_type::clock::now(), failure);
-  return browse::index_of(bytes);
+  return kept;
 }
 
-void keep_index(const std::string& archive, const browse::Index& index) {
+void keep_index(const std::string& archive, const FileState& of, const browse::Index& index) {
   std::size_t pieces = 0;
   for (const browse::Entry& entry : index.entries)
     pieces += entry.pieces.size();
@@ -98,19 +151,8 @@ void keep_index(const std::string& archive, const browse::Index& index) {
   const base::Bytes bytes = browse::bytes_of(index);
   if (bytes.size() > k_cache_bytes_max) return;
   make_room(place->parent_path(), bytes.size());
-  const fs::path beside = place->string() + fmt::format(".{}", ::getpid());
-  {
-    const mode_t mask = ::umask(0077);
-    std::ofstream file(beside, std::ios::binary);
-    ::umask(mask);
-    file.write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (!file) {
-      fs::remove(beside, failure);
-      return;
-    }
-  }
+  const std::string beside = write_beside(*place, of, bytes);
+  if (beside.empty()) return;
   fs::rename(beside, *place, failure);
   if (failure) fs::remove(beside, failure);
 }

@@ -9,7 +9,6 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "common/archive/hdf5/guarded.h"
 #include "common/archive/model.h"
 
 namespace sleight::cli {
@@ -17,8 +16,7 @@ namespace sleight::cli {
 /// Runs `work` on the opened archive, in a child that may crash or hang, and returns its exit code.
 /// Throws what archive::hdf5::guarded and archive::remote::open_remote throw. REQUIRES: no other
 /// thread runs.
-int with_archive(const std::string& path, const std::function<int(const archive::Source&)>& work,
-                 const archive::hdf5::GuardLimits& limits = {});
+int with_archive(const std::string& path, const std::function<int(const archive::Source&)>& work);
 
 /// Indented text. A path need not be UTF-8; JSON must be, so what is not is replaced.
 std::string dumped(const nlohmann::ordered_json& json);

@@ -11,6 +11,7 @@
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/remote/remote_source.h"
+#include "common/archive/summary.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {
@@ -47,7 +48,12 @@ plot::Figure picked_figure(const std::string& title, const std::vector<PickedPan
   for (const PickedPanel& panel : panels) {
     const std::string& path = panel.picked.archive->path;
     std::unique_ptr<archive::Source>& source = sources[path];
-    if (source == nullptr) source = archive::remote::open_remote(path);
+    if (source == nullptr) {
+      source = archive::remote::open_remote(path);
+      // Rows are those of the archive that was browsed.
+      if (archive::summary_of(*source).content_digest != panel.picked.archive->index.digest)
+        throw base::Error(fmt::format("{}: it was replaced meanwhile; ask again", path));
+    }
     shown.push_back(read_picked(*source, panel.picked, panel.title));
   }
   return animation_figure(title, panels.front().picked.archive->index.scene, shown);

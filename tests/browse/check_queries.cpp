@@ -2,8 +2,8 @@
 //
 //   sleight-check-queries ARCHIVE.h5 QUERIES SEED
 //
-// Each query is asked of one animation in turn; one in fifty also as the text of a find over all.
-// Answers that hang on the last bits of a root are counted, not compared. Ends with 1 at the first
+// Each query is asked of one animation in turn, and once more as a person would type it. Answers
+// that hang on the last bits of a root are counted, not compared. Ends with 1 at the first
 // difference, and says how to repeat it.
 #include <fmt/format.h>
 
@@ -21,7 +21,6 @@ namespace {
 
 using namespace sleight;
 
-constexpr std::uint64_t k_find_every = 50;
 constexpr int k_depth = 3;
 
 int check(const std::string& path, std::uint64_t queries, std::uint64_t seed) {
@@ -38,6 +37,7 @@ int check(const std::string& path, std::uint64_t queries, std::uint64_t seed) {
   }
   std::uint64_t met = 0;
   std::uint64_t close = 0;
+  std::uint64_t typed = 0;
   for (std::uint64_t n = 0; n < queries; ++n) {
     random::Stream stream({.seed = seed, .purpose = random::Purpose::prior}, n);
     const browse::Condition condition = browse::testing::random_condition(index, stream, k_depth);
@@ -53,20 +53,20 @@ int check(const std::string& path, std::uint64_t queries, std::uint64_t seed) {
       }
     }
     met += fast ? 1 : 0;
-    if (n % k_find_every != 0) continue;
-    std::size_t next = 0;
-    const auto found = browse::find(condition, index);
-    for (std::size_t i = 0; i < index.entries.size(); ++i) {
-      const bool is_found = next < found.size() && found[next] == i;
-      next += is_found ? 1 : 0;
-      if (is_found != browse::is_met(condition, index.entries[i])) {
-        fmt::print(stderr, "query {} of seed {}: find differs at {}\n", n, seed, i);
-        return 1;
-      }
+    const auto text = browse::testing::text_of(condition, index);
+    if (!text) continue;
+    ++typed;
+    const auto parsed = browse::parse_query(*text, index.scene, index.numbers);
+    if (!parsed || browse::is_met(parsed.value(), entry) != fast) {
+      fmt::print(stderr, "query {} of seed {}: animation {}: its text means something else: {}\n",
+                 n, seed, short_text(entry.name),
+                 parsed ? *text : with_mark(parsed.error(), *text));
+      return 1;
     }
   }
-  fmt::print("{}: {} queries of {} animations, seed {}: all equal; {} met, {} within rounding\n",
-             path, queries, index.entries.size(), seed, met, close);
+  fmt::print(
+      "{}: {} queries of {} animations, seed {}: all equal; {} met, {} within rounding, {} typed\n",
+      path, queries, index.entries.size(), seed, met, close, typed);
   return close * 1000 <= queries ? 0 : 1;
 }
 

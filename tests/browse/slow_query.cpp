@@ -77,7 +77,7 @@ struct Slow {
   const Entry& entry;
   double margin_m;
 
-  std::optional<double> first(const Condition& condition, double after_s, bool is_later) const {
+  std::optional<double> first(const Condition& condition, double after_s, double hit_s) const {
     if (const auto* inside = std::get_if<Inside>(&condition.is)) {
       return slow_first_of(inside->who, entry, [&](std::uint32_t body) {
         return slow_first_inside(
@@ -95,7 +95,7 @@ struct Slow {
       std::optional<double> found;
       for (const Contact& hit : entry.contacts) {
         if (hit.time_s < touches.when.from_s || hit.time_s > touches.when.to_s ||
-            hit.time_s < after_s || (is_later && hit.time_s <= after_s))
+            hit.time_s < after_s || hit.time_s <= hit_s)
           continue;
         if ((hit.body == body && among(hit.partner)) || (hit.partner == body && among(hit.body)))
           found = std::min(found.value_or(k_infinity), hit.time_s);
@@ -105,10 +105,10 @@ struct Slow {
   }
 
   bool operator()(const Inside& inside) const {
-    return first({inside}, -k_infinity, false).has_value();
+    return first({inside}, -k_infinity, -k_infinity).has_value();
   }
   bool operator()(const Touches& touches) const {
-    return first({touches}, -k_infinity, false).has_value();
+    return first({touches}, -k_infinity, -k_infinity).has_value();
   }
   bool operator()(const EndsIn& ends) const {
     return slow_first_of(ends.who, entry,
@@ -126,12 +126,12 @@ struct Slow {
   }
   bool operator()(const InOrder& order) const {
     double after_s = -k_infinity;
-    bool is_later = false;
+    double hit_s = -k_infinity;
     for (const Condition& step : order.steps) {
-      const auto met = first(step, after_s, is_later);
+      const auto met = first(step, after_s, hit_s);
       if (!met) return false;
       after_s = *met;
-      is_later = std::holds_alternative<Touches>(step.is);
+      if (std::holds_alternative<Touches>(step.is)) hit_s = *met;
     }
     return true;
   }

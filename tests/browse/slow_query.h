@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "clients/browse/index.h"
 #include "clients/browse/query.h"
@@ -26,6 +27,9 @@ bool slow_is_met(const Condition& condition, const Entry& entry, double margin_m
 /// Whether any comparison of this condition lies within rounding of its bound in this animation:
 /// the answer is then either's.
 bool is_close_call(const Condition& condition, const Entry& entry);
+
+/// What a person would type for it; none where that can't be said: hits of a goal.
+std::optional<std::string> text_of(const Condition& condition, const Index& index);
 
 /// A random condition on animations of the index, at most `depth` deep, about as often met as not.
 /// REQUIRES: an entry at least.

@@ -76,8 +76,8 @@ inline constexpr std::uint64_t k_contents_bytes_max = 16 * 1024 * 1024;
 inline constexpr std::uint64_t k_refusal_bytes_max = 64 * 1024;
 
 base::Bytes encode_contents(const std::vector<Group>& groups);
-/// The groups, of which contents_faults (contents_check.h) then judges what is in them; or why the
-/// bytes are none.
+/// The groups, of which fault_of_contents (contents_check.h) then judges what is in them; or why
+/// the bytes are none.
 base::Result<std::vector<Group>, std::string> decode_contents(base::BytesView bytes);
 
 /// Texts as one answer has them, and back: `count` of them, each of at most `text_bytes`.

@@ -5,12 +5,10 @@
 //     reader that crashes, hangs, takes too much or says what can't be costs its archive alone, as
 //     a base::Error with ExitCode::bad_archive, "<path>: <reason>". From then on each question to
 //     it throws the same.
-//  2. An answer is checked like any stranger's: type, number and size of elements are exactly what
-//  was
-//     asked for, names, dimensions and texts are such as hdf5/reader.h lets through.
+//  2. An answer is checked like any stranger's: type, number and size of elements are exactly
+//     what was asked for, names, dimensions and texts are such as hdf5/reader.h lets through.
 //  3. What the reader refuses of a sound file (a chunk that is damaged) is thrown too, but the
-//  reader
-//     stays: other parts may be read.
+//     reader stays: other parts may be read.
 //
 // Thread safety: one thread at a time uses a Source; different ones are independent, also when they
 // are of one file. Opening is thread-safe.

@@ -140,6 +140,8 @@ TEST(Queries, MeanWhatTheySay) {
   EXPECT_TRUE(is_met("ball 1 touches table then ball 1 touches ball 2"));
   EXPECT_FALSE(is_met("ball 1 touches ball 2 then ball 1 touches table"));
   EXPECT_FALSE(is_met("ball 1 touches table then ball 1 touches table"));
+  EXPECT_FALSE(is_met("ball 1 touches table then ball 1 in z ..9 then ball 1 touches table"));
+  EXPECT_TRUE(is_met("ball 1 touches table then ball 1 in z ..9 then ball 1 touches ball 2"));
   EXPECT_TRUE(is_met("ball 1 in z 2.2.. then ball 1 touches table then ball 1 in x 1.4.."));
   EXPECT_FALSE(is_met("ball 1 touches table then ball 1 in z 2.."));
   // Numbers and connectives: not before and before or.

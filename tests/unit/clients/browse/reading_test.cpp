@@ -122,11 +122,44 @@ TEST(Reading, GrowsWithItsRun) {
   EXPECT_GT(grown.value().index.entries.size(), before.entries.size());
   EXPECT_EQ(read_to, grown.value().index.entries.size());
   expect_same(grown.value().index, index_of(longer));
-  // Of the same archive all is taken over.
-  auto again = read_index(longer, {.earlier = &grown.value().index});
+  // Of the same file all is taken over.
+  auto again = read_index(longer, {.earlier = &grown.value().index, .is_of_this_file = true});
   ASSERT_TRUE(again.ok());
   EXPECT_EQ(again.value().taken_over, grown.value().index.entries.size());
   expect_same(again.value().index, grown.value().index);
+}
+
+TEST(Reading, TakesNothingOfAFileThatOthersMayHaveChanged) {
+  archive::MemoryArchive memory;
+  write(memory, 80);
+  const Index before = index_of(memory);
+  // As other programs do: numbers and the digest stay.
+  auto& places = std::get<std::vector<double>>(memory.values(archive::k_animations, "position_m"));
+  for (double& place : places)
+    place += 1;
+  auto read = read_index(memory, {.earlier = &before});
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read.value().taken_over, 0U);
+  for (const Entry& entry : read.value().index.entries) {
+    for (const Piece& piece : entry.pieces)
+      EXPECT_GE(piece.position_m.z(), 1);
+  }
+}
+
+TEST(Reading, BoundsWhatAFileClaims) {
+  for (const auto& [group, name] :
+       {std::pair{archive::k_animations, "chain"}, std::pair{archive::k_animations, "draw"}}) {
+    archive::MemoryArchive memory;
+    write(memory, 80);
+    std::get<std::vector<std::int64_t>>(memory.values(group, name)).front() = -1;
+    try {
+      static_cast<void>(read_index(memory));
+      ADD_FAILURE() << name;
+    } catch (const base::Error& error) {
+      EXPECT_EQ(error.exit_code(), base::ExitCode::bad_archive);
+      EXPECT_THAT(error.what(), HasSubstr("has a number below 0"));
+    }
+  }
 }
 
 TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
@@ -152,17 +185,6 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
     EXPECT_EQ(of_other.value().taken_over, 0U);
     expect_same(of_other.value().index, whole);
   }
-}
-
-TEST(Reading, NamesAnArchiveThatHasNoScene) {
-  archive::MemoryArchive memory;
-  EXPECT_FALSE([&] {
-    try {
-      return read_index(memory).ok();
-    } catch (const base::Error&) {
-      return false;
-    }
-  }());
 }
 
 TEST(IndexBytes, ComeBackOrNotAtAll) {

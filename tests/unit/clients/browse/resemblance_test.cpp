@@ -147,6 +147,17 @@ TEST(Resemblance, OfContactsCountsTheOrderOfTheFirst) {
   EXPECT_EQ(between(index).order, 1);
 }
 
+TEST(Resemblance, OfPlacesThatNoSceneHasIsFinite) {
+  // What a hostile archive may say: its squares are no floats.
+  const math::Vec3 far = math::Vec3::Constant(1e27);
+  const math::Vec3 here{0, 0, 0};
+  const Index index = two_ways({{here, far, far, here}, {far, here, here, -far}});
+  const Sketches sketches(entries_of(index), index.scene);
+  for (const float value : sketches.matrix(2))
+    EXPECT_TRUE(std::isfinite(value));
+  EXPECT_GT(sketches.between(0, 1).value_m(), 1e27);
+}
+
 TEST(Resemblance, OfBodiesThatNeverEnterIsFinite) {
   const math::Vec3 here{0, 0, 0};
   const Resemblance one = between(two_ways({{here, here, here, here}, {here, here}}));

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -45,8 +46,9 @@ class IndexCache : public archive::testing::Scratch {
     return index;
   }
   fs::path kept_file() const {
-    for (const auto& file : fs::directory_iterator(path("cache/sleight/browse")))
-      return file.path();
+    for (const auto& file : fs::directory_iterator(path("cache/sleight/browse"))) {
+      if (file.path().extension() == ".index") return file.path();
+    }
     return {};
   }
 
@@ -56,13 +58,14 @@ class IndexCache : public archive::testing::Scratch {
 TEST_F(IndexCache, GivesBackWhatItKept) {
   EXPECT_FALSE(kept_index(archive_).has_value());
   const browse::Index index = large();
-  keep_index(archive_, index);
+  keep_index(archive_, *state_of_file(archive_), index);
   const auto kept = kept_index(archive_);
   ASSERT_TRUE(kept.has_value());
-  EXPECT_EQ(kept->digest, index.digest);
-  ASSERT_EQ(kept->entries.size(), index.entries.size());
+  EXPECT_EQ(kept->index.digest, index.digest);
+  ASSERT_EQ(kept->index.entries.size(), index.entries.size());
   for (std::size_t i = 0; i < index.entries.size(); ++i)
-    EXPECT_TRUE(kept->entries[i] == index.entries[i]);
+    EXPECT_TRUE(kept->index.entries[i] == index.entries[i]);
+  EXPECT_TRUE(kept->of == *state_of_file(archive_));
   // By whatever path the archive is reached; of no other archive.
   fs::create_symlink(archive_, path("link.h5"));
   EXPECT_TRUE(kept_index(path("link.h5")).has_value());
@@ -77,30 +80,50 @@ TEST_F(IndexCache, GivesBackWhatItKept) {
 }
 
 TEST_F(IndexCache, ForgetsWhatWasChanged) {
-  keep_index(archive_, large());
+  keep_index(archive_, *state_of_file(archive_), large());
   const fs::path file = kept_file();
   fs::resize_file(file, fs::file_size(file) - 1);
   EXPECT_FALSE(kept_index(archive_).has_value());
   std::ofstream(file) << "nothing of ours";
   EXPECT_FALSE(kept_index(archive_).has_value());
-  keep_index(archive_, large());
+  keep_index(archive_, *state_of_file(archive_), large());
+  EXPECT_TRUE(kept_index(archive_).has_value());
+}
+
+TEST_F(IndexCache, NoticesThatTheArchiveWasChanged) {
+  const FileState before = *state_of_file(archive_);
+  std::fstream(archive_, std::ios::in | std::ios::out) << "AN";  // as long as before
+  EXPECT_FALSE(before == *state_of_file(archive_));
+  EXPECT_FALSE(state_of_file(path("none.h5")).has_value());
+}
+
+TEST_F(IndexCache, TakesAwayWhatAKilledProgramLeft) {
+  keep_index(archive_, *state_of_file(archive_), large());
+  const fs::path left = kept_file().string() + ".tmp.abcdef";
+  const fs::path fresh = kept_file().string() + ".tmp.ghijkl";
+  std::ofstream(left) << "left behind";
+  std::ofstream(fresh) << "being written";
+  fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::hours(2));
+  keep_index(archive_, *state_of_file(archive_), large());
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_TRUE(fs::exists(fresh));
   EXPECT_TRUE(kept_index(archive_).has_value());
 }
 
 TEST_F(IndexCache, DoesWithoutWhereItCannotWrite) {
   std::ofstream(path("cache")) << "a file in its place";
-  keep_index(archive_, large());
+  keep_index(archive_, *state_of_file(archive_), large());
   EXPECT_FALSE(kept_index(archive_).has_value());
   ::setenv("XDG_CACHE_HOME", "relative", 1);
   ::setenv("HOME", path("").c_str(), 1);
-  keep_index(archive_, large());
+  keep_index(archive_, *state_of_file(archive_), large());
   EXPECT_TRUE(fs::exists(path(".cache/sleight/browse")));
   EXPECT_FALSE(fs::exists("relative"));
 }
 
 TEST_F(IndexCache, KeepsNothingSmall) {
   random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 1);
-  keep_index(archive_, browse::testing::random_index(3, stream));
+  keep_index(archive_, *state_of_file(archive_), browse::testing::random_index(3, stream));
   EXPECT_FALSE(kept_index(archive_).has_value());
 }
 
