@@ -8,7 +8,7 @@
 //   die 1 touches table during ..0.2s                 a recorded hit of the two
 //   die 1 touches table then die 1 touches die 2      in this order; then the first box, hit, ...
 //   log_prior -30..-20    bounces = 3    upper_face[1] >= 2    landing_m < 5cm
-//   not, and, or, ( )                                 in the order of their strength
+//   then, not, and, or; ( )                           in the order of their strength
 //
 // A body or thing is called what the scene calls it ("die 3", "table"); in double quotes where the
 // name has other signs than letters and digits. `any` and `every` stand for all bodies, `any die`

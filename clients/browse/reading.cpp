@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -339,6 +340,14 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
       }
       if (options.progress && (row % k_report_every == 0 || index.entries.size() == total))
         options.progress(index.entries.size(), total);
+    }
+  }
+  std::set<AnimationName> names;
+  for (const Entry& entry : index.entries) {
+    if (!names.insert(entry.name).second) {
+      throw base::Error(
+          base::ExitCode::bad_archive,
+          fmt::format("{}: it has two animations {}", source.name(), short_text(entry.name)));
     }
   }
   return read;

@@ -50,6 +50,22 @@ browse::Condition parsed(const std::string& text, const char* option,
                                                        browse::with_mark(condition.error(), text)));
 }
 
+browse::Condition wanted_of(const QueryOptions& asked, const BrowsedArchive& archive) {
+  browse::AllOf wanted;
+  for (const std::string& text : asked.select)
+    wanted.parts.push_back(parsed(text, "--select", archive));
+  for (const std::string& text : asked.where)
+    wanted.parts.push_back(parsed(text, "--where", archive));
+  for (const std::string& text : asked.in)
+    wanted.parts.push_back(parsed(text, "--in", archive));
+  for (const std::string& text : asked.not_in) {
+    browse::Not no;
+    no.part.push_back(parsed(text, "--not", archive));
+    wanted.parts.push_back({std::move(no)});
+  }
+  return {std::move(wanted)};
+}
+
 }  // namespace
 
 std::size_t Browsed::animations() const {
@@ -115,22 +131,20 @@ void leave_out_twice(Browsed& browsed) {
 
 std::vector<Picked> picked(const Browsed& browsed, const QueryOptions& asked) {
   std::vector<Picked> all;
+  std::vector<base::Error> misunderstood;
   for (const BrowsedArchive& archive : browsed.archives) {
-    browse::AllOf wanted;
-    for (const std::string& text : asked.select)
-      wanted.parts.push_back(parsed(text, "--select", archive));
-    for (const std::string& text : asked.where)
-      wanted.parts.push_back(parsed(text, "--where", archive));
-    for (const std::string& text : asked.in)
-      wanted.parts.push_back(parsed(text, "--in", archive));
-    for (const std::string& text : asked.not_in) {
-      browse::Not no;
-      no.part.push_back(parsed(text, "--not", archive));
-      wanted.parts.push_back({std::move(no)});
+    try {
+      const browse::Condition wanted = wanted_of(asked, archive);
+      for (const std::size_t i : browse::find(wanted, archive.index))
+        all.push_back({.archive = &archive, .entry = &archive.index.entries[i]});
+    } catch (const base::Error& error) {
+      misunderstood.push_back(error);
     }
-    for (const std::size_t i : browse::find({std::move(wanted)}, archive.index))
-      all.push_back({.archive = &archive, .entry = &archive.index.entries[i]});
   }
+  if (!misunderstood.empty() && misunderstood.size() == browsed.archives.size())
+    throw base::Error(misunderstood.front());
+  for (const base::Error& error : misunderstood)
+    fmt::print(stderr, "left out: {}\n", error.what());
   return all;
 }
 

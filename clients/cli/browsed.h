@@ -57,8 +57,9 @@ struct QueryOptions {
   std::vector<std::string> not_in{};  ///< queries of which none may hold
 };
 
-/// The animations that are meant, in the archives' order. Throws base::Error(usage) that marks the
-/// place in a query that can't be understood.
+/// The animations that are meant, in the archives' order. Of several archives one whose scene or
+/// numbers a query doesn't fit is left out, and stderr told. Throws base::Error(usage) that marks
+/// the place in a query that no archive understands.
 std::vector<Picked> picked(const Browsed& browsed, const QueryOptions& asked);
 
 /// "0.250"; of several runs "3f2a9c01:0.250".

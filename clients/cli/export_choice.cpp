@@ -44,7 +44,7 @@ std::vector<AnimationId> chosen(const archive::Source& source, const ExportChoic
   if (!choice.ids.empty()) return animations_of(source, choice.ids);
   const bool is_selected = !choice.select.empty() || choice.representatives;
   std::vector<AnimationId> ids = is_selected ? selected(source, choice) : animation_ids(source);
-  if (ids.empty() && is_selected) refuse(source, "no animation is meant by --select");
+  if (ids.empty() && !choice.select.empty()) refuse(source, "no animation is meant by --select");
   if (ids.empty()) {
     throw base::Error(fmt::format("{}: it holds no animation; run more scans", source.name()));
   }

@@ -1,6 +1,8 @@
 #include "clients/cli/export_command.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -49,12 +51,45 @@ void check_range(const char* option, double value, double low, double high) {
   refuse_usage(fmt::format("{} {}: it must be from {} to {}", option, value, low, high));
 }
 
+/// "mp4" of "a/b.MP4"; "" of what has no ending.
+std::string ending_of(const std::string& output) {
+  std::string ending = fs::path(output).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+  return ending.empty() ? ending : ending.substr(1);
+}
+
+std::string format_of(const std::string& output) {
+  const std::vector<std::string> formats = export_formats();
+  const auto found = std::ranges::find(formats, ending_of(output));
+  return found == formats.end() ? "glb" : *found;
+}
+
+/// A name that speaks of another kind of file is a slip, and no folder.
+void refuse_other_ending(const ExportAnimationsOptions& options) {
+  constexpr std::array<std::string_view, 13> k_files{
+      "glb", "gltf", "csv", "png", "svg", "mp4", "mov", "avi", "gif", "jpg", "h5", "mkv", "blend"};
+  const std::string ending = ending_of(options.output);
+  const bool is_right = is_file_of(options.output, options.format) && options.format != "png";
+  if (is_right || std::ranges::find(k_files, ending) == k_files.end()) return;
+  if (options.format == "png")
+    refuse_usage(fmt::format("{}: frames go into a folder; its name must not end with .{}",
+                             options.output, ending));
+  refuse_usage(
+      fmt::format("{}: a file of --format {} ends with .{}; a folder for a file each must "
+                  "not end with .{}",
+                  options.output, options.format, options.format, ending));
+}
+
 /// What the options say by themselves, before any file is opened.
 void check(const ExportAnimationsOptions& options) {
   const std::string& format = options.format;
   const ExportChoice& choice = options.choice;
   if (!choice.ids.empty() && (!choice.select.empty() || choice.representatives))
     refuse_usage("--ids names animations itself: leave out --select and --representatives");
+  if (choice.all && !choice.ids.empty()) refuse_usage("--all and --ids contradict each other");
+  if (format != "csv" && options.table != "animations") refuse_usage("--table is for --format csv");
   if (format != "csv" && options.output.empty()) {
     refuse_usage(format == "png"
                      ? std::string("say where to with -o: a folder for a folder of frames each")
@@ -74,6 +109,7 @@ void check(const ExportAnimationsOptions& options) {
     refuse_usage("--view and --scale are for --format png and mp4");
   if (options.json && options.output.empty())
     refuse_usage("--json tells which files were written; name one with -o");
+  refuse_other_ending(options);
   if (options.fps) check_range("--fps", *options.fps, k_export_fps_min, k_export_fps_max);
   check_range("--scale", options.scale, 1 / k_film_scale_max, k_film_scale_max);
 }
@@ -196,6 +232,13 @@ std::vector<WrittenFile> write_one_file(const archive::Source& source,
   return {written};
 }
 
+/// A table may go to a pipe or device, as any filter's.
+bool is_pipe_for(const ExportAnimationsOptions& options) {
+  std::error_code none;
+  const fs::file_status status = fs::status(options.output, none);
+  return options.format == "csv" && fs::exists(status) && !fs::is_regular_file(status);
+}
+
 /// Before the first is drawn: the last one's turn may come in an hour.
 void refuse_taken_place(const std::string& place, const ExportAnimationsOptions& options) {
   std::error_code none;
@@ -252,7 +295,9 @@ std::vector<std::string> export_views() {
   return {"both", "above", "front"};
 }
 
-int export_animations(const ExportAnimationsOptions& options) {
+int export_animations(const ExportAnimationsOptions& given) {
+  ExportAnimationsOptions options = given;
+  if (options.format.empty()) options.format = format_of(options.output);
   check(options);
   if (!options.output.empty()) refuse_same_file(options.path, options.output);
   return with_results([&] {
@@ -263,10 +308,11 @@ int export_animations(const ExportAnimationsOptions& options) {
     } else if (is_film(options.format)) {
       tell(options, write_films(*source, options));
     } else if (is_file_of(options.output, options.format)) {
-      refuse_others_file(options.output, options.force);
+      if (!is_pipe_for(options)) refuse_others_file(options.output, options.force);
       OutputBeside output(options.output);
       const auto written =
           write_one_file(*source, options, choose(*source, options), output.path());
+      Interruption::check();
       output.put_in_place();
       tell(options, written);
     } else {

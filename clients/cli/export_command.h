@@ -13,7 +13,7 @@ namespace sleight::cli {
 
 struct ExportAnimationsOptions {
   std::string path;
-  std::string format = "glb";  ///< one of export_formats()
+  std::string format{};  ///< one of export_formats(); empty: the output's ending, or glb
   ExportChoice choice{};
   /// A file, if its name ends as the format's do; else a folder for a file each (of png a folder
   /// each), made if missing. Empty: the table goes to stdout.

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "clients/cli/interruption.h"
 #include "clients/cli/kept_animations.h"
 #include "clients/cli/trace.h"
 #include "common/archive/csv.h"
@@ -191,6 +192,7 @@ void write_animations_csv(const archive::Source& source, std::span<const Animati
   std::size_t next_of_chains = 0;
   std::size_t next_of_finds = 0;
   for (const AnimationId& id : ids) {
+    Interruption::check();
     CsvRows& rows = id.is_find ? from_finds : from_chains;
     std::size_t& nth = id.is_find ? next_of_finds : next_of_chains;
     for (const std::string& line : lines_of(rows, nth++)) {

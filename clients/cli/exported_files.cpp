@@ -55,6 +55,9 @@ void make_export_folder(const std::string& path) {
 
 void refuse_others_file(const std::string& path, bool force) {
   std::error_code none;
+  // A pipe would keep the writer waiting for a reader.
+  if (fs::exists(path, none) && !fs::is_regular_file(path, none) && !fs::is_directory(path, none))
+    throw base::Error(base::ExitCode::conflict, fmt::format("{}: it is no file", path));
   if (force || !fs::is_regular_file(path, none) || is_ours(path)) return;
   throw base::Error(
       base::ExitCode::conflict,

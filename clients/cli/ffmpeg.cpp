@@ -13,6 +13,8 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
+#include <string_view>
 
 #include "clients/plot/text.h"
 #include "common/base/check.h"
@@ -71,8 +73,39 @@ std::vector<std::string> ffmpeg_command(const FfmpegOptions& options) {
           "-f", "mp4", "-y", "file:" + options.output};
 }
 
+bool is_whole_mp4(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return false;
+  const auto bytes = static_cast<std::uint64_t>(file.tellg());
+  bool has_film = false;
+  bool has_index = false;
+  std::uint64_t at = 0;
+  const auto number = [&](std::size_t width) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < width; ++i)
+      value = value << 8U | static_cast<unsigned char>(file.get());
+    return value;
+  };
+  while (at < bytes) {
+    constexpr std::uint64_t k_head_bytes = 8;
+    file.seekg(static_cast<std::streamoff>(at));
+    std::uint64_t size = number(4);
+    std::array<char, 4> kind{};
+    file.read(kind.data(), kind.size());
+    // A size of 1 stands for one of 64 bits behind the kind.
+    if (size == 1) size = number(8);
+    if (!file || size < k_head_bytes || size > bytes - at) return false;
+    has_film = has_film || std::string_view(kind.data(), kind.size()) == "mdat";
+    has_index = has_index || std::string_view(kind.data(), kind.size()) == "moov";
+    at += size;
+  }
+  return has_film && has_index;
+}
+
 Ffmpeg::Ffmpeg(const FfmpegOptions& options)
-    : frame_bytes_(std::size_t{4} * options.columns * options.rows), messages_(std::tmpfile()) {
+    : frame_bytes_(std::size_t{4} * options.columns * options.rows),
+      messages_(std::tmpfile()),
+      output_(options.output) {
   CHECK_EQ(options.columns % 2 + options.rows % 2, 0U);
   if (!messages_)
     throw base::Error(fmt::format("can't make a temporary file: {}", std::strerror(errno)));
@@ -124,7 +157,7 @@ void Ffmpeg::finish() {
   ::close(input_);
   input_ = -1;
   const int status = wait();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) fail();
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !is_whole_mp4(output_)) fail();
 }
 
 int Ffmpeg::wait() {
@@ -141,9 +174,10 @@ void Ffmpeg::fail() {
   input_ = -1;
   if (id_ >= 0) wait();
   const std::vector<std::string> lines = last_lines(messages_.get());
-  throw base::Error(fmt::format("ffmpeg could not make the film{}{}",
-                                lines.empty() ? ", and says nothing" : "; it says:\n  ",
-                                fmt::join(lines, "\n  ")));
+  throw base::Error(
+      fmt::format("ffmpeg could not make the film{}{}",
+                  lines.empty() ? ", and says nothing (is the disk full?)" : "; it says:\n  ",
+                  fmt::join(lines, "\n  ")));
 }
 
 }  // namespace sleight::cli

@@ -26,6 +26,11 @@ struct FfmpegOptions {
 /// The command, its name first.
 std::vector<std::string> ffmpeg_command(const FfmpegOptions& options);
 
+/// Whether a file is an MP4 from its first to its last byte: its boxes fill it, and the film and
+/// its index are among them (ISO/IEC 14496-12, 4.2). On a full disk ffmpeg may end well all the
+/// same.
+bool is_whole_mp4(const std::string& path);
+
 class Ffmpeg {
  public:
   /// Throws base::Error(environment) that says what to install where there is no `ffmpeg` on PATH.
@@ -51,6 +56,7 @@ class Ffmpeg {
   };
   std::size_t frame_bytes_;
   std::unique_ptr<std::FILE, CloseFile> messages_;
+  std::string output_;
   int input_ = -1;  ///< our end
   pid_t id_ = -1;
 };

@@ -140,6 +140,10 @@ int print_names(const FindOptions& options, const Browsed& browsed) {
 }  // namespace
 
 int find_animations(const FindOptions& options) {
+  if (options.descending && options.sort.empty())
+    throw base::Error(base::ExitCode::usage, "--descending goes with --sort NUMBER");
+  if (options.ids && options.json)
+    throw base::Error(base::ExitCode::usage, "--ids and --json contradict each other");
   return with_results([&] {
     const Browsed browsed = browse_archives(options.paths);
     say_what_is_missing(browsed);
@@ -156,6 +160,11 @@ int find_animations(const FindOptions& options) {
       for (const Picked& one : found)
         json["animations"].push_back(animation_json(browsed, one));
       fmt::print("{}\n", dumped(json));
+      return static_cast<int>(base::ExitCode::ok);
+    }
+    if (options.ids) {
+      for (const Picked& one : found)
+        fmt::print("{}\n", name_among(browsed, one.entry->name));
       return static_cast<int>(base::ExitCode::ok);
     }
     if (!found.empty()) print_table(options, browsed, found);

@@ -16,6 +16,7 @@ struct FindOptions {
   bool descending = false;  ///< the greatest first
   std::uint64_t limit = 0;  ///< at most so many; 0: all
   bool names = false;       ///< list what queries can speak of instead
+  bool ids = false;         ///< names alone
   bool json = false;
 };
 

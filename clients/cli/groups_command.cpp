@@ -46,8 +46,9 @@ void print_groups(const Browsed& browsed, const std::vector<Picked>& picked,
     table.rows.push_back(std::move(row));
   }
   fmt::print("{}", to_text(table, width_of(stdout)));
-  fmt::print("{} animations in {} groups; mm: resemblance to the one that stands for the group\n",
-             picked.size(), groups.groups.size());
+  fmt::print("{} animation{} in {} group{}; mm: resemblance to the one that stands for the group\n",
+             picked.size(), picked.size() == 1 ? "" : "s", groups.groups.size(),
+             groups.groups.size() == 1 ? "" : "s");
   if (groups.is_approximate) {
     fmt::print("The groups are those of {} of them; the others were put to the nearest.\n",
                browse::k_full_matrix_max);
@@ -101,6 +102,10 @@ browse::Groups groups_of(const std::vector<Picked>& picked, std::uint64_t groups
 }
 
 int group_animations(const GroupsOptions& options) {
+  if (!options.output.empty() && !options.output.ends_with(".svg") &&
+      !options.output.ends_with(".png"))
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: a picture's name ends with .svg or .png", options.output));
   for (const std::string& path : options.paths) {
     if (!options.output.empty()) refuse_same_file(path, options.output);
   }

@@ -13,8 +13,9 @@ constexpr const char* k_query_words =
     "  every ends in x -0.1..0.1  where each body rests\n"
     "  die 1 touches table during ..0.2s\n"
     "  die 1 touches table then die 1 touches die 2\n"
-    "  log_prior -30..-20    bounces = 3    offsets[2] > 0\n"
-    "  and, or, not, ( ) join them. `sleight find ARCHIVE.h5 --names` lists what they can speak "
+    "  log_prior -30..-20    rest_s < 2s    offsets[2] > 0\n"
+    "  then, not, and, or bind in this order; ( ) too. `sleight find ARCHIVE.h5 --names` lists "
+    "what they can speak "
     "of.\n"
     "  Paths are solved, not sampled. Lengths are metres and times seconds where no unit is "
     "said.\n\n";
@@ -48,6 +49,7 @@ void add_find(CLI::App& app, cli::FindOptions& options, Action& action) {
       ->type_name("N");
   command->add_flag("--names", options.names,
                     "What queries can speak of: bodies, things and numbers");
+  command->add_flag("--ids", options.ids, "Their names alone, a line each, as export takes them");
   command->add_flag("--json", options.json, "As JSON, with all numbers");
   command->footer(std::string(k_query_words) +
                   "All options must hold. An archive that can't be read is left out, and said.\n\n"
@@ -57,6 +59,8 @@ void add_find(CLI::App& app, cli::FindOptions& options, Action& action) {
                   "--descending -n 10\n"
                   "  sleight find ball.h5 --where 'ball touches table then ball in x 0.. z 0.2..' "
                   "--not 'log_prior ..-12'\n"
+                  "  sleight export die.h5 -o best --ids $(sleight find die.h5 --sort log_prior "
+                  "--descending -n 3 --ids)\n"
                   "  sleight find die.h5 --names");
   command->callback([&] { action = [&] { return cli::find_animations(options); }; });
 }
@@ -135,11 +139,12 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
       "export", "Animations as models for Blender and others, as tables, pictures and films");
   command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
   command
-      ->add_option("--format", options.format,
-                   "glb: glTF 2.0 with bodies, scene and motion; csv: a table; png: a folder of "
-                   "frames; svg: a picture of the whole motion; mp4: a film, by ffmpeg")
+      ->add_option(
+          "--format", options.format,
+          "glb: glTF 2.0 with bodies, scene and motion; csv: a table; png: a folder of "
+          "frames; svg: a picture of the whole motion; mp4: a film, by ffmpeg. Without, as "
+          "OUT ends, or glb")
       ->check(CLI::IsMember(cli::export_formats()))
-      ->capture_default_str()
       ->type_name("FORMAT");
   add_choice(*command, options.choice);
   command
@@ -172,7 +177,7 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
       "  sleight export ball.h5 --ids 0.250 -o ball.glb\n"
       "  sleight export die.h5 --select 'die 1 in z 60mm.. during 0.2s..' -o throws\n"
       "  sleight export die.h5 --representatives 12 --together -o kinds.glb\n"
-      "  sleight export hi.h5 --ids find.0 --format mp4 -o hi.mp4\n"
+      "  sleight export hi.h5 --ids find.0 -o hi.mp4\n"
       "  sleight export ball.h5 --format csv > animations.csv");
   command->callback([&] { action = [&] { return cli::export_animations(options); }; });
 }

@@ -79,6 +79,22 @@ class Browse(ProgramTest):
             for name in names:
                 self.assertIn(name, text)
 
+    def test_names_alone_are_what_export_takes(self):
+        archive = self.archives["dice"]
+        names = self.succeed(sleight("find", archive, "--sort", "log_prior", "--descending", "-n", 3,
+                                     "--ids")).stdout.split()
+        self.assertEqual(len(names), 3)
+        rows = self.succeed(sleight("export", archive, "--format", "csv", "--ids", *names)).stdout
+        self.assertEqual([row.split(",")[0] for row in rows.splitlines()[1:]], names)
+
+    def test_of_several_worlds_each_query_finds_its_own(self):
+        both = [self.archives["dice"], self.archives["ball"]]
+        result = self.succeed(sleight("find", *both, "--where", "die 1 touches table", "--json"))
+        alone = self.find(both[0], "--where", "die 1 touches table")
+        self.assertEqual(parsed(result)["found"], alone["found"])
+        self.assertIn("nothing is called 'die 1'", result.stderr)
+        self.assertEqual(sleight("find", *both, "--where", "dye 1 touches table").returncode, 2)
+
     def test_paths_and_contacts_are_the_segments(self):
         archive = self.archives["dice"]
         with h5py.File(archive) as file:

@@ -8,7 +8,9 @@ import json
 import pathlib
 import re
 import shutil
+import signal
 import struct
+import time
 
 import h5py
 import harness
@@ -286,7 +288,7 @@ class Export(ProgramTest):
                      self.path("one.svg"))
         self.export(archive, "--format", "svg", "--ids", *ids, "-o", self.path("pictures"))
         self.assertEqual(len(list(self.path("pictures").iterdir())), 2)
-        film = ["--format", "mp4", "--scale", "0.25", "--ids", ids[0], "-o", self.path("one.mp4")]
+        film = ["--scale", "0.25", "--ids", ids[0], "-o", self.path("one.mp4")]
         missing = sleight("export", archive, *film, env={"PATH": str(self.folder)})
         self.assertEqual(missing.returncode, 5, missing.stderr)
         self.assertIn("ffmpeg", missing.stderr)
@@ -294,6 +296,25 @@ class Export(ProgramTest):
         if shutil.which("ffmpeg"):
             self.export(archive, *film)
             self.assertEqual(self.path("one.mp4").read_bytes()[4:8], b"ftyp")
+
+    def test_told_to_stop_it_leaves_nothing(self):
+        archive = self.made_up()
+        self.path("out").mkdir()
+        for told in [signal.SIGINT, signal.SIGTERM]:
+            for arguments in [["--format", "png", "--scale", "8", "-o", self.path("out")],
+                              ["--all", "-o", self.path("out")],
+                              ["--format", "csv", "--table", "segments", "-o", self.path("out/a.csv")]]:
+                process = harness.start([harness.program("sleight"), "export", archive, *arguments])
+                time.sleep(0.15)
+                process.send_signal(told)
+                process.wait(timeout=60)
+                left = [path.name for path in self.path("out").iterdir()
+                        if "tmp" in path.name or path.name.startswith(".")]
+                self.assertEqual(left, [], arguments)
+                # Or it was done, or had not begun.
+                self.assertIn(process.returncode, [0, 130, -told], process.stderr.read())
+                shutil.rmtree(self.path("out"))
+                self.path("out").mkdir()
 
     def test_frames(self):
         archive = self.run_of("ball", BALL)
@@ -362,6 +383,9 @@ class Export(ProgramTest):
                 (2, "name one with -o", [archive, "--format", "csv", "--json"]),
                 (2, "--table", [archive, "--format", "csv", "--table", "posterior"]),
                 (2, "--format", [archive, "--format", "obj", "-o", output]),
+                (2, "must not end with .mov", [archive, "--format", "mp4", "-o", self.path("a.mov")]),
+                (2, "must not end with .png", [archive, "-o", self.path("a.png")]),
+                (2, "--table is for", [archive, "--table", "points", "-o", output]),
                 (5, "can't write it", [archive, "--together", "-o", self.path("no/folder/a.glb")]),
                 (5, "can't make this folder", [archive, "-o", archive / "folder"]),
                 (5, "no.h5: can't open it", [self.path("no.h5"), "-o", output]),

@@ -159,6 +159,8 @@ std::string why_it_ended(int status, const ReaderLimits& limits) {
     return "the process that read it tried what reading doesn't need, and was ended: the file is "
            "hostile";
   }
+  if (signal == SIGKILL)
+    return "the process that read it was killed, by somebody or for want of memory";
   return fmt::format("the process that read it crashed ({}): the file is damaged or hostile",
                      ::strsignal(signal));
 }

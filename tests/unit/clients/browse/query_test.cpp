@@ -178,6 +178,8 @@ TEST(Queries, ErrorsPointAtThePlace) {
   fails("(any in x 0..1", 14, "')' is expected");
   fails("log_prior < 3 then any in x 0..1", 0, "'then' joins");
   fails("any in x 0..1 then log_prior < 3", 19, "'then' joins");
+  fails("any in x 0..1 then not any in x 0..1", 19, "'then' joins");
+  fails("any in x 0..1 then (any in x 0..1)", 19, "'then' joins");
   fails("any in x 0..1 ; rm", 14, "");
   fails("\"ball 1 in x", 0, "");
   fails("any in x 1e999..", 9, "");

@@ -283,11 +283,14 @@ TEST_F(Frames, GoToFfmpegAsPixels) {
   {
     const OtherPath path(
         path_with_ffmpeg("for last; do echo \"$last\"; done > \"$0.arguments\"\n"
-                         "wc -c > \"${last#file:}\"\n"));
+                         "wc -c > \"$0.bytes\"\n"
+                         "printf '\\0\\0\\0\\010moov\\0\\0\\0\\010mdat' > "
+                         "\"${last#file:}\"\n"));
     EXPECT_EQ(write_mp4(scene, animation, output, {.fps = 12.5}), 7U);
   }
   const plot::Figure frame = frame_figure(scene, animation, 0);
-  EXPECT_EQ(std::stod(text_of(output)), 7 * 4 * frame.width_px * frame.height_px);
+  EXPECT_EQ(std::stod(text_of(path("bin") + "/ffmpeg.bytes")),
+            7 * 4 * frame.width_px * frame.height_px);
   std::istringstream lines(text_of(path("bin") + "/ffmpeg.arguments"));
   std::vector<std::string> arguments;
   for (std::string line; std::getline(lines, line);)
@@ -321,6 +324,13 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
   refused(path_with_ffmpeg("cat > /dev/null; echo 'disk full' >&2; exit 3\n"),
           "it says:\n  disk full");
   refused(path_with_ffmpeg("cat > /dev/null; kill -9 $$\n"), "and says nothing");
+  // As on a full disk: it ends well, and its file is cut off, in a box or before the index.
+  for (const char* film : {"\\0\\0\\0\\010moov\\0\\0\\0\\020mdat", "\\0\\0\\0\\010mdat"}) {
+    refused(path_with_ffmpeg(fmt::format("cat > /dev/null; for last; do :; done\n"
+                                         "printf '{}' > \"${{last#file:}}\"\n",
+                                         film)),
+            "is the disk full?");
+  }
   fs::create_directory(path("none"));
   refused(path("none"), "ffmpeg is not installed, and films are its work: install it");
   EXPECT_THAT(names_in(fs::path(output).parent_path()), ElementsAre("bin", "none"));

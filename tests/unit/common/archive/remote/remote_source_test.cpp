@@ -232,7 +232,7 @@ TEST_F(Remote, AKilledReaderIsNamed) {
     ::usleep(1000);
   }
   EXPECT_FALSE(is_heard);
-  EXPECT_THAT(process.end(), HasSubstr("crashed (Killed)"));
+  EXPECT_THAT(process.end(), HasSubstr("was killed, by somebody"));
 }
 
 TEST_F(Remote, LiesAboutContentsAreFound) {
