@@ -1,6 +1,7 @@
 #include "clients/cli/main_run.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <cstdio>
 #include <exception>
@@ -31,8 +32,12 @@ constexpr std::size_t k_request_file_bytes_max = 1U << 20U;
 /// Of a word where it names a request.
 constexpr std::size_t k_shown_word_characters_max = 40;
 
-/// A line on stderr; where that is lost, the exit code still tells.
-void complain(const std::string& line) {
+/// A line on stderr; where that is lost, the exit code still tells. What others wrote (names of
+/// files, of archives' bodies) must not steer a terminal.
+void complain(std::string line) {
+  std::ranges::replace_if(
+      line, [](char c) { return (c >= 0 && c < ' ' && c != '\n' && c != '\t') || c == '\x7f'; },
+      '?');
   std::fputs((line + "\n").c_str(), stderr);
 }
 

@@ -10,7 +10,7 @@ namespace sleight::browse::testing {
 namespace {
 
 /// In quotes, whatever it is.
-std::string quoted(std::string_view name) {
+std::string in_quotes(std::string_view name) {
   std::string text = "\"";
   for (const char sign : name) {
     if (sign == '"' || sign == '\\') text += '\\';
@@ -33,7 +33,8 @@ struct Writer {
 
   std::string who(const Bodies& bodies) const {
     if (bodies.is_every) return "every";
-    if (bodies.bodies.size() == 1) return quoted(index.scene.features[bodies.bodies.front()].name);
+    if (bodies.bodies.size() == 1)
+      return in_quotes(index.scene.features[bodies.bodies.front()].name);
     return "any";
   }
 
@@ -71,7 +72,7 @@ struct Writer {
     std::string partner = "any";
     if (!touches.partners.empty()) {
       const scene::Feature& feature = index.scene.features[touches.partners.front()];
-      partner = quoted(feature.name);
+      partner = in_quotes(feature.name);
     }
     return who(touches.who) + " touches " + partner + during(touches.when);
   }

@@ -281,7 +281,7 @@ class Export(ProgramTest):
             for frame in frames:
                 self.assertEqual(frame.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
         # A folder of frames is not written into again.
-        self.refused(2, "frames", archive, "--format", "png", "--ids", *ids, "-o", self.path("frames"))
+        self.refused(4, "frames", archive, "--format", "png", "--ids", *ids, "-o", self.path("frames"))
         self.export(archive, "--format", "svg", "--ids", ids[0], "-o", self.path("one.svg"))
         self.assertIn(ids[0], self.path("one.svg").read_text())
         self.refused(4, "give --force", archive, "--format", "svg", "--ids", ids[0], "-o",
@@ -375,7 +375,7 @@ class Export(ProgramTest):
                 (2, "--fps is for", [archive, "--format", "csv", "--fps", "24"]),
                 (2, "--together is for", [archive, "--format", "svg", "--together", "-o", output]),
                 (2, "--view and --scale are for", [archive, "--view", "front", "-o", output]),
-                (2, "--scale 9", [archive, "--format", "png", "--scale", "9", "-o", output]),
+                (2, "--scale 9", [archive, "--format", "png", "--scale", "9", "-o", self.path("f")]),
                 (2, "say where to with -o", [archive, "--format", "png"]),
                 (2, "leave out --select", [archive, "--ids", "0.1", "--select", "draw < 3", "-o", output]),
                 (2, "column 13: ", [archive, "--select", "log_prior < low", "-o", output]),
