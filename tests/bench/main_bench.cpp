@@ -19,6 +19,10 @@ std::string filter_of(const std::vector<std::string>& names) {
   return filter.empty() ? "." : filter;
 }
 
+/// Scenes of many bodies, which take minutes: all else.
+constexpr const char* k_all_but_large =
+    "-^(box/.*/(512|4096)|hourglass/.*/([4-9]0|100|1000)|broad_phase/.*/10648)";
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -29,11 +33,14 @@ int main(int argc, char** argv) {
   bool json = false;
   bool list = false;
   bool check = false;
+  bool small = false;
   std::size_t repetitions = 1;
   app.add_option("names", names, "Beginnings of benchmark names; all if none");
   app.add_flag("--json", json, "Results as JSON on stdout");
   app.add_flag("--list", list, "Only list the names");
   app.add_flag("--check", check, "Only check the result hashes, with little timing");
+  app.add_flag("--small", small, "Leave out scenes of many bodies, which take minutes")
+      ->excludes("names");
   app.add_option("--repetitions", repetitions, "Repeat each, with mean and median")
       ->check(CLI::Range(1, 1000));
   app.footer(
@@ -41,7 +48,7 @@ int main(int argc, char** argv) {
       "  sleight-bench store\n  sleight-bench ball_2d --repetitions 5\n  sleight-bench --json");
   CLI11_PARSE(app, argc, argv);
 
-  std::vector<std::string> arguments = {argv[0], "--benchmark_filter=" + filter_of(names),
+  std::vector<std::string> arguments = {argv[0], "--benchmark_filter=" + (small ? k_all_but_large : filter_of(names)),
                                         fmt::format("--benchmark_repetitions={}", repetitions)};
   if (json) arguments.emplace_back("--benchmark_format=json");
   if (list) arguments.emplace_back("--benchmark_list_tests=true");
