@@ -65,6 +65,13 @@ class BallRuns : public archive::testing::Scratch {
   static std::function<bool()> stop_at(std::uint64_t question) {
     return [question, asked = std::uint64_t{0}]() mutable { return ++asked >= question; };
   }
+
+  /// The same, unless the session before was stopped while it wrote its archive: writing asks more
+  /// often than that, so that it would never end.
+  static std::function<bool()> stop_before_writing(std::uint64_t question,
+                                                   const RunSummary& before) {
+    return before.is_archive_given_up ? std::function<bool()>() : stop_at(question);
+  }
 };
 
 }  // namespace sleight::coordinator::testing

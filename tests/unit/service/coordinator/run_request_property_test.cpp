@@ -54,9 +54,11 @@ TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
       for (bool fresh = true; summary.end != DriveEnd::finished; fresh = false) {
         constexpr std::array<std::uint32_t, 3> k_threads{1, 2, 5};
         ++sessions;
-        summary = session(
-            request, {.output = output, .fresh = fresh, .stop_requested = stop_at(1 + below(12))},
-            k_threads[below(3)]);
+        summary = session(request,
+                          {.output = output,
+                           .fresh = fresh,
+                           .stop_requested = stop_before_writing(1 + below(12), summary)},
+                          k_threads[below(3)]);
       }
       ASSERT_EQ(summary.scans, expected.scans);
       ASSERT_EQ(summary.digest, expected.digest);

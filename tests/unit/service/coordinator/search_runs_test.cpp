@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -27,13 +26,6 @@ using ::testing::Not;
 
 class SearchRuns : public testing::BallRuns {
  protected:
-  /// Stops at that question, unless the session before was stopped while it wrote its archive:
-  /// writing asks more often than that, and would never end.
-  static std::function<bool()> stop_before_writing(std::uint64_t question,
-                                                   const RunSummary& before) {
-    return before.is_archive_given_up ? std::function<bool()>() : stop_at(question);
-  }
-
   static std::string words(const std::string& sampler, const std::string& stop) {
     return "[world]\nname = \"spelling\"\nbitmap = \"\"\"\n.#.\n.#.\n\"\"\"\n[sampler]\nseed = "
            "5\n" +
