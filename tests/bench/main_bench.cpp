@@ -48,8 +48,9 @@ int main(int argc, char** argv) {
       "  sleight-bench store\n  sleight-bench ball_2d --repetitions 5\n  sleight-bench --json");
   CLI11_PARSE(app, argc, argv);
 
-  std::vector<std::string> arguments = {argv[0], "--benchmark_filter=" + (small ? k_all_but_large : filter_of(names)),
-                                        fmt::format("--benchmark_repetitions={}", repetitions)};
+  std::vector<std::string> arguments = {
+      argv[0], "--benchmark_filter=" + (small ? k_all_but_large : filter_of(names)),
+      fmt::format("--benchmark_repetitions={}", repetitions)};
   if (json) arguments.emplace_back("--benchmark_format=json");
   if (list) arguments.emplace_back("--benchmark_list_tests=true");
   if (check) arguments.emplace_back("--benchmark_min_time=0.001");
