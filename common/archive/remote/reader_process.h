@@ -69,6 +69,7 @@ class ReaderProcess {
   base::Descriptor lifeline_;
   pid_t id_ = -1;
   std::chrono::steady_clock::time_point deadline_{};
+  std::chrono::steady_clock::time_point renewed_{};  ///< when its processor time was
 };
 
 /// `sleight-reader` beside the running program.

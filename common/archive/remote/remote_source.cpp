@@ -13,6 +13,7 @@
 
 #include "common/archive/format.h"
 #include "common/archive/limits.h"
+#include "common/archive/read_ahead.h"
 #include "common/archive/remote/contents_check.h"
 #include "common/archive/remote/messages.h"
 #include "common/base/check.h"
@@ -187,7 +188,7 @@ std::unique_ptr<Source> open_remote_by(const std::string& program, const std::st
 }
 
 std::unique_ptr<Source> open_remote(const std::string& path, const ReaderLimits& limits) {
-  return open_remote_by(reader_beside_this_program(), path, limits);
+  return std::make_unique<ReadAhead>(open_remote_by(reader_beside_this_program(), path, limits));
 }
 
 std::vector<OpenedArchive> open_all_by(const std::string& program,
@@ -224,7 +225,12 @@ std::vector<OpenedArchive> open_all_by(const std::string& program,
 
 std::vector<OpenedArchive> open_all(std::span<const std::string> paths,
                                     const ReaderLimits& limits) {
-  return open_all_by(reader_beside_this_program(), paths, limits);
+  std::vector<OpenedArchive> opened = open_all_by(reader_beside_this_program(), paths, limits);
+  for (OpenedArchive& place : opened) {
+    if (place.source != nullptr)
+      place.source = std::make_unique<ReadAhead>(std::move(place.source));
+  }
+  return opened;
 }
 
 }  // namespace sleight::archive::remote

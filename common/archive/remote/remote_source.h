@@ -28,7 +28,8 @@ namespace sleight::archive::remote {
 /// file or the reader can't be opened or started, bad_archive as above.
 std::unique_ptr<Source> open_remote(const std::string& path, const ReaderLimits& limits = {});
 
-/// The same by another reader than the one beside the running program: for tests.
+/// The same by another reader than the one beside the running program, and each question as it is
+/// asked (no read_ahead.h): for tests.
 std::unique_ptr<Source> open_remote_by(const std::string& program, const std::string& path,
                                        const ReaderLimits& limits = {});
 
