@@ -30,9 +30,9 @@ std::uint64_t elements_of(const Source& source, std::string_view group, std::str
 
 Values ReadAhead::read(std::string_view group, std::string_view dataset, std::uint64_t first,
                        std::uint64_t count) const {
-  if (count >= k_read_ahead) return source_->read(group, dataset, first, count);
+  if (count == 0 || count >= k_read_ahead) return source_->read(group, dataset, first, count);
   Reading& reading = readings_[path_of(group, dataset)];
-  const bool goes_on = count > 0 && first == reading.next && reading.next > 0;
+  const bool goes_on = first == reading.next && reading.next > 0;
   reading.next = first + count;
   const bool is_there = first >= reading.begin && first + count <= reading.end;
   if (is_there) return part_of(reading.block, first - reading.begin, count);

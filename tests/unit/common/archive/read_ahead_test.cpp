@@ -88,6 +88,15 @@ TEST_F(ReadAheadTest, GivesWhatTheSourceHas) {
   EXPECT_TRUE(are_same(ahead.read(k_group, "lp", 0, elements()), truth(0, elements())));
 }
 
+TEST_F(ReadAheadTest, NothingHasItsTypeToo) {
+  const ReadAhead ahead(std::make_unique<Counting>(memory_, k_nowhere, asked_));
+  for (const std::uint64_t first : {0U, 7U, 0U}) {
+    EXPECT_TRUE(
+        std::get<std::vector<std::int64_t>>(ahead.read(k_group, "lineage", first, 0)).empty());
+    EXPECT_EQ(ahead.read(k_group, "lineage", first, 3), memory_.read(k_group, "lineage", first, 3));
+  }
+}
+
 TEST_F(ReadAheadTest, AsksSeldomInARow) {
   const ReadAhead ahead(std::make_unique<Counting>(memory_, k_nowhere, asked_));
   for (std::uint64_t first = 0; first + 10 <= elements(); first += 10)
