@@ -2,36 +2,18 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
-#include <iterator>
 #include <string_view>
+
+#include "common/archive/hdf5/driver.h"
 
 namespace sleight::archive::hdf5 {
 namespace {
 
 using ReadState = InputFile::State;
-
-/// HDF5's view of an open file: its own fields first, then ours.
-struct ReadFile {
-  H5FD_t base;
-  ReadState* state;
-};
-
-/// The driver's part of a file-access list, which HDF5 copies as bytes.
-struct ReadInfo {
-  ReadState* state;
-};
-
-ReadState& read_state(H5FD_t* file) {
-  return *reinterpret_cast<ReadFile*>(file)->state;
-}
-const ReadState& read_state(const H5FD_t* file) {
-  return *reinterpret_cast<const ReadFile*>(file)->state;
-}
 
 /// Fills `to` from a place of the file, with zeros past its end. False when the disk fails.
 bool read_at(int descriptor, std::uint64_t address, std::byte* to, std::size_t size) {
@@ -50,17 +32,9 @@ bool read_at(int descriptor, std::uint64_t address, std::byte* to, std::size_t s
   return true;
 }
 
-H5FD_t* begin_reading(const char*, unsigned flags, hid_t list, haddr_t) {
-  const auto* info = static_cast<const ReadInfo*>(H5Pget_driver_info(list));
-  if (info == nullptr || (flags & H5F_ACC_RDWR) != 0) return nullptr;
-  auto* file = new ReadFile{};
-  file->state = info->state;
-  return &file->base;
-}
-
-herr_t end_reading(H5FD_t* file) {
-  delete reinterpret_cast<ReadFile*>(file);
-  return 0;
+H5FD_t* begin_reading(const char* name, unsigned flags, hid_t list, haddr_t address) {
+  if ((flags & H5F_ACC_RDWR) != 0) return nullptr;
+  return open_driver_file<ReadState>(name, flags, list, address);
 }
 
 herr_t reading_features(const H5FD_t*, unsigned long* flags) {
@@ -68,21 +42,12 @@ herr_t reading_features(const H5FD_t*, unsigned long* flags) {
   return 0;
 }
 
-haddr_t reading_eoa(const H5FD_t* file, H5FD_mem_t) {
-  return read_state(file).allocated;
-}
-
-herr_t set_reading_eoa(H5FD_t* file, H5FD_mem_t, haddr_t address) {
-  read_state(file).allocated = address;
-  return 0;
-}
-
 haddr_t reading_eof(const H5FD_t* file, H5FD_mem_t) {
-  return read_state(file).bytes;
+  return state_of<ReadState>(file).bytes;
 }
 
 herr_t read_part(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, void* buffer) {
-  const ReadState& state = read_state(file);
+  const ReadState& state = state_of<ReadState>(file);
   haddr_t end = 0;
   if (__builtin_add_overflow(address, size, &end) || end > state.allocated) return -1;
   return read_at(state.descriptor, address, static_cast<std::byte*>(buffer), size) ? 0 : -1;
@@ -93,21 +58,12 @@ herr_t refuse_to_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, std::size_t, const v
 }
 
 H5FD_class_t reading_driver() {
-  H5FD_class_t driver{};
-  driver.name = "sleight_input";
-  driver.maxaddr = (haddr_t{1} << 62) - 1;
-  driver.fc_degree = H5F_CLOSE_STRONG;
-  driver.fapl_size = sizeof(ReadInfo);
+  H5FD_class_t driver = driver_for<ReadState>("sleight_input");
   driver.open = begin_reading;
-  driver.close = end_reading;
   driver.query = reading_features;
-  driver.get_eoa = reading_eoa;
-  driver.set_eoa = set_reading_eoa;
   driver.get_eof = reading_eof;
   driver.read = read_part;
   driver.write = refuse_to_write;
-  const H5FD_mem_t map[H5FD_MEM_NTYPES] = H5FD_FLMAP_DICHOTOMY;
-  std::copy(std::begin(map), std::end(map), std::begin(driver.fl_map));
   return driver;
 }
 
@@ -120,9 +76,7 @@ InputFile::~InputFile() {
 herr_t InputFile::use_in(hid_t file_access_list) {
   static const H5FD_class_t driver = reading_driver();
   static const hid_t driver_id = H5FDregister(&driver);
-  if (driver_id < 0) return -1;
-  const ReadInfo info{&state_};
-  return H5Pset_driver(file_access_list, driver_id, &info);
+  return use_driver(file_access_list, driver_id, state_);
 }
 
 bool InputFile::has_signature() const {

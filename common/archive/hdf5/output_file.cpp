@@ -7,43 +7,13 @@
 #include <cstring>
 #include <utility>
 
+#include "common/archive/hdf5/driver.h"
 #include "common/base/error.h"
 
 namespace sleight::archive::hdf5 {
 namespace {
 
 using State = OutputFile::State;
-
-/// HDF5's view of an open file: its own fields first, then ours.
-struct DriverFile {
-  H5FD_t base;
-  State* state;
-};
-
-/// The driver's part of a file-access list, which HDF5 copies as bytes.
-struct DriverInfo {
-  State* state;
-};
-
-State& state_of(H5FD_t* file) {
-  return *reinterpret_cast<DriverFile*>(file)->state;
-}
-const State& state_of(const H5FD_t* file) {
-  return *reinterpret_cast<const DriverFile*>(file)->state;
-}
-
-H5FD_t* open_file(const char*, unsigned, hid_t list, haddr_t) {
-  const auto* info = static_cast<const DriverInfo*>(H5Pget_driver_info(list));
-  if (info == nullptr) return nullptr;
-  auto* file = new DriverFile{};
-  file->state = info->state;
-  return &file->base;
-}
-
-herr_t close_file(H5FD_t* file) {
-  delete reinterpret_cast<DriverFile*>(file);
-  return 0;
-}
 
 herr_t query(const H5FD_t*, unsigned long* flags) {
   // Few large writes: HDF5 gathers metadata and small data before it calls write.
@@ -52,23 +22,14 @@ herr_t query(const H5FD_t*, unsigned long* flags) {
   return 0;
 }
 
-haddr_t get_eoa(const H5FD_t* file, H5FD_mem_t) {
-  return state_of(file).allocated;
-}
-
-herr_t set_eoa(H5FD_t* file, H5FD_mem_t, haddr_t address) {
-  state_of(file).allocated = address;
-  return 0;
-}
-
 haddr_t get_eof(const H5FD_t* file, H5FD_mem_t) {
-  return state_of(file).written;
+  return state_of<State>(file).written;
 }
 
 /// Reads written bytes; zeros beyond the end. After a failure zeros too: nothing uses them then.
 herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
                   void* buffer) {
-  State& state = state_of(file);
+  State& state = state_of<State>(file);
   if (state.failure) {
     std::memset(buffer, 0, size);
   } else {
@@ -79,7 +40,7 @@ herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t 
 
 herr_t write_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
                    const void* buffer) {
-  State& state = state_of(file);
+  State& state = state_of<State>(file);
   state.written = std::max<std::uint64_t>(state.written, address + size);
   if (!state.failure) {
     state.failure = state.file->write_at(address, {static_cast<const std::byte*>(buffer), size});
@@ -89,7 +50,7 @@ herr_t write_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t
 
 /// Gives the file the length that HDF5 has allocated.
 herr_t truncate_file(H5FD_t* file, hid_t, hbool_t) {
-  State& state = state_of(file);
+  State& state = state_of<State>(file);
   if (state.written == state.allocated) return 0;
   if (!state.failure) state.failure = state.file->resize(state.allocated);
   state.written = state.allocated;
@@ -97,22 +58,12 @@ herr_t truncate_file(H5FD_t* file, hid_t, hbool_t) {
 }
 
 H5FD_class_t driver_class() {
-  H5FD_class_t driver{};
-  driver.name = "sleight_output";
-  driver.maxaddr = (haddr_t{1} << 62) - 1;
-  driver.fc_degree = H5F_CLOSE_STRONG;
-  driver.fapl_size = sizeof(DriverInfo);
-  driver.open = open_file;
-  driver.close = close_file;
+  H5FD_class_t driver = driver_for<State>("sleight_output");
   driver.query = query;
-  driver.get_eoa = get_eoa;
-  driver.set_eoa = set_eoa;
   driver.get_eof = get_eof;
   driver.read = read_bytes;
   driver.write = write_bytes;
   driver.truncate = truncate_file;
-  const H5FD_mem_t map[H5FD_MEM_NTYPES] = H5FD_FLMAP_DICHOTOMY;
-  std::copy(std::begin(map), std::end(map), std::begin(driver.fl_map));
   return driver;
 }
 
@@ -135,9 +86,7 @@ void OutputFile::close() {
 herr_t OutputFile::use_in(hid_t file_access_list) {
   static const H5FD_class_t driver = driver_class();
   static const hid_t driver_id = H5FDregister(&driver);
-  if (driver_id < 0) return -1;
-  const DriverInfo info{&state_};
-  return H5Pset_driver(file_access_list, driver_id, &info);
+  return use_driver(file_access_list, driver_id, state_);
 }
 
 void OutputFile::throw_failure() const {
