@@ -336,12 +336,7 @@ plot::Figure animation_figure(const std::string& title, const scene::Scene& scen
 
 plot::Figure animation_figure(const archive::Source& source,
                               const AnimationFigureOptions& options) {
-  require_group(source, archive::k_scene, "scene");
-  const auto scene = archive::scene_of(source);
-  if (!scene) {
-    throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: {}", source.name(), scene.error()));
-  }
+  const scene::Scene scene = required_scene(source);
   const std::vector<std::size_t> chosen = choose_animations(source, options.chain, options.count);
   const archive::Summary summary = archive::summary_of(source);
   const RequestNumbers numbers(summary.request_text, source.name());
@@ -350,21 +345,18 @@ plot::Figure animation_figure(const archive::Source& source,
   const archive::KeptMotions motions(source, drawn_group(source));
   std::vector<ShownAnimation> animations;
   for (const std::size_t i : chosen) {
-    auto motion = motions.animation(i, scene.value());
-    if (!motion) refuse_animation(source, i, motion.error());
-    auto own = motions.variation(i, scene.value());
-    if (!own) refuse_animation(source, i, own.error());
-    if (motion.value().segment_count() == 0) refuse_animation(source, i, "moves nothing");
+    KeptAnimation kept = kept_animation(source, motions, i, scene, fmt::format("{}", i));
+    if (kept.motion.segment_count() == 0) refuse_animation(source, i, "moves nothing");
     animations.push_back(
         {.title = where_found(
              source, i, [&](double draw) { return fmt::format("{} {}", step, per_scan * draw); }),
-         .motion = std::move(motion).value(),
-         .own = std::move(own).value(),
-         .offsets_m = motions.offsets_m(i, scene.value())});
+         .motion = std::move(kept.motion),
+         .own = std::move(kept.own),
+         .offsets_m = std::move(kept.offsets_m)});
   }
   return animation_figure(fmt::format("{}: {} animation{}", summary.world, chosen.size(),
                                       chosen.size() == 1 ? "" : "s"),
-                          scene.value(), animations, options.whole);
+                          scene, animations, options.whole);
 }
 
 }  // namespace sleight::cli

@@ -129,22 +129,27 @@ void leave_out_twice(Browsed& browsed) {
   }
 }
 
-std::vector<Picked> picked(const Browsed& browsed, const QueryOptions& asked) {
-  std::vector<Picked> all;
-  std::vector<base::Error> misunderstood;
-  for (const BrowsedArchive& archive : browsed.archives) {
+std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked) {
+  // First what each is asked, as archives that can't be asked go, and the others move up.
+  std::vector<browse::Condition> wanted;
+  std::optional<base::Error> first;
+  std::erase_if(browsed.archives, [&](const BrowsedArchive& archive) {
     try {
-      const browse::Condition wanted = wanted_of(asked, archive);
-      for (const std::size_t i : browse::find(wanted, archive.index))
-        all.push_back({.archive = &archive, .entry = &archive.index.entries[i]});
+      wanted.push_back(wanted_of(asked, archive));
+      return false;
     } catch (const base::Error& error) {
-      misunderstood.push_back(error);
+      if (!first) first = error;
+      browsed.left_out.push_back({.path = archive.path, .reason = error.what()});
+      return true;
     }
+  });
+  if (browsed.archives.empty() && first) throw base::Error(*first);
+  std::vector<Picked> all;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const BrowsedArchive& archive = browsed.archives[i];
+    for (const std::size_t entry : browse::find(wanted[i], archive.index))
+      all.push_back({.archive = &archive, .entry = &archive.index.entries[entry]});
   }
-  if (!misunderstood.empty() && misunderstood.size() == browsed.archives.size())
-    throw base::Error(misunderstood.front());
-  for (const base::Error& error : misunderstood)
-    fmt::print(stderr, "left out: {}\n", error.what());
   return all;
 }
 

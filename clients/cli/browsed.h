@@ -57,15 +57,16 @@ struct QueryOptions {
   std::vector<std::string> not_in{};  ///< queries of which none may hold
 };
 
-/// The animations that are meant, in the archives' order. Of several archives one whose scene or
-/// numbers a query doesn't fit is left out, and stderr told. Throws base::Error(usage) that marks
-/// the place in a query that no archive understands.
-std::vector<Picked> picked(const Browsed& browsed, const QueryOptions& asked);
+/// The animations that are meant, in the archives' order. Of several archives those whose scene or
+/// numbers a query doesn't fit go to left_out. Throws base::Error(usage) that marks the place in a
+/// query that no archive understands.
+std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked);
 
 /// "0.250"; of several runs "3f2a9c01:0.250".
 std::string name_among(const Browsed& browsed, const browse::AnimationName& name);
 
-/// Lines on stderr: which archives were left out, and which animations there are twice.
+/// Lines on stderr: which archives were left out, and which animations there are twice. Asked once,
+/// when all that can be left out is.
 void say_what_is_missing(const Browsed& browsed);
 
 /// A number as people read it: six digits, "" of NaN.

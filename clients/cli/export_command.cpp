@@ -19,6 +19,7 @@
 #include "clients/cli/exported_files.h"
 #include "clients/cli/film_export.h"
 #include "clients/cli/interruption.h"
+#include "clients/cli/kept_animations.h"
 #include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/export/document.h"
@@ -33,6 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
+
 [[noreturn]] void refuse_usage(const std::string& reason) {
   throw base::Error(base::ExitCode::usage, reason);
 }
@@ -126,7 +128,7 @@ class GlbExport {
   GlbExport(const archive::Source& source, const ExportAnimationsOptions& options)
       : source_(source),
         options_(options),
-        scene_(exported_scene(source)),
+        scene_(required_scene(source)),
         extras_(extras_of(source)) {}
 
   /// All as clips of one file. `place`: where to write.

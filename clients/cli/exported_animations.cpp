@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "clients/browse/reading.h"
 #include "clients/cli/interruption.h"
 #include "clients/cli/kept_animations.h"
 #include "clients/cli/trace.h"
@@ -21,15 +22,6 @@
 
 namespace sleight::cli {
 namespace {
-
-/// Outcomes of more elements are no metadata.
-constexpr std::uint64_t k_outcome_elements_max = 64;
-
-[[noreturn]] void refuse(const archive::Source& source, const AnimationId& id,
-                         std::string_view reason) {
-  throw base::Error(base::ExitCode::bad_archive,
-                    fmt::format("{}: its animation {} {}", source.name(), id.text, reason));
-}
 
 /// The fields of a line of CSV as they stand in it, quotes and all.
 std::vector<std::string> fields_of(const std::string& line) {
@@ -109,26 +101,15 @@ gltf::Extras extras_of(const archive::Source& source) {
   return extras;
 }
 
-scene::Scene exported_scene(const archive::Source& source) {
-  require_group(source, archive::k_scene, "scene");
-  auto scene = archive::scene_of(source);
-  if (scene) return std::move(scene).value();
-  throw base::Error(base::ExitCode::bad_archive,
-                    fmt::format("{}: {}", source.name(), scene.error()));
-}
-
 gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
                    const AnimationId& id) {
   const std::string_view group_name = group_of(id);
   const archive::KeptMotions motions(source, group_name);
-  auto motion = motions.animation(id.row, scene);
-  if (!motion) refuse(source, id, motion.error());
-  auto own = motions.variation(id.row, scene);
-  if (!own) refuse(source, id, own.error());
+  KeptAnimation kept = kept_animation(source, motions, id.row, scene, id.text);
   gltf::Clip clip{.name = id.text,
-                  .motion = std::move(motion).value(),
-                  .own = std::move(own).value(),
-                  .offsets_m = motions.offsets_m(id.row, scene),
+                  .motion = std::move(kept.motion),
+                  .own = std::move(kept.own),
+                  .offsets_m = std::move(kept.offsets_m),
                   .extras = {{"id", id.text}}};
   const auto whole = [&](const char* name) {
     const double number = read_rows(source, group_name, name, 1, {.first = id.row, .count = 1})[0];
@@ -152,9 +133,9 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
       continue;
     std::uint64_t width = 1;
     for (const archive::Dimension& dim : std::span(spec.dims).subspan(1))
-      width = std::min(width * std::min<std::uint64_t>(dim.size, k_outcome_elements_max + 1),
-                       k_outcome_elements_max + 1);
-    if (width > k_outcome_elements_max) continue;
+      width = std::min(width * std::min<std::uint64_t>(dim.size, browse::k_number_elements_max + 1),
+                       browse::k_number_elements_max + 1);
+    if (width > browse::k_number_elements_max) continue;
     std::vector<double> values =
         read_rows(source, group_name, spec.name, width, {.first = id.row, .count = 1});
     // A world may call an outcome as we call a fact.

@@ -16,10 +16,6 @@ namespace sleight::cli {
 /// where there is one, the archive's warning.
 gltf::Extras extras_of(const archive::Source& source);
 
-/// What all animations look like. Throws base::Error: usage where the archive is too old to have a
-/// scene, bad_archive where it can be none.
-scene::Scene exported_scene(const archive::Source& source);
-
 /// The animation with its motion, what is its own of the scene, and about it: id, chain, draw and
 /// lineage (or start), in_proportion, duration_s, log densities and outcomes. Throws
 /// base::Error(bad_archive) on what can be no motion.

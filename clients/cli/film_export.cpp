@@ -8,6 +8,7 @@
 
 #include "clients/cli/animation_frames.h"
 #include "clients/cli/exported_animations.h"
+#include "clients/cli/kept_animations.h"
 #include "common/archive/summary.h"
 
 namespace sleight::cli {
@@ -32,7 +33,7 @@ std::uint64_t bytes_at(const std::string& place) {
 }  // namespace
 
 FilmExport::FilmExport(const archive::Source& source, FilmOptions options)
-    : source_(source), options_(std::move(options)), scene_(exported_scene(source)) {}
+    : source_(source), options_(std::move(options)), scene_(required_scene(source)) {}
 
 WrittenFile FilmExport::write(const AnimationId& id, const std::string& place,
                               const std::function<void(std::size_t, std::size_t)>& progress) const {

@@ -145,10 +145,11 @@ int find_animations(const FindOptions& options) {
   if (options.ids && options.json)
     throw base::Error(base::ExitCode::usage, "--ids and --json contradict each other");
   return with_results([&] {
-    const Browsed browsed = browse_archives(options.paths);
+    Browsed browsed = browse_archives(options.paths);
+    std::vector<Picked> found =
+        options.names ? std::vector<Picked>() : picked(browsed, options.asked);
     say_what_is_missing(browsed);
     if (options.names) return print_names(options, browsed);
-    std::vector<Picked> found = picked(browsed, options.asked);
     const std::size_t total = found.size();
     if (!options.sort.empty()) sort_picked(options.sort, options.descending, found);
     if (options.limit > 0 && found.size() > options.limit) found.resize(options.limit);

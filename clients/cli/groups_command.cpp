@@ -110,9 +110,9 @@ int group_animations(const GroupsOptions& options) {
     if (!options.output.empty()) refuse_same_file(path, options.output);
   }
   return with_results([&] {
-    const Browsed browsed = browse_archives(options.paths);
-    say_what_is_missing(browsed);
+    Browsed browsed = browse_archives(options.paths);
     const std::vector<Picked> all = picked(browsed, options.asked);
+    say_what_is_missing(browsed);
     const browse::Groups groups = groups_of(
         all, options.groups,
         options.by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids);

@@ -93,10 +93,34 @@ void require_group(const archive::Source& source, std::string_view group, std::s
                   source.name(), format, what));
 }
 
-void refuse_animation(const archive::Source& source, std::size_t animation,
+void refuse_animation(const archive::Source& source, std::string_view name,
                       std::string_view reason) {
   throw base::Error(base::ExitCode::bad_archive,
-                    fmt::format("{}: its animation {} {}", source.name(), animation, reason));
+                    fmt::format("{}: its animation {} {}", source.name(), name, reason));
+}
+
+void refuse_animation(const archive::Source& source, std::size_t animation,
+                      std::string_view reason) {
+  refuse_animation(source, fmt::format("{}", animation), reason);
+}
+
+scene::Scene required_scene(const archive::Source& source) {
+  require_group(source, archive::k_scene, "scene");
+  auto scene = archive::scene_of(source);
+  if (scene) return std::move(scene).value();
+  throw base::Error(base::ExitCode::bad_archive,
+                    fmt::format("{}: {}", source.name(), scene.error()));
+}
+
+KeptAnimation kept_animation(const archive::Source& source, const archive::KeptMotions& motions,
+                             std::uint64_t row, const scene::Scene& scene, std::string_view name) {
+  auto motion = motions.animation(row, scene);
+  if (!motion) refuse_animation(source, name, motion.error());
+  auto own = motions.variation(row, scene);
+  if (!own) refuse_animation(source, name, own.error());
+  return {.motion = std::move(motion).value(),
+          .own = std::move(own).value(),
+          .offsets_m = motions.offsets_m(row, scene)};
 }
 
 std::vector<std::size_t> choose_animations(const archive::Source& source,

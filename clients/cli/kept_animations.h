@@ -9,7 +9,11 @@
 #include <vector>
 
 #include "clients/cli/trace.h"
+#include "common/archive/kept_motions.h"
 #include "common/archive/model.h"
+#include "common/math/vector.h"
+#include "common/motion/path.h"
+#include "common/scene/scene.h"
 
 namespace sleight::cli {
 
@@ -29,9 +33,27 @@ std::vector<double> of_animations(const archive::Source& source, std::string_vie
 /// archive must not make a picture of gigabytes.
 Rows segments_of(const archive::Source& source, std::size_t animation, std::uint64_t most);
 
-/// Throws base::Error(bad_archive): "<archive>: its animation <n> <reason>".
+/// Throws base::Error(bad_archive): "<archive>: its animation <name> <reason>". Of a row of the
+/// drawn group its number is the name.
+[[noreturn]] void refuse_animation(const archive::Source& source, std::string_view name,
+                                   std::string_view reason);
 [[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
                                    std::string_view reason);
+
+/// What all animations look like. Throws base::Error: usage where the archive is too old to have a
+/// scene, bad_archive where it can be none.
+scene::Scene required_scene(const archive::Source& source);
+
+/// An animation as its archive keeps it.
+struct KeptAnimation {
+  motion::Animation motion{};
+  scene::Variation own{};
+  std::vector<math::Vec3> offsets_m{};  ///< of the scene's vertices
+};
+/// One of /animations or /finds. Throws base::Error(bad_archive) that calls it by the name, where
+/// it is none. REQUIRES: the archive's scene and motions, a row of these.
+KeptAnimation kept_animation(const archive::Source& source, const archive::KeptMotions& motions,
+                             std::uint64_t row, const scene::Scene& scene, std::string_view name);
 
 /// Throws base::Error(usage) that says what an archive of format 1 or 2 lacks, and what to do,
 /// where there is no such group; bad_archive of a later format. `what`: what is in it, "scene".

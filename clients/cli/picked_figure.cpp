@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "clients/cli/kept_animations.h"
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/remote/remote_source.h"
@@ -17,27 +18,20 @@
 namespace sleight::cli {
 namespace {
 
-[[noreturn]] void refuse(const Picked& picked, const std::string& reason) {
-  throw base::Error(base::ExitCode::bad_archive,
-                    fmt::format("{}: its animation {} {}", picked.archive->path,
-                                browse::short_text(picked.entry->name), reason));
-}
-
 /// The animation itself, out of its archive's file.
 ShownAnimation read_picked(const archive::Source& source, const Picked& picked, std::string title) {
   const auto group = picked.entry->name.is_find ? archive::k_finds : archive::k_animations;
   const scene::Scene& scene = picked.archive->index.scene;
-  if (archive::find_group(source, group) == nullptr) refuse(picked, "is there no more");
+  const std::string name = browse::short_text(picked.entry->name);
+  if (archive::find_group(source, group) == nullptr)
+    refuse_animation(source, name, "is there no more");
   const archive::KeptMotions motions(source, group);
-  if (picked.entry->row >= motions.count()) refuse(picked, "is there no more");
-  auto motion = motions.animation(picked.entry->row, scene);
-  if (!motion) refuse(picked, motion.error());
-  auto own = motions.variation(picked.entry->row, scene);
-  if (!own) refuse(picked, own.error());
+  if (picked.entry->row >= motions.count()) refuse_animation(source, name, "is there no more");
+  KeptAnimation kept = kept_animation(source, motions, picked.entry->row, scene, name);
   return {.title = std::move(title),
-          .motion = std::move(motion).value(),
-          .own = std::move(own).value(),
-          .offsets_m = motions.offsets_m(picked.entry->row, scene)};
+          .motion = std::move(kept.motion),
+          .own = std::move(kept.own),
+          .offsets_m = std::move(kept.offsets_m)};
 }
 
 }  // namespace

@@ -93,6 +93,8 @@ class Browse(ProgramTest):
         alone = self.find(both[0], "--where", "die 1 touches table")
         self.assertEqual(parsed(result)["found"], alone["found"])
         self.assertIn("nothing is called 'die 1'", result.stderr)
+        self.assertEqual([left["path"] for left in parsed(result)["left_out"]], [str(both[1])])
+        self.assertEqual([one["path"] for one in parsed(result)["archives"]], [str(both[0])])
         self.assertEqual(sleight("find", *both, "--where", "dye 1 touches table").returncode, 2)
 
     def test_paths_and_contacts_are_the_segments(self):

@@ -147,7 +147,7 @@ TEST(BrowsedArchives, CountEachAnimationOnce) {
 }
 
 TEST(BrowsedArchives, AnswerAllQueriesThatAreGiven) {
-  const Browsed browsed = two_archives();
+  Browsed browsed = two_archives();
   EXPECT_EQ(picked(browsed, {}).size(), 8U);
   const auto found =
       picked(browsed, {.where = {"draw > 0"}, .in = {"draw < 3"}, .not_in = {"draw = 1"}});
