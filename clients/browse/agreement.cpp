@@ -7,59 +7,15 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/random/discrete_distributions.h"
+#include "common/random/stream.h"
 
 namespace sleight::browse {
 namespace {
 
-double pairs(double count) {
-  return 0.5 * count * (count - 1);
-}
-
-/// SplitMix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014): enough for dealing.
-class Dealer {
- public:
-  std::uint64_t below(std::uint64_t bound) {
-    // The share by which small numbers are likelier is below bound / 2^64.
-    return next() % bound;
-  }
-
- private:
-  std::uint64_t next() {
-    state_ += 0x9e3779b97f4a7c15U;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    return z ^ (z >> 31);
-  }
-  std::uint64_t state_ = 0;
-};
+constexpr std::uint64_t k_seed = 0;
 
 }  // namespace
-
-double adjusted_rand_index(std::span<const std::size_t> a, std::span<const std::size_t> b) {
-  CHECK_EQ(a.size(), b.size());
-  std::map<std::size_t, double> of_a;
-  std::map<std::size_t, double> of_b;
-  std::map<std::pair<std::size_t, std::size_t>, double> of_both;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ++of_a[a[i]];
-    ++of_b[b[i]];
-    ++of_both[{a[i], b[i]}];
-  }
-  const auto sum = [](const auto& counts) {
-    double total = 0;
-    for (const auto& [label, count] : counts)
-      total += pairs(count);
-    return total;
-  };
-  const double together_a = sum(of_a);
-  const double together_b = sum(of_b);
-  const double all = pairs(static_cast<double>(a.size()));
-  const double expected = all > 0 ? together_a * together_b / all : 0;
-  const double most = 0.5 * (together_a + together_b);
-  if (most == expected) return 1;
-  return (sum(of_both) - expected) / (most - expected);
-}
 
 NeighbourTest neighbour_test(std::span<const float> matrix, std::span<const std::uint8_t> set_of) {
   const std::size_t size = set_of.size();
@@ -83,11 +39,11 @@ NeighbourTest neighbour_test(std::span<const float> matrix, std::span<const std:
   };
   NeighbourTest test{.share = share(set_of)};
   std::vector<std::uint8_t> dealt(set_of.begin(), set_of.end());
-  Dealer dealer;
   std::size_t as_much = 0;
-  for (std::size_t deal = 0; deal < k_deals; ++deal) {
+  for (std::uint64_t deal = 0; deal < k_deals; ++deal) {
+    random::Stream stream({.seed = k_seed, .purpose = random::Purpose::resampling}, deal);
     for (std::size_t i = size - 1; i > 0; --i)
-      std::swap(dealt[i], dealt[dealer.below(i + 1)]);
+      std::swap(dealt[i], dealt[random::UniformInteger{.count = i + 1}.draw(stream)]);
     const double other = share(dealt);
     test.expected += other / static_cast<double>(k_deals);
     as_much += other >= test.share ? 1 : 0;

@@ -1,4 +1,4 @@
-// Whether two ways to divide a set agree, and whether two sets of animations differ.
+// Whether two sets of animations differ.
 //
 // Thread safety: pure.
 #pragma once
@@ -8,11 +8,6 @@
 #include <span>
 
 namespace sleight::browse {
-
-/// The Rand index adjusted for chance: 1 where two divisions are the same, 0 on average where they
-/// have nothing to do with each other (L. Hubert and P. Arabie, Journal of Classification 2, 1985,
-/// equation 5). 1 where both are trivial in the same way. REQUIRES: a label of each member in both.
-double adjusted_rand_index(std::span<const std::size_t> a, std::span<const std::size_t> b);
 
 /// The test of two samples by nearest neighbours (M. Schilling, Journal of the American Statistical
 /// Association 81, 1986; with three neighbours).

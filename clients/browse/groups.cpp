@@ -128,20 +128,25 @@ std::size_t central_member(std::span<const float> matrix, std::size_t size,
   return best;
 }
 
-/// The representatives of the sample's groups.
-std::vector<std::size_t> representatives_of(std::span<const float> matrix, std::size_t size,
-                                            std::size_t k, Grouping by) {
-  if (by == Grouping::medoids) return medoids_of(matrix, size, k);
-  const std::vector<std::size_t> group_of = hierarchy_of(matrix, size, k);
+/// The members of the sample that stand for groups, and the group of each; none by medoids, where
+/// everyone goes to the nearest.
+struct Division {
   std::vector<std::size_t> representatives;
+  std::vector<std::size_t> group_of;
+};
+
+Division divided(std::span<const float> matrix, std::size_t size, std::size_t k, Grouping by) {
+  if (by == Grouping::medoids)
+    return {.representatives = medoids_of(matrix, size, k), .group_of = {}};
+  Division division{.representatives = {}, .group_of = hierarchy_of(matrix, size, k)};
   for (std::size_t group = 0; group < k; ++group) {
     std::vector<std::size_t> members;
     for (std::size_t point = 0; point < size; ++point) {
-      if (group_of[point] == group) members.push_back(point);
+      if (division.group_of[point] == group) members.push_back(point);
     }
-    representatives.push_back(central_member(matrix, size, members));
+    division.representatives.push_back(central_member(matrix, size, members));
   }
-  return representatives;
+  return division;
 }
 
 }  // namespace
@@ -267,25 +272,16 @@ Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scen
   std::iota(sample.begin(), sample.end(), std::size_t{0});
   if (found.is_approximate) sample = evenly_chosen(sorted, k_full_matrix_max);
   const Sketches sketches(sorted, scene);
-  std::vector<float> matrix;
-  {
-    std::vector<const Entry*> sampled;
-    for (const std::size_t i : sample)
-      sampled.push_back(sorted[i]);
-    matrix = Sketches(sampled, scene).matrix(options.threads);
-  }
+  const std::vector<float> matrix = sketches.matrix(sample, options.threads);
   const std::size_t k = std::min(options.groups, sample.size());
-  const auto representatives = representatives_of(matrix, sample.size(), k, options.by);
+  const Division division = divided(matrix, sample.size(), k, options.by);
 
   // Everyone goes to a group: of the sample as the grouping says, the others to the nearest.
   std::vector<std::size_t> group_of(sorted.size(), k);
-  if (options.by == Grouping::hierarchy) {
-    const auto grouped = hierarchy_of(matrix, sample.size(), k);
-    for (std::size_t i = 0; i < sample.size(); ++i)
-      group_of[sample[i]] = grouped[i];
-  }
-  for (std::size_t group = 0; group < k; ++group)
-    found.groups.push_back({.representative = sample[representatives[group]]});
+  for (std::size_t i = 0; i < division.group_of.size(); ++i)
+    group_of[sample[i]] = division.group_of[i];
+  for (const std::size_t representative : division.representatives)
+    found.groups.push_back({.representative = sample[representative]});
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     std::vector<double> distance(k);
     for (std::size_t group = 0; group < k; ++group)

@@ -20,15 +20,15 @@ class Writer {
  public:
   template <class T>
   requires std::is_arithmetic_v<T>
-  void put(T value) {
-    const std::size_t at = bytes.size();
-    bytes.resize(at + sizeof(T));
-    std::memcpy(bytes.data() + at, &value, sizeof(T));
+  void put(T value) { writer_.put(value); }
+  /// Without its length.
+  void put_letters(std::string_view text) {
+    for (const char letter : text)
+      writer_.put(letter);
   }
   void put(std::string_view text) {
     put(std::uint64_t{text.size()});
-    const auto view = std::as_bytes(std::span(text));
-    bytes.insert(bytes.end(), view.begin(), view.end());
+    put_letters(text);
   }
   void put(const math::Vec3& v) {
     for (Eigen::Index axis = 0; axis < 3; ++axis)
@@ -40,12 +40,12 @@ class Writer {
     put(piece.velocity_mps);
     put(piece.acceleration_mps2);
   }
+  base::Bytes take() { return writer_.take(); }
 
-  base::Bytes bytes{};
+ private:
+  base::ByteWriter writer_;
 };
 
-/// Reads what the writer wrote. The bytes have been found whole, so that lengths are right; they
-/// are checked all the same.
 class Reader {
  public:
   explicit Reader(base::BytesView bytes) : reader_(bytes), rest_(bytes.size()) {}
@@ -159,8 +159,7 @@ hash::Sha256::Value sum_of(base::BytesView bytes) {
 
 base::Bytes bytes_of(const Index& index) {
   Writer writer;
-  const auto beginning = std::as_bytes(std::span(k_beginning));
-  writer.bytes.assign(beginning.begin(), beginning.end());
+  writer.put_letters(k_beginning);
   writer.put(std::string_view(index.run_id));
   writer.put(std::string_view(index.digest));
   writer.put(std::string_view(index.world));
@@ -172,9 +171,10 @@ base::Bytes bytes_of(const Index& index) {
   writer.put(std::uint64_t{index.entries.size()});
   for (const Entry& entry : index.entries)
     put_entry(entry, writer);
-  const auto sum = sum_of(writer.bytes);
-  writer.bytes.insert(writer.bytes.end(), sum.begin(), sum.end());
-  return std::move(writer.bytes);
+  base::Bytes bytes = writer.take();
+  const auto sum = sum_of(bytes);
+  bytes.insert(bytes.end(), sum.begin(), sum.end());
+  return bytes;
 }
 
 std::optional<Index> index_of(base::BytesView bytes) {

@@ -4,8 +4,10 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 #include <thread>
 #include <utility>
@@ -235,27 +237,47 @@ Resemblance Sketches::between(std::size_t a, std::size_t b) const {
   return found;
 }
 
-std::vector<float> Sketches::matrix(std::size_t threads) const {
-  std::vector<float> values(size() * size(), 0);
+std::vector<float> Sketches::matrix(std::span<const std::size_t> of, std::size_t threads) const {
+  const std::size_t size = of.size();
+  std::vector<float> values(size * size, 0);
   std::atomic<std::size_t> next_row{0};
   // A row is one thread's; what stands below the diagonal is of another row, and no other writes
   // it.
-  const auto work = [&] {
-    for (std::size_t row = next_row++; row < size(); row = next_row++) {
-      for (std::size_t column = row + 1; column < size(); ++column) {
+  const auto rows = [&] {
+    for (std::size_t row = next_row++; row < size; row = next_row++) {
+      for (std::size_t column = row + 1; column < size; ++column) {
         const auto value =
-            static_cast<float>(std::min(between(row, column).value_m(), k_value_max_m));
-        values[row * size() + column] = value;
-        values[column * size() + row] = value;
+            static_cast<float>(std::min(between(of[row], of[column]).value_m(), k_value_max_m));
+        values[row * size + column] = value;
+        values[column * size + row] = value;
       }
     }
   };
-  std::vector<std::jthread> others;
-  for (std::size_t i = 1; i < threads; ++i)
-    others.emplace_back(work);
-  work();
-  others.clear();
+  // Memory may run out in any thread; the caller is told.
+  std::vector<std::exception_ptr> failures(std::max<std::size_t>(threads, 1));
+  const auto work = [&](std::size_t thread) {
+    try {
+      rows();
+    } catch (...) {
+      failures[thread] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::size_t thread = 1; thread < threads; ++thread)
+      others.emplace_back(work, thread);
+    work(0);
+  }
+  for (const std::exception_ptr& failure : failures) {
+    if (failure) std::rethrow_exception(failure);
+  }
   return values;
+}
+
+std::vector<float> Sketches::matrix(std::size_t threads) const {
+  std::vector<std::size_t> all(size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return matrix(all, threads);
 }
 
 }  // namespace sleight::browse

@@ -56,7 +56,10 @@ class Sketches {
   /// Of the entries a and b. The same for (b, a).
   Resemblance between(std::size_t a, std::size_t b) const;
 
-  /// The values of all pairs, row by row; by so many threads, with the same bits by any.
+  /// The values of all pairs of some entries, row by row; by so many threads, with the same bits by
+  /// any.
+  std::vector<float> matrix(std::span<const std::size_t> of, std::size_t threads) const;
+  /// Of all.
   std::vector<float> matrix(std::size_t threads) const;
 
  private:

@@ -14,21 +14,19 @@
 #include <vector>
 
 #include "clients/browse/agreement.h"
+#include "tests/browse/rand_index.h"
 #include "tests/support/property.h"
 #include "tests/unit/clients/browse/random_index.h"
 
 namespace sleight::browse {
 namespace {
 
+using testing::adjusted_rand_index;
 using testing::below;
 using testing::entries_of;
 using testing::random_index;
 
 constexpr std::uint64_t k_seed = 28;
-
-random::Stream stream_of(std::uint64_t n) {
-  return {{.seed = k_seed, .purpose = random::Purpose::prior}, n};
-}
 
 /// Distances of points in a plane, in clumps or not.
 std::vector<float> matrix_of(std::size_t size, random::Stream& stream) {
@@ -62,7 +60,7 @@ TEST(Groups, NoExchangeOfOneMedoidHelps) {
   int best = 0;
   int cases = 0;
   for (const std::uint64_t n : property::cases(200)) {
-    random::Stream stream = stream_of(n);
+    random::Stream stream = testing::stream_of(k_seed, n);
     const std::size_t size = 2 + below(stream, 9);
     const std::size_t k = 1 + below(stream, std::min<std::size_t>(size, 4));
     const std::vector<float> matrix = matrix_of(size, stream);
@@ -134,7 +132,7 @@ std::vector<std::size_t> plain_hierarchy(const std::vector<float>& matrix, std::
 
 TEST(Groups, HierarchyJoinsTheNearest) {
   for (const std::uint64_t n : property::cases(200)) {
-    random::Stream stream = stream_of(1000 + n);
+    random::Stream stream = testing::stream_of(k_seed, 1000 + n);
     const std::size_t size = 1 + below(stream, 12);
     const std::size_t k = 1 + below(stream, size);
     const std::vector<float> matrix = matrix_of(size, stream);
@@ -163,7 +161,7 @@ std::map<std::uint64_t, std::set<std::uint64_t>> named(const Groups& groups,
 }
 
 TEST(Groups, AreTheSameInAnyOrder) {
-  random::Stream stream = stream_of(1);
+  random::Stream stream = testing::stream_of(k_seed, 1);
   for (const std::size_t size : {1UL, 3UL, 40UL, 505UL}) {
     const Index index = random_index(size, stream);
     for (const Grouping by : {Grouping::medoids, Grouping::hierarchy}) {
@@ -189,7 +187,7 @@ TEST(Groups, AreTheSameInAnyOrder) {
 
 TEST(Groups, OfClumpsAreTheClumps) {
   // Four kinds of animations, 30 of each, that differ by much less than the kinds do.
-  random::Stream stream = stream_of(2);
+  random::Stream stream = testing::stream_of(k_seed, 2);
   const Index kinds = random_index(4, stream);
   Index index = kinds;
   index.entries.clear();
@@ -225,7 +223,7 @@ TEST(Agreement, OfDivisionsIsAdjustedForChance) {
   EXPECT_EQ(adjusted_rand_index(a, a), 1);
   const std::vector<std::size_t> renamed{5, 5, 5, 2, 2, 2};
   EXPECT_EQ(adjusted_rand_index(a, renamed), 1);
-  random::Stream stream = stream_of(3);
+  random::Stream stream = testing::stream_of(k_seed, 3);
   double sum = 0;
   constexpr int k_times = 300;
   for (int time = 0; time < k_times; ++time) {
@@ -241,7 +239,7 @@ TEST(Agreement, OfDivisionsIsAdjustedForChance) {
 }
 
 TEST(Agreement, NeighboursTellTwoSetsFromOne) {
-  random::Stream stream = stream_of(4);
+  random::Stream stream = testing::stream_of(k_seed, 4);
   constexpr std::size_t k_size = 80;
   const auto test_of = [&](double apart) {
     std::vector<double> place;

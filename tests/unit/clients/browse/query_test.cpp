@@ -21,16 +21,12 @@ using testing::random_index;
 
 constexpr std::uint64_t k_seed = 26;
 
-random::Stream stream_of(std::uint64_t n) {
-  return {{.seed = k_seed, .purpose = random::Purpose::prior}, n};
-}
-
 TEST(Queries, AreAnsweredAsSlowlyAndPlainly) {
   std::uint64_t met = 0;
   std::uint64_t asked = 0;
   std::uint64_t close = 0;
   for (const std::uint64_t n : property::cases(2000)) {
-    random::Stream stream = stream_of(n);
+    random::Stream stream = testing::stream_of(k_seed, n);
     const Index index = random_index(4, stream);
     for (int i = 0; i < 10; ++i) {
       const Condition condition = testing::random_condition(index, stream, 3);
@@ -58,7 +54,7 @@ TEST(Queries, TheComparisonNoticesAnswersThatAreWrong) {
   // Were paths sampled instead of solved, as at 30 frames a second, it would be seen.
   std::uint64_t missed = 0;
   for (std::uint64_t n = 0; n < 300; ++n) {
-    random::Stream stream = stream_of(n);
+    random::Stream stream = testing::stream_of(k_seed, n);
     const Index index = random_index(1, stream);
     const Entry& entry = index.entries.front();
     // About a place on some way.
@@ -203,7 +199,7 @@ TEST(Queries, AnyBytesAreAnErrorOrAQuery) {
   const std::string signs =
       "any every ball 1 in x..0.5mm\"\\()<>=,:[]\n\t\xc3\xa9\x01 then not and";
   for (const std::uint64_t n : property::cases(20'000)) {
-    random::Stream stream = stream_of(n);
+    random::Stream stream = testing::stream_of(k_seed, n);
     std::string text;
     for (std::uint64_t i = below(stream, 40); i > 0; --i)
       text += signs[below(stream, signs.size())];

@@ -30,6 +30,11 @@ inline scene::Scene small_scene() {
           .high_m = {1, 1, 1}};
 }
 
+/// The nth stream of a test's cases.
+inline random::Stream stream_of(std::uint64_t seed, std::uint64_t n) {
+  return {{.seed = seed, .purpose = random::Purpose::prior}, n};
+}
+
 inline double between(random::Stream& stream, double low, double high) {
   return low + (high - low) * stream.uniform();
 }

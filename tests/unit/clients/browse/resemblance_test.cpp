@@ -20,13 +20,9 @@ using testing::random_index;
 
 constexpr std::uint64_t k_seed = 27;
 
-random::Stream stream_of(std::uint64_t n) {
-  return {{.seed = k_seed, .purpose = random::Purpose::prior}, n};
-}
-
 TEST(Resemblance, MatchesBodiesAsCheaplyAsAllPermutationsAllow) {
   for (const std::uint64_t n : property::cases(400)) {
-    random::Stream stream = stream_of(n);
+    random::Stream stream = testing::stream_of(k_seed, n);
     const std::size_t size = 1 + testing::below(stream, 6);
     std::vector<double> costs;
     // Few different costs: many matchings are equally cheap.
@@ -54,7 +50,7 @@ TEST(Resemblance, MatchesBodiesAsCheaplyAsAllPermutationsAllow) {
 }
 
 TEST(Resemblance, IsSymmetricAndZeroOfOneself) {
-  random::Stream stream = stream_of(0);
+  random::Stream stream = testing::stream_of(k_seed, 0);
   const Index index = random_index(12, stream);
   const std::vector<const Entry*> entries = entries_of(index);
   const Sketches sketches(entries, index.scene);
