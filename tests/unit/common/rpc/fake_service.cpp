@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -11,6 +14,7 @@
 #include <condition_variable>
 #include <filesystem>
 #include <fstream>
+#include <type_traits>
 
 #include "common/base/check.h"
 #include "common/hash/sha256.h"
@@ -318,23 +322,67 @@ void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
   loop.run();
 }
 
+/// What a nursery is asked: a server's start, or its end.
+struct Ask {
+  pid_t kill = 0;  ///< 0: start one
+  char path[sizeof(sockaddr_un::sun_path)] = {};
+  std::size_t file_bytes = 0;
+  ServerLimits limits{};
+};
+static_assert(std::is_trivially_copyable_v<Ask>);
+
+pid_t start(const Ask& ask, Shared& shared) {
+  const pid_t pid = ::fork();
+  if (pid != 0) return pid;
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  ::close_range(3, ~0U, 0);
+  // A thread of its own: the test's may have had a client, and so an event loop.
+  std::thread([&] { serve(ask.path, shared, ask.file_bytes, ask.limits); }).join();
+  ::_exit(0);
+}
+
+/// Starts and ends servers until the test closes its socket. Files that the test has open, and
+/// their locks, are not theirs.
+[[noreturn]] void run_nursery(int socket, Shared& shared) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  ::dup2(socket, 3);
+  ::close_range(4, ~0U, 0);
+  Ask ask;
+  while (::recv(3, &ask, sizeof ask, 0) == sizeof ask) {
+    pid_t answer = ask.kill;
+    if (ask.kill == 0) {
+      answer = start(ask, shared);
+    } else {
+      ::kill(ask.kill, SIGKILL);
+      ::waitpid(ask.kill, nullptr, 0);
+    }
+    if (::send(3, &answer, sizeof answer, MSG_NOSIGNAL) != sizeof answer) break;
+  }
+  ::_exit(0);
+}
+
+/// REQUIRES: no other thread asks meanwhile.
+pid_t asked(const Shared& shared, const Ask& ask) {
+  pid_t answer = -1;
+  CHECK(::send(shared.nursery, &ask, sizeof ask, MSG_NOSIGNAL) == sizeof ask);
+  CHECK(::recv(shared.nursery, &answer, sizeof answer, 0) == sizeof answer);
+  return answer;
+}
+
 }  // namespace
 
 ServerProcess::ServerProcess(const std::string& path, Shared& shared, std::size_t file_bytes,
                              ServerLimits limits)
-    : pid_(::fork()) {
-  if (pid_ == 0) {
-    // Files that the test has open, and their locks, are not the server's.
-    ::close_range(3, ~0U, 0);
-    // A thread of its own: the one that forked may have a client, and so an event loop.
-    std::thread([&] { serve(path, shared, file_bytes, limits); }).join();
-    ::_exit(0);
-  }
+    : shared_(shared) {
+  Ask ask = {.kill = 0, .file_bytes = file_bytes, .limits = limits};
+  CHECK_LT(path.size(), sizeof ask.path);
+  path.copy(ask.path, path.size());
+  pid_ = asked(shared_, ask);
   EXPECT_TRUE(comes_true([&] {
     try {
       Client(path, {.call_s_max = 5}).info();
       return true;
-    } catch (const NoServer&) {
+    } catch (const base::Error&) {  // not yet there, or slow
       return false;
     }
   }));
@@ -346,8 +394,7 @@ ServerProcess::~ServerProcess() {
 
 void ServerProcess::kill() {
   if (pid_ <= 0) return;
-  ::kill(pid_, SIGKILL);
-  ::waitpid(pid_, nullptr, 0);
+  asked(shared_, {.kill = pid_});
   pid_ = -1;
 }
 
@@ -373,7 +420,18 @@ std::shared_ptr<Shared> make_shared_memory() {
   void* memory =
       ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   CHECK(memory != MAP_FAILED);
-  return {new (memory) Shared, [](Shared* shared) { ::munmap(shared, sizeof(Shared)); }};
+  auto* shared = new (memory) Shared;
+  int ends[2] = {};
+  CHECK(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0);
+  const pid_t pid = ::fork();
+  if (pid == 0) run_nursery(ends[1], *shared);
+  ::close(ends[1]);
+  shared->nursery = ends[0];
+  return {shared, [pid](Shared* last) {
+            ::close(last->nursery);
+            ::waitpid(pid, nullptr, 0);
+            ::munmap(last, sizeof(Shared));
+          }};
 }
 
 SocketFolder::SocketFolder() {

@@ -122,9 +122,12 @@ struct Shared {
   std::atomic<std::uint64_t> events = 0;    ///< of job 1
   std::atomic<std::uint64_t> progress = 0;  ///< likewise
   std::atomic<bool> is_over = false;
+  int nursery = -1;  ///< a socket of the process that forks the servers
 };
 
-/// A server in a process of its own, which has job 1 and the file "ball.h5" of `file_bytes`.
+/// A server in a process of its own, which has job 1 and the file "ball.h5" of `file_bytes`. It is
+/// forked by the process that make_shared_memory began, which never had a second thread: a process
+/// forked beside one that holds a lock of the sanitizers' waits for it for ever.
 class ServerProcess {
  public:
   ServerProcess(const std::string& path, Shared& shared, std::size_t file_bytes = 1000,
@@ -139,10 +142,11 @@ class ServerProcess {
   std::size_t peak_bytes() const;
 
  private:
+  const Shared& shared_;
   pid_t pid_;
 };
 
-/// A Shared that processes share.
+/// A Shared that processes share. REQUIRES: the test has no other thread yet.
 std::shared_ptr<Shared> make_shared_memory();
 
 /// A folder with a socket's place; removed at the end.
