@@ -1,0 +1,388 @@
+#include "clients/web/server.h"
+
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <pthread.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <exception>
+#include <system_error>
+#include <utility>
+
+#include "clients/web/connection.h"
+#include "clients/web/reply.h"
+#include "clients/web/server_impl.h"
+#include "common/base/check.h"
+#include "common/base/error.h"
+
+namespace sleight::web {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using SystemError = boost::system::error_code;
+
+constexpr auto k_accept_again = std::chrono::milliseconds(250);  // as after too many open files
+constexpr int k_accept_at_once = 16;      // before those that are connected have their turn
+constexpr std::size_t k_extras_max = 16;  // connections above the limit that are told so
+constexpr int k_port_tries = 16;          // for one that is free on both of 127.0.0.1 and ::1
+constexpr int k_send_buffer = 256 << 10;  // the system's, or slow readers would fill megabytes
+constexpr int k_waiting_max = 128;  // connections that the system keeps until they are accepted
+
+constexpr Refusal k_full{503, "This server has too many connections.",
+                         "Close other windows of this page, and try again."};
+
+std::string system_words(int number) {
+  return std::generic_category().message(number);
+}
+
+/// A listening socket that no other process inherits, or why there is none.
+struct Bound {
+  base::Descriptor descriptor;
+  int error = 0;
+};
+
+Bound bind_to(const sockaddr* address, socklen_t size) {
+  Bound bound;
+  bound.descriptor.reset(
+      ::socket(address->sa_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int descriptor = bound.descriptor.get();
+  const int yes = 1;
+  // After a restart the port is free at once; two servers still can't have it.
+  const bool is_listening =
+      descriptor >= 0 &&
+      ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
+      (address->sa_family != AF_INET6 ||
+       ::setsockopt(descriptor, IPPROTO_IPV6, IPV6_V6ONLY, &yes, sizeof yes) == 0) &&
+      ::bind(descriptor, address, size) == 0 && ::listen(descriptor, k_waiting_max) == 0;
+  if (!is_listening) {
+    bound.error = errno;
+    bound.descriptor.reset();
+  }
+  return bound;
+}
+
+Bound bind_loopback(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return bind_to(reinterpret_cast<const sockaddr*>(&address), sizeof address);
+}
+
+Bound bind_loopback_6(std::uint16_t port) {
+  sockaddr_in6 address{};
+  address.sin6_family = AF_INET6;
+  address.sin6_port = htons(port);
+  address.sin6_addr = in6addr_loopback;
+  return bind_to(reinterpret_cast<const sockaddr*>(&address), sizeof address);
+}
+
+std::uint16_t port_of(const base::Descriptor& descriptor) {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  CHECK_EQ(::getsockname(descriptor.get(), reinterpret_cast<sockaddr*>(&address), &size), 0);
+  return ntohs(address.sin_port);
+}
+
+/// While it lives, threads that are started take no signals: those are the program's own threads'.
+class WithoutSignals {
+ public:
+  WithoutSignals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~WithoutSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  WithoutSignals(const WithoutSignals&) = delete;
+  WithoutSignals& operator=(const WithoutSignals&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+}  // namespace
+
+Server::Impl::Listener::Listener(Impl& owner, tcp of, base::Descriptor descriptor)
+    : acceptor(owner.loop), protocol(of), again(owner.loop) {
+  acceptor.assign(of, descriptor.release());
+}
+
+Server::Impl::Impl(ServerOptions wanted, Handler answering)
+    : options(std::move(wanted)), handler(std::move(answering)), keys(options.secret) {
+  const ServerLimits& limits = options.limits;
+  CHECK_GE(limits.head_bytes_max, 4096U);
+  CHECK_GT(options.threads, 0U);
+  CHECK(handler != nullptr);
+  bodies.bytes_max = limits.bodies_bytes_max;
+  listen();
+  guard = std::make_unique<Guard>(Guard::Options{.port = port,
+                                                 .hosts = options.hosts,
+                                                 .events_path = options.events_path,
+                                                 .way_in = options.way_in},
+                                  keys);
+  newest_token = keys.new_token();
+  for (const auto& listener : listeners)
+    accept_when_ready(*listener);
+  comment_streams();
+  const WithoutSignals guarded;
+  pool = std::make_unique<asio::thread_pool>(options.threads);
+  loop_thread = std::thread([this] { loop.run(); });
+}
+
+Server::Impl::~Impl() {
+  stop();
+}
+
+void Server::Impl::listen() {
+  for (int tries = 1;; ++tries) {
+    Bound bound = bind_loopback(options.port);
+    if (!bound.descriptor) {
+      if (bound.error == EADDRINUSE) {
+        throw base::Error(
+            base::ExitCode::conflict,
+            fmt::format("port {} of this host is taken; name another one, or none", options.port));
+      }
+      throw base::Error(fmt::format("can't listen on 127.0.0.1, port {}: {}", options.port,
+                                    system_words(bound.error)));
+    }
+    port = port_of(bound.descriptor);
+    Bound bound_6;
+    if (options.with_ipv6) bound_6 = bind_loopback_6(port);
+    // Where somebody else has that port on ::1, another port may be free on both.
+    if (bound_6.error == EADDRINUSE && options.port == 0 && tries < k_port_tries) continue;
+    listeners.push_back(std::make_unique<Listener>(*this, tcp::v4(), std::move(bound.descriptor)));
+    if (bound_6.descriptor) {
+      listeners.push_back(
+          std::make_unique<Listener>(*this, tcp::v6(), std::move(bound_6.descriptor)));
+    }
+    return;
+  }
+}
+
+// ---------------------------------------------------------------------------- connections come and
+// go
+
+void Server::Impl::accept_when_ready(Listener& listener) {
+  listener.acceptor.async_wait(tcp::acceptor::wait_read,
+                               [this, &listener](const SystemError& error) {
+                                 if (!error) accept(listener);
+                               });
+}
+
+void Server::Impl::accept(Listener& listener) {
+  // accept4 by hand: Asio's own leaves a moment in which another thread's fork inherits the socket.
+  for (int i = 0; i < k_accept_at_once; ++i) {
+    base::Descriptor descriptor(::accept4(listener.acceptor.native_handle(), nullptr, nullptr,
+                                          SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (descriptor) {
+      listener.fails = false;
+      ++accepted;
+      ::setsockopt(descriptor.get(), SOL_SOCKET, SO_SNDBUF, &k_send_buffer, sizeof k_send_buffer);
+      tcp::socket socket(loop);
+      SystemError failure;
+      socket.assign(listener.protocol, descriptor.get(), failure);
+      if (failure) continue;
+      descriptor.release();
+      socket.set_option(tcp::no_delay(true), failure);
+      admit(std::move(socket));
+      continue;
+    }
+    if (errno == EINTR || errno == ECONNABORTED) continue;
+    if (errno == EAGAIN || errno == EWOULDBLOCK) break;
+    if (!std::exchange(listener.fails, true))
+      complain(fmt::format("no connection can be accepted: {}", system_words(errno)));
+    make_room();
+    listener.again.expires_after(k_accept_again);
+    listener.again.async_wait([this, &listener](const SystemError& error) {
+      if (!error) accept_when_ready(listener);
+    });
+    return;
+  }
+  accept_when_ready(listener);
+}
+
+void Server::Impl::admit(tcp::socket socket) {
+  const auto extras = static_cast<std::size_t>(std::ranges::count_if(
+      connections, [](const auto& entry) { return entry.second->is_extra(); }));
+  const bool is_full =
+      connections.size() - extras >= options.limits.connections_max && !make_room();
+  if (is_full && extras >= k_extras_max) {
+    ++closed;
+    return;
+  }
+  const std::uint64_t number = accepted;
+  const auto connection = std::make_shared<Connection>(*this, std::move(socket), number, is_full);
+  connections.emplace(number, connection);
+  connection_count = connections.size();
+  if (is_full) {
+    ++closed;
+    connection->refuse(k_full);
+  } else {
+    connection->start();
+  }
+}
+
+/// Closes the one that waits longest of those that may be closed.
+bool Server::Impl::make_room() {
+  const auto now = std::chrono::steady_clock::now();
+  std::shared_ptr<Connection> longest;
+  for (const auto& [number, connection] : connections) {
+    if (connection->is_extra() || !connection->can_make_room()) continue;
+    const std::chrono::duration<double> waited = now - connection->stage_since();
+    if (waited.count() < options.limits.idle_grace_s) continue;
+    if (!longest || connection->stage_since() < longest->stage_since()) longest = connection;
+  }
+  if (!longest) return false;
+  longest->close_as_too_much();
+  return true;
+}
+
+void Server::Impl::forget(const std::shared_ptr<Connection>& connection) {
+  connections.erase(connection->number());
+  connection_count = connections.size();
+  streams.erase(connection->number());
+  stream_count = streams.size();
+}
+
+void Server::Impl::bound_answers() {
+  while (answers_bytes > options.limits.answers_bytes_max) {
+    std::shared_ptr<Connection> longest;
+    for (const auto& [number, connection] : connections) {
+      if (!connection->is_writing()) continue;
+      if (!longest || connection->stage_since() < longest->stage_since()) longest = connection;
+    }
+    if (!longest) return;
+    longest->close_as_too_much();
+  }
+}
+
+// -------------------------------------------------------------------------------------------
+// events
+
+void Server::Impl::start_stream(const std::shared_ptr<Connection>& connection) {
+  if (streams.size() >= options.limits.streams_max) {
+    Refusal refusal = k_full;
+    refusal.is_json = true;
+    return connection->refuse(refusal);
+  }
+  streams.emplace(connection->number(), connection);
+  stream_count = streams.size();
+  connection->stream();
+}
+
+void Server::Impl::comment_streams() {
+  comments.expires_after(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(options.limits.stream_comment_s)));
+  comments.async_wait([this](const SystemError& error) {
+    if (error) return;
+    const auto comment = std::make_shared<const std::string>(":\n\n");
+    const auto now = streams;  // a push may close its stream
+    for (const auto& [number, stream] : now)
+      stream->push(comment);
+    comment_streams();
+  });
+}
+
+void Server::Impl::publish(const std::string& event, std::shared_ptr<const std::string> text) {
+  const auto now = streams;
+  for (const auto& [number, stream] : now)
+    stream->push(text);
+  newest_events[event] = std::move(text);
+}
+
+// -------------------------------------------------------------------------------------------
+// answers
+
+void Server::Impl::complain(const std::string& words) const {
+  if (options.complain) options.complain(words);
+}
+
+Answer Server::Impl::answer(const Ask& ask) const {
+  const auto failed = [&](const std::string& words) {
+    complain(words);
+    return error_answer(500, "This program has failed to answer.",
+                        "What it says in its terminal belongs into a report of this bug.");
+  };
+  try {
+    Answer answer = handler(ask);
+    if (!is_sound(answer)) return failed("an answer has a status or a field that can't be sent");
+    return answer;
+  } catch (const std::exception& error) {
+    return failed(fmt::format("a page's question was not answered: {}", error.what()));
+  } catch (...) {
+    return failed("a page's question was not answered");
+  }
+}
+
+void Server::Impl::stop() {
+  const std::lock_guard lock(stop_mutex);
+  if (std::exchange(is_stopped, true)) return;
+  loop.stop();
+  if (loop_thread.joinable()) loop_thread.join();
+  // Handlers at work end first: what they then post is never run.
+  if (pool) {
+    pool->stop();
+    pool->join();
+  }
+  // The loop is over, so this thread may do what was its.
+  listeners.clear();
+  const auto now = connections;
+  for (const auto& [number, connection] : now)
+    connection->close();
+}
+
+// --------------------------------------------------------------------------------------- the
+// server
+
+Server::Server(ServerOptions options, Handler handler)
+    : impl_(std::make_unique<Impl>(std::move(options), std::move(handler))) {}
+
+Server::~Server() = default;
+
+std::uint16_t Server::port() const {
+  return impl_->port;
+}
+
+std::string Server::link(std::string_view host) const {
+  const std::lock_guard lock(impl_->link_mutex);
+  const std::string own = fmt::format("127.0.0.1:{}", impl_->port);
+  return fmt::format("http://{}/?token={}", host.empty() ? own : host, impl_->newest_token);
+}
+
+std::string Server::new_link(std::string_view host) {
+  {
+    const std::lock_guard lock(impl_->link_mutex);
+    impl_->newest_token = impl_->keys.new_token();
+  }
+  return link(host);
+}
+
+void Server::publish(const std::string& event, const std::string& data) {
+  auto text = std::make_shared<const std::string>(event_text(event, data));
+  asio::post(impl_->loop, [impl = impl_.get(), event, text = std::move(text)]() mutable {
+    impl->publish(event, std::move(text));
+  });
+}
+
+void Server::stop() {
+  impl_->stop();
+}
+
+ServerCounts Server::counts() const {
+  return {.connections = impl_->connection_count,
+          .streams = impl_->stream_count,
+          .bodies_bytes = impl_->bodies.bytes,
+          .answers_bytes = impl_->answers_bytes,
+          .accepted = impl_->accepted,
+          .closed = impl_->closed,
+          .asks = impl_->asks,
+          .refused = impl_->refused};
+}
+
+}  // namespace sleight::web

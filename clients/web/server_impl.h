@@ -1,0 +1,97 @@
+// What a server and its connections share.
+//
+// Thread safety: everything belongs to the loop's thread, but for what says otherwise.
+#pragma once
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "clients/web/guard.h"
+#include "clients/web/intake.h"
+#include "clients/web/keys.h"
+#include "clients/web/server.h"
+#include "common/base/descriptor.h"
+
+namespace sleight::web {
+
+class Connection;
+
+struct Server::Impl {
+  Impl(ServerOptions wanted, Handler answering);
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  /// A listener's next connections, from here on.
+  struct Listener {
+    Listener(Impl& owner, boost::asio::ip::tcp protocol, base::Descriptor descriptor);
+    boost::asio::ip::tcp::acceptor acceptor;
+    boost::asio::ip::tcp protocol;
+    boost::asio::steady_timer again;
+    bool fails = false;  ///< said once
+  };
+  void listen();
+  void accept_when_ready(Listener& listener);
+  void accept(Listener& listener);
+  void admit(boost::asio::ip::tcp::socket socket);
+  bool make_room();
+  void comment_streams();
+  void publish(const std::string& event, std::shared_ptr<const std::string> text);
+  void stop();
+
+  /// Where the answers that are being read hold too much: closes those that are read longest.
+  void bound_answers();
+  void start_stream(const std::shared_ptr<Connection>& connection);
+  void forget(const std::shared_ptr<Connection>& connection);
+
+  /// On any thread: the handler's answer, or what is said where it has none.
+  Answer answer(const Ask& ask) const;
+  /// On any thread.
+  void complain(const std::string& words) const;
+
+  ServerOptions options;
+  Handler handler;
+  std::uint16_t port = 0;
+  Keys keys;
+  BodyBudget bodies;
+
+  std::atomic<std::size_t> connection_count = 0;  ///< this and the following: read by any thread
+  std::atomic<std::size_t> stream_count = 0;
+  std::atomic<std::size_t> answers_bytes = 0;
+  std::atomic<std::uint64_t> accepted = 0;
+  std::atomic<std::uint64_t> closed = 0;
+  std::atomic<std::uint64_t> asks = 0;
+  std::atomic<std::uint64_t> refused = 0;
+
+  mutable std::mutex link_mutex;
+  std::string newest_token;
+
+  std::unique_ptr<Guard> guard;
+  std::map<std::string, std::shared_ptr<const std::string>> newest_events;
+
+  boost::asio::io_context loop{1};
+  std::vector<std::unique_ptr<Listener>> listeners;
+  boost::asio::steady_timer comments{loop};
+  /// In the order in which they came: by their numbers.
+  std::map<std::uint64_t, std::shared_ptr<Connection>> connections;
+  std::map<std::uint64_t, std::shared_ptr<Connection>> streams;
+
+  std::mutex stop_mutex;
+  bool is_stopped = false;
+  /// Its threads' work refers to all above, so it goes first.
+  std::unique_ptr<boost::asio::thread_pool> pool;
+  std::thread loop_thread;
+};
+
+}  // namespace sleight::web
