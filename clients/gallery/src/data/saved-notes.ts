@@ -1,0 +1,78 @@
+// Stars and notes of a saved gallery: its files are nobody's to change, so they are kept by the
+// browser where it keeps anything for this page, and else until the page is closed.
+
+import { isObject } from "./packed";
+import type { AnimationName, KeptNote, Note } from "./types";
+
+type OfRun = Record<AnimationName, KeptNote>;
+
+const PREFIX = "sleight-notes.";
+
+export class SavedNotes {
+  private readonly runs = new Map<string, OfRun>();
+  /** null: nothing can be kept. */
+  private storage: Storage | null;
+
+  constructor(storage: () => Storage) {
+    this.storage = usable(storage);
+  }
+
+  /** Whether notes outlive the page. */
+  get areKept(): boolean {
+    return this.storage !== null;
+  }
+
+  ofRun(run: string): Readonly<OfRun> {
+    let notes = this.runs.get(run);
+    if (notes === undefined) {
+      notes = this.read(run);
+      this.runs.set(run, notes);
+    }
+    return notes;
+  }
+
+  set(run: string, name: AnimationName, { star, hidden, tags, note }: Note): KeptNote {
+    // The same gallery may be open twice: what the other page has noted stays.
+    const notes = { ...this.ofRun(run), ...this.read(run) };
+    const changed = 1 + Object.values(notes).reduce((most, one) => Math.max(most, one.changed), 0);
+    const kept: KeptNote = { star, hidden, tags: [...tags], note, changed };
+    const now = { ...notes, [name]: kept };
+    this.runs.set(run, now);
+    try {
+      this.storage?.setItem(PREFIX + run, JSON.stringify(now));
+    } catch {
+      // Full, or taken away: from here on they last as long as the page.
+      this.storage = null;
+    }
+    return kept;
+  }
+
+  private read(run: string): OfRun {
+    try {
+      const all: unknown = JSON.parse(this.storage?.getItem(PREFIX + run) ?? "{}");
+      if (!isObject(all)) return {};
+      return Object.fromEntries(
+        Object.entries(all).filter((entry): entry is [string, KeptNote] => isNote(entry[1])));
+    } catch {
+      return {};
+    }
+  }
+}
+
+/** Browsers throw at the first touch where a page may keep nothing. */
+function usable(storage: () => Storage): Storage | null {
+  try {
+    const found = storage();
+    found.setItem(PREFIX, "{}");
+    found.removeItem(PREFIX);
+    return found;
+  } catch {
+    return null;
+  }
+}
+
+function isNote(value: unknown): value is KeptNote {
+  return isObject(value) && typeof value["star"] === "boolean" && typeof value["hidden"] === "boolean" &&
+    typeof value["note"] === "string" && typeof value["changed"] === "number" &&
+    Array.isArray(value["tags"]) && value["tags"].every((tag) => typeof tag === "string");
+}

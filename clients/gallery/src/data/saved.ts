@@ -1,0 +1,296 @@
+// A gallery that was saved as static files: `sleight gallery --save`. There is no server, so the page
+// reads what was answered once (saved-scripts.ts says how) and searches, groups and compares by itself.
+//
+// clients/gallery_server/saved_gallery.h says what the files are.
+
+import { ArchiveSearch } from "../search/search";
+import {
+  animationsOf, galleryOf, looksOf, sceneOf, seriesOf, seriesTitlesOf, tableOf,
+} from "./decode";
+import { Once } from "./once";
+import { type Packed, torn, unpack } from "./packed";
+import { unzipped } from "./saved-bytes";
+import { SavedNotes } from "./saved-notes";
+import { SavedScripts } from "./saved-scripts";
+import { type AskOptions, type GallerySource, SourceError, type SourceListener } from "./source";
+import {
+  type AlikeAnswer, type AlikeAsk, type Animation, type AnimationName, type ArchiveAt, type ArchiveId,
+  type ArchiveSummary, type Entry, type FindAnswer, type GalleryState, type GroupsAnswer, type GroupsAsk,
+  type KeptNote, type Looks, nameOf, type Note, type Notes, type Scene, type Series, type SeriesTitle,
+  type Table,
+} from "./types";
+
+/** In one file, along the table. */
+const ANIMATIONS_PER_FILE = 32;
+const ANIMATIONS_BYTES_MAX = 64 * 1024 * 1024;
+const SERIES_BYTES_MAX = 64 * 1024 * 1024;
+/** Of two large archives the one that is not looked at has to go. */
+const INDEX_BYTES_MAX = 256 * 1024 * 1024;
+const PAUSE_MS = 3000;
+
+/** An answer, and how many bytes it holds. */
+interface File {
+  readonly packed: Packed;
+  readonly bytes: number;
+}
+
+interface Searched {
+  readonly search: ArchiveSearch;
+  readonly bytes: number;
+}
+
+interface Rows {
+  readonly table: Table;
+  readonly entryOf: ReadonlyMap<AnimationName, Entry>;
+}
+
+export interface SavedPlace {
+  readonly document: Pick<Document, "createElement" | "head">;
+  /** May throw. */
+  readonly storage: () => Storage;
+  /** How long a file may take. */
+  readonly timeoutMs?: number;
+  /** Between a failure and the next try. */
+  readonly pauseMs?: number;
+}
+
+/** REQUIRES: the page's only one. */
+export function createSavedSource(
+  place: SavedPlace = { document, storage: () => localStorage },
+): GallerySource {
+  return new SavedSource(place);
+}
+
+class SavedSource implements GallerySource {
+  readonly isLive = false;
+  private readonly scripts: SavedScripts;
+  private readonly kept: SavedNotes;
+  private readonly galleries: Once<GalleryState>;
+  private readonly scenes: Once<Scene>;
+  private readonly allLooks: Once<Looks>;
+  private readonly rows: Once<Rows>;
+  private readonly titles: Once<SeriesTitle[]>;
+  private readonly diagnoses: Once<unknown>;
+  private readonly plotted: Once<File>;
+  private readonly animated: Once<File>;
+  private readonly searched: Once<Searched>;
+
+  constructor(place: SavedPlace) {
+    this.scripts = new SavedScripts(place.document, place.timeoutMs);
+    this.kept = new SavedNotes(place.storage);
+    const pauseMs = place.pauseMs ?? PAUSE_MS;
+    const bytesOf = ({ bytes }: { readonly bytes: number }): number => bytes;
+    this.galleries = new Once({ pauseMs });
+    this.scenes = new Once({ pauseMs });
+    this.allLooks = new Once({ pauseMs });
+    this.rows = new Once({ pauseMs });
+    this.titles = new Once({ pauseMs });
+    this.diagnoses = new Once({ pauseMs });
+    this.plotted = new Once({ pauseMs, bytesOf, bytesMax: SERIES_BYTES_MAX });
+    this.animated = new Once({ pauseMs, bytesOf, bytesMax: ANIMATIONS_BYTES_MAX });
+    this.searched = new Once({ pauseMs, bytesOf, bytesMax: INDEX_BYTES_MAX });
+  }
+
+  async gallery(options?: AskOptions): Promise<GalleryState> {
+    const asked = this.galleries.get("", async () => galleryOf(await this.json("gallery")));
+    const state = await wanted(asked, options);
+    // Whether notes are kept is the browser's to say.
+    const words = this.kept.areKept ? "" : "this browser keeps nothing for a page that is opened so.";
+    return { ...state, notes: { writable: this.kept.areKept, words } };
+  }
+
+  scene(archive: ArchiveId, options?: AskOptions): Promise<Scene> {
+    const asked = this.scenes.get(`${archive}`, async () => sceneOf(await this.json(`${archive}/scene`)));
+    return wanted(asked, options);
+  }
+
+  looks(archive: ArchiveId, options?: AskOptions): Promise<Looks> {
+    const asked = this.allLooks.get(`${archive}`, async () =>
+      looksOf((await this.file(`${archive}/looks`)).packed));
+    return wanted(asked, options);
+  }
+
+  async table(archive: ArchiveId, options?: AskOptions): Promise<Table> {
+    return (await wanted(this.rowsOf(archive), options)).table;
+  }
+
+  async animations(
+    archive: ArchiveId, names: readonly AnimationName[], bodies: number, options?: AskOptions,
+  ): Promise<Animation[]> {
+    const { entryOf } = await wanted(this.rowsOf(archive), options);
+    const namesOf = new Map<number, AnimationName[]>();
+    for (const name of new Set(names)) {
+      const entry = entryOf.get(name);
+      if (entry === undefined) throw new SourceError("missing", `There is no animation ${name} here.`);
+      const file = Math.floor(entry / ANIMATIONS_PER_FILE);
+      namesOf.set(file, [...(namesOf.get(file) ?? []), name]);
+    }
+    const found = await wanted(
+      Promise.all(Array.from(namesOf, ([file, some]) => this.animationsIn(archive, file, some, bodies))),
+      options);
+    const byName = new Map(found.flat().map((animation) => [animation.name, animation]));
+    return names.map((name) => byName.get(name)!);
+  }
+
+  async find(
+    query: string, archives: readonly ArchiveAt[], options?: AskOptions,
+  ): Promise<FindAnswer> {
+    const found: { id: ArchiveId; entries: readonly Entry[] }[] = [];
+    const errors: { id: ArchiveId; column: number; message: string }[] = [];
+    for (const at of archives) {
+      const { search } = await this.searchOf(at, options);
+      const answer = await search.find(query, options);
+      if ("message" in answer) errors.push({ id: at.id, ...answer });
+      else found.push({ id: at.id, entries: answer });
+    }
+    return { found, errors };
+  }
+
+  async groups(ask: GroupsAsk, options?: AskOptions): Promise<GroupsAnswer> {
+    const { search } = await this.searchOf(ask, options);
+    const { archives } = await this.gallery(options);
+    const { groups, approximate } = await search.groups(ask.entries, ask.groups, ask.by, options);
+    return {
+      approximate,
+      groups: groups.map((group) => ({ ...group, share: null })),
+      share_words: groups.length > 0 ? noShares(archives.find(({ id }) => id === ask.id)) : "",
+    };
+  }
+
+  async alike(ask: AlikeAsk, options?: AskOptions): Promise<AlikeAnswer> {
+    const { search } = await this.searchOf(ask, options);
+    return search.alike(ask.to, ask.entries, options);
+  }
+
+  seriesTitles(archive: ArchiveId, options?: AskOptions): Promise<SeriesTitle[]> {
+    const asked = this.titles.get(`${archive}`, async () =>
+      seriesTitlesOf(await this.json(`${archive}/series`)));
+    return wanted(asked, options);
+  }
+
+  async series(
+    archive: ArchiveId, name: string, of: Readonly<Record<string, string>> = {}, options?: AskOptions,
+  ): Promise<Series> {
+    const chain = of["chain"] ?? "0";
+    const path = `${archive}/series-${name}-${chain}`;
+    try {
+      return seriesOf((await wanted(this.plotted.get(path, () => this.file(path)), options)).packed);
+    } catch (error) {
+      if (!(error instanceof SourceError) || error.kind !== "missing" || chain === "0") throw error;
+      throw new SourceError(
+        "missing", `The plots of chain ${chain} are not in this folder.`,
+        "A saved gallery has those of its first chains; sleight gallery shows all.");
+    }
+  }
+
+  async diagnosis(archive: ArchiveId, options?: AskOptions): Promise<unknown> {
+    const titles = await this.seriesTitles(archive, options);
+    if (!titles.some(({ name }) => name === "diagnosis"))
+      throw new SourceError("missing", "There are no draws to diagnose.");
+    return wanted(this.diagnoses.get(`${archive}`, () => this.json(`${archive}/diagnosis`)), options);
+  }
+
+  async notes(options?: AskOptions): Promise<Notes> {
+    const { archives } = await this.gallery(options);
+    return { notes: Object.fromEntries(archives.map(({ run }) => [run, this.kept.ofRun(run)])) };
+  }
+
+  async setNote(run: string, name: AnimationName, note: Note): Promise<KeptNote> {
+    return this.kept.set(run, name, note);
+  }
+
+  /** Nothing changes here. */
+  onChange(listener: SourceListener): () => void {
+    listener.source("here");
+    return () => {};
+  }
+
+  // ---- Files
+
+  private async json(path: string): Promise<unknown> {
+    const { kind, text } = await this.scripts.load(path);
+    if (kind !== "json") throw torn(`data/${path}.js is no JSON`);
+    try {
+      return JSON.parse(text);
+    } catch {
+      throw torn(`data/${path}.js is no JSON`);
+    }
+  }
+
+  private async file(path: string): Promise<File> {
+    const { kind, text } = await this.scripts.load(path);
+    if (kind !== "gz") throw torn(`data/${path}.js isn't compressed`);
+    const buffer = await unzipped(text);
+    return { packed: unpack(buffer), bytes: buffer.byteLength };
+  }
+
+  private rowsOf(archive: ArchiveId): Promise<Rows> {
+    return this.rows.get(`${archive}`, async () => {
+      const table = tableOf((await this.file(`${archive}/table`)).packed);
+      const entryOf = new Map<AnimationName, Entry>();
+      for (let entry = 0; entry < table.entries; ++entry) entryOf.set(nameOf(table, entry), entry);
+      return { table, entryOf };
+    });
+  }
+
+  private async animationsIn(
+    archive: ArchiveId, file: number, names: readonly AnimationName[], bodies: number,
+  ): Promise<Animation[]> {
+    const path = `${archive}/animations-${file}`;
+    const { packed } = await this.animated.get(path, () => this.file(path));
+    return animationsOf(onlyThese(packed, names), bodies);
+  }
+
+  private async searchOf({ id, generation }: ArchiveAt, options?: AskOptions): Promise<Searched> {
+    const searched = await wanted(this.searched.get(`${id}`, () => this.readIndex(id)), options);
+    if (searched.search.generation !== generation)
+      throw new SourceError("generation", "The gallery was saved anew.", "Reload the page.");
+    return searched;
+  }
+
+  private async readIndex(id: ArchiveId): Promise<Searched> {
+    const [{ packed, bytes }, scene] = await Promise.all([this.file(`${id}/index`), this.scene(id)]);
+    const search = await ArchiveSearch.of(packed, scene);
+    return { search, bytes };
+  }
+}
+
+/** Without the others' bytes: who keeps one animation would keep its whole file. */
+function onlyThese(packed: Packed, names: readonly AnimationName[]): Packed {
+  const head = packed.head as { readonly animations?: unknown } | null;
+  const all: readonly unknown[] = Array.isArray(head?.animations) ? head.animations : [];
+  const animations = names.map((name) => {
+    const found = all.find((one): one is { name: string; columns: string } => isNamed(one, name));
+    if (found === undefined) throw torn(`animation ${name} is not in it`);
+    return found;
+  });
+  const prefixes = animations.map(({ columns }) => columns);
+  const columns = [...packed.columns].filter(([name]) => prefixes.some((prefix) => name.startsWith(prefix)));
+  return { head: { animations }, columns: new Map(columns.map(([name, column]) => [name, column.slice()])) };
+}
+
+function isNamed(value: unknown, name: AnimationName): boolean {
+  return typeof value === "object" && value !== null && "name" in value && value.name === name &&
+    "columns" in value && typeof value.columns === "string";
+}
+
+/** Why groups have no shares; the first two are the server's own words. */
+function noShares(archive: ArchiveSummary | undefined): string {
+  if (archive?.draws === 0)
+    return "They were found by search: how often the model has such animations is not known.";
+  if (archive?.in_proportion === false) return "The draws are not in the model's proportions.";
+  // That takes all draws, and a saved gallery has those that were kept.
+  return "Shares are told by sleight gallery alone, not by a saved page.";
+}
+
+/** What is loaded is everybody's, so it goes on where one no longer wants it. */
+function wanted<T>(asked: Promise<T>, options?: AskOptions): Promise<T> {
+  const signal = options?.signal;
+  if (signal === undefined) return asked;
+  return new Promise((resolve, reject) => {
+    const aborted = (): void => reject(new SourceError("aborted", "No longer wanted."));
+    if (signal.aborted) aborted();
+    signal.addEventListener("abort", aborted, { once: true });
+    asked.then(resolve, reject).finally(() => signal.removeEventListener("abort", aborted));
+  });
+}

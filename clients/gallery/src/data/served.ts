@@ -1,0 +1,318 @@
+// A gallery that a server answers: `sleight gallery`.
+//
+// While the server is away every question but setNote() waits, and is asked again once the server is
+// back; the listeners are told. The stream of events is the sign of life: it is opened anew with
+// growing pauses, so nobody has to reload the page.
+
+import {
+  animationsOf, galleryOf, looksOf, sceneOf, seriesOf, seriesTitlesOf, tableOf,
+} from "./decode";
+import { isObject, type Packed, torn, unpack } from "./packed";
+import {
+  ANIMATIONS_PER_ASK, type AskOptions, type FailureKind, type GallerySource, SourceError,
+  type SourceListener, type SourceState,
+} from "./source";
+import type {
+  AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, FindAnswer, GalleryState,
+  GroupsAnswer, GroupsAsk, KeptNote, Looks, Note, Notes, Scene, Series, SeriesTitle, Table,
+} from "./types";
+
+const PAUSE_MS_MIN = 250;
+const PAUSE_MS_MAX = 4000;
+const AWAY = new SourceError(
+  "away", "The gallery's server doesn't answer.", "It is tried again by itself; nothing is lost.");
+const ABORTED = new SourceError("aborted", "No longer wanted.");
+
+/** `base`: the page's address. */
+export function createServedSource(base: string = document.baseURI): GallerySource {
+  return new ServedSource(base);
+}
+
+interface Question {
+  readonly path: string;
+  /** Of a POST: becomes JSON. */
+  readonly body?: unknown;
+  /** Whether to wait while the server is away. */
+  readonly waits: boolean;
+}
+
+class ServedSource implements GallerySource {
+  readonly isLive = true;
+  private state: SourceState = "here";
+  private readonly listeners = new Set<SourceListener>();
+  private newest: GalleryState | null = null;
+  private stream: EventSource | null = null;
+  private timer: ReturnType<typeof setTimeout> | null = null;
+  private pauseMs = PAUSE_MS_MIN;
+  /** Questions that wait for the server. */
+  private readonly waiting = new Set<() => void>();
+
+  constructor(private readonly base: string) {}
+
+  async gallery(options?: AskOptions): Promise<GalleryState> {
+    return galleryOf(await this.json({ path: "gallery", waits: true }, options));
+  }
+  async scene(archive: ArchiveId, options?: AskOptions): Promise<Scene> {
+    return sceneOf(await this.json({ path: `archives/${archive}/scene`, waits: true }, options));
+  }
+  async looks(archive: ArchiveId, options?: AskOptions): Promise<Looks> {
+    return looksOf(await this.packed({ path: `archives/${archive}/looks`, waits: true }, options));
+  }
+  async table(archive: ArchiveId, options?: AskOptions): Promise<Table> {
+    return tableOf(await this.packed({ path: `archives/${archive}/table`, waits: true }, options));
+  }
+
+  async animations(
+    archive: ArchiveId, names: readonly AnimationName[], bodies: number, options?: AskOptions,
+  ): Promise<Animation[]> {
+    const byName = new Map<AnimationName, Animation>();
+    for (let i = 0; i < names.length; i += ANIMATIONS_PER_ASK) {
+      const list = names.slice(i, i + ANIMATIONS_PER_ASK).map(encodeURIComponent).join(",");
+      const path = `archives/${archive}/animations?names=${list}`;
+      for (const animation of animationsOf(await this.packed({ path, waits: true }, options), bodies))
+        byName.set(animation.name, animation);
+    }
+    return names.map((name) => {
+      const animation = byName.get(name);
+      if (animation === undefined) throw torn(`animation ${name} is not in it`);
+      return animation;
+    });
+  }
+
+  async find(
+    query: string, archives: readonly ArchiveAt[], options?: AskOptions,
+  ): Promise<FindAnswer> {
+    const answer = await this.json({ path: "find", body: { query, archives }, waits: true }, options);
+    return withLists<FindAnswer>(answer, "found", "errors");
+  }
+  async groups(ask: GroupsAsk, options?: AskOptions): Promise<GroupsAnswer> {
+    return withLists<GroupsAnswer>(await this.json({ path: "groups", body: ask, waits: true }, options),
+      "groups");
+  }
+  async alike(ask: AlikeAsk, options?: AskOptions): Promise<AlikeAnswer> {
+    return withLists<AlikeAnswer>(await this.json({ path: "alike", body: ask, waits: true }, options),
+      "entries", "distance_m");
+  }
+  async seriesTitles(archive: ArchiveId, options?: AskOptions): Promise<SeriesTitle[]> {
+    return seriesTitlesOf(await this.json({ path: `archives/${archive}/series`, waits: true }, options));
+  }
+  async series(
+    archive: ArchiveId, name: string, of: Readonly<Record<string, string>> = {}, options?: AskOptions,
+  ): Promise<Series> {
+    const parameters = new URLSearchParams(of).toString();
+    const path = `archives/${archive}/series/${encodeURIComponent(name)}${parameters && `?${parameters}`}`;
+    return seriesOf(await this.packed({ path, waits: true }, options));
+  }
+  async diagnosis(archive: ArchiveId, options?: AskOptions): Promise<unknown> {
+    return this.json({ path: `archives/${archive}/diagnosis`, waits: true }, options);
+  }
+  async notes(options?: AskOptions): Promise<Notes> {
+    const answer = await this.json({ path: "notes", waits: true }, options);
+    if (!isObject(answer) || !isObject(answer["notes"])) throw torn("there are no notes in it");
+    return answer as unknown as Notes;
+  }
+  async setNote(
+    run: string, name: AnimationName, note: Note, options?: AskOptions,
+  ): Promise<KeptNote> {
+    const answer = await this.json({ path: "notes", body: { run, name, note }, waits: false }, options);
+    return withLists<KeptNote>(answer, "tags");
+  }
+
+  onChange(listener: SourceListener): () => void {
+    this.listeners.add(listener);
+    listener.source(this.state);
+    if (this.newest !== null) listener.gallery(this.newest);
+    if (this.stream === null && this.timer === null) this.listen();
+    return () => {
+      this.listeners.delete(listener);
+      if (this.listeners.size === 0) this.hangUp();
+    };
+  }
+
+  // ---- Questions
+
+  private async json(question: Question, options: AskOptions | undefined): Promise<unknown> {
+    return this.ask(question, options, async (response) => {
+      const text = await response.text();
+      try {
+        return JSON.parse(text) as unknown;
+      } catch {
+        throw torn("it is no JSON");
+      }
+    });
+  }
+
+  private async packed(question: Question, options: AskOptions | undefined): Promise<Packed> {
+    return this.ask(question, options, async (response) => unpack(await response.arrayBuffer()));
+  }
+
+  /** Asks, and again when the server is back, until there is an answer or nobody wants it. */
+  private async ask<T>(
+    question: Question, options: AskOptions | undefined, read: (response: Response) => Promise<T>,
+  ): Promise<T> {
+    const signal = options?.signal;
+    for (;;) {
+      if (signal?.aborted) throw ABORTED;
+      try {
+        const response = await fetch(new URL(`api/${question.path}`, this.base), initOf(question, signal));
+        if (!response.ok) throw await failureOf(response);
+        return await read(response);
+      } catch (error) {
+        if (signal?.aborted) throw ABORTED;
+        // Everything but an answer that says why is the network's: fetch() or a body that broke off.
+        if (error instanceof SourceError) {
+          if (error.kind === "refused") this.lost("refused");
+          throw error;
+        }
+        this.lost("away");
+        if (!question.waits) throw AWAY;
+        await this.back(signal);
+      }
+    }
+  }
+
+  /** Until the server is back. */
+  private back(signal: AbortSignal | undefined): Promise<void> {
+    return new Promise((resolve, reject) => {
+      const done = (): void => {
+        this.waiting.delete(done);
+        signal?.removeEventListener("abort", aborted);
+        resolve();
+      };
+      const aborted = (): void => {
+        this.waiting.delete(done);
+        reject(ABORTED);
+      };
+      signal?.addEventListener("abort", aborted, { once: true });
+      this.waiting.add(done);
+    });
+  }
+
+  // ---- The server's life
+
+  private listen(): void {
+    this.timer = null;
+    const stream = new EventSource(new URL("api/events", this.base));
+    this.stream = stream;
+    stream.addEventListener("gallery", (event) => this.changed(event));
+    stream.onopen = () => this.found();
+    stream.onerror = () => {
+      // The browser's own retries tell nothing of refusals and don't back off.
+      stream.close();
+      if (this.stream !== stream) return;
+      this.stream = null;
+      void this.probe();
+    };
+  }
+
+  /** Why the stream broke: the stream itself doesn't say. */
+  private async probe(): Promise<void> {
+    try {
+      const response = await fetch(new URL("api/gallery", this.base), { cache: "no-store" });
+      if (response.ok) {
+        // It is there; only the stream broke.
+        this.tell(galleryOf(await response.json()));
+        this.found();
+      } else {
+        this.lost((await failureOf(response)).kind === "refused" ? "refused" : "away");
+      }
+    } catch {
+      this.lost("away");
+    }
+    this.again();
+  }
+
+  private again(): void {
+    if (this.stream !== null || this.timer !== null || this.listeners.size === 0) return;
+    this.timer = setTimeout(() => this.listen(), this.pauseMs);
+    this.pauseMs = Math.min(2 * this.pauseMs, PAUSE_MS_MAX);
+  }
+
+  private found(): void {
+    if (this.stream !== null) this.pauseMs = PAUSE_MS_MIN;
+    this.become("here");
+    for (const done of [...this.waiting]) done();
+  }
+
+  private lost(state: "away" | "refused"): void {
+    this.become(state);
+    if (this.listeners.size === 0) {
+      // Nobody follows events: who waits tries again.
+      setTimeout(() => this.found(), PAUSE_MS_MAX);
+      return;
+    }
+    // A failed question can be the first sign; a stream opened anew tells when the server is back.
+    this.stream?.close();
+    this.stream = null;
+    this.again();
+  }
+
+  private become(state: SourceState): void {
+    if (state === this.state) return;
+    this.state = state;
+    for (const listener of this.listeners) listener.source(state);
+  }
+
+  private changed(event: Event): void {
+    if (!(event instanceof MessageEvent) || typeof event.data !== "string") return;
+    try {
+      this.tell(galleryOf(JSON.parse(event.data)));
+    } catch {
+      // A torn event is as good as none: the next one says all anew.
+    }
+  }
+
+  private tell(state: GalleryState): void {
+    this.newest = state;
+    for (const listener of this.listeners) listener.gallery(state);
+  }
+
+  private hangUp(): void {
+    this.stream?.close();
+    this.stream = null;
+    if (this.timer !== null) clearTimeout(this.timer);
+    this.timer = null;
+  }
+}
+
+function initOf(question: Question, signal: AbortSignal | undefined): RequestInit {
+  const init: RequestInit = { cache: "no-store" };
+  if (signal !== undefined) init.signal = signal;
+  if (question.body === undefined) return init;
+  return {
+    ...init,
+    method: "POST",
+    headers: { "content-type": "application/json" },
+    body: JSON.stringify(question.body),
+  };
+}
+
+async function failureOf(response: Response): Promise<SourceError> {
+  let said: unknown = null;
+  try {
+    said = await response.json();
+  } catch {
+    // Of proxies and the like: the status has to do.
+  }
+  const error = isObject(said) && typeof said["error"] === "string" ? said["error"] : "";
+  const toDo = isObject(said) && typeof said["what_to_do"] === "string" ? said["what_to_do"] : "";
+  return new SourceError(
+    kindOf(response.status), error || `The server answers ${response.status}.`, toDo);
+}
+
+function kindOf(status: number): FailureKind {
+  switch (status) {
+    case 401: case 403: return "refused";
+    case 404: return "missing";
+    case 409: return "generation";
+    case 503: return "reading";
+    default: return "other";
+  }
+}
+
+/** Checks that the answer's named fields are lists. */
+function withLists<T>(answer: unknown, ...lists: readonly (keyof T & string)[]): T {
+  if (!isObject(answer)) throw torn("it is no object");
+  for (const list of lists) if (!Array.isArray(answer[list])) throw torn(`it has no list '${list}'`);
+  return answer as unknown as T;
+}

@@ -1,0 +1,13 @@
+// Where a body is and how it is turned, in the scene's frame (right-handed, z up, metres).
+
+/** Written by whoever evaluates a motion; reused from frame to frame. */
+export class Pose {
+  x = 0;
+  y = 0;
+  z = 0;
+  /** A unit quaternion from the body's frame to the scene's. */
+  qw = 1;
+  qx = 0;
+  qy = 0;
+  qz = 0;
+}

@@ -1,0 +1,109 @@
+// The motion of a whole animation: of each body its segments, in the order of time.
+//
+// A body is not there before its first segment; after its last one begins it stays what that
+// segment says. All of it can be asked often: nothing here allocates after construction.
+
+import type { Pose } from "./pose";
+import { orientationInto, positionInto, type Segments, velocityInto } from "./segments";
+
+export class Recording {
+  /** How many bodies the scene has, whether or not they enter. */
+  readonly bodies: number;
+  /** When the last body came to rest; 0 if none enters. */
+  readonly endS: number;
+  /** When the first body enters; 0 if none does. */
+  readonly startS: number;
+  readonly segments: Segments;
+  /** Of body b: its segments are first[b] up to first[b + 1]. */
+  private readonly first: Uint32Array;
+
+  /** Throws an Error that says what is wrong with numbers that are no recording. */
+  constructor(segments: Segments, bodies: number) {
+    this.segments = segments;
+    this.bodies = bodies;
+    this.first = firstOf(segments, bodies);
+    let end = 0;
+    let start = Infinity;
+    for (let body = 0; body < bodies; ++body) {
+      if (!this.enters(body)) continue;
+      end = Math.max(end, this.restOf(body));
+      start = Math.min(start, this.startOf(body));
+    }
+    this.endS = end;
+    this.startS = start === Infinity ? 0 : start;
+  }
+
+  /** The body's first segment, and the one after its last. */
+  firstSegment(body: number): number { return this.first[body] ?? 0; }
+  endSegment(body: number): number { return this.first[body + 1] ?? 0; }
+
+  enters(body: number): boolean { return this.endSegment(body) > this.firstSegment(body); }
+  /** REQUIRES: it enters. */
+  startOf(body: number): number { return this.segments.startS[this.firstSegment(body)] ?? 0; }
+  /** When its last segment begins. REQUIRES: it enters. */
+  restOf(body: number): number { return this.segments.startS[this.endSegment(body) - 1] ?? 0; }
+
+  /** The segment in force, the last if several begin then; -1 before the body enters. */
+  segmentAt(body: number, t: number): number {
+    const starts = this.segments.startS;
+    const begin = this.firstSegment(body);
+    let low = begin;
+    let high = this.endSegment(body);
+    // The first that starts later than t.
+    while (low < high) {
+      const middle = (low + high) >>> 1;
+      if (t < starts[middle]!) high = middle;
+      else low = middle + 1;
+    }
+    return low === begin ? -1 : low - 1;
+  }
+
+  /** False, and `out` as it was, where the body isn't there. */
+  poseAt(body: number, t: number, out: Pose): boolean {
+    const index = this.segmentAt(body, t);
+    if (index < 0) return false;
+    positionInto(this.segments, index, t, out);
+    orientationInto(this.segments, index, t, out);
+    return true;
+  }
+
+  /** x, y and z alone. */
+  centreAt(body: number, t: number, out: Pose): boolean {
+    const index = this.segmentAt(body, t);
+    if (index < 0) return false;
+    positionInto(this.segments, index, t, out);
+    return true;
+  }
+
+  /** Into x, y and z. */
+  velocityAt(body: number, t: number, out: Pose): boolean {
+    const index = this.segmentAt(body, t);
+    if (index < 0) return false;
+    velocityInto(this.segments, index, t, out);
+    return true;
+  }
+
+  /** Whether nothing in it ever moves along y. */
+  isPlanar(): boolean {
+    const { count, velocity, acceleration } = this.segments;
+    for (let i = 0; i < count; ++i)
+      if (velocity[3 * i + 1] !== 0 || acceleration[3 * i + 1] !== 0) return false;
+    return count > 0;
+  }
+}
+
+function firstOf(segments: Segments, bodies: number): Uint32Array {
+  const first = new Uint32Array(bodies + 1);
+  const { count, body, startS } = segments;
+  for (let i = 0; i < count; ++i) {
+    const of = body[i]!;
+    if (of >= bodies) throw new Error(`it moves a body ${of + 1} of ${bodies}`);
+    if (!Number.isFinite(startS[i]!)) throw new Error("a segment's start is no number");
+    if (i > 0 && (of < body[i - 1]! || (of === body[i - 1] && startS[i]! < startS[i - 1]!)))
+      throw new Error("its segments are not in order");
+    first[of + 1] = i + 1;
+  }
+  // Bodies that don't enter have none.
+  for (let b = 1; b <= bodies; ++b) first[b] = Math.max(first[b]!, first[b - 1]!);
+  return first;
+}

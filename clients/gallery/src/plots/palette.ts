@@ -1,0 +1,16 @@
+// Chains differ by colour, by the stroke of their lines and by a name in the legend.
+
+/** Colours that people who see few colours tell apart (Okabe and Ito's), dark enough on light. */
+const light = ["#005f9e", "#b34700", "#00745a", "#a03a7c", "#6b5b00", "#2f2f2f"];
+const dark = ["#6cb8f0", "#ff9d5c", "#3fd0a4", "#ef9bcb", "#e6d35c", "#dddddd"];
+
+const dashes: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [8, 3, 2, 3], [14, 4], [5, 2, 5, 6]];
+
+export function lineColour(index: number, isDark: boolean): string {
+  const colours = isDark ? dark : light;
+  return colours[index % colours.length] ?? "#888888";
+}
+
+export function lineDash(index: number): number[] {
+  return [...(dashes[index % dashes.length] ?? [])];
+}

@@ -1,0 +1,222 @@
+// The plots of an archive: a list to choose from, and the one that is chosen. A click on a point
+// opens the animation that is nearest in its chain; a range of draws filters the wall.
+import "uplot/dist/uPlot.min.css";
+import type { AppState, Loaded } from "../state/app-state";
+import { archiveShown } from "../state/derived";
+import { say, sentenceOf } from "../state/messages";
+import { Latest } from "../state/store";
+import type { Series, SeriesTitle } from "../data/types";
+import { button, el, field, select, setChoices, setHidden, setText } from "../ui/dom";
+import type { Part, Ui } from "../ui/part";
+import { makeBarChart } from "./bar-chart";
+import { jsonTable } from "./json-table";
+import { makeLineChart, type Chart } from "./line-chart";
+import { chainsOf, plotDataOf, type PlotData, type PlotLine } from "./series-data";
+
+export type PlotsView = Part;
+
+const chainsShownMax = 6;
+const diagnosis: SeriesTitle = { name: "diagnosis", title: "Diagnosis", kind: "table", group: "diagnosis" };
+
+export function makePlotsView(ui: Ui): PlotsView {
+  const list = el("ul", { class: "plot-list" });
+  const notices = el("div", { class: "notices" });
+  const title = el("h2", { id: "plot-title" });
+  const place = el("div", { class: "plot-place", id: "plot-place" });
+  const words = el("p", { class: "empty", id: "plot-words" });
+  const latest = new Latest();
+  const latestList = new Latest();
+  const chain = select([], "", () => void read(ui.store.state), { id: "plot-chain" });
+  const chainField = field("Chain", chain);
+  let titles: readonly SeriesTitle[] = [diagnosis];
+  let chart: Chart | null = null;
+  let shownOf: Loaded | null = null;
+  let shownName = "";
+
+  const readList = async (loaded: Loaded): Promise<void> => {
+    const isWanted = latestList.begin();
+    let found: readonly SeriesTitle[] = [];
+    try {
+      found = await ui.source.seriesTitles(loaded.id);
+    } catch (error) {
+      if (isWanted()) say(ui.store, sentenceOf(error));
+    }
+    if (!isWanted()) return;
+    titles = [...found.filter(({ name }) => name !== diagnosis.name), diagnosis];
+    showList(ui.store.state);
+    void read(ui.store.state);
+  };
+  const chosen = (state: AppState): SeriesTitle =>
+    titles.find(({ name }) => name === state.page.plot) ?? titles[0] ?? diagnosis;
+  const showList = (state: AppState): void => {
+    const now = chosen(state).name;
+    const had = list.contains(document.activeElement)
+      ? document.activeElement?.getAttribute("data-plot")
+      : null;
+    let heading = "";
+    list.replaceChildren(
+      ...titles.flatMap(({ name, title: label, kind }) => {
+        const item = el(
+          "li",
+          {},
+          button(label, () => ui.page.change({ plot: name }), {
+            class: "tab",
+            "aria-current": name === now ? "true" : null,
+            "data-plot": name,
+          }),
+        );
+        const isNew = headingOf(kind) !== heading;
+        heading = headingOf(kind);
+        return isNew ? [el("li", { class: "plot-group" }, heading), item] : [item];
+      }),
+    );
+    // What had the focus has been made anew.
+    for (const made of list.querySelectorAll("button")) if (had && made.dataset["plot"] === had) made.focus();
+  };
+  const clear = (): void => {
+    chart?.dispose();
+    chart = null;
+    place.replaceChildren();
+    notices.replaceChildren();
+  };
+  const read = async (state: AppState): Promise<void> => {
+    const { loaded } = state;
+    const isWanted = latest.begin();
+    if (loaded === null) return;
+    const { name, title: label, kind } = chosen(state);
+    shownName = name;
+    setText(title, label);
+    offerChains(kind);
+    setText(words, "Reading …");
+    setHidden(words, false);
+    try {
+      if (name === diagnosis.name) {
+        const answer = await ui.source.diagnosis(loaded.id);
+        if (!isWanted()) return;
+        clear();
+        place.append(
+          el(
+            "div",
+            { class: "json-table", tabindex: 0, role: "region", "aria-label": label },
+            jsonTable(answer),
+          ),
+        );
+      } else {
+        const data = plotDataOf(label, kind, await readAll(loaded, name, kind));
+        if (!isWanted()) return;
+        clear();
+        draw(data, loaded);
+      }
+      setHidden(words, true);
+    } catch (error) {
+      if (!isWanted()) return;
+      clear();
+      setText(words, sentenceOf(error));
+    }
+  };
+  /** Traces of all chains stand in one plot; of ladders there is one to each chain. */
+  const offerChains = (kind: string): void => {
+    const many = archiveShown(ui.store.state)?.chains ?? 1;
+    const isOne = kind === "levels" || kind === "rounds";
+    setHidden(chainField, many < 2 || !(isOne || kind === "trace"));
+    const all = { value: "", label: many > chainsShownMax ? `the first ${chainsShownMax}` : "all" };
+    const each = Array.from({ length: many }, (_, i) => ({ value: String(i), label: String(i) }));
+    const value = isOne && chain.value === "" ? "0" : chain.value;
+    setChoices(chain, isOne ? each : [all, ...each], value);
+  };
+  /** Of a trace each chain's: only so many that their lines can be told apart. */
+  const readAll = async (loaded: Loaded, name: string, kind: string): Promise<Series[]> => {
+    const only = chain.value;
+    if (kind === "pair") return [await ui.source.series(loaded.id, name)];
+    if (kind !== "trace") return [await ui.source.series(loaded.id, name, { chain: only || "0" })];
+    if (only !== "") return [await ui.source.series(loaded.id, name, { chain: only })];
+    const first = await ui.source.series(loaded.id, name, { chain: "0" });
+    const chains = Math.min(chainsOf(first), chainsShownMax);
+    const others = Array.from({ length: chains - 1 }, (_, i) =>
+      ui.source.series(loaded.id, name, { chain: String(i + 1) }),
+    );
+    return [first, ...(await Promise.all(others))];
+  };
+  const draw = (data: PlotData, loaded: Loaded): void => {
+    const isDark = ui.theme.shade === "dark";
+    const warning = archiveShown(ui.store.state)?.warning ?? "";
+    const sentences = [...(warning === "" ? [] : [warning]), ...data.notices];
+    notices.replaceChildren(
+      ...sentences.map((sentence) => el("p", { class: "warning", role: "note" }, sentence)),
+    );
+    setText(title, data.title);
+    const isOfDraws = data.xIs === "draw";
+    chart =
+      data.kind === "bars" || data.kind === "histograms"
+        ? makeBarChart(data, isDark)
+        : makeLineChart(data, {
+            isDark,
+            onPoint: isOfDraws ? (x, line) => openNearest(ui, loaded, x, line) : null,
+            onRange: isOfDraws ? (from, to) => filterDraws(ui, from, to) : null,
+          });
+    place.replaceChildren(chart.element);
+  };
+  ui.theme.onChange(() => {
+    if (chart !== null) void read(ui.store.state);
+  });
+  return {
+    element: el(
+      "div",
+      { class: "plots-view" },
+      el("nav", { "aria-label": "Plots" }, list),
+      el("div", { class: "plot" }, notices, title, chainField, words, place),
+    ),
+    update(state) {
+      const { loaded } = state;
+      if (loaded === null) return;
+      if (shownOf === null || shownOf.id !== loaded.id || shownOf.run !== loaded.run) {
+        shownOf = loaded;
+        clear();
+        void readList(loaded);
+      } else if (chosen(state).name !== shownName) {
+        showList(state);
+        void read(state);
+      }
+    },
+  };
+}
+
+function headingOf(kind: string): string {
+  const headings: Readonly<Record<string, string>> = {
+    trace: "Along the chain",
+    levels: "Ladder",
+    rounds: "Ladder",
+    pair: "Prior against posterior",
+    table: "Diagnosis",
+  };
+  return headings[kind] ?? "More";
+}
+
+/** The kept animation of the line's chain whose draw is nearest. */
+function openNearest(ui: Ui, loaded: Loaded, x: number, line: PlotLine): void {
+  const { table, names } = loaded;
+  let best = -1;
+  let away = Infinity;
+  for (const entry of ui.store.state.visible) {
+    if (table.isFind[entry] === 1 || (line.chain >= 0 && table.chain[entry] !== line.chain)) continue;
+    const distance = Math.abs((table.draw[entry] ?? NaN) - x);
+    if (distance < away) {
+      away = distance;
+      best = entry;
+    }
+  }
+  const name = names[best];
+  if (name === undefined) {
+    say(ui.store, "No animation of this chain is kept.");
+    return;
+  }
+  ui.page.play([name]);
+  const distance = away > 0 ? `, ${Math.round(away)} draws away` : "";
+  say(ui.store, `${name} is the kept animation nearest to draw ${Math.round(x)}${distance}.`);
+}
+
+function filterDraws(ui: Ui, from: number, to: number): void {
+  const text = `draw ${Math.max(0, Math.floor(from))}..${Math.ceil(to)}`;
+  ui.page.addChip(text, false);
+  say(ui.store, `The wall shows ${text} alone; the query can be taken away among the filters.`);
+}

@@ -1,0 +1,197 @@
+// What the server says of a plot, as a chart can show it. A part that is missing or of another kind is
+// left out, so that a newer server's plots are shown as far as they are known here. Kinds and columns:
+// clients/gallery_server.
+import type { Column, Series } from "../data/types";
+
+export type PlotKind = "lines" | "bars" | "histograms";
+
+export interface PlotLine {
+  readonly label: string;
+  /** -1: of no chain. */
+  readonly chain: number;
+  readonly x: Column;
+  readonly y: Column;
+  /** Each value holds until the next one. */
+  readonly isSteps: boolean;
+}
+
+export interface PlotMark {
+  readonly label: string;
+  readonly x: Column;
+}
+
+export interface PlotBars {
+  readonly label: string;
+  /** Edges, one more than heights; or middles, as many. */
+  readonly x: Column;
+  readonly height: Column;
+  /** Standard errors; null: none. */
+  readonly error: Column | null;
+}
+
+export interface PlotData {
+  readonly title: string;
+  readonly kind: PlotKind;
+  readonly notices: readonly string[];
+  readonly xLabel: string;
+  readonly yLabel: string;
+  /** What x is: only of draws (or scans) does a point have an animation, and a range a query. */
+  readonly xIs: "draw" | "other";
+  readonly lines: readonly PlotLine[];
+  readonly marks: readonly PlotMark[];
+  readonly bars: readonly PlotBars[];
+  readonly names: readonly string[];
+}
+
+type Fields = Readonly<Record<string, unknown>>;
+
+const nothing: PlotData = {
+  title: "",
+  kind: "lines",
+  notices: [],
+  xLabel: "",
+  yLabel: "",
+  xIs: "other",
+  lines: [],
+  marks: [],
+  bars: [],
+  names: [],
+};
+
+/** A trace is of one chain: `all` are the answers of each. */
+export function plotDataOf(title: string, kind: string, all: readonly Series[]): PlotData {
+  const first = all[0];
+  if (first === undefined) return { ...nothing, title };
+  if (kind === "trace") return traceOf(title, all);
+  if (kind === "pair") return pairOf(title, first);
+  if (kind === "levels") return levelsOf(title, first);
+  return roundsOf(title, first);
+}
+
+function traceOf(title: string, all: readonly Series[]): PlotData {
+  const heads = all.map((series) => fieldsOf(series.head));
+  const lines = all.flatMap(({ columns }, i) => {
+    const x = columns.get("draw");
+    const y = columns.get("value");
+    const chain = numberOf(heads[i]?.["chain"]) ?? i;
+    return x && y ? [{ label: `chain ${chain}`, chain, x, y, isSteps: false }] : [];
+  });
+  const kinds = [
+    { name: "change_all", label: "changes everything, accepted" },
+    { name: "fall", label: "falls out of the goal" },
+    { name: "lineage", label: "another visit to the prior" },
+  ];
+  const marks = kinds.flatMap(({ name, label }) => {
+    const x = merged(all.flatMap(({ columns }) => columns.get(name) ?? []));
+    return x.length === 0 ? [] : [{ label, x }];
+  });
+  const isThinned = heads.some((head) => head["is_thinned"] === true);
+  const notices = isThinned
+    ? ["The archive has thinned these draws: what lies between them isn't known."]
+    : [];
+  const unit = textOf(heads[0]?.["unit"]);
+  return {
+    ...nothing,
+    title,
+    notices: [...notices, ...warningsOf(heads)],
+    lines,
+    marks,
+    xLabel: "draw",
+    xIs: "draw",
+    yLabel: unit === "1" ? "" : unit,
+  };
+}
+
+/** Of all chains together, ascending. */
+function merged(columns: readonly Column[]): Float64Array {
+  return Float64Array.from(columns.flatMap((column) => Array.from(column))).sort();
+}
+
+function pairOf(title: string, { head, columns }: Series): PlotData {
+  const fields = fieldsOf(head);
+  const x = columns.get("edges");
+  const parts = [
+    { name: "prior", label: "prior" },
+    { name: "posterior", label: "posterior" },
+  ];
+  const bars = parts.flatMap(({ name, label }) => {
+    const height = columns.get(name);
+    return x && height ? [{ label, x, height, error: null }] : [];
+  });
+  const weighted = "Draws are weighted, and count here by their weights.";
+  const notices = fields["is_weighted"] === true ? [weighted] : [];
+  const unit = textOf(fields["unit"]);
+  return {
+    ...nothing,
+    title,
+    kind: "histograms",
+    notices: [...notices, ...warningsOf([fields])],
+    bars,
+    xLabel: unit === "1" ? "" : unit,
+    yLabel: "share",
+  };
+}
+
+/** The last round, level by level: where the ladder stands now. */
+function levelsOf(title: string, { head, columns }: Series): PlotData {
+  const fields = fieldsOf(head);
+  const rounds = columns.get("round");
+  const levels = columns.get("level");
+  if (!rounds || !levels) return { ...nothing, title };
+  const ofRows = Array.from(rounds);
+  const last = ofRows.reduce((most, round) => Math.max(most, round), 0);
+  const rows = [...ofRows.keys()].filter((row) => ofRows[row] === last);
+  const kinds = stringsOf(fields["kinds"]);
+  const parts = [
+    { name: "inverse_temperature", label: "inverse temperature" },
+    { name: "swap_acceptance", label: "swaps with the next cooler level that were accepted" },
+    ...kinds.map((kind, i) => ({ name: `acceptance.${i}`, label: `proposals that were accepted: ${kind}` })),
+  ];
+  const x = Float64Array.from(rows, (row) => levels[row] ?? NaN);
+  const lines = parts.flatMap(({ name, label }) => {
+    const column = columns.get(name);
+    return column
+      ? [{ label, chain: -1, x, y: Float64Array.from(rows, (row) => column[row] ?? NaN), isSteps: false }]
+      : [];
+  });
+  const xLabel = `level (0: the prior), after round ${last + 1}`;
+  return { ...nothing, title, notices: warningsOf([fields]), lines, xLabel };
+}
+
+function roundsOf(title: string, { head, columns }: Series): PlotData {
+  const x = columns.get("round");
+  if (!x) return { ...nothing, title };
+  const names = ["round_trips", "predicted_round_trips", "restarts", "barrier"];
+  const lines = names.flatMap((name) => {
+    const y = columns.get(name);
+    return y ? [{ label: name.replaceAll("_", " "), chain: -1, x, y, isSteps: true }] : [];
+  });
+  return { ...nothing, title, notices: warningsOf([fieldsOf(head)]), lines, xLabel: "round" };
+}
+
+/** How many chains a trace has, as the answer of one says. */
+export function chainsOf(series: Series): number {
+  return Math.max(1, numberOf(fieldsOf(series.head)["chains"]) ?? 1);
+}
+
+function warningsOf(heads: readonly Fields[]): string[] {
+  return [
+    ...new Set(heads.flatMap((head) => [textOf(head["warning"]), ...stringsOf(head["notices"])])),
+  ].filter((words) => words !== "");
+}
+
+function fieldsOf(value: unknown): Fields {
+  return typeof value === "object" && value !== null ? (value as Fields) : {};
+}
+
+function stringsOf(value: unknown): string[] {
+  return Array.isArray(value) ? value.filter((part) => typeof part === "string") : [];
+}
+
+function textOf(value: unknown): string {
+  return typeof value === "string" ? value : "";
+}
+
+function numberOf(value: unknown): number | null {
+  return typeof value === "number" && Number.isFinite(value) ? value : null;
+}

@@ -1,0 +1,138 @@
+// Animations that look alike, in groups; each has a member that stands for it. What a group is, and why
+// of more than 500 animations 500 are compared, is said in clients/browse/groups.h; the results here are
+// those of clients/browse/groups.cpp.
+
+import { byName, Comparison, evenlyChosen, FULL_MATRIX_MAX } from "./comparing";
+import { hierarchyOf } from "./hierarchy";
+import { type Matrix, medoidsOf } from "./medoids";
+import type { SearchIndex } from "./search-index";
+import { coveredDurationS } from "./sketch";
+import type { Turns } from "./turns";
+
+export type Grouping = "medoids" | "hierarchy";
+
+export interface AlikeGroup {
+  readonly representative: number;
+  /** With the representative, by name. */
+  readonly members: readonly number[];
+  /** Of the members from their representative. */
+  readonly mean_m: number;
+  readonly greatest_m: number;
+}
+
+export interface AlikeGroups {
+  /** The largest first; of equal ones by their representative. */
+  readonly groups: readonly AlikeGroup[];
+  /** Of 500 of the animations. */
+  readonly approximate: boolean;
+}
+
+/** A set that can be divided in many ways. */
+export class GroupedSet {
+  private constructor(
+    private readonly comparison: Comparison,
+    /** All of the set, by name. */
+    private readonly entries: readonly number[],
+    /** Places in `entries` of those that are compared with one another; ascending. */
+    private readonly sample: readonly number[],
+    private readonly matrix: Matrix,
+  ) {}
+
+  /** REQUIRES: different entries, at least one. */
+  static async of(index: SearchIndex, entries: readonly number[], turns: Turns): Promise<GroupedSet> {
+    const sorted = [...entries].sort((a, b) => byName(index, a, b));
+    const chosen = sorted.length > FULL_MATRIX_MAX
+      ? await evenlyChosen(index, sorted, FULL_MATRIX_MAX, turns) : sorted;
+    const comparison = new Comparison(index, coveredDurationS(index, sorted));
+    const matrix = await comparison.matrix(chosen, turns);
+    const isChosen = new Set(chosen);
+    const sample = [...sorted.keys()].filter((place) => isChosen.has(sorted[place]!));
+    return new GroupedSet(comparison, sorted, sample, matrix);
+  }
+
+  isOf(entries: readonly number[]): boolean {
+    if (entries.length !== this.entries.length) return false;
+    const mine = new Set(this.entries);
+    return entries.every((entry) => mine.has(entry));
+  }
+
+  /** REQUIRES: 1 <= groups. */
+  async divided(groups: number, by: Grouping, turns: Turns): Promise<AlikeGroups> {
+    const k = Math.min(groups, this.sample.length);
+    const groupOf = new Map<number, number>();
+    let representatives: number[];
+    if (by === "medoids") {
+      representatives = (await medoidsOf(this.matrix, k, turns)).map((member) => this.sample[member]!);
+    } else {
+      const ofSample = hierarchyOf(this.matrix, k);
+      ofSample.forEach((group, member) => groupOf.set(this.sample[member]!, group));
+      representatives = membersOf(ofSample, k).map((members) =>
+        this.sample[centralMember(this.matrix, members)]!);
+    }
+    const found = await this.filled(representatives, groupOf, turns);
+    found.sort((a, b) => b.members.length - a.members.length || a.place - b.place);
+    const answer = found.map(({ place, members, sumM, greatestM }): AlikeGroup => ({
+      representative: this.entries[place]!,
+      members,
+      mean_m: sumM / members.length,
+      greatest_m: greatestM,
+    }));
+    return { groups: answer, approximate: this.entries.length > FULL_MATRIX_MAX };
+  }
+
+  /** Everyone goes to a group: of the sample as the grouping says, the others to the nearest. */
+  private async filled(
+    representatives: readonly number[], groupOf: ReadonlyMap<number, number>, turns: Turns,
+  ): Promise<Filled[]> {
+    const groups = representatives.map((place): Filled => ({ place, members: [], sumM: 0, greatestM: 0 }));
+    const sketches = representatives.map((place) => this.comparison.sketch(this.entries[place]!));
+    for (let place = 0; place < this.entries.length; ++place) {
+      const own = this.comparison.sketch(this.entries[place]!);
+      const apartM = (group: number): number => {
+        const other = representatives[group]!;
+        if (other === place) return -1;
+        return place < other
+          ? this.comparison.valueM(own, sketches[group]!) : this.comparison.valueM(sketches[group]!, own);
+      };
+      let group = groupOf.get(place) ?? 0;
+      let leastM = apartM(group);
+      for (let other = 1; other < groups.length && !groupOf.has(place); ++other) {
+        const distanceM = apartM(other);
+        if (distanceM < leastM) [leastM, group] = [distanceM, other];
+        if (turns.isDue()) await turns.take();
+      }
+      const to = groups[group]!;
+      to.members.push(this.entries[place]!);
+      to.sumM += Math.max(0, leastM);
+      to.greatestM = Math.max(to.greatestM, leastM);
+      if (turns.isDue()) await turns.take();
+    }
+    return groups;
+  }
+}
+
+interface Filled {
+  /** Of the representative, along the set by name. */
+  readonly place: number;
+  readonly members: number[];
+  sumM: number;
+  greatestM: number;
+}
+
+function membersOf(groupOf: readonly number[], k: number): number[][] {
+  const members = Array.from({ length: k }, (): number[] => []);
+  groupOf.forEach((group, member) => members[group]!.push(member));
+  return members;
+}
+
+/** The member from which the sum of distances to the others is least. */
+function centralMember({ size, values }: Matrix, members: readonly number[]): number {
+  let best = members[0]!;
+  let bestSum = Infinity;
+  for (const member of members) {
+    let sum = 0;
+    for (const other of members) sum += values[member * size + other]!;
+    if (sum < bestSum) [bestSum, best] = [sum, member];
+  }
+  return best;
+}

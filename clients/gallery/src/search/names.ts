@@ -1,0 +1,123 @@
+// What a query calls bodies, things and numbers, and what is said where nothing is called so.
+
+import { bytesOf } from "./bytes";
+import { type Bodies, QueryFault } from "./condition";
+import { type Cursor, isKeyword, isUnit } from "./cursor";
+import { nearest } from "./nearest";
+
+/** What queries can speak of; bodies come first. */
+export interface NamedThings {
+  readonly features: readonly { readonly name: string; readonly kind: "body" | "fixed" | "wanted" }[];
+  readonly numbers: readonly { readonly name: string; readonly unit: string }[];
+}
+
+/** Names in one message, at most. */
+const SHOWN = 12;
+const DIGITS = /^[0-9]*$/;
+
+export class Names {
+  private readonly features: readonly string[];
+  private readonly isGoal: readonly boolean[];
+  private readonly bodies: number;
+  private readonly numbers: readonly string[];
+
+  constructor(things: NamedThings) {
+    this.features = things.features.map((feature) => bytesOf(feature.name));
+    this.isGoal = things.features.map((feature) => feature.kind === "wanted");
+    this.numbers = things.numbers.map((number) => bytesOf(number.name));
+    const end = things.features.findIndex((feature) => feature.kind !== "body");
+    this.bodies = end < 0 ? things.features.length : end;
+  }
+
+  /** Words and plain numbers behind them, or one name in quotes. */
+  taken(cursor: Cursor): string {
+    if (cursor.next().kind === "quoted") return cursor.take().text;
+    if (!cursor.isFreeWord()) cursor.fail("a body, 'any', 'every' or a number's name is expected");
+    let name = cursor.take().text;
+    for (;;) {
+      const after = cursor.afterNext();
+      // Of "die 3 in" the 3 is of the name; of "bounces 3..5" it is not.
+      const isItsNumber = cursor.next().kind === "number" && DIGITS.test(cursor.next().text) &&
+        !(after.kind === "sign" && after.text === "..") &&
+        !(after.kind === "word" && (after.isJoined || isUnit(after.text)));
+      if (!cursor.isFreeWord() && !isItsNumber) return name;
+      name += ` ${cursor.take().text}`;
+    }
+  }
+
+  /** "any", "every", and the kind of body that may stand behind. */
+  bodiesOfKind(cursor: Cursor): Bodies {
+    const isEvery = cursor.take().text === "every";
+    const token = cursor.next();
+    const hasKind = (token.kind === "word" && !isKeyword(token.text)) || token.kind === "quoted";
+    const kind = hasKind ? cursor.take().text : "";
+    const bodies: number[] = [];
+    for (let body = 0; body < this.bodies; ++body) {
+      const name = this.features[body]!;
+      // "die" stands for "die 1", "die 2", ...
+      const isOfKind = kind === "" || name === kind ||
+        (name.startsWith(`${kind} `) && DIGITS.test(name.slice(kind.length + 1)));
+      if (isOfKind) bodies.push(body);
+    }
+    if (bodies.length === 0)
+      throw new QueryFault(token.column, kind === "" ? "the scene has no bodies"
+        : `no body is called '${kind} N'; there are: ${this.shown(this.bodies)}`);
+    return this.bodiesOf(bodies, isEvery);
+  }
+
+  private bodiesOf(bodies: readonly number[], isEvery: boolean): Bodies {
+    const isAmong = new Uint8Array(this.features.length);
+    for (const body of bodies) isAmong[body] = 1;
+    return { bodies, isEvery, isAmong };
+  }
+
+  /** Whom a body touches; null: whatever it is. */
+  partner(cursor: Cursor): number | null {
+    if (cursor.takeWord("any")) return null;
+    const column = cursor.next().column;
+    const name = this.taken(cursor);
+    const feature = this.features.indexOf(name);
+    if (feature < 0) this.failUnknown(name, this.features.length, column);
+    if (this.isGoal[feature])
+      throw new QueryFault(column, `'${name}' is a goal, which nothing touches: ask 'in' its place`);
+    return feature;
+  }
+
+  bodyCalled(name: string, column: number): Bodies {
+    const feature = this.features.indexOf(name);
+    if (feature >= 0 && feature < this.bodies) return this.bodiesOf([feature], false);
+    if (feature >= 0) throw new QueryFault(column, `'${name}' doesn't move: ask which body touches it`);
+    if (this.numbers.includes(name))
+      throw new QueryFault(column, `'${name}' is a number: a range or a comparison is expected behind ` +
+        `it, as '${name} 0..1'`);
+    this.failUnknown(name, this.bodies, column);
+  }
+
+  numberCalled(name: string, column: number): number {
+    const number = this.numbers.indexOf(name);
+    if (number >= 0) return number;
+    const elements = this.numbers.filter((other) => other.startsWith(`${name}[`));
+    if (elements.length > 0)
+      throw new QueryFault(column,
+        `'${name}' has ${elements.length} elements: say which, as ${elements[0]!}`);
+    if (this.features.includes(name))
+      throw new QueryFault(column,
+        `'${name}' is no number: 'in', 'touches' or 'ends in' is expected behind it`);
+    const near = nearest(name, this.numbers);
+    throw new QueryFault(column, near === null
+      ? `no number is called '${name}'; \`sleight find --names\` lists them`
+      : `no number is called '${name}'; did you mean '${near}'?`);
+  }
+
+  private failUnknown(name: string, features: number, column: number): never {
+    const near = nearest(name, this.features.slice(0, features));
+    throw new QueryFault(column, near === null
+      ? `nothing is called '${name}'; there are: ${this.shown(features)}`
+      : `nothing is called '${name}'; did you mean '${near}'?`);
+  }
+
+  private shown(count: number): string {
+    const names = this.features.slice(0, Math.min(count, SHOWN)).join(", ");
+    return count > SHOWN ? `${names} and ${count - SHOWN} more` : names;
+  }
+}

@@ -1,0 +1,160 @@
+// Which animations of an index are meant: clients/browse/query.cpp.
+
+import { type Bodies, type Condition, type Inside, type Moment, type Touches } from "./condition";
+import { firstInside, misses, NEVER } from "./inside";
+import type { SearchIndex } from "./search-index";
+import type { Turns } from "./turns";
+
+/** The entries that are meant, ascending. REQUIRES: a condition for this index. */
+export async function find(condition: Condition, index: SearchIndex, turns: Turns): Promise<number[]> {
+  const found: number[] = [];
+  for (let entry = 0; entry < index.entries; ++entry) {
+    if (isMet(condition, index, entry)) found.push(entry);
+    if (turns.isDue()) await turns.take();
+  }
+  return found;
+}
+
+export function isMet(condition: Condition, index: SearchIndex, entry: number): boolean {
+  switch (condition.is) {
+    case "inside":
+    case "touches":
+      return isEverMet(condition, index, entry);
+    case "ends":
+      return firstOf(condition.who, index, entry, (track) => restIn(index, track, condition.box)) !== null;
+    case "number": {
+      const number = index.numbers[condition.number]![entry]!;
+      // False of NaN: what doesn't apply is in no range.
+      const isAbove = condition.isLowOpen ? number > condition.low : number >= condition.low;
+      const isBelow = condition.isHighOpen ? number < condition.high : number <= condition.high;
+      return isAbove && isBelow;
+    }
+    case "order":
+      return isMetInOrder(condition.steps, index, entry);
+    case "all":
+      return condition.parts.every((part) => isMet(part, index, entry));
+    case "any":
+      return condition.parts.some((part) => isMet(part, index, entry));
+    case "not":
+      return !isMet(condition.part, index, entry);
+  }
+}
+
+/**
+ * What a step follows: it is not met before that moment, and a hit is later than the last hit, as one
+ * hit is one event.
+ */
+interface After {
+  readonly timeS: number;
+  readonly hitS: number;
+}
+const FROM_THE_BEGINNING: After = { timeS: -Infinity, hitS: -Infinity };
+
+/** When it is is not asked: the first body that does it is enough. */
+function isEverMet(moment: Moment, index: SearchIndex, entry: number): boolean {
+  if (moment.is === "touches" || moment.who.isEvery)
+    return firstMet(moment, index, entry, FROM_THE_BEGINNING) !== null;
+  return moment.who.bodies.some((body) => {
+    const met = insideOf(moment, index, index.bodies * entry + body, FROM_THE_BEGINNING);
+    return met === met;
+  });
+}
+
+/**
+ * The earliest moment of each step that the steps before leave: none can be met earlier by choosing
+ * another moment for those.
+ */
+function isMetInOrder(steps: readonly Moment[], index: SearchIndex, entry: number): boolean {
+  let after = FROM_THE_BEGINNING;
+  for (const step of steps) {
+    const met = firstMet(step, index, entry, after);
+    if (met === null) return false;
+    after = { timeS: met, hitS: step.is === "touches" ? met : after.hitS };
+  }
+  return true;
+}
+
+function firstMet(moment: Moment, index: SearchIndex, entry: number, after: After): number | null {
+  const { who } = moment;
+  if (moment.is === "inside")
+    return firstOf(who, index, entry, (track) => insideOf(moment, index, track, after));
+  // Hits are in the order of time: the first that is one of the bodies' is the earliest.
+  if (!who.isEvery) return hitOf(moment, who.isAmong, index, entry, after);
+  const isIt = new Uint8Array(who.isAmong.length);
+  return firstOf(who, index, entry, (_, body) => {
+    isIt.fill(0);
+    isIt[body] = 1;
+    return hitOf(moment, isIt, index, entry, after) ?? NEVER;
+  });
+}
+
+/** The earliest of what one or each of the bodies says: each, then the latest of their earliest. */
+function firstOf(
+  who: Bodies, index: SearchIndex, entry: number, firstOfBody: (track: number, body: number) => number,
+): number | null {
+  let found: number | null = null;
+  for (const body of who.bodies) {
+    const track = index.bodies * entry + body;
+    if (index.trackCount[track] === 0) continue;
+    const first = firstOfBody(track, body);
+    const isNever = first !== first;
+    if (isNever && who.isEvery) return null;
+    if (isNever) continue;
+    if (found === null || (who.isEvery ? found < first : first < found)) found = first;
+  }
+  return found;
+}
+
+function insideOf(inside: Inside, index: SearchIndex, track: number, after: After): number {
+  if (misses(index.reach.tracks, 6 * track, inside.box)) return NEVER;
+  const fromS = Math.max(inside.when.fromS, after.timeS);
+  return firstInside(index, track, inside.box, fromS, inside.when.toS);
+}
+
+/** When one of these bodies, that enters, first hits what is asked. */
+function hitOf(
+  touches: Touches, isAmong: Uint8Array, index: SearchIndex, entry: number, after: After,
+): number | null {
+  const { contactTimeS, contactBody, contactPartner } = index;
+  const { partner: asked, when } = touches;
+  const end = index.contactFirst[entry + 1]!;
+  const fromS = Math.max(when.fromS, after.timeS);
+  let at = index.contactFirst[entry]!;
+  if (fromS > -Infinity) at = lowerBound(contactTimeS, at, end, fromS);
+  for (; at < end; ++at) {
+    const body = contactBody[at]!;
+    const partner = contactPartner[at]!;
+    // A hit of two bodies is both's, whichever of them it is recorded of.
+    const isOfBody = isAmong[body] === 1 && (asked === null || asked === partner);
+    const isOfPartner = isAmong[partner] === 1 && (asked === null || asked === body);
+    const isHit = (isOfBody && enters(index, entry, body)) || (isOfPartner && enters(index, entry, partner));
+    if (!isHit || contactTimeS[at]! <= after.hitS) continue;
+    return contactTimeS[at]! <= when.toS ? contactTimeS[at]! : null;
+  }
+  return null;
+}
+
+function enters(index: SearchIndex, entry: number, body: number): boolean {
+  return index.trackCount[index.bodies * entry + body] !== 0;
+}
+
+/** When a body comes to rest in the box: the last piece begins there. */
+function restIn(index: SearchIndex, track: number, box: Float64Array): number {
+  const last = index.trackFirst[track]! + index.trackCount[track]! - 1;
+  for (let axis = 0; axis < 3; ++axis) {
+    const place = index.positionM[3 * last + axis]!;
+    if (!(place >= box[axis]! && place <= box[axis + 3]!)) return NEVER;
+  }
+  return index.startS[last]!;
+}
+
+function lowerBound(times: Float64Array, first: number, end: number, timeS: number): number {
+  let low = first;
+  let high = end;
+  while (low < high) {
+    const middle = (low + high) >>> 1;
+    if (times[middle]! < timeS) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

@@ -1,0 +1,143 @@
+// How much two animations look alike, by their recordings alone: clients/browse/resemblance.h has the
+// formula and its reasons. The same operations in the same order give the same bits here.
+
+import { cheapestMatching } from "./matching";
+import type { SearchIndex } from "./search-index";
+import { FIRST_CONTACTS_MAX, keyOf, MATCHING_TIMES, type Sketch, TIMES } from "./sketch";
+
+export class Resemblance {
+  /** Classes of bodies that may take each other's place. */
+  private readonly twins: readonly Uint32Array[];
+  /** How far a body that enters is from one that never does. */
+  private readonly apartM: number;
+  private readonly bodies: number;
+  private readonly features: number;
+  /** Scratch: the body of b that takes the place of each of a's. */
+  private readonly partnerOf: Uint32Array;
+  private readonly columnOf: Int32Array;
+  private readonly costs: Float64Array;
+
+  constructor(index: SearchIndex) {
+    const classes = new Map<number, number[]>();
+    for (let body = 0; body < index.bodies; ++body) {
+      const first = index.features[body]!.twin_of;
+      classes.set(first, [...(classes.get(first) ?? []), body]);
+    }
+    const ascending = [...classes].sort(([a], [b]) => a - b);
+    this.twins = ascending.map(([, bodies]) => Uint32Array.from(bodies));
+    const { view_low_m: low, view_high_m: high } = index.view;
+    const [x, y, z] = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
+    this.apartM = Math.sqrt(x * x + y * y + z * z);
+    this.bodies = index.bodies;
+    this.features = index.features.length;
+    this.partnerOf = new Uint32Array(index.bodies);
+    const most = Math.max(0, ...this.twins.map((bodies) => bodies.length));
+    this.columnOf = new Int32Array(most);
+    this.costs = new Float64Array(most * most);
+  }
+
+  /** In metres. Of two animations a is the one that comes first in the list that is compared. */
+  valueM(a: Sketch, b: Sketch): number {
+    this.match(a, b);
+    let meanM = 0;
+    let greatestM = 0;
+    for (let body = 0; body < this.bodies; ++body) {
+      const other = this.partnerOf[body]!;
+      let sum = 0;
+      let greatest = 0;
+      if (a.enters[body] !== b.enters[other]) {
+        sum = this.apartM * TIMES;
+        greatest = this.apartM;
+      } else {
+        const p = 3 * TIMES * body;
+        const q = 3 * TIMES * other;
+        for (let i = 0; i < TIMES; ++i) {
+          const apart = distanceM(a.places, p + i, b.places, q + i);
+          sum += apart;
+          if (greatest < apart) greatest = apart;
+        }
+      }
+      meanM += sum / TIMES;
+      if (greatestM < greatest) greatestM = greatest;
+    }
+    if (this.bodies > 0) meanM /= this.bodies;
+    return 0.5 * (meanM + greatestM) * (1 + this.orderBetween(a, b));
+  }
+
+  private match(a: Sketch, b: Sketch): void {
+    for (const bodies of this.twins) {
+      if (bodies.length === 1) {
+        this.partnerOf[bodies[0]!] = bodies[0]!;
+        continue;
+      }
+      let at = 0;
+      for (const ofA of bodies) for (const ofB of bodies) this.costs[at++] = this.costOf(a, ofA, b, ofB);
+      cheapestMatching(this.costs, bodies.length, this.columnOf);
+      for (let i = 0; i < bodies.length; ++i) this.partnerOf[bodies[i]!] = bodies[this.columnOf[i]!]!;
+    }
+  }
+
+  private costOf(a: Sketch, ofA: number, b: Sketch, ofB: number): number {
+    if (a.enters[ofA] !== b.enters[ofB]) return this.apartM * MATCHING_TIMES;
+    const p = a.matched;
+    const q = b.matched;
+    const end = 3 * MATCHING_TIMES * (ofA + 1);
+    let cost = 0;
+    for (let i = 3 * MATCHING_TIMES * ofA, j = 3 * MATCHING_TIMES * ofB; i < end; i += 3, j += 3) {
+      const dx = p[i]! - q[j]!;
+      const dy = p[i + 1]! - q[j + 1]!;
+      const dz = p[i + 2]! - q[j + 2]!;
+      cost += Math.sqrt(dx * dx + dy * dy + dz * dz);
+    }
+    return cost;
+  }
+
+  /** The share of first contacts that doesn't come in the same order. */
+  private orderBetween(a: Sketch, b: Sketch): number {
+    const longer = Math.max(a.keys.length, b.keys.length);
+    if (longer === 0) return 0;
+    // Where each of b's contacts stands. No two of a list are equal, so that the longest common
+    // subsequence is the longest one of a's whose places in b rise.
+    let length = 0;
+    for (let at = 0; at < a.contacts.length; at += 2) {
+      const one = this.inB(a.contacts[at]!);
+      const two = this.inB(a.contacts[at + 1]!);
+      const key = two < one ? keyOf(two, one, this.features) : keyOf(one, two, this.features);
+      const found = lowerBound(b.keys, b.keys.length, key);
+      if (found < b.keys.length && b.keys[found] === key) length = withTail(b.placeOfKey[found]!, length);
+    }
+    return 1 - length / longer;
+  }
+
+  private inB(feature: number): number {
+    return feature < this.bodies ? this.partnerOf[feature]! : feature;
+  }
+}
+
+/** tails[n]: the least value at which a rising subsequence of n + 1 values ends. */
+const tails = new Uint32Array(FIRST_CONTACTS_MAX);
+
+/** Takes one more value; returns the length of the longest rising subsequence. */
+function withTail(value: number, length: number): number {
+  const at = lowerBound(tails, length, value);
+  tails[at] = value;
+  return Math.max(length, at + 1);
+}
+
+function lowerBound(values: Float64Array | Uint32Array, count: number, value: number): number {
+  let low = 0;
+  let high = count;
+  while (low < high) {
+    const middle = (low + high) >>> 1;
+    if (values[middle]! < value) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+function distanceM(a: Float32Array, p: number, b: Float32Array, q: number): number {
+  const dx = a[p]! - b[q]!;
+  const dy = a[p + TIMES]! - b[q + TIMES]!;
+  const dz = a[p + 2 * TIMES]! - b[q + 2 * TIMES]!;
+  return Math.sqrt(dx * dx + dy * dy + dz * dz);
+}

@@ -1,0 +1,175 @@
+// What is searched and compared of an archive: columns of its animations' paths, contacts and numbers.
+//
+// Columns are views of the file's bytes, and stay so: a large archive has millions of pieces, and an
+// object for each would take more memory than the page may have. clients/gallery_server/index_columns.h
+// says what is in the file.
+
+import { isObject, type Packed, torn } from "../data/packed";
+import type { Place } from "../data/types";
+import { measureReach, type Reach } from "./reach";
+import type { Turns } from "./turns";
+
+/** Rows between two looks at the clock. */
+const CHECKED_AT_ONCE = 65_536;
+
+export interface IndexFeature {
+  readonly name: string;
+  readonly kind: "body" | "fixed" | "wanted";
+  /** The first of the bodies that may take each other's place; itself where there is none. */
+  readonly twin_of: number;
+}
+
+/** A box about all that bodies do: the scene's view_low_m and view_high_m. */
+export interface View {
+  readonly view_low_m: Place;
+  readonly view_high_m: Place;
+}
+
+/** The columns, by animation, by piece of path and by contact; n animations of b bodies. */
+export interface Columns {
+  readonly isFind: Uint8Array;
+  readonly chain: Uint32Array;
+  readonly draw: Float64Array;
+  /** When the last body came to rest. */
+  readonly endS: Float64Array;
+  /** Along the head's numbers. */
+  readonly numbers: readonly Float64Array[];
+  /** The pieces of body k of animation i, in the order of time: row i b + k. */
+  readonly trackFirst: Uint32Array;
+  readonly trackCount: Uint32Array;
+  /** A piece is position + velocity s + acceleration s^2 / 2 with s from its start on. */
+  readonly startS: Float64Array;
+  readonly positionM: Float64Array;
+  readonly velocityMps: Float64Array;
+  /** Rows of accelerations. */
+  readonly acceleration: Uint32Array;
+  readonly accelerationsMps2: Float64Array;
+  /** Contacts of animation i, in the order of (time, body, partner): from [i] to [i + 1]. */
+  readonly contactFirst: Uint32Array;
+  readonly contactTimeS: Float64Array;
+  readonly contactBody: Uint32Array;
+  readonly contactPartner: Uint32Array;
+}
+
+export interface SearchIndex extends Columns {
+  readonly generation: number;
+  readonly run: string;
+  /** What animations are called: "0.250", "find.3". */
+  readonly names: readonly string[];
+  readonly entries: number;
+  readonly bodies: number;
+  readonly features: readonly IndexFeature[];
+  readonly numberNames: readonly { readonly name: string; readonly unit: string }[];
+  readonly view: View;
+  readonly reach: Reach;
+}
+
+/** `view`: where the file's head doesn't have it. Throws SourceError. */
+export async function readIndex(packed: Packed, turns: Turns, view?: View): Promise<SearchIndex> {
+  const head = packed.head;
+  if (!isObject(head)) throw torn("the index's head is no object");
+  const { generation, run, names, entries, bodies, features, numbers } = head;
+  if (!isCount(generation) || typeof run !== "string" || !isCount(entries) || !isCount(bodies))
+    throw torn("the index's head has another form");
+  if (!isListOf(names, isText) || names.length !== entries) throw torn("the index has no names");
+  if (!isListOf(features, isFeature)) throw torn("the index has no features");
+  if (!isListOf(numbers, isNumberName)) throw torn("the index has no numbers");
+  const firstThing = features.findIndex((feature) => feature.kind !== "body");
+  if ((firstThing < 0 ? features.length : firstThing) !== bodies) throw torn("the index's bodies are others");
+  const columns = columnsOf(packed, entries, bodies, numbers.length);
+  await check(columns, bodies, features.length, turns);
+  return {
+    ...columns, generation, run, names, entries, bodies, features,
+    numberNames: numbers,
+    view: isView(head) ? head : view ?? missingView(),
+    reach: await measureReach(columns, turns),
+  };
+}
+
+function columnsOf(packed: Packed, entries: number, bodies: number, numbers: number): Columns {
+  const f64 = (name: string, count?: number): Float64Array => column(packed, name, Float64Array, count);
+  const u32 = (name: string, count?: number): Uint32Array => column(packed, name, Uint32Array, count);
+  const startS = f64("piece_start_s");
+  const contactTimeS = f64("contact_time_s");
+  return {
+    isFind: column(packed, "is_find", Uint8Array, entries),
+    chain: u32("chain", entries),
+    draw: f64("draw", entries),
+    endS: f64("end_s", entries),
+    numbers: Array.from({ length: numbers }, (_, number) => f64(`number.${number}`, entries)),
+    trackFirst: u32("track_first", entries * bodies),
+    trackCount: u32("track_count", entries * bodies),
+    startS,
+    positionM: f64("piece_position_m", 3 * startS.length),
+    velocityMps: f64("piece_velocity_mps", 3 * startS.length),
+    acceleration: u32("piece_acceleration", startS.length),
+    accelerationsMps2: f64("accelerations_mps2"),
+    contactFirst: u32("contact_first", entries + 1),
+    contactTimeS,
+    contactBody: u32("contact_body", contactTimeS.length),
+    contactPartner: u32("contact_partner", contactTimeS.length),
+  };
+}
+
+/** Rows that lead nowhere would be found much later, as numbers that are none. */
+async function check(columns: Columns, bodies: number, features: number, turns: Turns): Promise<void> {
+  const { trackFirst, trackCount, contactFirst } = columns;
+  const pieces = columns.startS.length;
+  const contacts = columns.contactTimeS.length;
+  for (let track = 0; track < trackFirst.length; ++track)
+    if (trackFirst[track]! + trackCount[track]! > pieces) throw torn("a track has pieces that are not there");
+  for (let entry = 1; entry < contactFirst.length; ++entry)
+    if (contactFirst[entry]! < contactFirst[entry - 1]!) throw torn("contacts are no animation's");
+  if (contactFirst[contactFirst.length - 1] !== contacts) throw torn("contacts are no animation's");
+  await checkRows(columns.acceleration, columns.accelerationsMps2.length / 3, turns);
+  await checkRows(columns.contactBody, bodies, turns);
+  await checkRows(columns.contactPartner, features, turns);
+}
+
+async function checkRows(rows: Uint32Array, count: number, turns: Turns): Promise<void> {
+  for (let at = 0; at < rows.length; ++at) {
+    if (rows[at]! >= count) throw torn("a row of the index is not there");
+    if (at % CHECKED_AT_ONCE === 0 && turns.isDue()) await turns.take();
+  }
+}
+
+interface ColumnClass<T> {
+  readonly name: string;
+  new(count: number): T;
+}
+
+function column<T extends { readonly length: number }>(
+  packed: Packed, name: string, type: ColumnClass<T>, count?: number,
+): T {
+  const found: unknown = packed.columns.get(name);
+  if (!(found instanceof type)) throw torn(`there is no column '${name}' of ${type.name}`);
+  if (count !== undefined && found.length !== count) throw torn(`column '${name}' has another length`);
+  return found;
+}
+
+function missingView(): never {
+  throw torn("the index has no view");
+}
+
+function isListOf<T>(value: unknown, isOne: (one: unknown) => one is T): value is T[] {
+  return Array.isArray(value) && value.every(isOne);
+}
+function isCount(value: unknown): value is number {
+  return typeof value === "number" && Number.isSafeInteger(value) && value >= 0;
+}
+function isText(value: unknown): value is string {
+  return typeof value === "string";
+}
+function isNumberName(value: unknown): value is { name: string; unit: string } {
+  return isObject(value) && isText(value["name"]) && isText(value["unit"]);
+}
+function isFeature(value: unknown): value is IndexFeature {
+  return isObject(value) && isText(value["name"]) && isCount(value["twin_of"]) &&
+    (value["kind"] === "body" || value["kind"] === "fixed" || value["kind"] === "wanted");
+}
+function isView(value: unknown): value is View {
+  return isObject(value) && isPlace(value["view_low_m"]) && isPlace(value["view_high_m"]);
+}
+function isPlace(value: unknown): value is Place {
+  return Array.isArray(value) && value.length === 3 && value.every((one) => typeof one === "number");
+}

@@ -1,0 +1,107 @@
+// The search of a saved page: what a server answers to queries, groups and "more like this", answered
+// by the page itself from an archive's index file.
+//
+// Answers are those of clients/browse, bit for bit (tests/programs/test_gallery_search.py compares
+// them). Questions may be asked while others are worked at; no part of the work holds up the page.
+// All functions throw SourceError: "aborted" where the signal says so, "torn" of a file that is none,
+// "other" of questions that are none.
+
+import type { Packed } from "../data/packed";
+import { type AskOptions, SourceError } from "../data/source";
+import { Comparison } from "./comparing";
+import { type AlikeGroups, GroupedSet, type Grouping } from "./groups";
+import { parseQuery, type QueryError } from "./parse";
+import { find } from "./query";
+import { readIndex, type SearchIndex, type View } from "./search-index";
+import { coveredDurationS, type Sketch } from "./sketch";
+import { Turns } from "./turns";
+
+export type { AlikeGroup, AlikeGroups, Grouping } from "./groups";
+export type { QueryError } from "./parse";
+export type { View } from "./search-index";
+
+/** As the server has it. */
+const GROUPS_MAX = 500;
+const ALIKE_TO_MAX = 100;
+
+export interface Alike {
+  /** Nearest first; of several the distance to the nearest counts. */
+  readonly entries: readonly number[];
+  readonly distance_m: readonly number[];
+}
+
+export class ArchiveSearch {
+  /** The set whose groups were asked for last. */
+  private grouped: GroupedSet | null = null;
+
+  private constructor(private readonly index: SearchIndex) {}
+
+  /** `view`: the scene's box, where the file's head doesn't have it. */
+  static async of(packed: Packed, view?: View, options: AskOptions = {}): Promise<ArchiveSearch> {
+    return new ArchiveSearch(await readIndex(packed, new Turns(options.signal), view));
+  }
+
+  get generation(): number {
+    return this.index.generation;
+  }
+
+  /** The entries that are meant, ascending; an empty query means all. */
+  async find(query: string, options: AskOptions = {}): Promise<readonly number[] | QueryError> {
+    if (/^[ \t\r\n]*$/.test(query)) return allOf(this.index);
+    const condition = parseQuery(query, { features: this.index.features, numbers: this.index.numberNames });
+    if ("message" in condition) return condition;
+    return find(condition, this.index, new Turns(options.signal));
+  }
+
+  /** Of the entries, or of all. */
+  async groups(
+    entries: readonly number[] | null, groups: number, by: Grouping, options: AskOptions = {},
+  ): Promise<AlikeGroups> {
+    if (!Number.isInteger(groups) || groups < 1 || groups > GROUPS_MAX)
+      throw new SourceError("other", `There are 1 to ${GROUPS_MAX} groups.`);
+    const meant = this.meant(entries);
+    if (meant.length === 0) return { groups: [], approximate: false };
+    const turns = new Turns(options.signal);
+    const set = this.grouped?.isOf(meant) ? this.grouped : await GroupedSet.of(this.index, meant, turns);
+    this.grouped = set;
+    return set.divided(groups, by, turns);
+  }
+
+  /** The entries, or all, by their distance to the nearest of some. */
+  async alike(
+    to: readonly number[], entries: readonly number[] | null, options: AskOptions = {},
+  ): Promise<Alike> {
+    const chosen = this.meant(to);
+    if (chosen.length === 0 || chosen.length > ALIKE_TO_MAX)
+      throw new SourceError("other", `One to ${ALIKE_TO_MAX} animations can be compared with.`);
+    const meant = this.meant(entries);
+    const turns = new Turns(options.signal);
+    const comparison = new Comparison(this.index, coveredDurationS(this.index, allOf(this.index)));
+    const sketches = chosen.map((entry): [number, Sketch] => [entry, comparison.sketch(entry)]);
+    const found: { entry: number; distanceM: number }[] = [];
+    for (const entry of meant) {
+      const own = comparison.sketch(entry);
+      let distanceM = Infinity;
+      for (const [other, sketch] of sketches) {
+        const apartM = entry < other ? comparison.valueM(own, sketch) : comparison.valueM(sketch, own);
+        if (apartM < distanceM) distanceM = apartM;
+        if (turns.isDue()) await turns.take();
+      }
+      found.push({ entry, distanceM });
+    }
+    found.sort((a, b) => a.distanceM - b.distanceM || a.entry - b.entry);
+    return { entries: found.map((one) => one.entry), distance_m: found.map((one) => one.distanceM) };
+  }
+
+  /** Each once. */
+  private meant(entries: readonly number[] | null): readonly number[] {
+    if (entries === null) return allOf(this.index);
+    if (entries.some((entry) => !Number.isInteger(entry) || entry < 0 || entry >= this.index.entries))
+      throw new SourceError("other", "One of the animations is none.");
+    return [...new Set(entries)];
+  }
+}
+
+function allOf(index: SearchIndex): readonly number[] {
+  return Array.from({ length: index.entries }, (_, entry) => entry);
+}

@@ -1,0 +1,92 @@
+// The words, numbers and signs of a query's text: clients/browse/tokens.cpp, with the same errors.
+
+import { QUERY_BYTES_MAX, QueryFault } from "./condition";
+
+export interface Token {
+  /** word: letters, digits and _, beginning with a letter; quoted: a name in double quotes. */
+  readonly kind: "word" | "quoted" | "number" | "sign" | "end";
+  /** Of its first byte, from 0. */
+  readonly column: number;
+  /** Of a quoted one what is between the quotes. */
+  readonly text: string;
+  /** Of a number; 0 of all else. */
+  readonly number: number;
+  /** Directly behind the one before: the unit in "20mm". */
+  readonly isJoined: boolean;
+}
+
+// Sticky: each reads at its lastIndex and nowhere else.
+const BLANKS = /[ \t\n]*/y;
+/** A unit such as "mm/s" is one word: the only ones with a sign in them. */
+const WORD = /(?:mm?\/[A-Za-z_]+|[A-Za-z_][A-Za-z_0-9]*)/y;
+const IS_WORD = /[A-Za-z_]/y;
+const IS_NUMBER = /[-+]?(?:[0-9]|\.[0-9])/y;
+/** "0..20" is 0, then "..": no point belongs to a number if a second one follows it. */
+const NUMBER = /[-+]?[0-9]*(?:\.(?!\.)[0-9]*)?(?:[eE][-+]?[0-9]+)?/y;
+const SIGN = /\.\.|<=|>=|[<>=():,[\]]/y;
+
+/** The tokens, with one of kind "end" behind them. Throws QueryFault. */
+export function tokensOf(bytes: string): Token[] {
+  if (bytes.length > QUERY_BYTES_MAX)
+    throw new QueryFault(QUERY_BYTES_MAX, `the query is longer than ${QUERY_BYTES_MAX} bytes`);
+  const tokens: Token[] = [];
+  let at = 0;
+  for (;;) {
+    const blanks = matched(BLANKS, bytes, at) ?? "";
+    const isJoined = blanks === "" && tokens.length > 0;
+    at += blanks.length;
+    const token = tokenAt(bytes, at, isJoined);
+    tokens.push(token.token);
+    if (token.token.kind === "end") return tokens;
+    at = token.end;
+  }
+}
+
+function tokenAt(bytes: string, column: number, isJoined: boolean): { token: Token; end: number } {
+  if (column === bytes.length)
+    return { token: { kind: "end", column, text: "", number: 0, isJoined }, end: column };
+  if (matched(IS_WORD, bytes, column) !== null) {
+    const text = matched(WORD, bytes, column) ?? "";
+    return { token: { kind: "word", column, text, number: 0, isJoined }, end: column + text.length };
+  }
+  if (bytes[column] === "\"") {
+    const { text, end } = quotedAt(bytes, column);
+    return { token: { kind: "quoted", column, text, number: 0, isJoined }, end };
+  }
+  if (matched(IS_NUMBER, bytes, column) !== null) {
+    const text = matched(NUMBER, bytes, column) ?? "";
+    const number = numberOf(text, column);
+    return { token: { kind: "number", column, text, number, isJoined }, end: column + text.length };
+  }
+  const text = matched(SIGN, bytes, column);
+  if (text !== null)
+    return { token: { kind: "sign", column, text, number: 0, isJoined }, end: column + text.length };
+  const sign = bytes[column] ?? "";
+  throw new QueryFault(column, sign > " " && sign < "\x7f"
+    ? `the sign '${sign}' has no meaning here` : "this sign has no meaning here");
+}
+
+/** \" and \\ stand for the signs. */
+function quotedAt(bytes: string, column: number): { text: string; end: number } {
+  let text = "";
+  for (let at = column + 1; at < bytes.length; ++at) {
+    if (bytes[at] === "\"") return { text, end: at + 1 };
+    if (bytes[at] === "\\" && at + 1 < bytes.length) ++at;
+    text += bytes[at] ?? "";
+  }
+  throw new QueryFault(column, "the quote is not closed");
+}
+
+function numberOf(text: string, column: number): number {
+  const number = Number(text);
+  // Beyond what a double can hold, or so small that nothing is left of it.
+  const isLost = number === 0 && /[1-9]/.test(text.replace(/[eE].*/, ""));
+  if (!Number.isFinite(number) || isLost)
+    throw new QueryFault(column, `'${text}' is no number that can be held`);
+  return number;
+}
+
+function matched(pattern: RegExp, bytes: string, at: number): string | null {
+  pattern.lastIndex = at;
+  return pattern.exec(bytes)?.[0] ?? null;
+}

@@ -1,0 +1,53 @@
+// What a person notes about animations. Pure.
+import type { Note } from "../data/types";
+import type { NotesFilter } from "./page";
+
+export type NotesByName = Readonly<Record<string, Note>>;
+
+export const emptyNote: Note = { star: false, hidden: false, tags: [], note: "" };
+
+export function noteOf(notes: NotesByName, name: string): Note {
+  return Object.hasOwn(notes, name) ? (notes[name] ?? emptyNote) : emptyNote;
+}
+
+export function isLetThrough(note: Note, filter: NotesFilter): boolean {
+  if (filter.star && !note.star) return false;
+  if (filter.tag !== "" && !note.tags.includes(filter.tag)) return false;
+  return filter.hidden === "with" || note.hidden === (filter.hidden === "only");
+}
+
+/** All tags in use, most used first. */
+export function tagsOf(notes: NotesByName): string[] {
+  const counts = new Map<string, number>();
+  for (const note of Object.values(notes))
+    for (const tag of note.tags) counts.set(tag, (counts.get(tag) ?? 0) + 1);
+  return [...counts].sort((a, b) => b[1] - a[1] || (a[0] < b[0] ? -1 : 1)).map(([tag]) => tag);
+}
+
+/** "red, long throw" -> its tags, each once. */
+export function tagsOfText(text: string): string[] {
+  return [
+    ...new Set(
+      text
+        .split(",")
+        .map((tag) => tag.trim())
+        .filter((tag) => tag !== ""),
+    ),
+  ];
+}
+
+/** If all have it, none has it then; else all. */
+export function allToggled(
+  notes: NotesByName,
+  names: readonly string[],
+  key: "star" | "hidden",
+): Record<string, Note> {
+  const isOn = !names.every((name) => noteOf(notes, name)[key]);
+  const changed: Record<string, Note> = {};
+  for (const name of names) changed[name] = { ...noteOf(notes, name), [key]: isOn };
+  return changed;
+}
+
+export function notKept(why: string): string {
+  return `Notes can't be kept and last until this page is closed: ${why || "the server can't write them."}`;
+}

@@ -1,0 +1,172 @@
+// What a person does to the page, but for notes: views, groups, chips, selection, player.
+import { noEntries, type AppState, type ShownGroup } from "./app-state";
+import { orderedNames, wholeQuery } from "./derived";
+import { pageOf } from "./link";
+import type { NoteKeeping } from "./note-keeping";
+import type { Chip, Page, View } from "./page";
+import { comparedMax, extended, nothingSelected, only, toggled } from "./selection";
+import { say } from "./messages";
+import { asKept } from "./sorting";
+import type { Store } from "./store";
+
+export class PageActions {
+  private nextChip = 1;
+
+  constructor(
+    private readonly store: Store<AppState>,
+    private readonly keeping: NoteKeeping,
+    /** Called where the page has come to be about another run. */
+    private readonly lookAgain: () => void,
+  ) {}
+
+  /** Makes the page what a link says. */
+  applyLink(link: string): void {
+    const before = this.store.state.page;
+    const page = pageOf(link);
+    this.nextChip = Math.max(this.nextChip, page.chips.length + 1);
+    const run = page.run === "" ? before.run : page.run;
+    const isSameRun = run === before.run && page.archive === before.archive;
+    this.store.set({
+      page: { ...page, run },
+      selection: { names: page.selected, anchor: page.selected.at(-1) ?? null },
+      opened: page.path.map((step, i) => {
+        const old = before.path[i];
+        const stays = isSameRun && JSON.stringify(step) === JSON.stringify(old);
+        return stays ? (this.store.state.opened[i] ?? null) : null;
+      }),
+    });
+    if (!isSameRun) this.lookAgain();
+  }
+
+  change(parts: Partial<Page>): void {
+    this.store.set({ page: { ...this.store.state.page, ...parts } });
+  }
+
+  showArchive(run: string, archive: string): void {
+    const { page } = this.store.state;
+    if (run === page.run && archive === page.archive) return;
+    this.store.set({ selection: nothingSelected, opened: [], groups: null, distances: null });
+    const ofOther = { path: [], playing: [], timeS: null, camera: null, sort: asKept, plot: "" };
+    this.change({ run, archive, ...ofOther });
+    this.lookAgain();
+  }
+
+  showView(view: View): void {
+    this.change({ view });
+  }
+
+  // Groups.
+
+  openGroup(group: ShownGroup): void {
+    const { page, loaded, opened } = this.store.state;
+    const representative = loaded?.names[group.representative];
+    if (representative === undefined) return;
+    const step = { ...page.grouping, representative, query: wholeQuery(page.chips) };
+    this.store.set({ opened: [...opened, group.members] });
+    this.change({ path: [...page.path, step], view: "list" });
+  }
+
+  /** Back to what contains the group: `depth` groups stay open. */
+  closeTo(depth: number): void {
+    this.store.set({ opened: this.store.state.opened.slice(0, depth) });
+    this.change({ path: this.store.state.page.path.slice(0, depth), view: "groups" });
+  }
+
+  // Queries.
+
+  addChip(text: string, isNot: boolean): void {
+    const chip: Chip = { id: this.nextChip, text, isNot, isOn: true };
+    this.nextChip += 1;
+    this.keeping.setChips([...this.store.state.page.chips, chip], `${isNot ? "not" : "in"}: ${text}`);
+  }
+
+  changeChip(id: number, parts: Partial<Chip>, words: string): void {
+    const chips = this.store.state.page.chips.map((chip) => (chip.id === id ? { ...chip, ...parts } : chip));
+    this.keeping.setChips(chips, words);
+  }
+
+  removeChip(id: number): void {
+    const { chips } = this.store.state.page;
+    const gone = chips.find((chip) => chip.id === id);
+    this.keeping.setChips(
+      chips.filter((chip) => chip !== gone),
+      `taken away: ${gone?.text ?? ""}`,
+    );
+  }
+
+  // Selection.
+
+  select(name: string, how: "toggle" | "only" | "extend"): void {
+    const { state } = this.store;
+    const { selection } = state;
+    const next =
+      how === "only"
+        ? only(name)
+        : how === "extend"
+          ? extended(selection, name, orderedNames(state))
+          : toggled(selection, name);
+    this.store.set({ selection: next });
+  }
+
+  selectAll(): void {
+    const names = orderedNames(this.store.state);
+    this.store.set({ selection: { names, anchor: names[0] ?? null } });
+  }
+
+  selectNone(): void {
+    this.store.set({ selection: nothingSelected });
+  }
+
+  sortByLikeness(to: readonly string[], isUnlike: boolean): void {
+    if (to.length === 0) {
+      say(this.store, "Choose the animations first: with a click, or Space on a card.");
+      return;
+    }
+    // A like one may be in another group: the whole list is looked through.
+    this.store.set({ opened: [] });
+    this.change({ sort: { by: "alike", to: [...to], isUnlike }, view: "list", path: [] });
+  }
+
+  // Player.
+
+  play(names: readonly string[]): void {
+    if (names.length > comparedMax)
+      say(
+        this.store,
+        `The first ${comparedMax} of ${names.length} are compared: so many fit beside one another.`,
+      );
+    this.change({ playing: names.slice(0, comparedMax), timeS: null });
+  }
+
+  closePlayer(): void {
+    this.store.set({ drawing: { box: false, time: false }, drawnBox: null, drawnRange: null });
+    this.change({ playing: [], timeS: null });
+  }
+}
+
+export function initialState(page: Page): AppState {
+  return {
+    page,
+    selection: { names: page.selected, anchor: page.selected.at(-1) ?? null },
+    gallery: null,
+    source: "here",
+    loaded: null,
+    loadFailure: "",
+    visible: noEntries,
+    asOf: "",
+    answers: new Map(),
+    draft: "",
+    built: "",
+    notes: {},
+    notesWords: "",
+    history: { done: [], undone: [] },
+    groups: null,
+    groupsFailure: "",
+    opened: page.path.map(() => null),
+    distances: null,
+    message: { words: "", number: 0 },
+    drawing: { box: false, time: false },
+    drawnBox: null,
+    drawnRange: null,
+  };
+}

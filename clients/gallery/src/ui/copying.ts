@@ -1,0 +1,13 @@
+// Copies text, and says whether it worked: browsers forbid it without a secure page.
+import type { AppState } from "../state/app-state";
+import { say } from "../state/messages";
+import type { Store } from "../state/store";
+
+export async function copyText(store: Store<AppState>, text: string, what: string): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+    say(store, `${what} copied.`);
+  } catch {
+    say(store, `The browser doesn't let pages copy here. ${what}: ${text}`);
+  }
+}

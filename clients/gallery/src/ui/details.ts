@@ -1,0 +1,184 @@
+// All that is known of one animation in the player: its numbers, its events as text, a person's notes.
+import type { AppState } from "../state/app-state";
+import { emptyNote, noteOf, tagsOfText } from "../state/notes";
+import { plausibilityHelp, plausibilityWords, proportionHelp, scoreHelp } from "../state/plausibility";
+import type { TimelineItem } from "../view/timeline";
+import { button, el, field, select, setChoices, setHidden, setText } from "./dom";
+import { numberOf } from "./card";
+import type { Part, Ui } from "./part";
+import { count, number, seconds, withUnit } from "./words";
+
+/** Longer lists are cut: nobody reads on, and the page stays light. */
+const eventsShownMax = 1000;
+
+export interface Details extends Part {
+  /** What the player has come to show; `items` in the order of page.playing. */
+  show(items: readonly TimelineItem[]): void;
+  /** Of which of them the details are. */
+  readonly chosen: number;
+}
+
+export function makeDetails(
+  ui: Ui,
+  seek: (sharedS: number) => void,
+  figuresOf: (name: string) => Readonly<Record<string, number>>,
+): Details {
+  let items: readonly TimelineItem[] = [];
+  let chosen = 0;
+  const nameNow = (): string => ui.store.state.page.playing[chosen] ?? "";
+  const which = select(
+    [],
+    "0",
+    (value) => {
+      chosen = Number(value);
+      redraw(ui.store.state);
+    },
+    { id: "details-of" },
+  );
+  const whichField = field("Details of", which);
+  const plausibility = el("p", { class: "details-plausibility" });
+  const proportion = el("p", { class: "hint proportion", id: "player-proportion" }, proportionHelp);
+  const numbers = el("tbody");
+  const events = el("ol", { class: "events" });
+  const eventsBox = el(
+    "details",
+    { class: "events-box", id: "events", on: { toggle: () => listEvents() } },
+    el("summary", {}, "Events"),
+    events,
+  );
+  const note = makeNoteEditor(ui, nameNow);
+
+  const listEvents = (): void => {
+    if (!eventsBox.open) {
+      events.replaceChildren();
+      return;
+    }
+    const all = items[chosen]?.events ?? [];
+    const shown = all.slice(0, eventsShownMax).map((event) =>
+      el(
+        "li",
+        {},
+        button(`${seconds(event.timeS)}  ${event.words}`, () => seek(event.sharedS), { class: "link" }),
+      ),
+    );
+    const more = all.length - shown.length;
+    events.replaceChildren(...shown, ...(more > 0 ? [el("li", {}, `and ${count(more)} more`)] : []));
+  };
+  const redraw = (state: AppState): void => {
+    const { loaded } = state;
+    const name = nameNow();
+    const entry = loaded?.entryOf.get(name);
+    setHidden(whichField, state.page.playing.length < 2);
+    if (loaded === null || entry === undefined) {
+      numbers.replaceChildren();
+      setText(plausibility, "");
+      return;
+    }
+    const words = plausibilityWords(numberOf(loaded, entry, "log_prior"), loaded.scene.prior_log_prior);
+    setText(plausibility, words === "" ? name : `${name}: ${words}.`);
+    plausibility.title = plausibilityHelp;
+    setHidden(proportion, loaded.table.inProportion[entry] === 1);
+    const rows = loaded.scene.numbers.map(({ name: of, unit }) =>
+      numberRow(of, withUnit(numberOf(loaded, entry, of), unit)),
+    );
+    const known = new Set(loaded.scene.numbers.map((other) => other.name));
+    const figures = Object.entries(figuresOf(name)).filter(([of]) => !known.has(of));
+    numbers.replaceChildren(...rows, ...figures.map(([of, value]) => numberRow(of, number(value))));
+    note.show(state, name);
+    listEvents();
+  };
+  return {
+    element: el(
+      "div",
+      { class: "details" },
+      whichField,
+      plausibility,
+      proportion,
+      note.element,
+      el(
+        "details",
+        { class: "numbers", open: true },
+        el("summary", {}, "Numbers"),
+        el(
+          "table",
+          { id: "numbers" },
+          el(
+            "thead",
+            {},
+            el("tr", {}, el("th", { scope: "col" }, "Name"), el("th", { scope: "col" }, "Value")),
+          ),
+          numbers,
+        ),
+      ),
+      eventsBox,
+    ),
+    get chosen() {
+      return chosen;
+    },
+    show(shown) {
+      items = shown;
+      const { playing } = ui.store.state.page;
+      if (chosen >= playing.length) chosen = 0;
+      setChoices(
+        which,
+        playing.map((label, i) => ({ value: String(i), label })),
+        String(chosen),
+      );
+      redraw(ui.store.state);
+    },
+    update(state, before) {
+      if (state.page.playing !== before.page.playing || state.loaded !== before.loaded) redraw(state);
+      else if (state.notes !== before.notes) note.show(state, nameNow());
+    },
+  };
+}
+
+function numberRow(name: string, value: string): HTMLElement {
+  const help = name === "log_prior" ? plausibilityHelp : name === "log_constraint" ? scoreHelp : null;
+  return el("tr", {}, el("th", { scope: "row", title: help }, name), el("td", {}, value));
+}
+
+interface NoteEditor {
+  readonly element: HTMLElement;
+  show(state: AppState, name: string): void;
+}
+
+function makeNoteEditor(ui: Ui, nameNow: () => string): NoteEditor {
+  const star = button("Star", () => ui.notes.toggle([nameNow()], "star"), {
+    id: "star-playing",
+    title: "Star (s)",
+  });
+  const hide = button("Hide", () => ui.notes.toggle([nameNow()], "hidden"), {
+    id: "hide-playing",
+    title: "Hide (h)",
+  });
+  const tags = el("input", {
+    type: "text",
+    id: "tags-playing",
+    placeholder: "red, long throw",
+    maxlength: 400,
+  });
+  const text = el("textarea", { id: "note-playing", rows: 2, maxlength: 4000 });
+  // Of which animation the fields are: the player may have gone on before a field is left.
+  let of = "";
+  tags.addEventListener("change", () => ui.notes.edit(of, { tags: tagsOfText(tags.value) }));
+  text.addEventListener("change", () => ui.notes.edit(of, { note: text.value }));
+  return {
+    element: el(
+      "div",
+      { class: "note-editor", role: "group", "aria-label": "Your notes" },
+      el("div", { class: "buttons" }, star, hide),
+      field("Tags", tags),
+      field("Note", text),
+    ),
+    show(state, name) {
+      const note = name === "" ? emptyNote : noteOf(state.notes, name);
+      star.setAttribute("aria-pressed", String(note.star));
+      hide.setAttribute("aria-pressed", String(note.hidden));
+      const isOther = name !== of;
+      of = name;
+      if (isOther || document.activeElement !== tags) tags.value = note.tags.join(", ");
+      if (isOther || document.activeElement !== text) text.value = note.note;
+    },
+  };
+}

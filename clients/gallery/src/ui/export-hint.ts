@@ -1,0 +1,45 @@
+// The exact command that makes files of what is chosen, and what must be known of them.
+import type { AppState } from "../state/app-state";
+import { archiveShown, signedQueries } from "../state/derived";
+import { exportLine } from "../state/export-line";
+import { proportionHelp } from "../state/plausibility";
+import { copyText } from "./copying";
+import { button, el, setHidden, setText } from "./dom";
+import type { Part, Ui } from "./part";
+
+export function makeExportHint(ui: Ui, namesOf: (state: AppState) => readonly string[], id: string): Part {
+  const line = el("code", {
+    class: "export-line",
+    id,
+    tabindex: 0,
+    role: "textbox",
+    "aria-readonly": "true",
+    "aria-label": "Command that exports",
+  });
+  const copy = button("Copy the command", () => void copyText(ui.store, line.textContent ?? "", "Command"), {
+    class: "small",
+  });
+  const proportion = el("p", { class: "hint" }, proportionHelp);
+  const update = (state: AppState): void => {
+    const archive = archiveShown(state);
+    const names = namesOf(state);
+    const { loaded } = state;
+    setText(line, exportLine(archive?.name ?? "archive.h5", names, signedQueries(state.page.chips)));
+    const all =
+      loaded === null ||
+      names.every((name) => loaded.table.inProportion[loaded.entryOf.get(name) ?? -1] === 1);
+    setHidden(proportion, all);
+  };
+  return {
+    element: el(
+      "details",
+      { class: "export" },
+      el("summary", {}, "Export"),
+      el("p", { class: "hint" }, "Models for Blender and others, tables, pictures and films are made by:"),
+      line,
+      copy,
+      proportion,
+    ),
+    update,
+  };
+}

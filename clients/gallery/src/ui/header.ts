@@ -1,0 +1,143 @@
+// The top of the page: archives, how many of how many are shown and as of when, what is new, and
+// what is wrong.
+import type { ArchiveSummary } from "../data/types";
+import { archiveShown, hiddenCount, offeredCount, within } from "../state/derived";
+import type { AppState } from "../state/app-state";
+import { notKept } from "../state/notes";
+import { button, el, select, setHidden, setText } from "./dom";
+import type { Part, Ui } from "./part";
+import type { ThemeChoice } from "./theme";
+import { count, counted } from "./words";
+
+export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => void): Part {
+  const archives = el("nav", { class: "archives", "aria-label": "Archives" });
+  const counts = el("p", { class: "counts", id: "counts" });
+  const live = el("p", { class: "live", id: "live" });
+  const fresh = button("", () => ui.loading.takeOffered(), { id: "take-new", class: "primary" });
+  const filters = button("Filters", toggleFilters, {
+    id: "toggle-filters",
+    "aria-controls": "filters",
+    "aria-expanded": "false",
+    class: "only-narrow",
+  });
+  const theme = select(
+    [
+      { value: "system", label: "System" },
+      { value: "light", label: "Light" },
+      { value: "dark", label: "Dark" },
+    ],
+    ui.theme.choice,
+    (value) => ui.theme.choose(value as ThemeChoice),
+    { id: "theme", "aria-label": "Colours of the page", title: "Colours of the page" },
+  );
+  const keys = button("Keys", showKeys, { id: "show-keys", title: "Keys (?)" });
+  const warning = el("div", { class: "warning", id: "warning", role: "note" });
+  const trouble = el("div", { class: "trouble", id: "trouble" });
+  const element = el(
+    "header",
+    { class: "header" },
+    el(
+      "div",
+      { class: "header-line" },
+      el("h1", { class: "title" }, "sleight gallery"),
+      archives,
+      el("div", { class: "header-tools" }, filters, theme, keys),
+    ),
+    warning,
+    trouble,
+    el("div", { class: "header-line counts-line" }, counts, live, fresh),
+  );
+  const update = (state: AppState, before: AppState): void => {
+    if (
+      state.gallery !== before.gallery ||
+      state.loaded !== before.loaded ||
+      archives.childElementCount === 0
+    )
+      archives.replaceChildren(...archiveTabs(ui, state));
+    const archive = archiveShown(state);
+    setText(counts, countWords(state));
+    setText(live, archive?.is_live ? liveWords(archive) : "");
+    const offered = offeredCount(state);
+    setHidden(fresh, offered === 0);
+    setText(fresh, `${count(offered)} new`);
+    fresh.setAttribute("aria-label", `${count(offered)} new: show them`);
+    setText(warning, archive?.warning ? `Warning: ${archive.warning}` : "");
+    setHidden(warning, !archive?.warning);
+    const words = troubleWords(state, archive);
+    setText(trouble, words);
+    setHidden(trouble, words === "");
+  };
+  return { element, update };
+}
+
+/** Few archives are buttons beside one another, many a list to choose from. */
+function archiveTabs(ui: Ui, state: AppState): HTMLElement[] {
+  const all = state.gallery?.archives ?? [];
+  const shown = state.loaded?.id ?? -1;
+  const tabsMax = 4;
+  const show = (archive: ArchiveSummary | undefined): void => {
+    if (archive === undefined) return;
+    const isAlone = all.filter(({ run }) => run === archive.run).length === 1;
+    ui.page.showArchive(archive.run, isAlone ? "" : archive.name);
+  };
+  if (all.length > tabsMax) {
+    const choices = all.map((archive) => ({ value: String(archive.id), label: archiveWords(archive) }));
+    const chosen = (id: string): void => show(all.find((archive) => String(archive.id) === id));
+    return [select(choices, String(shown), chosen, { "aria-label": "Archive", id: "archive" })];
+  }
+  return all.map((archive) =>
+    button(archiveWords(archive), () => show(archive), {
+      class: "tab",
+      "aria-current": archive.id === shown ? "page" : null,
+      title: `${archive.world}, ${archive.method}; run ${archive.run}`,
+    }),
+  );
+}
+
+function archiveWords(archive: ArchiveSummary): string {
+  const reading =
+    archive.reading === null ? "" : ` ${count(archive.reading.done)} of ${count(archive.reading.of)}`;
+  const states = { ready: "", reading: ` (being read${reading})`, gone: " (gone)", damaged: " (damaged)" };
+  return `${archive.name}${states[archive.state]}`;
+}
+
+/** How the run stands, where the server says it. */
+function liveWords(archive: ArchiveSummary & { readonly live_words?: unknown }): string {
+  const words = archive.live_words;
+  return typeof words === "string" && words !== "" ? words : "The run goes on.";
+}
+
+function countWords(state: AppState): string {
+  if (state.loaded === null) return state.loadFailure || "Reading the archive …";
+  const hidden = hiddenCount(state);
+  const shown = `${count(within(state).length)} of ${count(state.visible.length)} shown`;
+  const isLeftOut = hidden > 0 && state.page.notesFilter.hidden === "without";
+  return `${shown}${isLeftOut ? `, ${count(hidden)} hidden by you` : ""} · as of ${state.asOf}`;
+}
+
+function troubleWords(state: AppState, archive: ArchiveSummary | null): string {
+  const sentences: string[] = [];
+  if (state.source === "away")
+    sentences.push(
+      "The server doesn't answer. What is shown stays; the page goes on by itself when it is back.",
+    );
+  if (state.source === "refused")
+    sentences.push("The server doesn't know this page any more: open the link that it prints.");
+  if (archive?.state === "gone")
+    sentences.push(archive.words || `${archive.name} is gone; what was read of it stays.`);
+  if (archive?.state === "damaged")
+    sentences.push(archive.words || `${archive.name} is damaged; what was read of it stays.`);
+  const notes = state.gallery?.notes;
+  if (notes !== undefined && !notes.writable) sentences.push(notKept(notes.words));
+  else if (state.notesWords !== "") sentences.push(state.notesWords);
+  const left = state.gallery?.left_out ?? [];
+  if (left.length > 0) {
+    const reasons = left
+      .slice(0, 3)
+      .map(({ name, reason }) => `${name}: ${reason}`)
+      .join("; ");
+    const more = left.length > 3 ? "; …" : "";
+    sentences.push(`${counted(left.length, "file is", "files are")} left out (${reasons}${more}).`);
+  }
+  return sentences.join(" ");
+}

@@ -1,0 +1,171 @@
+// What keys do, and the list of them. Keys that a field or a button needs itself are left to it.
+import { el, iconButton } from "./dom";
+
+export interface KeyActions {
+  readonly help: () => void;
+  readonly query: () => void;
+  readonly wall: () => void;
+  readonly player: () => void;
+  readonly view: (view: "groups" | "list" | "plots") => void;
+  readonly up: () => void;
+  readonly activate: () => void;
+  readonly choose: (isExtend: boolean) => void;
+  readonly all: () => void;
+  readonly compare: () => void;
+  readonly star: () => void;
+  readonly hide: () => void;
+  readonly like: (isUnlike: boolean) => void;
+  readonly takeNew: () => void;
+  readonly undo: () => void;
+  readonly redo: () => void;
+  readonly toggle: () => void;
+  readonly step: (frames: number) => void;
+  readonly event: (direction: 1 | -1) => void;
+  readonly trails: () => void;
+  readonly still: () => void;
+  readonly turn: (across: number, up: number) => void;
+  readonly zoom: (factor: number) => void;
+  readonly escape: () => void;
+}
+
+const shownKeys: readonly (readonly [string, string])[] = [
+  ["?", "these keys"],
+  ["/", "to the query"],
+  ["w", "to the wall"],
+  ["p", "to the player"],
+  ["1, 2, 3", "groups, list, plots"],
+  ["arrows, Home, End, Page", "to another card"],
+  ["Enter", "open the group, play the animation"],
+  ["Backspace", "out of the group"],
+  ["Space, Shift+Space", "choose the card, all up to it (elsewhere: play and pause)"],
+  ["Ctrl+A", "choose all that are shown"],
+  ["c", "compare those chosen"],
+  ["s", "star"],
+  ["h", "hide"],
+  ["m, u", "more like these, unlike these"],
+  ["n", "show what is new"],
+  ["Ctrl+Z, Ctrl+Shift+Z", "undo, redo"],
+  ["k", "play and pause"],
+  [", and .", "a frame back, on (Shift: ten)"],
+  ["[ and ]", "to the event before, the next"],
+  ["t", "trails"],
+  ["e", "cards stand at the end, or move"],
+  ["Arrows on the picture", "turn the camera; + and − zoom"],
+  ["Escape", "close the player, then choose none"],
+];
+
+export function listenToKeys(actions: KeyActions): void {
+  document.addEventListener("keydown", (event) => {
+    if (event.defaultPrevented) return;
+    const target = event.target instanceof HTMLElement ? event.target : document.body;
+    if (target.closest("dialog[open]") !== null) return;
+    const isDone = isTyping(target)
+      ? false
+      : withControl(event, actions, target) || plain(event, actions, target);
+    if (isDone) event.preventDefault();
+  });
+}
+
+/** In fields letters are letters; undo is the field's own. */
+function isTyping(target: HTMLElement): boolean {
+  if (target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement) return true;
+  return target instanceof HTMLInputElement && target.type !== "checkbox";
+}
+
+function withControl(event: KeyboardEvent, actions: KeyActions, target: HTMLElement): boolean {
+  if (!(event.ctrlKey || event.metaKey) || event.altKey) return false;
+  const key = event.key.toLowerCase();
+  if (key === "z" && event.shiftKey) actions.redo();
+  else if (key === "z") actions.undo();
+  else if (key === "y") actions.redo();
+  else if (key === "a" && target.closest("[role=grid]") !== null) actions.all();
+  else return false;
+  return true;
+}
+
+function plain(event: KeyboardEvent, actions: KeyActions, target: HTMLElement): boolean {
+  if (event.ctrlKey || event.metaKey || event.altKey) return false;
+  const { key } = event;
+  const onCard = target.getAttribute("role") === "gridcell";
+  const onPicture = target.id === "player-canvas";
+  const isControl = target.closest("button, summary, a, input") !== null;
+  if (onPicture && turned(key, actions)) return true;
+  if (key === " " && !isControl) {
+    if (onCard) actions.choose(event.shiftKey);
+    else actions.toggle();
+    return true;
+  }
+  if (key === "Enter") {
+    if (onCard) actions.activate();
+    return onCard;
+  }
+  const act = letters(actions, event.shiftKey ? 10 : 1)[key.length === 1 ? key.toLowerCase() : key];
+  act?.();
+  return act !== undefined;
+}
+
+function turned(key: string, actions: KeyActions): boolean {
+  const step = 0.1;
+  if (key === "ArrowLeft") actions.turn(-step, 0);
+  else if (key === "ArrowRight") actions.turn(step, 0);
+  else if (key === "ArrowUp") actions.turn(0, step);
+  else if (key === "ArrowDown") actions.turn(0, -step);
+  else if (key === "+" || key === "=") actions.zoom(1.25);
+  else if (key === "-") actions.zoom(0.8);
+  else return false;
+  return true;
+}
+
+function letters(actions: KeyActions, frames: number): Readonly<Record<string, () => void>> {
+  return {
+    "?": actions.help,
+    "/": actions.query,
+    w: actions.wall,
+    p: actions.player,
+    "1": () => actions.view("groups"),
+    "2": () => actions.view("list"),
+    "3": () => actions.view("plots"),
+    Backspace: actions.up,
+    c: actions.compare,
+    s: actions.star,
+    h: actions.hide,
+    m: () => actions.like(false),
+    u: () => actions.like(true),
+    n: actions.takeNew,
+    k: actions.toggle,
+    ",": () => actions.step(-1),
+    ".": () => actions.step(1),
+    // Shift gives other signs on most keyboards.
+    "<": () => actions.step(-frames),
+    ">": () => actions.step(frames),
+    ";": () => actions.step(-frames),
+    ":": () => actions.step(frames),
+    "[": () => actions.event(-1),
+    "]": () => actions.event(1),
+    t: actions.trails,
+    e: actions.still,
+    Escape: actions.escape,
+  };
+}
+
+export function makeKeysDialog(): HTMLDialogElement {
+  const rows = shownKeys.map(([key, words]) =>
+    el("tr", {}, el("th", { scope: "row" }, el("kbd", {}, key)), el("td", {}, words)),
+  );
+  const dialog = el(
+    "dialog",
+    { class: "keys", id: "keys", "aria-labelledby": "keys-title" },
+    el(
+      "div",
+      { class: "player-head" },
+      el("h2", { id: "keys-title" }, "Keys"),
+      iconButton("close", "Close", () => dialog.close()),
+    ),
+    el("table", {}, el("tbody", {}, ...rows)),
+  );
+  // Browsers may take the first Escape for a dialog that no press opened, and keep it open.
+  dialog.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") dialog.close();
+  });
+  return dialog;
+}

@@ -1,0 +1,138 @@
+// The query as text: counted while it is written, applied as IN or NOT-IN when it is asked for. An
+// error is marked at its column.
+import { countsOf } from "../state/derived";
+import type { AppState } from "../state/app-state";
+import { placeOfColumn } from "../state/query-text";
+import { button, el, field, setHidden, setText } from "./dom";
+import type { Part, Ui } from "./part";
+import { count } from "./words";
+
+const draftDelayMs = 180;
+
+export interface QueryBox extends Part {
+  /** Puts a text in, to be changed; a chip's `id` if it is one's. */
+  edit(text: string, id: number | null): void;
+}
+
+export function makeQueryBox(ui: Ui): QueryBox {
+  const input = el("textarea", {
+    id: "query",
+    rows: 2,
+    spellcheck: "false",
+    autocomplete: "off",
+    autocapitalize: "off",
+    placeholder: "die 1 in x 0..20mm during 0.4..0.6s",
+    "aria-describedby": "query-error query-help",
+  });
+  const error = el("div", { class: "query-error", id: "query-error" });
+  const addIn = button("Keep these", () => apply(false), { id: "query-in", class: "primary" });
+  const addNot = button("Leave these out", () => apply(true), { id: "query-not" });
+  const words = el("p", { class: "hint", id: "query-count" });
+  let edited: number | null = null;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+
+  const textNow = (): string => input.value.trim();
+  const putDraft = (): void => {
+    clearTimeout(timer);
+    ui.store.set({ draft: textNow() });
+  };
+  const apply = (isNot: boolean): void => {
+    const text = textNow();
+    putDraft();
+    if (text === "" || ui.store.state.answers.get(text)?.error) return;
+    if (edited === null) ui.page.addChip(text, isNot);
+    else ui.page.changeChip(edited, { text, isNot, isOn: true }, `changed: ${text}`);
+    edited = null;
+    input.value = "";
+    putDraft();
+    input.focus();
+  };
+  input.addEventListener("input", () => {
+    clearTimeout(timer);
+    timer = setTimeout(putDraft, draftDelayMs);
+  });
+  input.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" && !event.shiftKey) {
+      event.preventDefault();
+      apply(event.altKey);
+    } else if (event.key === "Escape" && edited !== null) {
+      edited = null;
+      input.value = "";
+      putDraft();
+    }
+  });
+
+  const update = (state: AppState, before: AppState): void => {
+    const isSame =
+      state.draft === before.draft &&
+      state.answers === before.answers &&
+      state.page.chips === before.page.chips &&
+      state.visible === before.visible &&
+      state.notes === before.notes;
+    if (isSame && state !== before) return;
+    const text = textNow();
+    const isAsked = text !== "" && text === state.draft;
+    const wrong = isAsked ? (state.answers.get(text)?.error ?? null) : null;
+    showError(error, text, wrong);
+    input.setAttribute("aria-invalid", String(wrong !== null));
+    const counts = isAsked ? countsOf(state, text, edited) : null;
+    const known = counts !== null && counts.asIn !== null && counts.asNot !== null;
+    setText(addIn, known ? `Keep these: ${count(counts.asIn ?? 0)} left` : "Keep these");
+    setText(addNot, known ? `Leave these out: ${count(counts.asNot ?? 0)} left` : "Leave these out");
+    addIn.disabled = text === "" || wrong !== null;
+    addNot.disabled = addIn.disabled;
+    setText(
+      words,
+      isAsked && counts?.alone != null
+        ? `By itself true of ${count(counts.alone)} of ${count(state.visible.length)}.`
+        : "",
+    );
+  };
+  const element = el(
+    "section",
+    { class: "query-box", "aria-label": "Query as text" },
+    field("Query", input),
+    error,
+    words,
+    el("div", { class: "buttons" }, addIn, addNot),
+    el(
+      "p",
+      { class: "hint", id: "query-help" },
+      "Enter keeps what it is true of, Alt+Enter leaves it out. and, or, not, then join conditions.",
+    ),
+  );
+  return {
+    element,
+    update,
+    edit(text, id) {
+      edited = id;
+      input.value = text;
+      putDraft();
+      input.focus();
+    },
+  };
+}
+
+/** The text's line with a mark beneath the place, and what is expected there. */
+function showError(
+  element: HTMLElement,
+  text: string,
+  error: { readonly column: number; readonly message: string } | null,
+): void {
+  setHidden(element, error === null);
+  if (error === null) {
+    element.replaceChildren();
+    return;
+  }
+  const place = placeOfColumn(text, error.column);
+  const about = 24;
+  const begin = Math.max(0, place - about);
+  const line = el(
+    "code",
+    { class: "query-error-text" },
+    `${begin > 0 ? "…" : ""}${text.slice(begin, place)}`,
+    el("mark", {}, text.slice(place, place + 1) || " "),
+    text.slice(place + 1, place + about),
+  );
+  element.replaceChildren(line, el("p", {}, `Column ${error.column}: ${error.message}`));
+}

@@ -1,0 +1,88 @@
+// What can be done with the animations that are chosen. It stands beneath the wall while some are.
+import type { AppState } from "../state/app-state";
+import { noteOf, tagsOf } from "../state/notes";
+import { comparedMax } from "../state/selection";
+import { button, el, setHidden, setText } from "./dom";
+import { makeExportHint } from "./export-hint";
+import type { Part, Ui } from "./part";
+import { counted } from "./words";
+
+export function makeSelectionBar(ui: Ui): Part {
+  const chosen = (): readonly string[] => ui.store.state.selection.names;
+  const words = el("p", { class: "selection-words", id: "selection-words" });
+  const compare = button("Compare", () => ui.page.play(chosen()), {
+    id: "compare",
+    class: "primary",
+    title: `Beside one another, up to ${comparedMax} (c)`,
+  });
+  const star = button("Star", () => ui.notes.toggle(chosen(), "star"), {
+    id: "star-chosen",
+    title: "Star (s)",
+  });
+  const hide = button("Hide", () => ui.notes.toggle(chosen(), "hidden"), {
+    id: "hide-chosen",
+    title: "Hide (h)",
+  });
+  const tags = el("datalist", { id: "known-tags" });
+  const tag = el("input", {
+    type: "text",
+    id: "tag-chosen",
+    "aria-label": "Tag for those chosen",
+    placeholder: "tag",
+    list: "known-tags",
+    maxlength: 60,
+  });
+  const putTag = (): void => {
+    const text = tag.value.trim().replaceAll(",", " ");
+    if (text === "") return;
+    ui.notes.toggleTag(chosen(), text);
+    tag.value = "";
+  };
+  tag.addEventListener("keydown", (event) => {
+    if (event.key === "Enter") putTag();
+  });
+  const exportHint = makeExportHint(ui, (state) => state.selection.names, "export-chosen");
+  const element = el(
+    "section",
+    { class: "selection-bar", id: "selection-bar", "aria-label": "Chosen animations" },
+    words,
+    el(
+      "div",
+      { class: "buttons" },
+      compare,
+      star,
+      hide,
+      tag,
+      tags,
+      button("Tag", putTag, { id: "put-tag" }),
+      button("More like these", () => ui.page.sortByLikeness(chosen(), false), {
+        id: "more-like",
+        title: "Nearest first (m)",
+      }),
+      button("Unlike these", () => ui.page.sortByLikeness(chosen(), true), {
+        id: "unlike",
+        title: "Furthest first (u)",
+      }),
+      button("Choose none", () => ui.page.selectNone(), { id: "choose-none", title: "Choose none (Escape)" }),
+    ),
+    exportHint.element,
+  );
+  const update = (state: AppState, before: AppState): void => {
+    const { names } = state.selection;
+    setHidden(element, names.length === 0);
+    const shown = names.length <= 4 ? names.join(", ") : `${names.slice(0, 3).join(", ")} …`;
+    setText(
+      words,
+      names.length === 0 ? "" : `${counted(names.length, "animation", "animations")} chosen: ${shown}`,
+    );
+    setText(compare, names.length === 1 ? "Play" : "Compare");
+    const isAll = (key: "star" | "hidden"): boolean =>
+      names.length > 0 && names.every((name) => noteOf(state.notes, name)[key]);
+    setText(star, isAll("star") ? "Take star off" : "Star");
+    setText(hide, isAll("hidden") ? "Show again" : "Hide");
+    if (state === before || state.notes !== before.notes)
+      tags.replaceChildren(...tagsOf(state.notes).map((value) => el("option", { value })));
+    exportHint.update(state, before);
+  };
+  return { element, update };
+}

@@ -1,0 +1,46 @@
+// The page's live region: what has just happened, in a sentence that fades from sight after a while
+// and is read aloud once.
+import type { AppState } from "../state/app-state";
+import { el, setText } from "./dom";
+import type { Part } from "./part";
+
+const shownMs = 8000;
+
+export function makeStatusLine(): Part {
+  const element = el("div", { class: "status", id: "status", role: "status", "aria-live": "polite" });
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let source: AppState["source"] = "here";
+  const say = (words: string): void => {
+    setText(element, "");
+    // A region whose words are put in anew is read even where they are the same.
+    setText(element, words);
+    clearTimeout(timer);
+    timer = setTimeout(() => setText(element, ""), shownMs);
+  };
+  return {
+    element,
+    update(state, before) {
+      if (state.message !== before.message && state.message.words !== "") say(state.message.words);
+      const words = changeWords(state, before, source);
+      source = state.source;
+      if (words !== "") say(words);
+    },
+  };
+}
+
+/** What is told because something around the page has changed. */
+function changeWords(state: AppState, before: AppState, source: AppState["source"]): string {
+  if (source !== "away" && state.source === "away") return "The server doesn't answer.";
+  if (source === "away" && state.source === "here") return "The server is back.";
+  if (state.loaded === null || before.loaded === null || state.gallery === before.gallery) return "";
+  const now = state.gallery?.archives.find(({ id }) => id === state.loaded?.id);
+  const then = before.gallery?.archives.find(({ id }) => id === state.loaded?.id);
+  if (now === undefined || then === undefined) return "";
+  if (now.run !== then.run) return `${now.name} is another run's archive now.`;
+  if (now.state !== then.state) {
+    if (now.state === "ready") return `${now.name} can be read again.`;
+    if (now.state !== "reading") return now.words || `${now.name} is ${now.state}.`;
+  }
+  if (then.is_live && !now.is_live) return "The run has ended.";
+  return "";
+}

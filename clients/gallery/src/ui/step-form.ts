@@ -1,0 +1,161 @@
+// The fields of one step of a condition: which bodies, in which box or touching what, and when.
+import type { Scene } from "../data/types";
+import {
+  isOpen,
+  kindsOfBodies,
+  openBox,
+  openRange,
+  type Box,
+  type Range,
+  type Step,
+  type Who,
+} from "../state/conditions";
+import { button, el, field, select, type Choice } from "./dom";
+import { rangeFields } from "./range-fields";
+
+export interface StepForm {
+  readonly element: HTMLElement;
+  readonly step: Step;
+  /** "ends": where it comes to rest, at whatever time. */
+  readonly who: Who;
+  readonly box: Box;
+  setWho(name: string): void;
+  setBox(box: Box): void;
+  setDuring(range: Range): void;
+}
+
+export interface StepOptions {
+  readonly scene: Scene;
+  readonly kind: "in" | "touches" | "ends";
+  /** "": it is the only one. */
+  readonly title: string;
+  readonly onChange: () => void;
+  /** Asks for a box to be drawn, or a time to be marked, for this form. */
+  readonly onDrawBox: (form: StepForm) => void;
+  readonly onMarkTime: (form: StepForm) => void;
+  readonly onRemove: ((form: StepForm) => void) | null;
+  readonly initial: Step | null;
+}
+
+export function makeStepForm(options: StepOptions): StepForm {
+  const { scene, kind, onChange, initial } = options;
+  const who = select(
+    whoChoices(scene),
+    initial === null ? defaultWho(scene) : whoValue(initial.who),
+    onChange,
+  );
+  const partners = scene.features
+    .filter((feature) => feature.kind !== "wanted")
+    .map(({ name }) => choice(name));
+  const partner = select(
+    [{ value: "", label: "anything" }, ...partners],
+    initial?.kind === "touches" ? initial.partner : "",
+    onChange,
+  );
+  const axes = (["x", "y", "z"] as const).map((axis) =>
+    rangeFields(axis, "mm", 1000, onChange, (initial?.kind === "in" ? initial.box : openBox)[axis]),
+  );
+  const during = rangeFields("from", "s", 1, onChange, initial?.during ?? openRange);
+
+  const boxOf = (): Box => {
+    const [x, y, z] = axes.map((fields) => fields.range);
+    return { x: x ?? openRange, y: y ?? openRange, z: z ?? openRange };
+  };
+  const parts: HTMLElement[] = [field("Which", who)];
+  if (kind === "touches") parts.push(field("touches", partner));
+  else {
+    parts.push(
+      el("div", { class: "box-fields" }, ...axes.map(({ element }) => element)),
+      button("Draw the box in the player", () => options.onDrawBox(form), { class: "draw-box" }),
+    );
+  }
+  if (kind !== "ends") {
+    parts.push(
+      el(
+        "details",
+        { open: initial !== null && !isOpen(initial.during) },
+        el("summary", {}, "At a certain time"),
+        during.element,
+        button("Mark it on the timeline", () => options.onMarkTime(form), { class: "mark-time" }),
+      ),
+    );
+  }
+  const { onRemove } = options;
+  if (onRemove !== null) parts.push(button("Take this step away", () => onRemove(form), { class: "small" }));
+  const form: StepForm = {
+    element: el(
+      "fieldset",
+      { class: "step" },
+      options.title === "" ? null : el("legend", {}, options.title),
+      ...parts,
+    ),
+    get who() {
+      return whoOf(who.value);
+    },
+    get box() {
+      return boxOf();
+    },
+    get step(): Step {
+      const common = { who: whoOf(who.value), during: during.range };
+      return kind === "touches"
+        ? { kind, ...common, partner: partner.value }
+        : { kind: "in", ...common, box: boxOf() };
+    },
+    setWho(name) {
+      who.value = `body:${name}`;
+      onChange();
+    },
+    setBox(box) {
+      (["x", "y", "z"] as const).forEach((axis, i) => axes[i]?.set(box[axis]));
+      onChange();
+    },
+    setDuring(range) {
+      during.element.closest("details")?.setAttribute("open", "");
+      during.set(range);
+      onChange();
+    },
+  };
+  return form;
+}
+
+function bodyNames(scene: Scene): string[] {
+  return scene.features.filter((feature) => feature.kind === "body").map(({ name }) => name);
+}
+
+function choice(name: string): Choice {
+  return { value: name, label: name };
+}
+
+function whoChoices(scene: Scene): Choice[] {
+  const names = bodyNames(scene);
+  const bodies = names.map((name) => ({ value: `body:${name}`, label: name }));
+  const kinds = kindsOfBodies(names);
+  // One kind alone is what "any body" says already.
+  const ofKinds = kinds.length > 1 ? kinds : [];
+  return [
+    { value: "any:", label: "any body" },
+    { value: "every:", label: "every body" },
+    ...ofKinds.flatMap((kind) => [
+      { value: `any:${kind}`, label: `any ${kind}` },
+      { value: `every:${kind}`, label: `every ${kind}` },
+    ]),
+    ...bodies,
+  ];
+}
+
+function defaultWho(scene: Scene): string {
+  const names = bodyNames(scene);
+  return names.length === 1 ? `body:${names[0] ?? ""}` : "any:";
+}
+
+function whoValue(who: Who): string {
+  return who.kind === "body" ? `body:${who.name}` : `${who.kind}:${who.of}`;
+}
+
+function whoOf(value: string): Who {
+  const at = value.indexOf(":");
+  const kind = value.slice(0, at);
+  const rest = value.slice(at + 1);
+  if (kind === "body") return { kind, name: rest };
+  return { kind: kind === "every" ? "every" : "any", of: rest };
+}

@@ -1,0 +1,89 @@
+// Light or dark: as the system is set, or as the switch says; and whether things may move.
+
+export type Shade = "light" | "dark";
+export type ThemeChoice = "system" | Shade;
+
+const key = "sleight-theme";
+const cardsKey = "sleight-cards";
+
+export class Theme {
+  private readonly dark = matchMedia("(prefers-color-scheme: dark)");
+  private readonly reduced = matchMedia("(prefers-reduced-motion: reduce)");
+  private readonly listeners = new Set<() => void>();
+  private chosen: ThemeChoice = remembered();
+  /** null: as the system is set. */
+  private cardsMove: boolean | null = rememberedCards();
+
+  constructor() {
+    this.dark.addEventListener("change", () => this.apply());
+    this.reduced.addEventListener("change", () => this.apply());
+    this.apply();
+  }
+
+  get choice(): ThemeChoice {
+    return this.chosen;
+  }
+
+  get shade(): Shade {
+    if (this.chosen !== "system") return this.chosen;
+    return this.dark.matches ? "dark" : "light";
+  }
+
+  get isStill(): boolean {
+    return this.reduced.matches;
+  }
+
+  /** How animations end can be compared on cards that stand there. */
+  get areCardsStill(): boolean {
+    return this.cardsMove === null ? this.isStill : !this.cardsMove;
+  }
+
+  choose(choice: ThemeChoice): void {
+    this.chosen = choice;
+    remember(key, choice);
+    this.apply();
+  }
+
+  moveCards(move: boolean): void {
+    this.cardsMove = move;
+    remember(cardsKey, move ? "moving" : "still");
+    this.apply();
+  }
+
+  onChange(listener: () => void): void {
+    this.listeners.add(listener);
+  }
+
+  private apply(): void {
+    document.documentElement.dataset["theme"] = this.shade;
+    for (const listener of this.listeners) listener();
+  }
+}
+
+function remembered(): ThemeChoice {
+  const value = recalled(key);
+  return value === "light" || value === "dark" ? value : "system";
+}
+
+function rememberedCards(): boolean | null {
+  const value = recalled(cardsKey);
+  return value === "moving" || value === "still" ? value === "moving" : null;
+}
+
+// Without storage a choice lasts as long as the page.
+
+function remember(of: string, value: string): void {
+  try {
+    localStorage.setItem(of, value);
+  } catch {
+    return;
+  }
+}
+
+function recalled(of: string): string | null {
+  try {
+    return localStorage.getItem(of);
+  } catch {
+    return null;
+  }
+}

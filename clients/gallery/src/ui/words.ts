@@ -1,0 +1,49 @@
+// Numbers as people read them.
+
+const counts = new Intl.NumberFormat("en", { maximumFractionDigits: 0 });
+
+/** "12,000" */
+export function count(value: number): string {
+  return counts.format(value);
+}
+
+export function counted(value: number, one: string, many: string): string {
+  return `${count(value)} ${value === 1 ? one : many}`;
+}
+
+/** Few digits: "0.0123", "-12.35", "1.2e-9". */
+export function number(value: number, digits = 4): string {
+  if (Number.isNaN(value)) return "none";
+  if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
+  const isWhole = Number.isInteger(value) && Math.abs(value) < 1e15;
+  return String(isWhole ? value : Number(value.toPrecision(digits))).replace("-", "−");
+}
+
+const shownUnits: Readonly<Record<string, string>> = { "m s-1": "m/s", "rad s-1": "rad/s", "1": "" };
+
+export function withUnit(value: number, unit: string): string {
+  const shown = shownUnits[unit] ?? unit;
+  return shown === "" ? number(value) : `${number(value)} ${shown}`;
+}
+
+/** Of a number's name: "rest_s" with unit s reads "rest_s [s]". */
+export function named(name: string, unit: string): string {
+  const shown = shownUnits[unit] ?? unit;
+  return shown === "" ? name : `${name} [${shown}]`;
+}
+
+export function millimetres(metres: number): string {
+  return `${number(Number((metres * 1000).toPrecision(3)))} mm`;
+}
+
+export function seconds(value: number, digits = 3): string {
+  return `${value.toFixed(digits).replace("-", "−")} s`;
+}
+
+/** "12 ± 2 %"; without an error where it isn't known. */
+export function share(value: number, error: number | null): string {
+  const isKnown = error !== null && Number.isFinite(error);
+  const digits = isKnown && error < 0.01 ? 1 : 0;
+  const percent = (100 * value).toFixed(digits);
+  return isKnown ? `${percent} ± ${(100 * error).toFixed(digits)} %` : `${percent} %`;
+}

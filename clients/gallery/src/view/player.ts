@@ -1,0 +1,396 @@
+// Up to nine animations beside each other in one canvas, in step, seen by one camera that goes
+// around them. Draws only when something has changed.
+//
+// The buttons, keys and timeline are others' (src/ui): they call the methods and listen to onEvent.
+// Times are shared times (motion/sync.ts) in seconds; pixels are those of CSS from the canvas'
+// upper left.
+
+import type { Animation, Place } from "../data/types";
+import { nextTime, previousTime } from "../motion/events";
+import { Pose } from "../motion/pose";
+import { type Range, sharedRange, shiftOf, type SyncMode } from "../motion/sync";
+import type { Box } from "./box";
+import { BoxDrawer } from "./box-drawer";
+import type { CameraState, Preset } from "./camera";
+import { type Cell, CELLS_MAX } from "./cells";
+import { Clock } from "./clock";
+import { AnimationModel } from "./model";
+import type { OnScreen } from "./picking";
+import { Pointer } from "./pointer";
+import { Screen, type SharedRenderer } from "./renderer";
+import type { ArchiveStage } from "./stage";
+import { THEMES, type ThemeName } from "./theme";
+import { type Timeline, timelineOf, toleranceOf } from "./timeline";
+import { Views } from "./views";
+
+export interface PlayerItem {
+  readonly stage: ArchiveStage;
+  readonly animation: Animation;
+  readonly label: string;
+}
+
+export interface Picked {
+  /** Which of the animations. */
+  readonly index: number;
+  /** The feature under the pointer; bodies come first. */
+  readonly feature: number;
+  readonly name: string;
+}
+
+export type PlayerEvent =
+  | { readonly kind: "time"; readonly time: number }
+  | { readonly kind: "playing"; readonly isPlaying: boolean }
+  | { readonly kind: "camera"; readonly camera: CameraState }
+  /** null: a click upon nothing. */
+  | { readonly kind: "pick"; readonly picked: Picked | null; readonly x: number; readonly y: number }
+  | { readonly kind: "box"; readonly box: Box | null; readonly isDone: boolean }
+  /** Cells have moved: labels over them have to move too. */
+  | { readonly kind: "layout" };
+
+export interface PlayerOptions {
+  readonly theme: ThemeName;
+}
+
+const FRAME_S = 1 / 60;
+const TURN_RAD_PER_PX = 0.008;
+
+const pose = new Pose();
+
+export class Player {
+  onEvent: (event: PlayerEvent) => void = () => undefined;
+  private items: readonly PlayerItem[] = [];
+  private shifts: readonly number[] = [];
+  private eventTimes = new Float64Array(0);
+  private mode: SyncMode = "start";
+  private readonly clock = new Clock();
+  private readonly views = new Views();
+  private ghostOf: number | null = null;
+  private hasTrails = false;
+  private hasMarks = true;
+  private theme: ThemeName;
+  private only: number | null = null;
+  private tolerance: number | null = null;
+  private width = 0;
+  private height = 0;
+  private frame = 0;
+  private isDirty = false;
+  private last = 0;
+  private drawn = 0;
+  private readonly drawer = new BoxDrawer();
+  private readonly screen: Screen;
+  private readonly sizes: ResizeObserver;
+  private readonly pointer: Pointer;
+  private readonly unlisten: () => void;
+  /** The cell in which a drag of the box began. */
+  private dragCell = -1;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement, private readonly renderer: SharedRenderer,
+    options: PlayerOptions,
+  ) {
+    this.theme = options.theme;
+    this.drawer.setTheme(options.theme);
+    this.screen = new Screen(canvas);
+    this.sizes = new ResizeObserver(() => this.measure());
+    this.sizes.observe(canvas);
+    this.pointer = new Pointer(canvas, {
+      grab: (x, y) => this.grabBox(x, y),
+      grabbed: (x, y) => this.pullBox(x, y),
+      released: () => this.releaseBox(),
+      turn: (dx, dy) => this.orbit(-TURN_RAD_PER_PX * dx, TURN_RAD_PER_PX * dy),
+      move: (dx, dy) => this.pan(dx, dy),
+      zoom: (factor) => this.zoom(factor),
+      click: (x, y) => this.onEvent({ kind: "pick", picked: this.pick(x, y), x, y }),
+      hover: (x, y) => this.hover(x, y),
+    });
+    this.unlisten = renderer.onRestored(() => this.redraw());
+    this.measure();
+  }
+
+  // ---- What is shown
+
+  /** At most nine. Camera and time stay, where they still make sense. */
+  setAnimations(items: readonly PlayerItem[]): void {
+    const before = new Map(this.models.map((model) => [model.animation, model]));
+    this.items = items.slice(0, CELLS_MAX);
+    const models = this.items.map(({ stage, animation }) => {
+      const found = before.get(animation);
+      if (found === undefined || found.stage !== stage) return new AnimationModel(stage, animation);
+      before.delete(animation);
+      return found;
+    });
+    for (const model of before.values()) model.dispose();
+    this.views.setModels(models);
+    if (this.ghostOf !== null && this.ghostOf >= this.models.length) this.ghostOf = null;
+    this.synchronise();
+    this.layOut();
+  }
+
+  /** That animation's bodies are seen in all others, to be seen through; null: none. */
+  setGhost(of: number | null): void {
+    this.ghostOf = of !== null && of >= 0 && of < this.models.length ? of : null;
+    this.redraw();
+  }
+  get ghost(): number | null { return this.ghostOf; }
+
+  setTrails(on: boolean): void { this.hasTrails = on; this.redraw(); }
+  setMarks(on: boolean): void { this.hasMarks = on; this.redraw(); }
+  /** For tests: that body alone, in all animations; one that there is not: nothing; null: all again. */
+  setOnly(body: number | null): void { this.only = body; this.redraw(); }
+  setTheme(theme: ThemeName): void {
+    this.theme = theme;
+    this.drawer.setTheme(theme);
+    this.redraw();
+  }
+
+  // ---- Time
+
+  get time(): number { return this.clock.time; }
+  get range(): Range { return this.clock.range; }
+  get speed(): number { return this.clock.speed; }
+  get isPlaying(): boolean { return this.clock.isPlaying; }
+  get sync(): SyncMode { return this.mode; }
+
+  play(): void {
+    if (this.models.length === 0 || this.clock.isPlaying) return;
+    this.clock.play();
+    this.last = 0;
+    this.onEvent({ kind: "playing", isPlaying: true });
+    this.redraw();
+  }
+  pause(): void {
+    if (!this.clock.isPlaying) return;
+    this.clock.isPlaying = false;
+    this.onEvent({ kind: "playing", isPlaying: false });
+    this.redraw();
+  }
+  toggle(): void { if (this.clock.isPlaying) this.pause(); else this.play(); }
+  setSpeed(speed: number): void { this.clock.setSpeed(speed); }
+  setLoop(on: boolean): void { this.clock.isLooping = on; }
+  seek(t: number): void { this.clock.seek(t); this.redraw(); }
+  /** By frames of 1/60 s; pauses. */
+  step(frames: number): void { this.pause(); this.seek(this.clock.time + frames * FRAME_S); }
+  /** To the nearest event of any animation after (1) or before (-1) now; pauses. */
+  toEvent(direction: 1 | -1): void {
+    this.pause();
+    const find = direction > 0 ? nextTime : previousTime;
+    const to = find(this.eventTimes, this.clock.time);
+    if (to !== null) this.seek(to);
+  }
+  setSync(mode: SyncMode): void {
+    this.mode = mode;
+    this.synchronise();
+  }
+
+  // ---- For the timeline
+
+  /** How far bodies have to be apart to have parted, in metres; null: a tenth of their size. */
+  setTolerance(metres: number | null): void { this.tolerance = metres; }
+  get toleranceM(): number { return this.tolerance ?? toleranceOf(this.models); }
+  timeline(): Timeline {
+    return timelineOf(this.items, this.models, this.shifts, this.toleranceM);
+  }
+
+  // ---- Camera
+
+  get camera(): CameraState { return this.views.camera; }
+  setCamera(camera: CameraState): void {
+    this.views.setCamera(camera);
+    this.onEvent({ kind: "camera", camera: this.views.camera });
+    this.redraw();
+  }
+  preset(preset: Preset): void { this.setCamera(this.views.preset(preset)); }
+  orbit(azimuth: number, elevation: number): void {
+    const { camera } = this.views;
+    this.setCamera({
+      ...camera, azimuth: camera.azimuth + azimuth, elevation: camera.elevation + elevation,
+    });
+  }
+  zoom(factor: number): void {
+    const { camera } = this.views;
+    this.setCamera({ ...camera, zoom: camera.zoom * factor });
+  }
+  /** By pixels to the right and down, as if one pulled at the scene. */
+  pan(dx: number, dy: number): void { this.setCamera(this.views.pulled(dx, dy)); }
+
+  // ---- The box
+
+  get box(): Box | null { return this.drawer.box; }
+  /** The next drag on the canvas draws a new box. */
+  startBox(): void { this.drawer.isArmed = true; this.canvas.style.cursor = "crosshair"; }
+  setBox(box: Box | null): void { this.drawer.set(box); this.redraw(); }
+  /** Takes the box away. */
+  endBox(): void {
+    this.drawer.isArmed = false;
+    this.canvas.style.cursor = "";
+    this.setBox(null);
+  }
+
+  // ---- Where things are
+
+  cells(): readonly Cell[] { return this.views.cells; }
+
+  pick(x: number, y: number): Picked | null {
+    const point = this.views.pointAt(x, y);
+    if (point === null) return null;
+    const { index } = point;
+    const feature = this.views.featureAt(point, this.ownTime(index));
+    const name = this.models[index]?.stage.scene.features[feature]?.name;
+    return name === undefined ? null : { index, feature, name };
+  }
+
+  /** Of a body at a time of its animation's own. */
+  screenOf(index: number, body: number, t: number): OnScreen {
+    const model = this.models[index];
+    if (model === undefined || !model.animation.recording.centreAt(body, t, pose))
+      return { x: 0, y: 0, radiusPx: 0, visible: false };
+    const radius = model.stage.scene.features[body]?.radius_m ?? 0;
+    return this.views.screenOf(index, [pose.x, pose.y, pose.z], radius);
+  }
+
+  /** Of any place of the scene's frame, and of a ball about it. */
+  screenOfPlace(index: number, place: Place, radiusM: number): OnScreen {
+    return this.views.screenOf(index, place, radiusM);
+  }
+
+  /** An animation's own time at the shared one that is shown. */
+  ownTime(index: number): number { return this.clock.time + (this.shifts[index] ?? 0); }
+  get count(): number { return this.models.length; }
+  labelOf(index: number): string { return this.items[index]?.label ?? ""; }
+  /** How many pictures were drawn so far: tests measure by it. */
+  get frames(): number { return this.drawn; }
+  /** Nothing waits to be drawn. */
+  get isSettled(): boolean { return !this.isDirty && !this.clock.isPlaying; }
+
+  redraw(): void {
+    this.isDirty = true;
+    if (this.frame === 0) this.frame = requestAnimationFrame((now) => this.onFrame(now));
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.frame);
+    this.frame = -1;
+    this.sizes.disconnect();
+    this.pointer.dispose();
+    this.unlisten();
+    for (const model of this.models) model.dispose();
+    this.views.setModels([]);
+    this.items = [];
+    this.drawer.group.removeFromParent();
+    this.drawer.dispose();
+  }
+
+  // ---- Private
+
+  private get models(): readonly AnimationModel[] { return this.views.models; }
+
+  private onFrame(now: number): void {
+    this.frame = 0;
+    const wasPlaying = this.clock.isPlaying;
+    if (wasPlaying) {
+      const ended = this.clock.advance(this.last === 0 ? 0 : (now - this.last) / 1000);
+      this.last = now;
+      if (ended) this.onEvent({ kind: "playing", isPlaying: false });
+    }
+    this.isDirty = false;
+    this.draw();
+    this.onEvent({ kind: "time", time: this.clock.time });
+    if (this.clock.isPlaying) this.redraw();
+  }
+
+  private draw(): void {
+    const theme = THEMES[this.theme];
+    const ratio = this.renderer.pixelRatio;
+    const width = Math.round(this.width * ratio);
+    const height = Math.round(this.height * ratio);
+    if (!this.renderer.begin(width, height, theme.divider)) return;
+    this.drawer.setRatio(ratio);
+    const ghost = this.ghostOf === null ? undefined : this.models[this.ghostOf];
+    for (let i = 0; i < this.models.length; ++i) {
+      const model = this.models[i]!;
+      const cell = this.views.cells[i];
+      if (cell === undefined) continue;
+      const t = this.ownTime(i);
+      const { stage } = model;
+      const ghostAt = ghost === undefined || i === this.ghostOf
+        ? null : { recording: ghost.animation.recording, t: this.ownTime(this.ghostOf ?? 0) };
+      stage.setTheme(this.theme);
+      stage.show(model, t, ghostAt, this.only);
+      if (this.hasTrails && this.only === null) model.trails.show(t, theme.trailOpacity);
+      else model.hideTrails();
+      if (this.hasMarks && this.only === null) model.marks.show(t, theme.mark, ratio);
+      else model.hideMarks();
+      stage.three.add(this.drawer.group);
+      this.views.aimAt(i);
+      this.renderer.draw(stage.three, this.views.eye, scaled(cell, ratio), theme.background);
+      this.drawer.group.removeFromParent();
+    }
+    this.renderer.finish(this.screen);
+    ++this.drawn;
+  }
+
+  private synchronise(): void {
+    const recordings = this.models.map((model) => model.animation.recording);
+    this.shifts = recordings.map((recording) => shiftOf(recording, this.mode));
+    this.clock.setRange(sharedRange(recordings, this.mode));
+    const times = this.models.flatMap((model, i) =>
+      model.events.map((event) => event.timeS - this.shifts[i]!));
+    this.eventTimes = Float64Array.from(times).sort();
+    this.redraw();
+  }
+
+  private measure(): void {
+    this.width = this.canvas.clientWidth;
+    this.height = this.canvas.clientHeight;
+    this.layOut();
+  }
+
+  private layOut(): void {
+    this.views.layOut(this.width, this.height);
+    this.onEvent({ kind: "layout" });
+    this.redraw();
+  }
+
+  // ---- Drags of the box
+
+  private grabBox(x: number, y: number): boolean {
+    const point = this.views.pointAt(x, y);
+    if (point === null) return false;
+    const view = this.models[point.index]!.stage.box;
+    if (!this.drawer.grab(point, this.views.eye, view, this.camera.elevation)) return false;
+    this.dragCell = point.index;
+    return true;
+  }
+
+  private pullBox(x: number, y: number): void {
+    const point = this.views.pointAt(x, y, this.dragCell);
+    const model = this.models[this.dragCell];
+    if (point === null || model === undefined || !this.drawer.grabbed(point.ray, model.stage.box)) return;
+    this.onEvent({ kind: "box", box: this.drawer.box, isDone: false });
+    this.redraw();
+  }
+
+  private releaseBox(): void {
+    this.drawer.released();
+    this.canvas.style.cursor = this.drawer.isArmed ? "crosshair" : "";
+    this.onEvent({ kind: "box", box: this.drawer.box, isDone: true });
+    this.redraw();
+  }
+
+  private hover(x: number, y: number): void {
+    if (this.drawer.box === null || this.drawer.isArmed) return;
+    const point = this.views.pointAt(x, y);
+    const face = point === null ? null : this.drawer.handleAt(point, this.views.eye);
+    this.canvas.style.cursor = face === null ? "" : "move";
+  }
+}
+
+function scaled(cell: Cell, ratio: number): Cell {
+  if (ratio === 1) return cell;
+  const x = Math.round(cell.x * ratio);
+  const y = Math.round(cell.y * ratio);
+  return {
+    x, y, width: Math.round((cell.x + cell.width) * ratio) - x,
+    height: Math.round((cell.y + cell.height) * ratio) - y,
+  };
+}

@@ -1,0 +1,148 @@
+// The page's one WebGL context.
+//
+// Browsers hold few contexts and each costs memory, so every picture of the page is drawn here, off
+// the screen, and then handed to the canvas that shows it, without a copy. A context can be lost at
+// any time (a driver that starts anew, a laptop that wakes up): then nothing is drawn until it is
+// back, three.js uploads everything again, and the listeners draw again.
+
+import { type Camera, type Scene, SRGBColorSpace, WebGLRenderer } from "three";
+
+/** A part of a picture, in its pixels from the upper left. */
+export interface Viewport {
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** A canvas that shows pictures; its size in pixels is the newest picture's. */
+export class Screen {
+  private readonly context: ImageBitmapRenderingContext | null;
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    // Not opaque: until the first picture the page is seen through it.
+    this.context = canvas.getContext("bitmaprenderer");
+  }
+
+  show(picture: ImageBitmap): void {
+    const { width, height } = picture;
+    if (this.canvas.width !== width) this.canvas.width = width;
+    if (this.canvas.height !== height) this.canvas.height = height;
+    this.context?.transferFromImageBitmap(picture);
+  }
+}
+
+const RATIO_MAX = 2;
+/** Where the processor draws, each pixel counts. */
+const RATIO_MAX_SOFTWARE = 1;
+
+export class SharedRenderer {
+  private readonly surface: OffscreenCanvas | null;
+  private readonly gl: WebGLRenderer | null;
+  private lost = false;
+  private readonly restored = new Set<() => void>();
+  /** Whether the processor draws. */
+  readonly isSoftware: boolean;
+
+  constructor() {
+    this.isSoftware = drawsInSoftware();
+    this.surface = typeof OffscreenCanvas === "undefined" ? null : new OffscreenCanvas(1, 1);
+    this.gl = this.surface === null ? null : made(this.surface, !this.isSoftware);
+    if (this.gl === null || this.surface === null) return;
+    this.gl.outputColorSpace = SRGBColorSpace;
+    this.gl.setPixelRatio(1);
+    this.gl.autoClear = false;
+    this.surface.addEventListener("webglcontextlost", () => { this.lost = true; });
+    this.surface.addEventListener("webglcontextrestored", () => {
+      this.lost = false;
+      for (const again of this.restored) again();
+    });
+  }
+
+  /** False: there is no WebGL here at all. */
+  get available(): boolean { return this.gl !== null; }
+  get isLost(): boolean {
+    // The event comes a little later than the loss.
+    return this.lost || (this.gl !== null && this.gl.getContext().isContextLost());
+  }
+
+  /** How many pixels of a picture there are to one of CSS. */
+  get pixelRatio(): number {
+    return Math.min(window.devicePixelRatio || 1, this.isSoftware ? RATIO_MAX_SOFTWARE : RATIO_MAX);
+  }
+
+  /** Returns what ends it. */
+  onRestored(again: () => void): () => void {
+    this.restored.add(again);
+    return () => { this.restored.delete(again); };
+  }
+
+  /**
+   * Begins a picture of this size with nothing but this colour in it; false: nothing can be drawn
+   * now. Sizes that alternate are slow, as each change makes a new surface.
+   */
+  begin(width: number, height: number, colour: number): boolean {
+    const { gl, surface } = this;
+    if (gl === null || surface === null || this.isLost || width < 1 || height < 1) return false;
+    if (width !== surface.width || height !== surface.height) gl.setSize(width, height, false);
+    gl.setScissorTest(false);
+    gl.setViewport(0, 0, width, height);
+    gl.setClearColor(colour, 1);
+    gl.clear();
+    return true;
+  }
+
+  /** REQUIRES: begin() was true. */
+  draw(scene: Scene, camera: Camera, into: Viewport, background: number): void {
+    const { gl, surface } = this;
+    if (gl === null || surface === null) return;
+    const y = surface.height - into.y - into.height;
+    gl.setViewport(into.x, y, into.width, into.height);
+    gl.setScissor(into.x, y, into.width, into.height);
+    gl.setScissorTest(true);
+    gl.setClearColor(background, 1);
+    gl.clear();
+    gl.render(scene, camera);
+  }
+
+  /** Hands the picture over; in the same task as it was drawn. */
+  finish(to: Screen): void {
+    if (this.surface === null || this.isLost) return;
+    try {
+      to.show(this.surface.transferToImageBitmap());
+    } catch {
+      // Lost just now: its listeners will hear of it.
+    }
+  }
+
+  /** For tests: loses the context as a driver would; returns what brings it back. */
+  loseContext(): () => void {
+    const extension = this.gl?.getContext().getExtension("WEBGL_lose_context");
+    extension?.loseContext();
+    return () => extension?.restoreContext();
+  }
+
+  dispose(): void {
+    this.gl?.dispose();
+    this.restored.clear();
+  }
+}
+
+function made(canvas: OffscreenCanvas, antialias: boolean): WebGLRenderer | null {
+  try {
+    return new WebGLRenderer({ canvas, antialias, alpha: false, powerPreference: "high-performance" });
+  } catch {
+    return null;
+  }
+}
+
+/** Asked of a context of its own, as smooth edges can only be had from the beginning. */
+function drawsInSoftware(): boolean {
+  if (typeof OffscreenCanvas === "undefined") return false;
+  const context = new OffscreenCanvas(1, 1).getContext("webgl2");
+  if (context === null) return false;
+  const names = context.getExtension("WEBGL_debug_renderer_info");
+  const name: unknown = context.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER);
+  context.getExtension("WEBGL_lose_context")?.loseContext();
+  return typeof name === "string" && /llvmpipe|swiftshader|software|softpipe/i.test(name);
+}

@@ -1,0 +1,281 @@
+// Moving pictures of many animations, on small canvases that come and go.
+//
+// Only those in view are drawn, a few in each of the browser's frames, one after another: so many
+// that frames stay short, and almost none while people scroll. With `still` each is one picture, of
+// the end, with the ways that the bodies went.
+
+import { PerspectiveCamera } from "three";
+import type { Animation, AnimationName } from "../data/types";
+import { aim, presetOf } from "./camera";
+import { boxOfMotion } from "./framing";
+import { firstContactS } from "../motion/events";
+import type { AnimationModel } from "./model";
+import { type Loader, ModelCache } from "./model-cache";
+import { Screen, type SharedRenderer } from "./renderer";
+import type { ArchiveStage } from "./stage";
+import { THEMES, type ThemeName } from "./theme";
+
+export interface ThumbnailsOptions {
+  readonly load: Loader;
+  readonly stage: ArchiveStage;
+  readonly theme: ThemeName;
+  readonly still: boolean;
+}
+
+/** A canvas' `data-thumbnail` says how far its picture is. */
+export type ThumbnailState = "waiting" | "drawn" | "failed";
+
+interface Card {
+  readonly canvas: HTMLCanvasElement;
+  readonly screen: Screen;
+  name: AnimationName;
+  isInView: boolean;
+  /** When its animation began to run. */
+  since: number;
+  /** Has to be drawn even if it doesn't move. */
+  isStale: boolean;
+}
+
+/** How near to the view pictures are made in advance. */
+const MARGIN_PX = 150;
+/** A run is followed by its end, standing. */
+const HOLD_S = 1.2;
+/** What drawing may take of a frame. */
+const BUDGET_MS = 9;
+const BUDGET_SCROLLING_MS = 4;
+const SCROLLING_MS = 140;
+/** Frames further apart than this are too slow: fewer pictures in each. */
+const SLOW_MS = 40;
+const QUICK_MS = 24;
+const AT_ONCE_MAX = 12;
+const STILL_TRAIL_OPACITY = 0.5;
+
+export class Thumbnails {
+  private readonly cards = new Map<HTMLCanvasElement, Card>();
+  /** A canvas has one for life, whatever cards it belongs to. */
+  private readonly screens = new WeakMap<HTMLCanvasElement, Screen>();
+  private readonly inView = new Set<Card>();
+  /** Those in view, in the order in which they are to be drawn next. */
+  private turn: Card[] = [];
+  private readonly observer: IntersectionObserver;
+  private readonly sizes: ResizeObserver;
+  private readonly unlisten: () => void;
+  private readonly ends = new AbortController();
+  private readonly eye = new PerspectiveCamera();
+  private cache: ModelCache;
+  private stage: ArchiveStage;
+  private load: Loader;
+  private theme: ThemeName;
+  private still: boolean;
+  private isPaused = false;
+  private isOver = false;
+  private frame = 0;
+  private last = 0;
+  private scrolledAt = -Infinity;
+  private atOnce = 2;
+
+  constructor(private readonly renderer: SharedRenderer, options: ThumbnailsOptions) {
+    ({ stage: this.stage, load: this.load, theme: this.theme, still: this.still } = options);
+    this.cache = this.madeCache();
+    const margin = { rootMargin: `${MARGIN_PX}px` };
+    this.observer = new IntersectionObserver((changes) => this.seen(changes), margin);
+    this.sizes = new ResizeObserver((changes) => {
+      for (const { target } of changes) {
+        const card = this.cards.get(target as HTMLCanvasElement);
+        if (card !== undefined) card.isStale = true;
+      }
+      this.wake();
+    });
+    this.unlisten = renderer.onRestored(() => this.drawAgain());
+    const scrolled = (): void => { this.scrolledAt = performance.now(); };
+    document.addEventListener("scroll", scrolled, { capture: true, passive: true, signal: this.ends.signal });
+  }
+
+  /** Shows the animation on the canvas, whose size CSS says. */
+  show(canvas: HTMLCanvasElement, name: AnimationName): void {
+    const card = this.cards.get(canvas);
+    if (card === undefined) {
+      const screen = this.screens.get(canvas) ?? new Screen(canvas);
+      this.screens.set(canvas, screen);
+      this.cards.set(canvas, { canvas, screen, name, isInView: false, since: 0, isStale: true });
+      this.observer.observe(canvas);
+      this.sizes.observe(canvas);
+    } else if (card.name === name) {
+      return;
+    } else {
+      card.name = name;
+      card.since = 0;
+      card.isStale = true;
+      this.wake();
+    }
+    canvas.dataset["thumbnail"] = "waiting" satisfies ThumbnailState;
+  }
+
+  hide(canvas: HTMLCanvasElement): void {
+    const card = this.cards.get(canvas);
+    if (card === undefined) return;
+    this.observer.unobserve(canvas);
+    this.sizes.unobserve(canvas);
+    this.cards.delete(canvas);
+    this.inView.delete(card);
+    card.isInView = false;
+    this.cache.forget(card.name);
+  }
+
+  setTheme(theme: ThemeName): void {
+    this.theme = theme;
+    this.drawAgain();
+  }
+  setStill(still: boolean): void {
+    this.still = still;
+    this.drawAgain();
+  }
+  /** Another archive, or the same read anew: all that was loaded is dropped. */
+  setStage(stage: ArchiveStage, load: Loader): void {
+    this.cache.dispose();
+    this.stage = stage;
+    this.load = load;
+    this.cache = this.madeCache();
+    this.drawAgain();
+  }
+  /** Nothing moves, for instance while the player plays; what has no picture yet gets one. */
+  pause(isPaused: boolean): void {
+    this.isPaused = isPaused;
+    this.wake();
+  }
+  /** Sizes of canvases have changed. */
+  drawAgain(): void {
+    for (const card of this.cards.values()) card.isStale = true;
+    this.wake();
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.frame);
+    this.isOver = true;
+    this.ends.abort();
+    this.observer.disconnect();
+    this.sizes.disconnect();
+    this.unlisten();
+    this.cache.dispose();
+    this.cards.clear();
+    this.inView.clear();
+  }
+
+  // ---- Private
+
+  private madeCache(): ModelCache {
+    return new ModelCache(this.stage, this.load, {
+      came: (models) => this.came(models),
+      isInUse: (name) => this.isInUse(name),
+    });
+  }
+
+  /**
+   * All pictures have the same frame, which grows as animations come that go further. Small pictures
+   * show what happens from the first contact on: a throw's flight would leave it a few pixels.
+   */
+  private came(animations: readonly Animation[]): void {
+    const { frame, scene } = this.stage;
+    let hasGrown = false;
+    for (const { recording } of animations)
+      hasGrown = frame.include(boxOfMotion(recording, scene, firstContactS(recording))) || hasGrown;
+    if (hasGrown) this.drawAgain();
+    else this.wake();
+  }
+
+  private isInUse(name: AnimationName): boolean {
+    for (const card of this.inView) if (card.name === name) return true;
+    return false;
+  }
+
+  private seen(changes: readonly IntersectionObserverEntry[]): void {
+    for (const change of changes) {
+      const card = this.cards.get(change.target as HTMLCanvasElement);
+      if (card === undefined) continue;
+      card.isInView = change.isIntersecting;
+      if (card.isInView) {
+        this.inView.add(card);
+      } else {
+        this.inView.delete(card);
+        this.cache.forget(card.name);
+      }
+    }
+    this.wake();
+  }
+
+  private wake(): void {
+    if (this.frame !== 0 || this.isOver || this.inView.size === 0) return;
+    this.frame = requestAnimationFrame((now) => this.onFrame(now));
+  }
+
+  private onFrame(now: number): void {
+    this.frame = 0;
+    if (this.isOver) return;
+    const isScrolling = now - this.scrolledAt < SCROLLING_MS;
+    this.adapt(now, isScrolling);
+    const until = performance.now() + (isScrolling ? BUDGET_SCROLLING_MS : BUDGET_MS);
+    const most = isScrolling ? 1 : this.atOnce;
+    let isWanted = false;
+    let drawn = 0;
+    if (this.turn.length === 0) this.turn = [...this.inView];
+    // Those that have no picture yet go first.
+    if (drawn < most) for (const card of this.inView) {
+      if (!card.isStale) continue;
+      isWanted ||= this.cache.get(card.name) !== null || isScrolling;
+      if (drawn >= most || performance.now() >= until) break;
+      if (this.draw(card, now)) ++drawn;
+    }
+    const moves = !this.still && !this.isPaused;
+    while (moves && !isScrolling && drawn < most && this.turn.length > 0 && performance.now() < until) {
+      const card = this.turn.shift()!;
+      if (card.isInView && !card.isStale && this.draw(card, now)) ++drawn;
+    }
+    if (isWanted || isScrolling || (moves && this.inView.size > 0)) this.wake();
+  }
+
+  /** So many pictures a frame that frames stay short: what the GPU does later only shows in them. */
+  private adapt(now: number, isScrolling: boolean): void {
+    const gap = now - this.last;
+    this.last = now;
+    if (isScrolling || gap > 500) return;
+    if (gap > SLOW_MS) this.atOnce = Math.max(1, Math.floor(this.atOnce / 2));
+    else if (gap < QUICK_MS) this.atOnce = Math.min(this.atOnce + 0.25, AT_ONCE_MAX);
+  }
+
+  /** False: there is nothing to draw yet. */
+  private draw(card: Card, now: number): boolean {
+    const { canvas, screen } = card;
+    const model = this.cache.get(card.name);
+    if (model === null) {
+      if (this.cache.hasFailed(card.name)) canvas.dataset["thumbnail"] = "failed" satisfies ThumbnailState;
+      return false;
+    }
+    const width = Math.round(canvas.clientWidth * this.renderer.pixelRatio);
+    const height = Math.round(canvas.clientHeight * this.renderer.pixelRatio);
+    const { background } = THEMES[this.theme];
+    if (!this.renderer.begin(width, height, background)) return false;
+    if (card.since === 0) card.since = now;
+    this.pose(model, this.timeOf(card, model, now));
+    const { box, frame, three } = this.stage;
+    aim(this.eye, presetOf("home", box, model.isPlanar), frame.box, width / height);
+    this.renderer.draw(three, this.eye, { x: 0, y: 0, width, height }, background);
+    this.renderer.finish(screen);
+    card.isStale = false;
+    if (canvas.dataset["thumbnail"] !== "drawn") canvas.dataset["thumbnail"] = "drawn";
+    return true;
+  }
+
+  private pose(model: AnimationModel, t: number): void {
+    this.stage.setTheme(this.theme);
+    this.stage.show(model, t);
+    model.hideMarks();
+    if (this.still) model.trails.show(t, STILL_TRAIL_OPACITY);
+    else model.hideTrails();
+  }
+
+  private timeOf(card: Card, model: AnimationModel, now: number): number {
+    const end = model.animation.recording.endS;
+    if (this.still) return end;
+    return Math.min(((now - card.since) / 1000) % (end + HOLD_S), end);
+  }
+}

@@ -1,0 +1,336 @@
+import assert from "node:assert/strict";
+import { afterEach, test } from "node:test";
+import { gzipSync } from "node:zlib";
+import { Once } from "../src/data/once";
+import { pack } from "../src/data/packed";
+import { createSavedSource } from "../src/data/saved";
+import { type GallerySource, SourceError } from "../src/data/source";
+import type { Column, Note } from "../src/data/types";
+import { type Script, FakeDocument, FakeStorage } from "./fake-page";
+
+const RUN = "ab12";
+const BODIES = 1;
+/** More than two files of animations. */
+const ENTRIES = 70;
+
+function json(value: unknown): Script {
+  return { kind: "json", text: JSON.stringify(value) };
+}
+
+function packed(head: unknown, columns: readonly (readonly [string, Column])[]): Script {
+  return { kind: "gz", text: gzipSync(pack(head, new Map(columns))).toString("base64") };
+}
+
+function names(): string[] {
+  return Array.from({ length: ENTRIES }, (_, entry) => `0.${10 * entry}`);
+}
+
+/** The columns that the table and the index have in common: draw 10 * entry of chain 0. */
+function rows(): (readonly [string, Column])[] {
+  return [
+    ["is_find", new Uint8Array(ENTRIES)],
+    ["chain", new Uint32Array(ENTRIES)],
+    ["draw", Float64Array.from({ length: ENTRIES }, (_, entry) => 10 * entry)],
+    ["in_proportion", new Uint8Array(ENTRIES).fill(1)],
+    ["end_s", new Float64Array(ENTRIES).fill(1)],
+    ["lineage", new Float64Array(ENTRIES)],
+    ["number.0", Float64Array.from({ length: ENTRIES }, (_, entry) => -entry)],
+  ];
+}
+
+/** Animations first, first + 1, ...: a ball that lies at x = entry. */
+function animations(first: number): Script {
+  const heads: object[] = [];
+  const columns: (readonly [string, Column])[] = [];
+  for (let entry = first; entry < Math.min(ENTRIES, first + 32); ++entry) {
+    const prefix = `${entry - first}:`;
+    heads.push({ name: `0.${10 * entry}`, end_s: 1, meshes: [], columns: prefix });
+    const f64 = (name: string, ...values: number[]): void => {
+      columns.push([prefix + name, Float64Array.from(values)]);
+    };
+    columns.push(
+      [`${prefix}body`, Uint32Array.of(0)], [`${prefix}mode`, Uint8Array.of(3)],
+      [`${prefix}cause`, Uint8Array.of(0)], [`${prefix}partner`, Int32Array.of(-1)]);
+    f64("start_s", 0);
+    f64("position_m", entry, 0, 0);
+    f64("velocity_mps", 0, 0, 0);
+    f64("acceleration_mps2", 0, 0, 0);
+    f64("orientation", 1, 0, 0, 0);
+    f64("angular_velocity_radps", 0, 0, 0);
+    f64("angular_acceleration_radps2", 0, 0, 0);
+  }
+  return packed({ generation: 1, animations: heads }, columns);
+}
+
+/** A gallery of one archive, as `sleight gallery --save` writes it. */
+function files(): Map<string, Script> {
+  const features = [{ name: "ball", kind: "body", twin_of: 0, body: -1, radius_m: 0.01 }];
+  const numbers = [{ name: "log_prior", unit: "1" }];
+  const view = { view_low_m: [-1, -1, -1], view_high_m: [100, 1, 1] };
+  return new Map<string, Script>([
+    ["gallery", json({
+      version: "1",
+      archives: [
+        { id: 0, name: "a.h5", run: RUN, generation: 1, state: "ready", draws: 5, in_proportion: true },
+      ],
+      left_out: [],
+      notes: { writable: false, words: "said by the file" },
+    })],
+    ["0/scene", json({
+      generation: 1, ...view, offsets: false, features, numbers, prior_log_prior: [], request: "",
+    })],
+    ["0/looks", packed({ generation: 1, meshes: [], own: [] }, [])],
+    ["0/table", packed({ generation: 1, entries: ENTRIES, numbers: ["log_prior"] }, rows())],
+    ["0/index", packed(
+      { generation: 1, run: RUN, entries: ENTRIES, bodies: BODIES, names: names(), numbers, features },
+      [
+        ...rows(),
+        ["track_first", Uint32Array.from({ length: ENTRIES }, (_, entry) => entry)],
+        ["track_count", new Uint32Array(ENTRIES).fill(1)],
+        ["piece_start_s", new Float64Array(ENTRIES)],
+        ["piece_position_m", Float64Array.from({ length: 3 * ENTRIES }, (_, i) => (i % 3 === 0 ? i / 3 : 0))],
+        ["piece_velocity_mps", new Float64Array(3 * ENTRIES)],
+        ["piece_acceleration", new Uint32Array(ENTRIES)],
+        ["accelerations_mps2", new Float64Array(3)],
+        ["contact_first", new Uint32Array(ENTRIES + 1)],
+        ["contact_time_s", new Float64Array(0)],
+        ["contact_body", new Uint32Array(0)],
+        ["contact_partner", new Uint32Array(0)],
+      ])],
+    ["0/series", json([{ name: "trace.50% ä", title: "t", kind: "trace", group: "" }])],
+    ["0/series-trace.50% ä-0", packed({ kind: "trace" }, [["draw", Float64Array.of(1, 2)]])],
+    ["0/animations-0", animations(0)],
+    ["0/animations-1", animations(32)],
+    ["0/animations-2", animations(64)],
+  ]);
+}
+
+interface Opened {
+  readonly source: GallerySource;
+  readonly page: FakeDocument;
+}
+
+function open(
+  change: (all: Map<string, Script>) => void = () => {}, storage: () => Storage = () => new FakeStorage(),
+): Opened {
+  const all = files();
+  change(all);
+  const page = new FakeDocument(all);
+  return { page, source: createSavedSource({ document: page.asDocument(), storage, timeoutMs: 200, pauseMs: 20 }) };
+}
+
+function isFailure(kind: string): (error: unknown) => boolean {
+  return (error) => error instanceof SourceError && error.kind === kind;
+}
+
+afterEach(() => {
+  globalThis.sleightSaved = undefined;
+});
+
+test("each file is asked for once, by whoever asks", async () => {
+  // Goal: no file is loaded twice. Method: every question twice at once and once more later; the
+  // addresses of the script elements, of which none is left in the page.
+  const { source, page } = open();
+  const askAll = (): Promise<unknown> => Promise.all([
+    source.gallery(), source.scene(0), source.looks(0), source.table(0), source.seriesTitles(0),
+    source.series(0, "trace.50% ä", { chain: "0" }), source.animations(0, ["0.0", "0.310"], BODIES),
+    source.find("draw 0..20", [{ id: 0, generation: 1 }]),
+  ]);
+  await Promise.all([askAll(), askAll()]);
+  await askAll();
+  assert.deepEqual(page.asked.sort(), [
+    "data/0/animations-0.js", "data/0/index.js", "data/0/looks.js", "data/0/scene.js",
+    "data/0/series-trace.50%25%20%C3%A4-0.js", "data/0/series.js", "data/0/table.js", "data/gallery.js",
+  ]);
+  assert.equal(page.present, 0);
+});
+
+test("animations come from the files that have them, in the order of the names", async () => {
+  // Goal: file 32 K to 32 K + 31, and nothing of the others' bytes is kept. Method: names across
+  // files' borders, one of them twice; where the ball lies says which it is.
+  const { source, page } = open();
+  const entries = [64, 31, 32, 0, 69, 31];
+  const found = await source.animations(0, entries.map((entry) => `0.${10 * entry}`), BODIES);
+  assert.deepEqual(found.map(({ name }) => name), entries.map((entry) => `0.${10 * entry}`));
+  for (const [i, { recording }] of found.entries()) {
+    assert.equal(recording.segments.position[0], entries[i]);
+    assert.equal(recording.segments.position.buffer.byteLength, 24);
+  }
+  assert.equal(page.asked.filter((src) => src.includes("animations")).length, 3);
+  await assert.rejects(source.animations(0, ["0.5"], BODIES), isFailure("missing"));
+});
+
+test("queries, groups and likeness are answered by the page", async () => {
+  // Goal: the same forms as a server's answers. Method: balls on a line, so that the answers are plain.
+  const { source } = open();
+  const at = { id: 0, generation: 1 };
+  const found = await source.find("ball in x 2.5m..5.5m", [at]);
+  assert.deepEqual(found, { found: [{ id: 0, entries: [3, 4, 5] }], errors: [] });
+  const wrong = await source.find("bell in x 1m..2m", [at]);
+  assert.equal(wrong.found.length, 0);
+  assert.equal(wrong.errors[0]?.id, 0);
+  assert.equal(wrong.errors[0]?.column, 1);
+  const { groups, share_words } = await source.groups(
+    { ...at, entries: [0, 1, 60, 61, 62], groups: 2, by: "medoids" });
+  assert.deepEqual(groups.map(({ members }) => [...members].sort((a, b) => a - b)), [[60, 61, 62], [0, 1]]);
+  assert.deepEqual(groups.map(({ share }) => share), [null, null]);
+  assert.notEqual(share_words, "");
+  const alike = await source.alike({ ...at, to: [10], entries: [1, 9, 30] });
+  assert.deepEqual(alike.entries, [9, 1, 30]);
+  await assert.rejects(source.find("draw 1", [{ id: 0, generation: 2 }]), isFailure("generation"));
+});
+
+test("a file that fails is told, and asked for anew by the next one", async () => {
+  // Goal: SourceErrors of the right kind, never a promise that hangs. Method: scripts that fail in
+  // each way, then the right file in their place.
+  const faults: readonly (readonly [string, Script | "silent" | "hangs" | null])[] = [
+    ["missing", null],
+    ["torn", "silent"],
+    ["other", "hangs"],
+    ["torn", { kind: "json", text: "{}" }],
+    ["torn", { kind: "xz", text: "" }],
+    ["torn", { kind: "gz", text: "not base64!" }],
+    ["torn", { kind: "gz", text: "" }],
+    ["torn", { kind: "gz", text: Buffer.from("nothing that gzip made").toString("base64") }],
+  ];
+  for (const [kind, fault] of faults) {
+    const { source, page } = open();
+    const whole = page.files.get("0/table")!;
+    page.set("0/table", fault);
+    await assert.rejects(source.table(0), isFailure(kind), `${kind}: ${JSON.stringify(fault)}`);
+    assert.equal(page.present, 0);
+    page.set("0/table", whole);
+    assert.equal((await source.table(0)).entries, ENTRIES);
+  }
+  const { source } = open((all) => all.set("gallery", { kind: "json", text: '{"version": ' }));
+  await assert.rejects(source.gallery(), isFailure("torn"));
+});
+
+test("bytes that are cut off or changed are torn", async () => {
+  // Goal: nothing of a damaged file is handed on. Method: a table cut at many places (base64 stays
+  // base64), and with a changed size at gzip's end, which might ask for any memory.
+  const whole = Buffer.from(files().get("0/table")!.text, "base64");
+  const damaged: Buffer[] = [];
+  for (let length = 0; length < whole.length; length += 7) damaged.push(whole.subarray(0, length));
+  for (const size of [0, 1, 0x7fffffff, 0xffffffff]) {
+    const bytes = Buffer.from(whole);
+    bytes.writeUInt32LE(size, bytes.length - 4);
+    damaged.push(bytes);
+  }
+  for (const bytes of damaged) {
+    const { source } = open((all) => all.set("0/table", { kind: "gz", text: bytes.toString("base64") }));
+    await assert.rejects(source.table(0), isFailure("torn"), `${bytes.length} bytes`);
+  }
+});
+
+test("a call that nobody waits for does nothing", async () => {
+  // Goal: files can't take one another's place. Method: a script that names another file, and one
+  // whose call has wrong types.
+  const { source, page } = open();
+  page.set("0/table", { kind: "json", text: "{}", path: "0/scene" });
+  await assert.rejects(source.table(0), isFailure("torn"));
+  globalThis.sleightSaved?.(1, "json", {});
+  globalThis.sleightSaved?.("0/looks", "json", "{}");
+  assert.equal((await source.scene(0)).features.length, 1);
+});
+
+test("who no longer wants an answer is let go, and the file is there for the next one", async () => {
+  // Goal: an abort rejects at once and breaks nothing. Method: aborted before and meanwhile.
+  const { source, page } = open();
+  const ends = new AbortController();
+  const asked = source.table(0, { signal: ends.signal });
+  ends.abort();
+  await assert.rejects(asked, isFailure("aborted"));
+  await assert.rejects(source.table(0, { signal: ends.signal }), isFailure("aborted"));
+  assert.equal((await source.table(0)).entries, ENTRIES);
+  assert.equal(page.asked.length, 1);
+});
+
+test("plots that were not saved have a sentence", async () => {
+  // Goal: a chain that is left out and a missing diagnosis are told, without asking for the latter.
+  const { source, page } = open();
+  const error = await source.series(0, "trace.50% ä", { chain: "9" })
+    .then(() => null, (failure: unknown) => failure);
+  assert.ok(error instanceof SourceError && error.kind === "missing" && error.message.includes("chain 9"));
+  await assert.rejects(source.diagnosis(0), isFailure("missing"));
+  assert.ok(!page.asked.some((src) => src.includes("diagnosis")));
+});
+
+test("notes are kept by the browser, or as long as the page", async () => {
+  // Goal: notes never fail. Method: a storage that works, is opened anew, is full, or throws at once;
+  // another page's notes stay.
+  const note = (text: string): Note => ({ star: true, hidden: false, tags: ["a"], note: text });
+  const storage = new FakeStorage();
+  const first = open(undefined, () => storage).source;
+  assert.deepEqual((await first.notes()).notes, { [RUN]: {} });
+  const other = open(undefined, () => storage).source;
+  assert.equal((await first.setNote(RUN, "0.10", note("one"))).changed, 1);
+  assert.equal((await other.setNote(RUN, "0.20", note("two"))).changed, 2);
+  assert.equal((await first.setNote(RUN, "0.10", note("three"))).changed, 3);
+  const again = (await open(undefined, () => storage).source.notes()).notes[RUN];
+  assert.deepEqual(Object.entries(again ?? {}).map(([name, { note: text }]) => [name, text]).sort(),
+    [["0.10", "three"], ["0.20", "two"]]);
+  assert.equal((await first.gallery()).notes.writable, true);
+
+  storage.isFull = true;
+  await first.setNote(RUN, "0.30", note("four"));
+  assert.equal((await first.notes()).notes[RUN]?.["0.30"]?.note, "four");
+  assert.equal((await first.gallery()).notes.writable, false);
+
+  const none = open(undefined, () => { throw new Error("SecurityError"); }).source;
+  await none.setNote(RUN, "0.10", note("five"));
+  assert.equal((await none.notes()).notes[RUN]?.["0.10"]?.note, "five");
+  assert.equal((await none.gallery()).notes.writable, false);
+
+  storage.isFull = false;
+  storage.setItem(`sleight-notes.${RUN}`, '{"0.1": {"star": 1}, "0.2": 5}');
+  assert.deepEqual((await open(undefined, () => storage).source.notes()).notes, { [RUN]: {} });
+});
+
+test("it says once that it is here", () => {
+  // Goal: nothing is live. Method: a listener that counts.
+  const { source } = open();
+  const said: string[] = [];
+  const end = source.onChange({ gallery: () => said.push("gallery"), source: (state) => said.push(state) });
+  end();
+  assert.deepEqual(said, ["here"]);
+  assert.equal(source.isLive, false);
+});
+
+test("of what is kept the longest unused goes first", async () => {
+  // Goal: the bound holds, and one that is greater than the bound is kept while it is the newest.
+  // Method: values that are their own sizes; makes are counted.
+  const once = new Once<number>({ bytesMax: 10, bytesOf: (value) => value });
+  const made: string[] = [];
+  const get = (key: string, size: number): Promise<number> => once.get(key, () => {
+    made.push(key);
+    return Promise.resolve(size);
+  });
+  await get("a", 4);
+  await get("b", 4);
+  await get("a", 4);
+  await get("c", 4);
+  await get("a", 4);
+  assert.deepEqual(made, ["a", "b", "c"]);
+  await get("b", 4);
+  await get("huge", 99);
+  await get("huge", 99);
+  assert.deepEqual(made, ["a", "b", "c", "b", "huge"]);
+  await get("a", 4);
+  await get("huge", 99);
+  assert.deepEqual(made, ["a", "b", "c", "b", "huge", "a", "huge"]);
+  await assert.rejects(once.get("d", () => Promise.reject(new Error("no"))));
+  assert.equal(await get("d", 1), 1);
+});
+
+test("what fails is tried again after a pause, however often it is asked for", async () => {
+  // Goal: a page that asks anew at each failure doesn't have the browser look for a file all the time.
+  // Method: one that asks so for four pauses; twice as many tries would be too many.
+  const pauseMs = 50;
+  const once = new Once<number>({ pauseMs });
+  let tries = 0;
+  const ends = performance.now() + 4 * pauseMs;
+  while (performance.now() < ends)
+    await assert.rejects(once.get("a", () => { ++tries; return Promise.reject(new Error("no")); }));
+  assert.ok(tries >= 2 && tries <= 8, `${tries} tries`);
+});

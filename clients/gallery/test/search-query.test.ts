@@ -1,0 +1,142 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { unpack } from "../src/data/packed";
+import { SourceError } from "../src/data/source";
+import { parseQuery } from "../src/search/parse";
+import { isMet } from "../src/search/query";
+import { readIndex } from "../src/search/search-index";
+import { tokensOf } from "../src/search/tokens";
+import { Turns } from "../src/search/turns";
+import {
+  FEATURES, indexBytes, indexOf, type MadeEntry, NUMBERS, randomEntry, randomNumbers,
+} from "./search-scene";
+
+const THINGS = { features: FEATURES, numbers: NUMBERS };
+
+/** A ball thrown up from 1 m to the right, that rests at 1.5 s; it hits the table, then ball 2. */
+const KNOWN: MadeEntry = {
+  draw: 0,
+  end: 1.5,
+  paths: [
+    [{ start: 0, p: [0, 0, 1], v: [1, 0, 5], a: [0, 0, -10] }, { start: 1, p: [1, 0, 1], v: [1, 0, 0] },
+      { start: 1.5, p: [1.5, 0, 1] }],
+    [{ start: 1, p: [-1, 0.5, 0.25] }],
+    [],
+  ],
+  contacts: [[1, 0, 3], [1.5, 0, 1]],
+  numbers: [-3, 1.5, NaN, 1, 2, Math.PI / 2],
+};
+
+test("tokens are words, names, numbers and signs", () => {
+  // Goal: where a number ends and a unit begins. Method: known texts.
+  const read = (text: string): string[] => tokensOf(text).map(({ kind, text: said, number, isJoined }) =>
+    `${kind}${isJoined ? "+" : ""} ${kind === "number" ? number : said}`.trim());
+  assert.deepEqual(read("x 0..20mm"), ["word x", "number 0", "sign+ ..", "number+ 20", "word+ mm", "end+"]);
+  assert.deepEqual(read("-.5e-3..5."), ["number -0.0005", "sign+ ..", "number+ 5", "end+"]);
+  assert.deepEqual(read("3mm/s m/x1"), ["number 3", "word+ mm/s", "word m/x", "number+ 1", "end+"]);
+  assert.deepEqual(read(" \"a \\\"b\\\\\" <=[ "), ["quoted a \"b\\", "sign <=", "sign+ [", "end"]);
+  assert.deepEqual(read("1e5e"), ["number 100000", "word+ e", "end+"]);
+  assert.deepEqual(read(""), ["end"]);
+});
+
+test("queries mean what they say", async () => {
+  // Goal: the language's meaning. Method: one animation whose answers are known; the cases that
+  // tests/unit/clients/browse/query_test.cpp has.
+  const index = await indexOf([KNOWN]);
+  const meets = (text: string): boolean => {
+    const condition = parseQuery(text, THINGS);
+    if ("message" in condition) return assert.fail(`${text}: ${condition.message}`);
+    return isMet(condition, index, 0);
+  };
+  for (const text of [
+    "ball 1 in z 2.25..", "ball 1 in z 2.2.. during 400..450ms", "ball 1: x 49..51cm z 2.2..",
+    "ball 1 in x 1.5..1.5 during 100s..", "ball 2 in x -2..2 during ..1", "any in x -1..-1",
+    "every ball ends in z 0.2..1", "ball 1 touches table", "ball 2 touches ball 1", "ball 2 touches any",
+    "ball 1 touches table during 1..1s", "ball 1 touches table then ball 1 touches ball 2",
+    "ball 1 touches table then ball 1 in z ..9 then ball 1 touches ball 2", "every ball touches any",
+    "ball 1 in z 2.2.. then ball 1 touches table then ball 1 in x 1.4..",
+    "log_prior -3..-3 and rest_s > 1499ms", "log_prior <= -3", "face[1] = 2", "turn 89..91deg",
+    "log_prior = 0 and log_prior = 0 or log_prior = -3",
+    "not log_prior = 0 and not (log_prior = -3 and ball 2 touches table)",
+  ]) assert.ok(meets(text), text);
+  for (const text of [
+    "ball 1 in z 2.251..", "ball 1 in z 2.2.. during 0..300ms", "ball 1: x 80..90cm z 2.2..",
+    "ball 2 in x -2..2 during ..0.99", "\"odd \\\"one\\\"\" in x -9..9", "every in x -1..-1",
+    "every ball ends in z 0.5..1", "ball 2 touches table", "ball 1 touches table during 1001ms..",
+    "ball 1 touches ball 2 then ball 1 touches table", "every ball touches table",
+    "ball 1 touches table then ball 1 touches table", "ball 1 touches table then ball 1 in z 2..",
+    "log_prior < -3", "log_prior = 0 and (log_prior = 0 or log_prior = -3)", "landing_m ..9",
+    "not landing_m ..9 and landing_m 0..",
+  ]) assert.ok(!meets(text), text);
+});
+
+test("errors point at the place", () => {
+  // Goal: column and words of errors. Method: those of query_test.cpp, whose columns count from 0.
+  for (const [text, column, words] of [
+    ["", 0, "a query is expected"], ["ball 3 in x 0..1", 0, "did you mean 'ball"],
+    ["any die in x 0..1", 4, "no body is called 'die N'; there are: ball 1, ball 2, odd \"one\""],
+    ["any in x 0..1 furlongs", 14, "the end is expected"],
+    ["any in x 0..1furlongs", 13, "'furlongs' is no unit"],
+    ["any in x 0..1s", 13, "a length is expected here, and s is the unit of a time"],
+    ["any in x 3..1", 9, "first end is above"], ["any in x ..", 9, "needs an end"],
+    ["any in x 0..1 x 0..1", 14, "x has a range already"], ["any in during 0..1", 7, "a range of x, y or z"],
+    ["ball 1 touches target", 15, "is a goal"], ["table in x 0..1", 0, "doesn't move"],
+    ["log_priro < 3", 0, "did you mean 'log_prior'"], ["LOG-PRIOR < 3", 3, "the sign '-' has no"],
+    ["log_prior", 0, "is a number"], ["face = 1", 0, "'face' has 2 elements: say which, as face[0]"],
+    ["table = 1", 0, "'table' is no number"], ["zebra = 1", 0, "`sleight find --names`"],
+    ["log_prior < 3mm", 13, "a pure number is expected"], ["face[1 = 2", 7, "']' is expected"],
+    ["(any in x 0..1", 14, "')' is expected"], ["log_prior < 3 then any in x 0..1", 0, "'then' joins"],
+    ["any in x 0..1 then log_prior < 3", 19, "'then' joins"],
+    ["any in x 0..1 then not any in x 0..1", 19, "'then' joins"],
+    ["any in x 0..1 then (any in x 0..1)", 19, "'then' joins"],
+    ["any in x 0..1 ; rm", 14, "the sign ';' has no meaning"], ["\"ball 1 in x", 0, "not closed"],
+    ["any in x 1e999..", 9, "'1e999' is no number"], ["any in x 1e-999..", 9, "'1e-999' is no number"],
+    [`${"(".repeat(101)}log_prior = 0${")".repeat(101)}`, 100, "nested more than 100 deep"],
+    [" ".repeat(20_001), 20_000, "longer than 20000 bytes"],
+    // Columns count characters, limits count bytes; both names are shown as they are.
+    ["\"é€\" in x 0..1 ;", 15, "';'"],
+    ["\"é€\" in x 0..1", 0, "nothing is called 'é€'; there are: ball 1, ball 2"],
+    [`"${"é".repeat(10_000)}"`, 10_001, "longer than"], ["é", 0, "this sign has no meaning here"],
+  ] as const) {
+    const error = parseQuery(text, THINGS);
+    if (!("message" in error)) assert.fail(text);
+    assert.equal(error.column, column + 1, `${text.slice(0, 80)}: ${error.message}`);
+    assert.ok(error.message.includes(words), `${text.slice(0, 80)}: ${error.message}`);
+  }
+});
+
+test("any text is an error or a query", async () => {
+  // Goal: no text throws, no column lies outside. Method: 20,000 random texts of the language's signs.
+  const random = randomNumbers(26);
+  const index = await indexOf([KNOWN]);
+  const signs = [
+    "any ", "every ", "ball 1 ", "in ", "x ", "..", "0.5", "mm", "\"", "\\", "(", ")", "<", "=", "[", "]",
+    ",", ":", "\n", "é", "\u0001", "\ud800", "then ", "not ", "and ", "touches ", "ends ", "during "];
+  for (let n = 0; n < 20_000; ++n) {
+    let text = "";
+    for (let i = Math.floor(12 * random()); i > 0; --i) text += signs[Math.floor(signs.length * random())]!;
+    const found = parseQuery(text, THINGS);
+    if ("message" in found) assert.ok(found.column >= 1 && found.column <= text.length + 1, text);
+    else isMet(found, index, 0);
+  }
+});
+
+test("an index file that is torn is refused", async () => {
+  // Goal: nothing of a wrong file is used. Method: columns changed one at a time.
+  const random = randomNumbers(1);
+  const bytes = indexBytes([randomEntry(0, random), randomEntry(1, random)]);
+  const packed = unpack(bytes.buffer as ArrayBuffer);
+  for (const [name, change] of [
+    ["track_count", 1 << 20], ["piece_acceleration", 1 << 20], ["contact_body", 3], ["contact_partner", 6],
+    ["contact_first", 9999], ["draw", null], ["number.2", null], ["piece_position_m", null],
+  ] as const) {
+    const columns = new Map(packed.columns);
+    const column = columns.get(name)!.slice();
+    if (change === null) columns.delete(name);
+    else columns.set(name, column.fill(change));
+    await assert.rejects(readIndex({ head: packed.head, columns }, new Turns()),
+      (error) => error instanceof SourceError && error.kind === "torn", name);
+  }
+  await assert.rejects(readIndex({ head: { ...packed.head as object, bodies: 2 }, columns: packed.columns },
+    new Turns()), SourceError);
+});
