@@ -75,22 +75,29 @@ std::size_t Browsed::animations() const {
   return sum;
 }
 
-browse::Index index_of(const archive::Source& source, const std::string& path) {
+browse::Index index_of(const archive::Source& source, const std::string& path,
+                       const IndexingOptions& options) {
   require_group(source, archive::k_scene, "scene");
   const std::optional<FileState> state = state_of_file(path);
-  const std::optional<KeptIndex> kept = kept_index(path);
+  const std::optional<KeptIndex> kept =
+      options.earlier == nullptr ? kept_index(path) : std::nullopt;
   const bool is_of_this_file = kept && state && kept->of == *state;
-  ReadingPrinter printer(path);
-  auto read = browse::read_index(
-      source, {.earlier = kept ? &kept->index : nullptr,
-               .is_of_this_file = is_of_this_file,
-               .progress = [&](std::uint64_t done, std::uint64_t of) { printer.show(done, of); }});
+  auto read = browse::read_index(source, {.earlier = kept ? &kept->index : options.earlier,
+                                          .is_of_this_file = is_of_this_file,
+                                          .progress = options.progress});
   if (!read) {
     throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", path, read.error()));
   }
   browse::ReadIndex found = std::move(read).value();
   if (state && !is_of_this_file) keep_index(path, *state, found.index);
   return std::move(found.index);
+}
+
+browse::Index index_of(const archive::Source& source, const std::string& path) {
+  ReadingPrinter printer(path);
+  return index_of(source, path, {.progress = [&](std::uint64_t done, std::uint64_t of) {
+                    printer.show(done, of);
+                  }});
 }
 
 Browsed browse_archives(const std::vector<std::string>& paths) {

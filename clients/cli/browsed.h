@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,17 @@ struct Browsed {
 /// left.
 Browsed browse_archives(const std::vector<std::string>& paths);
 
-/// The index of an archive that is open, what is kept of it taken over (index_cache.h). Throws
-/// base::Error where it has none, or can't be read.
+struct IndexingOptions {
+  /// Of the run's archive as it was before; null: what is kept of it (index_cache.h).
+  const browse::Index* earlier = nullptr;
+  /// Told now and then: animations that were read, of how many.
+  std::function<void(std::uint64_t, std::uint64_t)> progress{};
+};
+/// The index of an archive that is open. What was read before is taken over, and the index is kept
+/// for next time. Throws base::Error where it has none, or can't be read.
+browse::Index index_of(const archive::Source& source, const std::string& path,
+                       const IndexingOptions& options);
+/// Telling stderr how it goes.
 browse::Index index_of(const archive::Source& source, const std::string& path);
 
 /// Takes out of each archive's index what an archive before it has too, so that each animation

@@ -14,6 +14,7 @@
 #include "clients/cli/main_browse.h"
 #include "clients/cli/main_derive.h"
 #include "clients/cli/main_direct.h"
+#include "clients/cli/main_gallery.h"
 #include "clients/cli/main_own.h"
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_service.h"
@@ -259,6 +260,8 @@ struct CommandLine::Arguments {
   DeriveArguments derive;
   DiagnoseArguments diagnose;
   BrowseArguments browse;
+  gallery::CommandOptions gallery;
+  cli::Rules rules = convergence_rules();
   PlotArguments plot;
   OwnArguments own;
 };
@@ -287,6 +290,7 @@ void build_app(CLI::App& app, CommandLine& line) {
   add_diagnose(app, arguments.diagnose, action);
   add_plot(app, arguments.plot, action);
   add_browse_commands(app, arguments.browse, action);
+  add_gallery_command(app, arguments.gallery, arguments.rules, action);
   add_service_commands(app, action);
 
   // The program itself.

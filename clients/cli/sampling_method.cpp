@@ -37,6 +37,10 @@ std::optional<Method> method_of(std::string_view request_text) {
   return std::nullopt;
 }
 
+std::string method_word(std::string_view request_text) {
+  return sampler_value<std::string>(request_text, "method").value_or("");
+}
+
 bool burns_in(std::optional<Method> method) {
   return method == Method::simulated_tempering || method == Method::tempered_transitions ||
          method == Method::annealed_importance;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "common/archive/model.h"
@@ -12,6 +13,9 @@ namespace sleight::cli {
 
 /// None where the text is no request, or names no method that is known here.
 std::optional<request::Method> method_of(std::string_view request_text);
+
+/// The method's word as the request has it, known here or not; empty where the text is no request.
+std::string method_word(std::string_view request_text);
 
 /// Whether the ladders in /tempering are those of a burn-in, whose scans are no draws.
 bool burns_in(std::optional<request::Method> method);

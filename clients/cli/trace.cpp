@@ -120,8 +120,8 @@ std::vector<plot::Point> trace(const archive::Source& source, std::string_view v
   }
   check_chain(source, range.chain);
   const std::uint64_t count = range.draws == 0 ? draws : std::min(range.draws, draws);
-  constexpr std::uint64_t stretches = k_trace_points_max / 4;
-  Thinner thinner(count <= k_trace_points_max ? 1 : (count - 1) / stretches + 1);
+  const std::uint64_t stretches = range.points_max / 4;
+  Thinner thinner(count <= range.points_max ? 1 : (count - 1) / stretches + 1);
   for (std::uint64_t first = 0; first < count; first += k_batch) {
     const std::vector<double> values =
         as_doubles(source.read(archive::k_sample_stats, variable, range.chain * draws + first,

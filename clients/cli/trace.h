@@ -12,16 +12,17 @@
 
 namespace sleight::cli {
 
+/// Most points of one series in a picture; longer ones are thinned while they are read.
+inline constexpr std::size_t k_trace_points_max = 20'000;
+
 struct TraceRange {
   std::uint64_t chain = 0;
   std::uint64_t draws = 0;  ///< the first so many; 0 for all
+  std::size_t points_max = k_trace_points_max;
 };
 
-/// Most points of one series; longer ones are thinned while they are read.
-inline constexpr std::size_t k_trace_points_max = 20'000;
-
 /// (draw, value * scale) of a variable with dims (chain, draw). Of a chain too long for
-/// k_trace_points_max the first, lowest, highest and last of each stretch are kept, so spikes stay
+/// `points_max` the first, lowest, highest and last of each stretch are kept, so spikes stay
 /// and memory is bounded. Throws base::Error(usage) when the archive has no such chain, bad_archive
 /// when it has no such variable.
 std::vector<plot::Point> trace(const archive::Source& source, std::string_view variable,

@@ -1,6 +1,7 @@
 # Language, warnings and the flags on which bit-equality rests (docs/DETERMINISM).
 option(SLEIGHT_TESTS "Build the tests and benchmarks" ON)
 option(SLEIGHT_SHELLS "Build the programs and what touches files, MPI and disks; OFF: physics, sampling, worlds and the scheduler alone, on a machine that need not have those libraries" ON)
+option(SLEIGHT_GALLERY "Build the page of `sleight gallery`, by npm's packages (deploy/install-deps); OFF: `sleight gallery` says that it isn't there" ON)
 option(SLEIGHT_FUZZ "Build the fuzz targets instead of the programs' tests (clang only)" OFF)
 set(SLEIGHT_SANITIZE "" CACHE STRING "Value for -fsanitize=, empty for none")
 

@@ -1,0 +1,267 @@
+#include "clients/gallery_server/gallery.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "clients/gallery_server/summary_json.h"
+#include "common/base/error.h"
+
+namespace sleight::gallery {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* k_ending = ".h5";
+/// Progress of reading is told so often.
+constexpr auto k_tell_every = std::chrono::milliseconds(250);
+
+const char* word_of(ArchiveState state) {
+  switch (state) {
+    case ArchiveState::reading:
+      return "reading";
+    case ArchiveState::ready:
+      return "ready";
+    case ArchiveState::gone:
+      return "gone";
+    case ArchiveState::damaged:
+      return "damaged";
+  }
+  return "";
+}
+
+/// What an error says of a file, without the file's name before it.
+std::string reason_of(const std::string& what, const std::string& path) {
+  const std::string prefix = path + ": ";
+  return what.starts_with(prefix) ? what.substr(prefix.size()) : what;
+}
+
+/// Whether a file of a folder lies in it, where a link leads followed.
+bool lies_in(const fs::path& file, const fs::path& folder) {
+  std::error_code failure;
+  const fs::path real = fs::canonical(file, failure);
+  if (failure) return false;
+  const fs::path real_folder = fs::canonical(folder, failure);
+  return !failure && real.parent_path() == real_folder;
+}
+
+}  // namespace
+
+Gallery::Gallery(GalleryOptions options) : options_(std::move(options)) {
+  look_through_folders();
+  looking_ = std::thread([this] { look_forever(); });
+}
+
+Gallery::~Gallery() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+    over_.notify_all();
+  }
+  looking_.join();
+}
+
+void Gallery::tell() {
+  if (options_.changed) options_.changed();
+}
+
+void Gallery::look_forever() {
+  while (true) {
+    look_through_folders();
+    const std::size_t count = archives();
+    for (std::size_t archive = 0; archive < count; ++archive)
+      look_at(archive);
+    std::unique_lock lock(mutex_);
+    if (over_.wait_for(lock, std::chrono::duration<double>(options_.look_every_s),
+                       [this] { return is_over_; }))
+      return;
+  }
+}
+
+void Gallery::look_through_folders() {
+  std::vector<std::pair<std::string, std::string>> found;  // path and name
+  std::vector<LeftOut> left_out;
+  for (const std::string& path : options_.paths) {
+    std::error_code failure;
+    if (!fs::is_directory(path, failure)) {
+      found.emplace_back(path, fs::path(path).filename().string());
+      continue;
+    }
+    std::vector<fs::path> files;
+    for (const auto& item : fs::directory_iterator(path, failure)) {
+      if (item.path().extension() == k_ending) files.push_back(item.path());
+    }
+    if (failure) left_out.push_back({path, failure.message()});
+    std::ranges::sort(files);
+    for (const fs::path& file : files) {
+      if (!lies_in(file, path)) {
+        left_out.push_back({file.filename().string(), "it is a link that leads out of the folder"});
+      } else {
+        found.emplace_back(file.string(), file.filename().string());
+      }
+    }
+  }
+  bool is_news = false;
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto& [path, name] : found) {
+      if (std::ranges::any_of(shown_, [&](const auto& shown) { return shown->path == path; }))
+        continue;
+      // Of two that are called the same the later one has its folder too.
+      const bool is_taken =
+          std::ranges::any_of(shown_, [&](const auto& shown) { return shown->name == name; });
+      auto shown = std::make_unique<Shown>();
+      shown->name = is_taken ? path : name;
+      shown->path = path;
+      shown_.push_back(std::move(shown));
+      is_news = true;
+    }
+    const bool is_same = std::ranges::equal(left_out, left_out_, [](const auto& a, const auto& b) {
+      return a.name == b.name && a.reason == b.reason;
+    });
+    is_news = is_news || !is_same;
+    left_out_ = std::move(left_out);
+  }
+  if (is_news) tell();
+}
+
+void Gallery::look_at(std::size_t archive) {
+  std::string path;
+  std::shared_ptr<const Snapshot> before;
+  const std::optional<cli::FileState> file = cli::state_of_file(path_of(archive));
+  {
+    const std::lock_guard lock(mutex_);
+    Shown& shown = *shown_[archive];
+    path = shown.path;
+    before = shown.snapshot;
+    if (!file) {
+      const bool was_known = shown.state == ArchiveState::gone;
+      shown.state = ArchiveState::gone;
+      shown.words = before          ? "The archive's file is gone; this is what was read of it."
+                    : shown.is_live ? "The job has committed nothing yet."
+                                    : "There is no such file (yet).";
+      shown.tried.reset();
+      if (was_known) return;
+    } else if (shown.tried == file) {
+      return;
+    } else {
+      shown.tried = file;
+      if (!before) shown.state = ArchiveState::reading;
+    }
+  }
+  if (!file) {
+    tell();
+    return;
+  }
+  auto told = std::chrono::steady_clock::now();
+  std::string fault;
+  std::shared_ptr<const Snapshot> now;
+  try {
+    std::uint64_t generation = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      generation = ++generation_;
+    }
+    now = std::make_shared<const Snapshot>(
+        path, Snapshot::Options{.generation = generation,
+                                .earlier = before.get(),
+                                .progress =
+                                    [&](std::uint64_t read, std::uint64_t of) {
+                                      {
+                                        const std::lock_guard lock(mutex_);
+                                        shown_[archive]->read = read;
+                                        shown_[archive]->of = of;
+                                      }
+                                      const auto moment = std::chrono::steady_clock::now();
+                                      if (moment - told < k_tell_every) return;
+                                      told = moment;
+                                      tell();
+                                    },
+                                .open = options_.open});
+  } catch (const base::Error& error) {
+    fault = reason_of(error.what(), path);
+  } catch (const std::bad_alloc&) {
+    fault = "reading it takes more memory than there is";
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    Shown& shown = *shown_[archive];
+    shown.read = shown.of = 0;
+    if (now) {
+      shown.snapshot = std::move(now);
+      shown.state = ArchiveState::ready;
+      shown.words.clear();
+    } else {
+      shown.state = ArchiveState::damaged;
+      shown.words = before ? fmt::format(
+                                 "The archive can't be read any more: {}. This is what was "
+                                 "read before.",
+                                 fault)
+                           : fault;
+    }
+  }
+  tell();
+}
+
+Json Gallery::state() const {
+  const std::lock_guard lock(mutex_);
+  Json archives = Json::array();
+  for (std::size_t i = 0; i < shown_.size(); ++i) {
+    const Shown& shown = *shown_[i];
+    Json json{
+        {"id", i},
+        {"name", shown.name},
+        {"state", word_of(shown.state)},
+        {"words", shown.words},
+        {"reading", shown.of == 0 ? Json(nullptr) : Json{{"done", shown.read}, {"of", shown.of}}},
+        {"is_live", shown.is_live},
+        {"live_words", shown.live_words}};
+    if (shown.snapshot) {
+      add_facts(json, *shown.snapshot);
+    } else {
+      add_no_facts(json);
+    }
+    archives.push_back(std::move(json));
+  }
+  Json left_out = Json::array();
+  for (const LeftOut& left : left_out_)
+    left_out.push_back({{"name", left.name}, {"reason", left.reason}});
+  return {{"archives", std::move(archives)}, {"left_out", std::move(left_out)}};
+}
+
+std::shared_ptr<const Snapshot> Gallery::snapshot(std::size_t archive) const {
+  const std::lock_guard lock(mutex_);
+  return archive < shown_.size() ? shown_[archive]->snapshot : nullptr;
+}
+
+std::size_t Gallery::archives() const {
+  const std::lock_guard lock(mutex_);
+  return shown_.size();
+}
+
+std::string Gallery::path_of(std::size_t archive) const {
+  const std::lock_guard lock(mutex_);
+  return archive < shown_.size() ? shown_[archive]->path : std::string();
+}
+
+void Gallery::set_live(const std::string& path, bool is_live, const std::string& words) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& shown : shown_) {
+      if (shown->path != path) continue;
+      shown->is_live = is_live;
+      shown->live_words = words;
+    }
+  }
+  tell();
+}
+
+}  // namespace sleight::gallery

@@ -1,0 +1,93 @@
+// The archives that a page shows: which there are, what has been read of them, and how that
+// changes.
+//
+// A thread looks at the files some times a second. One that was replaced is read anew beside the
+// old snapshot, which is shown until the new one is whole; one that is gone or damaged keeps what
+// was read of it, and says so. Folders are looked through for new archives. What is read is the
+// names that were given, and in folders files that end in ".h5": links that lead out of the folder
+// are left out.
+//
+// Thread safety: all functions may be called from any thread. `changed` is called from the looking
+// thread.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "clients/gallery_server/snapshot.h"
+
+namespace sleight::gallery {
+
+enum class ArchiveState : std::uint8_t { reading, ready, gone, damaged };
+
+struct GalleryOptions {
+  std::vector<std::string> paths{};  ///< archives and folders of archives
+  double look_every_s = 0.25;
+  /// Something that `state` says has changed.
+  std::function<void()> changed{};
+  Opener open{};  ///< none: archive::remote::open_remote
+};
+
+class Gallery {
+ public:
+  /// Begins to read in the looking thread.
+  explicit Gallery(GalleryOptions options);
+  ~Gallery();
+  Gallery(const Gallery&) = delete;
+  Gallery& operator=(const Gallery&) = delete;
+
+  /// What /api/gallery answers, without the notes.
+  nlohmann::ordered_json state() const;
+
+  /// What is shown of an archive; null where nothing has been read (yet), or there is none.
+  std::shared_ptr<const Snapshot> snapshot(std::size_t archive) const;
+  std::size_t archives() const;
+  /// Its file, for people; empty where there is none.
+  std::string path_of(std::size_t archive) const;
+
+  /// Says what is known of a run that goes on elsewhere: its archive is live, with such words.
+  void set_live(const std::string& path, bool is_live, const std::string& words);
+
+ private:
+  struct Shown {
+    std::string path{};
+    std::string name{};
+    ArchiveState state = ArchiveState::reading;
+    std::string words{};
+    std::uint64_t read = 0;  ///< animations, while it is read
+    std::uint64_t of = 0;
+    bool is_live = false;
+    std::string live_words{};
+    std::shared_ptr<const Snapshot> snapshot{};
+    /// The last file that was tried; it is not tried again unless it changes.
+    std::optional<cli::FileState> tried{};
+  };
+  struct LeftOut {
+    std::string name{};
+    std::string reason{};
+  };
+
+  void look_forever();
+  void look_through_folders();
+  void look_at(std::size_t archive);
+  void tell();
+
+  GalleryOptions options_;
+  mutable std::mutex mutex_;  ///< of all below
+  std::vector<std::unique_ptr<Shown>> shown_;
+  std::vector<LeftOut> left_out_;
+  std::uint64_t generation_ = 0;
+  bool is_over_ = false;
+  std::condition_variable over_;
+  std::thread looking_;
+};
+
+}  // namespace sleight::gallery

@@ -1,0 +1,28 @@
+// An index of animations (clients/browse/index.h) as columns: a saved page, which has no server,
+// searches and groups by it.
+//
+// Head: "generation", "run", "entries", "bodies", "view_low_m", "view_high_m", "names", "numbers"
+// [{"name", "unit"}], "features"
+// [{"name", "kind", "twin_of", "body"}]. Columns, n entries of b bodies:
+//   "is_find" u8, "chain" u32, "draw", "lineage", "end_s" f64, "in_proportion" u8      (n)
+//   "number.K" f64 for each number                                                   (n)
+//   "track_first", "track_count" u32: rows of pieces, entry by entry and body by body (n * b)
+//   "piece_start_s" f64, "piece_position_m", "piece_velocity_mps" f64 x 3, "piece_acceleration"
+//   u32:
+//     a row of "accelerations_mps2" f64 x 3, of which there are few
+//   "contact_first" u32 (n + 1), "contact_time_s" f64, "contact_body", "contact_partner" u32
+//
+// Pure functions.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "clients/browse/index.h"
+
+namespace sleight::gallery {
+
+/// REQUIRES: at most 2^32 pieces and contacts.
+std::string index_columns(const browse::Index& index, std::uint64_t generation);
+
+}  // namespace sleight::gallery

@@ -1,0 +1,190 @@
+#include "clients/gallery_server/notes.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "clients/browse/index.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+
+namespace sleight::gallery {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* k_shared_folder = "sleight-notes";
+constexpr std::size_t k_file_bytes_max = 64U << 20U;
+
+[[noreturn]] void refuse(const std::string& words) {
+  throw base::Error(base::ExitCode::usage, words);
+}
+
+std::string checked_text(const Json& json, const char* key, std::size_t bytes_max) {
+  if (!json.is_string()) refuse(fmt::format("{} is no text", key));
+  const auto& text = json.get_ref<const std::string&>();
+  if (text.size() > bytes_max) refuse(fmt::format("{} has more than {} bytes", key, bytes_max));
+  return text;
+}
+
+bool flag_of(const Json& note, const char* key) {
+  const auto found = note.find(key);
+  if (found == note.end()) return false;
+  if (!found->is_boolean()) refuse(fmt::format("{} is neither true nor false", key));
+  return found->get<bool>();
+}
+
+/// As it is kept.
+Json checked(const Json& note) {
+  if (!note.is_object()) refuse("the note is no object");
+  Json kept{{"star", flag_of(note, "star")},
+            {"hidden", flag_of(note, "hidden")},
+            {"tags", Json::array()},
+            {"note", ""},
+            {"changed", 0}};
+  if (const auto tags = note.find("tags"); tags != note.end()) {
+    if (!tags->is_array() || tags->size() > k_tags_max)
+      refuse(fmt::format("tags are no list, or more than {}", k_tags_max));
+    for (const Json& tag : *tags)
+      kept["tags"].push_back(checked_text(tag, "a tag", k_tag_bytes_max));
+  }
+  if (const auto text = note.find("note"); text != note.end())
+    kept["note"] = checked_text(*text, "the note", k_note_bytes_max);
+  if (const auto changed = note.find("changed");
+      changed != note.end() && changed->is_number_unsigned())
+    kept["changed"] = *changed;
+  return kept;
+}
+
+bool says_nothing(const Json& note) {
+  return !note["star"].get<bool>() && !note["hidden"].get<bool>() && note["tags"].empty() &&
+         note["note"].get_ref<const std::string&>().empty();
+}
+
+void make_folders(const std::string& folder) {
+  fs::path made;
+  for (const fs::path& part : fs::path(folder)) {
+    made /= part;
+    if (::mkdir(made.c_str(), S_IRWXU) != 0 && errno != EEXIST) {
+      throw base::Error(fmt::format("{}: {}", made.string(),
+                                    std::error_code(errno, std::generic_category()).message()));
+    }
+  }
+}
+
+void write_whole(const std::string& path, const std::string& text) {
+  base::PosixFileSystem files;
+  const std::string beside = path + ".tmp";
+  const mode_t before = ::umask(S_IRWXG | S_IRWXO);
+  try {
+    base::write_text_file(files, beside, text);
+  } catch (...) {
+    ::umask(before);
+    files.remove(beside);
+    throw;
+  }
+  ::umask(before);
+  files.sync_file(beside);
+  files.rename(beside, path);
+  files.sync_directory_of(path);
+}
+
+}  // namespace
+
+bool is_run_word(const std::string& run) {
+  return !run.empty() && run.size() <= 128 &&
+         std::ranges::all_of(run, [](unsigned char c) { return std::isalnum(c) != 0; });
+}
+
+std::string notes_folder(const std::string& archive) {
+  std::error_code failure;
+  const fs::path shared = fs::path(base::directory_of(archive)) / k_shared_folder;
+  if (fs::is_directory(shared, failure)) return shared.string();
+  const char* given = std::getenv("XDG_DATA_HOME");
+  if (given != nullptr && given[0] == '/') return (fs::path(given) / "sleight/notes").string();
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && home[0] == '/')
+    return (fs::path(home) / ".local/share/sleight/notes").string();
+  return {};
+}
+
+Notes::Notes(std::string folder, std::string why)
+    : folder_(std::move(folder)), trouble_(std::move(why)) {
+  if (folder_.empty() && trouble_.empty())
+    trouble_ = "Stars and notes are kept until the gallery ends: there is no home folder.";
+}
+
+nlohmann::ordered_json& Notes::loaded(const std::string& run) {
+  const auto known = runs_.find(run);
+  if (known != runs_.end()) return known->second;
+  Json notes = Json::object();
+  if (!folder_.empty() && is_run_word(run)) {
+    base::PosixFileSystem files;
+    const std::string path = folder_ + "/" + run + ".json";
+    if (files.exists(path)) {
+      // Read as a stranger's: somebody may share the folder.
+      try {
+        const Json read = Json::parse(base::read_text_file(path, k_file_bytes_max));
+        for (const auto& [name, note] : read.at("notes").items()) {
+          if (browse::parse_name(name) && notes.size() < k_notes_max) notes[name] = checked(note);
+        }
+      } catch (const std::exception&) {
+        trouble_ = fmt::format(
+            "The notes in {} can't be read; new ones are kept until the gallery ends.", path);
+        folder_.clear();
+      }
+    }
+  }
+  return runs_.emplace(run, std::move(notes)).first->second;
+}
+
+Json Notes::of_run(const std::string& run) {
+  const std::lock_guard lock(mutex_);
+  return loaded(run);
+}
+
+Json Notes::set(const std::string& run, const std::string& animation, const Json& note) {
+  if (!is_run_word(run) || !browse::parse_name(animation)) refuse("there is no such animation");
+  Json kept = checked(note);
+  const std::lock_guard lock(mutex_);
+  Json& notes = loaded(run);
+  std::uint64_t changed = 0;
+  for (const Json& one : notes)
+    changed = std::max(changed, one["changed"].get<std::uint64_t>());
+  kept["changed"] = changed + 1;
+  if (says_nothing(kept)) {
+    notes.erase(animation);
+  } else {
+    if (!notes.contains(animation) && notes.size() >= k_notes_max)
+      refuse(fmt::format("a run has at most {} notes", k_notes_max));
+    notes[animation] = kept;
+  }
+  if (!folder_.empty()) {
+    try {
+      make_folders(folder_);
+      const Json file{{"sleight_notes", 1}, {"run", run}, {"notes", notes}};
+      write_whole(folder_ + "/" + run + ".json",
+                  file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+      trouble_.clear();
+    } catch (const base::Error& error) {
+      trouble_ = fmt::format("Stars and notes are kept until the gallery ends: {}.", error.what());
+    }
+  }
+  return kept;
+}
+
+std::string Notes::trouble() const {
+  const std::lock_guard lock(mutex_);
+  return trouble_;
+}
+
+}  // namespace sleight::gallery

@@ -1,0 +1,57 @@
+// What people say of animations: stars, tags, notes, hidden ones. Never in an archive.
+//
+// One JSON file a run, called <run>.json: in a folder "sleight-notes" beside the first archive if
+// that folder is there (made by somebody who wants to share notes), else in
+// $XDG_DATA_HOME/sleight/notes (else ~/.local/share/sleight/notes), readable by the owner alone. A
+// file is written beside its place, synced and renamed. What can't be written is kept until the
+// program ends, and `trouble` says so.
+//
+// Thread safety: one lock for all.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace sleight::gallery {
+
+inline constexpr std::size_t k_note_bytes_max = 4000;
+inline constexpr std::size_t k_tags_max = 32;
+inline constexpr std::size_t k_tag_bytes_max = 100;
+/// Of one run.
+inline constexpr std::size_t k_notes_max = 20'000;
+
+class Notes {
+ public:
+  /// `folder`: where files are kept; empty: nowhere, and `why` says why.
+  explicit Notes(std::string folder, std::string why = {});
+
+  /// All of a run, by animation. A file that can't be read has none.
+  nlohmann::ordered_json of_run(const std::string& run);
+  /// Sets one, as the page gives it: {"star", "hidden", "tags", "note"}. Returns it as it is now,
+  /// with "changed", which grows with each change of the run's notes.
+  /// Throws base::Error(usage) where it is none, or too much.
+  nlohmann::ordered_json set(const std::string& run, const std::string& animation,
+                             const nlohmann::ordered_json& note);
+  /// Why notes aren't kept; empty: they are.
+  std::string trouble() const;
+
+ private:
+  nlohmann::ordered_json& loaded(const std::string& run);
+
+  mutable std::mutex mutex_;
+  std::string folder_;
+  std::string trouble_;
+  std::map<std::string, nlohmann::ordered_json> runs_;
+};
+
+/// Where notes of this archive's run are kept.
+std::string notes_folder(const std::string& archive);
+
+/// True of what may be a run's name in a file's: letters and digits.
+bool is_run_word(const std::string& run);
+
+}  // namespace sleight::gallery

@@ -1,0 +1,48 @@
+// Columns of numbers as one answer for the page: what a browser makes typed arrays of without
+// taking it apart.
+//
+//   u32       length of the text that follows, little-endian
+//   text      JSON: {"head": ..., "columns": [{"name", "type", "offset", "count"}, ...]}, padded
+//   with
+//             blanks to a multiple of 8 with the u32 before it
+//   columns   each at its offset from the text's end, a multiple of 8; elements little-endian
+//
+// Types are f64, f32, u32, i32 and u8. Thread safety: one thread at a time uses a writer.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/math/vector.h"
+
+namespace sleight::gallery {
+
+/// Adds a vector's numbers to a column of three numbers a row.
+inline void append(std::vector<double>& column, const math::Vec3& v) {
+  column.insert(column.end(), {v.x(), v.y(), v.z()});
+}
+
+class Packed {
+ public:
+  void add(std::string_view name, std::span<const double> column);
+  void add(std::string_view name, std::span<const float> column);
+  void add(std::string_view name, std::span<const std::uint32_t> column);
+  void add(std::string_view name, std::span<const std::int32_t> column);
+  void add(std::string_view name, std::span<const std::uint8_t> column);
+
+  /// The whole answer. Text in `head` that is not UTF-8 is replaced.
+  std::string finish(const nlohmann::ordered_json& head) const;
+
+ private:
+  void add_bytes(std::string_view name, const char* type, std::span<const std::byte> bytes,
+                 std::size_t count);
+
+  nlohmann::ordered_json columns_ = nlohmann::ordered_json::array();
+  std::string bytes_;
+};
+
+}  // namespace sleight::gallery

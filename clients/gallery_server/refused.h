@@ -1,0 +1,22 @@
+// Why something that the page asks for is refused: an HTTP status and two sentences.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace sleight::gallery {
+
+class Refused : public std::runtime_error {
+ public:
+  Refused(unsigned status, const std::string& error, std::string what_to_do)
+      : std::runtime_error(error), status_(status), what_to_do_(std::move(what_to_do)) {}
+  unsigned status() const { return status_; }
+  const std::string& what_to_do() const { return what_to_do_; }
+
+ private:
+  unsigned status_;
+  std::string what_to_do_;
+};
+
+}  // namespace sleight::gallery

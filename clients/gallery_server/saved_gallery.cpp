@@ -1,0 +1,202 @@
+#include "clients/gallery_server/saved_gallery.h"
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "clients/gallery_server/archive_answers.h"
+#include "clients/gallery_server/base64.h"
+#include "clients/gallery_server/index_columns.h"
+#include "clients/gallery_server/series.h"
+#include "clients/gallery_server/summary_json.h"
+#include "clients/web/gzip.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+
+namespace sleight::gallery {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* k_manifest = "data/gallery.js";
+/// Plots of so many chains go along; more can't be told apart.
+constexpr std::uint64_t k_chains_saved_max = 8;
+
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// A file that is to be written, made when its turn comes.
+struct Planned {
+  std::string path{};  ///< "0/looks"
+  std::function<std::string()> script{};
+};
+
+class Plan {
+ public:
+  void json(const std::string& path, std::function<Json()> make) {
+    files.push_back({path, [path, make = std::move(make)] {
+                       return script_of(path, "json", text_of(make()));
+                     }});
+  }
+  void packed(const std::string& path, std::function<std::string()> make) {
+    files.push_back({path, [path, make = std::move(make)] {
+                       return script_of(path, "gz", base64(web::gzipped(make())));
+                     }});
+  }
+
+  std::vector<Planned> files{};
+};
+
+std::vector<std::string> names_from(const Snapshot& snapshot, std::size_t first) {
+  std::vector<std::string> names;
+  const auto& entries = snapshot.index().entries;
+  for (std::size_t entry = first; entry < std::min(entries.size(), first + k_animations_at_once);
+       ++entry)
+    names.push_back(browse::short_text(entries[entry].name));
+  return names;
+}
+
+void plan_archive(Plan& plan, std::size_t number, const SavedArchive& archive,
+                  const cli::Rules& rules) {
+  const Snapshot& snapshot = *archive.snapshot;
+  const auto at = [&](const std::string& name) { return fmt::format("{}/{}", number, name); };
+  plan.json(at("scene"), [&snapshot] { return scene_json(snapshot); });
+  plan.packed(at("looks"), [&snapshot] { return looks(snapshot); });
+  plan.packed(at("table"), [&snapshot] { return table(snapshot); });
+  plan.packed(at("index"),
+              [&snapshot] { return index_columns(snapshot.index(), snapshot.generation()); });
+  const Json titles = series_titles(snapshot);
+  plan.json(at("series"), [titles] { return titles; });
+  for (const Json& title : titles) {
+    const std::string name = title["name"].get<std::string>();
+    if (name == "diagnosis") {
+      plan.json(at("diagnosis"), [&snapshot, &archive, &rules] {
+        return diagnosis_json(snapshot, archive.name, rules);
+      });
+      continue;
+    }
+    const bool is_of_all = title["kind"] == "pair";
+    const std::uint64_t chains =
+        is_of_all ? 1 : std::min(snapshot.facts().summary.chains, k_chains_saved_max);
+    for (std::uint64_t chain = 0; chain < chains; ++chain) {
+      plan.packed(at(fmt::format("series-{}-{}", name, chain)), [&snapshot, name, chain] {
+        return series_of(snapshot, name, fmt::format("{}", chain));
+      });
+    }
+  }
+  for (std::size_t first = 0; first < snapshot.index().entries.size();
+       first += k_animations_at_once) {
+    plan.packed(at(fmt::format("animations-{}", first / k_animations_at_once)), [&snapshot, first] {
+      return several_animations(snapshot, names_from(snapshot, first));
+    });
+  }
+}
+
+Json gallery_json(const std::vector<SavedArchive>& archives, const std::string& version) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < archives.size(); ++i) {
+    Json json{{"id", i},         {"name", archives[i].name}, {"state", "ready"},
+              {"words", ""},     {"reading", nullptr},       {"is_live", false},
+              {"live_words", ""}};
+    add_facts(json, *archives[i].snapshot);
+    all.push_back(std::move(json));
+  }
+  return {{"version", version},
+          {"archives", std::move(all)},
+          {"left_out", Json::array()},
+          {"notes",
+           {{"writable", false},
+            {"words", "This is a saved gallery: stars and notes last until the page is closed."}}}};
+}
+
+/// Whether what is there may be replaced.
+void check_place(const fs::path& folder) {
+  std::error_code failure;
+  if (!fs::exists(folder, failure)) return;
+  const bool is_ours = fs::exists(folder / k_manifest, failure);
+  const bool is_empty = fs::is_directory(folder, failure) && fs::is_empty(folder, failure);
+  if (is_ours || is_empty) return;
+  throw base::Error(base::ExitCode::conflict,
+                    fmt::format("{}: is there already and is no saved gallery; name a new folder",
+                                folder.string()));
+}
+
+/// A folder that is being filled, and goes unless it is put in its place.
+class Filling {
+ public:
+  explicit Filling(fs::path place) : place_(std::move(place)), part_(place_) {
+    part_ += ".part";
+    fs::remove_all(part_);
+    fs::create_directories(part_ / "data");
+  }
+  ~Filling() {
+    std::error_code failure;
+    if (!is_placed_) fs::remove_all(part_, failure);
+  }
+  Filling(const Filling&) = delete;
+  Filling& operator=(const Filling&) = delete;
+
+  std::uint64_t write(const std::string& name, std::string_view content) {
+    const fs::path path = part_ / name;
+    fs::create_directories(path.parent_path());
+    base::write_text_file(files_, path.string(), content);
+    return content.size();
+  }
+  void put_in_place() {
+    fs::remove_all(place_);
+    fs::rename(part_, place_);
+    is_placed_ = true;
+  }
+
+ private:
+  base::PosixFileSystem files_;
+  fs::path place_;
+  fs::path part_;
+  bool is_placed_ = false;
+};
+
+constexpr std::size_t k_page_bytes_max = 16U << 20U;
+
+}  // namespace
+
+std::string script_of(const std::string& path, const std::string& kind, const std::string& text) {
+  // JSON's strings are a script's, since ECMAScript 2019; what is no UTF-8 is replaced.
+  return fmt::format("sleightSaved({},{},{});\n", text_of(path), text_of(kind), text_of(text));
+}
+
+std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const SaveOptions& options,
+                           const cli::Rules& rules) {
+  const fs::path place = fs::path(options.folder).lexically_normal();
+  check_place(place.has_filename() ? place : place.parent_path());
+  Plan plan;
+  for (std::size_t i = 0; i < archives.size(); ++i)
+    plan_archive(plan, i, archives[i], rules);
+  try {
+    Filling filling(place.has_filename() ? place : place.parent_path());
+    std::uint64_t bytes = 0;
+    for (const char* name : {"index.html", "app.js", "app.css"}) {
+      bytes +=
+          filling.write(name, base::read_text_file(options.page + "/" + name, k_page_bytes_max));
+    }
+    for (std::size_t done = 0; done < plan.files.size(); ++done) {
+      bytes += filling.write(fmt::format("data/{}.js", plan.files[done].path),
+                             plan.files[done].script());
+      if (options.progress) options.progress(done + 1, plan.files.size());
+    }
+    bytes += filling.write(
+        k_manifest, script_of("gallery", "json", text_of(gallery_json(archives, options.version))));
+    filling.put_in_place();
+    return bytes;
+  } catch (const fs::filesystem_error& error) {
+    throw base::Error(fmt::format("{}: {}", options.folder, error.code().message()));
+  }
+}
+
+}  // namespace sleight::gallery

@@ -1,0 +1,388 @@
+#include "clients/gallery_server/series.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "clients/cli/sampling_method.h"
+#include "clients/cli/scalar_draws.h"
+#include "clients/cli/tempering.h"
+#include "clients/cli/trace.h"
+#include "clients/gallery_server/packed.h"
+#include "clients/gallery_server/refused.h"
+#include "common/archive/format.h"
+
+namespace sleight::gallery {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr unsigned k_not_found = 404;
+constexpr std::uint64_t k_rows_at_once = 65'536;
+/// Numbers of the posterior that a histogram is made of, at most; of more every n-th is taken.
+constexpr std::uint64_t k_histogram_draws_max = 1'000'000;
+constexpr std::string_view k_trace_prefix = "trace.";
+constexpr std::string_view k_pair_prefix = "pair.";
+
+[[noreturn]] void refuse_unknown() {
+  throw Refused(k_not_found, "There is no such plot.", "Load the page anew.");
+}
+
+std::vector<double> as_doubles(const archive::Values& values) {
+  return std::visit(
+      [](const auto& held) -> std::vector<double> {
+        using Element = typename std::decay_t<decltype(held)>::value_type;
+        if constexpr (std::is_arithmetic_v<Element>) {
+          return {held.begin(), held.end()};
+        } else {
+          return {};
+        }
+      },
+      values);
+}
+
+const archive::DatasetSpec* spec_of(const archive::Source& source, std::string_view group,
+                                    std::string_view name) {
+  const archive::Group* found = archive::find_group(source, group);
+  return found == nullptr ? nullptr : archive::find_dataset(*found, name);
+}
+
+std::string unit_of(const archive::Source& source, std::string_view group, std::string_view name) {
+  const archive::DatasetSpec* spec = spec_of(source, group, name);
+  const archive::Attribute* unit =
+      spec == nullptr ? nullptr : archive::find_attribute(spec->attributes, "units");
+  const auto* text = unit == nullptr ? nullptr : std::get_if<std::string>(&unit->value);
+  return text == nullptr ? "1" : *text;
+}
+
+/// Numbers along chains: what every world has, and its outcomes.
+std::vector<std::string> traced(const archive::Source& source) {
+  std::vector<std::string> names{"log_constraint", "log_prior", "lp", "acceptance_rate"};
+  for (std::string& name : cli::outcome_names(source))
+    names.push_back(std::move(name));
+  return names;
+}
+
+std::string title_of(std::string_view name) {
+  if (name == "log_constraint") return "score: log of the constraint's density";
+  if (name == "log_prior") return "log p: log density under the model";
+  if (name == "lp") return "lp: log p and score together";
+  if (name == "acceptance_rate") return "acceptance of proposals";
+  return std::string(name);
+}
+
+/// Names that both the prior's draws and the chains' have, one number each.
+std::vector<std::string> paired(const archive::Source& source) {
+  std::vector<std::string> names;
+  for (const std::string& name : traced(source)) {
+    if (spec_of(source, archive::k_sample_stats_prior, name) != nullptr) names.push_back(name);
+  }
+  return names;
+}
+
+/// The marks of a chain, read in batches.
+struct Marks {
+  std::vector<std::uint32_t> change_all{};
+  std::vector<std::uint32_t> fall{};
+  std::vector<std::uint32_t> lineage{};
+};
+
+/// The kind of proposal that draws everything anew; none where there is no such kind.
+std::optional<std::size_t> change_all_kind(const std::vector<std::string>& kinds) {
+  const auto found = std::ranges::find_if(
+      kinds, [](const std::string& kind) { return kind == "all" || kind == "change_all"; });
+  if (found == kinds.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kinds.begin());
+}
+
+Marks marks_of(const archive::Source& source, std::uint64_t chain, std::uint64_t draws) {
+  const std::vector<std::string> kinds = cli::proposal_kinds(source);
+  const auto all = change_all_kind(kinds);
+  Marks marks;
+  double before = 0;
+  double lineage_before = std::numeric_limits<double>::quiet_NaN();
+  for (std::uint64_t first = 0; first < draws; first += k_rows_at_once) {
+    const cli::Rows rows{.first = chain * draws + first,
+                         .count = std::min(k_rows_at_once, draws - first)};
+    const std::vector<double> satisfied =
+        as_doubles(source.read(archive::k_sample_stats, "satisfied", rows.first, rows.count));
+    const std::vector<double> lineage =
+        as_doubles(source.read(archive::k_sample_stats, "lineage", rows.first, rows.count));
+    std::vector<double> accepted;
+    if (all) {
+      accepted = as_doubles(source.read(archive::k_sample_stats, "accepted",
+                                        rows.first * kinds.size(), rows.count * kinds.size()));
+    }
+    for (std::uint64_t i = 0; i < rows.count; ++i) {
+      const auto draw = static_cast<std::uint32_t>(first + i);
+      if (all && draw > 0 && accepted[i * kinds.size() + *all] > 0)
+        marks.change_all.push_back(draw);
+      if (before != 0 && satisfied[i] == 0) marks.fall.push_back(draw);
+      if (draw > 0 && lineage[i] != lineage_before) marks.lineage.push_back(draw);
+      before = satisfied[i];
+      lineage_before = lineage[i];
+    }
+  }
+  return marks;
+}
+
+std::string trace_of(const archive::Source& source, const archive::Summary& summary,
+                     std::string_view name, std::uint64_t chain) {
+  const std::vector<plot::Point> points =
+      cli::trace(source, name, {.chain = chain, .points_max = k_series_points_max}, 1);
+  std::vector<double> draw;
+  std::vector<double> value;
+  draw.reserve(points.size());
+  value.reserve(points.size());
+  for (const plot::Point& point : points) {
+    draw.push_back(point.x);
+    value.push_back(point.y);
+  }
+  const Marks marks = marks_of(source, chain, summary.scans);
+  Packed packed;
+  packed.add("draw", draw);
+  packed.add("value", value);
+  packed.add("change_all", marks.change_all);
+  packed.add("fall", marks.fall);
+  packed.add("lineage", marks.lineage);
+  return packed.finish({{"kind", "trace"},
+                        {"title", title_of(name)},
+                        {"unit", unit_of(source, archive::k_sample_stats, name)},
+                        {"chain", chain},
+                        {"chains", summary.chains},
+                        {"draws", summary.scans},
+                        {"is_thinned", summary.scans > k_series_points_max}});
+}
+
+/// Rounds of the ladders; none where nothing was learnt by round.
+std::vector<cli::Round> rounds(const archive::Source& source, const archive::Summary& summary) {
+  if (archive::find_group(source, archive::k_tempering) == nullptr) return {};
+  const auto method = cli::method_of(summary.request_text);
+  return cli::rounds_of(
+      source, summary.chains,
+      cli::burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
+}
+
+std::string levels_of(const archive::Source& source, const archive::Summary& summary,
+                      std::uint64_t chain) {
+  const std::vector<std::string> kinds = cli::proposal_kinds(source);
+  std::vector<double> round;
+  std::vector<double> level;
+  std::vector<double> inverse_temperature;
+  std::vector<double> swaps;
+  std::vector<std::vector<double>> acceptance(kinds.size());
+  const std::size_t count = rounds(source, summary).size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const cli::Ladder ladder = cli::ladder_of(source, chain, i);
+    for (std::size_t l = 0; l < ladder.inverse_temperature.size(); ++l) {
+      round.push_back(static_cast<double>(i + 1));
+      level.push_back(static_cast<double>(l));
+      inverse_temperature.push_back(ladder.inverse_temperature[l]);
+      swaps.push_back(l < ladder.swap_acceptance.size() ? ladder.swap_acceptance[l]
+                                                        : std::numeric_limits<double>::quiet_NaN());
+      for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+        const bool is_known = l < ladder.acceptance.size() && kind < ladder.acceptance[l].size();
+        acceptance[kind].push_back(is_known ? ladder.acceptance[l][kind]
+                                            : std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+  }
+  Packed packed;
+  packed.add("round", round);
+  packed.add("level", level);
+  packed.add("inverse_temperature", inverse_temperature);
+  packed.add("swap_acceptance", swaps);
+  for (std::size_t kind = 0; kind < kinds.size(); ++kind)
+    packed.add(fmt::format("acceptance.{}", kind), acceptance[kind]);
+  return packed.finish({{"kind", "levels"},
+                        {"title", "the ladder, and how often its levels swap"},
+                        {"chain", chain},
+                        {"chains", summary.chains},
+                        {"rounds", count},
+                        {"kinds", kinds}});
+}
+
+std::string rounds_table(const archive::Source& source, const archive::Summary& summary,
+                         std::uint64_t chain) {
+  const std::vector<cli::Round> all = rounds(source, summary);
+  std::vector<double> round;
+  std::vector<double> first_scan;
+  std::vector<double> scans;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    round.push_back(static_cast<double>(i + 1));
+    first_scan.push_back(static_cast<double>(all[i].first_scan));
+    scans.push_back(static_cast<double>(all[i].scans));
+  }
+  Packed packed;
+  packed.add("round", round);
+  packed.add("first_scan", first_scan);
+  packed.add("scans", scans);
+  const auto add = [&](std::string_view column, const char* dataset, bool is_rate) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double value = cli::of_ladders(source, dataset, summary.chains, i)[chain];
+      values.push_back(is_rate ? value * scans[i] : value);
+    }
+    packed.add(column, values);
+  };
+  add("round_trips", "round_trips", false);
+  add("predicted_round_trips", "predicted_round_trip_rate", true);
+  add("restarts", "restarts", false);
+  add("barrier", "barrier", false);
+  return packed.finish({{"kind", "rounds"},
+                        {"title", "journeys from the prior and back, by round"},
+                        {"chain", chain},
+                        {"chains", summary.chains},
+                        {"rounds", all.size()}});
+}
+
+/// All chains' numbers, every n-th where there are too many, with their weights.
+struct Weighed {
+  std::vector<double> values{};
+  std::vector<double> log_weights{};  ///< empty: all the same
+};
+
+Weighed posterior_of(const archive::Source& source, std::string_view name) {
+  Weighed weighed;
+  const archive::DatasetSpec& spec = *spec_of(source, archive::k_sample_stats, name);
+  const std::uint64_t count = archive::element_count(spec);
+  const std::uint64_t every = 1 + (count - 1) / k_histogram_draws_max;
+  const archive::DatasetSpec* weights = spec_of(source, archive::k_tempering, "log_weight");
+  const bool has_weights = weights != nullptr && archive::element_count(*weights) == count;
+  for (std::uint64_t first = 0; first < count; first += k_rows_at_once) {
+    const std::uint64_t rows = std::min(k_rows_at_once, count - first);
+    const auto values = as_doubles(source.read(archive::k_sample_stats, name, first, rows));
+    const auto logs = has_weights
+                          ? as_doubles(source.read(archive::k_tempering, "log_weight", first, rows))
+                          : std::vector<double>();
+    for (std::uint64_t i = 0; i < values.size(); ++i) {
+      if ((first + i) % every != 0) continue;
+      weighed.values.push_back(values[i]);
+      if (has_weights) weighed.log_weights.push_back(logs[i]);
+    }
+  }
+  return weighed;
+}
+
+/// Shares of the finite values by bin. REQUIRES: ascending edges.
+std::vector<double> histogram(const Weighed& of, const std::vector<double>& edges) {
+  std::vector<double> shares(edges.size() - 1, 0.0);
+  double greatest = 0;
+  if (!of.log_weights.empty()) greatest = *std::ranges::max_element(of.log_weights);
+  double sum = 0;
+  for (std::size_t i = 0; i < of.values.size(); ++i) {
+    if (!std::isfinite(of.values[i])) continue;
+    const double weight = of.log_weights.empty() ? 1.0 : std::exp(of.log_weights[i] - greatest);
+    if (!std::isfinite(weight)) continue;
+    const auto above = std::ranges::upper_bound(edges, of.values[i]) - edges.begin();
+    const auto last = static_cast<std::ptrdiff_t>(shares.size());
+    shares[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above, 1, last) - 1)] += weight;
+    sum += weight;
+  }
+  if (sum > 0) {
+    for (double& share : shares)
+      share /= sum;
+  }
+  return shares;
+}
+
+std::string pair_of(const archive::Source& source, std::string_view name) {
+  const archive::DatasetSpec& spec = *spec_of(source, archive::k_sample_stats_prior, name);
+  const Weighed prior{.values = as_doubles(source.read(archive::k_sample_stats_prior, name, 0,
+                                                       archive::element_count(spec)))};
+  const Weighed posterior = posterior_of(source, name);
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Weighed* one : {&prior, &posterior}) {
+    for (const double value : one->values) {
+      if (!std::isfinite(value)) continue;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  if (!(low <= high)) low = high = 0;
+  if (low == high) high = low + 1;
+  std::vector<double> edges;
+  for (std::size_t i = 0; i <= k_bins; ++i)
+    edges.push_back(low + (high - low) * static_cast<double>(i) / static_cast<double>(k_bins));
+  Packed packed;
+  packed.add("edges", edges);
+  packed.add("prior", histogram(prior, edges));
+  packed.add("posterior", histogram(posterior, edges));
+  return packed.finish({{"kind", "pair"},
+                        {"title", fmt::format("{}: prior against posterior", name)},
+                        {"unit", unit_of(source, archive::k_sample_stats, name)},
+                        {"prior_draws", prior.values.size()},
+                        {"draws", posterior.values.size()},
+                        {"is_weighted", !posterior.log_weights.empty()}});
+}
+
+Json titles_in(const archive::Source& source, const archive::Summary& summary) {
+  Json titles = Json::array();
+  const auto add = [&](std::string name, std::string title, const char* kind, const char* group) {
+    titles.push_back(
+        {{"name", std::move(name)}, {"title", std::move(title)}, {"kind", kind}, {"group", group}});
+  };
+  if (summary.chains * summary.scans == 0) return titles;
+  for (const std::string& name : traced(source))
+    add(std::string(k_trace_prefix) + name, title_of(name), "trace", "along the chain");
+  add("trace.lineage", "lineage: which visit to the prior a draw descends from", "trace",
+      "along the chain");
+  if (!rounds(source, summary).empty()) {
+    add("ladder", "the ladder, and how often its levels swap", "levels", "ladder");
+    add("rounds", "journeys from the prior and back, by round", "rounds", "ladder");
+  }
+  for (const std::string& name : paired(source))
+    add(std::string(k_pair_prefix) + name, title_of(name), "pair", "prior against posterior");
+  add("diagnosis", "have the chains mixed?", "table", "diagnosis");
+  return titles;
+}
+
+std::uint64_t chain_of(std::string_view text, const archive::Summary& summary) {
+  std::uint64_t chain = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), chain);
+  if (failure != std::errc() || end != text.data() + text.size() || chain >= summary.chains)
+    throw Refused(k_not_found, "There is no such chain.", "Chains are counted from 0.");
+  return chain;
+}
+
+std::string series_in(const archive::Source& source, const archive::Summary& summary,
+                      std::string_view name, std::string_view chain_text) {
+  const Json titles = titles_in(source, summary);
+  const bool is_one = std::ranges::any_of(titles, [&](const Json& title) {
+    return title["name"].get_ref<const std::string&>() == name;
+  });
+  if (!is_one || name == "diagnosis") refuse_unknown();
+  if (name.starts_with(k_pair_prefix)) return pair_of(source, name.substr(k_pair_prefix.size()));
+  const std::uint64_t chain = chain_of(chain_text, summary);
+  if (name == "ladder") return levels_of(source, summary, chain);
+  if (name == "rounds") return rounds_table(source, summary, chain);
+  return trace_of(source, summary, name.substr(k_trace_prefix.size()), chain);
+}
+
+}  // namespace
+
+Json series_titles(const Snapshot& snapshot) {
+  Json titles;
+  snapshot.read(
+      [&](const archive::Source& source) { titles = titles_in(source, snapshot.facts().summary); });
+  return titles;
+}
+
+std::string series_of(const Snapshot& snapshot, std::string_view name, std::string_view chain) {
+  std::string bytes;
+  snapshot.read([&](const archive::Source& source) {
+    bytes = series_in(source, snapshot.facts().summary, name, chain);
+  });
+  return bytes;
+}
+
+}  // namespace sleight::gallery

@@ -1,0 +1,152 @@
+#include "clients/gallery_server/snapshot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "clients/cli/browsed.h"
+#include "clients/cli/sampling_method.h"
+#include "clients/cli/trace.h"
+#include "common/archive/format.h"
+#include "common/archive/kept_motions.h"
+#include "common/archive/remote/remote_source.h"
+#include "common/base/error.h"
+
+namespace sleight::gallery {
+namespace {
+
+constexpr std::uint64_t k_rows_at_once = 65'536;
+
+bool has_numbers(const archive::Source& source, std::string_view group, std::string_view name,
+                 std::uint64_t elements) {
+  const archive::Group* found = archive::find_group(source, group);
+  const archive::DatasetSpec* spec =
+      found == nullptr ? nullptr : archive::find_dataset(*found, name);
+  return spec != nullptr && spec->type != archive::ElementType::text &&
+         archive::element_count(*spec) == elements;
+}
+
+/// Satisfied draws of all chains.
+std::vector<LineageDraw> satisfied_of(const archive::Source& source,
+                                      const archive::Summary& summary) {
+  const std::uint64_t draws = summary.chains * summary.scans;
+  for (const char* name : {"satisfied", "lineage"}) {
+    if (!has_numbers(source, archive::k_sample_stats, name, draws)) {
+      throw base::Error(
+          base::ExitCode::bad_archive,
+          fmt::format("{}: {}: missing, or of another shape than expected", source.name(),
+                      archive::path_of(archive::k_sample_stats, name)));
+    }
+  }
+  std::vector<LineageDraw> satisfied;
+  for (std::uint64_t first = 0; first < draws; first += k_rows_at_once) {
+    const std::uint64_t count = std::min(k_rows_at_once, draws - first);
+    const archive::Values is = source.read(archive::k_sample_stats, "satisfied", first, count);
+    const archive::Values lineage = source.read(archive::k_sample_stats, "lineage", first, count);
+    const auto* flags = std::get_if<std::vector<std::int8_t>>(&is);
+    const auto* numbers = std::get_if<std::vector<std::int64_t>>(&lineage);
+    if (flags == nullptr || numbers == nullptr) {
+      throw base::Error(base::ExitCode::bad_archive,
+                        fmt::format("{}: /sample_stats/satisfied or lineage: of another type than "
+                                    "expected",
+                                    source.name()));
+    }
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if ((*flags)[i] == 0) continue;
+      satisfied.push_back({.chain = (first + i) / summary.scans,
+                           .lineage = (*numbers)[i],
+                           .draw = (first + i) % summary.scans});
+    }
+  }
+  return satisfied;
+}
+
+std::vector<double> blind_throws(const archive::Source& source) {
+  std::vector<double> throws;
+  const auto read = [&](std::string_view group, std::string_view name) {
+    if (!has_numbers(source, group, name, archive::k_prior_draws)) return;
+    archive::Values values = source.read(group, name, 0, archive::k_prior_draws);
+    if (auto* numbers = std::get_if<std::vector<double>>(&values)) throws = std::move(*numbers);
+  };
+  read(archive::k_sample_stats_prior, "log_prior");
+  if (throws.empty()) read(archive::k_finds, "log_prior_of_throw");
+  std::erase_if(throws, [](double value) { return !std::isfinite(value); });
+  std::ranges::sort(throws);
+  return throws;
+}
+
+}  // namespace
+
+Facts facts_of(const archive::Source& source, const browse::Index& index) {
+  Facts facts{.summary = archive::summary_of(source)};
+  const archive::Summary& summary = facts.summary;
+  facts.in_proportion = summary.chains * summary.scans > 0 && summary.warning.empty() &&
+                        std::ranges::all_of(index.entries, [](const browse::Entry& entry) {
+                          return entry.name.is_find || entry.in_proportion;
+                        });
+  facts.prior_log_prior = blind_throws(source);
+  facts.method = cli::method_word(summary.request_text);
+  if (summary.chains * summary.scans > k_counted_draws_max) return facts;
+  const std::vector<LineageDraw> satisfied = satisfied_of(source, summary);
+  facts.satisfied = satisfied.size();
+  if (facts.in_proportion) {
+    std::vector<LineageDraw> kept;
+    for (const browse::Entry& entry : index.entries) {
+      if (!entry.name.is_find)
+        kept.push_back(
+            {.chain = entry.name.chain, .lineage = entry.lineage, .draw = entry.name.draw});
+    }
+    facts.by_lineage = satisfied_draws(satisfied, kept);
+  }
+  return facts;
+}
+
+Snapshot::Snapshot(const std::string& path, const Options& options)
+    : generation_(options.generation),
+      file_(cli::state_of_file(path)),
+      source_(options.open ? options.open(path) : archive::remote::open_remote(path)),
+      index_(
+          cli::index_of(*source_, path,
+                        {.earlier = options.earlier == nullptr ? nullptr : &options.earlier->index_,
+                         .progress = options.progress})),
+      facts_(facts_of(*source_, index_)) {
+  for (std::size_t entry = 0; entry < index_.entries.size(); ++entry)
+    by_name_.emplace(browse::short_text(index_.entries[entry].name), entry);
+}
+
+std::optional<std::size_t> Snapshot::entry_of(std::string_view name) const {
+  const auto found = by_name_.find(name);
+  return found == by_name_.end() ? std::nullopt : std::optional(found->second);
+}
+
+const browse::Sketches& Snapshot::sketches() const {
+  std::call_once(sketched_, [this] {
+    std::vector<const browse::Entry*> all;
+    for (const browse::Entry& entry : index_.entries)
+      all.push_back(&entry);
+    sketches_.emplace(all, index_.scene);
+  });
+  return *sketches_;
+}
+
+void Snapshot::read(const std::function<void(const archive::Source&)>& work) const {
+  const std::lock_guard lock(mutex_);
+  work(*source_);
+}
+
+cli::KeptAnimation Snapshot::animation(std::size_t entry) const {
+  const browse::Entry& of = index_.entries[entry];
+  const std::string_view group = of.name.is_find ? archive::k_finds : archive::k_animations;
+  cli::KeptAnimation animation;
+  read([&](const archive::Source& source) {
+    const archive::KeptMotions motions(source, group);
+    animation =
+        cli::kept_animation(source, motions, of.row, index_.scene, browse::short_text(of.name));
+  });
+  return animation;
+}
+
+}  // namespace sleight::gallery

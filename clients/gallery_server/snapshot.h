@@ -1,0 +1,91 @@
+// An archive as it was read at one moment: everything that the page asks about it.
+//
+// A growing run's archive is replaced by a newer one now and then; each time it is read anew a new
+// snapshot with a higher generation takes the old one's place. A snapshot keeps its file open, so
+// what it answers is always of the same file.
+//
+// Thread safety: values but for the file, which `read` guards.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "clients/browse/index.h"
+#include "clients/browse/resemblance.h"
+#include "clients/cli/index_cache.h"
+#include "clients/cli/kept_animations.h"
+#include "clients/gallery_server/shares.h"
+#include "common/archive/model.h"
+#include "common/archive/summary.h"
+
+namespace sleight::gallery {
+
+/// Satisfied draws that are counted for groups' shares, at most; of more there are no shares.
+inline constexpr std::uint64_t k_counted_draws_max = 50'000'000;
+
+/// What an archive says besides its animations.
+struct Facts {
+  archive::Summary summary{};
+  /// Draws are in the model's proportions: there are some, without weights and without a warning.
+  bool in_proportion = false;
+  std::optional<std::uint64_t> satisfied{};  ///< draws; none: too many to count
+  SatisfiedDraws by_lineage{};               ///< where they are in proportion
+  /// Log densities of blind throws, ascending; empty: the archive has none.
+  std::vector<double> prior_log_prior{};
+  std::string method{};  ///< "tempered"; empty: not known
+};
+
+/// Reads them. Throws base::Error where the archive is damaged.
+Facts facts_of(const archive::Source& source, const browse::Index& index);
+
+/// Opens an archive's file; throws base::Error.
+using Opener = std::function<std::unique_ptr<archive::Source>(const std::string&)>;
+
+class Snapshot {
+ public:
+  struct Options {
+    std::uint64_t generation = 1;
+    const Snapshot* earlier = nullptr;  ///< of the same place; what it has read is taken over
+    std::function<void(std::uint64_t, std::uint64_t)> progress{};  ///< animations, of how many
+    Opener open{};  ///< none: archive::remote::open_remote
+  };
+  /// Opens and reads it. Throws base::Error.
+  Snapshot(const std::string& path, const Options& options);
+
+  std::uint64_t generation() const { return generation_; }
+  const browse::Index& index() const { return index_; }
+  const Facts& facts() const { return facts_; }
+  /// The file that was read; none: it was gone before it could be looked at.
+  const std::optional<cli::FileState>& file() const { return file_; }
+  /// Along the index.
+  std::optional<std::size_t> entry_of(std::string_view name) const;
+
+  /// Of all entries; made at the first call.
+  const browse::Sketches& sketches() const;
+
+  /// Runs `work` with the archive; one at a time. Throws what it throws.
+  void read(const std::function<void(const archive::Source&)>& work) const;
+  /// An entry's motion and looks. Throws base::Error where the archive is damaged.
+  cli::KeptAnimation animation(std::size_t entry) const;
+
+ private:
+  std::uint64_t generation_;
+  std::optional<cli::FileState> file_;
+  std::unique_ptr<archive::Source> source_;
+  mutable std::mutex mutex_;
+  browse::Index index_;
+  Facts facts_;
+  std::map<std::string, std::size_t, std::less<>> by_name_;
+  mutable std::once_flag sketched_;
+  mutable std::optional<browse::Sketches> sketches_;
+};
+
+}  // namespace sleight::gallery

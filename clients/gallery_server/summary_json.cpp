@@ -1,0 +1,71 @@
+#include "clients/gallery_server/summary_json.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace sleight::gallery {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// 12345 as "12,345".
+std::string grouped(std::uint64_t number) {
+  std::string text = fmt::format("{}", number);
+  for (std::size_t place = text.size(); place > 3;)
+    text.insert(place -= 3, 1, ',');
+  return text;
+}
+
+std::string as_of(const archive::Summary& summary) {
+  std::string words;
+  if (summary.chains * summary.scans > 0) {
+    words = summary.chains == 1 ? fmt::format("scan {}", grouped(summary.scans))
+                                : fmt::format("scan {} of each of {} chains",
+                                              grouped(summary.scans), summary.chains);
+  }
+  if (summary.finds.found > 0) {
+    words += fmt::format("{}{} found by search", words.empty() ? "" : "; ",
+                         grouped(summary.finds.found));
+  }
+  return words.empty() ? "no scan yet" : words;
+}
+
+}  // namespace
+
+void add_facts(Json& json, const Snapshot& snapshot) {
+  const Facts& facts = snapshot.facts();
+  const archive::Summary& summary = facts.summary;
+  const std::uint64_t finds = static_cast<std::uint64_t>(std::ranges::count_if(
+      snapshot.index().entries, [](const browse::Entry& entry) { return entry.name.is_find; }));
+  json["run"] = summary.run_id;
+  json["generation"] = snapshot.generation();
+  json["world"] = summary.world;
+  json["kept"] = snapshot.index().entries.size() - finds;
+  json["finds"] = finds;
+  json["keep_max"] = summary.keep_max;
+  json["chains"] = summary.chains;
+  json["scans"] = summary.scans;
+  json["draws"] = summary.chains * summary.scans;
+  json["as_of"] = as_of(summary);
+  json["warning"] = summary.warning;
+  json["method"] = facts.method;
+  json["in_proportion"] = facts.in_proportion;
+  json["satisfied"] =
+      facts.satisfied ? Json{{"draws", *facts.satisfied}, {"of", summary.chains * summary.scans}}
+                      : Json(nullptr);
+}
+
+void add_no_facts(Json& json) {
+  for (const char* text : {"run", "world", "as_of", "warning", "method"})
+    json[text] = "";
+  for (const char* number : {"generation", "kept", "finds", "keep_max", "chains", "scans", "draws"})
+    json[number] = 0;
+  json["in_proportion"] = false;
+  json["satisfied"] = nullptr;
+}
+
+}  // namespace sleight::gallery

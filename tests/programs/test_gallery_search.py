@@ -1,0 +1,84 @@
+"""Goal: a saved gallery's page finds, groups and compares as the programs do: the same entries, errors,
+groups, orders and distances to the last bit. Method: random questions about an archive of each world,
+answered by clients/browse (sleight-gallery-answers) and by the page's own search in Node."""
+
+import json
+import pathlib
+import shutil
+import subprocess
+
+import harness
+from harness import ProgramTest, sleight
+from test_spelling import REQUEST as TWO_BINS
+
+QUERIES = 2000
+SETS = 40
+SEED = 27
+
+
+class GallerySearch(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.source = pathlib.Path(harness.arguments.source)
+        cls.page = cls.source / "clients/gallery"
+        cls.answers = pathlib.Path(harness.arguments.bin).parent / "tests/sleight-gallery-answers"
+        if shutil.which("node") is None or not (cls.page / "node_modules/esbuild").exists():
+            raise AssertionError("node or clients/gallery/node_modules is missing: run deploy/install-deps")
+
+    def archive(self, world):
+        if world == "spelling":
+            self.path("two.toml").write_text(TWO_BINS)
+        arguments = {"ball": [self.source / "requests/ball_2d.toml", "--set", "stop.scans=400",
+                              "--set", "output.min_distance=0.05"],
+                     "spelling": [self.path("two.toml"), "--set", "stop.scans=120",
+                                  "--set", "output.min_distance=0", "--set", "output.keep_per_lineage=30"],
+                     "dice": [self.source / "requests/die.toml", "--set", "stop.rounds=3",
+                              "--set", "output.min_distance=0.2"]}
+        archive = self.path(f"{world}.h5")
+        self.succeed(sleight("direct", *arguments[world], "-o", archive, "-q"))
+        return archive
+
+    def lines(self, name):
+        return [json.loads(line) for line in self.path(name).read_text().splitlines()]
+
+    def said_by_the_page(self):
+        """What the page says to questions.jsonl of index.bin."""
+        with open(self.path("said.jsonl"), "w") as said:
+            result = subprocess.run(
+                ["node", self.page / "test/search-run.mjs", self.path("index.bin"),
+                 self.path("questions.jsonl")], stdout=said, stderr=subprocess.PIPE, text=True, timeout=600)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return self.lines("said.jsonl")
+
+    def test_the_page_answers_as_the_programs_do(self):
+        for world in ["ball", "spelling", "dice"]:
+            folder = self.path("index.bin").parent
+            self.succeed(harness.run([self.answers, self.archive(world), folder, QUERIES, SETS, SEED]))
+            questions, answers = self.lines("questions.jsonl"), self.lines("answers.jsonl")
+            said = self.said_by_the_page()
+            self.assertEqual(len(said), len(questions))
+            for question, answer, own in zip(questions, answers, said):
+                self.assertEqual(own, answer, f"{world}, seed {SEED}: {json.dumps(question)}")
+            # Enough of all kinds, or their being equal says little.
+            finds = [answer for question, answer in zip(questions, answers) if "find" in question]
+            self.assertGreater(sum("message" in answer for answer in finds), len(finds) / 4)
+            self.assertGreater(sum(bool(answer.get("entries")) for answer in finds), len(finds) / 10)
+            self.assertEqual(len(questions) - len(finds), 2 * SETS)
+
+    def test_other_answers_would_be_noticed(self):
+        """Goal: the comparison can fail. Method: the page is asked of an index whose places are others in
+        their ninth digit."""
+        folder = self.path("index.bin").parent
+        self.succeed(harness.run([self.answers, self.archive("dice"), folder, 0, SETS, SEED]))
+        index = bytearray(self.path("index.bin").read_bytes())
+        head = int.from_bytes(index[:4], "little")
+        columns = {column["name"]: column for column in json.loads(index[4:4 + head])["columns"]}
+        positions = columns["piece_position_m"]
+        for at in range(0, 8 * positions["count"], 8):
+            index[4 + head + positions["offset"] + at + 3] ^= 1
+        self.path("index.bin").write_bytes(index)
+        self.assertNotEqual(self.said_by_the_page(), self.lines("answers.jsonl"))
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,230 @@
+// Goal: the page is answered what the archive says, by number and name alone, and whatever else is
+// asked is refused with a sentence. Method: an archive of the made-up world; each address; wrong
+// ones; questions of every wrong form.
+#include "clients/gallery_server/answers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "clients/browse/query.h"
+#include "common/archive/format.h"
+#include "tests/unit/clients/gallery_server/shown_files.h"
+#include "tests/unit/clients/gallery_server/unpack.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::gallery {
+namespace {
+
+using testing::made_up;
+using testing::Unpacked;
+using testing::unpacked;
+using Json = nlohmann::json;
+
+class AnswersTest : public archive::testing::Scratch {
+ protected:
+  void SetUp() override {
+    ::setenv("XDG_CACHE_HOME", path("cache").c_str(), 1);
+    files.put(path("a.h5"), made_up(101, 3));
+    gallery = std::make_unique<Gallery>(
+        GalleryOptions{.paths = {path("a.h5")}, .look_every_s = 0.01, .open = files.opener()});
+    for (int i = 0; i < 2000 && !gallery->snapshot(0); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ASSERT_NE(gallery->snapshot(0), nullptr);
+    snapshot = gallery->snapshot(0);
+    answers = std::make_unique<Answers>(*gallery, notes, rules, "1.2");
+  }
+  void TearDown() override { ::unsetenv("XDG_CACHE_HOME"); }
+
+  web::Answer get(std::string place, std::vector<web::Parameter> parameters = {}) const {
+    return (*answers)({.path = std::move(place), .parameters = std::move(parameters)});
+  }
+  web::Answer post(std::string place, const std::string& body) const {
+    return (*answers)({.method = web::Method::post, .path = std::move(place), .body = body});
+  }
+  Json posted(const std::string& place, const Json& question) const {
+    const web::Answer answer = post(place, question.dump());
+    EXPECT_EQ(answer.status, 200U) << answer.content.text();
+    return Json::parse(answer.content.text());
+  }
+  Json at() const { return {{"id", 0}, {"generation", snapshot->generation()}}; }
+
+  testing::ShownFiles files;
+  Notes notes{""};
+  cli::Rules rules{};
+  std::unique_ptr<Gallery> gallery;
+  std::shared_ptr<const Snapshot> snapshot;
+  std::unique_ptr<Answers> answers;
+};
+
+TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
+  // Goal: table, scene, looks and animations fit one another. Method: names out of the table; each
+  // is answered alone, and several together the same.
+  const web::Answer table_answer = get("/api/archives/0/table");
+  const Unpacked table = unpacked(table_answer.content.text());
+  const auto entries = table.head["entries"].get<std::size_t>();
+  ASSERT_EQ(entries, snapshot->index().entries.size());
+  const auto is_find = table.column<std::uint8_t>("is_find");
+  const auto chain = table.column<std::uint32_t>("chain");
+  const auto draw = table.column<double>("draw");
+  std::string names;
+  for (std::size_t i = 0; i < entries; ++i) {
+    const std::string name =
+        is_find[i] != 0 ? fmt::format("find.{}", draw[i]) : fmt::format("{}.{}", chain[i], draw[i]);
+    EXPECT_EQ(name, browse::short_text(snapshot->index().entries[i].name));
+    const web::Answer one = get("/api/archives/0/animations/" + name);
+    ASSERT_EQ(one.status, 200U) << name;
+    EXPECT_EQ(unpacked(one.content.text()).head["name"], name);
+    if (i < 3) names += (i == 0 ? "" : ",") + name;
+  }
+  const web::Answer several = get("/api/archives/0/animations", {{"names", names}});
+  const Unpacked three = unpacked(several.content.text());
+  ASSERT_EQ(three.head["animations"].size(), 3U);
+  const std::string second = three.head["animations"][1]["name"].get<std::string>();
+  const web::Answer alone = get("/api/archives/0/animations/" + second);
+  EXPECT_EQ(three.column<double>("1:start_s"),
+            unpacked(alone.content.text()).column<double>("start_s"));
+  const Json scene = Json::parse(get("/api/archives/0/scene").content.text());
+  EXPECT_EQ(scene["numbers"].size(), table.head["numbers"].size());
+  EXPECT_EQ(scene["prior_log_prior"].size(), archive::k_prior_draws);
+  EXPECT_TRUE(std::ranges::is_sorted(scene["prior_log_prior"].get<std::vector<double>>()));
+  const web::Answer looks_answer = get("/api/archives/0/looks");
+  EXPECT_FALSE(unpacked(looks_answer.content.text()).head["meshes"].empty());
+}
+
+TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
+  // Goal: questions are answered by the browser's own functions. Method: against these.
+  const browse::Index& index = snapshot->index();
+  const std::string query = "bounces >= 2";
+  const Json found = posted("/api/find", {{"query", query}, {"archives", Json::array({at()})}});
+  const auto condition = browse::parse_query(query, index.scene, index.numbers);
+  ASSERT_TRUE(condition.ok());
+  EXPECT_EQ(found["found"][0]["entries"].get<std::vector<std::size_t>>(),
+            browse::find(condition.value(), index));
+  const Json all = posted("/api/find", {{"query", " "}, {"archives", Json::array({at()})}});
+  EXPECT_EQ(all["found"][0]["entries"].size(), index.entries.size());
+  const Json wrong =
+      posted("/api/find", {{"query", "\"ä\" in q 1"}, {"archives", Json::array({at()})}});
+  ASSERT_EQ(wrong["errors"].size(), 1U);
+  EXPECT_EQ(wrong["errors"][0]["column"], 1);
+
+  Json question = at();
+  question.update({{"entries", nullptr}, {"groups", 4}, {"by", "medoids"}});
+  const Json grouped = posted("/api/groups", question);
+  ASSERT_EQ(grouped["groups"].size(), 4U);
+  std::size_t members = 0;
+  for (const Json& group : grouped["groups"])
+    members += group["members"].size();
+  EXPECT_EQ(members, index.entries.size());
+  question = at();
+  question.update({{"to", {2}}, {"entries", nullptr}});
+  const Json alike = posted("/api/alike", question);
+  EXPECT_EQ(alike["entries"].size(), index.entries.size());
+  EXPECT_EQ(alike["distance_m"][0], 0.0);
+  EXPECT_TRUE(std::ranges::is_sorted(alike["distance_m"].get<std::vector<double>>()));
+}
+
+TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
+  // Goal: no address leads to anything but what was read. Method: others, among them paths.
+  for (const char* place :
+       {"/api", "/api/", "/api/archives", "/api/archives/1/table", "/api/archives/-1/table",
+        "/api/archives/0", "/api/archives/0/", "/api/archives/0/table/x", "/api/archives/00x/table",
+        "/api/archives/0/animations/9.9", "/api/archives/0/animations/../../etc/passwd",
+        "/api/archives/0/series/trace.nothing", "/api/archives/0/series/diagnosis",
+        "/api/archives/99999999999999999999/table", "/x", "/api/galleryx"}) {
+    const web::Answer answer = get(place);
+    EXPECT_EQ(answer.status, 404U) << place;
+    EXPECT_FALSE(Json::parse(answer.content.text())["error"].get<std::string>().empty());
+  }
+  EXPECT_EQ(get("/api/archives/0/animations").status, 400U);
+  EXPECT_EQ(get("/api/archives/0/series/trace.lp", {{"chain", "7"}}).status, 404U);
+  std::string names = "0.1";
+  for (int i = 0; i < 40; ++i)
+    names += ",0.1";
+  EXPECT_EQ(get("/api/archives/0/animations", {{"names", names}}).status, 400U);
+}
+
+TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
+  // Goal: no JSON breaks anything. Method: wrong types and numbers in each place; an old
+  // generation.
+  const Json good = at();
+  const auto status = [&](const char* place, const Json& question) {
+    return post(place, question.dump()).status;
+  };
+  const auto with = [&](Json more) {
+    Json question = good;
+    question.update(more);
+    return question;
+  };
+  EXPECT_EQ(post("/api/find", "{").status, 400U);
+  EXPECT_EQ(post("/api/find", std::string(100'000, '[')).status, 400U);
+  for (const Json& question : {Json(nullptr), Json(1), Json::array(), Json{{"query", 1}},
+                               Json{{"query", "x"}, {"archives", 1}},
+                               Json{{"query", "x"}, {"archives", Json::array({1})}}})
+    EXPECT_EQ(status("/api/find", question), 400U) << question;
+  const Json groups{{"entries", nullptr}, {"groups", 3}, {"by", "medoids"}};
+  for (const Json& wrong :
+       {Json{{"groups", 0}}, Json{{"groups", 501}}, Json{{"groups", -1}}, Json{{"groups", 1.5}},
+        Json{{"by", "luck"}}, Json{{"entries", 1}}, Json{{"entries", {-1}}},
+        Json{{"entries", {1'000'000}}}, Json{{"entries", {"a"}}}, Json{{"id", "0"}}}) {
+    Json question = with(groups);
+    question.update(wrong);
+    EXPECT_EQ(status("/api/groups", question), 400U) << wrong;
+  }
+  EXPECT_EQ(status("/api/groups", with({{"entries", {1, 1, 2}}, {"groups", 1}, {"by", "medoids"}})),
+            200U);
+  EXPECT_EQ(
+      status("/api/groups", with({{"entries", Json::array()}, {"groups", 3}, {"by", "medoids"}})),
+      200U);
+  Json old = with(groups);
+  old["generation"] = 0;
+  EXPECT_EQ(status("/api/groups", old), 409U);
+  Json unknown = with(groups);
+  unknown["id"] = 5;
+  EXPECT_EQ(status("/api/groups", unknown), 404U);
+  EXPECT_EQ(status("/api/alike", with({{"to", Json::array()}})), 400U);
+  EXPECT_EQ(status("/api/notes", {{"run", "../x"}, {"name", "0.1"}, {"note", Json::object()}}),
+            400U);
+  EXPECT_EQ(status("/api/nothing", good), 404U);
+}
+
+TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
+  // Goal: traces are /sample_stats, marks are where it says, and histograms are of all draws.
+  // Method: against the archive's own columns.
+  const Json titles = Json::parse(get("/api/archives/0/series").content.text());
+  EXPECT_GT(titles.size(), 5U);
+  const web::Answer answer = get("/api/archives/0/series/trace.lp", {{"chain", "0"}});
+  const Unpacked trace = unpacked(answer.content.text());
+  snapshot->read([&](const archive::Source& source) {
+    const auto lp =
+        std::get<std::vector<double>>(source.read(archive::k_sample_stats, "lp", 0, 101));
+    EXPECT_EQ(trace.column<double>("value"), lp);
+    const auto lineage = std::get<std::vector<std::int64_t>>(
+        source.read(archive::k_sample_stats, "lineage", 0, 101));
+    std::vector<std::uint32_t> changes;
+    for (std::uint32_t i = 1; i < 101; ++i)
+      if (lineage[i] != lineage[i - 1]) changes.push_back(i);
+    EXPECT_EQ(trace.column<std::uint32_t>("lineage"), changes);
+    const auto satisfied = std::get<std::vector<std::int8_t>>(
+        source.read(archive::k_sample_stats, "satisfied", 0, 101));
+    std::vector<std::uint32_t> falls;
+    for (std::uint32_t i = 1; i < 101; ++i)
+      if (satisfied[i - 1] != 0 && satisfied[i] == 0) falls.push_back(i);
+    EXPECT_EQ(trace.column<std::uint32_t>("fall"), falls);
+  });
+  const web::Answer pair_answer = get("/api/archives/0/series/pair.log_prior");
+  const Unpacked pair = unpacked(pair_answer.content.text());
+  EXPECT_EQ(pair.head["draws"], 101);
+  double sum = 0;
+  for (const double share : pair.column<double>("posterior"))
+    sum += share;
+  EXPECT_NEAR(sum, 1, 1e-12);
+}
+
+}  // namespace
+}  // namespace sleight::gallery

@@ -1,0 +1,157 @@
+// Goal: columns hold what they are made of, bit for bit, where the page looks for them. Method:
+// take the answers apart again; an archive of the made-up world against its motions and its index.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "clients/browse/reading.h"
+#include "clients/gallery_server/index_columns.h"
+#include "clients/gallery_server/meshes.h"
+#include "clients/gallery_server/packed.h"
+#include "clients/gallery_server/recording.h"
+#include "common/archive/format.h"
+#include "common/archive/kept_motions.h"
+#include "common/archive/memory_archive.h"
+#include "tests/unit/clients/gallery_server/made_up.h"
+#include "tests/unit/clients/gallery_server/unpack.h"
+
+namespace sleight::gallery {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::made_up;
+using testing::Unpacked;
+using testing::unpacked;
+
+TEST(PackedAnswer, GivesBackItsColumns) {
+  // Goal: all types, odd lengths, none, NaN and text of every kind come back. Method: one of each.
+  Packed packed;
+  packed.add("d", std::vector<double>{1.5, std::numeric_limits<double>::quiet_NaN(), -0.0});
+  packed.add("f", std::vector<float>{0.25F});
+  packed.add("u", std::vector<std::uint32_t>{1, 4'000'000'000U, 3});
+  packed.add("i", std::vector<std::int32_t>{-1});
+  packed.add("b", std::vector<std::uint8_t>{1, 0, 1, 1, 0});
+  packed.add("none", std::vector<double>{});
+  const std::string whole = packed.finish({{"name", "\"ä\" \xff </script>"}});
+  const Unpacked back = unpacked(whole);
+  EXPECT_EQ(back.head["name"], "\"ä\" \xEF\xBF\xBD </script>");
+  const auto doubles = back.column<double>("d");
+  EXPECT_EQ(doubles[0], 1.5);
+  EXPECT_TRUE(std::isnan(doubles[1]));
+  EXPECT_TRUE(std::signbit(doubles[2]));
+  EXPECT_THAT(back.column<float>("f"), ElementsAre(0.25F));
+  EXPECT_THAT(back.column<std::uint32_t>("u"), ElementsAre(1, 4'000'000'000U, 3));
+  EXPECT_THAT(back.column<std::int32_t>("i"), ElementsAre(-1));
+  EXPECT_THAT(back.column<std::uint8_t>("b"), ElementsAre(1, 0, 1, 1, 0));
+  EXPECT_THAT(back.column<double>("none"), IsEmpty());
+}
+
+TEST(Columns, HoldEachSegment) {
+  // Goal: an animation's columns are its segments. Method: all of the made-up world's.
+  const archive::MemoryArchive memory = made_up(101, 3);
+  const auto scene = archive::scene_of(memory);
+  ASSERT_TRUE(scene.ok());
+  for (const std::string_view group : {archive::k_animations, archive::k_finds}) {
+    const archive::KeptMotions motions(memory, group);
+    for (std::uint64_t nth = 0; nth < motions.count(); ++nth) {
+      const cli::KeptAnimation animation =
+          cli::kept_animation(memory, motions, nth, scene.value(), "it");
+      Packed packed;
+      const auto head = add_animation(packed, "3:", "it", animation, scene.value());
+      const std::string whole = packed.finish(head);
+      const Unpacked back = unpacked(whole);
+      EXPECT_EQ(back.head["columns"], "3:");
+      EXPECT_EQ(back.head["end_s"], animation.motion.end_s());
+      const auto body = back.column<std::uint32_t>("3:body");
+      const auto start_s = back.column<double>("3:start_s");
+      const auto velocity = back.column<double>("3:velocity_mps");
+      const auto orientation = back.column<double>("3:orientation");
+      const auto partner = back.column<std::int32_t>("3:partner");
+      ASSERT_EQ(body.size(), animation.motion.segment_count());
+      std::size_t row = 0;
+      for (const motion::Path& path : animation.motion.paths()) {
+        for (const motion::Segment& segment : path.segments()) {
+          EXPECT_EQ(body[row], segment.body);
+          EXPECT_EQ(start_s[row], segment.start_s);
+          EXPECT_EQ(velocity[3 * row + 2], segment.velocity_mps.z());
+          EXPECT_EQ(orientation[4 * row], segment.orientation.w());
+          EXPECT_EQ(orientation[4 * row + 3], segment.orientation.z());
+          EXPECT_EQ(partner[row], segment.partner);
+          ++row;
+        }
+      }
+      // Its own looks: the surface and the goal upon it, with as many normals as places.
+      for (const auto& mesh : back.head["meshes"]) {
+        const auto places = back.column<float>(mesh["places"].get<std::string>());
+        EXPECT_EQ(places.size(), back.column<float>(mesh["normals"].get<std::string>()).size());
+        for (const std::uint32_t corner :
+             back.column<std::uint32_t>(mesh["corners"].get<std::string>()))
+          ASSERT_LT(3 * corner, places.size());
+      }
+    }
+  }
+}
+
+TEST(Columns, FeaturesAreAllCommonOrAnAnimationsOwn) {
+  // Goal: each feature is shown once. Method: those of the made-up world's animations.
+  const archive::MemoryArchive memory = made_up(101, 3);
+  const auto scene = archive::scene_of(memory);
+  ASSERT_TRUE(scene.ok());
+  std::vector<std::uint32_t> all = common_features(scene.value());
+  const std::vector<std::uint32_t> own = own_features(scene.value());
+  EXPECT_FALSE(own.empty());
+  EXPECT_FALSE(all.empty());
+  all.insert(all.end(), own.begin(), own.end());
+  std::ranges::sort(all);
+  ASSERT_EQ(all.size(), scene.value().features.size());
+  for (std::uint32_t feature = 0; feature < all.size(); ++feature)
+    EXPECT_EQ(all[feature], feature);
+}
+
+TEST(Columns, HoldTheIndex) {
+  // Goal: a page that searches by columns has all that the index has. Method: each piece and
+  // contact of each entry, and the numbers.
+  const archive::MemoryArchive memory = made_up(101, 3);
+  auto read = browse::read_index(memory);
+  ASSERT_TRUE(read.ok());
+  const browse::Index index = std::move(read).value().index;
+  const std::string whole = index_columns(index, 7);
+  const Unpacked back = unpacked(whole);
+  EXPECT_EQ(back.head["generation"], 7);
+  ASSERT_EQ(back.head["names"].size(), index.entries.size());
+  const auto track_first = back.column<std::uint32_t>("track_first");
+  const auto track_count = back.column<std::uint32_t>("track_count");
+  const auto start_s = back.column<double>("piece_start_s");
+  const auto position = back.column<double>("piece_position_m");
+  const auto row = back.column<std::uint32_t>("piece_acceleration");
+  const auto accelerations = back.column<double>("accelerations_mps2");
+  const auto contact_first = back.column<std::uint32_t>("contact_first");
+  const auto contact_time_s = back.column<double>("contact_time_s");
+  const auto log_prior = back.column<double>("number.0");
+  const std::size_t bodies = index.scene.bodies();
+  for (std::size_t i = 0; i < index.entries.size(); ++i) {
+    const browse::Entry& entry = index.entries[i];
+    EXPECT_EQ(back.head["names"][i], browse::short_text(entry.name));
+    EXPECT_EQ(log_prior[i], entry.numbers[0]);
+    for (std::uint32_t body = 0; body < bodies; ++body) {
+      const auto pieces = entry.pieces_of(body);
+      ASSERT_EQ(track_count[i * bodies + body], pieces.size());
+      for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+        const std::size_t at = track_first[i * bodies + body] + piece;
+        EXPECT_EQ(start_s[at], pieces[piece].start_s);
+        EXPECT_EQ(position[3 * at], pieces[piece].position_m.x());
+        EXPECT_EQ(accelerations[3 * row[at] + 2], pieces[piece].acceleration_mps2.z());
+      }
+    }
+    ASSERT_EQ(contact_first[i + 1] - contact_first[i], entry.contacts.size());
+    for (std::size_t contact = 0; contact < entry.contacts.size(); ++contact)
+      EXPECT_EQ(contact_time_s[contact_first[i] + contact], entry.contacts[contact].time_s);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::gallery

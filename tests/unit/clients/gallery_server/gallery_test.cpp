@@ -1,0 +1,122 @@
+// Goal: the page always has what can be had: archives that grow, go, are damaged and come back cost
+// nothing that was read. Method: files that are replaced, deleted and damaged under a gallery that
+// looks at them.
+#include "clients/gallery_server/gallery.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "tests/unit/clients/gallery_server/shown_files.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::gallery {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::made_up;
+
+class GalleryTest : public archive::testing::Scratch {
+ protected:
+  void SetUp() override { ::setenv("XDG_CACHE_HOME", path("cache").c_str(), 1); }
+  void TearDown() override { ::unsetenv("XDG_CACHE_HOME"); }
+
+  GalleryOptions options(std::vector<std::string> paths) {
+    return {.paths = std::move(paths),
+            .look_every_s = 0.01,
+            .changed = [this] { ++changes; },
+            .open = files.opener()};
+  }
+  /// The archive's state, once it says this of itself.
+  static nlohmann::ordered_json waited(
+      const Gallery& gallery, std::size_t archive,
+      const std::function<bool(const nlohmann::ordered_json&)>& is) {
+    for (int i = 0; i < 2000; ++i) {
+      const auto state = gallery.state();
+      if (state["archives"].size() > archive && is(state["archives"][archive]))
+        return state["archives"][archive];
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ADD_FAILURE() << gallery.state().dump(1);
+    return gallery.state()["archives"][archive];
+  }
+  static auto is(const char* state) {
+    return [state](const nlohmann::ordered_json& json) { return json["state"] == state; };
+  }
+
+  testing::ShownFiles files;
+  std::atomic<int> changes = 0;
+};
+
+TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
+  // Goal: a replaced archive's new animations are there, under a higher generation, and those who
+  // hold the old snapshot keep it. Method: a longer run in its place.
+  const std::string archive = path("a.h5");
+  files.put(archive, made_up(50));
+  Gallery gallery(options({archive}));
+  const auto before = waited(gallery, 0, is("ready"));
+  const auto old = gallery.snapshot(0);
+  EXPECT_EQ(before["name"], "a.h5");
+  EXPECT_EQ(before["as_of"], "scan 50");
+  files.put(archive, made_up(101, 4));
+  const auto after = waited(
+      gallery, 0, [&](const auto& json) { return json["generation"] > before["generation"]; });
+  EXPECT_GT(after["kept"], before["kept"]);
+  EXPECT_EQ(after["finds"], 4);
+  EXPECT_EQ(after["as_of"], "scan 101; 4 found by search");
+  EXPECT_EQ(old->index().entries.size(), before["kept"]);
+  EXPECT_EQ(old->animation(0).motion.segment_count(),
+            gallery.snapshot(0)->animation(0).motion.segment_count());
+  EXPECT_GE(changes.load(), 2);
+}
+
+TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
+  // Goal: a deleted or damaged file is said, what was read stays, and it is read again when it is
+  // back. Method: one after the other.
+  const std::string archive = path("a.h5");
+  files.put(archive, made_up(50));
+  Gallery gallery(options({archive}));
+  const auto before = waited(gallery, 0, is("ready"));
+  std::filesystem::remove(archive);
+  EXPECT_THAT(waited(gallery, 0, is("gone"))["words"].get<std::string>(),
+              HasSubstr("this is what was read of it"));
+  EXPECT_NE(gallery.snapshot(0), nullptr);
+  files.damage(archive);
+  EXPECT_THAT(waited(gallery, 0, is("damaged"))["words"].get<std::string>(),
+              HasSubstr("it is damaged. This is what was read before."));
+  EXPECT_EQ(gallery.snapshot(0)->generation(), before["generation"]);
+  files.put(archive, made_up(60));
+  EXPECT_EQ(waited(gallery, 0, is("ready"))["as_of"], "scan 60");
+}
+
+TEST_F(GalleryTest, AFolderShowsWhatLiesInItAndNothingElse) {
+  // Goal: archives of a folder are shown, those that come later too; a damaged one costs itself; a
+  // link that leads out is named and not opened. Method: a folder of these.
+  std::filesystem::create_directories(path("runs"));
+  std::filesystem::create_directories(path("elsewhere"));
+  files.put(path("runs/b.h5"), made_up(50));
+  files.damage(path("runs/c.h5"));
+  files.put(path("elsewhere/secret.h5"), made_up(40));
+  std::filesystem::create_symlink(path("elsewhere/secret.h5"), path("runs/link.h5"));
+  Gallery gallery(options({path("runs")}));
+  waited(gallery, 0, is("ready"));
+  EXPECT_THAT(waited(gallery, 1, is("damaged"))["words"].get<std::string>(),
+              HasSubstr("it is damaged"));
+  EXPECT_EQ(gallery.snapshot(1), nullptr);
+  EXPECT_EQ(gallery.archives(), 2U);
+  const auto left_out = gallery.state()["left_out"];
+  ASSERT_EQ(left_out.size(), 1U);
+  EXPECT_EQ(left_out[0]["name"], "link.h5");
+  files.put(path("runs/a.h5"), made_up(30));
+  EXPECT_EQ(waited(gallery, 2, is("ready"))["name"], "a.h5");
+}
+
+}  // namespace
+}  // namespace sleight::gallery

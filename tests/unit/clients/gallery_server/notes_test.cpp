@@ -1,0 +1,111 @@
+// Goal: what people say of animations is kept as it was said, by whoever may write, and nothing
+// else gets into a file. Method: a folder of its own; files that are changed, full of nonsense, not
+// writable.
+#include "clients/gallery_server/notes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "common/base/error.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::gallery {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
+
+class NotesTest : public archive::testing::Scratch {
+ protected:
+  const Json starred{{"star", true}, {"hidden", false}, {"tags", {"calm"}}, {"note", "näher"}};
+  const std::string run = "3f2a9c01";
+};
+
+TEST_F(NotesTest, AreThereAgainTheNextTime) {
+  // Goal: a note outlives the gallery, is private, and goes when it says nothing. Method: one after
+  // another.
+  {
+    Notes notes(path("notes"));
+    EXPECT_EQ(notes.set(run, "0.250", starred)["changed"], 1);
+    EXPECT_EQ(notes.set(run, "find.3", starred)["changed"], 2);
+    EXPECT_EQ(notes.trouble(), "");
+  }
+  struct stat about {};
+  ASSERT_EQ(::stat(path("notes/3f2a9c01.json").c_str(), &about), 0);
+  EXPECT_EQ(about.st_mode & 077U, 0U);
+  Notes notes(path("notes"));
+  const Json kept = notes.of_run(run);
+  EXPECT_EQ(kept["0.250"]["note"], "näher");
+  EXPECT_EQ(kept["0.250"]["tags"], Json::array({"calm"}));
+  EXPECT_EQ(kept["find.3"]["star"], true);
+  notes.set(run, "0.250", Json::object());
+  EXPECT_FALSE(notes.of_run(run).contains("0.250"));
+  EXPECT_FALSE(Notes(path("notes")).of_run(run).contains("0.250"));
+  EXPECT_TRUE(notes.of_run("ffff").empty());
+}
+
+TEST_F(NotesTest, NothingElseGetsIn) {
+  // Goal: what is no note of an animation of a run is refused, and no file is written for it.
+  // Method: other types, too much, names that lead elsewhere.
+  Notes notes(path("notes"));
+  const auto refused = [&](const std::string& of, const std::string& name, const Json& note) {
+    EXPECT_THROW(notes.set(of, name, note), base::Error) << of << " " << name << " " << note;
+  };
+  refused("../x", "0.1", starred);
+  refused("", "0.1", starred);
+  refused(run, "../0.1", starred);
+  refused(run, "0.1/../../x", starred);
+  refused(run, "0.1", Json("text"));
+  refused(run, "0.1", {{"star", 1}});
+  refused(run, "0.1", {{"tags", "calm"}});
+  refused(run, "0.1", {{"tags", Json::array({1})}});
+  refused(run, "0.1", {{"tags", Json::array({std::string(k_tag_bytes_max + 1, 'x')})}});
+  refused(run, "0.1", {{"note", std::string(k_note_bytes_max + 1, 'x')}});
+  EXPECT_FALSE(fs::exists(path("notes")));
+}
+
+TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
+  // Goal: where nothing can be kept, notes work and a sentence says so; a file that isn't one is
+  // left as it is. Method: a file where the folder should be; a file of nonsense; no folder.
+  std::ofstream(path("taken")) << "a file";
+  Notes notes(path("taken/notes"));
+  notes.set(run, "0.250", starred);
+  EXPECT_EQ(notes.of_run(run)["0.250"]["star"], true);
+  EXPECT_THAT(notes.trouble(), HasSubstr("until the gallery ends"));
+
+  fs::create_directories(path("notes"));
+  std::ofstream(path("notes/3f2a9c01.json")) << "{\"notes\": [1, 2";
+  Notes damaged(path("notes"));
+  EXPECT_TRUE(damaged.of_run(run).empty());
+  EXPECT_THAT(damaged.trouble(), HasSubstr("can't be read"));
+  damaged.set(run, "0.1", starred);
+  std::string first;
+  std::getline(std::ifstream(path("notes/3f2a9c01.json")), first);
+  EXPECT_EQ(first, "{\"notes\": [1, 2");
+
+  Notes nowhere("");
+  EXPECT_THAT(nowhere.trouble(), HasSubstr("no home folder"));
+  nowhere.set(run, "0.1", starred);
+  EXPECT_EQ(nowhere.of_run(run)["0.1"]["star"], true);
+}
+
+TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
+  // Goal: a folder "sleight-notes" beside the archive shares notes; else they are the person's own.
+  // Method: with it and without.
+  ::setenv("XDG_DATA_HOME", path("data").c_str(), 1);
+  EXPECT_EQ(notes_folder(path("a.h5")), path("data/sleight/notes"));
+  fs::create_directories(path("sleight-notes"));
+  EXPECT_EQ(notes_folder(path("a.h5")), path("sleight-notes"));
+  ::unsetenv("XDG_DATA_HOME");
+}
+
+}  // namespace
+}  // namespace sleight::gallery
