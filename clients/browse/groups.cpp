@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
-#include "clients/browse/resemblance.h"
+#include "clients/browse/parallel.h"
 #include "common/base/check.h"
 #include "common/hash/sha256.h"
 
@@ -15,6 +16,8 @@ namespace sleight::browse {
 namespace {
 
 constexpr float k_far = std::numeric_limits<float>::infinity();
+/// Representatives from which distances are kept, at most: 40 kB each of 5,000 animations.
+constexpr std::size_t k_kept_max = 1024;
 
 /// What each point's nearest and second nearest medoid are.
 struct Nearest {
@@ -255,44 +258,117 @@ std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t
   return group_of;
 }
 
-Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scene,
-                 const GroupOptions& options) {
-  CHECK(options.groups >= 1);
-  if (entries.empty()) return {};
-  std::vector<std::size_t> by_name(entries.size());
-  std::iota(by_name.begin(), by_name.end(), std::size_t{0});
-  std::ranges::sort(by_name, {}, [&](std::size_t i) { return entries[i]->name; });
+struct AlikeSet::Impl {
+  Impl(std::span<const Entry* const> entries, const scene::Scene& scene, std::size_t given_threads)
+      : threads(given_threads),
+        by_name(order_of_names(entries)),
+        sorted(in_order(entries, by_name)),
+        sketches(sorted, scene),
+        sample(sample_of(sorted)),
+        place_in_sample(sorted.size(), sorted.size()),
+        place_by_name(sorted.size()) {
+    for (std::size_t i = 0; i < sample.size(); ++i)
+      place_in_sample[sample[i]] = i;
+    for (std::size_t i = 0; i < by_name.size(); ++i)
+      place_by_name[by_name[i]] = i;
+    matrix = sketches.matrix(sample, threads);
+  }
+
+  static std::vector<std::size_t> order_of_names(std::span<const Entry* const> entries) {
+    std::vector<std::size_t> order(entries.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {}, [&](std::size_t i) { return entries[i]->name; });
+    return order;
+  }
+  static std::vector<const Entry*> in_order(std::span<const Entry* const> entries,
+                                            std::span<const std::size_t> order) {
+    std::vector<const Entry*> sorted;
+    for (const std::size_t i : order)
+      sorted.push_back(entries[i]);
+    return sorted;
+  }
+  /// All, or a part that stands for all.
+  static std::vector<std::size_t> sample_of(std::span<const Entry* const> sorted) {
+    if (sorted.size() > k_full_matrix_max) return evenly_chosen(sorted, k_full_matrix_max);
+    std::vector<std::size_t> all(sorted.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return all;
+  }
+
+  /// Of everyone from these, where they are not known yet.
+  void measure_from(std::span<const std::size_t> representatives) {
+    std::vector<std::size_t> unknown;
+    for (const std::size_t one : representatives)
+      if (!from.contains(one)) unknown.push_back(one);
+    if (from.size() + unknown.size() > k_kept_max) {
+      from.clear();
+      unknown.assign(representatives.begin(), representatives.end());
+    }
+    for (const std::size_t one : unknown)
+      from[one].resize(sorted.size());
+    for_each_block(sorted.size(), threads, [&](std::size_t first, std::size_t end) {
+      for (const std::size_t one : unknown) {
+        std::vector<double>& distance = from.at(one);
+        for (std::size_t i = first; i < end; ++i)
+          distance[i] = i == one ? -1 : sketches.between(i, one).value_m();
+      }
+    });
+  }
+
+  std::size_t threads;
+  std::vector<std::size_t> by_name;
   std::vector<const Entry*> sorted;
-  for (const std::size_t i : by_name)
-    sorted.push_back(entries[i]);
+  Sketches sketches;
+  std::vector<std::size_t> sample;           ///< of `sorted`
+  std::vector<std::size_t> place_in_sample;  ///< of `sorted`; its size: it isn't in it
+  std::vector<std::size_t> place_by_name;    ///< of what was given, in `sorted`
+  std::vector<float> matrix;                 ///< of the sample
+  std::mutex mutex;                          ///< of `from`
+  /// By representative the distances of everyone; -1 of itself.
+  std::map<std::size_t, std::vector<double>> from;
+};
 
-  // Group all, or a part that stands for all.
-  Groups found{.is_approximate = sorted.size() > k_full_matrix_max};
-  std::vector<std::size_t> sample(sorted.size());
-  std::iota(sample.begin(), sample.end(), std::size_t{0});
-  if (found.is_approximate) sample = evenly_chosen(sorted, k_full_matrix_max);
-  const Sketches sketches(sorted, scene);
-  const std::vector<float> matrix = sketches.matrix(sample, options.threads);
-  const std::size_t k = std::min(options.groups, sample.size());
-  const Division division = divided(matrix, sample.size(), k, options.by);
+AlikeSet::AlikeSet(std::span<const Entry* const> entries, const scene::Scene& scene,
+                   std::size_t threads)
+    : impl_(std::make_unique<Impl>(entries, scene, threads)) {}
 
-  // Everyone goes to a group: of the sample as the grouping says, the others to the nearest.
-  std::vector<std::size_t> group_of(sorted.size(), k);
-  for (std::size_t i = 0; i < division.group_of.size(); ++i)
-    group_of[sample[i]] = division.group_of[i];
+AlikeSet::~AlikeSet() = default;
+
+Resemblance AlikeSet::between(std::size_t a, std::size_t b) const {
+  return impl_->sketches.between(impl_->place_by_name[a], impl_->place_by_name[b]);
+}
+
+Groups AlikeSet::groups(std::size_t groups, Grouping by) const {
+  CHECK(groups >= 1);
+  Impl& set = *impl_;
+  Groups found{.is_approximate = set.sorted.size() > k_full_matrix_max};
+  if (set.sorted.empty()) return found;
+  const std::size_t k = std::min(groups, set.sample.size());
+  const Division division = divided(set.matrix, set.sample.size(), k, by);
   for (const std::size_t representative : division.representatives)
-    found.groups.push_back({.representative = sample[representative]});
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    std::vector<double> distance(k);
-    for (std::size_t group = 0; group < k; ++group)
-      distance[group] = i == found.groups[group].representative
-                            ? -1
-                            : sketches.between(i, found.groups[group].representative).value_m();
-    if (group_of[i] == k)
-      group_of[i] = static_cast<std::size_t>(std::ranges::min_element(distance) - distance.begin());
-    AlikeGroup& group = found.groups[group_of[i]];
+    found.groups.push_back({.representative = set.sample[representative]});
+
+  std::vector<std::size_t> representatives;
+  for (const AlikeGroup& group : found.groups)
+    representatives.push_back(group.representative);
+  const std::lock_guard lock(set.mutex);
+  set.measure_from(representatives);
+  std::vector<const std::vector<double>*> from;
+  for (const std::size_t one : representatives)
+    from.push_back(&set.from.at(one));
+  // Everyone goes to a group: of the sample as the grouping says, the others to the nearest.
+  for (std::size_t i = 0; i < set.sorted.size(); ++i) {
+    const std::size_t in_sample = set.place_in_sample[i];
+    std::size_t group_of = 0;
+    if (in_sample < division.group_of.size()) {
+      group_of = division.group_of[in_sample];
+    } else {
+      for (std::size_t group = 1; group < k; ++group)
+        if ((*from[group])[i] < (*from[group_of])[i]) group_of = group;
+    }
+    AlikeGroup& group = found.groups[group_of];
     group.members.push_back(i);
-    const double apart_m = std::max(0.0, distance[group_of[i]]);
+    const double apart_m = std::max(0.0, (*from[group_of])[i]);
     group.mean_m += apart_m;
     group.greatest_m = std::max(group.greatest_m, apart_m);
   }
@@ -303,11 +379,18 @@ Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scen
   });
   // Back to the order in which they were given.
   for (AlikeGroup& group : found.groups) {
-    group.representative = by_name[group.representative];
+    group.representative = set.by_name[group.representative];
     for (std::size_t& member : group.members)
-      member = by_name[member];
+      member = set.by_name[member];
   }
   return found;
+}
+
+Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scene,
+                 const GroupOptions& options) {
+  CHECK(options.groups >= 1);
+  if (entries.empty()) return {};
+  return AlikeSet(entries, scene, options.threads).groups(options.groups, options.by);
 }
 
 }  // namespace sleight::browse

@@ -21,10 +21,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "clients/browse/index.h"
+#include "clients/browse/resemblance.h"
 #include "common/scene/scene.h"
 
 namespace sleight::browse {
@@ -53,8 +55,31 @@ struct Groups {
   bool is_approximate = false;       ///< of 500 of the animations, as said above
 };
 
-/// REQUIRES: entries of this scene, with different names; 1 <= groups, at most 500 of more than
-/// 500.
+/// A set of animations made ready to be put into groups, again and again: what compares them all is
+/// worked out once, and distances to those that stood for a group are kept.
+///
+/// Thread safety: const functions may be called from several threads at once; one that asks for
+/// groups waits for another.
+class AlikeSet {
+ public:
+  /// `threads`: changes nothing but the time. REQUIRES: entries of this scene, with different
+  /// names.
+  AlikeSet(std::span<const Entry* const> entries, const scene::Scene& scene, std::size_t threads);
+  ~AlikeSet();
+  AlikeSet(const AlikeSet&) = delete;
+  AlikeSet& operator=(const AlikeSet&) = delete;
+
+  /// REQUIRES: 1 <= groups, at most 500 of more than 500 entries.
+  Groups groups(std::size_t groups, Grouping by) const;
+  /// Of an entry and another, by their places in what was given.
+  Resemblance between(std::size_t a, std::size_t b) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The same of a set that is grouped once.
 Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scene,
                  const GroupOptions& options);
 

@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <set>
-#include <thread>
 #include <utility>
 
+#include "clients/browse/parallel.h"
 #include "common/base/check.h"
 
 namespace sleight::browse {
@@ -240,11 +238,10 @@ Resemblance Sketches::between(std::size_t a, std::size_t b) const {
 std::vector<float> Sketches::matrix(std::span<const std::size_t> of, std::size_t threads) const {
   const std::size_t size = of.size();
   std::vector<float> values(size * size, 0);
-  std::atomic<std::size_t> next_row{0};
   // A row is one thread's; what stands below the diagonal is of another row, and no other writes
   // it.
-  const auto rows = [&] {
-    for (std::size_t row = next_row++; row < size; row = next_row++) {
+  for_each_block(size, threads, [&](std::size_t first, std::size_t end) {
+    for (std::size_t row = first; row < end; ++row) {
       for (std::size_t column = row + 1; column < size; ++column) {
         const auto value =
             static_cast<float>(std::min(between(of[row], of[column]).value_m(), k_value_max_m));
@@ -252,25 +249,7 @@ std::vector<float> Sketches::matrix(std::span<const std::size_t> of, std::size_t
         values[column * size + row] = value;
       }
     }
-  };
-  // Memory may run out in any thread; the caller is told.
-  std::vector<std::exception_ptr> failures(std::max<std::size_t>(threads, 1));
-  const auto work = [&](std::size_t thread) {
-    try {
-      rows();
-    } catch (...) {
-      failures[thread] = std::current_exception();
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    for (std::size_t thread = 1; thread < threads; ++thread)
-      others.emplace_back(work, thread);
-    work(0);
-  }
-  for (const std::exception_ptr& failure : failures) {
-    if (failure) std::rethrow_exception(failure);
-  }
+  });
   return values;
 }
 

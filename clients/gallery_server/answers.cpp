@@ -118,7 +118,8 @@ web::Answer Answers::of_archive(const web::Ask& ask, std::size_t archive,
   if (what == "scene") return json_answer(scene_json(*snapshot));
   if (what == "looks") return packed_answer(looks(*snapshot));
   if (what == "index")
-    return packed_answer(index_columns(snapshot->index(), snapshot->generation()));
+    return packed_answer(
+        index_columns(snapshot->index(), snapshot->generation(), snapshot->satisfied_draws()));
   if (what == "table") return packed_answer(table(*snapshot));
   if (what == "animations")
     return packed_answer(several_animations(*snapshot, split(ask.parameter("names").value_or(""))));

@@ -1,5 +1,7 @@
 #include "clients/gallery_server/gallery.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -191,6 +193,8 @@ void Gallery::look_at(std::size_t archive) {
   } catch (const std::bad_alloc&) {
     fault = "reading it takes more memory than there is";
   }
+  // What was held while it was read is the system's again.
+  ::malloc_trim(0);
   {
     const std::lock_guard lock(mutex_);
     Shown& shown = *shown_[archive];

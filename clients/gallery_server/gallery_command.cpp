@@ -1,6 +1,7 @@
 #include "clients/gallery_server/gallery_command.h"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/signalfd.h>
@@ -282,6 +283,8 @@ int save(const CommandOptions& options, const cli::Rules& rules) {
 int show_gallery(const CommandOptions& options, const std::string& socket,
                  const cli::Rules& rules) {
   if (!options.save.empty()) return save(options, rules);
+  // Threads that answer take and give back whole indexes: each would keep a heap of its own.
+  ::mallopt(M_ARENA_MAX, 2);
   std::optional<OwnFolder> folder;
   const Named shown = named(options.paths, socket, folder);
   auto files = std::make_shared<const web::StaticFiles>(page_folder());

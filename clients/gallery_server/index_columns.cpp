@@ -86,9 +86,11 @@ void add_contacts(Packed& to, const browse::Index& index) {
 
 }  // namespace
 
-std::string index_columns(const browse::Index& index, std::uint64_t generation) {
+std::string index_columns(const browse::Index& index, std::uint64_t generation,
+                          std::span<const double> satisfied_draws) {
   Packed packed;
   add_table(packed, index);
+  if (!satisfied_draws.empty()) packed.add("satisfied_draws", satisfied_draws);
   add_paths(packed, index);
   add_contacts(packed, index);
   Json names = Json::array();

@@ -10,19 +10,24 @@
 //   "piece_start_s" f64, "piece_position_m", "piece_velocity_mps" f64 x 3, "piece_acceleration"
 //   u32:
 //     a row of "accelerations_mps2" f64 x 3, of which there are few
-//   "contact_first" u32 (n + 1), "contact_time_s" f64, "contact_body", "contact_partner" u32
+//   "satisfied_draws" f64, where draws are in proportion: satisfied draws that are put to it
+//   (shares.h)  (n) "contact_first" u32 (n + 1), "contact_time_s" f64, "contact_body",
+//   "contact_partner" u32
 //
 // Pure functions.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "clients/browse/index.h"
 
 namespace sleight::gallery {
 
-/// REQUIRES: at most 2^32 pieces and contacts.
-std::string index_columns(const browse::Index& index, std::uint64_t generation);
+/// `satisfied_draws`: of each entry, or empty: then there is no such column. REQUIRES: at most 2^32
+/// pieces and contacts.
+std::string index_columns(const browse::Index& index, std::uint64_t generation,
+                          std::span<const double> satisfied_draws = {});
 
 }  // namespace sleight::gallery

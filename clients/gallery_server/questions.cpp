@@ -13,7 +13,6 @@
 
 #include "clients/browse/groups.h"
 #include "clients/browse/query.h"
-#include "clients/browse/resemblance.h"
 #include "clients/gallery_server/refused.h"
 
 namespace sleight::gallery {
@@ -102,6 +101,20 @@ std::vector<Share> shares(const Snapshot& snapshot, const browse::Groups& groups
   return shares_of(snapshot.facts().by_lineage, group_of, groups.groups.size());
 }
 
+/// Those of all are made ready once.
+browse::Groups groups_among(const Snapshot& snapshot, const std::vector<std::size_t>& entries,
+                            std::size_t groups, browse::Grouping by) {
+  const auto& all = snapshot.index().entries;
+  if (entries.size() == all.size() && std::ranges::is_sorted(entries))
+    return snapshot.alike().groups(groups, by);
+  std::vector<const browse::Entry*> of;
+  for (const std::size_t entry : entries)
+    of.push_back(&all[entry]);
+  return browse::groups_of(
+      of, snapshot.index().scene,
+      {.groups = groups, .by = by, .threads = std::max(1U, std::thread::hardware_concurrency())});
+}
+
 std::string why_no_shares(const Snapshot& snapshot) {
   const Facts& facts = snapshot.facts();
   if (facts.summary.chains * facts.summary.scans == 0)
@@ -155,14 +168,9 @@ Json grouped(const Gallery& gallery, const Question& ask) {
   Json answer{{"approximate", false}, {"groups", Json::array()}, {"share_words", ""}};
   if (entries.empty()) return answer;
 
-  std::vector<const browse::Entry*> of;
-  for (const std::size_t entry : entries)
-    of.push_back(&snapshot->index().entries[entry]);
-  const browse::Groups found = browse::groups_of(
-      of, snapshot->index().scene,
-      {.groups = groups,
-       .by = by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids,
-       .threads = std::max(1U, std::thread::hardware_concurrency())});
+  const browse::Groups found =
+      groups_among(*snapshot, entries, groups,
+                   by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids);
   const std::vector<Share> share = shares(*snapshot, found, entries);
   answer["approximate"] = found.is_approximate;
   if (share.empty()) answer["share_words"] = why_no_shares(*snapshot);
@@ -191,12 +199,12 @@ Json alike(const Gallery& gallery, const Question& ask) {
   if (to.empty() || to.size() > k_alike_to_max)
     refuse(fmt::format("One to {} animations can be compared with.", k_alike_to_max));
   const std::vector<std::size_t> entries = meant(ask, *snapshot);
-  const browse::Sketches& sketches = snapshot->sketches();
+  const browse::AlikeSet& set = snapshot->alike();
   std::vector<std::pair<double, std::size_t>> nearest;
   for (const std::size_t entry : entries) {
     double least = std::numeric_limits<double>::infinity();
     for (const std::size_t one : to)
-      least = std::min(least, sketches.between(one, entry).value_m());
+      least = std::min(least, set.between(one, entry).value_m());
     nearest.emplace_back(least, entry);
   }
   std::ranges::sort(nearest);

@@ -70,8 +70,9 @@ void plan_archive(Plan& plan, std::size_t number, const SavedArchive& archive,
   plan.json(at("scene"), [&snapshot] { return scene_json(snapshot); });
   plan.packed(at("looks"), [&snapshot] { return looks(snapshot); });
   plan.packed(at("table"), [&snapshot] { return table(snapshot); });
-  plan.packed(at("index"),
-              [&snapshot] { return index_columns(snapshot.index(), snapshot.generation()); });
+  plan.packed(at("index"), [&snapshot] {
+    return index_columns(snapshot.index(), snapshot.generation(), snapshot.satisfied_draws());
+  });
   const Json titles = series_titles(snapshot);
   plan.json(at("series"), [titles] { return titles; });
   for (const Json& title : titles) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 #include <utility>
 #include <variant>
 
@@ -117,19 +118,33 @@ Snapshot::Snapshot(const std::string& path, const Options& options)
     by_name_.emplace(browse::short_text(index_.entries[entry].name), entry);
 }
 
+std::vector<double> Snapshot::satisfied_draws() const {
+  if (facts_.by_lineage.draws == 0) return {};
+  // Animations are counted without the finds between them.
+  std::vector<std::size_t> entry_of_animation;
+  for (std::size_t entry = 0; entry < index_.entries.size(); ++entry)
+    if (!index_.entries[entry].name.is_find) entry_of_animation.push_back(entry);
+  std::vector<double> draws(index_.entries.size(), 0.0);
+  for (const LineageCounts& lineage : facts_.by_lineage.lineages) {
+    for (const LineageCounts::Count& count : lineage.counts)
+      draws[entry_of_animation[count.animation]] = static_cast<double>(count.draws);
+  }
+  return draws;
+}
+
 std::optional<std::size_t> Snapshot::entry_of(std::string_view name) const {
   const auto found = by_name_.find(name);
   return found == by_name_.end() ? std::nullopt : std::optional(found->second);
 }
 
-const browse::Sketches& Snapshot::sketches() const {
-  std::call_once(sketched_, [this] {
+const browse::AlikeSet& Snapshot::alike() const {
+  std::call_once(made_alike_, [this] {
     std::vector<const browse::Entry*> all;
     for (const browse::Entry& entry : index_.entries)
       all.push_back(&entry);
-    sketches_.emplace(all, index_.scene);
+    alike_.emplace(all, index_.scene, std::max(1U, std::thread::hardware_concurrency()));
   });
-  return *sketches_;
+  return *alike_;
 }
 
 void Snapshot::read(const std::function<void(const archive::Source&)>& work) const {

@@ -18,8 +18,8 @@
 #include <string_view>
 #include <vector>
 
+#include "clients/browse/groups.h"
 #include "clients/browse/index.h"
-#include "clients/browse/resemblance.h"
 #include "clients/cli/index_cache.h"
 #include "clients/cli/kept_animations.h"
 #include "clients/gallery_server/shares.h"
@@ -65,11 +65,13 @@ class Snapshot {
   const Facts& facts() const { return facts_; }
   /// The file that was read; none: it was gone before it could be looked at.
   const std::optional<cli::FileState>& file() const { return file_; }
+  /// Of each entry, the satisfied draws that are put to it; empty where draws aren't in proportion.
+  std::vector<double> satisfied_draws() const;
   /// Along the index.
   std::optional<std::size_t> entry_of(std::string_view name) const;
 
-  /// Of all entries; made at the first call.
-  const browse::Sketches& sketches() const;
+  /// All entries, to be compared and grouped; made at the first call.
+  const browse::AlikeSet& alike() const;
 
   /// Runs `work` with the archive; one at a time. Throws what it throws.
   void read(const std::function<void(const archive::Source&)>& work) const;
@@ -84,8 +86,8 @@ class Snapshot {
   browse::Index index_;
   Facts facts_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
-  mutable std::once_flag sketched_;
-  mutable std::optional<browse::Sketches> sketches_;
+  mutable std::once_flag made_alike_;
+  mutable std::optional<browse::AlikeSet> alike_;
 };
 
 }  // namespace sleight::gallery

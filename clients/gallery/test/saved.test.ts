@@ -2,8 +2,9 @@ import assert from "node:assert/strict";
 import { afterEach, test } from "node:test";
 import { gzipSync } from "node:zlib";
 import { Once } from "../src/data/once";
-import { pack } from "../src/data/packed";
+import { pack, type Packed } from "../src/data/packed";
 import { createSavedSource } from "../src/data/saved";
+import { SatisfiedDraws } from "../src/data/saved-shares";
 import { type GallerySource, SourceError } from "../src/data/source";
 import type { Column, Note } from "../src/data/types";
 import { type Script, FakeDocument, FakeStorage } from "./fake-page";
@@ -116,7 +117,8 @@ function open(
   const all = files();
   change(all);
   const page = new FakeDocument(all);
-  return { page, source: createSavedSource({ document: page.asDocument(), storage, timeoutMs: 200, pauseMs: 20 }) };
+  const document = page.asDocument();
+  return { page, source: createSavedSource({ document, storage, timeoutMs: 200, pauseMs: 20 }) };
 }
 
 function isFailure(kind: string): (error: unknown) => boolean {
@@ -333,4 +335,23 @@ test("what fails is tried again after a pause, however often it is asked for", a
   while (performance.now() < ends)
     await assert.rejects(once.get("a", () => { ++tries; return Promise.reject(new Error("no")); }));
   assert.ok(tries >= 2 && tries <= 8, `${tries} tries`);
+});
+
+test("shares of groups are those of the server: by lineage, with the error between lineages", () => {
+  // The case that tests/unit/clients/gallery_server/shares_test.cpp works out by hand: two lineages with
+  // four draws (three and one of two animations) and one.
+  const column = (values: number[]): Float64Array => Float64Array.from(values);
+  const packed = {
+    head: {},
+    columns: new Map<string, Float64Array>([
+      ["satisfied_draws", column([3, 1, 1])], ["chain", column([0, 0, 1])], ["lineage", column([5, 5, 5])],
+    ]),
+  };
+  const draws = SatisfiedDraws.of(packed as unknown as Packed)!;
+  const [first, second, third] = draws.shares([[0], [1, 2], []])!;
+  assert.equal(first!.value, 3 / 5);
+  assert.equal(second!.value, 2 / 5);
+  assert.ok(Math.abs(first!.error - Math.sqrt(2 * (0.36 + 0.36)) / 5) < 1e-15);
+  assert.equal(third!.error, 0);
+  assert.equal(SatisfiedDraws.of({ head: {}, columns: new Map() } as unknown as Packed), null);
 });

@@ -12,6 +12,7 @@ import { type Packed, torn, unpack } from "./packed";
 import { unzipped } from "./saved-bytes";
 import { SavedNotes } from "./saved-notes";
 import { SavedScripts } from "./saved-scripts";
+import { SatisfiedDraws, type Share } from "./saved-shares";
 import { type AskOptions, type GallerySource, SourceError, type SourceListener } from "./source";
 import {
   type AlikeAnswer, type AlikeAsk, type Animation, type AnimationName, type ArchiveAt, type ArchiveId,
@@ -36,6 +37,8 @@ interface File {
 
 interface Searched {
   readonly search: ArchiveSearch;
+  /** Null where they weren't counted. */
+  readonly satisfied: SatisfiedDraws | null;
   readonly bytes: number;
 }
 
@@ -86,9 +89,9 @@ class SavedSource implements GallerySource {
     this.rows = new Once({ pauseMs });
     this.titles = new Once({ pauseMs });
     this.diagnoses = new Once({ pauseMs });
-    this.plotted = new Once({ pauseMs, bytesOf, bytesMax: SERIES_BYTES_MAX });
-    this.animated = new Once({ pauseMs, bytesOf, bytesMax: ANIMATIONS_BYTES_MAX });
-    this.searched = new Once({ pauseMs, bytesOf, bytesMax: INDEX_BYTES_MAX });
+    this.plotted = new Once<File>({ pauseMs, bytesOf, bytesMax: SERIES_BYTES_MAX });
+    this.animated = new Once<File>({ pauseMs, bytesOf, bytesMax: ANIMATIONS_BYTES_MAX });
+    this.searched = new Once<Searched>({ pauseMs, bytesOf, bytesMax: INDEX_BYTES_MAX });
   }
 
   async gallery(options?: AskOptions): Promise<GalleryState> {
@@ -147,13 +150,15 @@ class SavedSource implements GallerySource {
   }
 
   async groups(ask: GroupsAsk, options?: AskOptions): Promise<GroupsAnswer> {
-    const { search } = await this.searchOf(ask, options);
+    const { search, satisfied } = await this.searchOf(ask, options);
     const { archives } = await this.gallery(options);
     const { groups, approximate } = await search.groups(ask.entries, ask.groups, ask.by, options);
+    const shares = satisfied?.shares(groups.map(({ members }) => members)) ?? null;
     return {
       approximate,
-      groups: groups.map((group) => ({ ...group, share: null })),
-      share_words: groups.length > 0 ? noShares(archives.find(({ id }) => id === ask.id)) : "",
+      groups: groups.map((group, i) => ({ ...group, share: shareOf(shares?.[i]) })),
+      share_words: groups.length > 0 && shares === null
+        ? noShares(archives.find(({ id }) => id === ask.id)) : "",
     };
   }
 
@@ -251,7 +256,7 @@ class SavedSource implements GallerySource {
   private async readIndex(id: ArchiveId): Promise<Searched> {
     const [{ packed, bytes }, scene] = await Promise.all([this.file(`${id}/index`), this.scene(id)]);
     const search = await ArchiveSearch.of(packed, scene);
-    return { search, bytes };
+    return { search, satisfied: SatisfiedDraws.of(packed), bytes };
   }
 }
 
@@ -274,13 +279,17 @@ function isNamed(value: unknown, name: AnimationName): boolean {
     "columns" in value && typeof value.columns === "string";
 }
 
+function shareOf(share: Share | undefined): { value: number; error: number | null } | null {
+  if (share === undefined) return null;
+  return { value: share.value, error: Number.isNaN(share.error) ? null : share.error };
+}
+
 /** Why groups have no shares; the first two are the server's own words. */
 function noShares(archive: ArchiveSummary | undefined): string {
   if (archive?.draws === 0)
     return "They were found by search: how often the model has such animations is not known.";
   if (archive?.in_proportion === false) return "The draws are not in the model's proportions.";
-  // That takes all draws, and a saved gallery has those that were kept.
-  return "Shares are told by sleight gallery alone, not by a saved page.";
+  return "No draw can be counted.";
 }
 
 /** What is loaded is everybody's, so it goes on where one no longer wants it. */

@@ -16,7 +16,8 @@ import { chainsOf, plotDataOf, type PlotData, type PlotLine } from "./series-dat
 export type PlotsView = Part;
 
 const chainsShownMax = 6;
-const diagnosis: SeriesTitle = { name: "diagnosis", title: "Diagnosis", kind: "table", group: "diagnosis" };
+/** It has an answer of its own. */
+const diagnosis = "diagnosis";
 
 export function makePlotsView(ui: Ui): PlotsView {
   const list = el("ul", { class: "plot-list" });
@@ -28,7 +29,7 @@ export function makePlotsView(ui: Ui): PlotsView {
   const latestList = new Latest();
   const chain = select([], "", () => void read(ui.store.state), { id: "plot-chain" });
   const chainField = field("Chain", chain);
-  let titles: readonly SeriesTitle[] = [diagnosis];
+  let titles: readonly SeriesTitle[] = [];
   let chart: Chart | null = null;
   let shownOf: Loaded | null = null;
   let shownName = "";
@@ -42,14 +43,21 @@ export function makePlotsView(ui: Ui): PlotsView {
       if (isWanted()) say(ui.store, sentenceOf(error));
     }
     if (!isWanted()) return;
-    titles = [...found.filter(({ name }) => name !== diagnosis.name), diagnosis];
+    titles = found;
     showList(ui.store.state);
-    void read(ui.store.state);
+    if (titles.length > 0) {
+      void read(ui.store.state);
+      return;
+    }
+    setText(title, "");
+    setHidden(chainField, true);
+    setText(words, "There is nothing to plot: the archive has no chains.");
+    setHidden(words, false);
   };
-  const chosen = (state: AppState): SeriesTitle =>
-    titles.find(({ name }) => name === state.page.plot) ?? titles[0] ?? diagnosis;
+  const chosen = (state: AppState): SeriesTitle | undefined =>
+    titles.find(({ name }) => name === state.page.plot) ?? titles[0];
   const showList = (state: AppState): void => {
-    const now = chosen(state).name;
+    const now = chosen(state)?.name;
     const had = list.contains(document.activeElement)
       ? document.activeElement?.getAttribute("data-plot")
       : null;
@@ -82,15 +90,16 @@ export function makePlotsView(ui: Ui): PlotsView {
   const read = async (state: AppState): Promise<void> => {
     const { loaded } = state;
     const isWanted = latest.begin();
-    if (loaded === null) return;
-    const { name, title: label, kind } = chosen(state);
+    const asked = chosen(state);
+    if (loaded === null || asked === undefined) return;
+    const { name, title: label, kind } = asked;
     shownName = name;
     setText(title, label);
     offerChains(kind);
     setText(words, "Reading …");
     setHidden(words, false);
     try {
-      if (name === diagnosis.name) {
+      if (name === diagnosis) {
         const answer = await ui.source.diagnosis(loaded.id);
         if (!isWanted()) return;
         clear();
@@ -171,9 +180,10 @@ export function makePlotsView(ui: Ui): PlotsView {
       if (loaded === null) return;
       if (shownOf === null || shownOf.id !== loaded.id || shownOf.run !== loaded.run) {
         shownOf = loaded;
+        titles = [];
         clear();
         void readList(loaded);
-      } else if (chosen(state).name !== shownName) {
+      } else if (chosen(state) !== undefined && chosen(state)?.name !== shownName) {
         showList(state);
         void read(state);
       }

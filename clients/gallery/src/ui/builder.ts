@@ -81,6 +81,7 @@ export function makeBuilder(ui: Ui): Part {
   const addStep = (loaded: Loaded, stepKind: "in" | "touches" | "ends", initial: Step | null): void => {
     const form = makeStepForm({
       scene: loaded.scene,
+      looks: loaded.looks,
       kind: stepKind,
       title: forms.length === 0 ? "" : "then",
       onChange: changed,

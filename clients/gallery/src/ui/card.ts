@@ -140,6 +140,10 @@ function sortWords(state: AppState, loaded: Loaded, entry: number): string {
   return `${sort.number} ${number(numberOf(loaded, entry, sort.number))}`;
 }
 
+function shareWords({ value, error }: { readonly value: number; readonly error: number | null }): string {
+  return `share ${share(value, error)}`;
+}
+
 export function groupCard(loaded: Loaded, group: ShownGroup): CardParts {
   const { cell, canvas, box, wordsId } = frame("group");
   const name = loaded.names[group.representative] ?? "";
@@ -147,8 +151,7 @@ export function groupCard(loaded: Loaded, group: ShownGroup): CardParts {
   const kept = `${count(group.members.length)} kept`;
   const spread =
     group.members.length === 1 ? "the only one of its kind" : `${millimetres(group.mean_m)} apart on average`;
-  const proportion =
-    group.share === null ? badgeWords : `share ${share(group.share.value, group.share.error)}`;
+  const isInProportion = loaded.table.inProportion[group.representative] === 1;
   const plausibility = plausibilityOf(loaded, group.representative);
   const score = numberOf(loaded, group.representative, "log_constraint");
   const scoreWords = Number.isNaN(score) ? "" : `score ${number(score, 3)}`;
@@ -167,9 +170,11 @@ export function groupCard(loaded: Loaded, group: ShownGroup): CardParts {
         line(el("span", {}, spread)),
         el("div", { class: "card-plausibility", title: plausibilityHelp }, plausibility),
         line(
-          group.share === null
-            ? el("span", { class: "badge", title: proportionHelp }, proportion)
-            : el("span", { class: "card-share", title: shareHelp }, proportion),
+          group.share !== null
+            ? el("span", { class: "card-share", title: shareHelp }, shareWords(group.share))
+            : isInProportion
+              ? el("span", {}, "")
+              : el("span", { class: "badge", title: proportionHelp }, badgeWords),
           el("span", { class: "card-score", title: scoreHelp }, scoreWords),
         ),
       ),

@@ -1,5 +1,5 @@
 // The fields of one step of a condition: which bodies, in which box or touching what, and when.
-import type { Scene } from "../data/types";
+import type { Looks, Scene } from "../data/types";
 import {
   isOpen,
   kindsOfBodies,
@@ -11,6 +11,8 @@ import {
   type Who,
 } from "../state/conditions";
 import { button, el, field, select, type Choice } from "./dom";
+import { boxOfPlace } from "../state/places";
+import { bodySwatches, placeMap } from "./place-map";
 import { rangeFields } from "./range-fields";
 
 export interface StepForm {
@@ -26,6 +28,7 @@ export interface StepForm {
 
 export interface StepOptions {
   readonly scene: Scene;
+  readonly looks: Looks;
   readonly kind: "in" | "touches" | "ends";
   /** "": it is the only one. */
   readonly title: string;
@@ -38,7 +41,7 @@ export interface StepOptions {
 }
 
 export function makeStepForm(options: StepOptions): StepForm {
-  const { scene, kind, onChange, initial } = options;
+  const { scene, looks, kind, onChange, initial } = options;
   const who = select(
     whoChoices(scene),
     initial === null ? defaultWho(scene) : whoValue(initial.who),
@@ -61,10 +64,13 @@ export function makeStepForm(options: StepOptions): StepForm {
     const [x, y, z] = axes.map((fields) => fields.range);
     return { x: x ?? openRange, y: y ?? openRange, z: z ?? openRange };
   };
-  const parts: HTMLElement[] = [field("Which", who)];
+  const swatches = bodySwatches(scene, looks, (name) => form.setWho(name));
+  const parts: HTMLElement[] = [field("Which", who), ...(swatches === null ? [] : [swatches])];
   if (kind === "touches") parts.push(field("touches", partner));
   else {
+    const map = placeMap(scene, looks, (place) => form.setBox(boxOfPlace(place)));
     parts.push(
+      ...(map === null ? [] : [map]),
       el("div", { class: "box-fields" }, ...axes.map(({ element }) => element)),
       button("Draw the box in the player", () => options.onDrawBox(form), { class: "draw-box" }),
     );

@@ -43,7 +43,7 @@ export class ArchiveStage {
     this.fixed = this.stillOf(looks.meshes);
     const bodies = looks.meshes.filter((mesh) => this.isBody(mesh));
     this.bodies = new Bodies(bodies, this.bodyCount, "solid", this.light);
-    this.standing.add(...this.fixed.map(meshOf));
+    for (const merged of this.fixed) this.standing.add(meshOf(merged));
     this.three.add(this.bodies.group, this.slot, this.standing);
     this.setTheme("light");
   }

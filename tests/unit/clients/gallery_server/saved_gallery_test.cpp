@@ -129,7 +129,7 @@ TEST_F(SavedGallery, HoldsWhatAServerAnswers) {
   EXPECT_EQ(table_call[1], "gz");
   EXPECT_EQ(unzipped(table_call[2].get<std::string>()), table(*snapshot));
   EXPECT_EQ(unzipped(call_of(path("saved/data/0/index.js"))[2].get<std::string>()),
-            index_columns(snapshot->index(), snapshot->generation()));
+            index_columns(snapshot->index(), snapshot->generation(), snapshot->satisfied_draws()));
   EXPECT_EQ(Json::parse(call_of(path("saved/data/0/scene.js"))[2].get<std::string>()),
             Json(scene_json(*snapshot)));
 

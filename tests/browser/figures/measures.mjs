@@ -1,0 +1,171 @@
+// How the gallery's figures are measured, each with the page or the program itself.
+import { readFileSync } from "node:fs";
+import { loadavg } from "node:os";
+import { gzipSync } from "node:zlib";
+
+/** The machine's load of the last minute, which each figure is told with. */
+export const load = () => loadavg()[0].toFixed(1);
+
+export function quantile(values, share) {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
+}
+
+/** Resolves when the first card has its picture and the wall has been scrolled. */
+export async function wallIsUsable(page) {
+  await page.locator("#groups canvas[data-thumbnail=drawn]").first().waitFor();
+  await page.evaluate(async () => {
+    const grid = document.querySelector("#groups");
+    grid.scrollTop = 60;
+    await new Promise((resolve) => requestAnimationFrame(resolve));
+    if (grid.scrollTop === 0 && grid.scrollHeight > grid.clientHeight + 60)
+      throw new Error("the wall doesn't scroll");
+  });
+}
+
+/** Queries of all kinds that the language has, at random. */
+export function randomQuery(random) {
+  const ball = () => `ball ${1 + random.below(16)}`;
+  const range = (low, high, widest, unit) => {
+    const from = random.between(low, high);
+    return `${from.toFixed(1)}..${(from + random.between(widest / 10, widest)).toFixed(1)}${unit}`;
+  };
+  const box = () => `x ${range(-70, 50, 40, "mm")} y ${range(-70, 50, 40, "mm")}`;
+  const during = () => (random.uniform() < 0.5 ? ` during ${range(0, 2, 0.6, "s")}` : "");
+  const who = () => random.of(["any", "every", ball(), ball(), ball()]);
+  const partner = () => random.of(["any", "bins", "ground", ball()]);
+  const inside = () => `${who()} in ${box()}${during()}`;
+  const touch = () => `${ball()} touches ${partner()}${during()}`;
+  const simple = () =>
+    random.of([
+      inside,
+      touch,
+      () => `${ball()} ends in ${box()}`,
+      () => `${inside()} then ${random.of([inside, touch])()}`,
+      () => `log_prior ${range(4400, 4600, 100, "")}`,
+      () => `events < ${300 + random.below(300)}`,
+    ])();
+  return random.of([
+    simple,
+    simple,
+    () => `not (${simple()})`,
+    () => `${simple()} and ${simple()}`,
+    () => `${simple()} or ${simple()} and ${simple()}`,
+  ])();
+}
+
+/** Milliseconds of each POST, as the page sees it. */
+export function postTimes(page, path, bodies) {
+  return page.evaluate(
+    async ([to, all]) => {
+      const times = [];
+      for (const body of all) {
+        const from = performance.now();
+        const answer = await fetch(to, {
+          method: "POST",
+          headers: { "content-type": "application/json" },
+          body: JSON.stringify(body),
+        });
+        const text = await answer.text();
+        if (!answer.ok) throw new Error(`${JSON.stringify(body)}: ${answer.status} ${text}`);
+        times.push(performance.now() - from);
+      }
+      return times;
+    },
+    [path, bodies],
+  );
+}
+
+/** Pictures a second that the player draws. */
+export async function playerRate(page, seconds) {
+  await page.waitForFunction(() => window.sleightGallery.player?.isPlaying && window.sleightGallery.player.frames > 3);
+  return page.evaluate(async (forMs) => {
+    const { player } = window.sleightGallery;
+    const [frames, from] = [player.frames, performance.now()];
+    await new Promise((resolve) => setTimeout(resolve, forMs));
+    return (1000 * (window.sleightGallery.player.frames - frames)) / (performance.now() - from);
+  }, seconds * 1000);
+}
+
+/** Turns the wheel over the list; returns the times between the browser's frames, in ms. */
+export async function scrollFrames(page, seconds) {
+  const box = await page.locator("#list").boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.evaluate(() => {
+    const gaps = [];
+    let last = performance.now();
+    const step = (now) => {
+      gaps.push(now - last);
+      last = now;
+      window.scrollGaps = gaps;
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  });
+  const until = performance.now() + seconds * 1000;
+  while (performance.now() < until) {
+    await page.mouse.wheel(0, 120);
+    await page.waitForTimeout(16);
+  }
+  return page.evaluate(() => window.scrollGaps.slice(2));
+}
+
+/** Zooms and moves a plot by keys; milliseconds until each is drawn. */
+export function zoomTimes(page) {
+  return page.evaluate(async () => {
+    const chart = document.querySelector("#plot-place .chart");
+    chart.focus();
+    const frame = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 0)));
+    const times = [];
+    const keys = ["+", "+", "+", "ArrowRight", "ArrowRight", "+", "+", "ArrowLeft", "-", "-", "-", "0"];
+    for (const key of [...keys, ...keys]) {
+      await frame();
+      const from = performance.now();
+      chart.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+      // uPlot draws in a microtask; what is measured ends before the browser's own turn.
+      await new Promise((resolve) => setTimeout(resolve, 0));
+      times.push(performance.now() - from);
+    }
+    return times;
+  });
+}
+
+/** Bytes of the page's own files at the first load, compressed. */
+export async function firstLoadBytes(page, origin) {
+  const files = [];
+  const listen = (response) => {
+    const url = new URL(response.url());
+    if (!url.pathname.startsWith("/api/")) files.push(response.body());
+  };
+  page.on("response", listen);
+  await page.goto("about:blank");
+  await page.goto(origin);
+  await page.locator("#groups canvas[data-thumbnail=drawn]").first().waitFor();
+  page.off("response", listen);
+  const bodies = await Promise.all(files.map((body) => body.catch(() => Buffer.alloc(0))));
+  return bodies.reduce((sum, body) => sum + gzipSync(body, { level: 9 }).length, 0);
+}
+
+/** The tab's share of memory and the GPU process', in MB. */
+export async function tabMemory(browser) {
+  const session = await browser.newBrowserCDPSession();
+  const { processInfo } = await session.send("SystemInfo.getProcessInfo");
+  const most = (type) =>
+    Math.max(...processInfo.filter((process) => process.type === type).map(({ id }) => proportional(id)));
+  return { tab: most("renderer"), gpu: most("GPU") };
+}
+
+function proportional(pid) {
+  return kilobytes(`/proc/${pid}/smaps_rollup`, "Pss");
+}
+
+/** Resident, now and at most, in MB. */
+export function serverMemory(pid) {
+  const path = `/proc/${pid}/status`;
+  return { now: kilobytes(path, "VmRSS"), most: kilobytes(path, "VmHWM") };
+}
+
+function kilobytes(path, name) {
+  const line = readFileSync(path, "utf8").split("\n").find((text) => text.startsWith(`${name}:`));
+  return Number(/(\d+) kB/.exec(line)[1]) / 1000;
+}

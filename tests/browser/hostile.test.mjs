@@ -1,0 +1,286 @@
+// Goal: nobody but the page that was let in reads or changes anything: not another name of this address, not
+// a foreign page in the same browser, not another program of the host; requests that lie, hang or are too
+// large are refused. Method: the real program, with Chromium as the victim's browser (a host name that is
+// mapped to loopback, a page of another port) and raw sockets; what is refused must not say what it was.
+import assert from "node:assert/strict";
+import { copyFileSync, mkdirSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { connect } from "node:net";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { archives } from "./support/archives.mjs";
+import { launch, Visitor } from "./support/browser.mjs";
+import { Gallery } from "./support/gallery.mjs";
+import { namesFound, temporaryFolder } from "./support/programs.mjs";
+
+const folder = temporaryFolder("hostile");
+const { hi } = archives();
+// A signs-ridden file name; the folder above it has a secret beside it.
+const odd = `<img src=x onerror=alert(1)>"'&\u202e javascript:alert(2) %00..`;
+const shown = join(folder, "shown");
+mkdirSync(shown);
+copyFileSync(hi, join(shown, `${odd}.h5`));
+writeFileSync(join(folder, "secret.txt"), "the secret of the host");
+writeFileSync(join(shown, `<script>alert(3)</script>.h5`), "no archive");
+
+let gallery, visitor, page;
+before(async () => {
+  gallery = await Gallery.start([shown]);
+  visitor = await Visitor.enter(gallery, { rules: "MAP evil.test 127.0.0.1" });
+  page = visitor.page;
+});
+after(async () => {
+  await visitor?.close();
+  await gallery?.stop();
+});
+
+const notesNow = () => page.evaluate(async () => (await fetch("/api/notes")).text());
+
+/** A server of somebody else on this host; `pages`: path -> HTML. Keeps what it was asked. */
+async function foreignServer(pages) {
+  const asked = [];
+  const server = createServer((request, response) => {
+    asked.push({ url: request.url, cookie: request.headers.cookie ?? "" });
+    response.setHeader("content-type", "text/html");
+    response.end(pages[request.url] ?? "");
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  return { asked, port: server.address().port, close: () => server.close() };
+}
+
+test("another name of this address is refused", async () => {
+  const other = await visitor.context.newPage();
+  const answer = await other.goto(`http://evil.test:${gallery.port}/`);
+  assert.ok([400, 403, 421].includes(answer.status()), `${answer.status()}`);
+  const body = await answer.text();
+  assert.doesNotMatch(body, /evil\.test|sleight-gallery-root|app"/);
+  // From such a page: same origin for the browser, and still refused.
+  const tried = await other.evaluate(async () => {
+    const status = async (path, options) => (await fetch(path, options)).status;
+    return [await status("/api/gallery"), await status("/api/notes"), await status("/"),
+      await status("/api/notes", { method: "POST", headers: { "content-type": "application/json" },
+        body: JSON.stringify({ run: "0123456789abcdef", name: "0.1", note: { star: true } }) })];
+  });
+  for (const status of tried) assert.ok(status >= 400 && status < 500, tried.join());
+  await other.close();
+});
+
+test("a foreign page reads nothing and changes nothing", async () => {
+  const before = await notesNow();
+  const run = await page.evaluate(async () => (await (await fetch("/api/gallery")).json()).archives
+    .find(({ kept }) => kept > 0).run);
+  const [name] = namesFound(hi);
+  const note = JSON.stringify({ run, name, note: { star: true, hidden: true, tags: ["evil"], note: "evil" } });
+  const { origin } = gallery;
+  const foreign = await foreignServer({
+    "/": `<!doctype html><title>foreign</title><p>hello</p>`,
+    "/form": `<!doctype html><form method=post action="${origin}/api/notes" enctype="text/plain">` +
+      `<input name='${note.slice(0, -1).replaceAll("'", "&#39;")},"x":"' value='"}'></form>`,
+  });
+  try {
+    // Its host is the gallery's, its port isn't: the browser sends it the gallery's cookie.
+    const other = await visitor.context.newPage();
+    await other.goto(`http://127.0.0.1:${foreign.port}/`);
+    const said = await other.evaluate(async ([at, body]) => {
+      const tries = {};
+      const attempt = async (what, act) => {
+        try {
+          tries[what] = await act();
+        } catch (error) {
+          tries[what] = `refused: ${error.name}`;
+        }
+      };
+      const credentials = "include";
+      for (const path of ["/", "/api/gallery", "/api/notes", "/api/archives/0/table"]) {
+        await attempt(`read ${path}`, async () => (await fetch(at + path, { credentials })).text());
+        await attempt(`opaque ${path}`, async () =>
+          (await (await fetch(at + path, { credentials, mode: "no-cors" })).text()).length);
+      }
+      await attempt("post", async () => (await fetch(`${at}/api/notes`, { method: "POST", credentials, body,
+        headers: { "content-type": "application/json" } })).text());
+      await attempt("plain post", async () => (await fetch(`${at}/api/notes`, { method: "POST", credentials, body,
+        mode: "no-cors", headers: { "content-type": "text/plain" } })).type);
+      await attempt("beacon", () => navigator.sendBeacon(`${at}/api/notes`,
+        new Blob([body], { type: "application/json" })));
+      const element = (tag, attributes) => new Promise((resolve) => {
+        const made = document.createElement(tag);
+        made.onload = () => resolve("loaded");
+        made.onerror = () => resolve("refused");
+        Object.assign(made, attributes);
+        document.body.append(made);
+        setTimeout(() => resolve("nothing"), 2000);
+      });
+      await attempt("image", () => element("img", { src: `${at}/api/gallery` }));
+      await attempt("script", () => element("script", { src: `${at}/api/gallery` }));
+      await attempt("style", () => element("link", { rel: "stylesheet", href: `${at}/` }));
+      await attempt("events", () => new Promise((resolve) => {
+        const events = new EventSource(`${at}/api/events`, { withCredentials: true });
+        events.onopen = () => resolve("open");
+        events.onerror = () => { events.close(); resolve("refused"); };
+      }));
+      const frame = document.createElement("iframe");
+      frame.src = `${at}/`;
+      document.body.append(frame);
+      await new Promise((resolve) => { frame.onload = resolve; setTimeout(resolve, 2000); });
+      await attempt("frame", () => frame.contentDocument?.body.textContent ?? "refused");
+      const opened = window.open(`${at}/`);
+      await new Promise((resolve) => setTimeout(resolve, 1000));
+      await attempt("window", () => opened?.document?.body.textContent ?? "refused");
+      opened?.close();
+      return tries;
+    }, [origin, note]);
+    for (const [what, result] of Object.entries(said)) {
+      if (what === "beacon") continue;
+      if (what.startsWith("opaque") || what === "plain post") {
+        assert.ok(result === 0 || result === "opaque" || /refused/.test(result), `${what}: ${result}`);
+        continue;
+      }
+      assert.match(String(result), /^refused|^nothing$/, `${what}: ${String(result).slice(0, 200)}`);
+    }
+    // A page of it may not stand in one's frame: what is in it is Chromium's refusal.
+    for (const child of other.frames().slice(1))
+      assert.equal(await child.locator("#counts").count().catch(() => 0), 0);
+    await other.goto(`http://127.0.0.1:${foreign.port}/form`);
+    const [answer] = await Promise.all([other.waitForNavigation(), other.evaluate(() => document.forms[0].submit())]);
+    assert.ok(answer.status() >= 400 && answer.status() < 500, `the form got ${answer.status()}`);
+    await other.close();
+    assert.equal(await notesNow(), before);
+  } finally {
+    foreign.close();
+  }
+});
+
+test("names of files are text", async () => {
+  await visitor.open();
+  assert.ok((await page.locator("nav[aria-label=Archives]").innerText()).includes(odd.slice(0, 30)));
+  assert.match(await page.locator("#trouble").innerText(), /<script>alert\(3\)<\/script>\.h5/);
+  assert.equal(await page.locator("script:not([src]), [onerror], [onload], a[href^='javascript:']").count(), 0);
+  assert.equal(await page.locator("img").count(), 0);
+  // Names in links and in what is chosen as well.
+  await visitor.open(`#archive=${encodeURIComponent(`${odd}.h5`)}&q=in:${encodeURIComponent("<img src=x onerror=alert(4)>")}&tag=${encodeURIComponent("<b>")}`);
+  assert.equal(await page.locator("#chips .chip-text").innerText(), "<img src=x onerror=alert(4)>");
+  assert.equal(await page.locator("img, b").count(), 0);
+  visitor.assertNoProblems(/status of 4\d\d|ERR_BLOCKED|Refused to|CORS|MIME type/);
+});
+
+test("the page keeps to its own policy", async () => {
+  await visitor.open();
+  const tried = await page.evaluate(async () => {
+    const tries = {};
+    try { tries.evaluated = new Function("return 1")(); } catch (error) { tries.evaluated = error.name; }
+    const script = document.createElement("script");
+    script.textContent = "window.wasRun = true";
+    document.body.append(script);
+    tries.inline = window.wasRun ?? "refused";
+    const div = document.createElement("div");
+    div.setAttribute("onclick", "window.wasClicked = true");
+    document.body.append(div);
+    div.click();
+    tries.attribute = window.wasClicked ?? "refused";
+    try { await fetch("http://127.0.0.1:1/"); tries.fetch = "sent"; } catch { tries.fetch = "refused"; }
+    return tries;
+  });
+  assert.deepEqual(tried, { evaluated: "EvalError", inline: "refused", attribute: "refused", fetch: "refused" });
+  visitor.problems.length = 0;
+});
+
+test("one without the cookie, and a link that was used, are told the way in and nothing else", async () => {
+  const browser = await launch();
+  try {
+    const stranger = await (await browser.newContext()).newPage();
+    for (const path of ["/", "/api/gallery", "/api/notes", "/api/events", "/api/archives/0/table",
+      gallery.link.slice(gallery.origin.length)]) {
+      const answer = await stranger.goto(gallery.origin + path);
+      assert.ok([401, 403].includes(answer.status()), `${path}: ${answer.status()}`);
+      assert.doesNotMatch(await answer.text(), /archives|spelling|kept/);
+    }
+    const cookies = await visitor.context.cookies(gallery.origin);
+    assert.deepEqual(cookies.map(({ httpOnly, sameSite }) => [httpOnly, sameSite]), [[true, "Strict"]]);
+    await stranger.context().addCookies([{ ...cookies[0], value: cookies[0].value.replace(/.$/, (c) => (c === "0" ? "1" : "0")) }]);
+    assert.ok([401, 403].includes((await stranger.goto(`${gallery.origin}/api/gallery`)).status()));
+  } finally {
+    await browser.close();
+  }
+});
+
+/** Sends bytes, in pieces with pauses if a list is given; resolves with what came until the end. */
+function raw(pieces, { pauseMs = 0, timeoutMs = 20_000 } = {}) {
+  return new Promise((resolve) => {
+    const socket = connect(gallery.port, "127.0.0.1");
+    let said = "";
+    const begin = Date.now();
+    const end = () => { socket.destroy(); resolve({ said, ms: Date.now() - begin }); };
+    const timer = setTimeout(end, timeoutMs);
+    socket.on("data", (data) => { said += data.toString("latin1"); });
+    socket.on("error", () => undefined);
+    socket.on("close", () => { clearTimeout(timer); end(); });
+    const list = [pieces].flat();
+    const next = () => {
+      const piece = list.shift();
+      if (piece === undefined || socket.destroyed) return;
+      socket.write(piece);
+      if (list.length > 0) setTimeout(next, pauseMs);
+    };
+    socket.on("connect", next);
+  });
+}
+const statusOf = ({ said }) => Number(/^HTTP\/1\.[01] (\d{3})/.exec(said)?.[1] ?? 0);
+
+test("requests by hand that lie, hang or are too large are refused, with a sentence that repeats nothing", async () => {
+  const [{ name, value }] = await visitor.context.cookies(gallery.origin);
+  const host = `127.0.0.1:${gallery.port}`;
+  const cookie = `Cookie: ${name}=${value}\r\n`;
+  const close = "Connection: close\r\n\r\n";
+  const get = (target, lines = `Host: ${host}\r\n`) => raw(`GET ${target} HTTP/1.1\r\n${lines}${cookie}${close}`);
+  assert.equal(statusOf(await get("/api/gallery")), 200);
+  const refused = {
+    "..": get("/../secret.txt"),
+    "deep ..": get("/assets/../../secret.txt"),
+    "%2e%2e": get("/%2e%2e/secret.txt"),
+    "%2f": get("/..%2fsecret.txt"),
+    "%00": get("/index.html%00.png"),
+    "a backslash": get("/..\\secret.txt"),
+    "no Host": get("/", ""),
+    "two Hosts": get("/", `Host: ${host}\r\nHost: ${host}\r\n`),
+    "another Host": get("/", "Host: evil.test\r\n"),
+    "a Host without port": get("/", "Host: 127.0.0.1\r\n"),
+    "an absolute target": get("http://evil.test/", `Host: ${host}\r\n`),
+    "a head of 20 kB": get("/", `Host: ${host}\r\nX-Long: ${"a".repeat(20_000)}\r\n`),
+    "another method": raw(`DELETE /api/notes HTTP/1.1\r\nHost: ${host}\r\n${cookie}${close}`),
+    "two lengths": raw(`POST /api/find HTTP/1.1\r\nHost: ${host}\r\nOrigin: http://${host}\r\n${cookie}` +
+      `Content-Type: application/json\r\nContent-Length: 2\r\nContent-Length: 3\r\n${close}{}`),
+    "length and chunks": raw(`POST /api/find HTTP/1.1\r\nHost: ${host}\r\nOrigin: http://${host}\r\n${cookie}` +
+      `Content-Type: application/json\r\nContent-Length: 2\r\nTransfer-Encoding: chunked\r\n${close}{}`),
+    "a body of 5 MB": raw(`POST /api/find HTTP/1.1\r\nHost: ${host}\r\nOrigin: http://${host}\r\n${cookie}` +
+      `Content-Type: application/json\r\nContent-Length: 5000000\r\n${close}${" ".repeat(100_000)}`),
+    "no Origin": raw(`POST /api/find HTTP/1.1\r\nHost: ${host}\r\n${cookie}Content-Type: application/json\r\nContent-Length: 2\r\n${close}{}`),
+    "another Origin": raw(`POST /api/find HTTP/1.1\r\nHost: ${host}\r\nOrigin: http://evil.test\r\n${cookie}` +
+      `Content-Type: application/json\r\nContent-Length: 2\r\n${close}{}`),
+    "no cookie": raw(`GET /api/gallery HTTP/1.1\r\nHost: ${host}\r\n${close}`),
+    "no HTTP": raw("\x16\x03\x01\x02\x00hello\r\n\r\n"),
+  };
+  for (const [what, answer] of Object.entries(refused)) {
+    const got = await answer;
+    const status = statusOf(got);
+    assert.ok(status === 0 ? what === "no HTTP" : status >= 400 && status < 500, `${what}: ${got.said.slice(0, 80)}`);
+    assert.doesNotMatch(got.said, /the secret of the host|evil\.test|aaaa/, what);
+  }
+  // Archives go by number: nothing else is an archive.
+  for (const id of ["7", "-1", "../0", "0%00", "18446744073709551616", "0x0"])
+    assert.ok(statusOf(await get(`/api/archives/${id}/table`)) >= 400, id);
+});
+
+test("a slow client is cut off, and keeps nobody else waiting", async () => {
+  const host = `127.0.0.1:${gallery.port}`;
+  const slow = Array.from({ length: 40 }, () =>
+    raw([..."GET / HTTP/1.1\r\nHost: "], { pauseMs: 1500, timeoutMs: 45_000 }));
+  const begin = Date.now();
+  assert.match(await page.evaluate(async () => (await fetch("/api/gallery")).text()), /archives/);
+  assert.ok(Date.now() - begin < 2000);
+  const ends = await Promise.all(slow);
+  for (const { said, ms } of ends) {
+    assert.ok(ms < 44_000, `a slow client was let go on for ${ms} ms`);
+    assert.ok(said === "" || /^HTTP\/1\.1 4\d\d/.test(said), said.slice(0, 60));
+  }
+  console.log(`slow clients were cut off after ${Math.max(...ends.map(({ ms }) => ms))} ms at most; ${host}`);
+});

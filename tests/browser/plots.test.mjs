@@ -1,0 +1,122 @@
+// Goal: all that the page can plot of an archive is drawn; a point of a chain opens its animation and a
+// stretch filters the wall. Method: a gallery of an archive of each world in Chromium.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { archives } from "./support/archives.mjs";
+import { inkOf, playerShows, screenshotFor, Visitor } from "./support/browser.mjs";
+import { Gallery } from "./support/gallery.mjs";
+import { find, namesFound, run, sleight } from "./support/programs.mjs";
+
+let gallery, visitor, page;
+const { hi, dice, ball } = archives();
+const runOf = (path) => find(path, "-n", "1").archives[0].run_id;
+
+before(async () => {
+  gallery = await Gallery.start([hi, dice, ball]);
+  visitor = await Visitor.enter(gallery);
+  page = visitor.page;
+});
+after(async () => {
+  await visitor?.close();
+  await gallery?.stop();
+});
+
+/** Draws all of an archive's plots; returns their kinds by name. */
+async function drawAll(path) {
+  await visitor.open(`#run=${runOf(path)}&view=plots`);
+  await page.locator("button[data-plot]").first().waitFor();
+  const titles = await page.evaluate(async (id) => {
+    const { archives: all } = await (await fetch("/api/gallery")).json();
+    return (await fetch(`/api/archives/${all.find(({ run: of }) => of === id).id}/series`)).json();
+  }, runOf(path));
+  const kinds = Object.fromEntries(titles.map(({ name, kind }) => [name, kind]));
+  for (const { name, title, kind } of titles) {
+    await page.locator(`button[data-plot="${name}"]`).click();
+    await page.locator("#plot-title", { hasText: title }).waitFor();
+    // The plot before stays until this one is read.
+    await page.waitForFunction(() => document.querySelector("#plot-words").hidden ||
+      document.querySelector("#plot-words").textContent !== "Reading …");
+    const words = await page.locator("#plot-words").innerText();
+    assert.doesNotMatch(words, /can't|fail|error/i, `${path}: ${name}`);
+    if (kind === "table") {
+      assert.ok(await page.locator("#plot-place td").count() > 3, name);
+      continue;
+    }
+    if (kind !== "trace" && await page.locator("#plot-place .u-wrap").count() === 0) {
+      const heights = await page.locator("#plot-place svg :is(rect, path, polyline)").evaluateAll((parts) =>
+        parts.map((part) => part.getBBox().height));
+      assert.ok(Math.max(...heights) > 20, `${path}: ${name} has no bars: ${heights}`);
+      continue;
+    }
+    // Legends have small canvases too.
+    const canvas = page.locator("#plot-place .u-wrap canvas").first();
+    await canvas.waitFor();
+    await page.waitForTimeout(60);
+    const { colours, other, width, height } = await inkOf(canvas);
+    assert.ok(colours > 10 && other > (width * height) / 500, `${path}: ${name} has ${colours} colours`);
+  }
+  visitor.assertNoProblems();
+  return kinds;
+}
+
+test("all of a ladder's and plain chains' plots are drawn", async () => {
+  const kinds = new Set();
+  for (const path of [dice, ball]) for (const kind of Object.values(await drawAll(path))) kinds.add(kind);
+  assert.deepEqual([...kinds].sort(), ["levels", "pair", "rounds", "table", "trace"]);
+});
+
+test("a search has no chains, which is said", async () => {
+  await visitor.open(`#run=${runOf(hi)}&view=plots`);
+  await page.locator("#plot-words", { hasText: "There is nothing to plot" }).waitFor();
+  assert.equal(await page.locator("button[data-plot]").count(), 0);
+  visitor.assertNoProblems();
+});
+
+test("the table says what `sleight diagnose` says", async () => {
+  await visitor.open(`#run=${runOf(dice)}&view=plots`);
+  await page.locator("button[data-plot]").first().waitFor();
+  // 7: chains have not mixed, which isn't the question.
+  const said = JSON.parse(run(sleight, ["diagnose", dice, "--json"], { codes: [0, 7] }));
+  const own = await page.evaluate(async (id) => {
+    const { archives: all } = await (await fetch("/api/gallery")).json();
+    return (await fetch(`/api/archives/${all.find(({ run: of }) => of === id).id}/diagnosis`)).json();
+  }, runOf(dice));
+  assert.deepEqual(Object.keys(own).sort(), Object.keys(said).sort());
+  const numbers = (value) => JSON.stringify(value).match(/-?\d+(\.\d+)?(e-?\d+)?/g).length;
+  assert.equal(numbers(own), numbers(said));
+});
+
+test("a point opens its animation, a stretch filters the wall", async () => {
+  await visitor.open(`#run=${runOf(ball)}&view=plots`);
+  await page.locator("button[data-plot]").first().waitFor();
+  const trace = await page.evaluate(async (id) => {
+    const { archives: all } = await (await fetch("/api/gallery")).json();
+    const titles = await (await fetch(`/api/archives/${all.find(({ run: of }) => of === id).id}/series`)).json();
+    return titles.find(({ kind }) => kind === "trace").name;
+  }, runOf(ball));
+  await page.locator(`button[data-plot="${trace}"]`).click();
+  const over = page.locator("#plot-place .u-over");
+  await over.waitFor();
+  await page.waitForTimeout(200);
+  await screenshotFor(page, "gallery_plots");
+  const box = await over.boundingBox();
+  await page.mouse.move(box.x + 0.4 * box.width, box.y + 0.5 * box.height);
+  await page.mouse.click(box.x + 0.4 * box.width, box.y + 0.5 * box.height);
+  const { labels } = await playerShows(page, 1);
+  assert.ok(namesFound(ball).includes(labels[0]), labels[0]);
+  await page.locator("#status", { hasText: `${labels[0]} is the kept animation nearest to draw` }).waitFor();
+  await page.keyboard.press("Escape");
+  await page.locator("#player").waitFor({ state: "hidden" });
+
+  // What is seen, after zooming in by keys, becomes a query.
+  await page.locator("#plot-place .chart").focus();
+  await page.keyboard.press("+");
+  await page.locator("#plot-filter-seen").click();
+  const chip = page.locator("#chips .chip-text");
+  await chip.waitFor();
+  const query = await chip.innerText();
+  assert.match(query, /^draw \d+\.\.\d+$/);
+  const expected = namesFound(ball, "--where", query);
+  await page.locator("#counts", { hasText: `${expected.length} of ${find(ball).of} shown` }).waitFor();
+  visitor.assertNoProblems();
+});

@@ -1,0 +1,97 @@
+// Where the programs are, and how they are run: SLEIGHT_BIN, or `--bin`, is the program `sleight` or
+// the folder that it lies in. Programs get a home of their own, so that no test meets another's notes.
+import { spawn, spawnSync } from "node:child_process";
+import { existsSync, mkdirSync, mkdtempSync, rmSync, statSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
+
+/** The folder of the sources. */
+export const source = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
+
+function given() {
+  const at = process.argv.indexOf("--bin");
+  const path = process.env.SLEIGHT_BIN ?? (at > 0 ? process.argv[at + 1] : undefined);
+  if (path === undefined) throw new Error("say where the programs are: SLEIGHT_BIN=build/release_part/bin");
+  if (!existsSync(path)) throw new Error(`SLEIGHT_BIN: there is no ${path}; build the programs first`);
+  return resolve(statSync(path).isDirectory() ? join(path, "sleight") : path);
+}
+
+export const sleight = given();
+/** A program that is not installed. */
+export const testProgram = (name) => join(dirname(sleight), "../tests", name);
+
+const temporary = [];
+process.on("exit", () => {
+  for (const folder of temporary) rmSync(folder, { recursive: true, force: true });
+});
+/** A folder that goes when the tests have ended. */
+export function temporaryFolder(name = "test") {
+  const folder = mkdtempSync(join(tmpdir(), `sleight-browser-${name}-`));
+  temporary.push(folder);
+  return folder;
+}
+
+/** The environment of programs with that home. */
+export function environment(home) {
+  const { XDG_CACHE_HOME, XDG_DATA_HOME, XDG_STATE_HOME, XDG_RUNTIME_DIR, DISPLAY, WAYLAND_DISPLAY, ...rest } =
+    process.env;
+  mkdirSync(home, { recursive: true });
+  return { ...rest, HOME: home };
+}
+
+let homeOfRuns = null;
+/** Runs a program to its end; returns what it wrote. Throws where it ends with another code. */
+export function run(program, args, { input, home, cwd, codes = [0] } = {}) {
+  homeOfRuns ??= temporaryFolder("home");
+  const { status, signal, stdout, stderr, error } = spawnSync(program, args, {
+    env: environment(home ?? homeOfRuns), input, cwd, encoding: "utf8", maxBuffer: 1 << 30,
+  });
+  if (error !== undefined) throw error;
+  if (!codes.includes(status)) throw new Error(`${program} ${args.join(" ")}: ended with ${status ?? signal}: ${stderr}`);
+  return stdout;
+}
+
+/** What `sleight find` says of an archive. */
+export function find(archive, ...args) {
+  return JSON.parse(run(sleight, ["find", archive, ...args, "--json"]));
+}
+/** Names of animations that it finds. */
+export const namesFound = (archive, ...args) => find(archive, ...args).animations.map(({ id }) => id);
+
+const running = new Set();
+process.on("exit", () => {
+  for (const child of running) child.kill("SIGKILL");
+});
+/** Starts a program; it doesn't outlive the tests. */
+export function start(program, args, { home, ...options }) {
+  const child = spawn(program, args, {
+    env: environment(home), stdio: ["ignore", "pipe", "pipe"], ...options,
+  });
+  running.add(child);
+  child.on("exit", () => running.delete(child));
+  return child;
+}
+
+/** The first line that it writes; throws what it said instead where it ends before. */
+export function firstLine(child) {
+  return new Promise((resolveLine, reject) => {
+    let text = "";
+    let errors = "";
+    child.stderr.on("data", (data) => { errors += data; });
+    child.stdout.on("data", (data) => {
+      text += data;
+      if (text.includes("\n")) resolveLine(text.slice(0, text.indexOf("\n")));
+    });
+    child.on("error", reject);
+    child.on("exit", (code, signal) =>
+      reject(new Error(`${child.spawnargs.join(" ")}: ended with ${code ?? signal}: ${errors}`)));
+  });
+}
+
+/** How it ended: {code, signal}. */
+export function ended(child) {
+  if (child.exitCode !== null || child.signalCode !== null)
+    return Promise.resolve({ code: child.exitCode, signal: child.signalCode });
+  return new Promise((resolveEnd) => child.on("exit", (code, signal) => resolveEnd({ code, signal })));
+}

@@ -1,0 +1,214 @@
+// Goal: the wall shows what is kept, by groups and one by one, sorted as asked; what a person says of
+// animations is kept. Method: a gallery of an archive of each world in Chromium, acted on as people do;
+// what it says is compared with `sleight find`, its pictures with blank ones.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { archives } from "./support/archives.mjs";
+import { cards, inkOf, screenshotFor, Visitor } from "./support/browser.mjs";
+import { Gallery } from "./support/gallery.mjs";
+import { find, namesFound } from "./support/programs.mjs";
+
+let gallery, visitor, page;
+const { hi, dice, ball } = archives();
+
+before(async () => {
+  gallery = await Gallery.start([hi, dice, ball]);
+  visitor = await Visitor.enter(gallery);
+  page = visitor.page;
+});
+after(async () => {
+  await visitor?.close();
+  await gallery?.stop();
+});
+
+const text = (selector) => page.locator(selector).innerText();
+const showArchive = async (name) => {
+  await page.getByRole("navigation", { name: "Archives" }).getByRole("button", { name }).click();
+  await page.locator(`[aria-current=page]`, { hasText: name }).waitFor();
+  await page.waitForFunction(() => !document.querySelector("#toolbar-words").textContent.includes("Grouping"));
+};
+const listed = () => page.locator("#list [role=gridcell]").evaluateAll((cells) => cells
+  .map((cell) => [Number(cell.dataset.index), cell.dataset.key]).sort(([a], [b]) => a - b)
+  .map(([, key]) => key));
+
+test("groups hold all that is kept, each with a picture", async () => {
+  for (const [name, path, told] of [["hi.h5", hi, "not in proportion"], ["dice.h5", dice, "share"],
+    ["ball.h5", ball, "share"]]) {
+    await visitor.open();
+    await showArchive(name);
+    await page.locator("#groups [role=gridcell]").first().waitFor();
+    const many = find(path).of;
+    assert.match(await text("#counts"), new RegExp(`^${many} of ${many} shown · as of \\S+`));
+    await page.locator("#groups-count").fill("5");
+    await page.locator("#groups-count").press("Enter");
+    await page.waitForFunction(() => /^\d+ groups? of/.test(document.querySelector("#toolbar-words").textContent) &&
+      document.querySelectorAll("#groups [role=gridcell]").length <= 5);
+    const words = await page.locator("#groups [role=gridcell]").allInnerTexts();
+    assert.equal(words.length, 5);
+    const kept = words.map((card) => Number(/(\d+) kept/.exec(card)[1]));
+    assert.equal(kept.reduce((a, b) => a + b), many, `${name}: ${kept}`);
+    for (const card of words) assert.match(card, new RegExp(told));
+    await cards(page);
+    for (const canvas of await page.locator("canvas[data-thumbnail]").all()) {
+      const { colours, other, width, height } = await inkOf(canvas);
+      assert.ok(colours > 20 && other > (width * height) / 100, `${name}: a picture has ${colours} colours`);
+    }
+  }
+  // Of independent draws the shares are of all.
+  const shares = await page.locator("#groups .card-share").allInnerTexts();
+  const total = shares.reduce((sum, words) => sum + Number(/share ([\d.]+)/.exec(words)[1]), 0);
+  assert.ok(Math.abs(total - 100) < 3, shares.join("; "));
+  visitor.assertNoProblems();
+});
+
+test("a group opens into its members, and closes again", async () => {
+  await visitor.open();
+  const card = page.locator("#groups [role=gridcell]").first();
+  const [, kept] = /(\d+) kept/.exec(await card.innerText());
+  await card.locator("canvas").click();
+  await page.locator("#counts", { hasText: `${kept} of 40 shown` }).waitFor();
+  await page.locator("#view-list").click();
+  await page.locator("#list [role=gridcell]").first().waitFor();
+  assert.equal((await listed()).length, Math.min(Number(kept), (await listed()).length));
+  await page.getByRole("navigation", { name: "Where you are" }).getByRole("button", { name: "All" }).click();
+  await page.locator("#counts", { hasText: "40 of 40 shown" }).waitFor();
+  visitor.assertNoProblems();
+});
+
+test("the list is sorted as `find` sorts", async () => {
+  await visitor.open("#view=list");
+  await page.locator("#list [role=gridcell]").first().waitFor();
+  const seen = (names) => names.slice(0, 6);
+  assert.deepEqual(seen(await listed()), seen(namesFound(hi)));
+  for (const [number, descending] of [["log_prior", true], ["rest_s", true], ["rest_s", false]]) {
+    if (await page.locator("#sort").inputValue() !== `-${number}`) await page.locator("#sort").selectOption(`-${number}`);
+    const turned = await text("#sort-turn");
+    if (turned.includes("greatest") !== descending) await page.locator("#sort-turn").click();
+    const expected = namesFound(hi, "--sort", number, ...(descending ? ["--descending"] : []));
+    await page.waitForFunction((first) =>
+      document.querySelector("#list [data-index='0']")?.dataset.key === first, expected[0]);
+    assert.deepEqual(seen(await listed()), seen(expected), number);
+  }
+  // Like the first: it comes first itself.
+  const first = page.locator("#list [data-index='0']");
+  const name = await first.getAttribute("data-key");
+  await first.click();
+  await page.locator("#more-like").click();
+  await page.locator("#toolbar-words", { hasText: `Most like ${name} first` }).waitFor();
+  assert.equal((await listed())[0], name);
+  await page.locator("#unlike").click();
+  await page.locator("#toolbar-words", { hasText: `Least like ${name} first` }).waitFor();
+  assert.notEqual((await listed())[0], name);
+  visitor.assertNoProblems();
+});
+
+test("stars, tags and what is hidden are kept, and undone", async () => {
+  await visitor.open("#view=list");
+  const cell = (index) => page.locator(`#list [data-index='${index}']`);
+  await cell(0).waitFor();
+  const [first, second, third] = await listed();
+  await cell(0).hover();
+  await cell(0).locator("[data-act=star]").click();
+  await page.locator(`#list [data-key='${first}'].is-starred`).waitFor();
+  await cell(2).click();
+  await page.locator("#tag-chosen").fill("good");
+  await page.locator("#put-tag").click();
+  await page.locator(`#list [data-key='${third}']`, { hasText: "#good" }).waitFor();
+  await page.locator("#choose-none").click();
+  await cell(1).hover();
+  await cell(1).locator("[data-act=hide]").click();
+  await page.locator("#counts", { hasText: "39 of 40 shown, 1 hidden by you" }).waitFor();
+  assert.ok(!(await listed()).includes(second));
+  // The server has them before the page says so, or soon after.
+  const isKept = (name, part) => page.waitForFunction(async ([of, what]) => {
+    const { notes } = await (await fetch("/api/notes")).json();
+    const note = Object.values(notes).map((run) => run[of]).find((found) => found !== undefined);
+    return JSON.stringify(note ?? {}).includes(what);
+  }, [name, part], { polling: 100 });
+  await isKept(first, '"star":true');
+  await isKept(second, '"hidden":true');
+  await isKept(third, "good");
+
+  await visitor.open("#view=list");
+  await page.locator("#counts", { hasText: "39 of 40 shown, 1 hidden by you" }).waitFor();
+  await page.locator(`#list [data-key='${first}'].is-starred`).waitFor();
+  await page.locator("#filter-tag").selectOption("good");
+  await page.locator("#counts", { hasText: "1 of 40 shown" }).waitFor();
+  assert.deepEqual(await listed(), [third]);
+  await page.locator("#filter-tag").selectOption("");
+  await page.locator("#only-starred").check();
+  await page.locator("#counts", { hasText: "1 of 40 shown" }).waitFor();
+  assert.deepEqual(await listed(), [first]);
+  await page.locator("#only-starred").uncheck();
+  await page.locator("#filter-hidden").selectOption("only");
+  await page.locator("#counts", { hasText: "1 of 40 shown" }).waitFor();
+  assert.deepEqual(await listed(), [second]);
+  await page.locator("#filter-hidden").selectOption("without");
+
+  // Undone is only what was done since.
+  await page.locator(`#list [data-key='${first}']`).hover();
+  await page.locator(`#list [data-key='${first}'] [data-act=hide]`).click();
+  await page.locator("#counts", { hasText: "38 of 40 shown, 2 hidden by you" }).waitFor();
+  await page.keyboard.press("Control+z");
+  await page.locator("#counts", { hasText: "39 of 40 shown, 1 hidden by you" }).waitFor();
+  await page.keyboard.press("Control+Shift+z");
+  await page.locator("#counts", { hasText: "38 of 40 shown, 2 hidden by you" }).waitFor();
+  await page.keyboard.press("Control+z");
+  await page.locator("#counts", { hasText: "39 of 40" }).waitFor();
+  await visitor.open("#view=list");
+  await page.locator("#counts", { hasText: "39 of 40 shown, 1 hidden by you" }).waitFor();
+  visitor.assertNoProblems();
+});
+
+test("pictures move, and stand still for those who want that", async () => {
+  const changesIn = (ms) => page.locator("canvas[data-thumbnail=drawn]").first().evaluate(async (canvas, wait) => {
+    const picture = async () => {
+      const bitmap = await createImageBitmap(canvas);
+      const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+      context.drawImage(bitmap, 0, 0);
+      return context.getImageData(0, 0, bitmap.width, bitmap.height).data;
+    };
+    const before = await picture();
+    await new Promise((resolve) => setTimeout(resolve, wait));
+    const now = await picture();
+    return before.length !== now.length || before.some((value, i) => value !== now[i]);
+  }, ms);
+  await visitor.open();
+  await cards(page);
+  assert.equal(await changesIn(1000), false);
+  await page.emulateMedia({ reducedMotion: "no-preference", colorScheme: "light" });
+  await page.waitForTimeout(300);
+  assert.equal(await changesIn(1500), true);
+  await screenshotFor(page, "gallery_wall");
+  await page.emulateMedia({ reducedMotion: "reduce", colorScheme: "light" });
+  visitor.assertNoProblems();
+});
+
+test("light and dark, as the system says or as chosen", async () => {
+  await visitor.open();
+  const theme = () => page.locator("html").getAttribute("data-theme");
+  const shade = async () => {
+    const picture = await page.locator("canvas[data-thumbnail=drawn]").first().evaluate(async (canvas) => {
+      const bitmap = await createImageBitmap(canvas, 2, 2, 1, 1);
+      const context = new OffscreenCanvas(1, 1).getContext("2d");
+      context.drawImage(bitmap, 0, 0);
+      return [...context.getImageData(0, 0, 1, 1).data];
+    });
+    return picture[0] + picture[1] + picture[2];
+  };
+  await cards(page);
+  assert.equal(await theme(), "light");
+  assert.ok(await shade() > 450);
+  await page.emulateMedia({ colorScheme: "dark", reducedMotion: "reduce" });
+  await page.locator("html[data-theme=dark]").waitFor();
+  await page.waitForFunction(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g)
+    .slice(0, 3).every((value) => Number(value) < 80));
+  await page.waitForTimeout(600);
+  assert.ok(await shade() < 200);
+  await page.locator("#theme").selectOption("light");
+  await page.locator("html[data-theme=light]").waitFor();
+  await page.locator("#theme").selectOption("system");
+  await page.emulateMedia({ colorScheme: "light", reducedMotion: "reduce" });
+  await page.locator("html[data-theme=light]").waitFor();
+  visitor.assertNoProblems();
+});

@@ -1,0 +1,93 @@
+// Goal: an animator finds the one animation that is wanted among thousands in under a minute, knowing only
+// what it looks like.
+// Method: random targets of an archive of real animations that spell HI; of each a coarse memory
+// (wanted/memories.mjs), by which a script with the page's controls alone (wanted/finder.mjs) finds it.
+// What it found is compared by name at the end. Time is counted by the keystroke-level model, 2 s for each
+// look at a picture, and what the page makes it wait. Six among 500 here; SLEIGHT_FULL=1: 50 among 5,000.
+import assert from "node:assert/strict";
+import { join } from "node:path";
+import { test } from "node:test";
+import { rgbOf } from "./wanted/colours.mjs";
+import { find } from "./wanted/finder.mjs";
+import { Hands } from "./wanted/hands.mjs";
+import { makeTargets } from "./wanted/memories.mjs";
+import { assertWebGl, launch } from "./support/browser.mjs";
+import { Gallery } from "./support/gallery.mjs";
+import { run, sleight, source, temporaryFolder } from "./support/programs.mjs";
+import { Random } from "./support/random.mjs";
+
+const isFull = process.env.SLEIGHT_FULL === "1";
+const [targetCount, animationCount] = isFull ? [50, 5000] : [6, 500];
+const medianMaxS = 60;
+const slowestMaxS = 180;
+
+/** An archive that is there already may be given by SLEIGHT_WANTED. */
+function archiveOfMany() {
+  if (process.env.SLEIGHT_WANTED !== undefined) return process.env.SLEIGHT_WANTED;
+  const path = join(temporaryFolder("wanted"), "hi.h5");
+  const request = join(source, "tests/browser/hi.toml");
+  run(sleight, ["direct", request, "--set", `stop.found=${animationCount}`, "-o", path, "-q"]);
+  return path;
+}
+
+/** "#rrggbb" of each ball, as the page's pictures have them. */
+async function coloursOf(page, origin) {
+  const bytes = await (await page.request.get(`${origin}/api/archives/0/looks`)).body();
+  const { meshes } = JSON.parse(bytes.subarray(4, 4 + bytes.readUInt32LE(0)).toString()).head;
+  const scene = await (await page.request.get(`${origin}/api/archives/0/scene`)).json();
+  const balls = scene.features.filter(({ kind }) => kind === "body").length;
+  return Array.from({ length: balls }, (_, ball) => meshes.find(({ feature }) => feature === ball).colour);
+}
+
+/** Loads the gallery anew, as somebody does who comes to it: wall, no query, nothing chosen. */
+async function beginAnew(page, origin) {
+  // What was chosen of the cards is kept in the browser; each target pays for it.
+  await page.evaluate(() => localStorage.clear());
+  await page.goto("about:blank");
+  await page.goto(origin);
+  await page.locator("#counts", { hasText: "shown" }).waitFor();
+}
+
+test("the one I want is found by what it looks like", { timeout: 3_600_000 }, async () => {
+  const archive = archiveOfMany();
+  const random = new Random();
+  const gallery = await Gallery.start([archive]);
+  const browser = await launch();
+  try {
+    const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: "light" });
+    const page = await context.newPage();
+    page.setDefaultTimeout(60_000);
+    await page.goto(gallery.link);
+    await assertWebGl(page);
+    // A new archive is read first.
+    await page.locator("#counts", { hasText: "shown" }).waitFor();
+    const colours = await coloursOf(page, gallery.origin);
+    assert.equal(new Set(colours.map((colour) => rgbOf(colour).join())).size, 16);
+    const targets = makeTargets({ archive, colours, count: targetCount, random });
+    const searches = [];
+    for (const { name, memory } of targets) {
+      await beginAnew(page, gallery.origin);
+      const hands = new Hands(page);
+      const isFound = await find(page, hands, memory);
+      // Only here it is told which one it was.
+      const found = isFound ? await page.evaluate(() => window.sleightGallery.player.labels[0]) : "none";
+      searches.push({ name, found, seconds: hands.seconds, parts: hands.parts });
+      const parts = Object.entries(hands.parts).map(([part, seconds]) => `${part} ${seconds.toFixed(1)}`);
+      console.log(`${name}: ${found}, ${hands.seconds.toFixed(1)} s (${parts.join(", ")})`);
+    }
+    judge(searches);
+  } finally {
+    await browser.close();
+    await gallery.stop();
+  }
+});
+
+function judge(searches) {
+  const sorted = searches.map(({ seconds }) => seconds).sort((a, b) => a - b);
+  const at = (share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
+  const words = [0, 0.25, 0.5, 0.75, 0.9, 1].map((share) => `${100 * share} %: ${at(share).toFixed(1)} s`);
+  console.log(`${sorted.length} searches; ${words.join(", ")}`);
+  assert.deepEqual(searches.filter(({ name, found }) => name !== found), [], "each is the one that was wanted");
+  assert.ok(at(0.5) < medianMaxS, `the median is ${at(0.5).toFixed(1)} s`);
+  assert.ok(sorted.at(-1) < slowestMaxS, `the slowest took ${sorted.at(-1).toFixed(1)} s`);
+}
