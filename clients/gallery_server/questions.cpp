@@ -24,6 +24,7 @@ using Question = nlohmann::json;
 constexpr unsigned k_bad_request = 400;
 constexpr unsigned k_not_found = 404;
 constexpr unsigned k_other_generation = 409;
+constexpr unsigned k_still_reading = 503;
 constexpr std::size_t k_alike_to_max = 100;
 
 [[noreturn]] void refuse(const std::string& words) {
@@ -44,8 +45,12 @@ std::uint64_t whole(const Question& ask, const char* name) {
 }
 
 std::shared_ptr<const Snapshot> snapshot_of(const Gallery& gallery, const Question& ask) {
-  auto snapshot = gallery.snapshot(whole(ask, "id"));
-  if (!snapshot) throw Refused(k_not_found, "There is no such archive.", "Load the page anew.");
+  const std::uint64_t id = whole(ask, "id");
+  if (id >= gallery.archives())
+    throw Refused(k_not_found, "There is no such archive.", "Load the page anew.");
+  auto snapshot = gallery.snapshot(id);
+  if (!snapshot)
+    throw Refused(k_still_reading, "The archive has not been read yet.", "Ask again in a moment.");
   if (snapshot->generation() != whole(ask, "generation")) {
     throw Refused(k_other_generation, "The archive has been read anew since.",
                   "Ask for its table again.");

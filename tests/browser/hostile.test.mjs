@@ -21,11 +21,14 @@ const shown = join(folder, "shown");
 mkdirSync(shown);
 copyFileSync(hi, join(shown, `${odd}.h5`));
 writeFileSync(join(folder, "secret.txt"), "the secret of the host");
-writeFileSync(join(shown, `<script>alert(3)</script>.h5`), "no archive");
+writeFileSync(join(shown, `<script>alert(3)<script>.h5`), "no archive");
 
 let gallery, visitor, page;
+/** They dawdle while the other tests go on. */
+let slow = [];
 before(async () => {
   gallery = await Gallery.start([shown]);
+  slow = Array.from({ length: 40 }, () => raw([..."GET / HTTP/1.1\r\nHost: "], { pauseMs: 1500, timeoutMs: 45_000 }));
   visitor = await Visitor.enter(gallery, { rules: "MAP evil.test 127.0.0.1" });
   page = visitor.page;
 });
@@ -68,7 +71,7 @@ test("another name of this address is refused", async () => {
 test("a foreign page reads nothing and changes nothing", async () => {
   const before = await notesNow();
   const run = await page.evaluate(async () => (await (await fetch("/api/gallery")).json()).archives
-    .find(({ kept }) => kept > 0).run);
+    .find(({ state }) => state === "ready").run);
   const [name] = namesFound(hi);
   const note = JSON.stringify({ run, name, note: { star: true, hidden: true, tags: ["evil"], note: "evil" } });
   const { origin } = gallery;
@@ -153,7 +156,7 @@ test("a foreign page reads nothing and changes nothing", async () => {
 test("names of files are text", async () => {
   await visitor.open();
   assert.ok((await page.locator("nav[aria-label=Archives]").innerText()).includes(odd.slice(0, 30)));
-  assert.match(await page.locator("#trouble").innerText(), /<script>alert\(3\)<\/script>\.h5/);
+  assert.ok((await page.locator("nav[aria-label=Archives]").innerText()).includes("<script>alert(3)<script>.h5 (damaged)"));
   assert.equal(await page.locator("script:not([src]), [onerror], [onload], a[href^='javascript:']").count(), 0);
   assert.equal(await page.locator("img").count(), 0);
   // Names in links and in what is chosen as well.
@@ -167,7 +170,10 @@ test("the page keeps to its own policy", async () => {
   await visitor.open();
   const tried = await page.evaluate(async () => {
     const tries = {};
-    try { tries.evaluated = new Function("return 1")(); } catch (error) { tries.evaluated = error.name; }
+    // By a timer, as what a debugger says itself may evaluate.
+    try { setTimeout("window.wasEvaluated = true"); } catch { /* refused */ }
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    tries.evaluated = window.wasEvaluated ?? "refused";
     const script = document.createElement("script");
     script.textContent = "window.wasRun = true";
     document.body.append(script);
@@ -180,7 +186,7 @@ test("the page keeps to its own policy", async () => {
     try { await fetch("http://127.0.0.1:1/"); tries.fetch = "sent"; } catch { tries.fetch = "refused"; }
     return tries;
   });
-  assert.deepEqual(tried, { evaluated: "EvalError", inline: "refused", attribute: "refused", fetch: "refused" });
+  assert.deepEqual(tried, { evaluated: "refused", inline: "refused", attribute: "refused", fetch: "refused" });
   visitor.problems.length = 0;
 });
 
@@ -271,9 +277,6 @@ test("requests by hand that lie, hang or are too large are refused, with a sente
 });
 
 test("a slow client is cut off, and keeps nobody else waiting", async () => {
-  const host = `127.0.0.1:${gallery.port}`;
-  const slow = Array.from({ length: 40 }, () =>
-    raw([..."GET / HTTP/1.1\r\nHost: "], { pauseMs: 1500, timeoutMs: 45_000 }));
   const begin = Date.now();
   assert.match(await page.evaluate(async () => (await fetch("/api/gallery")).text()), /archives/);
   assert.ok(Date.now() - begin < 2000);
@@ -282,5 +285,5 @@ test("a slow client is cut off, and keeps nobody else waiting", async () => {
     assert.ok(ms < 44_000, `a slow client was let go on for ${ms} ms`);
     assert.ok(said === "" || /^HTTP\/1\.1 4\d\d/.test(said), said.slice(0, 60));
   }
-  console.log(`slow clients were cut off after ${Math.max(...ends.map(({ ms }) => ms))} ms at most; ${host}`);
+  console.log(`slow clients were cut off after ${Math.max(...ends.map(({ ms }) => ms))} ms at most`);
 });

@@ -16,32 +16,10 @@ import tempfile
 import time
 
 import harness
-from harness import ProgramTest
+from harness import abandoned_memory, ProgramTest
 
 CHAINS = 3
 ITERATIONS_PER_SCAN = 200
-
-
-def mapped(path):
-    """Whether some process uses the file as memory."""
-    for maps in pathlib.Path("/proc").glob("[0-9]*/maps"):
-        try:
-            if path in maps.read_text():
-                return True
-        except (FileNotFoundError, ProcessLookupError, PermissionError):
-            continue
-    return False
-
-
-def abandoned_memory():
-    """Files of shared memory, of any job of ours, that nobody uses and that stay."""
-    for _ in range(20):
-        unused = [str(path) for path in pathlib.Path("/dev/shm").iterdir()
-                  if ("sleight" in path.name or "vader" in path.name) and not mapped(str(path))]
-        if not unused:
-            break
-        time.sleep(0.1)  # one that begins or ends just now
-    return unused
 
 
 class Kill(ProgramTest):

@@ -67,7 +67,7 @@ export function postTimes(page, path, bodies) {
           body: JSON.stringify(body),
         });
         const text = await answer.text();
-        if (!answer.ok) throw new Error(`${JSON.stringify(body)}: ${answer.status} ${text}`);
+        if (!answer.ok) throw new Error(`${to}: ${answer.status} ${text}`);
         times.push(performance.now() - from);
       }
       return times;
@@ -78,7 +78,10 @@ export function postTimes(page, path, bodies) {
 
 /** Pictures a second that the player draws. */
 export async function playerRate(page, seconds) {
-  await page.waitForFunction(() => window.sleightGallery.player?.isPlaying && window.sleightGallery.player.frames > 3);
+  await page.waitForFunction(() => {
+    const { player } = window.sleightGallery;
+    return player?.isPlaying && player.frames > 3;
+  });
   return page.evaluate(async (forMs) => {
     const { player } = window.sleightGallery;
     const [frames, from] = [player.frames, performance.now()];

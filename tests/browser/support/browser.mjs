@@ -37,15 +37,21 @@ export class Visitor {
     const visitor = new Visitor();
     visitor.gallery = gallery;
     visitor.browser = await launch({ rules });
-    visitor.context = await visitor.browser.newContext({
-      viewport: wide, reducedMotion: "reduce", colorScheme: "light", ...options,
-    });
-    /** What went wrong on any page. */
-    visitor.problems = [];
-    visitor.page = await visitor.newPage();
-    const answer = await visitor.page.goto(gallery.link);
-    assert.equal(answer.status(), 200, "the link lets in");
-    await cards(visitor.page);
+    try {
+      visitor.context = await visitor.browser.newContext({
+        viewport: wide, reducedMotion: "reduce", colorScheme: "light", ...options,
+      });
+      /** What went wrong on any page. */
+      visitor.problems = [];
+      visitor.page = await visitor.newPage();
+      const answer = await visitor.page.goto(gallery.link);
+      assert.equal(answer.status(), 200, "the link lets in");
+      await cards(visitor.page);
+    } catch (error) {
+      // Nobody would close it, and Node waits for it.
+      await visitor.close();
+      throw error;
+    }
     return visitor;
   }
 

@@ -59,13 +59,15 @@ export function find(archive, ...args) {
 /** Names of animations that it finds. */
 export const namesFound = (archive, ...args) => find(archive, ...args).animations.map(({ id }) => id);
 
+for (const signal of ["SIGTERM", "SIGINT", "SIGHUP"]) process.on(signal, () => process.exit(1));
 const running = new Set();
 process.on("exit", () => {
   for (const child of running) child.kill("SIGKILL");
 });
 /** Starts a program; it doesn't outlive the tests. */
 export function start(program, args, { home, ...options }) {
-  const child = spawn(program, args, {
+  // Nor does it outlive tests that are killed.
+  const child = spawn("setpriv", ["--pdeathsig", "KILL", program, ...args], {
     env: environment(home), stdio: ["ignore", "pipe", "pipe"], ...options,
   });
   running.add(child);

@@ -40,7 +40,8 @@ async function ballsSeen(canvas) {
     context.drawImage(bitmap, 0, 0);
     return { width, height, bytes: Array.from(context.getImageData(0, 0, width, height).data) };
   });
-  return places.map(([x, y]) => ballAt(picture, Math.round(x * picture.width), Math.round(y * picture.height)));
+  const { width, height } = picture;
+  return places.map(([x, y]) => ballAt(picture, Math.round(x * width), Math.round(y * height)));
 }
 
 /** Balls lie up to this from a bin's middle, and this is half of what is seen of one, in pixels. */

@@ -164,9 +164,12 @@ export class Loading {
   }
 }
 
-/** Of the run that is asked for: the one of this name, else one that can be read. */
+/**
+ * Of the run that is asked for: the one of this name, else one that can be read. One that never could be
+ * read has no run, and is asked for by its name alone.
+ */
 export function wantedArchive(gallery: GalleryState, run: string, name: string): ArchiveSummary | undefined {
-  const ofRun = gallery.archives.filter((archive) => archive.run === run);
+  const ofRun = gallery.archives.filter((archive) => (run === "" ? archive.name === name : archive.run === run));
   return ofRun.find((archive) => archive.name === name) ?? ofRun.find(isReady) ?? ofRun[0];
 }
 

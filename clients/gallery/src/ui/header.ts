@@ -77,7 +77,7 @@ function archiveTabs(ui: Ui, state: AppState): HTMLElement[] {
   const tabsMax = 4;
   const show = (archive: ArchiveSummary | undefined): void => {
     if (archive === undefined) return;
-    const isAlone = all.filter(({ run }) => run === archive.run).length === 1;
+    const isAlone = archive.run !== "" && all.filter(({ run }) => run === archive.run).length === 1;
     ui.page.showArchive(archive.run, isAlone ? "" : archive.name);
   };
   if (all.length > tabsMax) {

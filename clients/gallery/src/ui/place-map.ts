@@ -8,7 +8,11 @@ import { button, el } from "./dom";
 const buttonsMax = 40;
 
 /** null: the bodies can't be told apart in so few signs. */
-export function bodySwatches(scene: Scene, looks: Looks, onChoose: (name: string) => void): HTMLElement | null {
+export function bodySwatches(
+  scene: Scene,
+  looks: Looks,
+  onChoose: (name: string) => void,
+): HTMLElement | null {
   const bodies = scene.features.flatMap(({ name, kind }, feature) =>
     kind === "body" ? [{ name, colour: looks.meshes.find((mesh) => mesh.feature === feature)?.colour }] : [],
   );
@@ -27,7 +31,8 @@ export function bodySwatches(scene: Scene, looks: Looks, onChoose: (name: string
     }
     return swatch;
   });
-  return el("div", { class: "swatches", role: "group", "aria-label": "Bodies by their colours" }, ...swatches);
+  const group = { class: "swatches", role: "group", "aria-label": "Bodies by their colours" };
+  return el("div", group, ...swatches);
 }
 
 /** null: there are none. */
@@ -40,10 +45,15 @@ export function placeMap(
   if (places.length === 0 || places.length > buttonsMax) return null;
   const [only] = places;
   if (places.length === 1 && only !== undefined)
-    return button(`Its place: ${only.name}`, () => onChoose(only), { class: "small", "data-place": only.name });
+    return button(`Its place: ${only.name}`, () => onChoose(only), {
+      class: "small",
+      "data-place": only.name,
+    });
   const numbers = numbersOf(places.map(({ name }) => name));
-  const [left, right] = [Math.min(...places.map(({ x }) => x.low)), Math.max(...places.map(({ x }) => x.high))];
-  const [near, far] = [Math.min(...places.map(({ y }) => y.low)), Math.max(...places.map(({ y }) => y.high))];
+  const left = Math.min(...places.map(({ x }) => x.low));
+  const right = Math.max(...places.map(({ x }) => x.high));
+  const near = Math.min(...places.map(({ y }) => y.low));
+  const far = Math.max(...places.map(({ y }) => y.high));
   const map = el("div", { class: "place-map", role: "group", "aria-label": "Places, seen from above" });
   map.style.aspectRatio = String(Math.min(4, Math.max(0.25, (right - left) / (far - near))));
   for (const [i, place] of places.entries()) {
