@@ -148,8 +148,11 @@ test("from the wall into the player and back by the keyboard alone", async () =>
   await page.locator("#list [data-index='0'].is-starred").waitFor();
   await page.keyboard.press("Control+z");
   await page.locator("#list [data-index='0']:not(.is-starred)").waitFor();
+  assert.equal(await focused(), "0");
   await page.keyboard.press("Space");
+  await page.locator("#selection-words", { hasText: "1" }).waitFor();
   await page.keyboard.press("ArrowRight");
+  assert.equal(await focused(), "1");
   await page.keyboard.press("Space");
   await page.locator("#selection-words", { hasText: "2" }).waitFor();
   await page.keyboard.press("c");

@@ -150,6 +150,18 @@ for (const [world, path] of Object.entries(paths)) {
   });
 }
 
+test("bodies that are elsewhere would be noticed", async () => {
+  const [one] = find(paths.ball).animations;
+  await visitor.open(`#run=${one.run_id}&view=list&play=${one.id}&t=0.3`);
+  await playerShows(page, 1);
+  const [{ boxes: [box], t }] = await measured(1);
+  // Where it was a fiftieth of a second before.
+  const before = JSON.parse(run(testProgram("sleight-evaluate-poses"), [paths.ball], { input: `${one.id} ${t - 0.02}` }));
+  const [{ centre_m, radius_m }] = before.bodies;
+  const [{ x, y }] = await onScreen([{ index: 0, centre: centre_m, radius: radius_m }]);
+  assert.ok(Math.hypot((box.left + box.right) / 2 - x, (box.low + box.high) / 2 - y) > awayMaxPx);
+});
+
 test("what is shown on the screen is what was measured", async () => {
   const [one] = find(paths.hi).animations;
   await visitor.open(`#view=list&play=${one.id}&t=0.5`);

@@ -16,19 +16,20 @@ export function freePort() {
 
 export class Gallery {
   /** `program`: another one than that which is tested, with other worlds. */
-  static async start(paths, { home, port, args = [], program = sleight, cwd } = {}) {
+  static async start(paths, { home, port, args = [], program = sleight, cwd, env } = {}) {
     const gallery = new Gallery();
     gallery.home = home ?? temporaryFolder("home");
     gallery.port = port ?? (await freePort());
     gallery.program = program;
     gallery.cwd = cwd;
+    gallery.env = env;
     gallery.args = ["gallery", ...paths, "--no-browser", "--json", "--port", String(gallery.port), ...args];
     await gallery.begin();
     return gallery;
   }
 
   async begin() {
-    this.child = start(this.program, this.args, { home: this.home, cwd: this.cwd });
+    this.child = start(this.program, this.args, { home: this.home, cwd: this.cwd, env: this.env });
     this.errors = "";
     this.child.stderr.on("data", (data) => { this.errors += data; });
     const { link } = JSON.parse(await firstLine(this.child));

@@ -18,6 +18,8 @@ function given() {
 }
 
 export const sleight = given();
+/** Another program beside it. */
+export const besides = (name) => join(dirname(sleight), name);
 /** A program that is not installed. */
 export const testProgram = (name) => join(dirname(sleight), "../tests", name);
 
@@ -32,20 +34,20 @@ export function temporaryFolder(name = "test") {
   return folder;
 }
 
-/** The environment of programs with that home. */
-export function environment(home) {
+/** The environment of programs with that home. Open MPI won't run as root unless told. */
+export function environment(home, more = {}) {
   const { XDG_CACHE_HOME, XDG_DATA_HOME, XDG_STATE_HOME, XDG_RUNTIME_DIR, DISPLAY, WAYLAND_DISPLAY, ...rest } =
     process.env;
   mkdirSync(home, { recursive: true });
-  return { ...rest, HOME: home };
+  return { ...rest, OMPI_ALLOW_RUN_AS_ROOT: "1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM: "1", HOME: home, ...more };
 }
 
 let homeOfRuns = null;
 /** Runs a program to its end; returns what it wrote. Throws where it ends with another code. */
-export function run(program, args, { input, home, cwd, codes = [0] } = {}) {
+export function run(program, args, { input, home, cwd, env, codes = [0] } = {}) {
   homeOfRuns ??= temporaryFolder("home");
   const { status, signal, stdout, stderr, error } = spawnSync(program, args, {
-    env: environment(home ?? homeOfRuns), input, cwd, encoding: "utf8", maxBuffer: 1 << 30,
+    env: environment(home ?? homeOfRuns, env), input, cwd, encoding: "utf8", maxBuffer: 1 << 30,
   });
   if (error !== undefined) throw error;
   if (!codes.includes(status)) throw new Error(`${program} ${args.join(" ")}: ended with ${status ?? signal}: ${stderr}`);
@@ -65,10 +67,10 @@ process.on("exit", () => {
   for (const child of running) child.kill("SIGKILL");
 });
 /** Starts a program; it doesn't outlive the tests. */
-export function start(program, args, { home, ...options }) {
+export function start(program, args, { home, env, ...options }) {
   // Nor does it outlive tests that are killed.
   const child = spawn("setpriv", ["--pdeathsig", "KILL", program, ...args], {
-    env: environment(home), stdio: ["ignore", "pipe", "pipe"], ...options,
+    env: environment(home, env), stdio: ["ignore", "pipe", "pipe"], ...options,
   });
   running.add(child);
   child.on("exit", () => running.delete(child));

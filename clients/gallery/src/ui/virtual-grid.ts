@@ -27,6 +27,8 @@ export class VirtualGrid {
   private columns = 1;
   private active = 0;
   private frame = 0;
+  /** Before rows were taken away. */
+  private hadFocus = false;
   private readonly resize: ResizeObserver;
 
   constructor(private readonly options: GridOptions) {
@@ -121,6 +123,7 @@ export class VirtualGrid {
     }
     for (const row of wanted) if (!this.rows.has(row)) this.makeRow(row);
     this.dropCells();
+    this.giveFocusBack();
   }
 
   private makeRow(row: number): void {
@@ -154,12 +157,16 @@ export class VirtualGrid {
   }
 
   private takeRowsAway(): void {
-    const hadFocus = this.content.contains(document.activeElement);
+    this.hadFocus ||= this.content.contains(document.activeElement);
     for (const row of this.rows.values()) row.remove();
     this.rows.clear();
-    // The focus would fall to the page's beginning.
-    if (hadFocus)
-      requestAnimationFrame(() => this.cells.get(this.activeKey ?? "")?.focus({ preventScroll: true }));
+  }
+
+  /** To the active cell, from the page's beginning, where it fell when its row was taken away. */
+  private giveFocusBack(): void {
+    if (this.hadFocus && (document.activeElement ?? document.body) === document.body)
+      this.cells.get(this.activeKey ?? "")?.focus({ preventScroll: true });
+    this.hadFocus = false;
   }
 
   private dropCells(): void {

@@ -1,0 +1,133 @@
+// Goal: `sleight gallery JOB` shows what a job of the service has kept so far, offers what it keeps while it
+// runs, and says when the service is away and goes on when it is back. Method: a daemon in a folder of its
+// own, a job that finds animations one after the other, a gallery of it in Chromium.
+import assert from "node:assert/strict";
+import { existsSync, mkdirSync, readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+import { after, before, test } from "node:test";
+import { Visitor } from "./support/browser.mjs";
+import { Gallery } from "./support/gallery.mjs";
+import { besides, ended, find, run, sleight, source, start, temporaryFolder } from "./support/programs.mjs";
+
+const folder = temporaryFolder("service");
+const state = join(folder, "state");
+const env = { SLEIGHT_STATE: state, XDG_CONFIG_HOME: join(folder, "config") };
+const home = join(folder, "home");
+
+let daemon, gallery, visitor, page, job, watch;
+
+async function serve() {
+  daemon = start(besides("sleightd"), [], { home, env });
+  for (let i = 0; i < 100; ++i) {
+    try {
+      run(sleight, ["server", "status"], { home, env });
+      return;
+    } catch {
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
+  }
+  throw new Error("the daemon doesn't answer");
+}
+const ask = (...args) => JSON.parse(run(sleight, [...args, "--json"], { home, env }));
+
+before(async () => {
+  mkdirSync(home, { recursive: true });
+  await serve();
+  // Longer than the test: it is cancelled.
+  job = ask("submit", join(source, "requests/die.toml"), "--set", "stop.rounds=9", "--set", "output.min_distance=0.1",
+    "--cores", "1").id;
+});
+after(async () => {
+  watch?.kill();
+  await visitor?.close();
+  await gallery?.stop();
+  daemon?.kill("SIGKILL");
+  // What runs jobs outlives the daemon.
+  const jobs = join(state, "jobs");
+  for (const id of existsSync(jobs) ? readdirSync(jobs) : []) {
+    try {
+      process.kill(JSON.parse(readFileSync(join(jobs, id, "attempt.json"), "utf8")).keeper.pid, "SIGKILL");
+    } catch { /* it has ended */ }
+  }
+});
+
+test("a job that runs: what it has is shown, what comes is offered within 2 s", async () => {
+  /** When the service told of animations that it keeps. */
+  const told = [];
+  watch = start(sleight, ["watch", String(job), "--json"], { home, env });
+  createInterface({ input: watch.stdout }).on("line", (line) => {
+    if (JSON.parse(line).kind === "solution") told.push(Date.now());
+  });
+  while (told.length < 3) await new Promise((resolve) => setTimeout(resolve, 50));
+  gallery = await Gallery.start([String(job)], { home, env });
+  visitor = await Visitor.enter(gallery);
+  page = visitor.page;
+  await page.locator("#live", { hasText: /scans/ }).waitFor();
+  const counts = await page.locator("#counts").innerText();
+  const first = Number(/of ([\d,]+) shown/.exec(counts)[1]);
+  assert.ok(first >= 3, counts);
+  const grown = [];
+  for (let offered = 0; grown.length < 12;) {
+    await page.waitForFunction((before) =>
+      Number(/(\d+) new/.exec(document.querySelector("#take-new").textContent)?.[1] ?? 0) > before, offered, { polling: 50 });
+    grown.push(Date.now());
+    offered = Number(/(\d+) new/.exec(await page.locator("#take-new").textContent())[1]);
+  }
+  watch.kill();
+  // From each that was told of until more was offered, if not just before.
+  const waits = told.filter((at) => at > grown[0] && at < grown.at(-1) - 2000)
+    .map((at) => grown.find((then) => then > at - 300) - at).sort((a, b) => a - b);
+  console.log(`at first ${first} shown; offered after ${waits.join(", ")} ms`);
+  assert.ok(waits.length > 0);
+  // A busy machine may hold one up.
+  assert.ok(waits[Math.floor(waits.length / 2)] <= 2000, waits.join());
+  // Nothing has jumped.
+  assert.equal(await page.locator("#counts").innerText(), counts);
+  await page.locator("#take-new").click();
+  await page.waitForFunction((before) =>
+    Number(/of ([\d,]+) shown/.exec(document.querySelector("#counts").textContent)[1]) > before, first);
+  visitor.assertNoProblems();
+});
+
+test("the service is away and back; the job's end is shown", async () => {
+  daemon.kill("SIGKILL");
+  await ended(daemon);
+  await page.locator("#live", { hasText: /service|server/i }).waitFor();
+  assert.match(await page.locator("#counts").innerText(), /shown/);
+  await page.locator("#view-list").click();
+  await page.locator("#list [data-index='0']").dblclick();
+  await page.waitForFunction(() => window.sleightGallery.player?.isSettled);
+  await page.keyboard.press("Escape");
+  await serve();
+  await page.locator("#live", { hasText: /scans/ }).waitFor({ timeout: 30_000 });
+  run(sleight, ["cancel", String(job)], { home, env });
+  run(sleight, ["wait", String(job)], { home, env, codes: [11] });
+  const archive = join(folder, "fetched.h5");
+  run(sleight, ["fetch", String(job), "-o", archive], { home, env });
+  const found = find(archive).of;
+  await page.waitForFunction((all) => {
+    const offered = /(\d+) new/.exec(document.querySelector("#take-new").textContent);
+    const shown = Number(/of ([\d,]+) shown/.exec(document.querySelector("#counts").textContent)[1]);
+    return document.querySelector("#take-new").hidden ? shown === all : shown + Number(offered?.[1] ?? 0) === all;
+  }, found, { timeout: 30_000 });
+  if (await page.locator("#take-new").isVisible()) await page.locator("#take-new").click();
+  await page.locator("#counts", { hasText: `${found} of ${found} shown` }).waitFor();
+  await page.waitForFunction(() => document.querySelector("#live").textContent === "");
+  visitor.assertNoProblems();
+});
+
+test("a job that there is not, and no service, are said at once", async () => {
+  const refused = (args, code) => {
+    try {
+      run(sleight, ["gallery", ...args, "--no-browser"], { home, env, codes: [] });
+    } catch (error) {
+      assert.match(error.message, new RegExp(`ended with ${code}: `));
+      return error.message;
+    }
+  };
+  assert.match(refused(["999"], 2), /999/);
+  daemon.kill("SIGTERM");
+  await ended(daemon);
+  assert.match(refused([String(job)], 12), /sleight server start/);
+});
