@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "clients/browse/reading.h"
-#include "clients/cli/index_cache.h"
 #include "clients/cli/kept_animations.h"
 #include "clients/cli/progress_printer.h"
 #include "common/archive/format.h"
@@ -78,10 +77,9 @@ std::size_t Browsed::animations() const {
 browse::Index index_of(const archive::Source& source, const std::string& path,
                        const IndexingOptions& options) {
   require_group(source, archive::k_scene, "scene");
-  const std::optional<FileState> state = state_of_file(path);
   const std::optional<KeptIndex> kept =
       options.earlier == nullptr ? kept_index(path) : std::nullopt;
-  const bool is_of_this_file = kept && state && kept->of == *state;
+  const bool is_of_this_file = kept && options.file && kept->of == *options.file;
   auto read = browse::read_index(source, {.earlier = kept ? &kept->index : options.earlier,
                                           .is_of_this_file = is_of_this_file,
                                           .progress = options.progress});
@@ -89,15 +87,17 @@ browse::Index index_of(const archive::Source& source, const std::string& path,
     throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", path, read.error()));
   }
   browse::ReadIndex found = std::move(read).value();
-  if (state && !is_of_this_file) keep_index(path, *state, found.index);
+  if (options.file && !is_of_this_file) keep_index(path, *options.file, found.index);
   return std::move(found.index);
 }
 
-browse::Index index_of(const archive::Source& source, const std::string& path) {
+browse::Index index_of(const archive::Source& source, const std::string& path,
+                       const std::optional<FileState>& file) {
   ReadingPrinter printer(path);
-  return index_of(source, path, {.progress = [&](std::uint64_t done, std::uint64_t of) {
-                    printer.show(done, of);
-                  }});
+  return index_of(source, path,
+                  {.file = file, .progress = [&](std::uint64_t done, std::uint64_t of) {
+                     printer.show(done, of);
+                   }});
 }
 
 Browsed browse_archives(const std::vector<std::string>& paths) {
@@ -112,8 +112,10 @@ Browsed browse_archives(const std::vector<std::string>& paths) {
       browsed.left_out.push_back({.path = path, .reason = std::move(reason)});
     };
     try {
+      // Before it is opened: an archive that is replaced meanwhile must not be kept as the new one.
+      const std::optional<FileState> file = state_of_file(path);
       browsed.archives.push_back(
-          {.path = path, .index = index_of(*archive::remote::open_remote(path), path)});
+          {.path = path, .index = index_of(*archive::remote::open_remote(path), path, file)});
     } catch (const base::Error& error) {
       if (error.exit_code() == base::ExitCode::interrupted) throw;
       leave_out(error);

@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "clients/browse/index.h"
 #include "clients/browse/query.h"
+#include "clients/cli/index_cache.h"
 #include "common/archive/model.h"
 
 namespace sleight::cli {
@@ -37,6 +39,8 @@ struct Browsed {
 Browsed browse_archives(const std::vector<std::string>& paths);
 
 struct IndexingOptions {
+  /// The archive's file as it was before it was opened; none: nothing is kept.
+  std::optional<FileState> file{};
   /// Of the run's archive as it was before; null: what is kept of it (index_cache.h).
   const browse::Index* earlier = nullptr;
   /// Told now and then: animations that were read, of how many.
@@ -46,8 +50,9 @@ struct IndexingOptions {
 /// for next time. Throws base::Error where it has none, or can't be read.
 browse::Index index_of(const archive::Source& source, const std::string& path,
                        const IndexingOptions& options);
-/// Telling stderr how it goes.
-browse::Index index_of(const archive::Source& source, const std::string& path);
+/// The same, telling stderr how it goes.
+browse::Index index_of(const archive::Source& source, const std::string& path,
+                       const std::optional<FileState>& file);
 
 /// Takes out of each archive's index what an archive before it has too, so that each animation
 /// counts once. Part of browse_archives.

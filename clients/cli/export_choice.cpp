@@ -18,7 +18,8 @@ namespace {
 
 std::vector<AnimationId> selected(const archive::Source& source, const ExportChoice& choice) {
   Browsed browsed;
-  browsed.archives.push_back({.path = source.name(), .index = index_of(source, source.name())});
+  browsed.archives.push_back(
+      {.path = source.name(), .index = index_of(source, source.name(), choice.file)});
   const std::vector<Picked> meant = picked(browsed, {.select = choice.select});
   const auto id_of = [](const browse::Entry& entry) {
     return AnimationId{

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clients/cli/animation_ids.h"
+#include "clients/cli/index_cache.h"
 #include "common/archive/model.h"
 
 namespace sleight::cli {
@@ -21,6 +22,8 @@ struct ExportChoice {
   /// Of these one for each of so many groups that look alike (browse/groups.h).
   std::optional<std::size_t> representatives{};
   bool all = false;  ///< all of them, however many
+  /// The archive's file as it was before it was opened, for index_cache.h; none: it does without.
+  std::optional<FileState> file{};
 };
 
 /// In the archive's order, ids in theirs, representatives with those of large groups first; at

@@ -18,6 +18,7 @@
 #include "clients/cli/exported_animations.h"
 #include "clients/cli/exported_files.h"
 #include "clients/cli/film_export.h"
+#include "clients/cli/index_cache.h"
 #include "clients/cli/interruption.h"
 #include "clients/cli/kept_animations.h"
 #include "clients/cli/opened_archive.h"
@@ -304,6 +305,7 @@ int export_animations(const ExportAnimationsOptions& given) {
   if (!options.output.empty()) refuse_same_file(options.path, options.output);
   return with_results([&] {
     const Interruption interruption;
+    options.choice.file = state_of_file(options.path);
     const auto source = archive::remote::open_remote(options.path);
     if (options.output.empty()) {
       write_animations_csv(*source, choose(*source, options), options.table, std::cout);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "clients/browse/index_bytes.h"
+#include "clients/cli/own_folder.h"
 #include "common/hash/sha256.h"
 
 namespace sleight::cli {
@@ -28,17 +28,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t k_name_letters = 32;
 constexpr const char* k_ending = ".index";
 
-/// By the XDG base directory specification, where a relative path does not count.
-std::optional<fs::path> cache_folder() {
-  const char* given = std::getenv("XDG_CACHE_HOME");
-  if (given != nullptr && given[0] == '/') return fs::path(given) / "sleight" / "browse";
-  const char* home = std::getenv("HOME");
-  if (home != nullptr && home[0] == '/') return fs::path(home) / ".cache" / "sleight" / "browse";
-  return std::nullopt;
-}
-
 std::optional<fs::path> place_of(const std::string& archive) {
-  const auto folder = cache_folder();
+  const auto folder = own_folder("XDG_CACHE_HOME", ".cache", "browse");
   std::error_code failure;
   const fs::path real = fs::canonical(archive, failure);
   if (!folder || failure) return std::nullopt;

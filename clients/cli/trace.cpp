@@ -38,22 +38,6 @@ const archive::DatasetSpec& dataset_of(const archive::Source& source, std::strin
   return *spec;
 }
 
-std::vector<double> as_doubles(const archive::Values& values) {
-  return std::visit(
-      [](const auto& held) -> std::vector<double> {
-        using Element = typename std::decay_t<decltype(held)>::value_type;
-        if constexpr (std::is_arithmetic_v<Element>) {
-          std::vector<double> numbers(held.size());
-          std::transform(held.begin(), held.end(), numbers.begin(),
-                         [](Element element) { return static_cast<double>(element); });
-          return numbers;
-        } else {
-          return {};
-        }
-      },
-      values);
-}
-
 [[noreturn]] void refuse(const archive::Source& source, std::string_view group,
                          std::string_view dataset, std::string_view reason) {
   throw base::Error(
@@ -104,6 +88,22 @@ class Thinner {
 };
 
 }  // namespace
+
+std::vector<double> as_doubles(const archive::Values& values) {
+  return std::visit(
+      [](const auto& held) -> std::vector<double> {
+        using Element = typename std::decay_t<decltype(held)>::value_type;
+        if constexpr (std::is_arithmetic_v<Element>) {
+          std::vector<double> numbers(held.size());
+          std::transform(held.begin(), held.end(), numbers.begin(),
+                         [](Element element) { return static_cast<double>(element); });
+          return numbers;
+        } else {
+          return {};
+        }
+      },
+      values);
+}
 
 std::uint64_t stats_size(const archive::Source& source, std::string_view dimension) {
   return archive::element_count(dataset_of(source, archive::k_sample_stats, dimension));

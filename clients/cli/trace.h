@@ -42,6 +42,9 @@ std::vector<std::uint64_t> chains_to_draw(const archive::Source& source,
 /// Names of the world's outcome scalars, in order.
 std::vector<std::string> outcome_names(const archive::Source& source);
 
+/// Numbers and flags as doubles; nothing of text.
+std::vector<double> as_doubles(const archive::Values& values);
+
 struct Rows {
   std::uint64_t first = 0;
   std::uint64_t count = 0;

@@ -4,13 +4,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "clients/cli/own_folder.h"
 #include "clients/web/keys.h"
 #include "common/base/descriptor.h"
 
@@ -18,15 +18,6 @@ namespace sleight::gallery {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path state_folder() {
-  const char* given = std::getenv("XDG_STATE_HOME");
-  if (given != nullptr && given[0] == '/') return fs::path(given) / "sleight" / "gallery";
-  const char* home = std::getenv("HOME");
-  if (home != nullptr && home[0] == '/')
-    return fs::path(home) / ".local" / "state" / "sleight" / "gallery";
-  return {};
-}
 
 bool is_secret(std::string_view text) {
   return text.size() == web::k_secret_digits &&
@@ -49,12 +40,12 @@ std::string secret_in(const fs::path& path) {
 }  // namespace
 
 std::string kept_secret(std::uint16_t port) {
-  const fs::path folder = state_folder();
-  if (folder.empty()) return {};
-  const fs::path path = folder / fmt::format("{}.secret", port);
+  const auto folder = cli::own_folder("XDG_STATE_HOME", ".local/state", "gallery");
+  if (!folder) return {};
+  const fs::path path = *folder / fmt::format("{}.secret", port);
   if (std::string kept = secret_in(path); !kept.empty()) return kept;
   std::error_code failure;
-  fs::create_directories(folder, failure);
+  fs::create_directories(*folder, failure);
   fs::remove(path, failure);
   const std::string secret = web::new_secret();
   const base::Descriptor file(::open(

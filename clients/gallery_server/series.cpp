@@ -16,6 +16,7 @@
 #include "clients/cli/scalar_draws.h"
 #include "clients/cli/tempering.h"
 #include "clients/cli/trace.h"
+#include "clients/gallery_server/checked_read.h"
 #include "clients/gallery_server/packed.h"
 #include "clients/gallery_server/refused.h"
 #include "common/archive/format.h"
@@ -34,19 +35,6 @@ constexpr std::string_view k_pair_prefix = "pair.";
 
 [[noreturn]] void refuse_unknown() {
   throw Refused(k_not_found, "There is no such plot.", "Load the page anew.");
-}
-
-std::vector<double> as_doubles(const archive::Values& values) {
-  return std::visit(
-      [](const auto& held) -> std::vector<double> {
-        using Element = typename std::decay_t<decltype(held)>::value_type;
-        if constexpr (std::is_arithmetic_v<Element>) {
-          return {held.begin(), held.end()};
-        } else {
-          return {};
-        }
-      },
-      values);
 }
 
 const archive::DatasetSpec* spec_of(const archive::Source& source, std::string_view group,
@@ -83,7 +71,8 @@ std::string title_of(std::string_view name) {
 std::vector<std::string> paired(const archive::Source& source) {
   std::vector<std::string> names;
   for (const std::string& name : traced(source)) {
-    if (spec_of(source, archive::k_sample_stats_prior, name) != nullptr) names.push_back(name);
+    if (has_numbers(source, archive::k_sample_stats_prior, name, archive::k_prior_draws))
+      names.push_back(name);
   }
   return names;
 }
@@ -103,25 +92,25 @@ std::optional<std::size_t> change_all_kind(const std::vector<std::string>& kinds
   return static_cast<std::size_t>(found - kinds.begin());
 }
 
-Marks marks_of(const archive::Source& source, std::uint64_t chain, std::uint64_t draws) {
+Marks marks_of(const archive::Source& source, const archive::Summary& summary,
+               std::uint64_t chain) {
   const std::vector<std::string> kinds = cli::proposal_kinds(source);
   const auto all = change_all_kind(kinds);
+  const std::uint64_t draws = summary.scans;
   Marks marks;
   double before = 0;
   double lineage_before = std::numeric_limits<double>::quiet_NaN();
   for (std::uint64_t first = 0; first < draws; first += k_rows_at_once) {
-    const cli::Rows rows{.first = chain * draws + first,
-                         .count = std::min(k_rows_at_once, draws - first)};
-    const std::vector<double> satisfied =
-        as_doubles(source.read(archive::k_sample_stats, "satisfied", rows.first, rows.count));
-    const std::vector<double> lineage =
-        as_doubles(source.read(archive::k_sample_stats, "lineage", rows.first, rows.count));
-    std::vector<double> accepted;
-    if (all) {
-      accepted = as_doubles(source.read(archive::k_sample_stats, "accepted",
-                                        rows.first * kinds.size(), rows.count * kinds.size()));
-    }
-    for (std::uint64_t i = 0; i < rows.count; ++i) {
+    const std::uint64_t count = std::min(k_rows_at_once, draws - first);
+    const auto column = [&](std::string_view name, std::uint64_t width) {
+      return checked_numbers(source, archive::k_sample_stats, name, summary.chains * draws * width,
+                             (chain * draws + first) * width, count * width);
+    };
+    const std::vector<double> satisfied = column("satisfied", 1);
+    const std::vector<double> lineage = column("lineage", 1);
+    const std::vector<double> accepted =
+        all ? column("accepted", kinds.size()) : std::vector<double>();
+    for (std::uint64_t i = 0; i < count; ++i) {
       const auto draw = static_cast<std::uint32_t>(first + i);
       if (all && draw > 0 && accepted[i * kinds.size() + *all] > 0)
         marks.change_all.push_back(draw);
@@ -146,7 +135,7 @@ std::string trace_of(const archive::Source& source, const archive::Summary& summ
     draw.push_back(point.x);
     value.push_back(point.y);
   }
-  const Marks marks = marks_of(source, chain, summary.scans);
+  const Marks marks = marks_of(source, summary, chain);
   Packed packed;
   packed.add("draw", draw);
   packed.add("value", value);
@@ -250,20 +239,21 @@ struct Weighed {
   std::vector<double> log_weights{};  ///< empty: all the same
 };
 
-Weighed posterior_of(const archive::Source& source, std::string_view name) {
+Weighed posterior_of(const archive::Source& source, const archive::Summary& summary,
+                     std::string_view name) {
   Weighed weighed;
-  const archive::DatasetSpec& spec = *spec_of(source, archive::k_sample_stats, name);
-  const std::uint64_t count = archive::element_count(spec);
-  const std::uint64_t every = 1 + (count - 1) / k_histogram_draws_max;
-  const archive::DatasetSpec* weights = spec_of(source, archive::k_tempering, "log_weight");
-  const bool has_weights = weights != nullptr && archive::element_count(*weights) == count;
-  for (std::uint64_t first = 0; first < count; first += k_rows_at_once) {
-    const std::uint64_t rows = std::min(k_rows_at_once, count - first);
-    const auto values = as_doubles(source.read(archive::k_sample_stats, name, first, rows));
-    const auto logs = has_weights
-                          ? as_doubles(source.read(archive::k_tempering, "log_weight", first, rows))
-                          : std::vector<double>();
-    for (std::uint64_t i = 0; i < values.size(); ++i) {
+  const std::uint64_t draws = summary.chains * summary.scans;
+  const std::uint64_t every = 1 + (draws - 1) / k_histogram_draws_max;
+  const bool has_weights = has_numbers(source, archive::k_tempering, "log_weight", draws);
+  for (std::uint64_t first = 0; first < draws; first += k_rows_at_once) {
+    const std::uint64_t rows = std::min(k_rows_at_once, draws - first);
+    const auto column = [&](std::string_view group, std::string_view dataset) {
+      return checked_numbers(source, group, dataset, draws, first, rows);
+    };
+    const std::vector<double> values = column(archive::k_sample_stats, name);
+    const std::vector<double> logs =
+        has_weights ? column(archive::k_tempering, "log_weight") : std::vector<double>();
+    for (std::uint64_t i = 0; i < rows; ++i) {
       if ((first + i) % every != 0) continue;
       weighed.values.push_back(values[i]);
       if (has_weights) weighed.log_weights.push_back(logs[i]);
@@ -294,11 +284,11 @@ std::vector<double> histogram(const Weighed& of, const std::vector<double>& edge
   return shares;
 }
 
-std::string pair_of(const archive::Source& source, std::string_view name) {
-  const archive::DatasetSpec& spec = *spec_of(source, archive::k_sample_stats_prior, name);
-  const Weighed prior{.values = as_doubles(source.read(archive::k_sample_stats_prior, name, 0,
-                                                       archive::element_count(spec)))};
-  const Weighed posterior = posterior_of(source, name);
+std::string pair_of(const archive::Source& source, const archive::Summary& summary,
+                    std::string_view name) {
+  const Weighed prior{.values = checked_numbers(source, archive::k_sample_stats_prior, name,
+                                                archive::k_prior_draws, 0, archive::k_prior_draws)};
+  const Weighed posterior = posterior_of(source, summary, name);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const Weighed* one : {&prior, &posterior}) {
@@ -331,7 +321,8 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
     titles.push_back(
         {{"name", std::move(name)}, {"title", std::move(title)}, {"kind", kind}, {"group", group}});
   };
-  if (summary.chains * summary.scans == 0) return titles;
+  const std::uint64_t draws = summary.chains * summary.scans;
+  if (draws == 0 || draws > k_counted_draws_max) return titles;
   for (const std::string& name : traced(source))
     add(std::string(k_trace_prefix) + name, title_of(name), "trace", "along the chain");
   add("trace.lineage", "lineage: which visit to the prior a draw descends from", "trace",
@@ -361,7 +352,8 @@ std::string series_in(const archive::Source& source, const archive::Summary& sum
     return title["name"].get_ref<const std::string&>() == name;
   });
   if (!is_one || name == "diagnosis") refuse_unknown();
-  if (name.starts_with(k_pair_prefix)) return pair_of(source, name.substr(k_pair_prefix.size()));
+  if (name.starts_with(k_pair_prefix))
+    return pair_of(source, summary, name.substr(k_pair_prefix.size()));
   const std::uint64_t chain = chain_of(chain_text, summary);
   if (name == "ladder") return levels_of(source, summary, chain);
   if (name == "rounds") return rounds_table(source, summary, chain);

@@ -31,7 +31,8 @@ namespace sleight::gallery {
 inline constexpr std::size_t k_series_points_max = 2'000'000;
 inline constexpr std::size_t k_bins = 60;
 
-/// [{"name", "title", "kind", "group"}]
+/// [{"name", "title", "kind", "group"}]; none where there are no draws, or more than
+/// k_counted_draws_max.
 nlohmann::ordered_json series_titles(const Snapshot& snapshot);
 
 /// One of them (packed.h). `chain`: a number, as text.

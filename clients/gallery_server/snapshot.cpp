@@ -4,13 +4,12 @@
 #include <cmath>
 #include <thread>
 #include <utility>
-#include <variant>
 
 #include <fmt/format.h>
 
 #include "clients/cli/browsed.h"
 #include "clients/cli/sampling_method.h"
-#include "clients/cli/trace.h"
+#include "clients/gallery_server/checked_read.h"
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/remote/remote_source.h"
@@ -21,44 +20,28 @@ namespace {
 
 constexpr std::uint64_t k_rows_at_once = 65'536;
 
-bool has_numbers(const archive::Source& source, std::string_view group, std::string_view name,
-                 std::uint64_t elements) {
-  const archive::Group* found = archive::find_group(source, group);
-  const archive::DatasetSpec* spec =
-      found == nullptr ? nullptr : archive::find_dataset(*found, name);
-  return spec != nullptr && spec->type != archive::ElementType::text &&
-         archive::element_count(*spec) == elements;
+/// A lineage's number; 0 of what is none in a file of other types.
+std::int64_t whole(double number) {
+  constexpr double k_most = 9e15;  // below which doubles have all whole numbers
+  return std::abs(number) <= k_most ? static_cast<std::int64_t>(number) : 0;
 }
 
 /// Satisfied draws of all chains.
 std::vector<LineageDraw> satisfied_of(const archive::Source& source,
                                       const archive::Summary& summary) {
   const std::uint64_t draws = summary.chains * summary.scans;
-  for (const char* name : {"satisfied", "lineage"}) {
-    if (!has_numbers(source, archive::k_sample_stats, name, draws)) {
-      throw base::Error(
-          base::ExitCode::bad_archive,
-          fmt::format("{}: {}: missing, or of another shape than expected", source.name(),
-                      archive::path_of(archive::k_sample_stats, name)));
-    }
-  }
   std::vector<LineageDraw> satisfied;
   for (std::uint64_t first = 0; first < draws; first += k_rows_at_once) {
     const std::uint64_t count = std::min(k_rows_at_once, draws - first);
-    const archive::Values is = source.read(archive::k_sample_stats, "satisfied", first, count);
-    const archive::Values lineage = source.read(archive::k_sample_stats, "lineage", first, count);
-    const auto* flags = std::get_if<std::vector<std::int8_t>>(&is);
-    const auto* numbers = std::get_if<std::vector<std::int64_t>>(&lineage);
-    if (flags == nullptr || numbers == nullptr) {
-      throw base::Error(base::ExitCode::bad_archive,
-                        fmt::format("{}: /sample_stats/satisfied or lineage: of another type than "
-                                    "expected",
-                                    source.name()));
-    }
+    const auto column = [&](std::string_view name) {
+      return checked_numbers(source, archive::k_sample_stats, name, draws, first, count);
+    };
+    const std::vector<double> is_satisfied = column("satisfied");
+    const std::vector<double> lineage = column("lineage");
     for (std::uint64_t i = 0; i < count; ++i) {
-      if ((*flags)[i] == 0) continue;
+      if (is_satisfied[i] == 0) continue;
       satisfied.push_back({.chain = (first + i) / summary.scans,
-                           .lineage = (*numbers)[i],
+                           .lineage = whole(lineage[i]),
                            .draw = (first + i) % summary.scans});
     }
   }
@@ -69,8 +52,8 @@ std::vector<double> blind_throws(const archive::Source& source) {
   std::vector<double> throws;
   const auto read = [&](std::string_view group, std::string_view name) {
     if (!has_numbers(source, group, name, archive::k_prior_draws)) return;
-    archive::Values values = source.read(group, name, 0, archive::k_prior_draws);
-    if (auto* numbers = std::get_if<std::vector<double>>(&values)) throws = std::move(*numbers);
+    throws =
+        checked_numbers(source, group, name, archive::k_prior_draws, 0, archive::k_prior_draws);
   };
   read(archive::k_sample_stats_prior, "log_prior");
   if (throws.empty()) read(archive::k_finds, "log_prior_of_throw");
@@ -111,7 +94,8 @@ Snapshot::Snapshot(const std::string& path, const Options& options)
       source_(options.open ? options.open(path) : archive::remote::open_remote(path)),
       index_(
           cli::index_of(*source_, path,
-                        {.earlier = options.earlier == nullptr ? nullptr : &options.earlier->index_,
+                        {.file = file_,
+                         .earlier = options.earlier == nullptr ? nullptr : &options.earlier->index_,
                          .progress = options.progress})),
       facts_(facts_of(*source_, index_)) {
   for (std::size_t entry = 0; entry < index_.entries.size(); ++entry)

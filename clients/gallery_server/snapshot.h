@@ -28,7 +28,7 @@
 
 namespace sleight::gallery {
 
-/// Satisfied draws that are counted for groups' shares, at most; of more there are no shares.
+/// Draws that are looked through for shares of groups and for plots, at most.
 inline constexpr std::uint64_t k_counted_draws_max = 50'000'000;
 
 /// What an archive says besides its animations.
@@ -63,8 +63,6 @@ class Snapshot {
   std::uint64_t generation() const { return generation_; }
   const browse::Index& index() const { return index_; }
   const Facts& facts() const { return facts_; }
-  /// The file that was read; none: it was gone before it could be looked at.
-  const std::optional<cli::FileState>& file() const { return file_; }
   /// Of each entry, the satisfied draws that are put to it; empty where draws aren't in proportion.
   std::vector<double> satisfied_draws() const;
   /// Along the index.
@@ -80,7 +78,7 @@ class Snapshot {
 
  private:
   std::uint64_t generation_;
-  std::optional<cli::FileState> file_;
+  std::optional<cli::FileState> file_;  ///< as it was before it was opened
   std::unique_ptr<archive::Source> source_;
   mutable std::mutex mutex_;
   browse::Index index_;

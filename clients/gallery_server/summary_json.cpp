@@ -7,29 +7,23 @@
 
 #include <fmt/format.h>
 
+#include "common/events/progress.h"
+
 namespace sleight::gallery {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// 12345 as "12,345".
-std::string grouped(std::uint64_t number) {
-  std::string text = fmt::format("{}", number);
-  for (std::size_t place = text.size(); place > 3;)
-    text.insert(place -= 3, 1, ',');
-  return text;
-}
-
 std::string as_of(const archive::Summary& summary) {
   std::string words;
   if (summary.chains * summary.scans > 0) {
-    words = summary.chains == 1 ? fmt::format("scan {}", grouped(summary.scans))
+    words = summary.chains == 1 ? fmt::format("scan {}", events::grouped(summary.scans))
                                 : fmt::format("scan {} of each of {} chains",
-                                              grouped(summary.scans), summary.chains);
+                                              events::grouped(summary.scans), summary.chains);
   }
   if (summary.finds.found > 0) {
     words += fmt::format("{}{} found by search", words.empty() ? "" : "; ",
-                         grouped(summary.finds.found));
+                         events::grouped(summary.finds.found));
   }
   return words.empty() ? "no scan yet" : words;
 }

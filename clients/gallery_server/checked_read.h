@@ -1,0 +1,25 @@
+// Numbers out of an archive that may be anybody's.
+//
+// A Source's read has preconditions that an archive's own words can't be trusted for; a server must
+// not end by them.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "common/archive/model.h"
+
+namespace sleight::gallery {
+
+/// Whether there is such a dataset, of numbers or flags, with so many elements.
+bool has_numbers(const archive::Source& source, std::string_view group, std::string_view dataset,
+                 std::uint64_t elements);
+
+/// Elements first .. first + count - 1 of a dataset that is to have `elements`, as doubles. Throws
+/// base::Error(bad_archive) where has_numbers is false. REQUIRES: within the elements.
+std::vector<double> checked_numbers(const archive::Source& source, std::string_view group,
+                                    std::string_view dataset, std::uint64_t elements,
+                                    std::uint64_t first, std::uint64_t count);
+
+}  // namespace sleight::gallery
