@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -13,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "clients/browse/index.h"
+#include "clients/cli/output.h"
+#include "clients/cli/own_folder.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 
@@ -70,6 +71,7 @@ bool says_nothing(const Json& note) {
          note["note"].get_ref<const std::string&>().empty();
 }
 
+/// Those that are missing, for their owner alone.
 void make_folders(const std::string& folder) {
   fs::path made;
   for (const fs::path& part : fs::path(folder)) {
@@ -81,21 +83,15 @@ void make_folders(const std::string& folder) {
   }
 }
 
-void write_whole(const std::string& path, const std::string& text) {
-  base::PosixFileSystem files;
-  const std::string beside = path + ".tmp";
-  const mode_t before = ::umask(S_IRWXG | S_IRWXO);
-  try {
-    base::write_text_file(files, beside, text);
-  } catch (...) {
-    ::umask(before);
-    files.remove(beside);
-    throw;
+/// What a file holds, read as a stranger's: somebody may share the folder. Throws std::exception
+/// where it is none.
+Json notes_in(const std::string& path) {
+  Json notes = Json::object();
+  const Json read = Json::parse(base::read_text_file(path, k_file_bytes_max));
+  for (const auto& [name, note] : read.at("notes").items()) {
+    if (browse::parse_name(name) && notes.size() < k_notes_max) notes[name] = checked(note);
   }
-  ::umask(before);
-  files.sync_file(beside);
-  files.rename(beside, path);
-  files.sync_directory_of(path);
+  return notes;
 }
 
 }  // namespace
@@ -109,76 +105,75 @@ std::string notes_folder(const std::string& archive) {
   std::error_code failure;
   const fs::path shared = fs::path(base::directory_of(archive)) / k_shared_folder;
   if (fs::is_directory(shared, failure)) return shared.string();
-  const char* given = std::getenv("XDG_DATA_HOME");
-  if (given != nullptr && given[0] == '/') return (fs::path(given) / "sleight/notes").string();
-  const char* home = std::getenv("HOME");
-  if (home != nullptr && home[0] == '/')
-    return (fs::path(home) / ".local/share/sleight/notes").string();
-  return {};
+  const auto own = cli::own_folder("XDG_DATA_HOME", ".local/share", "notes");
+  return own ? own->string() : std::string();
 }
 
-Notes::Notes(std::string folder, std::string why)
-    : folder_(std::move(folder)), trouble_(std::move(why)) {
-  if (folder_.empty() && trouble_.empty())
+Notes::Notes(std::string folder) : folder_(std::move(folder)) {
+  if (folder_.empty())
     trouble_ = "Stars and notes are kept until the gallery ends: there is no home folder.";
 }
 
-nlohmann::ordered_json& Notes::loaded(const std::string& run) {
-  const auto known = runs_.find(run);
-  if (known != runs_.end()) return known->second;
-  Json notes = Json::object();
-  if (!folder_.empty() && is_run_word(run)) {
-    base::PosixFileSystem files;
-    const std::string path = folder_ + "/" + run + ".json";
-    if (files.exists(path)) {
-      // Read as a stranger's: somebody may share the folder.
-      try {
-        const Json read = Json::parse(base::read_text_file(path, k_file_bytes_max));
-        for (const auto& [name, note] : read.at("notes").items()) {
-          if (browse::parse_name(name) && notes.size() < k_notes_max) notes[name] = checked(note);
-        }
-      } catch (const std::exception&) {
-        trouble_ = fmt::format(
-            "The notes in {} can't be read; new ones are kept until the gallery ends.", path);
-        folder_.clear();
-      }
-    }
+Notes::Run& Notes::loaded(const std::string& run) {
+  Run& known = runs_[run];
+  if (folder_.empty() || !is_run_word(run)) return known;
+  const std::optional<cli::FileState> now = cli::state_of_file(file_of(run));
+  if (!now || now == known.read) return known;
+  known.read = now;
+  try {
+    known.notes = notes_in(file_of(run));
+    known.is_unreadable = false;
+  } catch (const std::exception&) {
+    known.is_unreadable = true;
+    trouble_ = fmt::format(
+        "The notes in {} can't be read; new ones of its run are kept until the gallery ends.",
+        file_of(run));
   }
-  return runs_.emplace(run, std::move(notes)).first->second;
+  return known;
+}
+
+void Notes::write(const std::string& run, Run& to) {
+  if (folder_.empty() || to.is_unreadable) return;
+  try {
+    make_folders(folder_);
+    cli::OutputBeside output(file_of(run));
+    const Json file{{"sleight_notes", 1}, {"run", run}, {"notes", to.notes}};
+    base::PosixFileSystem files;
+    base::write_text_file(files, output.path(),
+                          file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    files.sync_file(output.path());
+    output.put_in_place();
+    to.read = cli::state_of_file(file_of(run));
+    const bool is_any_unreadable =
+        std::ranges::any_of(runs_, [](const auto& one) { return one.second.is_unreadable; });
+    if (!is_any_unreadable) trouble_.clear();
+  } catch (const base::Error& error) {
+    trouble_ = fmt::format("Stars and notes are kept until the gallery ends: {}.", error.what());
+  }
 }
 
 Json Notes::of_run(const std::string& run) {
   const std::lock_guard lock(mutex_);
-  return loaded(run);
+  return loaded(run).notes;
 }
 
 Json Notes::set(const std::string& run, const std::string& animation, const Json& note) {
   if (!is_run_word(run) || !browse::parse_name(animation)) refuse("there is no such animation");
   Json kept = checked(note);
   const std::lock_guard lock(mutex_);
-  Json& notes = loaded(run);
+  Run& of = loaded(run);
   std::uint64_t changed = 0;
-  for (const Json& one : notes)
+  for (const Json& one : of.notes)
     changed = std::max(changed, one["changed"].get<std::uint64_t>());
   kept["changed"] = changed + 1;
   if (says_nothing(kept)) {
-    notes.erase(animation);
+    of.notes.erase(animation);
   } else {
-    if (!notes.contains(animation) && notes.size() >= k_notes_max)
+    if (!of.notes.contains(animation) && of.notes.size() >= k_notes_max)
       refuse(fmt::format("a run has at most {} notes", k_notes_max));
-    notes[animation] = kept;
+    of.notes[animation] = kept;
   }
-  if (!folder_.empty()) {
-    try {
-      make_folders(folder_);
-      const Json file{{"sleight_notes", 1}, {"run", run}, {"notes", notes}};
-      write_whole(folder_ + "/" + run + ".json",
-                  file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
-      trouble_.clear();
-    } catch (const base::Error& error) {
-      trouble_ = fmt::format("Stars and notes are kept until the gallery ends: {}.", error.what());
-    }
-  }
+  write(run, of);
   return kept;
 }
 

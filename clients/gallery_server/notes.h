@@ -2,9 +2,10 @@
 //
 // One JSON file a run, called <run>.json: in a folder "sleight-notes" beside the first archive if
 // that folder is there (made by somebody who wants to share notes), else in
-// $XDG_DATA_HOME/sleight/notes (else ~/.local/share/sleight/notes), readable by the owner alone. A
-// file is written beside its place, synced and renamed. What can't be written is kept until the
-// program ends, and `trouble` says so.
+// $XDG_DATA_HOME/sleight/notes (else ~/.local/share/sleight/notes), a folder that its owner alone
+// can read. A file is written beside its place and renamed; it is read again when somebody else has
+// written it, so that several galleries may share it. What can't be written, or belongs to a run
+// whose file can't be read, is kept until the program ends, and `trouble` says so.
 //
 // Thread safety: one lock for all.
 #pragma once
@@ -13,8 +14,10 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
-#include <vector>
+
+#include "clients/cli/index_cache.h"
 
 namespace sleight::gallery {
 
@@ -26,8 +29,8 @@ inline constexpr std::size_t k_notes_max = 20'000;
 
 class Notes {
  public:
-  /// `folder`: where files are kept; empty: nowhere, and `why` says why.
-  explicit Notes(std::string folder, std::string why = {});
+  /// `folder`: where files are kept; empty: nowhere.
+  explicit Notes(std::string folder);
 
   /// All of a run, by animation. A file that can't be read has none.
   nlohmann::ordered_json of_run(const std::string& run);
@@ -40,12 +43,19 @@ class Notes {
   std::string trouble() const;
 
  private:
-  nlohmann::ordered_json& loaded(const std::string& run);
+  struct Run {
+    nlohmann::ordered_json notes = nlohmann::ordered_json::object();
+    std::optional<cli::FileState> read{};  ///< the file's state when it was read or written
+    bool is_unreadable = false;            ///< then the file is left as it is
+  };
+  Run& loaded(const std::string& run);
+  std::string file_of(const std::string& run) const { return folder_ + "/" + run + ".json"; }
+  void write(const std::string& run, Run& to);
 
   mutable std::mutex mutex_;
   std::string folder_;
   std::string trouble_;
-  std::map<std::string, nlohmann::ordered_json> runs_;
+  std::map<std::string, Run> runs_;
 };
 
 /// Where notes of this archive's run are kept.

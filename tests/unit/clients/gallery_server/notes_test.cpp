@@ -39,7 +39,7 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
     EXPECT_EQ(notes.trouble(), "");
   }
   struct stat about {};
-  ASSERT_EQ(::stat(path("notes/3f2a9c01.json").c_str(), &about), 0);
+  ASSERT_EQ(::stat(path("notes").c_str(), &about), 0);
   EXPECT_EQ(about.st_mode & 077U, 0U);
   Notes notes(path("notes"));
   const Json kept = notes.of_run(run);
@@ -95,6 +95,35 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   EXPECT_THAT(nowhere.trouble(), HasSubstr("no home folder"));
   nowhere.set(run, "0.1", starred);
   EXPECT_EQ(nowhere.of_run(run)["0.1"]["star"], true);
+}
+
+TEST_F(NotesTest, ManyGalleriesMayWriteOneFile) {
+  // Goal: who writes a note loses nobody else's. Method: two galleries of one folder, by turns.
+  Notes mine(path("notes"));
+  Notes yours(path("notes"));
+  mine.set(run, "0.1", starred);
+  EXPECT_TRUE(yours.of_run(run).contains("0.1"));
+  yours.set(run, "0.2", starred);
+  mine.set(run, "0.3", starred);
+  yours.set(run, "0.1", Json::object());
+  for (Notes* notes : {&mine, &yours}) {
+    const Json kept = notes->of_run(run);
+    EXPECT_FALSE(kept.contains("0.1"));
+    EXPECT_TRUE(kept.contains("0.2"));
+    EXPECT_TRUE(kept.contains("0.3"));
+  }
+}
+
+TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
+  // Goal: one file that can't be read costs its own run alone. Method: nonsense for one, a note for
+  // another, which is there the next time; the trouble is still said.
+  fs::create_directories(path("notes"));
+  std::ofstream(path("notes/3f2a9c01.json")) << "[]";
+  Notes notes(path("notes"));
+  notes.of_run(run);
+  notes.set("aaaa", "0.1", starred);
+  EXPECT_THAT(notes.trouble(), HasSubstr("3f2a9c01.json"));
+  EXPECT_TRUE(Notes(path("notes")).of_run("aaaa").contains("0.1"));
 }
 
 TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
