@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <new>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,10 +16,8 @@
 namespace sleight::gallery {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* k_ending = ".h5";
 /// Progress of reading is told so often.
 constexpr auto k_tell_every = std::chrono::milliseconds(250);
 
@@ -44,15 +39,6 @@ const char* word_of(ArchiveState state) {
 std::string reason_of(const std::string& what, const std::string& path) {
   const std::string prefix = path + ": ";
   return what.starts_with(prefix) ? what.substr(prefix.size()) : what;
-}
-
-/// Whether a file of a folder lies in it, where a link leads followed.
-bool lies_in(const fs::path& file, const fs::path& folder) {
-  std::error_code failure;
-  const fs::path real = fs::canonical(file, failure);
-  if (failure) return false;
-  const fs::path real_folder = fs::canonical(folder, failure);
-  return !failure && real.parent_path() == real_folder;
 }
 
 }  // namespace
@@ -89,32 +75,11 @@ void Gallery::look_forever() {
 }
 
 void Gallery::look_through_folders() {
-  std::vector<std::pair<std::string, std::string>> found;  // path and name
-  std::vector<LeftOut> left_out;
-  for (const std::string& path : options_.paths) {
-    std::error_code failure;
-    if (!fs::is_directory(path, failure)) {
-      found.emplace_back(path, fs::path(path).filename().string());
-      continue;
-    }
-    std::vector<fs::path> files;
-    for (const auto& item : fs::directory_iterator(path, failure)) {
-      if (item.path().extension() == k_ending) files.push_back(item.path());
-    }
-    if (failure) left_out.push_back({path, failure.message()});
-    std::ranges::sort(files);
-    for (const fs::path& file : files) {
-      if (!lies_in(file, path)) {
-        left_out.push_back({file.filename().string(), "it is a link that leads out of the folder"});
-      } else {
-        found.emplace_back(file.string(), file.filename().string());
-      }
-    }
-  }
+  ListedFiles listed = listed_files(options_.paths);
   bool is_news = false;
   {
     const std::lock_guard lock(mutex_);
-    for (auto& [path, name] : found) {
+    for (const auto& [path, name] : listed.files) {
       if (std::ranges::any_of(shown_, [&](const auto& shown) { return shown->path == path; }))
         continue;
       // Of two that are called the same the later one has its folder too.
@@ -126,11 +91,8 @@ void Gallery::look_through_folders() {
       shown_.push_back(std::move(shown));
       is_news = true;
     }
-    const bool is_same = std::ranges::equal(left_out, left_out_, [](const auto& a, const auto& b) {
-      return a.name == b.name && a.reason == b.reason;
-    });
-    is_news = is_news || !is_same;
-    left_out_ = std::move(left_out);
+    is_news = is_news || listed.left_out != left_out_;
+    left_out_ = std::move(listed.left_out);
   }
   if (is_news) tell();
 }
@@ -236,7 +198,7 @@ Json Gallery::state() const {
     archives.push_back(std::move(json));
   }
   Json left_out = Json::array();
-  for (const LeftOut& left : left_out_)
+  for (const ListedFiles::LeftOut& left : left_out_)
     left_out.push_back({{"name", left.name}, {"reason", left.reason}});
   return {{"archives", std::move(archives)}, {"left_out", std::move(left_out)}};
 }

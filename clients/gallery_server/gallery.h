@@ -3,9 +3,8 @@
 //
 // A thread looks at the files some times a second. One that was replaced is read anew beside the
 // old snapshot, which is shown until the new one is whole; one that is gone or damaged keeps what
-// was read of it, and says so. Folders are looked through for new archives. What is read is the
-// names that were given, and in folders files that end in ".h5": links that lead out of the folder
-// are left out.
+// was read of it, and says so. Folders are looked through for new archives
+// (listed_files.h).
 //
 // Thread safety: all functions may be called from any thread. `changed` is called from the looking
 // thread.
@@ -22,6 +21,7 @@
 #include <thread>
 #include <vector>
 
+#include "clients/gallery_server/listed_files.h"
 #include "clients/gallery_server/snapshot.h"
 
 namespace sleight::gallery {
@@ -70,11 +70,6 @@ class Gallery {
     /// The last file that was tried; it is not tried again unless it changes.
     std::optional<cli::FileState> tried{};
   };
-  struct LeftOut {
-    std::string name{};
-    std::string reason{};
-  };
-
   void look_forever();
   void look_through_folders();
   void look_at(std::size_t archive);
@@ -83,7 +78,7 @@ class Gallery {
   GalleryOptions options_;
   mutable std::mutex mutex_;  ///< of all below
   std::vector<std::unique_ptr<Shown>> shown_;
-  std::vector<LeftOut> left_out_;
+  std::vector<ListedFiles::LeftOut> left_out_;
   std::uint64_t generation_ = 0;
   bool is_over_ = false;
   std::condition_variable over_;

@@ -7,45 +7,32 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <span>
-#include <system_error>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "clients/cli/interruption.h"
-#include "clients/cli/job_names.h"
-#include "clients/cli/opened_archive.h"
-#include "clients/cli/progress_printer.h"
-#include "clients/cli/service_call.h"
 #include "clients/gallery_server/answers.h"
 #include "clients/gallery_server/gallery.h"
 #include "clients/gallery_server/job_follower.h"
+#include "clients/gallery_server/named_archives.h"
 #include "clients/gallery_server/notes.h"
 #include "clients/gallery_server/page_folder.h"
-#include "clients/gallery_server/saved_gallery.h"
+#include "clients/gallery_server/save_command.h"
 #include "clients/gallery_server/secret_file.h"
 #include "clients/web/server.h"
 #include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
-#include "common/rpc/client.h"
 
 namespace sleight::gallery {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Publishes what /api/gallery says, once there is a server.
 class Publisher {
@@ -155,138 +142,14 @@ void wait_for_end(web::Server& server, int signals) {
   }
 }
 
-/// What the command line names: files, and jobs whose archives come as files.
-struct Named {
-  std::vector<std::string> paths{};
-  struct Job {
-    rpc::JobId id{};
-    std::string path{};
-  };
-  std::vector<Job> jobs{};
-};
-
-/// A folder that goes with the gallery.
-class OwnFolder {
- public:
-  OwnFolder() {
-    std::string form = (fs::temp_directory_path() / "sleight-gallery-XXXXXX").string();
-    if (::mkdtemp(form.data()) == nullptr)
-      throw base::Error(fmt::format("{}: can't make a folder there", form));
-    path_ = form;
-  }
-  ~OwnFolder() {
-    std::error_code failure;
-    fs::remove_all(path_, failure);
-  }
-  OwnFolder(const OwnFolder&) = delete;
-  OwnFolder& operator=(const OwnFolder&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-/// Names that are neither files nor jobs are a mistake of the command line; what is there and can't
-/// be read is told on the page.
-Named named(const std::vector<std::string>& texts, const std::string& socket,
-            std::optional<OwnFolder>& folder) {
-  Named named;
-  for (const std::string& text : texts) {
-    std::error_code failure;
-    if (fs::exists(text, failure)) {
-      named.paths.push_back(text);
-      continue;
-    }
-    const auto names = cli::job_names_of(std::span(&text, 1));
-    const auto* job = names ? std::get_if<rpc::JobId>(&names.value().front()) : nullptr;
-    if (job == nullptr) {
-      throw base::Error(base::ExitCode::usage,
-                        fmt::format("{}: there is no such archive or folder", text));
-    }
-    // Asked here, so that a job that isn't there, and no service, are said at once.
-    cli::with_service(socket, [&](rpc::Client& client) {
-      client.status(*job);
-      return 0;
-    });
-    if (!folder) folder.emplace();
-    named.jobs.push_back(
-        {.id = *job, .path = fmt::format("{}/job-{}.h5", folder->path(), job->value)});
-    named.paths.push_back(named.jobs.back().path);
-  }
-  return named;
-}
-
-/// Archives and those in folders.
-std::vector<std::string> files_of(const std::vector<std::string>& paths) {
-  std::vector<std::string> files;
-  for (const std::string& path : paths) {
-    std::error_code failure;
-    if (!fs::is_directory(path, failure)) {
-      files.push_back(path);
-      continue;
-    }
-    std::vector<std::string> inside;
-    for (const auto& item : fs::directory_iterator(path, failure)) {
-      if (item.path().extension() == ".h5") inside.push_back(item.path().string());
-    }
-    std::ranges::sort(inside);
-    files.insert(files.end(), inside.begin(), inside.end());
-  }
-  return files;
-}
-
-int save(const CommandOptions& options, const cli::Rules& rules) {
-  const cli::Interruption interruption;
-  std::vector<SavedArchive> archives;
-  std::size_t animations = 0;
-  for (const std::string& path : files_of(options.paths)) {
-    cli::ProgressPrinter printer("reading " + path, stderr);
-    archives.push_back(
-        {.name = fs::path(path).filename().string(),
-         .snapshot = std::make_shared<const Snapshot>(
-             path, Snapshot::Options{.progress = [&](std::uint64_t done, std::uint64_t of) {
-               cli::Interruption::check();
-               printer.say(fmt::format("{} of {} animations", done, of));
-             }})});
-    printer.clear();
-    animations += archives.back().snapshot->index().entries.size();
-  }
-  cli::ProgressPrinter printer("saving " + options.save, stderr);
-  const std::uint64_t bytes =
-      save_gallery(archives,
-                   {.folder = options.save,
-                    .page = saved_page_folder(),
-                    .version = std::string(base::version()),
-                    .progress =
-                        [&](std::size_t done, std::size_t of) {
-                          cli::Interruption::check();
-                          printer.say(fmt::format("{} of {} files", done, of));
-                        }},
-                   rules);
-  printer.clear();
-  constexpr double k_megabyte = 1e6;
-  if (options.json) {
-    const nlohmann::ordered_json json{
-        {"folder", options.save}, {"animations", animations}, {"bytes", bytes}};
-    fmt::print("{}\n", cli::dumped(json));
-  } else {
-    fmt::print(
-        "{}: {} animations, {:.1f} MB; open {}/index.html, or put the folder on any web "
-        "server\n",
-        options.save, animations, static_cast<double>(bytes) / k_megabyte, options.save);
-  }
-  return static_cast<int>(base::ExitCode::ok);
-}
-
 }  // namespace
 
 int show_gallery(const CommandOptions& options, const std::string& socket,
                  const cli::Rules& rules) {
-  if (!options.save.empty()) return save(options, rules);
+  if (!options.save.empty()) return save_archives(options, rules);
   // Threads that answer take and give back whole indexes: each would keep a heap of its own.
   ::mallopt(M_ARENA_MAX, 2);
-  std::optional<OwnFolder> folder;
-  const Named shown = named(options.paths, socket, folder);
+  const NamedArchives shown(options.paths, socket);
   auto files = std::make_shared<const web::StaticFiles>(page_folder());
 
   // Before any thread begins, so that all have it: signals come to the descriptor alone.
@@ -299,8 +162,8 @@ int show_gallery(const CommandOptions& options, const std::string& socket,
   const base::Descriptor signals(::signalfd(-1, &ends, SFD_CLOEXEC));
 
   Publisher publisher;
-  Notes notes(notes_folder(shown.paths.front()));
-  Gallery gallery({.paths = shown.paths, .changed = [&] { publisher.publish(); }});
+  Notes notes(notes_folder(shown.paths().front()));
+  Gallery gallery({.paths = shown.paths(), .changed = [&] { publisher.publish(); }});
   const Answers answers(gallery, notes, rules, std::string(base::version()));
   const auto server = served(
       options,
@@ -312,7 +175,7 @@ int show_gallery(const CommandOptions& options, const std::string& socket,
   publisher.publish();
 
   std::vector<std::unique_ptr<JobFollower>> followers;
-  for (const Named::Job& job : shown.jobs) {
+  for (const NamedArchives::Job& job : shown.jobs()) {
     followers.push_back(std::make_unique<JobFollower>(
         socket, job.id, job.path,
         [&gallery, path = job.path](bool goes_on, const std::string& words) {

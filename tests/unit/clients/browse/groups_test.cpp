@@ -268,5 +268,35 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
   EXPECT_LE(small, 20);
 }
 
+TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
+  // Goal: what is kept from one grouping to the next changes none of them. Method: numbers of
+  // groups up and down, both ways, of a set with a full matrix and of one that is sampled, each
+  // against a grouping from scratch; distances against a set of sketches.
+  random::Stream stream = testing::stream_of(k_seed, 27);
+  for (const std::size_t size : {60UL, 505UL}) {
+    const Index index = random_index(size, stream);
+    const std::vector<const Entry*> entries = entries_of(index);
+    const AlikeSet set(entries, index.scene, 2);
+    for (const std::size_t k : {7U, 3U, 7U, 1U, 12U}) {
+      for (const Grouping by : {Grouping::medoids, Grouping::hierarchy}) {
+        if (size > k_full_matrix_max && k != 3) continue;  // it takes seconds
+        const Groups again = set.groups(k, by);
+        const Groups once = groups_of(entries, index.scene, {.groups = k, .by = by});
+        ASSERT_EQ(again.groups.size(), once.groups.size());
+        EXPECT_EQ(again.is_approximate, once.is_approximate);
+        for (std::size_t i = 0; i < once.groups.size(); ++i) {
+          EXPECT_EQ(again.groups[i].representative, once.groups[i].representative);
+          EXPECT_EQ(again.groups[i].members, once.groups[i].members);
+          EXPECT_EQ(again.groups[i].mean_m, once.groups[i].mean_m);
+          EXPECT_EQ(again.groups[i].greatest_m, once.groups[i].greatest_m);
+        }
+      }
+    }
+    const Sketches sketches(entries, index.scene);
+    for (std::size_t other = 0; other < 20; ++other)
+      EXPECT_EQ(set.between(5, other).value_m(), sketches.between(5, other).value_m());
+  }
+}
+
 }  // namespace
 }  // namespace sleight::browse

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -216,6 +217,15 @@ TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
     for (std::uint32_t i = 1; i < 101; ++i)
       if (satisfied[i - 1] != 0 && satisfied[i] == 0) falls.push_back(i);
     EXPECT_EQ(trace.column<std::uint32_t>("fall"), falls);
+    EXPECT_FALSE(falls.empty());
+    // Two kinds of proposals, of which the first changes everything.
+    const auto accepted = std::get<std::vector<std::int32_t>>(
+        source.read(archive::k_sample_stats, "accepted", 0, 2 * 101));
+    std::vector<std::uint32_t> changes_of_all;
+    for (std::uint32_t i = 1; i < 101; ++i)
+      if (accepted[2 * i] > 0) changes_of_all.push_back(i);
+    EXPECT_EQ(trace.column<std::uint32_t>("change_all"), changes_of_all);
+    EXPECT_FALSE(changes_of_all.empty());
   });
   const web::Answer pair_answer = get("/api/archives/0/series/pair.log_prior");
   const Unpacked pair = unpacked(pair_answer.content.text());
@@ -224,6 +234,88 @@ TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
   for (const double share : pair.column<double>("posterior"))
     sum += share;
   EXPECT_NEAR(sum, 1, 1e-12);
+}
+
+/// What is changed in an archive: a dataset taken out, or without its last dimension.
+struct Damage {
+  std::string_view group;
+  std::string_view dataset;
+  bool is_missing;
+};
+
+class Damaged final : public archive::Source {
+ public:
+  Damaged(archive::MemoryArchive whole, const Damage& damage)
+      : whole_(std::move(whole)), groups_(whole_.groups()) {
+    for (archive::Group& group : groups_) {
+      if (group.name != damage.group) continue;
+      for (archive::DatasetSpec& spec : group.datasets)
+        if (spec.name == damage.dataset) spec.dims.pop_back();
+      if (damage.is_missing)
+        std::erase_if(group.datasets,
+                      [&](const auto& spec) { return spec.name == damage.dataset; });
+    }
+  }
+  std::string name() const override { return "a.h5"; }
+  const std::vector<archive::Group>& groups() const override { return groups_; }
+  archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
+                       std::uint64_t count) const override {
+    // A file's reader ends the program where these don't hold.
+    const archive::Group* found = archive::find_group(*this, group);
+    const archive::DatasetSpec* spec =
+        found == nullptr ? nullptr : archive::find_dataset(*found, dataset);
+    EXPECT_TRUE(spec != nullptr && first + count <= archive::element_count(*spec))
+        << group << "/" << dataset;
+    return whole_.read(group, dataset, first, count);
+  }
+
+ private:
+  archive::MemoryArchive whole_;
+  std::vector<archive::Group> groups_;
+};
+
+TEST_F(AnswersTest, AnArchiveThatLacksSomethingIsRefusedInWords) {
+  // Goal: a file that isn't ours never ends the server, which reads nothing that isn't there.
+  // Method: columns of draws and of the prior taken out or cut: either the archive is refused as a
+  // whole, or each plot that is offered is answered, but for that of the column; both happen.
+  int refused = 0;
+  int answered = 0;
+  for (const std::string_view group : {archive::k_sample_stats, archive::k_sample_stats_prior}) {
+    for (const std::string_view dataset : {"lp", "log_prior", "landing_m", "accepted", "lineage"}) {
+      for (const bool is_missing : {true, false}) {
+        if (archive::find_dataset(*archive::find_group(made_up(1), group), dataset) == nullptr)
+          continue;
+        const Damage damage{.group = group, .dataset = dataset, .is_missing = is_missing};
+        const std::string words = fmt::format("{}-{}-{}", group.substr(1), dataset, is_missing);
+        std::ofstream(path(words + ".h5")) << words;
+        Gallery shown({.paths = {path(words + ".h5")},
+                       .look_every_s = 0.01,
+                       .open = [&](const std::string&) -> std::unique_ptr<archive::Source> {
+                         return std::make_unique<Damaged>(made_up(101, 3), damage);
+                       }});
+        const Answers all(shown, notes, rules, "1.2");
+        for (int i = 0; i < 2000 && shown.state()["archives"][0]["state"] == "reading"; ++i)
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        if (shown.snapshot(0) == nullptr) {
+          EXPECT_EQ(shown.state()["archives"][0]["state"], "damaged") << words;
+          ++refused;
+          continue;
+        }
+        ++answered;
+        const web::Answer list = all({.path = "/api/archives/0/series"});
+        ASSERT_EQ(list.status, 200U) << words;
+        for (const Json& title : Json::parse(list.content.text())) {
+          const std::string name = title["name"].get<std::string>();
+          EXPECT_NE(name, fmt::format("pair.{}", dataset)) << words;
+          if (name == "diagnosis") continue;
+          EXPECT_EQ(all({.path = "/api/archives/0/series/" + name}).status, 200U)
+              << words << " " << name;
+        }
+      }
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(answered, 0);
 }
 
 }  // namespace
