@@ -26,7 +26,6 @@
 #include "clients/browse/groups.h"
 #include "clients/browse/query.h"
 #include "clients/browse/reading.h"
-#include "clients/browse/resemblance.h"
 #include "clients/gallery_server/index_columns.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/base/error.h"
@@ -119,7 +118,7 @@ class Answers {
         answers_(folder + "/answers.jsonl") {
     for (const browse::Entry& entry : index.entries)
       all_.push_back(&entry);
-    sketches_.emplace(all_, index.scene);
+    set_.emplace(all_, index.scene, 1);
   }
 
   void find(const std::string& text) {
@@ -160,7 +159,7 @@ class Answers {
     for (const std::size_t entry : of) {
       double least = std::numeric_limits<double>::infinity();
       for (const std::size_t one : to)
-        least = std::min(least, sketches_->between(one, entry).value_m());
+        least = std::min(least, set_->between(one, entry).value_m());
       nearest.emplace_back(least, entry);
     }
     std::ranges::sort(nearest);
@@ -180,7 +179,7 @@ class Answers {
 
   const browse::Index& index_;
   std::vector<const browse::Entry*> all_{};
-  std::optional<browse::Sketches> sketches_{};
+  std::optional<browse::AlikeSet> set_{};  ///< as the server compares
   std::ofstream questions_;
   std::ofstream answers_;
 };

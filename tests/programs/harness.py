@@ -81,15 +81,30 @@ def mapped(path):
     return False
 
 
+def abandoned(find):
+    """What find() returns, once that stays so: one that begins or ends just now is not abandoned."""
+    for _ in range(20):
+        found = find()
+        if not found:
+            break
+        time.sleep(0.1)
+    return found
+
+
 def abandoned_memory():
     """Files of shared memory, of any job of ours, that nobody uses and that stay."""
-    for _ in range(20):
-        unused = [str(path) for path in pathlib.Path("/dev/shm").iterdir()
-                  if ("sleight" in path.name or "vader" in path.name) and not mapped(str(path))]
-        if not unused:
-            break
-        time.sleep(0.1)  # one that begins or ends just now
-    return unused
+    return abandoned(lambda: [
+        str(path) for path in pathlib.Path("/dev/shm").iterdir()
+        if any(word in path.name for word in ("sleight", "vader", "sm_segment")) and not mapped(str(path))])
+
+
+def abandoned_sessions(before=frozenset()):
+    """Folders that runs of Open MPI left in /tmp, but those of before: their mpirun is gone. Other tests'
+    runs have theirs there while they live."""
+    return abandoned(lambda: {
+        str(path) for path in pathlib.Path("/tmp").glob("ompi*/*")
+        if not path.name.startswith("pid.") or not pathlib.Path(f"/proc/{path.name[4:]}").exists()}
+        - before)
 
 
 class ProgramTest(unittest.TestCase):

@@ -63,18 +63,12 @@ def described(pid):
     return pid, name, int(ranks[0]) if ranks else None
 
 
-def open_mpi_files():
-    """Those that Open MPI leaves where others see them."""
-    return {str(path) for folder in ("/tmp", "/dev/shm") for path in pathlib.Path(folder).iterdir()
-            if any(word in path.name for word in ("ompi", "vader", "open_mpi", "pmix", "sm_segment"))}
-
-
 class Keeper(ProgramTest):
     def setUp(self):
         super().setUp()
         self.job = self.folder / "jobs" / "17 with a space"
         self.job.mkdir(parents=True)
-        self.files_before = open_mpi_files()
+        self.sessions_before = harness.abandoned_sessions()
         self.addCleanup(self.stop_what_is_left)
 
     def stop_what_is_left(self):
@@ -124,7 +118,8 @@ class Keeper(ProgramTest):
         while self.left():
             self.assertLess(time.monotonic(), deadline, self.left())
             time.sleep(0.002)
-        self.assertEqual(open_mpi_files() - self.files_before, set())
+        self.assertEqual(harness.abandoned_memory(), [])
+        self.assertEqual(harness.abandoned_sessions(self.sessions_before), set())
 
     def test_a_run_and_its_end(self):
         """Directly, over ranks, and with a store that tells the end where the pipe has none."""

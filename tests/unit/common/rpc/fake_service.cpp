@@ -1,11 +1,11 @@
 #include "tests/unit/common/rpc/fake_service.h"
 
 #include <fmt/format.h>
+#include <limits.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -325,7 +325,7 @@ void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
 /// What a nursery is asked: a server's start, or its end.
 struct Ask {
   pid_t kill = 0;  ///< 0: start one
-  char path[sizeof(sockaddr_un::sun_path)] = {};
+  char path[PATH_MAX] = {};  ///< of any length: servers shorten it for the system
   std::size_t file_bytes = 0;
   ServerLimits limits{};
 };
