@@ -324,7 +324,7 @@ void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
 
 /// What a nursery is asked: a server's start, or its end.
 struct Ask {
-  pid_t kill = 0;  ///< 0: start one
+  pid_t kill = 0;            ///< 0: start one
   char path[PATH_MAX] = {};  ///< of any length: servers shorten it for the system
   std::size_t file_bytes = 0;
   ServerLimits limits{};
