@@ -259,19 +259,30 @@ std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t
 }
 
 struct AlikeSet::Impl {
+  /// Those of a set that are compared with one another.
+  struct Sample {
+    Sample(std::vector<std::size_t> chosen, std::size_t all, const Sketches& sketches,
+           std::size_t threads)
+        : members(std::move(chosen)),
+          place_of(all, members.size()),
+          matrix(sketches.matrix(members, threads)) {
+      for (std::size_t i = 0; i < members.size(); ++i)
+        place_of[members[i]] = i;
+    }
+
+    std::vector<std::size_t> members;   ///< ascending
+    std::vector<std::size_t> place_of;  ///< among the members; their number: it is none of them
+    std::vector<float> matrix;
+  };
+
   Impl(std::span<const Entry* const> entries, const scene::Scene& scene, std::size_t given_threads)
       : threads(given_threads),
         by_name(order_of_names(entries)),
         sorted(in_order(entries, by_name)),
-        sketches(sorted, scene),
-        sample(sample_of(sorted)),
-        place_in_sample(sorted.size(), sorted.size()),
+        sketches(sorted, scene, threads),
         place_by_name(sorted.size()) {
-    for (std::size_t i = 0; i < sample.size(); ++i)
-      place_in_sample[sample[i]] = i;
     for (std::size_t i = 0; i < by_name.size(); ++i)
       place_by_name[by_name[i]] = i;
-    matrix = sketches.matrix(sample, threads);
   }
 
   static std::vector<std::size_t> order_of_names(std::span<const Entry* const> entries) {
@@ -287,12 +298,18 @@ struct AlikeSet::Impl {
       sorted.push_back(entries[i]);
     return sorted;
   }
-  /// All, or a part that stands for all.
-  static std::vector<std::size_t> sample_of(std::span<const Entry* const> sorted) {
-    if (sorted.size() > k_full_matrix_max) return evenly_chosen(sorted, k_full_matrix_max);
-    std::vector<std::size_t> all(sorted.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    return all;
+  /// Those whose groups are everyone's, for so many groups.
+  const Sample& sample_for(std::size_t groups) {
+    std::size_t size = sorted.size();
+    if (size > k_full_matrix_max)
+      size = groups <= k_groups_of_sample_max ? k_sample : k_full_matrix_max;
+    const auto known = samples.find(size);
+    if (known != samples.end()) return known->second;
+    std::vector<std::size_t> chosen(size);
+    std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+    if (size < sorted.size()) chosen = evenly_chosen(sorted, size);
+    return samples.try_emplace(size, std::move(chosen), sorted.size(), sketches, threads)
+        .first->second;
   }
 
   /// Of everyone from these, where they are not known yet.
@@ -309,8 +326,9 @@ struct AlikeSet::Impl {
     for_each_block(sorted.size(), threads, [&](std::size_t first, std::size_t end) {
       for (const std::size_t one : unknown) {
         std::vector<double>& distance = from.at(one);
+        Sketches::From compared(sketches, one);
         for (std::size_t i = first; i < end; ++i)
-          distance[i] = i == one ? -1 : sketches.between(i, one).value_m();
+          distance[i] = i == one ? -1 : compared.to(i).value_m();
       }
     });
   }
@@ -319,11 +337,9 @@ struct AlikeSet::Impl {
   std::vector<std::size_t> by_name;
   std::vector<const Entry*> sorted;
   Sketches sketches;
-  std::vector<std::size_t> sample;           ///< of `sorted`
-  std::vector<std::size_t> place_in_sample;  ///< of `sorted`; its size: it isn't in it
-  std::vector<std::size_t> place_by_name;    ///< of what was given, in `sorted`
-  std::vector<float> matrix;                 ///< of the sample
-  std::mutex mutex;                          ///< of `from`
+  std::vector<std::size_t> place_by_name;  ///< of what was given, in `sorted`
+  std::mutex mutex;                        ///< of what follows
+  std::map<std::size_t, Sample> samples;   ///< by their size
   /// By representative the distances of everyone; -1 of itself.
   std::map<std::size_t, std::vector<double>> from;
 };
@@ -343,22 +359,23 @@ Groups AlikeSet::groups(std::size_t groups, Grouping by) const {
   Impl& set = *impl_;
   Groups found{.is_approximate = set.sorted.size() > k_full_matrix_max};
   if (set.sorted.empty()) return found;
-  const std::size_t k = std::min(groups, set.sample.size());
-  const Division division = divided(set.matrix, set.sample.size(), k, by);
+  const std::lock_guard lock(set.mutex);
+  const Impl::Sample& sample = set.sample_for(groups);
+  const std::size_t k = std::min(groups, sample.members.size());
+  const Division division = divided(sample.matrix, sample.members.size(), k, by);
   for (const std::size_t representative : division.representatives)
-    found.groups.push_back({.representative = set.sample[representative]});
+    found.groups.push_back({.representative = sample.members[representative]});
 
   std::vector<std::size_t> representatives;
   for (const AlikeGroup& group : found.groups)
     representatives.push_back(group.representative);
-  const std::lock_guard lock(set.mutex);
   set.measure_from(representatives);
   std::vector<const std::vector<double>*> from;
   for (const std::size_t one : representatives)
     from.push_back(&set.from.at(one));
   // Everyone goes to a group: of the sample as the grouping says, the others to the nearest.
   for (std::size_t i = 0; i < set.sorted.size(); ++i) {
-    const std::size_t in_sample = set.place_in_sample[i];
+    const std::size_t in_sample = sample.place_of[i];
     std::size_t group_of = 0;
     if (in_sample < division.group_of.size()) {
       group_of = division.group_of[in_sample];

@@ -3,23 +3,23 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
 #include <utility>
 
 #include "clients/browse/parallel.h"
-#include "common/base/check.h"
 
 namespace sleight::browse {
 namespace {
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-/// Beyond it values are equally far, so that sums of them are finite: no scene is so large.
-constexpr double k_value_max_m = 1e30;
+/// Places beyond it are taken for it, so that squares of their distances are finite floats: no
+/// scene is so large.
+constexpr double k_place_max_m = 1e18;
 /// Of all rest times, the part that the equal times reach.
 constexpr double k_covered = 0.95;
+constexpr std::size_t k_matching_step = k_equal_times / (k_matching_times - 1);
+static_assert(k_matching_step * (k_matching_times - 1) == k_equal_times);
 
 /// When 19 in 20 of the animations are at rest.
 double covered_duration_s(std::span<const Entry* const> entries) {
@@ -32,85 +32,37 @@ double covered_duration_s(std::span<const Entry* const> entries) {
   return ends[static_cast<std::size_t>(std::ceil(k_covered * last))];
 }
 
-double distance_m(const float* ax, const float* ay, const float* az, const float* bx,
-                  const float* by, const float* bz, std::size_t i) {
-  // A hostile archive's places may be so large that their squares are no floats.
-  const double dx = double{ax[i]} - double{bx[i]};
-  const double dy = double{ay[i]} - double{by[i]};
-  const double dz = double{az[i]} - double{bz[i]};
-  return std::sqrt(dx * dx + dy * dy + dz * dz);
+double square(double x) {
+  return x * x;
 }
 
-/// Length of the longest rising subsequence.
+float place_of(double x_m) {
+  return static_cast<float>(std::clamp(x_m, -k_place_max_m, k_place_max_m));
+}
+
+/// Length of the longest rising subsequence. REQUIRES: at most k_first_contacts_max values.
 std::size_t longest_rising(std::span<const std::uint32_t> values) {
   // tails[n]: the least value at which a rising subsequence of n + 1 values ends.
-  std::array<std::uint32_t, k_first_contacts_max> tails{};
+  std::array<std::uint32_t, k_first_contacts_max> tails;
   std::size_t length = 0;
   for (const std::uint32_t value : values) {
-    const auto at = static_cast<std::size_t>(
-        std::lower_bound(tails.begin(), tails.begin() + length, value) - tails.begin());
-    tails[at] = value;
-    length = std::max(length, at + 1);
+    // How many tails are less, by halves and without a branch, which could not be foreseen.
+    std::size_t less = 0;
+    for (std::size_t left = length; left > 0;) {
+      const std::size_t half = (left + 1) / 2;
+      less += tails[less + half - 1] < value ? half : 0;
+      left -= half;
+    }
+    tails[less] = value;
+    length = std::max(length, less + 1);
   }
   return length;
 }
 
 }  // namespace
 
-std::vector<std::uint32_t> cheapest_matching(std::span<const double> costs, std::size_t size) {
-  CHECK_EQ(costs.size(), size * size);
-  // Rows and columns count from 1, 0 is none: row_of[column] is matched, and the potentials keep
-  // every cost[row][column] - u[row] - v[column] at 0 or above, 0 where matched.
-  std::vector<double> u(size + 1, 0);
-  std::vector<double> v(size + 1, 0);
-  std::vector<std::size_t> row_of(size + 1, 0);
-  std::vector<std::size_t> came_from(size + 1, 0);
-  for (std::size_t row = 1; row <= size; ++row) {
-    // Grow a tree of shortest paths from the row until it reaches a column that is free.
-    std::vector<double> shortest(size + 1, k_infinity);
-    std::vector<bool> is_done(size + 1, false);
-    row_of[0] = row;
-    std::size_t column = 0;
-    do {
-      is_done[column] = true;
-      const std::size_t from = row_of[column];
-      double step = k_infinity;
-      std::size_t nearest = 0;
-      for (std::size_t other = 1; other <= size; ++other) {
-        if (is_done[other]) continue;
-        const double reduced = costs[(from - 1) * size + other - 1] - u[from] - v[other];
-        if (reduced < shortest[other]) {
-          shortest[other] = reduced;
-          came_from[other] = column;
-        }
-        if (shortest[other] < step) {
-          step = shortest[other];
-          nearest = other;
-        }
-      }
-      for (std::size_t other = 0; other <= size; ++other) {
-        if (is_done[other]) {
-          u[row_of[other]] += step;
-          v[other] -= step;
-        } else {
-          shortest[other] -= step;
-        }
-      }
-      column = nearest;
-    } while (row_of[column] != 0);
-    // Turn the path round.
-    while (column != 0) {
-      row_of[column] = row_of[came_from[column]];
-      column = came_from[column];
-    }
-  }
-  std::vector<std::uint32_t> column_of(size);
-  for (std::size_t column = 1; column <= size; ++column)
-    column_of[row_of[column] - 1] = static_cast<std::uint32_t>(column - 1);
-  return column_of;
-}
-
-Sketches::Sketches(std::span<const Entry* const> entries, const scene::Scene& scene)
+Sketches::Sketches(std::span<const Entry* const> entries, const scene::Scene& scene,
+                   std::size_t threads)
     : apart_m_(math::norm(math::Vec3(scene.high_m - scene.low_m))) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> classes;
   for (std::uint32_t body = 0; body < scene.bodies(); ++body)
@@ -118,137 +70,191 @@ Sketches::Sketches(std::span<const Entry* const> entries, const scene::Scene& sc
   for (auto& [first, bodies] : classes)
     twins_.push_back(std::move(bodies));
   const double duration_s = covered_duration_s(entries);
-  sketches_.reserve(entries.size());
-  for (const Entry* entry : entries)
-    sketches_.push_back(sketch_of(*entry, duration_s));
+  sketches_.resize(entries.size());
+  for_each_block(entries.size(), threads, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i)
+      sketches_[i] = sketch_of(*entries[i], duration_s);
+  });
 }
 
 Sketches::Sketch Sketches::sketch_of(const Entry& entry, double duration_s) const {
   Sketch sketch;
   for (std::uint32_t body = 0; body < entry.tracks.size(); ++body) {
     const auto pieces = entry.pieces_of(body);
-    sketch.enters.push_back(!pieces.empty());
+    sketch.enters.push_back(pieces.empty() ? 0 : 1);
     Places places{};
     for (std::size_t i = 0; i < k_times && !pieces.empty(); ++i) {
       const double t_s = duration_s * static_cast<double>(i) / (k_equal_times - 1);
       const math::Vec3 at_m = i == k_equal_times
                                   ? pieces.back().position_m
                                   : centre_at(pieces, t_s).value_or(pieces.front().position_m);
-      places.x[i] = static_cast<float>(at_m.x());
-      places.y[i] = static_cast<float>(at_m.y());
-      places.z[i] = static_cast<float>(at_m.z());
+      places.x[i] = place_of(at_m.x());
+      places.y[i] = place_of(at_m.y());
+      places.z[i] = place_of(at_m.z());
     }
     sketch.places.push_back(places);
+  }
+  for (const std::vector<std::uint32_t>& bodies : twins_) {
+    if (bodies.size() == 1) continue;
+    for (std::size_t i = 0; i < k_times; i += k_matching_step) {
+      for (const auto axis : {&Places::x, &Places::y, &Places::z})
+        for (const std::uint32_t body : bodies)
+          sketch.matched_by.push_back((sketch.places[body].*axis)[i]);
+    }
   }
   std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
   for (const Contact& contact : entry.contacts) {
     if (sketch.first.size() == k_first_contacts_max) break;
     const auto [low, high] = std::minmax(contact.body, contact.partner);
-    if (!seen.emplace(low, high).second) continue;
-    const auto place = static_cast<std::uint32_t>(sketch.first.size());
-    sketch.first.push_back({.low = low, .high = high});
-    sketch.by_things.push_back({.low = low, .high = high, .place = place});
+    if (seen.emplace(low, high).second) sketch.first.push_back({.low = low, .high = high});
   }
-  std::ranges::sort(sketch.by_things);
   return sketch;
 }
 
-std::vector<std::uint32_t> Sketches::matched(const Sketch& a, const Sketch& b) const {
-  std::vector<std::uint32_t> partner_of(a.places.size());
-  std::vector<double> costs;
-  for (const std::vector<std::uint32_t>& bodies : twins_) {
-    if (bodies.size() == 1) {
-      partner_of[bodies.front()] = bodies.front();
-      continue;
-    }
-    costs.clear();
-    for (const std::uint32_t of_a : bodies) {
-      for (const std::uint32_t of_b : bodies) {
-        double cost = 0;
-        if (a.enters[of_a] != b.enters[of_b]) {
-          cost = apart_m_ * k_matching_times;
-        } else {
-          const Places& p = a.places[of_a];
-          const Places& q = b.places[of_b];
-          for (std::size_t i = 0; i < k_times; i += (k_times - 1) / (k_matching_times - 1))
-            cost += distance_m(p.x, p.y, p.z, q.x, q.y, q.z, i);
-        }
-        costs.push_back(cost);
-      }
-    }
-    const auto column_of = cheapest_matching(costs, bodies.size());
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      partner_of[bodies[i]] = bodies[column_of[i]];
-  }
-  return partner_of;
+Sketches::From::From(const Sketches& sketches, std::size_t one) : sketches_(&sketches), one_(one) {
+  std::uint32_t place = 0;
+  for (const FirstContact& contact : sketches.sketches_[one].first)
+    places_.add(contact.low, contact.high, place++);
 }
 
-double Sketches::order_between(const Sketch& a, const Sketch& b,
-                               const std::vector<std::uint32_t>& partner_of) const {
+void Sketches::From::weigh(const Sketch& a, const Sketch& b, std::span<const std::uint32_t> bodies,
+                           std::size_t offset) {
+  const std::size_t size = bodies.size();
+  costs_.assign(size * size, 0);
+  for (std::size_t i = 0; i < size; ++i) {
+    double* const row = costs_.data() + i * size;
+    for (std::size_t t = 0; t < k_matching_times; ++t) {
+      const float* const of_a = a.matched_by.data() + offset + 3 * t * size + i;
+      const float* const x = b.matched_by.data() + offset + 3 * t * size;
+      const float* const y = x + size;
+      const float* const z = y + size;
+      const double ax = of_a[0];
+      const double ay = of_a[size];
+      const double az = of_a[2 * size];
+      for (std::size_t j = 0; j < size; ++j)
+        row[j] += square(ax - double{x[j]}) + square(ay - double{y[j]}) + square(az - double{z[j]});
+    }
+    for (std::size_t j = 0; j < size; ++j) {
+      if (a.enters[bodies[i]] != b.enters[bodies[j]])
+        row[j] = square(sketches_->apart_m_) * k_matching_times;
+    }
+  }
+}
+
+void Sketches::From::match(const Sketch& a, const Sketch& b) {
+  partner_of_.resize(a.places.size());
+  std::size_t offset = 0;
+  for (const std::vector<std::uint32_t>& bodies : sketches_->twins_) {
+    if (bodies.size() == 1) {
+      partner_of_[bodies.front()] = bodies.front();
+      continue;
+    }
+    weigh(a, b, bodies, offset);
+    offset += 3 * k_matching_times * bodies.size();
+    const auto column_of = matching_.of(costs_, bodies.size());
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      partner_of_[bodies[i]] = bodies[column_of[i]];
+  }
+}
+
+double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
   const std::size_t longer = std::max(a.first.size(), b.first.size());
   if (longer == 0) return 0;
-  // Where each of b's contacts stands. No two of a list are equal, so that the longest common
-  // subsequence is the longest one of a's whose places in b rise.
-  std::array<std::uint32_t, k_first_contacts_max> places{};
-  std::size_t count = 0;
-  const auto in_b = [&](std::uint32_t feature) {
-    return feature < partner_of.size() ? partner_of[feature] : feature;
+  // Which body of the one each body of the other stands for.
+  const Sketch& one = sketches_->sketches_[one_];
+  in_one_ = partner_of_;
+  if (&one == &a) {
+    for (std::uint32_t body = 0; body < partner_of_.size(); ++body)
+      in_one_[partner_of_[body]] = body;
+  }
+  const auto in_one = [&](std::uint32_t feature) {
+    return feature < in_one_.size() ? in_one_[feature] : feature;
   };
-  for (const FirstContact& contact : a.first) {
-    const auto [low, high] = std::minmax({in_b(contact.low), in_b(contact.high)});
-    const PlacedContact sought{.low = low, .high = high};
-    const auto found = std::ranges::lower_bound(b.by_things, sought);
-    if (found != b.by_things.end() && found->low == low && found->high == high)
-      places[count++] = found->place;
+  // No two contacts of a list are equal, so that the longest common subsequence is the longest one
+  // of the other's whose places in the one rise.
+  std::array<std::uint32_t, k_first_contacts_max> places;
+  std::size_t count = 0;
+  for (const FirstContact& contact : (&one == &a ? b : a).first) {
+    const auto [low, high] = std::minmax({in_one(contact.low), in_one(contact.high)});
+    const std::uint32_t place = places_.find(low, high);
+    places[count] = place;
+    count += place == ContactPlaces::k_none ? 0 : 1;
   }
   const std::size_t same = longest_rising(std::span(places).first(count));
   return 1 - static_cast<double>(same) / static_cast<double>(longer);
 }
 
-Resemblance Sketches::between(std::size_t a, std::size_t b) const {
-  if (a > b) std::swap(a, b);
-  const Sketch& of_a = sketches_[a];
-  const Sketch& of_b = sketches_[b];
-  const std::vector<std::uint32_t> partner_of = matched(of_a, of_b);
-  Resemblance found;
-  for (std::uint32_t body = 0; body < of_a.places.size(); ++body) {
-    const std::uint32_t other = partner_of[body];
-    double sum = 0;
-    double greatest = 0;
-    if (of_a.enters[body] != of_b.enters[other]) {
-      sum = apart_m_ * k_times;
-      greatest = apart_m_;
-    } else {
-      const Places& p = of_a.places[body];
-      const Places& q = of_b.places[other];
-      for (std::size_t i = 0; i < k_times; ++i) {
-        const double apart = distance_m(p.x, p.y, p.z, q.x, q.y, q.z, i);
-        sum += apart;
-        greatest = std::max(greatest, apart);
-      }
-    }
-    found.mean_m += sum / k_times;
-    found.greatest_m = std::max(found.greatest_m, greatest);
+Sketches::Apart Sketches::apart_of(const Places& p, const Places& q) {
+  // Sums by place modulo four, as a processor has them side by side.
+  constexpr std::size_t k_lanes = 4;
+  double sum[k_lanes] = {};
+  float greatest[k_lanes] = {};
+  float apart_m[k_times];
+  for (std::size_t i = 0; i < k_times; ++i) {
+    const float dx = p.x[i] - q.x[i];
+    const float dy = p.y[i] - q.y[i];
+    const float dz = p.z[i] - q.z[i];
+    apart_m[i] = std::sqrt(dx * dx + dy * dy + dz * dz);
   }
-  if (!of_a.places.empty()) found.mean_m /= static_cast<double>(of_a.places.size());
-  found.order = order_between(of_a, of_b, partner_of);
+  for (std::size_t i = 0; i + k_lanes <= k_times; i += k_lanes) {
+    for (std::size_t lane = 0; lane < k_lanes; ++lane) {
+      sum[lane] += double{apart_m[i + lane]};
+      greatest[lane] = std::max(greatest[lane], apart_m[i + lane]);
+    }
+  }
+  static_assert(k_times % k_lanes == 1);  // at rest
+  const float at_rest_m = apart_m[k_times - 1];
+  return {.sum_m = sum[0] + sum[1] + (sum[2] + sum[3]) + double{at_rest_m},
+          .greatest_m =
+              double{std::max({greatest[0], greatest[1], greatest[2], greatest[3], at_rest_m})}};
+}
+
+Resemblance Sketches::From::to(std::size_t other) {
+  // In one order, so that it is symmetric to the last bit.
+  const Sketch& a = sketches_->sketches_[std::min(one_, other)];
+  const Sketch& b = sketches_->sketches_[std::max(one_, other)];
+  match(a, b);
+  Resemblance found;
+  for (std::uint32_t body = 0; body < a.places.size(); ++body) {
+    const std::uint32_t partner = partner_of_[body];
+    Apart apart{.sum_m = sketches_->apart_m_ * k_times, .greatest_m = sketches_->apart_m_};
+    if (a.enters[body] == b.enters[partner]) apart = apart_of(a.places[body], b.places[partner]);
+    found.mean_m += apart.sum_m / k_times;
+    found.greatest_m = std::max(found.greatest_m, apart.greatest_m);
+  }
+  if (!a.places.empty()) found.mean_m /= static_cast<double>(a.places.size());
+  found.order = order_between(a, b);
   return found;
+}
+
+Resemblance Sketches::between(std::size_t a, std::size_t b) const {
+  return From(*this, a).to(b);
 }
 
 std::vector<float> Sketches::matrix(std::span<const std::size_t> of, std::size_t threads) const {
   const std::size_t size = of.size();
   std::vector<float> values(size * size, 0);
-  // A row is one thread's; what stands below the diagonal is of another row, and no other writes
-  // it.
-  for_each_block(size, threads, [&](std::size_t first, std::size_t end) {
-    for (std::size_t row = first; row < end; ++row) {
-      for (std::size_t column = row + 1; column < size; ++column) {
-        const auto value =
-            static_cast<float>(std::min(between(of[row], of[column]).value_m(), k_value_max_m));
-        values[row * size + column] = value;
-        values[column * size + row] = value;
+  // By blocks of rows and columns whose sketches a processor's cache holds. Rows are one thread's;
+  // what stands below the diagonal is of another row, and no other writes it.
+  constexpr std::size_t k_block = 16;
+  const auto compare = [&](std::size_t first, std::size_t end) {
+    std::vector<From> rows;
+    for (std::size_t row = first; row < end; ++row)
+      rows.emplace_back(*this, of[row]);
+    for (std::size_t left = first; left < size; left += k_block) {
+      for (std::size_t row = first; row < end; ++row) {
+        const std::size_t right = std::min(left + k_block, size);
+        for (std::size_t column = std::max(left, row + 1); column < right; ++column) {
+          const auto value = static_cast<float>(rows[row - first].to(of[column]).value_m());
+          values[row * size + column] = value;
+          values[column * size + row] = value;
+        }
       }
     }
+  };
+  for_each_block((size + k_block - 1) / k_block, threads, [&](std::size_t first, std::size_t end) {
+    for (std::size_t block = first; block < end; ++block)
+      compare(block * k_block, std::min((block + 1) * k_block, size));
   });
   return values;
 }

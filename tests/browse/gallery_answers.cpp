@@ -197,7 +197,7 @@ Entries some_of(const browse::Index& index, random::Stream& stream) {
 
 int answer(const std::string& archive, const std::string& folder, std::uint64_t queries,
            std::uint64_t sets, std::uint64_t seed) {
-  constexpr std::size_t k_groups_max = 60;
+  constexpr std::size_t k_groups_max = 200;  // beyond 100 large sets have another sample
   const auto source = archive::hdf5::open_file(archive);
   auto read = browse::read_index(*source);
   if (!read || read.value().index.entries.empty()) {

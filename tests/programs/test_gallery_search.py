@@ -28,8 +28,8 @@ class GallerySearch(ProgramTest):
     def archive(self, world):
         if world == "spelling":
             self.path("two.toml").write_text(TWO_BINS)
-        arguments = {"ball": [self.source / "requests/ball_2d.toml", "--set", "stop.scans=400",
-                              "--set", "output.min_distance=0.05"],
+        arguments = {"ball": [self.source / "requests/ball_2d.toml", "--set", "stop.scans=4000",
+                              "--set", "output.min_distance=0", "--set", "output.keep_per_lineage=250"],
                      "spelling": [self.path("two.toml"), "--set", "stop.scans=120",
                                   "--set", "output.min_distance=0", "--set", "output.keep_per_lineage=30"],
                      "dice": [self.source / "requests/die.toml", "--set", "stop.rounds=3",
@@ -51,6 +51,7 @@ class GallerySearch(ProgramTest):
         return self.lines("said.jsonl")
 
     def test_the_page_answers_as_the_programs_do(self):
+        sets = []
         for world in ["ball", "spelling", "dice"]:
             folder = self.path("index.bin").parent
             self.succeed(harness.run([self.answers, self.archive(world), folder, QUERIES, SETS, SEED]))
@@ -64,6 +65,11 @@ class GallerySearch(ProgramTest):
             self.assertGreater(sum("message" in answer for answer in finds), len(finds) / 4)
             self.assertGreater(sum(bool(answer.get("entries")) for answer in finds), len(finds) / 10)
             self.assertEqual(len(questions) - len(finds), 2 * SETS)
+            sets += [(len(q["groups"]["entries"]), q["groups"]["groups"]) for q in questions if "groups" in q]
+        # Sets of which all are compared, and of larger ones both samples.
+        self.assertTrue(any(entries <= 500 and groups > 1 for entries, groups in sets))
+        self.assertTrue(any(entries > 500 and 1 < groups <= 100 for entries, groups in sets))
+        self.assertTrue(any(entries > 500 and groups > 100 for entries, groups in sets))
 
     def test_other_answers_would_be_noticed(self):
         """Goal: the comparison can fail. Method: the page is asked of an index whose places are others in

@@ -10,8 +10,15 @@ import type { Turns } from "./turns";
 
 /** Largest set whose full matrix is computed. */
 export const FULL_MATRIX_MAX = 500;
-/** Beyond it values are equally far, so that sums of them are finite: no scene is so large. */
-const VALUE_MAX_M = 1e30;
+/** Of a larger set, so many stand for all, while no more groups than this are asked for. */
+const SAMPLE = 200;
+const GROUPS_OF_SAMPLE_MAX = 100;
+
+/** How many of a set are compared with one another, for so many groups. */
+export function sampleSize(entries: number, groups: number): number {
+  if (entries <= FULL_MATRIX_MAX) return entries;
+  return groups <= GROUPS_OF_SAMPLE_MAX ? SAMPLE : FULL_MATRIX_MAX;
+}
 
 /** In the order of their names: finds behind all others. */
 export function byName(index: SearchIndex, a: number, b: number): number {
@@ -71,7 +78,7 @@ export class Comparison {
     const values = new Float32Array(size * size);
     for (let row = 0; row < size; ++row) {
       for (let column = row + 1; column < size; ++column) {
-        const value = Math.min(this.valueM(sketches[row]!, sketches[column]!), VALUE_MAX_M);
+        const value = this.valueM(sketches[row]!, sketches[column]!);
         values[row * size + column] = value;
         values[column * size + row] = value;
         if (turns.isDue()) await turns.take();

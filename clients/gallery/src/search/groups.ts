@@ -1,8 +1,8 @@
 // Animations that look alike, in groups; each has a member that stands for it. What a group is, and why
-// of more than 500 animations 500 are compared, is said in clients/browse/groups.h; the results here are
+// of more than 500 animations a part is compared, is said in clients/browse/groups.h; the results here are
 // those of clients/browse/groups.cpp.
 
-import { byName, Comparison, evenlyChosen, FULL_MATRIX_MAX } from "./comparing";
+import { byName, Comparison, evenlyChosen, FULL_MATRIX_MAX, sampleSize } from "./comparing";
 import { hierarchyOf } from "./hierarchy";
 import { type Matrix, medoidsOf } from "./medoids";
 import type { SearchIndex } from "./search-index";
@@ -23,31 +23,26 @@ export interface AlikeGroup {
 export interface AlikeGroups {
   /** The largest first; of equal ones by their representative. */
   readonly groups: readonly AlikeGroup[];
-  /** Of 500 of the animations. */
+  /** Of a part of the animations. */
   readonly approximate: boolean;
 }
 
 /** A set that can be divided in many ways. */
 export class GroupedSet {
+  /** By their number. */
+  private readonly samples = new Map<number, Sample>();
+
   private constructor(
+    private readonly index: SearchIndex,
     private readonly comparison: Comparison,
     /** All of the set, by name. */
     private readonly entries: readonly number[],
-    /** Places in `entries` of those that are compared with one another; ascending. */
-    private readonly sample: readonly number[],
-    private readonly matrix: Matrix,
   ) {}
 
   /** REQUIRES: different entries, at least one. */
-  static async of(index: SearchIndex, entries: readonly number[], turns: Turns): Promise<GroupedSet> {
+  static of(index: SearchIndex, entries: readonly number[]): GroupedSet {
     const sorted = [...entries].sort((a, b) => byName(index, a, b));
-    const chosen = sorted.length > FULL_MATRIX_MAX
-      ? await evenlyChosen(index, sorted, FULL_MATRIX_MAX, turns) : sorted;
-    const comparison = new Comparison(index, coveredDurationS(index, sorted));
-    const matrix = await comparison.matrix(chosen, turns);
-    const isChosen = new Set(chosen);
-    const sample = [...sorted.keys()].filter((place) => isChosen.has(sorted[place]!));
-    return new GroupedSet(comparison, sorted, sample, matrix);
+    return new GroupedSet(index, new Comparison(index, coveredDurationS(index, sorted)), sorted);
   }
 
   isOf(entries: readonly number[]): boolean {
@@ -58,16 +53,16 @@ export class GroupedSet {
 
   /** REQUIRES: 1 <= groups. */
   async divided(groups: number, by: Grouping, turns: Turns): Promise<AlikeGroups> {
-    const k = Math.min(groups, this.sample.length);
+    const { places, matrix } = await this.sampleFor(groups, turns);
+    const k = Math.min(groups, places.length);
     const groupOf = new Map<number, number>();
     let representatives: number[];
     if (by === "medoids") {
-      representatives = (await medoidsOf(this.matrix, k, turns)).map((member) => this.sample[member]!);
+      representatives = (await medoidsOf(matrix, k, turns)).map((member) => places[member]!);
     } else {
-      const ofSample = hierarchyOf(this.matrix, k);
-      ofSample.forEach((group, member) => groupOf.set(this.sample[member]!, group));
-      representatives = membersOf(ofSample, k).map((members) =>
-        this.sample[centralMember(this.matrix, members)]!);
+      const ofSample = hierarchyOf(matrix, k);
+      ofSample.forEach((group, member) => groupOf.set(places[member]!, group));
+      representatives = membersOf(ofSample, k).map((members) => places[centralMember(matrix, members)]!);
     }
     const found = await this.filled(representatives, groupOf, turns);
     found.sort((a, b) => b.members.length - a.members.length || a.place - b.place);
@@ -78,6 +73,19 @@ export class GroupedSet {
       greatest_m: greatestM,
     }));
     return { groups: answer, approximate: this.entries.length > FULL_MATRIX_MAX };
+  }
+
+  private async sampleFor(groups: number, turns: Turns): Promise<Sample> {
+    const { index, entries } = this;
+    const size = sampleSize(entries.length, groups);
+    const known = this.samples.get(size);
+    if (known !== undefined) return known;
+    const chosen = size < entries.length ? await evenlyChosen(index, entries, size, turns) : entries;
+    const isChosen = new Set(chosen);
+    const places = [...entries.keys()].filter((place) => isChosen.has(entries[place]!));
+    const made = { places, matrix: await this.comparison.matrix(chosen, turns) };
+    this.samples.set(size, made);
+    return made;
   }
 
   /** Everyone goes to a group: of the sample as the grouping says, the others to the nearest. */
@@ -109,6 +117,13 @@ export class GroupedSet {
     }
     return groups;
   }
+}
+
+/** Those that are compared with one another. */
+interface Sample {
+  /** In `entries`; ascending. */
+  readonly places: readonly number[];
+  readonly matrix: Matrix;
 }
 
 interface Filled {

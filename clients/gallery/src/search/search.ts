@@ -62,7 +62,7 @@ export class ArchiveSearch {
     const meant = this.meant(entries);
     if (meant.length === 0) return { groups: [], approximate: false };
     const turns = new Turns(options.signal);
-    const set = this.grouped?.isOf(meant) ? this.grouped : await GroupedSet.of(this.index, meant, turns);
+    const set = this.grouped?.isOf(meant) ? this.grouped : GroupedSet.of(this.index, meant);
     this.grouped = set;
     return set.divided(groups, by, turns);
   }

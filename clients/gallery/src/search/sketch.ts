@@ -14,6 +14,11 @@ const MATCHING_STEP = (TIMES - 1) / (MATCHING_TIMES - 1);
 export const FIRST_CONTACTS_MAX = 256;
 /** Of all rest times, the part that the equal times reach. */
 const COVERED = 0.95;
+/**
+ * Places beyond it are taken for it, so that squares of their distances are finite in single precision: no
+ * scene is so large.
+ */
+const PLACE_MAX_M = 1e18;
 
 export interface Sketch {
   /** Of each body its x at all times, then y, then z: single precision is what is compared. */
@@ -74,7 +79,7 @@ function addPlaces(
     const piece = pieceAt(startS, first, end, timeS);
     if (piece < 0) {
       // It has not entered: it is where it will.
-      for (let axis = 0; axis < 3; ++axis) places[at + axis * TIMES + i] = positionM[3 * first + axis]!;
+      for (let axis = 0; axis < 3; ++axis) places[at + axis * TIMES + i] = placeOf(positionM[3 * first + axis]!);
       continue;
     }
     const s = timeS - startS[piece]!;
@@ -83,11 +88,15 @@ function addPlaces(
     for (let axis = 0; axis < 3; ++axis) {
       const column = 3 * piece + axis;
       places[at + axis * TIMES + i] =
-        positionM[column]! + s * (velocityMps[column]! + half * accelerationsMps2[row + axis]!);
+        placeOf(positionM[column]! + s * (velocityMps[column]! + half * accelerationsMps2[row + axis]!));
     }
   }
   for (let axis = 0; axis < 3; ++axis)
-    places[at + axis * TIMES + EQUAL_TIMES] = positionM[3 * (end - 1) + axis]!;
+    places[at + axis * TIMES + EQUAL_TIMES] = placeOf(positionM[3 * (end - 1) + axis]!);
+}
+
+function placeOf(xM: number): number {
+  return Math.max(-PLACE_MAX_M, Math.min(xM, PLACE_MAX_M));
 }
 
 function contactsOf(
