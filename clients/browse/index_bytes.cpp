@@ -1,19 +1,23 @@
 #include "clients/browse/index_bytes.h"
 
-#include <array>
+#include <atomic>
 #include <cstring>
+#include <future>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "clients/browse/distinct_vectors.h"
+#include "clients/browse/parallel.h"
 #include "common/hash/sha256.h"
 
 namespace sleight::browse {
 namespace {
 
 /// Another number for another form: an index of another version is made anew.
-constexpr std::string_view k_beginning = "sleight-browse-index 1\n";
-constexpr std::size_t k_piece_doubles = 10;
+constexpr std::string_view k_beginning = "sleight-browse-index 2\n";
+constexpr std::size_t k_piece_bytes = 7 * sizeof(double) + sizeof(std::uint32_t);
 constexpr std::uint64_t k_text_max = 1 << 20;
 
 class Writer {
@@ -34,12 +38,7 @@ class Writer {
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       put(v[axis]);
   }
-  void put(const Piece& piece) {
-    put(piece.start_s);
-    put(piece.position_m);
-    put(piece.velocity_mps);
-    put(piece.acceleration_mps2);
-  }
+  void put(base::BytesView bytes) { writer_.put(bytes); }
   base::Bytes take() { return writer_.take(); }
 
  private:
@@ -75,6 +74,12 @@ class Reader {
     const double y = get<double>();
     return {x, y, get<double>()};
   }
+  /// Behind their number.
+  base::BytesView bytes() {
+    const auto found = reader_.bytes(count(1));
+    is_good = is_good && found.has_value();
+    return found.value_or(base::BytesView());
+  }
   bool at_end() const { return reader_.at_end(); }
 
   bool is_good = true;
@@ -84,7 +89,7 @@ class Reader {
   std::size_t rest_;
 };
 
-void put_entry(const Entry& entry, Writer& writer) {
+void put_entry(const Entry& entry, DistinctVectors& accelerations, Writer& writer) {
   writer.put(std::uint8_t{entry.name.is_find});
   writer.put(entry.name.chain);
   writer.put(entry.name.draw);
@@ -99,8 +104,12 @@ void put_entry(const Entry& entry, Writer& writer) {
   for (const Track& track : entry.tracks)
     writer.put(track.count);
   writer.put(std::uint64_t{entry.pieces.size()});
-  for (const Piece& piece : entry.pieces)
-    writer.put(piece);
+  for (const Piece& piece : entry.pieces) {
+    writer.put(piece.start_s);
+    writer.put(piece.position_m);
+    writer.put(piece.velocity_mps);
+    writer.put(accelerations.row_of(piece.acceleration_mps2));
+  }
   writer.put(std::uint64_t{entry.contacts.size()});
   for (const Contact& contact : entry.contacts) {
     writer.put(contact.time_s);
@@ -109,9 +118,18 @@ void put_entry(const Entry& entry, Writer& writer) {
   }
 }
 
-Entry get_entry(Reader& reader, const std::string& run, std::size_t numbers) {
+/// What entries share.
+struct Shared {
+  std::string run;
+  std::size_t numbers;  ///< of each entry
+  std::vector<math::Vec3> accelerations_mps2;
+};
+
+/// None of bytes that are not an entry.
+std::optional<Entry> entry_of(base::BytesView bytes, const Shared& shared) {
+  Reader reader(bytes);
   Entry entry;
-  entry.name = {.run = run, .is_find = reader.get<std::uint8_t>() != 0};
+  entry.name = {.run = shared.run, .is_find = reader.get<std::uint8_t>() != 0};
   entry.name.chain = reader.get<std::uint64_t>();
   entry.name.draw = reader.get<std::uint64_t>();
   entry.row = reader.get<std::uint64_t>();
@@ -119,7 +137,7 @@ Entry get_entry(Reader& reader, const std::string& run, std::size_t numbers) {
   entry.in_proportion = reader.get<std::uint8_t>() != 0;
   entry.end_s = reader.get<double>();
   entry.events = reader.get<std::uint32_t>();
-  for (std::size_t i = 0; reader.is_good && i < numbers; ++i)
+  for (std::size_t i = 0; reader.is_good && i < shared.numbers; ++i)
     entry.numbers.push_back(reader.get<double>());
   std::uint64_t pieces = 0;
   for (std::size_t i = reader.count(sizeof(std::uint32_t)); reader.is_good && i > 0; --i) {
@@ -127,17 +145,19 @@ Entry get_entry(Reader& reader, const std::string& run, std::size_t numbers) {
     entry.tracks.push_back({.first = static_cast<std::uint32_t>(pieces), .count = count});
     pieces += count;
   }
-  const std::size_t piece_count = reader.count(k_piece_doubles * sizeof(double));
+  const std::size_t piece_count = reader.count(k_piece_bytes);
   if (piece_count != pieces) reader.is_good = false;
   entry.pieces.reserve(reader.is_good ? piece_count : 0);
   for (std::size_t i = 0; reader.is_good && i < piece_count; ++i) {
     const double start_s = reader.get<double>();
     const math::Vec3 position_m = reader.vector();
     const math::Vec3 velocity_mps = reader.vector();
+    const auto row = reader.get<std::uint32_t>();
+    if (row >= shared.accelerations_mps2.size()) return std::nullopt;
     entry.pieces.push_back({.start_s = start_s,
                             .position_m = position_m,
                             .velocity_mps = velocity_mps,
-                            .acceleration_mps2 = reader.vector()});
+                            .acceleration_mps2 = shared.accelerations_mps2[row]});
   }
   for (std::size_t i = reader.count(sizeof(double)); reader.is_good && i > 0; --i) {
     const double time_s = reader.get<double>();
@@ -145,7 +165,8 @@ Entry get_entry(Reader& reader, const std::string& run, std::size_t numbers) {
     entry.contacts.push_back(
         {.time_s = time_s, .body = body, .partner = reader.get<std::uint32_t>()});
   }
-  if (reader.is_good) measure_reach(entry);
+  if (!reader.is_good || !reader.at_end()) return std::nullopt;
+  measure_reach(entry);
   return entry;
 }
 
@@ -153,6 +174,38 @@ hash::Sha256::Value sum_of(base::BytesView bytes) {
   hash::Sha256 sum;
   sum.update(bytes);
   return sum.finish();
+}
+
+/// Of bytes between the beginning and the sum.
+std::optional<Index> index_of_content(base::BytesView bytes, std::size_t threads) {
+  Reader reader(bytes);
+  Index index;
+  index.run_id = reader.text();
+  index.digest = reader.text();
+  index.world = reader.text();
+  for (std::size_t i = reader.count(2 * sizeof(std::uint64_t)); reader.is_good && i > 0; --i) {
+    std::string name = reader.text();
+    index.numbers.push_back({.name = std::move(name), .unit = reader.text()});
+  }
+  std::vector<base::BytesView> entries;
+  for (std::size_t i = reader.count(sizeof(std::uint64_t)); reader.is_good && i > 0; --i)
+    entries.push_back(reader.bytes());
+  Shared shared{.run = index.run_id, .numbers = index.numbers.size(), .accelerations_mps2 = {}};
+  for (std::size_t i = reader.count(3 * sizeof(double)); reader.is_good && i > 0; --i)
+    shared.accelerations_mps2.push_back(reader.vector());
+  if (!reader.is_good || !reader.at_end()) return std::nullopt;
+  index.entries.resize(entries.size());
+  std::atomic<bool> is_good = true;
+  for_each_block(entries.size(), threads, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; is_good && i < end; ++i) {
+      if (auto entry = entry_of(entries[i], shared))
+        index.entries[i] = std::move(*entry);
+      else
+        is_good = false;
+    }
+  });
+  if (!is_good) return std::nullopt;
+  return index;
 }
 
 }  // namespace
@@ -168,16 +221,26 @@ base::Bytes bytes_of(const Index& index) {
     writer.put(std::string_view(number.name));
     writer.put(std::string_view(number.unit));
   }
+  // Each entry behind its length, so that several can be read at once.
+  DistinctVectors accelerations;
   writer.put(std::uint64_t{index.entries.size()});
-  for (const Entry& entry : index.entries)
-    put_entry(entry, writer);
+  for (const Entry& entry : index.entries) {
+    Writer own;
+    put_entry(entry, accelerations, own);
+    const base::Bytes bytes = own.take();
+    writer.put(std::uint64_t{bytes.size()});
+    writer.put(bytes);
+  }
+  writer.put(std::uint64_t{accelerations.numbers().size() / 3});
+  for (const double number : accelerations.numbers())
+    writer.put(number);
   base::Bytes bytes = writer.take();
   const auto sum = sum_of(bytes);
   bytes.insert(bytes.end(), sum.begin(), sum.end());
   return bytes;
 }
 
-std::optional<Index> index_of(base::BytesView bytes) {
+std::optional<Index> index_of(base::BytesView bytes, std::size_t threads) {
   const auto beginning = std::as_bytes(std::span(k_beginning));
   hash::Sha256::Value sum{};
   if (bytes.size() < beginning.size() + sum.size() ||
@@ -185,20 +248,11 @@ std::optional<Index> index_of(base::BytesView bytes) {
     return std::nullopt;
   const base::BytesView content = bytes.first(bytes.size() - sum.size());
   std::memcpy(sum.data(), bytes.data() + content.size(), sum.size());
-  if (sum != sum_of(content)) return std::nullopt;
-  Reader reader(content.subspan(beginning.size()));
-  Index index;
-  index.run_id = reader.text();
-  index.digest = reader.text();
-  index.world = reader.text();
-  for (std::size_t i = reader.count(2 * sizeof(std::uint64_t)); reader.is_good && i > 0; --i) {
-    std::string name = reader.text();
-    index.numbers.push_back({.name = std::move(name), .unit = reader.text()});
-  }
-  for (std::size_t i = reader.count(sizeof(double)); reader.is_good && i > 0; --i)
-    index.entries.push_back(get_entry(reader, index.run_id, index.numbers.size()));
-  if (!reader.is_good || !reader.at_end()) return std::nullopt;
-  return index;
+  // Beside the reading, which takes about as long.
+  std::future<bool> is_right = std::async(threads > 1 ? std::launch::async : std::launch::deferred,
+                                          [&] { return sum == sum_of(content); });
+  std::optional<Index> index = index_of_content(content.subspan(beginning.size()), threads);
+  return is_right.get() ? std::move(index) : std::nullopt;
 }
 
 }  // namespace sleight::browse

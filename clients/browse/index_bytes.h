@@ -5,6 +5,7 @@
 // is noticed. Thread safety: pure.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "clients/browse/index.h"
@@ -14,7 +15,7 @@ namespace sleight::browse {
 
 base::Bytes bytes_of(const Index& index);
 
-/// None of bytes that are not an index of this version, whole.
-std::optional<Index> index_of(base::BytesView bytes);
+/// None of bytes that are not an index of this version, whole. By so many threads.
+std::optional<Index> index_of(base::BytesView bytes, std::size_t threads = 1);
 
 }  // namespace sleight::browse

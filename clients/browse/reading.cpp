@@ -311,11 +311,11 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
     if (index.numbers.size() == k_own_numbers) groups.back().find_numbers();
     total += groups.back().count();
   }
-  const Index* earlier = options.earlier;
+  const Index* earlier = options.of_this_file != nullptr ? options.of_this_file : options.earlier;
   if (earlier != nullptr && !is_usable(*earlier, index)) earlier = nullptr;
   if (earlier != nullptr && earlier->digest == index.digest) {
-    if (options.is_of_this_file && earlier->entries.size() == total) {
-      index.entries = earlier->entries;
+    if (options.of_this_file != nullptr && earlier->entries.size() == total) {
+      index.entries = std::move(options.of_this_file->entries);
       read.taken_over = total;
       return read;
     }

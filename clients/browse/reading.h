@@ -28,8 +28,9 @@ struct ReadingOptions {
   /// archive with the same digest nothing is: it may have been changed by other programs, which
   /// leave the digest as it was.
   const Index* earlier = nullptr;
-  /// It is of this very file, which nobody has written since: then all is taken over, unread.
-  bool is_of_this_file = false;
+  /// An index of this very file, which nobody has written since: its entries are moved out of it,
+  /// unread. Where the archive is another all the same, it is one of an earlier archive.
+  Index* of_this_file = nullptr;
   /// Told now and then: animations that were read, of how many.
   std::function<void(std::uint64_t, std::uint64_t)> progress{};
 };

@@ -77,11 +77,10 @@ std::size_t Browsed::animations() const {
 browse::Index index_of(const archive::Source& source, const std::string& path,
                        const IndexingOptions& options) {
   require_group(source, archive::k_scene, "scene");
-  const std::optional<KeptIndex> kept =
-      options.earlier == nullptr ? kept_index(path) : std::nullopt;
+  std::optional<KeptIndex> kept = options.earlier == nullptr ? kept_index(path) : std::nullopt;
   const bool is_of_this_file = kept && options.file && kept->of == *options.file;
   auto read = browse::read_index(source, {.earlier = kept ? &kept->index : options.earlier,
-                                          .is_of_this_file = is_of_this_file,
+                                          .of_this_file = is_of_this_file ? &kept->index : nullptr,
                                           .progress = options.progress});
   if (!read) {
     throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", path, read.error()));

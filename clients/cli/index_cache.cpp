@@ -9,8 +9,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <span>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -117,11 +119,13 @@ std::optional<KeptIndex> kept_index(const std::string& archive) {
   const std::uint64_t size = fs::file_size(*place, failure);
   KeptIndex kept;
   if (!file || failure || size < sizeof(kept.of) || size > k_cache_bytes_max) return std::nullopt;
-  base::Bytes bytes(size);
-  if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
+  // Not set to 0 before: it is hundreds of megabytes.
+  const auto bytes = std::make_unique_for_overwrite<std::byte[]>(size);
+  if (!file.read(reinterpret_cast<char*>(bytes.get()), static_cast<std::streamsize>(size)))
     return std::nullopt;
-  std::memcpy(&kept.of, bytes.data(), sizeof(kept.of));
-  auto index = browse::index_of(base::BytesView(bytes).subspan(sizeof(kept.of)));
+  std::memcpy(&kept.of, bytes.get(), sizeof(kept.of));
+  auto index = browse::index_of(base::BytesView(bytes.get(), size).subspan(sizeof(kept.of)),
+                                std::thread::hardware_concurrency());
   if (!index) return std::nullopt;
   kept.index = std::move(*index);
   fs::last_write_time(*place, fs::file_time_type::clock::now(), failure);

@@ -1,14 +1,12 @@
 #include "clients/gallery_server/index_columns.h"
 
-#include <array>
-#include <bit>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "clients/browse/distinct_vectors.h"
 #include "clients/gallery_server/packed.h"
 #include "clients/gallery_server/tables.h"
 
@@ -17,24 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Rows of distinct vectors, bit for bit, in the order in which they come.
-class Distinct {
- public:
-  std::uint32_t row_of(const math::Vec3& v) {
-    const std::array<std::uint64_t, 3> bits{std::bit_cast<std::uint64_t>(v.x()),
-                                            std::bit_cast<std::uint64_t>(v.y()),
-                                            std::bit_cast<std::uint64_t>(v.z())};
-    const auto [found, is_new] = rows_.emplace(bits, static_cast<std::uint32_t>(rows_.size()));
-    if (is_new) append(values_, v);
-    return found->second;
-  }
-  std::span<const double> values() const { return values_; }
-
- private:
-  std::map<std::array<std::uint64_t, 3>, std::uint32_t> rows_;
-  std::vector<double> values_;
-};
-
 void add_paths(Packed& to, const browse::Index& index) {
   std::vector<std::uint32_t> track_first;
   std::vector<std::uint32_t> track_count;
@@ -42,7 +22,7 @@ void add_paths(Packed& to, const browse::Index& index) {
   std::vector<double> position_m;
   std::vector<double> velocity_mps;
   std::vector<std::uint32_t> acceleration;
-  Distinct accelerations;
+  browse::DistinctVectors accelerations;
   for (const browse::Entry& entry : index.entries) {
     const auto before = static_cast<std::uint32_t>(start_s.size());
     for (const browse::Track& track : entry.tracks) {
@@ -62,7 +42,7 @@ void add_paths(Packed& to, const browse::Index& index) {
   to.add("piece_position_m", position_m);
   to.add("piece_velocity_mps", velocity_mps);
   to.add("piece_acceleration", acceleration);
-  to.add("accelerations_mps2", accelerations.values());
+  to.add("accelerations_mps2", accelerations.numbers());
 }
 
 void add_contacts(Packed& to, const browse::Index& index) {

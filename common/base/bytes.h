@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little, "stored bytes are litt
 using Bytes = std::vector<std::byte>;
 using BytesView = std::span<const std::byte>;
 
-/// Appends scalars in order.
+/// Appends scalars and bytes in order.
 class ByteWriter {
  public:
   template <class T>
@@ -30,13 +30,14 @@ class ByteWriter {
     bytes_.resize(size + sizeof(T));
     std::memcpy(bytes_.data() + size, &value, sizeof(T));
   }
+  void put(BytesView bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
   Bytes take() { return std::move(bytes_); }
 
  private:
   Bytes bytes_;
 };
 
-/// Reads scalars in order; nothing once the bytes have run out.
+/// Reads scalars and bytes in order; nothing once the bytes have run out.
 class ByteReader {
  public:
   explicit ByteReader(BytesView bytes) : rest_(bytes) {}
@@ -48,6 +49,13 @@ class ByteReader {
     std::memcpy(&value, rest_.data(), sizeof(T));
     rest_ = rest_.subspan(sizeof(T));
     return value;
+  }
+  /// The next so many, in place.
+  std::optional<BytesView> bytes(std::size_t size) {
+    if (rest_.size() < size) return std::nullopt;
+    const BytesView found = rest_.first(size);
+    rest_ = rest_.subspan(size);
+    return found;
   }
   bool at_end() const { return rest_.empty(); }
 

@@ -123,10 +123,12 @@ TEST(Reading, GrowsWithItsRun) {
   EXPECT_EQ(read_to, grown.value().index.entries.size());
   expect_same(grown.value().index, index_of(longer));
   // Of the same file all is taken over.
-  auto again = read_index(longer, {.earlier = &grown.value().index, .is_of_this_file = true});
+  Index kept = grown.value().index;
+  auto again = read_index(longer, {.of_this_file = &kept});
   ASSERT_TRUE(again.ok());
   EXPECT_EQ(again.value().taken_over, grown.value().index.entries.size());
   expect_same(again.value().index, grown.value().index);
+  EXPECT_TRUE(kept.entries.empty());
 }
 
 TEST(Reading, TakesNothingOfAFileThatOthersMayHaveChanged) {
@@ -197,11 +199,14 @@ TEST(IndexBytes, ComeBackOrNotAtAll) {
   ASSERT_TRUE(back.has_value());
   expect_same(*back, index);
   EXPECT_EQ(bytes_of(*back), bytes);
+  const auto by_three = browse::index_of(bytes, 3);
+  ASSERT_TRUE(by_three.has_value());
+  expect_same(*by_three, index);
   // Any flipped bit, any cut, anything behind it.
   for (std::size_t i = 0; i < bytes.size(); i += 1 + i / 16) {
     base::Bytes other = bytes;
     other[i] ^= std::byte{1} << (i % 8);
-    EXPECT_FALSE(browse::index_of(other).has_value()) << i;
+    EXPECT_FALSE(browse::index_of(other, 1 + i % 3).has_value()) << i;
     EXPECT_FALSE(browse::index_of(base::BytesView(bytes).first(i)).has_value()) << i;
   }
   base::Bytes more = bytes;
