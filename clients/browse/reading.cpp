@@ -321,6 +321,11 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
     }
     earlier = nullptr;
   }
+  if (options.beginning_max > 0 && total > options.beginning_max) {
+    read.is_beginning = true;
+    total = options.beginning_max;
+    earlier = nullptr;
+  }
 
   for (GroupReader& group : groups) {
     group.read_tables();
@@ -331,7 +336,8 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
     bool is_beginning = true;
     for (std::uint64_t row = 0; is_beginning && row < common; ++row)
       is_beginning = group.is_same(before[row], row);
-    for (std::uint64_t row = 0; row < group.count(); ++row) {
+    const std::uint64_t rows = std::min(group.count(), total - index.entries.size());
+    for (std::uint64_t row = 0; row < rows; ++row) {
       if (is_beginning && row < common) {
         index.entries.push_back(before[row]);
         ++read.taken_over;

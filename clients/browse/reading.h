@@ -31,6 +31,8 @@ struct ReadingOptions {
   /// An index of this very file, which nobody has written since: its entries are moved out of it,
   /// unread. Where the archive is another all the same, it is one of an earlier archive.
   Index* of_this_file = nullptr;
+  /// So many of the first animations, where there are more; 0: all. Nothing is taken over then.
+  std::uint64_t beginning_max = 0;
   /// Told now and then: animations that were read, of how many.
   std::function<void(std::uint64_t, std::uint64_t)> progress{};
 };
@@ -38,6 +40,7 @@ struct ReadingOptions {
 struct ReadIndex {
   Index index{};
   std::uint64_t taken_over = 0;  ///< entries that are the earlier index's
+  bool is_beginning = false;     ///< there are more animations
 };
 
 /// The animations of /animations, then those of /finds. Or why they can't be told, as a predicate:

@@ -10,7 +10,6 @@
 #include <set>
 #include <utility>
 
-#include "clients/browse/reading.h"
 #include "clients/cli/kept_animations.h"
 #include "clients/cli/progress_printer.h"
 #include "common/archive/format.h"
@@ -74,29 +73,32 @@ std::size_t Browsed::animations() const {
   return sum;
 }
 
-browse::Index index_of(const archive::Source& source, const std::string& path,
-                       const IndexingOptions& options) {
+browse::ReadIndex read_index(const archive::Source& source, const std::string& path,
+                             const IndexingOptions& options) {
   require_group(source, archive::k_scene, "scene");
   std::optional<KeptIndex> kept = options.earlier == nullptr ? kept_index(path) : std::nullopt;
   const bool is_of_this_file = kept && options.file && kept->of == *options.file;
   auto read = browse::read_index(source, {.earlier = kept ? &kept->index : options.earlier,
                                           .of_this_file = is_of_this_file ? &kept->index : nullptr,
+                                          .beginning_max = options.beginning_max,
                                           .progress = options.progress});
   if (!read) {
     throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", path, read.error()));
   }
   browse::ReadIndex found = std::move(read).value();
-  if (options.file && !is_of_this_file) keep_index(path, *options.file, found.index);
-  return std::move(found.index);
+  if (options.file && !is_of_this_file && !found.is_beginning)
+    keep_index(path, *options.file, found.index);
+  return found;
 }
 
 browse::Index index_of(const archive::Source& source, const std::string& path,
                        const std::optional<FileState>& file) {
   ReadingPrinter printer(path);
-  return index_of(source, path,
-                  {.file = file, .progress = [&](std::uint64_t done, std::uint64_t of) {
-                     printer.show(done, of);
-                   }});
+  return read_index(
+             source, path,
+             {.file = file,
+              .progress = [&](std::uint64_t done, std::uint64_t of) { printer.show(done, of); }})
+      .index;
 }
 
 Browsed browse_archives(const std::vector<std::string>& paths) {

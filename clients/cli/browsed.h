@@ -10,6 +10,7 @@
 
 #include "clients/browse/index.h"
 #include "clients/browse/query.h"
+#include "clients/browse/reading.h"
 #include "clients/cli/index_cache.h"
 #include "common/archive/model.h"
 
@@ -43,14 +44,17 @@ struct IndexingOptions {
   std::optional<FileState> file{};
   /// Of the run's archive as it was before; null: what is kept of it (index_cache.h).
   const browse::Index* earlier = nullptr;
+  /// So many of the first animations are enough, where there are more and they would have to be
+  /// read; 0: all are wanted.
+  std::uint64_t beginning_max = 0;
   /// Told now and then: animations that were read, of how many.
   std::function<void(std::uint64_t, std::uint64_t)> progress{};
 };
 /// The index of an archive that is open. What was read before is taken over, and the index is kept
-/// for next time. Throws base::Error where it has none, or can't be read.
-browse::Index index_of(const archive::Source& source, const std::string& path,
-                       const IndexingOptions& options);
-/// The same, telling stderr how it goes.
+/// for next time unless it is a beginning. Throws base::Error where it has none, or can't be read.
+browse::ReadIndex read_index(const archive::Source& source, const std::string& path,
+                             const IndexingOptions& options);
+/// All of it, telling stderr how it goes.
 browse::Index index_of(const archive::Source& source, const std::string& path,
                        const std::optional<FileState>& file);
 

@@ -20,6 +20,9 @@ using Json = nlohmann::ordered_json;
 
 /// Progress of reading is told so often.
 constexpr auto k_tell_every = std::chrono::milliseconds(250);
+/// Animations that are shown while the rest of an archive is read for the first time: as many as
+/// can be compared with one another.
+constexpr std::uint64_t k_beginning = browse::k_full_matrix_max;
 
 const char* word_of(ArchiveState state) {
   switch (state) {
@@ -125,56 +128,71 @@ void Gallery::look_at(std::size_t archive) {
     tell();
     return;
   }
-  auto told = std::chrono::steady_clock::now();
-  std::string fault;
-  std::shared_ptr<const Snapshot> now;
-  try {
-    std::uint64_t generation = 0;
-    {
-      const std::lock_guard lock(mutex_);
-      generation = ++generation_;
+  // So that there is something to see while many are read for the first time.
+  std::uint64_t beginning_max = before ? 0 : k_beginning;
+  while (true) {
+    std::string fault;
+    std::shared_ptr<const Snapshot> now;
+    try {
+      now = read(archive, path, before.get(), beginning_max);
+    } catch (const base::Error& error) {
+      fault = reason_of(error.what(), path);
+    } catch (const std::bad_alloc&) {
+      fault = "reading it takes more memory than there is";
     }
-    now = std::make_shared<const Snapshot>(
-        path, Snapshot::Options{.generation = generation,
-                                .earlier = before.get(),
-                                .progress =
-                                    [&](std::uint64_t read, std::uint64_t of) {
-                                      {
-                                        const std::lock_guard lock(mutex_);
-                                        shown_[archive]->read = read;
-                                        shown_[archive]->of = of;
-                                      }
-                                      const auto moment = std::chrono::steady_clock::now();
-                                      if (moment - told < k_tell_every) return;
-                                      told = moment;
-                                      tell();
-                                    },
-                                .open = options_.open});
-  } catch (const base::Error& error) {
-    fault = reason_of(error.what(), path);
-  } catch (const std::bad_alloc&) {
-    fault = "reading it takes more memory than there is";
+    const bool is_beginning = now && now->is_beginning();
+    show(archive, std::move(now), fault);
+    // What was held while it was read is the system's again.
+    ::malloc_trim(0);
+    tell();
+    if (!is_beginning) return;
+    beginning_max = 0;
   }
-  // What was held while it was read is the system's again.
-  ::malloc_trim(0);
+}
+
+std::shared_ptr<const Snapshot> Gallery::read(std::size_t archive, const std::string& path,
+                                              const Snapshot* before, std::uint64_t beginning_max) {
+  std::uint64_t generation = 0;
   {
     const std::lock_guard lock(mutex_);
-    Shown& shown = *shown_[archive];
-    shown.read = shown.of = 0;
-    if (now) {
-      shown.snapshot = std::move(now);
-      shown.state = ArchiveState::ready;
-      shown.words.clear();
-    } else {
-      shown.state = ArchiveState::damaged;
-      shown.words = before ? fmt::format(
-                                 "The archive can't be read any more: {}. This is what was "
-                                 "read before.",
-                                 fault)
-                           : fault;
-    }
+    generation = ++generation_;
   }
-  tell();
+  auto told = std::chrono::steady_clock::now();
+  const auto progress = [&](std::uint64_t read, std::uint64_t of) {
+    {
+      const std::lock_guard lock(mutex_);
+      shown_[archive]->read = read;
+      shown_[archive]->of = of;
+    }
+    const auto moment = std::chrono::steady_clock::now();
+    if (moment - told < k_tell_every) return;
+    told = moment;
+    tell();
+  };
+  return std::make_shared<const Snapshot>(path, Snapshot::Options{.generation = generation,
+                                                                  .earlier = before,
+                                                                  .beginning_max = beginning_max,
+                                                                  .progress = progress,
+                                                                  .open = options_.open});
+}
+
+void Gallery::show(std::size_t archive, std::shared_ptr<const Snapshot> now,
+                   const std::string& fault) {
+  const std::lock_guard lock(mutex_);
+  Shown& shown = *shown_[archive];
+  shown.read = shown.of = 0;
+  if (now) {
+    shown.snapshot = std::move(now);
+    shown.state = ArchiveState::ready;
+    shown.words.clear();
+    return;
+  }
+  shown.state = ArchiveState::damaged;
+  shown.words = shown.snapshot ? fmt::format(
+                                     "The archive can't be read any more: {}. This is what was "
+                                     "read before.",
+                                     fault)
+                               : fault;
 }
 
 Json Gallery::state() const {

@@ -1,9 +1,10 @@
 // The archives that a page shows: which there are, what has been read of them, and how that
 // changes.
 //
-// A thread looks at the files some times a second. One that was replaced is read anew beside the
-// old snapshot, which is shown until the new one is whole; one that is gone or damaged keeps what
-// was read of it, and says so. Folders are looked through for new archives
+// A thread looks at the files some times a second. Of one that is read for the first time, and has
+// many animations, the first 500 are shown while the others are read. One that was replaced is read
+// anew beside the old snapshot, which is shown until the new one is whole; one that is gone or
+// damaged keeps what was read of it, and says so. Folders are looked through for new archives
 // (listed_files.h).
 //
 // Thread safety: all functions may be called from any thread. `changed` is called from the looking
@@ -73,6 +74,11 @@ class Gallery {
   void look_forever();
   void look_through_folders();
   void look_at(std::size_t archive);
+  /// Throws what Snapshot throws.
+  std::shared_ptr<const Snapshot> read(std::size_t archive, const std::string& path,
+                                       const Snapshot* before, std::uint64_t beginning_max);
+  /// Shows what was read; null: why it can't be.
+  void show(std::size_t archive, std::shared_ptr<const Snapshot> now, const std::string& fault);
   void tell();
 
   GalleryOptions options_;

@@ -125,6 +125,7 @@ std::string why_no_shares(const Snapshot& snapshot) {
   if (facts.summary.chains * facts.summary.scans == 0)
     return "They were found by search: how often the model has such animations is not known.";
   if (!facts.in_proportion) return "The draws are not in the model's proportions.";
+  if (snapshot.is_beginning()) return "Not all animations have been read yet.";
   if (!facts.satisfied) return "There are too many draws to count.";
   return "No draw can be counted.";
 }

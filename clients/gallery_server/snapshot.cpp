@@ -64,7 +64,8 @@ std::vector<double> blind_throws(const archive::Source& source) {
 
 }  // namespace
 
-Facts facts_of(const archive::Source& source, const browse::Index& index) {
+Facts facts_of(const archive::Source& source, const browse::ReadIndex& read) {
+  const browse::Index& index = read.index;
   Facts facts{.summary = archive::summary_of(source)};
   const archive::Summary& summary = facts.summary;
   facts.in_proportion = summary.chains * summary.scans > 0 && summary.warning.empty() &&
@@ -76,7 +77,7 @@ Facts facts_of(const archive::Source& source, const browse::Index& index) {
   if (summary.chains * summary.scans > k_counted_draws_max) return facts;
   const std::vector<LineageDraw> satisfied = satisfied_of(source, summary);
   facts.satisfied = satisfied.size();
-  if (facts.in_proportion) {
+  if (facts.in_proportion && !read.is_beginning) {
     std::vector<LineageDraw> kept;
     for (const browse::Entry& entry : index.entries) {
       if (!entry.name.is_find)
@@ -92,23 +93,24 @@ Snapshot::Snapshot(const std::string& path, const Options& options)
     : generation_(options.generation),
       file_(cli::state_of_file(path)),
       source_(options.open ? options.open(path) : archive::remote::open_remote(path)),
-      index_(
-          cli::index_of(*source_, path,
-                        {.file = file_,
-                         .earlier = options.earlier == nullptr ? nullptr : &options.earlier->index_,
-                         .progress = options.progress})),
-      facts_(facts_of(*source_, index_)) {
-  for (std::size_t entry = 0; entry < index_.entries.size(); ++entry)
-    by_name_.emplace(browse::short_text(index_.entries[entry].name), entry);
+      read_(cli::read_index(
+          *source_, path,
+          {.file = file_,
+           .earlier = options.earlier == nullptr ? nullptr : &options.earlier->read_.index,
+           .beginning_max = options.beginning_max,
+           .progress = options.progress})),
+      facts_(facts_of(*source_, read_)) {
+  for (std::size_t entry = 0; entry < read_.index.entries.size(); ++entry)
+    by_name_.emplace(browse::short_text(read_.index.entries[entry].name), entry);
 }
 
 std::vector<double> Snapshot::satisfied_draws() const {
   if (facts_.by_lineage.draws == 0) return {};
   // Animations are counted without the finds between them.
   std::vector<std::size_t> entry_of_animation;
-  for (std::size_t entry = 0; entry < index_.entries.size(); ++entry)
-    if (!index_.entries[entry].name.is_find) entry_of_animation.push_back(entry);
-  std::vector<double> draws(index_.entries.size(), 0.0);
+  for (std::size_t entry = 0; entry < read_.index.entries.size(); ++entry)
+    if (!read_.index.entries[entry].name.is_find) entry_of_animation.push_back(entry);
+  std::vector<double> draws(read_.index.entries.size(), 0.0);
   for (const LineageCounts& lineage : facts_.by_lineage.lineages) {
     for (const LineageCounts::Count& count : lineage.counts)
       draws[entry_of_animation[count.animation]] = static_cast<double>(count.draws);
@@ -124,9 +126,9 @@ std::optional<std::size_t> Snapshot::entry_of(std::string_view name) const {
 const browse::AlikeSet& Snapshot::alike() const {
   std::call_once(made_alike_, [this] {
     std::vector<const browse::Entry*> all;
-    for (const browse::Entry& entry : index_.entries)
+    for (const browse::Entry& entry : read_.index.entries)
       all.push_back(&entry);
-    alike_.emplace(all, index_.scene, std::max(1U, std::thread::hardware_concurrency()));
+    alike_.emplace(all, read_.index.scene, std::max(1U, std::thread::hardware_concurrency()));
   });
   return *alike_;
 }
@@ -137,13 +139,13 @@ void Snapshot::read(const std::function<void(const archive::Source&)>& work) con
 }
 
 cli::KeptAnimation Snapshot::animation(std::size_t entry) const {
-  const browse::Entry& of = index_.entries[entry];
+  const browse::Entry& of = read_.index.entries[entry];
   const std::string_view group = of.name.is_find ? archive::k_finds : archive::k_animations;
   cli::KeptAnimation animation;
   read([&](const archive::Source& source) {
     const archive::KeptMotions motions(source, group);
-    animation =
-        cli::kept_animation(source, motions, of.row, index_.scene, browse::short_text(of.name));
+    animation = cli::kept_animation(source, motions, of.row, read_.index.scene,
+                                    browse::short_text(of.name));
   });
   return animation;
 }

@@ -20,6 +20,7 @@
 
 #include "clients/browse/groups.h"
 #include "clients/browse/index.h"
+#include "clients/browse/reading.h"
 #include "clients/cli/index_cache.h"
 #include "clients/cli/kept_animations.h"
 #include "clients/gallery_server/shares.h"
@@ -43,8 +44,9 @@ struct Facts {
   std::string method{};  ///< "tempered"; empty: not known
 };
 
-/// Reads them. Throws base::Error where the archive is damaged.
-Facts facts_of(const archive::Source& source, const browse::Index& index);
+/// Reads them. Draws are put to the animations of the whole index, of a beginning to none. Throws
+/// base::Error where the archive is damaged.
+Facts facts_of(const archive::Source& source, const browse::ReadIndex& read);
 
 /// Opens an archive's file; throws base::Error.
 using Opener = std::function<std::unique_ptr<archive::Source>(const std::string&)>;
@@ -54,6 +56,8 @@ class Snapshot {
   struct Options {
     std::uint64_t generation = 1;
     const Snapshot* earlier = nullptr;  ///< of the same place; what it has read is taken over
+    /// So many of the first animations are enough, where all would have to be read; 0: all.
+    std::uint64_t beginning_max = 0;
     std::function<void(std::uint64_t, std::uint64_t)> progress{};  ///< animations, of how many
     Opener open{};  ///< none: archive::remote::open_remote
   };
@@ -61,7 +65,9 @@ class Snapshot {
   Snapshot(const std::string& path, const Options& options);
 
   std::uint64_t generation() const { return generation_; }
-  const browse::Index& index() const { return index_; }
+  const browse::Index& index() const { return read_.index; }
+  /// There are more animations in the archive than in the index.
+  bool is_beginning() const { return read_.is_beginning; }
   const Facts& facts() const { return facts_; }
   /// Of each entry, the satisfied draws that are put to it; empty where draws aren't in proportion.
   std::vector<double> satisfied_draws() const;
@@ -81,7 +87,7 @@ class Snapshot {
   std::optional<cli::FileState> file_;  ///< as it was before it was opened
   std::unique_ptr<archive::Source> source_;
   mutable std::mutex mutex_;
-  browse::Index index_;
+  browse::ReadIndex read_;
   Facts facts_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
   mutable std::once_flag made_alike_;

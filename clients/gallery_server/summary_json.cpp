@@ -40,6 +40,7 @@ void add_facts(Json& json, const Snapshot& snapshot) {
   json["world"] = summary.world;
   json["kept"] = snapshot.index().entries.size() - finds;
   json["finds"] = finds;
+  json["is_beginning"] = snapshot.is_beginning();
   json["keep_max"] = summary.keep_max;
   json["chains"] = summary.chains;
   json["scans"] = summary.scans;
@@ -58,6 +59,7 @@ void add_no_facts(Json& json) {
     json[text] = "";
   for (const char* number : {"generation", "kept", "finds", "keep_max", "chains", "scans", "draws"})
     json[number] = 0;
+  json["is_beginning"] = false;
   json["in_proportion"] = false;
   json["satisfied"] = nullptr;
 }

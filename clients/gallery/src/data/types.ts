@@ -29,6 +29,8 @@ export interface ArchiveSummary {
   readonly reading: { readonly done: number; readonly of: number } | null;
   readonly kept: number;
   readonly finds: number;
+  /** Kept and finds are those of the archive's beginning: the rest is being read. */
+  readonly is_beginning: boolean;
   readonly keep_max: number;
   readonly chains: number;
   readonly draws: number;

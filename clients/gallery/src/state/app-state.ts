@@ -77,6 +77,8 @@ export interface AppState {
   /** Entries that are shown: those that have come since wait until they are asked for. */
   readonly visible: Entries;
   readonly asOf: string;
+  /** They are an archive's beginning: what waits was there before, and has been read since. */
+  readonly isBeginning: boolean;
   readonly answers: ReadonlyMap<string, QueryAnswer>;
   /** The query that is being written, and the one that is being built; "": none. */
   readonly draft: string;

@@ -7,6 +7,7 @@ import type { AppState, Distances, Loaded, QueryAnswer, ShownGroups } from "./ap
 import { askFind } from "./asking";
 import { allEntries, ascending, type Entries } from "./entry-sets";
 import { say, sentenceOf } from "./messages";
+import type { Page } from "./page";
 import { nothingSelected } from "./selection";
 import { asKept } from "./sorting";
 import { Latest, type Store } from "./store";
@@ -58,7 +59,7 @@ export class Loading {
       return;
     }
     const isOther = loaded === null || loaded.run !== archive.run || loaded.id !== archive.id;
-    if (archive.state === "reading" && isOther) {
+    if (isOther && (archive.state === "reading" || (archive.is_beginning && hasNames(page)))) {
       this.store.set({ loadFailure: "" });
       return;
     }
@@ -79,6 +80,7 @@ export class Loading {
     this.store.set({
       visible: allEntries(loaded.names.length),
       asOf: archive?.as_of ?? this.store.state.asOf,
+      isBeginning: archive?.is_beginning ?? false,
     });
   }
 
@@ -121,6 +123,7 @@ export class Loading {
       selection: isAsked ? selection : nothingSelected,
       visible: allEntries(loaded.names.length),
       asOf: archive.as_of,
+      isBeginning: archive.is_beginning,
       answers: new Map(),
       groups: null,
       opened: kept.path.map(() => null),
@@ -177,6 +180,12 @@ export function wantedArchive(gallery: GalleryState, run: string, name: string):
 function standIn(gallery: GalleryState, loaded: Loaded | null): ArchiveSummary | undefined {
   const { archives } = gallery;
   return archives.find(({ id }) => id === loaded?.id) ?? archives.find(isReady) ?? archives[0];
+}
+
+/** Of animations that may come behind an archive's beginning. */
+function hasNames(page: Page): boolean {
+  const { playing, path, selected, sort } = page;
+  return playing.length + path.length + selected.length > 0 || sort.by === "alike";
 }
 
 function isReady(archive: ArchiveSummary): boolean {

@@ -154,6 +154,7 @@ export function initialState(page: Page): AppState {
     loadFailure: "",
     visible: noEntries,
     asOf: "",
+    isBeginning: false,
     answers: new Map(),
     draft: "",
     built: "",

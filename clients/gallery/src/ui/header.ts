@@ -59,8 +59,9 @@ export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => vo
     setText(live, archive?.is_live ? liveWords(archive) : "");
     const offered = offeredCount(state);
     setHidden(fresh, offered === 0);
-    setText(fresh, `${count(offered)} new`);
-    fresh.setAttribute("aria-label", `${count(offered)} new: show them`);
+    const offer = `${count(offered)} ${state.isBeginning ? "more" : "new"}`;
+    setText(fresh, offer);
+    fresh.setAttribute("aria-label", `${offer}: show them`);
     setText(warning, archive?.warning ? `Warning: ${archive.warning}` : "");
     setHidden(warning, !archive?.warning);
     const words = troubleWords(state, archive);
@@ -97,7 +98,10 @@ function archiveTabs(ui: Ui, state: AppState): HTMLElement[] {
 function archiveWords(archive: ArchiveSummary): string {
   const reading =
     archive.reading === null ? "" : ` ${count(archive.reading.done)} of ${count(archive.reading.of)}`;
-  const states = { ready: "", reading: ` (being read${reading})`, gone: " (gone)", damaged: " (damaged)" };
+  const beingRead = ` (being read${reading})`;
+  const states = {
+    ready: archive.is_beginning ? beingRead : "", reading: beingRead, gone: " (gone)", damaged: " (damaged)",
+  };
   return `${archive.name}${states[archive.state]}`;
 }
 

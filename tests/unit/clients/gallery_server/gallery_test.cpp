@@ -10,9 +10,12 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/unit/clients/gallery_server/shown_files.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
@@ -75,6 +78,55 @@ TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
   EXPECT_EQ(old->animation(0).motion.segment_count(),
             gallery.snapshot(0)->animation(0).motion.segment_count());
   EXPECT_GE(changes.load(), 2);
+}
+
+TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
+  // Goal: the first 500 animations are there before the others, told as a beginning; then all,
+  // under a higher generation. With its index kept all are there at once. Method: what is said at
+  // each change.
+  const std::string archive = path("a.h5");
+  std::vector<nlohmann::ordered_json> said;
+  std::atomic<Gallery*> telling = nullptr;
+  const auto start = [&] {
+    said.clear();
+    telling = nullptr;
+    GalleryOptions asked = options({archive});
+    asked.changed = [&] {
+      if (telling == nullptr) return;  // nothing can have been opened
+      const auto state = telling.load()->state();
+      for (const auto& shown : state["archives"])
+        if (shown["state"] == "ready") said.push_back(shown);
+    };
+    asked.open = [&, open = asked.open](const std::string& file) {
+      telling.wait(nullptr);
+      return open(file);
+    };
+    return asked;
+  };
+  const auto all_of = [&](Gallery& gallery, int finds) {
+    telling = &gallery;
+    telling.notify_all();
+    waited(gallery, 0, [&](const auto& json) { return json["finds"] == finds; });
+    return gallery.snapshot(0);
+  };
+  const auto entries_of = [](const nlohmann::ordered_json& json) {
+    return json["kept"].get<std::size_t>() + json["finds"].get<std::size_t>();
+  };
+  for (const int finds : {900, 300}) {
+    files.put(archive, made_up(50, static_cast<std::uint64_t>(finds)));
+    const bool is_large = finds > 500;
+    auto gallery = std::make_unique<Gallery>(start());
+    const auto whole = all_of(*gallery, finds);
+    gallery.reset();  // nothing more is said
+    ASSERT_FALSE(said.empty());
+    EXPECT_EQ(said.front()["is_beginning"], is_large);
+    EXPECT_EQ(entries_of(said.front()) == 500, is_large);
+    EXPECT_EQ(said.back()["is_beginning"], false);
+    EXPECT_EQ(said.back()["finds"], finds);
+    EXPECT_EQ(said.back()["generation"] > said.front()["generation"], is_large);
+    EXPECT_EQ(whole->index().entries.size(), entries_of(said.back()));
+    EXPECT_FALSE(whole->is_beginning());
+  }
 }
 
 TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
