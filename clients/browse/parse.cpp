@@ -54,6 +54,14 @@ bool is_keyword(std::string_view word) {
   return std::ranges::find(k_keywords, word) != k_keywords.end();
 }
 
+/// What the gallery calls some numbers, and what they are called in a query.
+struct OtherWord {
+  std::string_view word;
+  std::string_view name;
+};
+constexpr std::array k_other_words{OtherWord{"score", "log_constraint"},
+                                   OtherWord{"plausibility", "log_prior"}};
+
 constexpr const char* k_then_joins =
     "'then' joins what happens at a moment: '... in BOX' and '... touches ...'";
 
@@ -214,6 +222,11 @@ class Parser {
            name.find_first_not_of("0123456789", kind.size() + 1) == std::string::npos);
       if (is_of_kind) who.bodies.push_back(body);
     }
+    // "any body" says the same as "any", unless some are called so.
+    if (who.bodies.empty() && kind == "body") {
+      for (std::uint32_t body = 0; body < scene_.bodies(); ++body)
+        who.bodies.push_back(body);
+    }
     if (who.bodies.empty()) {
       fail_at(column, kind.empty() ? std::string("the scene has no bodies")
                                    : fmt::format("no body is called '{} N'; there are: {}", kind,
@@ -343,7 +356,10 @@ class Parser {
       fail_at(column, fmt::format("'{}' is no number: 'in', 'touches' or 'ends in' is expected "
                                   "behind it",
                                   name));
-    const auto near = request::nearest(name, known);
+    const auto other = std::ranges::find(k_other_words, name, &OtherWord::word);
+    const bool is_other_word = other != k_other_words.end() && number_called(other->name);
+    const auto near =
+        is_other_word ? std::optional(std::string(other->name)) : request::nearest(name, known);
     fail_at(column,
             near
                 ? fmt::format("no number is called '{}'; did you mean '{}'?", name, *near)

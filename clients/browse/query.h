@@ -11,12 +11,12 @@
 //   then, not, and, or; ( )                           in the order of their strength
 //
 // A body or thing is called what the scene calls it ("die 3", "table"); in double quotes where the
-// name has other signs than letters and digits. `any` and `every` stand for all bodies, `any die`
-// for those called "die N". `die 3: x ...` says the same as `die 3 in x ...`. Ranges have both
-// their ends; one may be left out. Numbers are SI where no unit is said: um, mm, cm, m; us, ms, s;
-// deg, rad; mm/s, m/s; a unit behind the range is of both ends. Without `during` any moment counts,
-// also after a body has come to rest; before it enters it is nowhere. `every` speaks of bodies that
-// enter.
+// name has other signs than letters and digits. `any` and `every` stand for all bodies (so does
+// `any body`), `any die` for those called "die N". `die 3: x ...` says the same as `die 3 in x
+// ...`. Ranges have both their ends; one may be left out. Numbers are SI where no unit is said: um,
+// mm, cm, m; us, ms, s; deg, rad; mm/s, m/s; a unit behind the range is of both ends. Without
+// `during` any moment counts, also after a body has come to rest; before it enters it is nowhere.
+// `every` speaks of bodies that enter.
 //
 // Thread safety: values; const functions may be called from several threads at once.
 #pragma once

@@ -1,10 +1,45 @@
 #include "clients/cli/main_gallery.h"
 
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <system_error>
+
 #include <fmt/format.h>
 
 #include "common/config/settings.h"
+#include "common/request/text.h"
 
 namespace sleight::programs {
+namespace {
+
+constexpr std::size_t k_shown_characters_max = 80;
+
+/// Why a text isn't HOST:PORT as browsers say it: letters, digits, dots and dashes, or an address
+/// of IPv6 in brackets. Empty: it is.
+std::string fault_of_host(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  const std::string host = text.substr(0, colon);
+  const std::string port = colon == std::string::npos ? std::string() : text.substr(colon + 1);
+  const bool is_ipv6 = host.size() > 2 && host.front() == '[' && host.back() == ']';
+  const std::string_view allowed =
+      is_ipv6 ? "0123456789abcdefABCDEF:."
+              : "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-";
+  const std::string name = is_ipv6 ? host.substr(1, host.size() - 2) : host;
+  std::uint16_t number = 0;
+  const auto [rest, failure] = std::from_chars(port.data(), port.data() + port.size(), number);
+  const bool is_port = failure == std::errc() && rest == port.data() + port.size() && number != 0;
+  if (is_port && !name.empty() && name.find_first_not_of(allowed) == std::string::npos) return {};
+  return fmt::format("'{}' is no HOST:PORT, such as localhost:8080",
+                     request::printable(text, k_shown_characters_max));
+}
+
+std::string fault_of_folder(const std::string& text) {
+  return text.empty() ? "a folder's name is missing" : std::string();
+}
+
+}  // namespace
 
 void add_gallery_command(CLI::App& app, gallery::CommandOptions& options, const cli::Rules& rules,
                          Action& action) {
@@ -26,12 +61,16 @@ void add_gallery_command(CLI::App& app, gallery::CommandOptions& options, const 
                    "As a browser calls this gallery, where that isn't 127.0.0.1:PORT or "
                    "localhost:PORT: HOST:PORT of an ssh -L to another port")
       ->allow_extra_args(false)
+      ->check(CLI::Validator(fault_of_host, ""))
       ->type_name("HOST:PORT");
-  command->add_flag("!--no-browser", options.opens_browser, "Print the link and open nothing");
+  command->add_flag_callback(
+      "--no-browser", [&options] { options.opens_browser = false; },
+      "Print the link and open nothing");
   command
       ->add_option("--save", options.save,
                    "Write the gallery as a folder of static files, to publish or to open by "
-                   "double-click, and serve nothing")
+                   "double-click, and serve nothing; a saved gallery that is there is replaced")
+      ->check(CLI::Validator(fault_of_folder, ""))
       ->type_name("FOLDER");
   command->add_flag("--json", options.json, "The link, port and pid as one line of JSON");
   command->footer(

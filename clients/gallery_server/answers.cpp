@@ -141,7 +141,9 @@ web::Answer Answers::notes_answer() const {
     const auto snapshot = gallery_.snapshot(archive);
     if (!snapshot) continue;
     const std::string& run = snapshot->facts().summary.run_id;
-    if (is_run_word(run)) notes[run] = notes_.of_run(run);
+    if (!is_run_word(run)) continue;
+    notes_.keep_in(run, notes_folder(gallery_.path_of(archive)));
+    notes[run] = notes_.of_run(run);
   }
   return json_answer({{"notes", std::move(notes)}});
 }
@@ -162,7 +164,7 @@ web::Answer Answers::post(const web::Ask& ask) const {
   };
   const bool has_note = question.is_object() && question.contains("note");
   return json_answer(
-      notes_.set(text("run"), text("name"), has_note ? Json(question["note"]) : Json(nullptr)));
+      notes_.change(text("run"), text("name"), has_note ? Json(question["note"]) : Json(nullptr)));
 }
 
 }  // namespace sleight::gallery

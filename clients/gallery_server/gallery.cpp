@@ -38,6 +38,13 @@ const char* word_of(ArchiveState state) {
   return "";
 }
 
+void prepare_groups(const Snapshot& snapshot) {
+  try {
+    snapshot.prepare_groups();
+  } catch (const std::bad_alloc&) {  // who asks for them is told
+  }
+}
+
 /// What an error says of a file, without the file's name before it.
 std::string reason_of(const std::string& what, const std::string& path) {
   const std::string prefix = path + ": ";
@@ -140,12 +147,16 @@ void Gallery::look_at(std::size_t archive) {
     } catch (const std::bad_alloc&) {
       fault = "reading it takes more memory than there is";
     }
-    const bool is_beginning = now && now->is_beginning();
-    show(archive, std::move(now), fault);
+    show(archive, now, fault);
     // What was held while it was read is the system's again.
     ::malloc_trim(0);
     tell();
-    if (!is_beginning) return;
+    if (!now) return;
+    if (!now->is_beginning()) {
+      // The first archive is what a page shows first; while it is being loaded there is time.
+      if (archive == 0) prepare_groups(*now);
+      return;
+    }
     beginning_max = 0;
   }
 }

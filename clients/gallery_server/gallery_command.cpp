@@ -18,11 +18,13 @@
 
 #include <fmt/format.h>
 
+#include "clients/cli/service_call.h"
 #include "clients/gallery_server/answers.h"
 #include "clients/gallery_server/gallery.h"
 #include "clients/gallery_server/job_follower.h"
 #include "clients/gallery_server/named_archives.h"
 #include "clients/gallery_server/notes.h"
+#include "clients/gallery_server/nothing_to_show.h"
 #include "clients/gallery_server/page_folder.h"
 #include "clients/gallery_server/save_command.h"
 #include "clients/gallery_server/secret_file.h"
@@ -34,13 +36,16 @@
 namespace sleight::gallery {
 namespace {
 
-/// Publishes what /api/gallery says, once there is a server.
+/// Publishes what /api/gallery says, once there is a server; and tells the terminal where nothing
+/// can be shown.
 class Publisher {
  public:
-  void begin(web::Server& server, const Answers& answers) {
+  explicit Publisher(const std::vector<std::string>& paths) : paths_(paths) {}
+  void begin(web::Server& server, const Answers& answers, const Gallery& gallery) {
     const std::lock_guard lock(mutex_);
     server_ = &server;
     answers_ = &answers;
+    gallery_ = &gallery;
   }
   void end() {
     const std::lock_guard lock(mutex_);
@@ -48,13 +53,20 @@ class Publisher {
   }
   void publish() {
     const std::lock_guard lock(mutex_);
-    if (server_ != nullptr) server_->publish("gallery", answers_->gallery_text());
+    if (server_ == nullptr) return;
+    server_->publish("gallery", answers_->gallery_text());
+    const std::string words = nothing_to_show(gallery_->state(), paths_);
+    if (words != said_ && !words.empty()) cli::complain("gallery: " + words);
+    said_ = words;
   }
 
  private:
+  const std::vector<std::string>& paths_;
   std::mutex mutex_;
   web::Server* server_ = nullptr;
   const Answers* answers_ = nullptr;
+  const Gallery* gallery_ = nullptr;
+  std::string said_{};  ///< last; the same isn't said again and again
 };
 
 bool has_desktop() {
@@ -146,7 +158,7 @@ void wait_for_end(web::Server& server, int signals) {
 
 int show_gallery(const CommandOptions& options, const std::string& socket,
                  const cli::Rules& rules) {
-  if (!options.save.empty()) return save_archives(options, rules);
+  if (!options.save.empty()) return save_archives(options, socket, rules);
   // Threads that answer take and give back whole indexes: each would keep a heap of its own.
   ::mallopt(M_ARENA_MAX, 2);
   const NamedArchives shown(options.paths, socket);
@@ -161,7 +173,7 @@ int show_gallery(const CommandOptions& options, const std::string& socket,
   ::pthread_sigmask(SIG_BLOCK, &ends, nullptr);
   const base::Descriptor signals(::signalfd(-1, &ends, SFD_CLOEXEC));
 
-  Publisher publisher;
+  Publisher publisher(options.paths);
   Notes notes(notes_folder(shown.paths().front()));
   Gallery gallery({.paths = shown.paths(), .changed = [&] { publisher.publish(); }});
   const Answers answers(gallery, notes, rules, std::string(base::version()));
@@ -171,7 +183,7 @@ int show_gallery(const CommandOptions& options, const std::string& socket,
        .files = files,
        .complain = [](const std::string& words) { fmt::print(stderr, "gallery: {}\n", words); }},
       answers);
-  publisher.begin(*server, answers);
+  publisher.begin(*server, answers, gallery);
   publisher.publish();
 
   std::vector<std::unique_ptr<JobFollower>> followers;

@@ -9,6 +9,7 @@
 #include "clients/cli/event_words.h"
 #include "clients/cli/service_call.h"
 #include "common/base/error.h"
+#include "common/events/progress.h"
 #include "common/rpc/client.h"
 
 namespace sleight::gallery {
@@ -32,8 +33,9 @@ class JobFollower::Sink final : public rpc::WatchSink {
   }
   bool happened(const rpc::WatchedEvent& event) override {
     if (!event.event) return true;
-    if (std::holds_alternative<events::Progress>(event.event->what)) {
-      words_ = cli::shown(cli::words_of_event(follower_.job_, *event.event));
+    if (const auto* progress = std::get_if<events::Progress>(&event.event->what)) {
+      const std::string name = fmt::format("job {} runs:", follower_.job_);
+      words_ = cli::shown(events::progress_line(name, *progress));
       follower_.say(true, words_);
     }
     follower_.set_news(false);

@@ -1,9 +1,17 @@
 #include "clients/gallery_server/named_archives.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <system_error>
+#include <tuple>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
@@ -20,10 +28,14 @@ namespace fs = std::filesystem;
 
 rpc::JobId job_of(const std::string& text, const std::string& socket) {
   const auto names = cli::job_names_of(std::span(&text, 1));
-  const auto* job = names ? std::get_if<rpc::JobId>(&names.value().front()) : nullptr;
+  if (!names) {
+    throw base::Error(base::ExitCode::environment,
+                      fmt::format("{}: there is no such archive or folder", text));
+  }
+  const auto* job = std::get_if<rpc::JobId>(&names.value().front());
   if (job == nullptr) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: there is no such archive or folder", text));
+                      fmt::format("{}: names several jobs; name each by its number", text));
   }
   // Asked here, so that a job that isn't there, and no service, are said at once.
   cli::with_service(socket, [&](rpc::Client& client) {
@@ -33,7 +45,46 @@ rpc::JobId job_of(const std::string& text, const std::string& socket) {
   return *job;
 }
 
+constexpr std::string_view k_folder = "sleight-gallery-";
+constexpr std::string_view k_any = "XXXXXX";  ///< mkdtemp replaces it
+
+/// A lock on a folder of this user's, got by flock(how); none where it can't be had.
+base::Descriptor locked(const std::string& folder, int how) {
+  base::Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  struct stat found {};
+  const bool is_locked = opened && ::fstat(opened.get(), &found) == 0 &&
+                         found.st_uid == ::geteuid() && ::flock(opened.get(), how) == 0;
+  return is_locked ? std::move(opened) : base::Descriptor();
+}
+
+/// A new folder, and the lock on it.
+std::pair<std::string, base::Descriptor> new_folder(const std::string& temporary) {
+  constexpr int k_attempts = 10;
+  std::string form;
+  for (int attempt = 0; attempt < k_attempts; ++attempt) {
+    form = fmt::format("{}/{}{}", temporary, k_folder, k_any);
+    if (::mkdtemp(form.data()) == nullptr) break;
+    base::Descriptor lock = locked(form, LOCK_EX);
+    // Before it was locked another gallery may have taken it for an abandoned one.
+    std::error_code failure;
+    if (fs::exists(form, failure)) return {form, std::move(lock)};
+  }
+  throw base::Error(fmt::format("{}: can't make a folder there", form));
+}
+
 }  // namespace
+
+void remove_abandoned_folders(const std::string& temporary) {
+  std::error_code failure;
+  for (fs::directory_iterator item(temporary, failure), end; !failure && item != end;
+       item.increment(failure)) {
+    const std::string name = item->path().filename().string();
+    if (!name.starts_with(k_folder) || name.size() != k_folder.size() + k_any.size()) continue;
+    std::error_code none;
+    if (const base::Descriptor lock = locked(item->path().string(), LOCK_EX | LOCK_NB))
+      fs::remove_all(item->path(), none);
+  }
+}
 
 NamedArchives::NamedArchives(const std::vector<std::string>& texts, const std::string& socket) {
   for (const std::string& text : texts) {
@@ -45,11 +96,10 @@ NamedArchives::NamedArchives(const std::vector<std::string>& texts, const std::s
       paths_.emplace_back();
     }
   }
+  const std::string temporary = fs::temp_directory_path().string();
+  remove_abandoned_folders(temporary);
   if (jobs_.empty()) return;
-  std::string form = (fs::temp_directory_path() / "sleight-gallery-XXXXXX").string();
-  if (::mkdtemp(form.data()) == nullptr)
-    throw base::Error(fmt::format("{}: can't make a folder there", form));
-  folder_ = form;
+  std::tie(folder_, lock_) = new_folder(temporary);
   auto next = jobs_.begin();
   for (std::string& path : paths_) {
     if (!path.empty()) continue;

@@ -1,14 +1,19 @@
 // What a command line names to be shown: archives, folders, and jobs of the service, whose archives
-// come as files into a folder of this object's own.
+// come as files into a folder of this object's own: sleight-gallery-XXXXXX among the temporary
+// files. The folder is locked by flock while its process lives; one whose process was killed is
+// removed by the next gallery of the same user.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/base/descriptor.h"
 #include "common/rpc/service.h"
 
 namespace sleight::gallery {
+
+/// Removes folders of jobs' archives of galleries that are no more.
+void remove_abandoned_folders(const std::string& temporary);
 
 class NamedArchives {
  public:
@@ -18,7 +23,8 @@ class NamedArchives {
   };
 
   /// A text that is no file here and reads as a job's number is a job, which the service is asked
-  /// for. Throws base::Error: usage where a name is neither, no_server and others of the service.
+  /// for. Throws base::Error: environment where a name is neither, usage where it is several jobs,
+  /// no_server and others of the service.
   /// What is there and can't be read is told on the page. REQUIRES: no other thread runs.
   NamedArchives(const std::vector<std::string>& texts, const std::string& socket);
   ~NamedArchives();  ///< removes the folder
@@ -32,7 +38,8 @@ class NamedArchives {
  private:
   std::vector<std::string> paths_;
   std::vector<Job> jobs_;
-  std::string folder_;  ///< empty: there are no jobs
+  std::string folder_;     ///< empty: there are no jobs
+  base::Descriptor lock_;  ///< of the folder
 };
 
 }  // namespace sleight::gallery

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -66,6 +67,31 @@ Json checked(const Json& note) {
   return kept;
 }
 
+std::vector<std::string> tags_in(const Json& patch, const char* key) {
+  const auto found = patch.find(key);
+  if (found == patch.end()) return {};
+  if (!found->is_array()) refuse(fmt::format("{} is no list", key));
+  std::vector<std::string> tags;
+  for (const Json& tag : *found)
+    tags.push_back(checked_text(tag, "a tag", k_tag_bytes_max));
+  return tags;
+}
+
+Json patched(const Json& note, const Json& patch) {
+  if (!patch.is_object()) refuse("the change is no object");
+  Json whole = note;
+  for (const char* key : {"star", "hidden", "note"})
+    if (patch.contains(key)) whole[key] = patch[key];
+  const std::vector<std::string> off = tags_in(patch, "tags_off");
+  Json tags = Json::array();
+  for (const Json& tag : note["tags"])
+    if (std::ranges::find(off, tag.get<std::string>()) == off.end()) tags.push_back(tag);
+  for (const std::string& tag : tags_in(patch, "tags_on"))
+    if (std::ranges::find(tags, Json(tag)) == tags.end()) tags.push_back(tag);
+  whole["tags"] = std::move(tags);
+  return checked(whole);
+}
+
 bool says_nothing(const Json& note) {
   return !note["star"].get<bool>() && !note["hidden"].get<bool>() && note["tags"].empty() &&
          note["note"].get_ref<const std::string&>().empty();
@@ -116,34 +142,35 @@ Notes::Notes(std::string folder) : folder_(std::move(folder)) {
 
 Notes::Run& Notes::loaded(const std::string& run) {
   Run& known = runs_[run];
-  if (folder_.empty() || !is_run_word(run)) return known;
-  const std::optional<cli::FileState> now = cli::state_of_file(file_of(run));
+  if (folder_of(known).empty() || !is_run_word(run)) return known;
+  const std::string file = file_of(run, known);
+  const std::optional<cli::FileState> now = cli::state_of_file(file);
   if (!now || now == known.read) return known;
   known.read = now;
   try {
-    known.notes = notes_in(file_of(run));
+    known.notes = notes_in(file);
     known.is_unreadable = false;
   } catch (const std::exception&) {
     known.is_unreadable = true;
     trouble_ = fmt::format(
         "The notes in {} can't be read; new ones of its run are kept until the gallery ends.",
-        file_of(run));
+        file);
   }
   return known;
 }
 
 void Notes::write(const std::string& run, Run& to) {
-  if (folder_.empty() || to.is_unreadable) return;
+  if (folder_of(to).empty() || to.is_unreadable) return;
   try {
-    make_folders(folder_);
-    cli::OutputBeside output(file_of(run));
+    make_folders(folder_of(to));
+    cli::OutputBeside output(file_of(run, to));
     const Json file{{"sleight_notes", 1}, {"run", run}, {"notes", to.notes}};
     base::PosixFileSystem files;
     base::write_text_file(files, output.path(),
                           file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
     files.sync_file(output.path());
     output.put_in_place();
-    to.read = cli::state_of_file(file_of(run));
+    to.read = cli::state_of_file(file_of(run, to));
     const bool is_any_unreadable =
         std::ranges::any_of(runs_, [](const auto& one) { return one.second.is_unreadable; });
     if (!is_any_unreadable) trouble_.clear();
@@ -157,11 +184,17 @@ Json Notes::of_run(const std::string& run) {
   return loaded(run).notes;
 }
 
-Json Notes::set(const std::string& run, const std::string& animation, const Json& note) {
+void Notes::keep_in(const std::string& run, const std::string& folder) {
+  const std::lock_guard lock(mutex_);
+  Run& known = runs_[run];
+  if (!known.folder) known.folder = folder;
+}
+
+Json Notes::change(const std::string& run, const std::string& animation, const Json& patch) {
   if (!is_run_word(run) || !browse::parse_name(animation)) refuse("there is no such animation");
-  Json kept = checked(note);
   const std::lock_guard lock(mutex_);
   Run& of = loaded(run);
+  Json kept = patched(of.notes.value(animation, checked(Json::object())), patch);
   std::uint64_t changed = 0;
   for (const Json& one : of.notes)
     changed = std::max(changed, one["changed"].get<std::uint64_t>());

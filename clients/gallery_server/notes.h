@@ -1,6 +1,6 @@
 // What people say of animations: stars, tags, notes, hidden ones. Never in an archive.
 //
-// One JSON file a run, called <run>.json: in a folder "sleight-notes" beside the first archive if
+// One JSON file a run, called <run>.json: in a folder "sleight-notes" beside the run's archive if
 // that folder is there (made by somebody who wants to share notes), else in
 // $XDG_DATA_HOME/sleight/notes (else ~/.local/share/sleight/notes), a folder that its owner alone
 // can read. A file is written beside its place and renamed; it is read again when somebody else has
@@ -29,27 +29,35 @@ inline constexpr std::size_t k_notes_max = 20'000;
 
 class Notes {
  public:
-  /// `folder`: where files are kept; empty: nowhere.
+  /// `folder`: where files are kept of runs of which nothing else is said; empty: nowhere.
   explicit Notes(std::string folder);
 
+  /// A run's file is kept there; of a run of which that was said before nothing changes.
+  void keep_in(const std::string& run, const std::string& folder);
   /// All of a run, by animation. A file that can't be read has none.
   nlohmann::ordered_json of_run(const std::string& run);
-  /// Sets one, as the page gives it: {"star", "hidden", "tags", "note"}. Returns it as it is now,
-  /// with "changed", which grows with each change of the run's notes.
-  /// Throws base::Error(usage) where it is none, or too much.
-  nlohmann::ordered_json set(const std::string& run, const std::string& animation,
-                             const nlohmann::ordered_json& note);
+  /// Changes one as the patch says: "star", "hidden" and "note" are what they are then, "tags_on"
+  /// and "tags_off" are added and taken off; what it doesn't speak of stays, so that others'
+  /// changes do. Returns the whole note as it is now, with "changed", which grows with each change
+  /// of the run's notes. Throws base::Error(usage) where it is no patch, or the note becomes too
+  /// much.
+  nlohmann::ordered_json change(const std::string& run, const std::string& animation,
+                                const nlohmann::ordered_json& patch);
   /// Why notes aren't kept; empty: they are.
   std::string trouble() const;
 
  private:
   struct Run {
     nlohmann::ordered_json notes = nlohmann::ordered_json::object();
+    std::optional<std::string> folder{};
     std::optional<cli::FileState> read{};  ///< the file's state when it was read or written
     bool is_unreadable = false;            ///< then the file is left as it is
   };
   Run& loaded(const std::string& run);
-  std::string file_of(const std::string& run) const { return folder_ + "/" + run + ".json"; }
+  const std::string& folder_of(const Run& run) const { return run.folder ? *run.folder : folder_; }
+  std::string file_of(const std::string& run, const Run& known) const {
+    return folder_of(known) + "/" + run + ".json";
+  }
   void write(const std::string& run, Run& to);
 
   mutable std::mutex mutex_;

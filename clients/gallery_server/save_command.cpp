@@ -1,9 +1,9 @@
 #include "clients/gallery_server/save_command.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,11 +14,14 @@
 #include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/cli/progress_printer.h"
+#include "clients/cli/service_call.h"
 #include "clients/gallery_server/listed_files.h"
+#include "clients/gallery_server/named_archives.h"
 #include "clients/gallery_server/page_folder.h"
 #include "clients/gallery_server/saved_gallery.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
+#include "common/rpc/client.h"
 
 namespace sleight::gallery {
 namespace {
@@ -28,7 +31,7 @@ std::vector<SavedArchive> read_archives(const std::vector<std::string>& paths) {
   for (const ListedFiles::LeftOut& left : listed.left_out)
     fmt::print(stderr, "left out: {}: {}\n", left.name, left.reason);
   std::vector<SavedArchive> archives;
-  std::optional<base::Error> first;
+  std::vector<base::Error> faults;
   for (const auto& [path, name] : listed.files) {
     cli::ProgressPrinter printer("reading " + path, stderr);
     const Snapshot::Options options{.progress = [&](std::uint64_t done, std::uint64_t of) {
@@ -42,22 +45,48 @@ std::vector<SavedArchive> read_archives(const std::vector<std::string>& paths) {
     } catch (const base::Error& error) {
       printer.clear();
       if (error.exit_code() == base::ExitCode::interrupted) throw;
-      if (!first) first = error;
-      fmt::print(stderr, "left out: {}\n", error.what());
+      faults.push_back(error);
     }
   }
-  if (archives.empty() && first) throw base::Error(*first);
-  if (archives.empty())
-    throw base::Error(base::ExitCode::usage, "there is no archive in what was named");
+  // The first one ends the program where nothing is left, and is said by that.
+  const std::size_t thrown = archives.empty() && !faults.empty() ? 1 : 0;
+  for (std::size_t i = thrown; i < faults.size(); ++i)
+    fmt::print(stderr, "left out: {}\n", faults[i].what());
+  if (thrown != 0) throw base::Error(faults.front());
+  if (archives.empty()) {
+    throw base::Error(
+        base::ExitCode::usage,
+        "there is no archive (*.h5) in what was named; folders below are not searched");
+  }
   return archives;
+}
+
+/// Brings the archives of jobs here: a job that has none of its own yet gives what it committed.
+void fetch_jobs(const std::vector<NamedArchives::Job>& jobs, const std::string& socket) {
+  for (const NamedArchives::Job& job : jobs) {
+    cli::with_service(socket, [&](rpc::Client& client) {
+      const cli::Interrupts interrupts(&client);
+      try {
+        client.fetch_file({.job = job.id, .kind = rpc::FetchKind::archive}, job.path);
+      } catch (const rpc::RefusedError&) {
+        client.fetch_file({.job = job.id, .kind = rpc::FetchKind::so_far}, job.path);
+      }
+      if (cli::Interrupts::requested())
+        throw base::Error(base::ExitCode::interrupted, "interrupted");
+      return 0;
+    });
+  }
 }
 
 }  // namespace
 
-int save_archives(const CommandOptions& options, const cli::Rules& rules) {
+int save_archives(const CommandOptions& options, const std::string& socket,
+                  const cli::Rules& rules) {
   return cli::with_results([&] {
+    const NamedArchives named(options.paths, socket);
+    fetch_jobs(named.jobs(), socket);
     const cli::Interruption interruption;
-    const std::vector<SavedArchive> archives = read_archives(options.paths);
+    const std::vector<SavedArchive> archives = read_archives(named.paths());
     std::size_t animations = 0;
     for (const SavedArchive& archive : archives)
       animations += archive.snapshot->index().entries.size();
@@ -80,10 +109,9 @@ int save_archives(const CommandOptions& options, const cli::Rules& rules) {
           {"folder", options.save}, {"animations", animations}, {"bytes", bytes}};
       fmt::print("{}\n", cli::dumped(json));
     } else {
-      fmt::print(
-          "{0}: {1} animations, {2:.1f} MB; open {0}/index.html, or put the folder on any web "
-          "server\n",
-          options.save, animations, static_cast<double>(bytes) / k_megabyte);
+      fmt::print("{}: {} animations, {:.1f} MB; open {}, or put the folder on any web server\n",
+                 options.save, animations, static_cast<double>(bytes) / k_megabyte,
+                 (std::filesystem::path(options.save) / "index.html").string());
     }
     return static_cast<int>(base::ExitCode::ok);
   });

@@ -1,10 +1,9 @@
 #include "clients/gallery_server/saved_gallery.h"
 
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include "clients/gallery_server/archive_answers.h"
 #include "clients/gallery_server/base64.h"
 #include "clients/gallery_server/index_columns.h"
+#include "clients/gallery_server/saved_folder.h"
 #include "clients/gallery_server/series.h"
 #include "clients/gallery_server/summary_json.h"
 #include "clients/web/gzip.h"
@@ -24,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* k_manifest = "data/gallery.js";
 /// Plots of so many chains go along; more can't be told apart.
 constexpr std::uint64_t k_chains_saved_max = 8;
 
@@ -117,52 +116,6 @@ Json gallery_json(const std::vector<SavedArchive>& archives, const std::string& 
             {"words", "This is a saved gallery: stars and notes last until the page is closed."}}}};
 }
 
-/// Whether what is there may be replaced.
-void check_place(const fs::path& folder) {
-  std::error_code failure;
-  if (!fs::exists(folder, failure)) return;
-  const bool is_ours = fs::exists(folder / k_manifest, failure);
-  const bool is_empty = fs::is_directory(folder, failure) && fs::is_empty(folder, failure);
-  if (is_ours || is_empty) return;
-  throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: is there already and is no saved gallery; name a new folder",
-                                folder.string()));
-}
-
-/// A folder that is being filled, and goes unless it is put in its place.
-class Filling {
- public:
-  explicit Filling(fs::path place) : place_(std::move(place)), part_(place_) {
-    part_ += ".part";
-    fs::remove_all(part_);
-    fs::create_directories(part_ / "data");
-  }
-  ~Filling() {
-    std::error_code failure;
-    if (!is_placed_) fs::remove_all(part_, failure);
-  }
-  Filling(const Filling&) = delete;
-  Filling& operator=(const Filling&) = delete;
-
-  std::uint64_t write(const std::string& name, std::string_view content) {
-    const fs::path path = part_ / name;
-    fs::create_directories(path.parent_path());
-    base::write_text_file(files_, path.string(), content);
-    return content.size();
-  }
-  void put_in_place() {
-    fs::remove_all(place_);
-    fs::rename(part_, place_);
-    is_placed_ = true;
-  }
-
- private:
-  base::PosixFileSystem files_;
-  fs::path place_;
-  fs::path part_;
-  bool is_placed_ = false;
-};
-
 constexpr std::size_t k_page_bytes_max = 16U << 20U;
 
 }  // namespace
@@ -174,26 +127,25 @@ std::string script_of(const std::string& path, const std::string& kind, const st
 
 std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const SaveOptions& options,
                            const cli::Rules& rules) {
-  const fs::path place = fs::path(options.folder).lexically_normal();
-  check_place(place.has_filename() ? place : place.parent_path());
   Plan plan;
   for (std::size_t i = 0; i < archives.size(); ++i)
     plan_archive(plan, i, archives[i], rules);
   try {
-    Filling filling(place.has_filename() ? place : place.parent_path());
+    SavedFolder folder(options.folder);
     std::uint64_t bytes = 0;
     for (const char* name : {"index.html", "app.js", "app.css"}) {
       bytes +=
-          filling.write(name, base::read_text_file(options.page + "/" + name, k_page_bytes_max));
+          folder.write(name, base::read_text_file(options.page + "/" + name, k_page_bytes_max));
     }
     for (std::size_t done = 0; done < plan.files.size(); ++done) {
-      bytes += filling.write(fmt::format("data/{}.js", plan.files[done].path),
-                             plan.files[done].script());
+      bytes +=
+          folder.write(fmt::format("data/{}.js", plan.files[done].path), plan.files[done].script());
       if (options.progress) options.progress(done + 1, plan.files.size());
     }
-    bytes += filling.write(
-        k_manifest, script_of("gallery", "json", text_of(gallery_json(archives, options.version))));
-    filling.put_in_place();
+    bytes += folder.write(
+        "data/gallery.js",
+        script_of("gallery", "json", text_of(gallery_json(archives, options.version))));
+    bytes += folder.put_in_place();
     return bytes;
   } catch (const fs::filesystem_error& error) {
     throw base::Error(fmt::format("{}: {}", options.folder, error.code().message()));

@@ -8,13 +8,14 @@
 //   data/A/NAME.js                 what is answered of archive A: scene, looks, table, index,
 //                                  diagnosis, series, series-NAME-CHAIN, animations-K: animations
 //                                  32 K to 32 K + 31 of the table, in its order
+//   sleight-gallery.json           the names of all these files
 //
-// Each calls sleightSaved(path, kind, text) with kind "json" and a JSON text, or "gz" and the
-// answer's bytes, compressed by gzip, as base64. Names of files are numbers and plain words;
+// Each script calls sleightSaved(path, kind, text) with kind "json" and a JSON text, or "gz" and
+// the answer's bytes, compressed by gzip, as base64. Names of files are numbers and plain words;
 // nothing in an archive gets into one, nor into a script but inside a string of JSON.
 //
-// The folder is written beside its place and renamed. Stars and notes are a person's own and don't
-// go along.
+// The folder is put in place as a whole (saved_folder.h). Stars and notes are a person's own and
+// don't go along.
 #pragma once
 
 #include <cstdint>

@@ -133,6 +133,11 @@ const browse::AlikeSet& Snapshot::alike() const {
   return *alike_;
 }
 
+void Snapshot::prepare_groups() const {
+  constexpr std::size_t k_first_groups = 12;
+  alike().groups(k_first_groups, browse::Grouping::medoids);
+}
+
 void Snapshot::read(const std::function<void(const archive::Source&)>& work) const {
   const std::lock_guard lock(mutex_);
   work(*source_);

@@ -76,6 +76,9 @@ class Snapshot {
 
   /// All entries, to be compared and grouped; made at the first call.
   const browse::AlikeSet& alike() const;
+  /// Works out the groups that a page asks for first (clients/gallery/src/state/page.ts), so that
+  /// it need not wait for them.
+  void prepare_groups() const;
 
   /// Runs `work` with the archive; one at a time. Throws what it throws.
   void read(const std::function<void(const archive::Source&)>& work) const;

@@ -5,23 +5,16 @@ import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
-import { playerShows, Visitor } from "./support/browser.mjs";
-import { Gallery } from "./support/gallery.mjs";
+import { playerShows } from "./support/browser.mjs";
 import { find, namesFound } from "./support/programs.mjs";
+import { leave, visit } from "./support/visit.mjs";
 
-let gallery, visitor, page;
+let visitor, page;
 const { hi, dice } = archives();
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-before(async () => {
-  gallery = await Gallery.start([hi, dice]);
-  visitor = await Visitor.enter(gallery);
-  page = visitor.page;
-});
-after(async () => {
-  await visitor?.close();
-  await gallery?.stop();
-});
+before(async () => ({ visitor, page } = await visit([hi, dice])));
+after(leave);
 
 /** In words: rule, impact and the elements. */
 async function findings(of = page) {

@@ -3,24 +3,18 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
-import { inkOf, playerShows, playerState, screenshotFor, Visitor } from "./support/browser.mjs";
+import { inkOf, playerShows, playerState, screenshotFor } from "./support/browser.mjs";
 import { Gallery } from "./support/gallery.mjs";
 import { find } from "./support/programs.mjs";
+import { leave, visit } from "./support/visit.mjs";
 
-let gallery, visitor, page;
+let visitor, page;
 const { hi, dice } = archives();
 const known = find(hi).animations;
 const nine = known.slice(0, 9).map(({ id }) => id);
 
-before(async () => {
-  gallery = await Gallery.start([hi, dice]);
-  visitor = await Visitor.enter(gallery);
-  page = visitor.page;
-});
-after(async () => {
-  await visitor?.close();
-  await gallery?.stop();
-});
+before(async () => ({ visitor, page } = await visit([hi, dice])));
+after(leave);
 
 const canvas = () => page.locator("#player-canvas");
 const settled = () => page.waitForFunction(() => window.sleightGallery.player?.isSettled);

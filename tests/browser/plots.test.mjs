@@ -3,23 +3,16 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
-import { inkOf, playerShows, screenshotFor, Visitor } from "./support/browser.mjs";
-import { Gallery } from "./support/gallery.mjs";
+import { inkOf, playerShows, screenshotFor } from "./support/browser.mjs";
 import { find, namesFound, run, sleight } from "./support/programs.mjs";
+import { leave, visit } from "./support/visit.mjs";
 
-let gallery, visitor, page;
+let visitor, page;
 const { hi, dice, ball } = archives();
 const runOf = (path) => find(path, "-n", "1").archives[0].run_id;
 
-before(async () => {
-  gallery = await Gallery.start([hi, dice, ball]);
-  visitor = await Visitor.enter(gallery);
-  page = visitor.page;
-});
-after(async () => {
-  await visitor?.close();
-  await gallery?.stop();
-});
+before(async () => ({ visitor, page } = await visit([hi, dice, ball])));
+after(leave);
 
 /** Draws all of an archive's plots; returns their kinds by name. */
 async function drawAll(path) {

@@ -3,22 +3,15 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
-import { playerShows, Visitor } from "./support/browser.mjs";
-import { Gallery } from "./support/gallery.mjs";
+import { playerShows } from "./support/browser.mjs";
 import { find, namesFound } from "./support/programs.mjs";
+import { leave, visit } from "./support/visit.mjs";
 
-let gallery, visitor, page;
+let visitor, page;
 const { hi, dice } = archives();
 
-before(async () => {
-  gallery = await Gallery.start([hi, dice]);
-  visitor = await Visitor.enter(gallery);
-  page = visitor.page;
-});
-after(async () => {
-  await visitor?.close();
-  await gallery?.stop();
-});
+before(async () => ({ visitor, page } = await visit([hi, dice])));
+after(leave);
 
 const many = find(hi).of;
 /** Names in the list, without scrolling: the first ones. */

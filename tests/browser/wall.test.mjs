@@ -4,22 +4,15 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
-import { cards, inkOf, screenshotFor, Visitor } from "./support/browser.mjs";
-import { Gallery } from "./support/gallery.mjs";
+import { cards, inkOf, playerShows, screenshotFor } from "./support/browser.mjs";
 import { find, namesFound } from "./support/programs.mjs";
+import { leave, visit } from "./support/visit.mjs";
 
-let gallery, visitor, page;
+let visitor, page;
 const { hi, dice, ball } = archives();
 
-before(async () => {
-  gallery = await Gallery.start([hi, dice, ball]);
-  visitor = await Visitor.enter(gallery);
-  page = visitor.page;
-});
-after(async () => {
-  await visitor?.close();
-  await gallery?.stop();
-});
+before(async () => ({ visitor, page } = await visit([hi, dice, ball])));
+after(leave);
 
 const text = (selector) => page.locator(selector).innerText();
 const showArchive = async (name) => {
@@ -72,6 +65,45 @@ test("a group opens into its members, and closes again", async () => {
   assert.equal((await listed()).length, Math.min(Number(kept), (await listed()).length));
   await page.getByRole("navigation", { name: "Where you are" }).getByRole("button", { name: "All" }).click();
   await page.locator("#counts", { hasText: "40 of 40 shown" }).waitFor();
+  visitor.assertNoProblems();
+});
+
+test("groups open and close by keyboard, and the focus goes along", async () => {
+  // Goal: nobody without a mouse loses the place. Method: keys alone; the cards that have the focus.
+  await visitor.open();
+  await page.locator("#groups [role=gridcell]").nth(1).waitFor();
+  const focused = (grid, index) => page.waitForFunction(([of, at]) =>
+    document.activeElement.closest(`#${of}`) && document.activeElement.dataset.index === at, [grid, String(index)]);
+  await page.keyboard.press("w");
+  await focused("groups", 0);
+  await page.keyboard.press("ArrowRight");
+  await focused("groups", 1);
+  const key = await page.evaluate(() => document.activeElement.dataset.key);
+  await page.keyboard.press("Enter");
+  await focused("list", 0);
+  const name = await page.evaluate(() => document.activeElement.dataset.key);
+  await page.keyboard.press("Enter");
+  assert.deepEqual((await playerShows(page, 1)).labels, [name]);
+  // Out of the group while it plays: to the card of the group that was left.
+  await page.keyboard.press("Backspace");
+  await focused("groups", 1);
+  assert.equal(await page.evaluate(() => document.activeElement.dataset.key), key);
+  await page.keyboard.press("Escape");
+  // Groups within a group have to be asked for, and so has what is around them.
+  await page.keyboard.press("Home");
+  await page.keyboard.press("Enter");
+  await focused("list", 0);
+  await page.keyboard.press("1");
+  await page.locator("#toolbar-words", { hasNotText: "Grouping" }).waitFor();
+  await focused("groups", 0);
+  await page.keyboard.press("Backspace");
+  await page.locator("#counts", { hasText: "40 of 40 shown" }).waitFor();
+  await focused("groups", 0);
+  // A field keeps it.
+  await page.locator("#query").focus();
+  await page.goBack();
+  await page.locator("#counts", { hasNotText: "40 of 40 shown" }).waitFor();
+  assert.equal(await page.evaluate(() => document.activeElement.id), "query");
   visitor.assertNoProblems();
 });
 

@@ -1,12 +1,16 @@
 // Goal: what comes of an archive waits until it is asked for, and an archive's beginning is shown while the
-// rest is read. Method: a source whose archive grows between two looks.
+// rest is read; nor does another run's archive in the place of the one that is shown take its place on the
+// page by itself. Method: a source whose archive grows, or is replaced, between two looks.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { GallerySource } from "../src/data/source";
 import type { ArchiveSummary, GalleryState, Scene, Table } from "../src/data/types";
+import { archiveShown, replacing } from "../src/state/derived";
 import { Loading } from "../src/state/loading";
+import { ofShownRun } from "../src/state/own-run";
 import { firstPage, type Page } from "../src/state/page";
-import { initialState } from "../src/state/page-actions";
+import type { NoteKeeping } from "../src/state/note-keeping";
+import { initialState, PageActions } from "../src/state/page-actions";
 import { Store } from "../src/state/store";
 
 const whole = 9;
@@ -67,4 +71,99 @@ test("a beginning is shown, and the rest is offered as more", async () => {
 test("a link that names animations waits for all of them", async () => {
   for (const link of [{ playing: ["0.8"] }, { selected: ["0.8"] }, { sort: { by: "alike" as const, to: ["0.8"] } }])
     assert.deepEqual(await seen({ ...firstPage, ...link } as Page), { first: null, then: whole, offered: "0 new" });
+});
+
+const settled = () => new Promise((resolve) => setTimeout(resolve, 5));
+
+test("another run in an archive's place waits until it is asked for", async () => {
+  const shownRun: ArchiveSummary = { ...summary(beginning, false), generation: 1, warning: "of ab" };
+  const other: ArchiveSummary = { ...summary(whole, false), run: "cd", generation: 2 };
+  let now = shownRun;
+  let asked = 0;
+  const source = {
+    gallery: () => Promise.resolve(stateOf(now)),
+    table: () => Promise.resolve(tableOf(now.kept, now.generation)),
+    scene: () => Promise.resolve({ features: [] } as unknown as Scene),
+    looks: () => Promise.resolve({}),
+    animations: () => Promise.resolve([(asked += 1)]),
+    onChange: () => () => undefined,
+  } as unknown as GallerySource;
+  const store = new Store(initialState({ ...firstPage, playing: ["0.1"] }));
+  const loading = new Loading(store, source);
+  const page = new PageActions(store, {} as NoteKeeping, () => void loading.lookAgain());
+  const own = ofShownRun(source, store);
+  const tell = async (archive: ArchiveSummary): Promise<void> => {
+    now = archive;
+    loading.see(stateOf(archive));
+    await settled();
+  };
+  await tell(shownRun);
+  assert.equal(replacing(store.state), null);
+  await own.animations(0, ["0.1"], 1);
+  assert.equal(asked, 1);
+  page.select("0.2", "toggle");
+  const { loaded, visible, page: before, message } = store.state;
+
+  // Nothing of the page moves, and what is told of the archive is still what was read of it.
+  for (const generation of [2, 3]) await tell({ ...other, generation });
+  assert.equal(store.state.loaded, loaded);
+  assert.equal(store.state.visible, visible);
+  assert.equal(store.state.page, before);
+  assert.equal(store.state.message, message);
+  assert.deepEqual(store.state.selection.names, ["0.2"]);
+  assert.equal(replacing(store.state)?.run, "cd");
+  assert.equal(archiveShown(store.state)?.warning, "of ab");
+  // The other run has animations of the same names.
+  await assert.rejects(own.animations(0, ["0.1"], 1), /Another run is in a\.h5 now/);
+  assert.equal(asked, 1);
+
+  // The run is back: it goes on.
+  await tell({ ...shownRun, generation: 4 });
+  assert.equal(replacing(store.state), null);
+  assert.equal(store.state.loaded?.generation, 4);
+  assert.deepEqual(store.state.page.playing, ["0.1"]);
+
+  // Taken, the other run is shown, without the names of the one before.
+  await tell({ ...other, generation: 5 });
+  page.showArchive("cd", "");
+  await settled();
+  assert.equal(store.state.loaded?.run, "cd");
+  assert.equal(store.state.visible.length, whole);
+  assert.deepEqual([store.state.page.playing, store.state.selection.names], [[], []]);
+  assert.equal(replacing(store.state), null);
+  await own.animations(0, ["0.1"], 1);
+  assert.equal(asked, 2);
+});
+
+test("a page that is opened at a run that isn't there shows what is", async () => {
+  const source = {
+    gallery: () => Promise.resolve(stateOf(summary(whole, false))),
+    table: () => Promise.resolve(tableOf(whole, 2)),
+    scene: () => Promise.resolve({ features: [] } as unknown as Scene),
+    looks: () => Promise.resolve({}),
+  } as unknown as GallerySource;
+  const store = new Store(initialState({ ...firstPage, run: "ef" }));
+  new Loading(store, source).see(stateOf(summary(whole, false)));
+  await settled();
+  assert.equal(store.state.loaded?.run, "ab");
+  assert.match(store.state.message.words, /Run ef isn't here/);
+});
+
+test("what was read anew while it was being loaded is looked at again", async () => {
+  let looks = 0;
+  const source = {
+    gallery: () => {
+      looks += 1;
+      return Promise.resolve(stateOf({ ...summary(whole, false), run: "cd", generation: 3 }));
+    },
+    table: () => Promise.resolve(tableOf(whole, 3)),
+    scene: () => Promise.resolve({ features: [] } as unknown as Scene),
+    looks: () => Promise.resolve({}),
+  } as unknown as GallerySource;
+  const store = new Store(initialState(firstPage));
+  new Loading(store, source).see(stateOf(summary(whole, false)));
+  await settled();
+  assert.equal(looks, 1);
+  // One run's names with another run's table would be wrong ones.
+  assert.deepEqual([store.state.loaded?.run, store.state.loaded?.generation], ["cd", 3]);
 });

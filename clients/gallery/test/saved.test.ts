@@ -6,7 +6,7 @@ import { pack, type Packed } from "../src/data/packed";
 import { createSavedSource } from "../src/data/saved";
 import { SatisfiedDraws } from "../src/data/saved-shares";
 import { type GallerySource, SourceError } from "../src/data/source";
-import type { Column, Note } from "../src/data/types";
+import type { Column, NotePatch } from "../src/data/types";
 import { type Script, FakeDocument, FakeStorage } from "./fake-page";
 
 const RUN = "ab12";
@@ -261,26 +261,26 @@ test("plots that were not saved have a sentence", async () => {
 test("notes are kept by the browser, or as long as the page", async () => {
   // Goal: notes never fail. Method: a storage that works, is opened anew, is full, or throws at once;
   // another page's notes stay.
-  const note = (text: string): Note => ({ star: true, hidden: false, tags: ["a"], note: text });
+  const note = (text: string): NotePatch => ({ star: true, hidden: false, tags_on: ["a"], note: text });
   const storage = new FakeStorage();
   const first = open(undefined, () => storage).source;
   assert.deepEqual((await first.notes()).notes, { [RUN]: {} });
   const other = open(undefined, () => storage).source;
-  assert.equal((await first.setNote(RUN, "0.10", note("one"))).changed, 1);
-  assert.equal((await other.setNote(RUN, "0.20", note("two"))).changed, 2);
-  assert.equal((await first.setNote(RUN, "0.10", note("three"))).changed, 3);
+  assert.equal((await first.changeNote(RUN, "0.10", note("one"))).changed, 1);
+  assert.equal((await other.changeNote(RUN, "0.20", note("two"))).changed, 2);
+  assert.equal((await first.changeNote(RUN, "0.10", note("three"))).changed, 3);
   const again = (await open(undefined, () => storage).source.notes()).notes[RUN];
   assert.deepEqual(Object.entries(again ?? {}).map(([name, { note: text }]) => [name, text]).sort(),
     [["0.10", "three"], ["0.20", "two"]]);
   assert.equal((await first.gallery()).notes.writable, true);
 
   storage.isFull = true;
-  await first.setNote(RUN, "0.30", note("four"));
+  await first.changeNote(RUN, "0.30", note("four"));
   assert.equal((await first.notes()).notes[RUN]?.["0.30"]?.note, "four");
   assert.equal((await first.gallery()).notes.writable, false);
 
   const none = open(undefined, () => { throw new Error("SecurityError"); }).source;
-  await none.setNote(RUN, "0.10", note("five"));
+  await none.changeNote(RUN, "0.10", note("five"));
   assert.equal((await none.notes()).notes[RUN]?.["0.10"]?.note, "five");
   assert.equal((await none.gallery()).notes.writable, false);
 

@@ -51,7 +51,7 @@ test("queries mean what they say", async () => {
   for (const text of [
     "ball 1 in z 2.25..", "ball 1 in z 2.2.. during 400..450ms", "ball 1: x 49..51cm z 2.2..",
     "ball 1 in x 1.5..1.5 during 100s..", "ball 2 in x -2..2 during ..1", "any in x -1..-1",
-    "every ball ends in z 0.2..1", "ball 1 touches table", "ball 2 touches ball 1", "ball 2 touches any",
+    "any body in x -1..-1", "every ball ends in z 0.2..1", "ball 1 touches table", "ball 2 touches ball 1", "ball 2 touches any",
     "ball 1 touches table during 1..1s", "ball 1 touches table then ball 1 touches ball 2",
     "ball 1 touches table then ball 1 in z ..9 then ball 1 touches ball 2", "every ball touches any",
     "ball 1 in z 2.2.. then ball 1 touches table then ball 1 in x 1.4..",
@@ -62,6 +62,7 @@ test("queries mean what they say", async () => {
   for (const text of [
     "ball 1 in z 2.251..", "ball 1 in z 2.2.. during 0..300ms", "ball 1: x 80..90cm z 2.2..",
     "ball 2 in x -2..2 during ..0.99", "\"odd \\\"one\\\"\" in x -9..9", "every in x -1..-1",
+    "every body in x -1..-1",
     "every ball ends in z 0.5..1", "ball 2 touches table", "ball 1 touches table during 1001ms..",
     "ball 1 touches ball 2 then ball 1 touches table", "every ball touches table",
     "ball 1 touches table then ball 1 touches table", "ball 1 touches table then ball 1 in z 2..",
@@ -81,7 +82,8 @@ test("errors point at the place", () => {
     ["any in x 3..1", 9, "first end is above"], ["any in x ..", 9, "needs an end"],
     ["any in x 0..1 x 0..1", 14, "x has a range already"], ["any in during 0..1", 7, "a range of x, y or z"],
     ["ball 1 touches target", 15, "is a goal"], ["table in x 0..1", 0, "doesn't move"],
-    ["log_priro < 3", 0, "did you mean 'log_prior'"], ["LOG-PRIOR < 3", 3, "the sign '-' has no"],
+    ["log_priro < 3", 0, "did you mean 'log_prior'"], ["plausibility < 3", 0, "did you mean 'log_prior'"],
+    ["score < 3", 0, "`sleight find --names`"], ["LOG-PRIOR < 3", 3, "the sign '-' has no"],
     ["log_prior", 0, "is a number"], ["face = 1", 0, "'face' has 2 elements: say which, as face[0]"],
     ["table = 1", 0, "'table' is no number"], ["zebra = 1", 0, "`sleight find --names`"],
     ["log_prior < 3mm", 13, "a pure number is expected"], ["face[1 = 2", 7, "']' is expected"],

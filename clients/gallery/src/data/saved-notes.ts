@@ -2,7 +2,8 @@
 // browser where it keeps anything for this page, and else until the page is closed.
 
 import { isObject } from "./packed";
-import type { AnimationName, KeptNote, Note } from "./types";
+import { noteOf, patched } from "./note-patch";
+import type { AnimationName, KeptNote, NotePatch } from "./types";
 
 type OfRun = Record<AnimationName, KeptNote>;
 
@@ -31,11 +32,11 @@ export class SavedNotes {
     return notes;
   }
 
-  set(run: string, name: AnimationName, { star, hidden, tags, note }: Note): KeptNote {
+  change(run: string, name: AnimationName, patch: NotePatch): KeptNote {
     // The same gallery may be open twice: what the other page has noted stays.
     const notes = { ...this.ofRun(run), ...this.read(run) };
     const changed = 1 + Object.values(notes).reduce((most, one) => Math.max(most, one.changed), 0);
-    const kept: KeptNote = { star, hidden, tags: [...tags], note, changed };
+    const kept: KeptNote = { ...patched(noteOf(notes, name), patch), changed };
     const now = { ...notes, [name]: kept };
     this.runs.set(run, now);
     try {

@@ -17,7 +17,7 @@ import { type AskOptions, type GallerySource, SourceError, type SourceListener }
 import {
   type AlikeAnswer, type AlikeAsk, type Animation, type AnimationName, type ArchiveAt, type ArchiveId,
   type ArchiveSummary, type Entry, type FindAnswer, type GalleryState, type GroupsAnswer, type GroupsAsk,
-  type KeptNote, type Looks, nameOf, type Note, type Notes, type Scene, type Series, type SeriesTitle,
+  type KeptNote, type Looks, nameOf, type NotePatch, type Notes, type Scene, type Series, type SeriesTitle,
   type Table,
 } from "./types";
 
@@ -200,8 +200,8 @@ class SavedSource implements GallerySource {
     return { notes: Object.fromEntries(archives.map(({ run }) => [run, this.kept.ofRun(run)])) };
   }
 
-  async setNote(run: string, name: AnimationName, note: Note): Promise<KeptNote> {
-    return this.kept.set(run, name, note);
+  async changeNote(run: string, name: AnimationName, patch: NotePatch): Promise<KeptNote> {
+    return this.kept.change(run, name, patch);
   }
 
   /** Nothing changes here. */

@@ -1,6 +1,6 @@
 // A gallery that a server answers: `sleight gallery`.
 //
-// While the server is away every question but setNote() waits, and is asked again once the server is
+// While the server is away every question but changeNote() waits, and is asked again once the server is
 // back; the listeners are told. The stream of events is the sign of life: it is opened anew with
 // growing pauses, so nobody has to reload the page.
 
@@ -14,7 +14,7 @@ import {
 } from "./source";
 import type {
   AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, FindAnswer, GalleryState,
-  GroupsAnswer, GroupsAsk, KeptNote, Looks, Note, Notes, Scene, Series, SeriesTitle, Table,
+  GroupsAnswer, GroupsAsk, KeptNote, Looks, NotePatch, Notes, Scene, Series, SeriesTitle, Table,
 } from "./types";
 
 const PAUSE_MS_MIN = 250;
@@ -111,10 +111,11 @@ class ServedSource implements GallerySource {
     if (!isObject(answer) || !isObject(answer["notes"])) throw torn("there are no notes in it");
     return answer as unknown as Notes;
   }
-  async setNote(
-    run: string, name: AnimationName, note: Note, options?: AskOptions,
+  async changeNote(
+    run: string, name: AnimationName, patch: NotePatch, options?: AskOptions,
   ): Promise<KeptNote> {
-    const answer = await this.json({ path: "notes", body: { run, name, note }, waits: false }, options);
+    const body = { run, name, note: patch };
+    const answer = await this.json({ path: "notes", body, waits: false }, options);
     return withLists<KeptNote>(answer, "tags");
   }
 

@@ -6,7 +6,7 @@
 
 import type {
   AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, FindAnswer, GalleryState,
-  GroupsAnswer, GroupsAsk, KeptNote, Looks, Note, Notes, Scene, Series, SeriesTitle, Table,
+  GroupsAnswer, GroupsAsk, KeptNote, Looks, NotePatch, Notes, Scene, Series, SeriesTitle, Table,
 } from "./types";
 
 export type FailureKind =
@@ -79,7 +79,8 @@ export interface GallerySource {
   /** As `sleight diagnose --json` says it. */
   diagnosis(archive: ArchiveId, options?: AskOptions): Promise<unknown>;
   notes(options?: AskOptions): Promise<Notes>;
-  setNote(run: string, name: AnimationName, note: Note, options?: AskOptions): Promise<KeptNote>;
+  /** Returns the whole note as it is then. */
+  changeNote(run: string, name: AnimationName, patch: NotePatch, options?: AskOptions): Promise<KeptNote>;
   /** Returns what ends it. */
   onChange(listener: SourceListener): () => void;
 }

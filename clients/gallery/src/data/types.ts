@@ -192,6 +192,15 @@ export interface Note {
   readonly note: string;
 }
 
+/** What is changed of a note; what others change meanwhile stays. */
+export interface NotePatch {
+  readonly star?: boolean;
+  readonly hidden?: boolean;
+  readonly note?: string;
+  readonly tags_on?: readonly string[];
+  readonly tags_off?: readonly string[];
+}
+
 /** As kept: `changed` grows with every change. */
 export interface KeptNote extends Note {
   readonly changed: number;

@@ -141,9 +141,10 @@ function drawHistograms(
   });
   for (let i = 0; i <= 6; i++) {
     const value = low + ((high - low) * i) / 6;
-    svg.append(
-      svgEl("text", { x: placeX(value), y: height - bottom + 16, class: "tick tick-middle" }, number(value)),
-    );
+    // The last one would stand out of the picture.
+    const place = i < 6 ? "tick-middle" : "tick-end";
+    const x = i < 6 ? placeX(value) : width;
+    svg.append(svgEl("text", { x, y: height - bottom + 16, class: `tick ${place}` }, number(value)));
   }
 }
 

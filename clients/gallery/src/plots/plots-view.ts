@@ -37,10 +37,12 @@ export function makePlotsView(ui: Ui): PlotsView {
   const readList = async (loaded: Loaded): Promise<void> => {
     const isWanted = latestList.begin();
     let found: readonly SeriesTitle[] = [];
+    let why = "There is nothing to plot: the archive has no chains.";
     try {
       found = await ui.source.seriesTitles(loaded.id);
     } catch (error) {
-      if (isWanted()) say(ui.store, sentenceOf(error));
+      why = sentenceOf(error);
+      if (isWanted()) say(ui.store, why);
     }
     if (!isWanted()) return;
     titles = found;
@@ -51,7 +53,7 @@ export function makePlotsView(ui: Ui): PlotsView {
     }
     setText(title, "");
     setHidden(chainField, true);
-    setText(words, "There is nothing to plot: the archive has no chains.");
+    setText(words, why);
     setHidden(words, false);
   };
   const chosen = (state: AppState): SeriesTitle | undefined =>

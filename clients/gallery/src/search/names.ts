@@ -14,6 +14,9 @@ export interface NamedThings {
 /** Names in one message, at most. */
 const SHOWN = 12;
 const DIGITS = /^[0-9]*$/;
+/** What the page calls some numbers, and what they are called in a query. */
+const OTHER_WORDS: ReadonlyMap<string, string> =
+  new Map([["score", "log_constraint"], ["plausibility", "log_prior"]]);
 
 export class Names {
   private readonly features: readonly string[];
@@ -59,6 +62,9 @@ export class Names {
         (name.startsWith(`${kind} `) && DIGITS.test(name.slice(kind.length + 1)));
       if (isOfKind) bodies.push(body);
     }
+    // "any body" says the same as "any", unless some are called so.
+    if (bodies.length === 0 && kind === "body")
+      for (let body = 0; body < this.bodies; ++body) bodies.push(body);
     if (bodies.length === 0)
       throw new QueryFault(token.column, kind === "" ? "the scene has no bodies"
         : `no body is called '${kind} N'; there are: ${this.shown(this.bodies)}`);
@@ -103,7 +109,8 @@ export class Names {
     if (this.features.includes(name))
       throw new QueryFault(column,
         `'${name}' is no number: 'in', 'touches' or 'ends in' is expected behind it`);
-    const near = nearest(name, this.numbers);
+    const meant = OTHER_WORDS.get(name);
+    const near = meant !== undefined && this.numbers.includes(meant) ? meant : nearest(name, this.numbers);
     throw new QueryFault(column, near === null
       ? `no number is called '${name}'; \`sleight find --names\` lists them`
       : `no number is called '${name}'; did you mean '${near}'?`);

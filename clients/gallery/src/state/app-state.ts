@@ -1,10 +1,10 @@
 // All that the page knows: what the link holds (`page`), what the source has answered, and what is
 // being done at the moment.
+import type { NotesByName } from "../data/note-patch";
 import type { SourceState } from "../data/source";
-import type { ArchiveId, GalleryState, GroupsAsk, Looks, Note, Scene, Table } from "../data/types";
+import type { ArchiveId, ArchiveSummary, GalleryState, GroupsAsk, Looks, NotePatch, Scene, Table } from "../data/types";
 import type { Range } from "./conditions";
 import type { Entries } from "./entry-sets";
-import type { NotesByName } from "./notes";
 import type { Chip, DrawnBox, Page } from "./page";
 import type { Selection } from "./selection";
 import type { History } from "./undo";
@@ -14,6 +14,8 @@ export interface Loaded {
   readonly id: ArchiveId;
   readonly run: string;
   readonly generation: number;
+  /** What was said of it then. */
+  readonly archive: ArchiveSummary;
   readonly scene: Scene;
   readonly looks: Looks;
   readonly table: Table;
@@ -57,7 +59,7 @@ export interface Distances {
 
 /** What undo puts back: notes by name, or the chips. */
 export type Undoable =
-  | { readonly kind: "notes"; readonly notes: Readonly<Record<string, Note>> }
+  | { readonly kind: "notes"; readonly run: string; readonly notes: Readonly<Record<string, NotePatch>> }
   | { readonly kind: "chips"; readonly chips: readonly Chip[] };
 
 /** A sentence of the page; the same words again are another message. */

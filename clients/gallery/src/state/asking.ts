@@ -2,10 +2,11 @@
 // distances. It looks at each change; answers that come after the question has changed are dropped.
 import { SourceError, type GallerySource } from "../data/source";
 import { noEntries, type AppState, type Loaded, type QueryAnswer, type ShownGroups } from "./app-state";
-import { within } from "./derived";
+import { areGroupsThere, within } from "./derived";
 import { ascending, intersection, type Entries } from "./entry-sets";
 import { say, sentenceOf } from "./messages";
-import { isLetThrough, noteOf } from "./notes";
+import { noteOf } from "../data/note-patch";
+import { isLetThrough } from "./notes";
 import type { PathStep } from "./page";
 import { Latest, type Store } from "./store";
 
@@ -58,15 +59,21 @@ export class Asking {
     try {
       const answer = await askFind(this.source, loaded, text);
       if (this.store.state.loaded !== loaded) return;
-      const answers = new Map(this.store.state.answers).set(text, answer);
-      this.store.set({
-        answers: answers.size > answersMax ? pruned(answers, textsOf(this.store.state)) : answers,
-      });
+      this.keep(text, answer);
     } catch (error) {
+      // Without an answer it would be asked again at each change.
+      if (!mayPass(error) && this.store.state.loaded === loaded) this.keep(text, { entries: null, error: null });
       this.failed(error);
     } finally {
       this.inFlight.delete(key);
     }
+  }
+
+  private keep(text: string, answer: QueryAnswer): void {
+    const answers = new Map(this.store.state.answers).set(text, answer);
+    this.store.set({
+      answers: answers.size > answersMax ? pruned(answers, textsOf(this.store.state)) : answers,
+    });
   }
 
   // Groups.
@@ -74,11 +81,8 @@ export class Asking {
   private lookAtGroups(state: AppState, loaded: Loaded): void {
     if (state.page.view !== "groups" || state.opened.includes(null) || !areAnswered(state)) return;
     const of = within(state);
+    if (areGroupsThere(state)) return;
     const { groups, by } = state.page.grouping;
-    const shown = state.groups;
-    const isThere =
-      shown !== null && shown.ask.groups === groups && shown.ask.by === by && isSame(shown.of, of);
-    if (isThere) return;
     const key = [loaded, of, groups, by];
     if (key.every((part, i) => part === this.groupsKey[i])) return;
     this.groupsKey = key;
@@ -101,7 +105,7 @@ export class Asking {
       if (isWanted() && this.store.state.loaded === loaded) this.store.set({ groups, groupsFailure: "" });
     } catch (error) {
       if (!isWanted()) return;
-      this.groupsKey = [];
+      if (mayPass(error)) this.groupsKey = [];
       this.failed(error);
       if (isOfServer(error)) this.store.set({ groupsFailure: sentenceOf(error) });
     }
@@ -159,7 +163,7 @@ export class Asking {
         opened: state.opened.slice(0, depth),
       });
     } catch (error) {
-      this.openingKey = [];
+      if (mayPass(error)) this.openingKey = [];
       this.failed(error);
     }
   }
@@ -196,7 +200,7 @@ export class Asking {
       });
       this.store.set({ distances: { to, byEntry, generation: loaded.generation } });
     } catch (error) {
-      this.alikeKey = [];
+      if (mayPass(error)) this.alikeKey = [];
       this.failed(error);
     }
   }
@@ -206,6 +210,11 @@ export class Asking {
     if (error.kind === "generation" || error.kind === "reading") this.lookAgain();
     else if (isOfServer(error)) say(this.store, sentenceOf(error));
   }
+}
+
+/** Whether the same question may be answered later; others are asked again when something changes. */
+function mayPass(error: unknown): boolean {
+  return !(error instanceof SourceError && (error.kind === "missing" || error.kind === "other"));
 }
 
 /** Not one that passes by itself: away, refused and aborted are told elsewhere. */
@@ -230,8 +239,4 @@ function pruned(
   wanted: ReadonlySet<string>,
 ): Map<string, QueryAnswer> {
   return new Map([...answers].filter(([text], i) => wanted.has(text) || i > answers.size - answersMax / 2));
-}
-
-function isSame(a: Entries, b: Entries): boolean {
-  return a === b || (a.length === b.length && a.every((entry, i) => entry === b[i]));
 }

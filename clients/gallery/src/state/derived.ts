@@ -1,7 +1,9 @@
 // What follows from the state. Each is computed once for the parts that it depends on.
+import type { ArchiveSummary } from "../data/types";
 import { noEntries, type AppState, type QueryAnswer } from "./app-state";
 import { difference, filtered, intersection, type Entries } from "./entry-sets";
-import { isLetThrough, noteOf } from "./notes";
+import { noteOf } from "../data/note-patch";
+import { isLetThrough } from "./notes";
 import type { Chip } from "./page";
 import { joined, type SignedQuery } from "./query-text";
 import { sortedByNumber } from "./sorting";
@@ -102,6 +104,17 @@ export const orderedNames = remembered(
   },
 );
 
+/** Whether the groups are those of what is shown, made as is asked for. */
+export function areGroupsThere(state: AppState): boolean {
+  const { groups: shown, page } = state;
+  const { groups, by } = page.grouping;
+  return shown !== null && shown.ask.groups === groups && shown.ask.by === by && isSame(shown.of, within(state));
+}
+
+function isSame(a: Entries, b: Entries): boolean {
+  return a === b || (a.length === b.length && a.every((entry, i) => entry === b[i]));
+}
+
 export interface ChipCounts {
   /** That are meant by it alone; null: not answered yet. */
   readonly alone: number | null;
@@ -129,8 +142,20 @@ export function wholeQuery(chips: readonly Chip[]): string {
   return joined(signedQueries(chips));
 }
 
-export function archiveShown(state: AppState) {
-  return state.gallery?.archives.find((archive) => archive.id === state.loaded?.id) ?? null;
+/** Where the archive's run is still there as it is now, else as it was when it was read last. */
+export function archiveShown(state: AppState): ArchiveSummary | null {
+  const { gallery, loaded } = state;
+  if (loaded === null) return null;
+  if (replacing(state) !== null) return { ...loaded.archive, is_live: false, live_words: "" };
+  return gallery?.archives.find(({ id }) => id === loaded.id) ?? null;
+}
+
+/** Another run's archive that has come to be in the place of the one that is shown. */
+export function replacing({ gallery, loaded }: AppState): ArchiveSummary | null {
+  const archive = gallery?.archives.find(({ id }) => id === loaded?.id);
+  // Of one that is read for the first time since a server began the run isn't known yet.
+  const isOther = archive !== undefined && archive.run !== "" && archive.run !== loaded?.run;
+  return isOther ? archive : null;
 }
 
 /** How many animations have come that are not shown yet. */

@@ -1,10 +1,12 @@
 // Reads archives and keeps what is shown up to date. A run that grows brings a new generation: its
 // table is read at once (questions are answered of the newest generation alone), but what has come
-// waits until it is asked for, so that nothing jumps.
+// waits until it is asked for, so that nothing jumps. So does another run's archive that has taken the
+// place of the one that is shown: what was read of that one stays (replacing() in derived.ts).
 import { SourceError, type GallerySource } from "../data/source";
 import { nameOf, type ArchiveSummary, type GalleryState, type Table } from "../data/types";
 import type { AppState, Distances, Loaded, QueryAnswer, ShownGroups } from "./app-state";
 import { askFind } from "./asking";
+import { replacing } from "./derived";
 import { allEntries, ascending, type Entries } from "./entry-sets";
 import { say, sentenceOf } from "./messages";
 import type { Page } from "./page";
@@ -59,6 +61,8 @@ export class Loading {
       return;
     }
     const isOther = loaded === null || loaded.run !== archive.run || loaded.id !== archive.id;
+    // page.run is the one that is shown until a person wants another.
+    if (page.run === loaded?.run && replacing(this.store.state)?.id === archive.id) return;
     if (isOther && (archive.state === "reading" || (archive.is_beginning && hasNames(page)))) {
       this.store.set({ loadFailure: "" });
       return;
@@ -76,10 +80,10 @@ export class Loading {
   takeOffered(): void {
     const { loaded, gallery } = this.store.state;
     if (loaded === null) return;
-    const archive = gallery?.archives.find(({ id }) => id === loaded.id);
+    const archive = gallery?.archives.find(({ id, run }) => id === loaded.id && run === loaded.run);
     this.store.set({
       visible: allEntries(loaded.names.length),
-      asOf: archive?.as_of ?? this.store.state.asOf,
+      asOf: archive?.as_of ?? loaded.archive.as_of,
       isBeginning: archive?.is_beginning ?? false,
     });
   }
@@ -98,6 +102,11 @@ export class Loading {
         goesOn ? before.looks : this.source.looks(archive.id),
       ]);
       if (!isWanted()) return;
+      if (table.generation !== archive.generation) {
+        // It was read anew in the meantime, perhaps as another run's.
+        void this.lookAgain();
+        return;
+      }
       const loaded = loadedOf(archive, table, scene, looks);
       if (goesOn) await this.goOn(before, loaded, isWanted);
       else this.begin(archive, loaded);
@@ -207,7 +216,8 @@ function loadedOf(
   }
   const bodies = scene.features.filter((feature) => feature.kind === "body").length;
   const { generation } = table;
-  return { id: archive.id, run: archive.run, generation, scene, looks, table, names, entryOf, bodies };
+  const { id, run } = archive;
+  return { id, run, generation, archive, scene, looks, table, names, entryOf, bodies };
 }
 
 /** By old entry its new one, -1 where it is gone. */

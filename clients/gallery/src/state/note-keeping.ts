@@ -1,29 +1,47 @@
-// Changes notes and chips so that they can be undone, and has the source keep the notes. Where they
-// can't be kept they last as long as the page, and one sentence says so.
-import type { GallerySource } from "../data/source";
-import type { Note } from "../data/types";
+// Changes notes and chips so that they can be undone, and has the source keep the notes. What can't be kept
+// now waits in the page and is sent again; one sentence says so.
+import { joined, noteOf, patchBetween, patched, type NotesByName } from "../data/note-patch";
+import { SourceError, type GallerySource } from "../data/source";
+import type { Note, NotePatch } from "../data/types";
 import type { AppState, Undoable } from "./app-state";
 import { say, sentenceOf } from "./messages";
-import { allToggled, noteOf, notKept, type NotesByName } from "./notes";
+import { allToggled, notKept } from "./notes";
 import type { Chip } from "./page";
 import { Latest, type Store } from "./store";
 import { redo, undo, withStep } from "./undo";
 
+type Patches = Readonly<Record<string, NotePatch>>;
+
 export class NoteKeeping {
   private readonly latest = new Latest();
+  /** What is not kept yet, by run and name. */
+  private readonly waiting = new Map<string, Map<string, NotePatch>>();
+  private isSending = false;
 
   constructor(
     private readonly store: Store<AppState>,
     private readonly source: GallerySource,
   ) {}
 
-  /** Reads the notes of each run that comes to be shown. */
-  start(): () => void {
-    return this.store.subscribe((state, before) => {
+  /**
+   * Reads the notes of each run that comes to be shown, and again when a person comes back to the page:
+   * `window` is told then.
+   */
+  start(window: EventTarget): () => void {
+    const again = (): void => {
+      const { loaded } = this.store.state;
+      if (loaded !== null) void this.read(loaded.run);
+    };
+    window.addEventListener("focus", again);
+    const end = this.store.subscribe((state, before) => {
       const isOther = state.loaded?.run !== before.loaded?.run;
       const isBack = state.source === "here" && before.source === "away";
-      if (state.loaded !== null && (isOther || isBack)) void this.read(state.loaded.run);
+      if (isOther || isBack) again();
     });
+    return () => {
+      window.removeEventListener("focus", again);
+      end();
+    };
   }
 
   private async read(run: string): Promise<void> {
@@ -31,7 +49,10 @@ export class NoteKeeping {
     try {
       const all = await this.source.notes();
       if (!isWanted()) return;
-      this.store.set({ notes: all.notes[run] ?? {}, notesWords: "" });
+      const notes: Record<string, Note> = { ...all.notes[run] };
+      for (const [name, patch] of this.waiting.get(run) ?? []) notes[name] = patched(noteOf(notes, name), patch);
+      this.store.set({ notes, notesWords: "" });
+      await this.send();
     } catch (error) {
       if (isWanted()) this.store.set({ notesWords: notKept(sentenceOf(error)) });
     }
@@ -45,8 +66,12 @@ export class NoteKeeping {
     this.change(changed, `${verb}: ${named(names)}`);
   }
 
-  edit(name: string, note: Partial<Note>): void {
-    this.change({ [name]: { ...noteOf(this.store.state.notes, name), ...note } }, `note of ${name}`);
+  /** `before`: as the person saw it; `run`: whose animation it was then. */
+  edit(run: string, name: string, before: Note, part: Partial<Note>): void {
+    const after = { ...before, ...part };
+    const what = part.note === undefined ? "tags" : "note";
+    this.step(run, { [name]: patchBetween(after, before) }, { [name]: patchBetween(before, after) },
+      `${what} of ${name}`);
   }
 
   /** Gives all of them the tag, or takes it from all where all have it. */
@@ -54,11 +79,8 @@ export class NoteKeeping {
     const { notes } = this.store.state;
     const isOn = !names.every((name) => noteOf(notes, name).tags.includes(tag));
     const changed: Record<string, Note> = {};
-    for (const name of names) {
-      const note = noteOf(notes, name);
-      const others = note.tags.filter((other) => other !== tag);
-      changed[name] = { ...note, tags: isOn ? [...others, tag] : others };
-    }
+    for (const name of names)
+      changed[name] = patched(noteOf(notes, name), isOn ? { tags_on: [tag] } : { tags_off: [tag] });
     this.change(changed, `tag “${tag}” ${isOn ? "on" : "off"}: ${named(names)}`);
   }
 
@@ -93,44 +115,79 @@ export class NoteKeeping {
     say(this.store, `Done again — ${next.step.words}.`);
   }
 
-  private change(changed: Record<string, Note>, words: string): void {
-    const { notes, history } = this.store.state;
-    const before: Record<string, Note> = {};
-    for (const name of Object.keys(changed)) before[name] = noteOf(notes, name);
+  private change(changed: NotesByName, words: string): void {
+    const { notes, loaded } = this.store.state;
+    if (loaded === null) return;
+    const between = (from: NotesByName, to: NotesByName): Patches =>
+      Object.fromEntries(Object.keys(changed).map((name) => [
+        name, patchBetween(noteOf(from, name), noteOf(to, name)),
+      ]));
+    this.step(loaded.run, between(changed, notes), between(notes, changed), words);
+  }
+
+  private step(run: string, before: Patches, after: Patches, words: string): void {
     this.store.set({
-      history: withStep(history, {
+      history: withStep(this.store.state.history, {
         words,
-        before: { kind: "notes", notes: before },
-        after: { kind: "notes", notes: changed },
+        before: { kind: "notes", run, notes: before },
+        after: { kind: "notes", run, notes: after },
       }),
     });
-    this.putNotes(changed);
+    this.putNotes(run, after);
     say(this.store, `${words[0]?.toUpperCase() ?? ""}${words.slice(1)}. Ctrl+Z undoes it.`);
   }
 
   private put(undoable: Undoable): void {
-    if (undoable.kind === "notes") this.putNotes(undoable.notes);
+    if (undoable.kind === "notes") this.putNotes(undoable.run, undoable.notes);
     else this.store.set({ page: { ...this.store.state.page, chips: undoable.chips } });
   }
 
-  private putNotes(changed: NotesByName): void {
-    const { loaded, notes } = this.store.state;
-    this.store.set({ notes: { ...notes, ...changed } });
-    if (loaded === null) return;
-    void this.keep(loaded.run, changed);
+  private putNotes(run: string, changed: Patches): void {
+    const ofRun = this.waiting.get(run) ?? new Map<string, NotePatch>();
+    this.waiting.set(run, ofRun);
+    const notes: Record<string, Note> = { ...this.store.state.notes };
+    for (const [name, patch] of Object.entries(changed)) {
+      ofRun.set(name, joined(ofRun.get(name) ?? {}, patch));
+      notes[name] = patched(noteOf(notes, name), patch);
+    }
+    if (run === this.store.state.loaded?.run) this.store.set({ notes });
+    void this.send();
   }
 
-  private async keep(run: string, changed: NotesByName): Promise<void> {
+  /** Has all that waits kept, one after another: what fails once would fail as often as there are names. */
+  private async send(): Promise<void> {
+    if (this.isSending) return;
+    this.isSending = true;
+    let words = "";
     try {
-      // One after another: what fails once would fail as often as there are names.
-      for (const [name, note] of Object.entries(changed)) {
-        const { star, hidden, tags, note: text } = note;
-        await this.source.setNote(run, name, { star, hidden, tags, note: text });
+      for (let next = this.nextWaiting(); next !== null; next = this.nextWaiting()) {
+        const { run, name, patch } = next;
+        const kept = await this.source.changeNote(run, name, patch).catch((error: unknown) => {
+          // It will never be kept.
+          if (error instanceof SourceError && error.kind === "other") this.sent(run, name, patch);
+          throw error;
+        });
+        this.sent(run, name, patch);
+        const isShown = run === this.store.state.loaded?.run && !this.waiting.get(run)?.has(name);
+        if (isShown) this.store.set({ notes: { ...this.store.state.notes, [name]: kept } });
       }
-      if (this.store.state.notesWords !== "") this.store.set({ notesWords: "" });
     } catch (error) {
-      this.store.set({ notesWords: notKept(sentenceOf(error)) });
+      words = notKept(sentenceOf(error));
+    } finally {
+      this.isSending = false;
     }
+    if (this.store.state.notesWords !== words) this.store.set({ notesWords: words });
+  }
+
+  private nextWaiting(): { run: string; name: string; patch: NotePatch } | null {
+    for (const [run, ofRun] of this.waiting) for (const [name, patch] of ofRun) return { run, name, patch };
+    return null;
+  }
+
+  /** Takes it out of those that wait, unless more of the same note has come. */
+  private sent(run: string, name: string, patch: NotePatch): void {
+    const ofRun = this.waiting.get(run);
+    if (ofRun?.get(name) === patch) ofRun.delete(name);
   }
 }
 

@@ -1,14 +1,7 @@
 // What a person notes about animations. Pure.
+import { noteOf, type NotesByName } from "../data/note-patch";
 import type { Note } from "../data/types";
 import type { NotesFilter } from "./page";
-
-export type NotesByName = Readonly<Record<string, Note>>;
-
-export const emptyNote: Note = { star: false, hidden: false, tags: [], note: "" };
-
-export function noteOf(notes: NotesByName, name: string): Note {
-  return Object.hasOwn(notes, name) ? (notes[name] ?? emptyNote) : emptyNote;
-}
 
 export function isLetThrough(note: Note, filter: NotesFilter): boolean {
   if (filter.star && !note.star) return false;
@@ -49,5 +42,5 @@ export function allToggled(
 }
 
 export function notKept(why: string): string {
-  return `Notes can't be kept and last until this page is closed: ${why || "the server can't write them."}`;
+  return `Notes can't be kept now; this page has them while it is open: ${why || "the server can't write them."}`;
 }

@@ -7,6 +7,7 @@ import { actedOn } from "../state/derived";
 import { pageOf } from "../state/link";
 import { Loading } from "../state/loading";
 import { NoteKeeping } from "../state/note-keeping";
+import { ofShownRun } from "../state/own-run";
 import { initialState, PageActions } from "../state/page-actions";
 import { Store } from "../state/store";
 import type { Player } from "../view/player";
@@ -32,9 +33,10 @@ export interface App {
   readonly player: () => Player | null;
 }
 
-export function startApp(root: HTMLElement, source: GallerySource): App {
+export function startApp(root: HTMLElement, galleries: GallerySource): App {
   const store = new Store<AppState>(initialState(pageOf(location.hash)));
-  const loading = new Loading(store, source);
+  const source = ofShownRun(galleries, store);
+  const loading = new Loading(store, galleries);
   const lookAgain = (): void => void loading.lookAgain();
   const notes = new NoteKeeping(store, source);
   const page = new PageActions(store, notes, lookAgain);
@@ -83,7 +85,7 @@ export function startApp(root: HTMLElement, source: GallerySource): App {
   show(store.state, store.state);
   store.subscribe(show);
   new Asking(store, source, lookAgain).start();
-  notes.start();
+  notes.start(window);
   new Address(store, (link) => page.applyLink(link)).start();
   listenToKeys(keyActions(ui, { wall, player, filters, root, showKeys: () => keysDialog.showModal() }));
   loading.start();

@@ -1,6 +1,6 @@
 // Cards: one of an animation, one of a group of animations that look alike.
 import type { AppState, Loaded, ShownGroup } from "../state/app-state";
-import { noteOf } from "../state/notes";
+import { noteOf } from "../data/note-patch";
 import {
   plausibilityHelp,
   plausibilityWords,
@@ -10,7 +10,7 @@ import {
 } from "../state/plausibility";
 import { isSelected } from "../state/selection";
 import { el, iconOf, setAttribute, setHidden, setText } from "./dom";
-import { count, millimetres, number, share } from "./words";
+import { cardNumber, count, millimetres, number, share } from "./words";
 
 /** What a click on a part of a card asks for: its data-act. */
 export type CardAct = "play" | "star" | "hide" | "select" | "open" | "like";
@@ -111,7 +111,7 @@ export function updateAnimationCard(cell: HTMLElement, state: AppState, name: st
     const element = part(selector);
     if (element !== null) setText(element, text);
   };
-  put(".card-score", Number.isNaN(score) ? "" : `score ${number(score, 3)}`);
+  put(".card-score", Number.isNaN(score) ? "" : `score ${cardNumber(score)}`);
   put(".card-plausibility", plausibility);
   put(".card-sort", sortWords(state, loaded, entry));
   put(".card-tags", note.tags.map((tag) => `#${tag}`).join(" "));
@@ -154,7 +154,7 @@ export function groupCard(loaded: Loaded, group: ShownGroup): CardParts {
   const isInProportion = loaded.table.inProportion[group.representative] === 1;
   const plausibility = plausibilityOf(loaded, group.representative);
   const score = numberOf(loaded, group.representative, "log_constraint");
-  const scoreWords = Number.isNaN(score) ? "" : `score ${number(score, 3)}`;
+  const scoreWords = Number.isNaN(score) ? "" : `score ${cardNumber(score)}`;
   box.append(
     el(
       "div",

@@ -1,6 +1,7 @@
 // All that is known of one animation in the player: its numbers, its events as text, a person's notes.
 import type { AppState } from "../state/app-state";
-import { emptyNote, noteOf, tagsOfText } from "../state/notes";
+import { emptyNote, noteOf } from "../data/note-patch";
+import { tagsOfText } from "../state/notes";
 import { plausibilityHelp, plausibilityWords, proportionHelp, scoreHelp } from "../state/plausibility";
 import type { TimelineItem } from "../view/timeline";
 import { button, el, field, select, setChoices, setHidden, setText } from "./dom";
@@ -72,6 +73,7 @@ export function makeDetails(
     if (loaded === null || entry === undefined) {
       numbers.replaceChildren();
       setText(plausibility, "");
+      setHidden(proportion, true);
       return;
     }
     const words = plausibilityWords(numberOf(loaded, entry, "log_prior"), loaded.scene.prior_log_prior);
@@ -160,9 +162,11 @@ function makeNoteEditor(ui: Ui, nameNow: () => string): NoteEditor {
   });
   const text = el("textarea", { id: "note-playing", rows: 2, maxlength: 4000 });
   // Of which animation the fields are: the player may have gone on before a field is left.
-  let of = "";
-  tags.addEventListener("change", () => ui.notes.edit(of, { tags: tagsOfText(tags.value) }));
-  text.addEventListener("change", () => ui.notes.edit(of, { note: text.value }));
+  let of = { run: "", name: "" };
+  // As it was when the field was entered: what others change meanwhile is theirs.
+  let before = emptyNote;
+  tags.addEventListener("change", () => ui.notes.edit(of.run, of.name, before, { tags: tagsOfText(tags.value) }));
+  text.addEventListener("change", () => ui.notes.edit(of.run, of.name, before, { note: text.value }));
   return {
     element: el(
       "div",
@@ -175,8 +179,10 @@ function makeNoteEditor(ui: Ui, nameNow: () => string): NoteEditor {
       const note = name === "" ? emptyNote : noteOf(state.notes, name);
       star.setAttribute("aria-pressed", String(note.star));
       hide.setAttribute("aria-pressed", String(note.hidden));
-      const isOther = name !== of;
-      of = name;
+      const run = state.loaded?.run ?? "";
+      const isOther = name !== of.name || run !== of.run;
+      of = { run, name };
+      if (isOther || (document.activeElement !== tags && document.activeElement !== text)) before = note;
       if (isOther || document.activeElement !== tags) tags.value = note.tags.join(", ");
       if (isOther || document.activeElement !== text) text.value = note.note;
     },

@@ -1,6 +1,6 @@
 // The exact command that makes files of what is chosen, and what must be known of them.
 import type { AppState } from "../state/app-state";
-import { archiveShown, signedQueries } from "../state/derived";
+import { archiveShown, replacing, signedQueries } from "../state/derived";
 import { exportLine } from "../state/export-line";
 import { proportionHelp } from "../state/plausibility";
 import { copyText } from "./copying";
@@ -21,13 +21,13 @@ export function makeExportHint(ui: Ui, namesOf: (state: AppState) => readonly st
   });
   const proportion = el("p", { class: "hint" }, proportionHelp);
   const update = (state: AppState): void => {
-    const archive = archiveShown(state);
+    const archive = replacing(state) === null ? archiveShown(state) : null;
     const names = namesOf(state);
     const { loaded } = state;
     setText(line, exportLine(archive?.name ?? "archive.h5", names, signedQueries(state.page.chips)));
-    const all =
-      loaded === null ||
-      names.every((name) => loaded.table.inProportion[loaded.entryOf.get(name) ?? -1] === 1);
+    // Of names that aren't in the archive nothing is known.
+    const entries = names.flatMap((name) => loaded?.entryOf.get(name) ?? []);
+    const all = entries.every((entry) => loaded?.table.inProportion[entry] === 1);
     setHidden(proportion, all);
   };
   return {

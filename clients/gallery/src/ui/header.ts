@@ -1,7 +1,7 @@
 // The top of the page: archives, how many of how many are shown and as of when, what is new, and
 // what is wrong.
 import type { ArchiveSummary } from "../data/types";
-import { archiveShown, hiddenCount, offeredCount, within } from "../state/derived";
+import { archiveShown, hiddenCount, offeredCount, replacing, within } from "../state/derived";
 import type { AppState } from "../state/app-state";
 import { notKept } from "../state/notes";
 import { button, el, select, setHidden, setText } from "./dom";
@@ -14,6 +14,7 @@ export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => vo
   const counts = el("p", { class: "counts", id: "counts" });
   const live = el("p", { class: "live", id: "live" });
   const fresh = button("", () => ui.loading.takeOffered(), { id: "take-new", class: "primary" });
+  const other = button("", () => showArchive(ui, replacing(ui.store.state)), { id: "take-other", class: "primary" });
   const filters = button("Filters", toggleFilters, {
     id: "toggle-filters",
     "aria-controls": "filters",
@@ -45,7 +46,7 @@ export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => vo
     ),
     warning,
     trouble,
-    el("div", { class: "header-line counts-line" }, counts, live, fresh),
+    el("div", { class: "header-line counts-line" }, counts, live, fresh, other),
   );
   const update = (state: AppState, before: AppState): void => {
     if (
@@ -62,6 +63,9 @@ export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => vo
     const offer = `${count(offered)} ${state.isBeginning ? "more" : "new"}`;
     setText(fresh, offer);
     fresh.setAttribute("aria-label", `${offer}: show them`);
+    const replaced = replacing(state);
+    setHidden(other, replaced?.state !== "ready");
+    setText(other, replaced === null ? "" : `${replaced.name} now holds another run: show it`);
     setText(warning, archive?.warning ? `Warning: ${archive.warning}` : "");
     setHidden(warning, !archive?.warning);
     const words = troubleWords(state, archive);
@@ -71,16 +75,19 @@ export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => vo
   return { element, update };
 }
 
+function showArchive(ui: Ui, archive: ArchiveSummary | null): void {
+  if (archive === null) return;
+  const all = ui.store.state.gallery?.archives ?? [];
+  const isAlone = archive.run !== "" && all.filter(({ run }) => run === archive.run).length === 1;
+  ui.page.showArchive(archive.run, isAlone ? "" : archive.name);
+}
+
 /** Few archives are buttons beside one another, many a list to choose from. */
 function archiveTabs(ui: Ui, state: AppState): HTMLElement[] {
   const all = state.gallery?.archives ?? [];
   const shown = state.loaded?.id ?? -1;
   const tabsMax = 4;
-  const show = (archive: ArchiveSummary | undefined): void => {
-    if (archive === undefined) return;
-    const isAlone = archive.run !== "" && all.filter(({ run }) => run === archive.run).length === 1;
-    ui.page.showArchive(archive.run, isAlone ? "" : archive.name);
-  };
+  const show = (archive: ArchiveSummary | undefined): void => showArchive(ui, archive ?? null);
   if (all.length > tabsMax) {
     const choices = all.map((archive) => ({ value: String(archive.id), label: archiveWords(archive) }));
     const chosen = (id: string): void => show(all.find((archive) => String(archive.id) === id));
@@ -131,6 +138,12 @@ function troubleWords(state: AppState, archive: ArchiveSummary | null): string {
     sentences.push(archive.words || `${archive.name} is gone; what was read of it stays.`);
   if (archive?.state === "damaged")
     sentences.push(archive.words || `${archive.name} is damaged; what was read of it stays.`);
+  const other = replacing(state);
+  if (other !== null)
+    sentences.push(
+      `${other.name} now holds another run. What was read of run ${state.loaded?.run.slice(0, 8) ?? ""} stays; ` +
+        "queries, groups, plots and pictures that aren't there yet can't be had of it any more.",
+    );
   const notes = state.gallery?.notes;
   if (notes !== undefined && !notes.writable) sentences.push(notKept(notes.words));
   else if (state.notesWords !== "") sentences.push(state.notesWords);

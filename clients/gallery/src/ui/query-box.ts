@@ -1,8 +1,8 @@
 // The query as text: counted while it is written, applied as IN or NOT-IN when it is asked for. An
 // error is marked at its column.
 import { countsOf } from "../state/derived";
-import type { AppState } from "../state/app-state";
-import { placeOfColumn } from "../state/query-text";
+import type { AppState, Loaded } from "../state/app-state";
+import { placeOfColumn, quotedName } from "../state/query-text";
 import { button, el, field, setHidden, setText } from "./dom";
 import type { Part, Ui } from "./part";
 import { count } from "./words";
@@ -21,7 +21,6 @@ export function makeQueryBox(ui: Ui): QueryBox {
     spellcheck: "false",
     autocomplete: "off",
     autocapitalize: "off",
-    placeholder: "die 1 in x 0..20mm during 0.4..0.6s",
     "aria-describedby": "query-error query-help",
   });
   const error = el("div", { class: "query-error", id: "query-error" });
@@ -55,7 +54,13 @@ export function makeQueryBox(ui: Ui): QueryBox {
     if (event.key === "Enter" && !event.shiftKey) {
       event.preventDefault();
       apply(event.altKey);
-    } else if (event.key === "Escape" && edited !== null) {
+    } else if (event.key === "Escape") {
+      // First what is being changed, then the field: the page's keys are for what is outside of it.
+      event.stopPropagation();
+      if (edited === null) {
+        input.blur();
+        return;
+      }
       edited = null;
       input.value = "";
       putDraft();
@@ -63,6 +68,7 @@ export function makeQueryBox(ui: Ui): QueryBox {
   });
 
   const update = (state: AppState, before: AppState): void => {
+    input.placeholder = exampleOf(state.loaded);
     const isSame =
       state.draft === before.draft &&
       state.answers === before.answers &&
@@ -98,7 +104,8 @@ export function makeQueryBox(ui: Ui): QueryBox {
     el(
       "p",
       { class: "hint", id: "query-help" },
-      "Enter keeps what it is true of, Alt+Enter leaves it out. and, or, not, then join conditions.",
+      "Enter keeps what it is true of, Alt+Enter leaves it out, Escape leaves the field. and, or, not, then join " +
+        "conditions.",
     ),
   );
   return {
@@ -111,6 +118,12 @@ export function makeQueryBox(ui: Ui): QueryBox {
       input.focus();
     },
   };
+}
+
+/** A query of the archive's own first body. */
+function exampleOf(loaded: Loaded | null): string {
+  const [first] = loaded?.scene.features ?? [];
+  return `${first?.kind === "body" ? quotedName(first.name) : "any"} in x 0..20mm during 0.4..0.6s`;
 }
 
 /** The text's line with a mark beneath the place, and what is expected there. */

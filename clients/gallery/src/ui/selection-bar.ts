@@ -1,6 +1,7 @@
 // What can be done with the animations that are chosen. It stands beneath the wall while some are.
 import type { AppState } from "../state/app-state";
-import { noteOf, tagsOf } from "../state/notes";
+import { noteOf } from "../data/note-patch";
+import { tagsOf } from "../state/notes";
 import { comparedMax } from "../state/selection";
 import { button, el, setHidden, setText } from "./dom";
 import { makeExportHint } from "./export-hint";

@@ -30,9 +30,11 @@ export function makeToolbar(ui: Ui, focusedName: () => string | null): Part {
     step: 1,
     on: {
       change: () => {
-        const asked = Math.round(Number(groups.value));
-        const clamped = Math.min(groupsMax, Math.max(groupsMin, Number.isFinite(asked) ? asked : groupsMin));
-        ui.page.change({ grouping: { ...ui.store.state.page.grouping, groups: clamped } });
+        const { grouping } = ui.store.state.page;
+        const asked = groups.value === "" ? grouping.groups : Math.round(groups.valueAsNumber);
+        const clamped = Math.min(groupsMax, Math.max(groupsMin, asked));
+        groups.value = String(clamped);
+        ui.page.change({ grouping: { ...grouping, groups: clamped } });
       },
     },
   });

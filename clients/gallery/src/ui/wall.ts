@@ -1,7 +1,8 @@
 // The wall: a grid of groups, or of animations. One set of moving thumbnails serves both.
 import type { Animation } from "../data/types";
 import type { AppState, Loaded } from "../state/app-state";
-import { orderedNames } from "../state/derived";
+import { archiveShown, areGroupsThere, orderedNames } from "../state/derived";
+import type { PathStep } from "../state/page";
 import type { SharedRenderer } from "../view/renderer";
 import { ArchiveStage } from "../view/stage";
 import { Thumbnails } from "../view/thumbnails";
@@ -31,6 +32,8 @@ export function makeWall(ui: Ui, renderer: SharedRenderer): Wall {
   let shown: Loaded | null = null;
   let isStopped = false;
   let groupsOf = new Map<string, number>();
+  /** The focus was on the wall when another grid, or another group, came to be shown. */
+  let owed: { readonly left: PathStep | null } | null = null;
 
   const show = (canvas: HTMLCanvasElement): void => thumbnails?.show(canvas, canvas.dataset["name"] ?? "");
   const drop = (cell: HTMLElement): void => {
@@ -130,8 +133,29 @@ export function makeWall(ui: Ui, renderer: SharedRenderer): Wall {
     thumbnails?.setStill(ui.theme.areCardsStill);
   });
 
+  const oweFocus = (state: AppState, before: AppState): void => {
+    const { page } = state;
+    if (page.path === before.page.path && page.view === before.page.view) return;
+    const hadFocus = element.contains(document.activeElement) || (owed !== null && isFocusNowhere());
+    const isOut = page.path.length < before.page.path.length;
+    owed = hadFocus ? { left: (isOut ? before.page.path[page.path.length] : null) ?? null } : null;
+  };
+  /** To the first card of what has come, or to that of the group that was left. */
+  const payFocus = (state: AppState): void => {
+    if (owed === null || state.page.view === "plots" || !isAnswered(state)) return;
+    const { left } = owed;
+    owed = null;
+    // What a person went to meanwhile keeps it.
+    if (!isFocusNowhere() && !element.contains(document.activeElement)) return;
+    const entry = left === null ? undefined : state.loaded?.entryOf.get(left.representative);
+    const group = entry === undefined ? -1 : groupWith(state, entry);
+    if (state.page.view === "groups" && group >= 0) groups.focusKey(groupKeys(state)[group] ?? "");
+    else current().focus();
+  };
+
   const update = (state: AppState, before: AppState): void => {
     const { loaded, page } = state;
+    oweFocus(state, before);
     const isOtherRun = loaded?.run !== before.loaded?.run || loaded?.id !== before.loaded?.id;
     if (loaded !== null) showStage(loaded);
     const isGroups = page.view === "groups";
@@ -154,9 +178,10 @@ export function makeWall(ui: Ui, renderer: SharedRenderer): Wall {
       if (viewChanged || names !== orderedNames(before)) list.setKeys(names, isOther);
       if (cardsChanged(state, before)) list.forEachCell((cell, key) => updateAnimationCard(cell, state, key));
     }
-    const words = emptyWords(state);
+    const words = emptyWords(state, ui.source.isLive);
     setText(empty, words);
     setHidden(empty, words === "");
+    payFocus(state);
   };
   return {
     element,
@@ -188,6 +213,24 @@ function cardsChanged(state: AppState, before: AppState): boolean {
   );
 }
 
+/** Once an element with the focus is hidden browsers put it there, some only with the next picture. */
+function isFocusNowhere(): boolean {
+  return (document.activeElement ?? document.body) === document.body;
+}
+
+/** Whether the grid holds what the page asks for, and not what it asked for before. */
+function isAnswered(state: AppState): boolean {
+  if (state.loaded === null || state.opened.includes(null)) return false;
+  return state.page.view !== "groups" || areGroupsThere(state);
+}
+
+/** The one that stands for itself, else the one it is in; -1: none. */
+function groupWith(state: AppState, entry: number): number {
+  const list = state.groups?.list ?? [];
+  const own = list.findIndex(({ representative }) => representative === entry);
+  return own >= 0 ? own : list.findIndex(({ members }) => members.includes(entry));
+}
+
 /** A group is another one when what it says is another thing. */
 function groupKeys(state: AppState): string[] {
   const { loaded, groups } = state;
@@ -197,10 +240,18 @@ function groupKeys(state: AppState): string[] {
   });
 }
 
-function emptyWords(state: AppState): string {
+/** Of a run that isn't followed nobody knows here whether it has ended. */
+function noneKeptWords(state: AppState, isServed: boolean): string {
+  if (archiveShown(state)?.is_live)
+    return "The archive has no kept animations yet; they will be offered here.";
+  const ifItGoesOn = isServed ? " Should its run go on, new ones are offered here." : "";
+  return `The archive has no kept animations.${ifItGoesOn}`;
+}
+
+function emptyWords(state: AppState, isServed: boolean): string {
   if (state.loaded === null) return state.loadFailure || "Reading the archive …";
   if (state.page.view === "plots") return "";
-  if (state.visible.length === 0) return "The archive has no kept animations yet; they will be offered here.";
+  if (state.visible.length === 0) return noneKeptWords(state, isServed);
   const nothing =
     state.page.view === "list" ? orderedNames(state).length === 0 : state.groups?.of.length === 0;
   if (!nothing || state.opened.includes(null)) return "";

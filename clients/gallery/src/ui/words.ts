@@ -19,6 +19,11 @@ export function number(value: number, digits = 4): string {
   return String(isWhole ? value : Number(value.toPrecision(digits))).replace("-", "−");
 }
 
+/** As a card has room for: three digits, two of them behind the point at most. */
+export function cardNumber(value: number): string {
+  return number(Number.isFinite(value) ? Number(value.toFixed(2)) : value, 3);
+}
+
 const shownUnits: Readonly<Record<string, string>> = { "m s-1": "m/s", "rad s-1": "rad/s", "1": "" };
 
 export function withUnit(value: number, unit: string): string {

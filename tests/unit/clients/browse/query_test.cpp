@@ -170,6 +170,7 @@ TEST(Queries, ErrorsPointAtThePlace) {
   fails("ball 1 touches target", 15, "is a goal");
   fails("table in x 0..1", 0, "doesn't move");
   fails("log_priro < 3", 0, "did you mean 'log_prior'");
+  fails("plausibility < 3", 0, "did you mean 'log_prior'");
   fails("log_prior", 0, "is a number");
   fails("(any in x 0..1", 14, "')' is expected");
   fails("log_prior < 3 then any in x 0..1", 0, "'then' joins");

@@ -3,6 +3,7 @@
 // writable.
 #include "clients/gallery_server/notes.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -25,7 +26,8 @@ using ::testing::HasSubstr;
 
 class NotesTest : public archive::testing::Scratch {
  protected:
-  const Json starred{{"star", true}, {"hidden", false}, {"tags", {"calm"}}, {"note", "näher"}};
+  const Json starred{{"star", true}, {"hidden", false}, {"tags_on", {"calm"}}, {"note", "näher"}};
+  const Json nothing{{"star", false}, {"hidden", false}, {"tags_off", {"calm"}}, {"note", ""}};
   const std::string run = "3f2a9c01";
 };
 
@@ -34,8 +36,8 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   // another.
   {
     Notes notes(path("notes"));
-    EXPECT_EQ(notes.set(run, "0.250", starred)["changed"], 1);
-    EXPECT_EQ(notes.set(run, "find.3", starred)["changed"], 2);
+    EXPECT_EQ(notes.change(run, "0.250", starred)["changed"], 1);
+    EXPECT_EQ(notes.change(run, "find.3", starred)["changed"], 2);
     EXPECT_EQ(notes.trouble(), "");
   }
   struct stat about {};
@@ -46,7 +48,7 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   EXPECT_EQ(kept["0.250"]["note"], "näher");
   EXPECT_EQ(kept["0.250"]["tags"], Json::array({"calm"}));
   EXPECT_EQ(kept["find.3"]["star"], true);
-  notes.set(run, "0.250", Json::object());
+  notes.change(run, "0.250", nothing);
   EXPECT_FALSE(notes.of_run(run).contains("0.250"));
   EXPECT_FALSE(Notes(path("notes")).of_run(run).contains("0.250"));
   EXPECT_TRUE(notes.of_run("ffff").empty());
@@ -57,7 +59,7 @@ TEST_F(NotesTest, NothingElseGetsIn) {
   // Method: other types, too much, names that lead elsewhere.
   Notes notes(path("notes"));
   const auto refused = [&](const std::string& of, const std::string& name, const Json& note) {
-    EXPECT_THROW(notes.set(of, name, note), base::Error) << of << " " << name << " " << note;
+    EXPECT_THROW(notes.change(of, name, note), base::Error) << of << " " << name << " " << note;
   };
   refused("../x", "0.1", starred);
   refused("", "0.1", starred);
@@ -65,11 +67,31 @@ TEST_F(NotesTest, NothingElseGetsIn) {
   refused(run, "0.1/../../x", starred);
   refused(run, "0.1", Json("text"));
   refused(run, "0.1", {{"star", 1}});
-  refused(run, "0.1", {{"tags", "calm"}});
-  refused(run, "0.1", {{"tags", Json::array({1})}});
-  refused(run, "0.1", {{"tags", Json::array({std::string(k_tag_bytes_max + 1, 'x')})}});
+  refused(run, "0.1", {{"tags_on", "calm"}});
+  refused(run, "0.1", {{"tags_off", Json::array({1})}});
+  refused(run, "0.1", {{"tags_on", Json::array({std::string(k_tag_bytes_max + 1, 'x')})}});
   refused(run, "0.1", {{"note", std::string(k_note_bytes_max + 1, 'x')}});
+  Json many = Json::array();
+  for (std::size_t i = 0; i <= k_tags_max; ++i)
+    many.push_back(fmt::format("tag {}", i));
+  refused(run, "0.1", {{"tags_on", many}});
   EXPECT_FALSE(fs::exists(path("notes")));
+}
+
+TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
+  // Goal: two people's changes of one note are both there. Method: each changes something else.
+  Notes mine(path("notes"));
+  Notes yours(path("notes"));
+  mine.change(run, "0.1", {{"note", "this one"}, {"tags_on", {"film"}}});
+  EXPECT_EQ(yours.change(run, "0.1", {{"star", true}, {"tags_on", {"red", "film"}}})["note"],
+            "this one");
+  mine.change(run, "0.1", {{"tags_off", {"red", "none"}}});
+  for (Notes* notes : {&mine, &yours}) {
+    const Json kept = notes->of_run(run)["0.1"];
+    EXPECT_EQ(kept["note"], "this one");
+    EXPECT_EQ(kept["star"], true);
+    EXPECT_EQ(kept["tags"], Json::array({"film"}));
+  }
 }
 
 TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
@@ -77,7 +99,7 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   // left as it is. Method: a file where the folder should be; a file of nonsense; no folder.
   std::ofstream(path("taken")) << "a file";
   Notes notes(path("taken/notes"));
-  notes.set(run, "0.250", starred);
+  notes.change(run, "0.250", starred);
   EXPECT_EQ(notes.of_run(run)["0.250"]["star"], true);
   EXPECT_THAT(notes.trouble(), HasSubstr("until the gallery ends"));
 
@@ -86,14 +108,14 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   Notes damaged(path("notes"));
   EXPECT_TRUE(damaged.of_run(run).empty());
   EXPECT_THAT(damaged.trouble(), HasSubstr("can't be read"));
-  damaged.set(run, "0.1", starred);
+  damaged.change(run, "0.1", starred);
   std::string first;
   std::getline(std::ifstream(path("notes/3f2a9c01.json")), first);
   EXPECT_EQ(first, "{\"notes\": [1, 2");
 
   Notes nowhere("");
   EXPECT_THAT(nowhere.trouble(), HasSubstr("no home folder"));
-  nowhere.set(run, "0.1", starred);
+  nowhere.change(run, "0.1", starred);
   EXPECT_EQ(nowhere.of_run(run)["0.1"]["star"], true);
 }
 
@@ -101,11 +123,11 @@ TEST_F(NotesTest, ManyGalleriesMayWriteOneFile) {
   // Goal: who writes a note loses nobody else's. Method: two galleries of one folder, by turns.
   Notes mine(path("notes"));
   Notes yours(path("notes"));
-  mine.set(run, "0.1", starred);
+  mine.change(run, "0.1", starred);
   EXPECT_TRUE(yours.of_run(run).contains("0.1"));
-  yours.set(run, "0.2", starred);
-  mine.set(run, "0.3", starred);
-  yours.set(run, "0.1", Json::object());
+  yours.change(run, "0.2", starred);
+  mine.change(run, "0.3", starred);
+  yours.change(run, "0.1", nothing);
   for (Notes* notes : {&mine, &yours}) {
     const Json kept = notes->of_run(run);
     EXPECT_FALSE(kept.contains("0.1"));
@@ -121,7 +143,7 @@ TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
   std::ofstream(path("notes/3f2a9c01.json")) << "[]";
   Notes notes(path("notes"));
   notes.of_run(run);
-  notes.set("aaaa", "0.1", starred);
+  notes.change("aaaa", "0.1", starred);
   EXPECT_THAT(notes.trouble(), HasSubstr("3f2a9c01.json"));
   EXPECT_TRUE(Notes(path("notes")).of_run("aaaa").contains("0.1"));
 }
@@ -133,6 +155,14 @@ TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
   EXPECT_EQ(notes_folder(path("a.h5")), path("data/sleight/notes"));
   fs::create_directories(path("sleight-notes"));
   EXPECT_EQ(notes_folder(path("a.h5")), path("sleight-notes"));
+  // Each run's beside its own archive, the others where the person has hers.
+  Notes notes(path("data/own"));
+  notes.keep_in(run, path("sleight-notes"));
+  notes.keep_in(run, path("elsewhere"));
+  notes.change(run, "0.1", starred);
+  notes.change("aaaa", "0.1", starred);
+  EXPECT_TRUE(fs::exists(path("sleight-notes/3f2a9c01.json")));
+  EXPECT_TRUE(fs::exists(path("data/own/aaaa.json")));
   ::unsetenv("XDG_DATA_HOME");
 }
 

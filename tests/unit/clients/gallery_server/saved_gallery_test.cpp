@@ -1,22 +1,33 @@
 // Goal: a saved gallery holds what a server would answer, nothing else, and is there as a whole or
 // not at all. Method: the made-up world's archive, saved; each file against the answer; other
-// things in its place; work that is broken off.
+// things in its place and in it; work that is broken off. Also what the command says and leaves.
 #include "clients/gallery_server/saved_gallery.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "clients/gallery_server/archive_answers.h"
 #include "clients/gallery_server/base64.h"
 #include "clients/gallery_server/index_columns.h"
+#include "clients/gallery_server/named_archives.h"
+#include "clients/gallery_server/nothing_to_show.h"
+#include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "tests/unit/clients/gallery_server/shown_files.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
@@ -142,37 +153,244 @@ TEST_F(SavedGallery, HoldsWhatAServerAnswers) {
   EXPECT_TRUE(fs::exists(path("saved/data/0/series-trace.lp-0.js")));
 }
 
+/// Its exit code and words where it is refused; code ok otherwise.
+template <typename Work>
+std::pair<base::ExitCode, std::string> refusal_of(const Work& work) {
+  try {
+    work();
+  } catch (const base::Error& error) {
+    return {error.exit_code(), error.what()};
+  }
+  return {base::ExitCode::ok, ""};
+}
+
+/// The files of a folder and all below it, with their content.
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+  std::map<std::string, std::string> found;
+  for (const auto& item : fs::recursive_directory_iterator(folder)) {
+    if (item.is_regular_file())
+      found[item.path().lexically_relative(folder).string()] = text_of_file(item.path());
+  }
+  return found;
+}
+
 TEST_F(SavedGallery, TakesNothingElsesPlace) {
   // Goal: only a saved gallery, or nothing, is replaced. Method: a folder with a file; a file; an
-  // empty folder; a gallery; a name with a slash behind it.
+  // empty folder; a gallery; a name with a slash behind it; a link that leads nowhere.
   fs::create_directories(path("mine"));
   std::ofstream(path("mine/letter.txt")) << "dear";
-  EXPECT_THROW(save(options("mine")), base::Error);
+  EXPECT_EQ(refusal_of([&] { save(options("mine")); }).first, base::ExitCode::conflict);
   EXPECT_TRUE(fs::exists(path("mine/letter.txt")));
   std::ofstream(path("file")) << "a file";
-  EXPECT_THROW(save(options("file")), base::Error);
+  EXPECT_EQ(refusal_of([&] { save(options("file")); }).first, base::ExitCode::conflict);
+  fs::create_symlink(path("nowhere"), path("link"));
+  EXPECT_EQ(refusal_of([&] { save(options("link")); }).first, base::ExitCode::conflict);
   fs::create_directories(path("empty"));
   save(options("empty"));
   save(options("empty"));
   save(options("empty/"));
-  EXPECT_TRUE(fs::exists(path("empty/data/gallery.js")));
+  save(options("new/"));
+  EXPECT_EQ(files_in(path("new")), files_in(path("empty")));
+  EXPECT_EQ(fs::status(path("new")).permissions(), fs::status(path("page")).permissions());
+}
+
+TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
+  // Goal: what people put into a saved gallery is never deleted; the refusal names it. Method: a
+  // file and folders of each sort, and a link in a file's place, each in a gallery that is saved
+  // again; then without it.
+  const std::map<std::string, std::string> others = {{"hi.h5", "hi.h5"},
+                                                     {"CNAME", "CNAME"},
+                                                     {".git/HEAD", ".git"},
+                                                     {"data/0/photo.js", "data/0/photo.js"},
+                                                     {"data/mine/photo.jpg", "data/mine"}};
+  save(options("saved"));
+  for (const auto& [other, named] : others) {
+    const fs::path file = fs::path(path("saved")) / other;
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << "mine";
+    const auto before = files_in(path("saved"));
+    const auto [code, words] = refusal_of([&] { save(options("saved")); });
+    EXPECT_EQ(code, base::ExitCode::conflict) << other;
+    EXPECT_THAT(words, ::testing::HasSubstr("holds " + named + " that no saved gallery wrote"));
+    EXPECT_EQ(files_in(path("saved")), before);
+    fs::remove_all(fs::path(path("saved")) / named);
+  }
+  fs::remove(path("saved/app.css"));
+  fs::create_symlink(path("page/app.css"), path("saved/app.css"));
+  EXPECT_EQ(refusal_of([&] { save(options("saved")); }).first, base::ExitCode::conflict);
+  fs::remove(path("saved/app.css"));
+  save(options("saved"));
+  EXPECT_TRUE(fs::exists(path("saved/app.css")));
+}
+
+TEST_F(SavedGallery, IsKnownByWhatItsManifestSays) {
+  // Goal: no file's name makes a folder ours. Method: a stranger's data/gallery.js; manifests of
+  // other content, and ones that name what no gallery writes.
+  fs::create_directories(path("photos/data"));
+  std::ofstream(path("photos/data/gallery.js")) << "mine";
+  EXPECT_EQ(refusal_of([&] { save(options("photos")); }).first, base::ExitCode::conflict);
+  std::ofstream(path("letter")) << "dear";
+  const std::string manifest = path("photos/sleight-gallery.json");
+  for (const char* named : {"[]", "7", "[1]", R"(["data/gallery.js", "../letter"])",
+                            R"(["data/gallery.js", "data/../../letter.js"])"}) {
+    std::ofstream(manifest) << R"({"sleight_gallery": 1, "files": )" << named << "}";
+    EXPECT_EQ(refusal_of([&] { save(options("photos")); }).first, base::ExitCode::conflict);
+  }
+  for (const char* text :
+       {"", "mine", "[]", R"({"files": ["data/gallery.js", "sleight-gallery.json"]})"}) {
+    std::ofstream(manifest) << text;
+    EXPECT_EQ(refusal_of([&] { save(options("photos")); }).first, base::ExitCode::conflict);
+  }
+  EXPECT_EQ(text_of_file(path("photos/data/gallery.js")), "mine");
+  EXPECT_EQ(text_of_file(path("letter")), "dear");
+}
+
+TEST_F(SavedGallery, LeavesNoFileOfTheOneBefore) {
+  // Goal: the manifest names all files, and those that a new gallery lacks go. Method: a gallery of
+  // two archives, then of one.
+  const SavedArchive archive{.name = "a.h5", .snapshot = snapshot};
+  save_gallery({archive, archive}, options("saved"), rules);
+  const Json manifest = Json::parse(text_of_file(path("saved/sleight-gallery.json")));
+  std::vector<std::string> names;
+  for (const auto& [name, content] : files_in(path("saved")))
+    names.push_back(name);
+  EXPECT_EQ(manifest["files"], Json(names));
+  save_gallery({archive}, options("saved"), rules);
+  save_gallery({archive}, options("other"), rules);
+  EXPECT_EQ(files_in(path("saved")), files_in(path("other")));
+  EXPECT_FALSE(fs::exists(path("saved/data/1")));
+}
+
+TEST_F(SavedGallery, KeepsTheFolderItself) {
+  // Goal: a mount point, a current folder and a link's target are replaced as folders are. Method:
+  // the folder is the same one, by its number, after saves as "." and by a link.
+  save(options("saved"));
+  struct stat before {};
+  ASSERT_EQ(::stat(path("saved").c_str(), &before), 0);
+  fs::create_directory_symlink(path("saved"), path("link"));
+  const fs::path here = fs::current_path();
+  fs::current_path(path("saved"));
+  std::ofstream("index.html") << "the first";
+  SaveOptions current = options("");
+  current.folder = ".";
+  const auto [code, words] = refusal_of([&] { save(current); });
+  fs::current_path(here);
+  EXPECT_EQ(code, base::ExitCode::ok) << words;
+  EXPECT_EQ(text_of_file(path("saved/index.html")), "index.html");
+  std::ofstream(path("saved/index.html")) << "the second";
+  save(options("link"));
+  EXPECT_TRUE(fs::is_symlink(path("link")));
+  EXPECT_EQ(text_of_file(path("saved/index.html")), "index.html");
+  struct stat after {};
+  ASSERT_EQ(::stat(path("saved").c_str(), &after), 0);
+  EXPECT_EQ(after.st_ino, before.st_ino);
+}
+
+TEST_F(SavedGallery, LeavesWhatLiesBesideIt) {
+  // Goal: no other folder is used up. Method: one that has the name with ".part".
+  fs::create_directories(path("saved.part"));
+  std::ofstream(path("saved.part/letter.txt")) << "dear";
+  const std::size_t count = names().size();
+  save(options("saved"));
+  save(options("saved"));
+  EXPECT_EQ(text_of_file(path("saved.part/letter.txt")), "dear");
+  EXPECT_EQ(names().size(), count + 1);
+}
+
+/// The folder that a save works in.
+fs::path work_in(const fs::path& folder) {
+  for (const auto& item : fs::directory_iterator(folder)) {
+    if (item.path().filename().string().starts_with(".sleight-saving-")) return item.path();
+  }
+  ADD_FAILURE() << "there is no folder to save in";
+  return {};
 }
 
 TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
   // Goal: work that is broken off leaves nothing, and an earlier gallery as it was. Method: a
-  // progress that throws in the middle.
+  // progress that throws in the middle; one that spoils what is about to be put in place, so that
+  // a rename in the middle fails; a file that comes while it is written.
   save(options("saved"));
-  std::ofstream(path("saved/data/mark")) << "the first";
+  std::ofstream(path("saved/index.html")) << "the first";
+  const auto before = files_in(path("saved"));
   SaveOptions broken = options("saved");
   broken.progress = [](std::size_t done, std::size_t of) {
     if (2 * done > of) throw base::Error(base::ExitCode::interrupted, "interrupted");
   };
   EXPECT_THROW(save(broken), base::Error);
-  EXPECT_TRUE(fs::exists(path("saved/data/mark")));
+  EXPECT_EQ(files_in(path("saved")), before);
   broken.folder = path("other");
   EXPECT_THROW(save(broken), base::Error);
   for (const auto& item : fs::directory_iterator(path(".")))
     EXPECT_THAT(item.path().filename().string(), ::testing::Not(::testing::HasSubstr("other")));
+
+  SaveOptions spoiled = options("saved");
+  spoiled.progress = [this](std::size_t, std::size_t) {
+    fs::remove(work_in(path("saved")) / "new/index.html");
+  };
+  EXPECT_EQ(refusal_of([&] { save(spoiled); }).first, base::ExitCode::environment);
+  EXPECT_EQ(files_in(path("saved")), before);
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("saved")), {}), 5);
+
+  SaveOptions disturbed = options("saved");
+  disturbed.progress = [this](std::size_t, std::size_t) {
+    std::ofstream(path("saved/letter.txt")) << "dear";
+  };
+  EXPECT_EQ(refusal_of([&] { save(disturbed); }).first, base::ExitCode::conflict);
+  EXPECT_EQ(text_of_file(path("saved/letter.txt")), "dear");
+  EXPECT_EQ(text_of_file(path("saved/index.html")), "the first");
+}
+
+TEST(NamedArchives, AbandonedFoldersAreRemoved) {
+  // Goal: what a killed gallery left goes, what another one holds stays. Method: folders of the
+  // name with and without a lock, and folders and files of other names.
+  std::string form = (fs::temp_directory_path() / "sleight-test-XXXXXX").string();
+  const fs::path temporary = ::mkdtemp(form.data());
+  for (const char* name : {"sleight-gallery-aaaaaa", "sleight-gallery-bbbbbb", "sleight-gallery-c",
+                           "sleight-gallery-longer1", "other-gallery-dddddd"}) {
+    fs::create_directories(temporary / name);
+    std::ofstream(temporary / name / "job-1.h5") << "an archive";
+  }
+  std::ofstream(temporary / "sleight-gallery-eeeeee") << "a file";
+  fs::create_directory_symlink(temporary / "sleight-gallery-c",
+                               temporary / "sleight-gallery-ffffff");
+  const base::Descriptor held(
+      ::open((temporary / "sleight-gallery-bbbbbb").c_str(), O_RDONLY | O_DIRECTORY));
+  ASSERT_EQ(::flock(held.get(), LOCK_EX), 0);
+  remove_abandoned_folders(temporary.string());
+  std::set<std::string> left;
+  for (const auto& item : fs::directory_iterator(temporary))
+    left.insert(item.path().filename().string());
+  EXPECT_THAT(left,
+              ::testing::UnorderedElementsAre("sleight-gallery-bbbbbb", "sleight-gallery-c",
+                                              "sleight-gallery-longer1", "other-gallery-dddddd",
+                                              "sleight-gallery-eeeeee", "sleight-gallery-ffffff"));
+  EXPECT_TRUE(fs::exists(temporary / "sleight-gallery-c/job-1.h5"));
+  fs::remove_all(temporary);
+}
+
+TEST(NothingToShow, IsSaidWithWhatToDo) {
+  // Goal: a line where nothing is shown, none where something is or may come. Method: states as a
+  // gallery says them.
+  using Ordered = nlohmann::ordered_json;
+  const auto words_of = [](const std::string& text) {
+    return nothing_to_show(Ordered::parse(text), {"results", "b"});
+  };
+  EXPECT_EQ(words_of(R"({"archives": [], "left_out": []})"),
+            "results, b: there is no archive (*.h5) to show; folders below are not searched: name "
+            "an archive or its own folder, or wait until one comes");
+  EXPECT_THAT(words_of(R"({"archives": [], "left_out": [{"name": "c", "reason": "no way"}]})"),
+              ::testing::HasSubstr("(left out: c: no way)"));
+  const std::string bad =
+      R"({"name": "a.h5", "state": "damaged", "words": "no archive", "generation": 0})";
+  EXPECT_THAT(words_of(R"({"left_out": [], "archives": [)" + bad + "]}"),
+              ::testing::StartsWith("there is nothing to show: a.h5: no archive; "));
+  EXPECT_THAT(words_of(R"({"left_out": [], "archives": [)" + bad + "," + bad + "]}"),
+              ::testing::HasSubstr("(and 1 more)"));
+  for (const char* other :
+       {R"({"state": "ready", "generation": 1})", R"({"state": "reading", "generation": 0})",
+        R"({"state": "damaged", "generation": 1})"})
+    EXPECT_EQ(words_of(R"({"left_out": [], "archives": [)" + bad + "," + other + "]}"), "");
 }
 
 }  // namespace

@@ -1,0 +1,43 @@
+// The source as the parts of the page ask it. Once another run's archive has taken the place of the one
+// that is shown, the same names and entries are other animations there: nothing is asked of it then.
+import { SourceError, type GallerySource } from "../data/source";
+import type { AppState } from "./app-state";
+import { replacing } from "./derived";
+import type { Store } from "./store";
+
+export function ofShownRun(source: GallerySource, store: Store<AppState>): GallerySource {
+  const refuseOther = (): void => {
+    const other = replacing(store.state);
+    if (other === null) return;
+    throw new SourceError(
+      "missing",
+      `Another run is in ${other.name} now.`,
+      "Of the one before there is only what this page had read.",
+    );
+  };
+  const ask = async <Answer>(question: () => Promise<Answer>): Promise<Answer> => {
+    refuseOther();
+    const answer = await question();
+    // It may have come in the meantime.
+    refuseOther();
+    return answer;
+  };
+  return {
+    isLive: source.isLive,
+    gallery: (options) => source.gallery(options),
+    scene: (...of) => ask(() => source.scene(...of)),
+    looks: (...of) => ask(() => source.looks(...of)),
+    table: (...of) => ask(() => source.table(...of)),
+    animations: (...of) => ask(() => source.animations(...of)),
+    find: (...of) => ask(() => source.find(...of)),
+    groups: (...of) => ask(() => source.groups(...of)),
+    alike: (...of) => ask(() => source.alike(...of)),
+    seriesTitles: (...of) => ask(() => source.seriesTitles(...of)),
+    series: (...of) => ask(() => source.series(...of)),
+    diagnosis: (...of) => ask(() => source.diagnosis(...of)),
+    // Notes are by run.
+    notes: (options) => source.notes(options),
+    changeNote: (...of) => source.changeNote(...of),
+    onChange: (listener) => source.onChange(listener),
+  };
+}

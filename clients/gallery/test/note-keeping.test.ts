@@ -1,0 +1,133 @@
+// Goal: no note is lost or lands elsewhere: another archive's, another person's, one made while the server is
+// away. Method: two pages of one source that keeps notes in memory and can go away.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { joined, noteOf, patchBetween, patched } from "../src/data/note-patch";
+import { SourceError, type GallerySource } from "../src/data/source";
+import type { KeptNote, Note, NotePatch } from "../src/data/types";
+import type { Loaded } from "../src/state/app-state";
+import { NoteKeeping } from "../src/state/note-keeping";
+import { firstPage } from "../src/state/page";
+import { initialState } from "../src/state/page-actions";
+import { Store } from "../src/state/store";
+
+class Server {
+  readonly runs: Record<string, Record<string, KeptNote>> = { a: {}, b: {} };
+  isAway = false;
+
+  asSource(): GallerySource {
+    return {
+      notes: async () => ({ notes: structuredClone(this.asked()) }),
+      changeNote: async (run: string, name: string, patch: NotePatch) => {
+        const notes = this.asked()[run]!;
+        return (notes[name] = { ...patched(noteOf(notes, name), patch), changed: 1 });
+      },
+    } as unknown as GallerySource;
+  }
+  private asked(): Record<string, Record<string, KeptNote>> {
+    if (this.isAway) throw new SourceError("away", "away");
+    return this.runs;
+  }
+}
+
+const settle = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 5));
+
+async function pageOf(server: Server, run = "a") {
+  const store = new Store(initialState(firstPage));
+  const keeping = new NoteKeeping(store, server.asSource());
+  const window = new EventTarget();
+  keeping.start(window);
+  const show = async (of: string): Promise<void> => {
+    store.set({ loaded: { run: of } as unknown as Loaded });
+    await settle();
+  };
+  await show(run);
+  return { store, keeping, show, window };
+}
+
+test("undo in another archive changes the archive where it was done", async () => {
+  const server = new Server();
+  server.runs["b"]!["0.1"] = { star: false, hidden: false, tags: [], note: "precious", changed: 1 };
+  const { store, keeping, show } = await pageOf(server);
+  keeping.toggle(["0.1"], "star");
+  await settle();
+  assert.equal(server.runs["a"]!["0.1"]?.star, true);
+  await show("b");
+  keeping.undo();
+  await settle();
+  assert.equal(server.runs["a"]!["0.1"]?.star, false);
+  assert.equal(server.runs["b"]!["0.1"]?.note, "precious");
+  assert.equal(noteOf(store.state.notes, "0.1").note, "precious");
+});
+
+test("a note that was begun in another archive is that one's", async () => {
+  const server = new Server();
+  const { store, keeping, show } = await pageOf(server);
+  const before = noteOf(store.state.notes, "0.1");
+  await show("b");
+  keeping.edit("a", "0.1", before, { note: "of a" });
+  await settle();
+  assert.equal(server.runs["a"]!["0.1"]?.note, "of a");
+  assert.equal(server.runs["b"]!["0.1"], undefined);
+  assert.equal(noteOf(store.state.notes, "0.1").note, "");
+});
+
+test("two people change one note, and both changes stay", async () => {
+  const server = new Server();
+  const ann = await pageOf(server);
+  const bob = await pageOf(server);
+  ann.keeping.edit("a", "0.1", noteOf({}, "0.1"), { note: "this one", tags: ["film"] });
+  await settle();
+  bob.keeping.toggle(["0.1"], "star");
+  bob.keeping.toggleTag(["0.1"], "red");
+  await settle();
+  assert.deepEqual({ ...server.runs["a"]!["0.1"], changed: 0 },
+    { star: true, hidden: false, tags: ["film", "red"], note: "this one", changed: 0 });
+  // Bob's page has what Ann wrote, as the server answered it.
+  assert.equal(noteOf(bob.store.state.notes, "0.1").note, "this one");
+  ann.window.dispatchEvent(new Event("focus"));
+  await settle();
+  assert.equal(noteOf(ann.store.state.notes, "0.1").star, true);
+  bob.keeping.undo();
+  bob.keeping.undo();
+  await settle();
+  assert.deepEqual(server.runs["a"]!["0.1"]?.tags, ["film"]);
+  assert.equal(server.runs["a"]!["0.1"]?.note, "this one");
+});
+
+test("what is noted while the server is away is kept when it is back", async () => {
+  const server = new Server();
+  const { store, keeping } = await pageOf(server);
+  server.isAway = true;
+  store.set({ source: "away" });
+  keeping.toggle(["0.1"], "star");
+  keeping.edit("a", "0.2", noteOf({}, "0.2"), { note: "first" });
+  keeping.edit("a", "0.2", noteOf({}, "0.2"), { note: "second" });
+  await settle();
+  assert.match(store.state.notesWords, /can't be kept now/);
+  assert.equal(server.runs["a"]!["0.1"], undefined);
+  server.isAway = false;
+  server.runs["a"]!["0.1"] = { star: false, hidden: false, tags: [], note: "another's", changed: 4 };
+  store.set({ source: "here" });
+  await settle();
+  assert.equal(store.state.notesWords, "");
+  assert.deepEqual([server.runs["a"]!["0.1"]?.star, server.runs["a"]!["0.1"]?.note], [true, "another's"]);
+  assert.equal(server.runs["a"]!["0.2"]?.note, "second");
+  assert.equal(noteOf(store.state.notes, "0.1").note, "another's");
+});
+
+test("patches say what is between two notes, and one after the other is both", () => {
+  const notes: Note[] = [];
+  for (const star of [false, true])
+    for (const tags of [[], ["a"], ["b", "a"], ["c"]])
+      for (const note of ["", "x"]) notes.push({ star, hidden: !star, tags, note });
+  const sorted = (note: Note): Note => ({ ...note, tags: [...note.tags].sort() });
+  for (const one of notes)
+    for (const two of notes) {
+      assert.deepEqual(sorted(patched(one, patchBetween(one, two))), sorted(two));
+      for (const three of notes) {
+        const both = joined(patchBetween(one, two), patchBetween(two, three));
+        assert.deepEqual(sorted(patched(one, both)), sorted(three));
+      }
+    }
+});

@@ -1,0 +1,240 @@
+#include "clients/gallery_server/saved_folder.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+
+namespace sleight::gallery {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t k_manifest_bytes_max = 64U << 20U;
+constexpr std::string_view k_work = ".sleight-saving-";
+
+/// Whether a saved gallery may have a file of this name.
+bool is_saved_name(const std::string& name) {
+  if (name == "index.html" || name == "app.js" || name == "app.css" || name == k_manifest)
+    return true;
+  // Without "..", "." and doubled slashes, so that no name leads out of the folder.
+  return name.starts_with("data/") && name.ends_with(".js") &&
+         fs::path(name).lexically_normal().string() == name;
+}
+
+std::string manifest_of(const std::set<std::string>& names) {
+  const Json json{{"about", "files that `sleight gallery --save` wrote, and replaces"},
+                  {"sleight_gallery", 1},
+                  {"files", names}};
+  return json.dump(1) + "\n";
+}
+
+/// The files that the manifest of a folder names; empty where it has none that is ours.
+std::set<std::string> named_in_manifest(const fs::path& folder) {
+  const fs::path path = folder / k_manifest;
+  if (!fs::is_regular_file(fs::symlink_status(path))) return {};
+  const Json json =
+      Json::parse(base::read_text_file(path.string(), k_manifest_bytes_max), nullptr, false);
+  if (!json.is_object() || json.value("sleight_gallery", Json()) != 1) return {};
+  std::set<std::string> names;
+  for (const Json& name : json.value("files", Json::array())) {
+    if (!name.is_string() || !is_saved_name(name.get<std::string>())) return {};
+    names.insert(name.get<std::string>());
+  }
+  return names.contains(std::string(k_manifest)) ? names : std::set<std::string>();
+}
+
+/// Whether one of the files lies in this folder, or below.
+bool holds_some(const std::string& folder, const std::set<std::string>& names) {
+  const auto next = names.lower_bound(folder + "/");
+  return next != names.end() && next->starts_with(folder + "/");
+}
+
+/// What lies in a folder besides these files: each name as far as it is foreign, sorted.
+std::vector<std::string> others_in(const fs::path& folder, const std::set<std::string>& names,
+                                   const fs::path& work) {
+  std::vector<std::string> others;
+  for (fs::recursive_directory_iterator item(folder), end; item != end; ++item) {
+    const std::string name = item->path().lexically_relative(folder).string();
+    const fs::file_status status = item->symlink_status();
+    if (fs::is_directory(status)) {
+      if (holds_some(name, names)) continue;
+      item.disable_recursion_pending();
+      if (item->path() == work) continue;
+    } else if (fs::is_regular_file(status) && names.contains(name)) {
+      continue;
+    }
+    others.push_back(name);
+  }
+  std::ranges::sort(others);
+  return others;
+}
+
+/// Returns the files that may be replaced. Throws base::Error where there are others.
+std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
+  if (!fs::is_directory(place)) {
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: is there already and is no folder; name another one", place.string()));
+  }
+  std::set<std::string> names = named_in_manifest(place);
+  const std::vector<std::string> others = others_in(place, names, work);
+  if (others.empty()) return names;
+  const std::string more =
+      others.size() == 1 ? std::string() : fmt::format(" and {} more", others.size() - 1);
+  const bool has_work =
+      std::ranges::any_of(others, [](const auto& name) { return name.starts_with(k_work); });
+  throw base::Error(
+      base::ExitCode::conflict,
+      fmt::format("{}: holds {}{} that no saved gallery wrote, so it isn't replaced; {}name a new "
+                  "folder, or move away what is in this one",
+                  place.string(), others.front(), more,
+                  has_work ? fmt::format("{}... is of a save that goes on or was killed; ", k_work)
+                           : std::string()));
+}
+
+/// Absolute, where links lead, without a slash at its end.
+fs::path resolved(const std::string& folder) {
+  fs::path place = fs::weakly_canonical(fs::absolute(folder));
+  if (!place.has_filename()) place = place.parent_path();
+  if (!fs::is_symlink(fs::symlink_status(place))) return place;
+  throw base::Error(base::ExitCode::conflict,
+                    fmt::format("{}: is a link that leads nowhere; remove it, or name a new folder",
+                                place.string()));
+}
+
+fs::path folder_of_our_own(const fs::path& parent) {
+  std::string form = (parent / fmt::format("{}XXXXXX", k_work)).string();
+  if (::mkdtemp(form.data()) == nullptr) {
+    throw base::Error(fmt::format("{}: can't make a folder there: {}", parent.string(),
+                                  std::generic_category().message(errno)));
+  }
+  return form;
+}
+
+/// The first parts of names: what lies in the folder itself.
+std::set<std::string> tops_of(const std::set<std::string>& names) {
+  std::set<std::string> tops;
+  for (const std::string& name : names)
+    tops.insert(name.substr(0, name.find('/')));
+  return tops;
+}
+
+/// Renames that can be taken back.
+class Moves {
+ public:
+  void move(const fs::path& from, const fs::path& to) {
+    fs::rename(from, to);
+    done_.emplace_back(from, to);
+  }
+  /// Whether all could be.
+  bool take_back() {
+    bool is_whole = true;
+    for (; !done_.empty(); done_.pop_back()) {
+      std::error_code failure;
+      fs::rename(done_.back().second, done_.back().first, failure);
+      is_whole = is_whole && !failure;
+    }
+    return is_whole;
+  }
+
+ private:
+  std::vector<std::pair<fs::path, fs::path>> done_;
+};
+
+}  // namespace
+
+SavedFolder::SavedFolder(const std::string& folder)
+    : place_(resolved(folder)), is_new_(!fs::exists(place_)) {
+  if (is_new_) {
+    fs::create_directories(place_.parent_path());
+  } else {
+    check_place(place_, {});
+  }
+  work_ = folder_of_our_own(is_new_ ? place_.parent_path() : place_);
+  // mkdtemp's folder is for its owner alone; this one is to be published.
+  fs::create_directory(work_ / "new");
+}
+
+SavedFolder::~SavedFolder() {
+  std::error_code failure;
+  fs::remove_all(work_ / "new", failure);
+  // Only where they are empty: the old gallery may be there.
+  fs::remove(work_ / "old", failure);
+  fs::remove(work_, failure);
+}
+
+std::uint64_t SavedFolder::write(const std::string& name, std::string_view content) {
+  CHECK(is_saved_name(name));
+  const fs::path path = work_ / "new" / name;
+  fs::create_directories(path.parent_path());
+  base::PosixFileSystem files;
+  base::write_text_file(files, path.string(), content);
+  written_.insert(name);
+  return content.size();
+}
+
+std::uint64_t SavedFolder::put_in_place() {
+  written_.insert(std::string(k_manifest));
+  const std::uint64_t bytes = write(std::string(k_manifest), manifest_of(written_));
+  if (is_new_) {
+    // Fails where something came there meanwhile, but for an empty folder.
+    fs::rename(work_ / "new", place_);
+  } else {
+    exchange();
+  }
+  return bytes;
+}
+
+void SavedFolder::exchange() {
+  // Again: writing took its time.
+  replaced_ = check_place(place_, work_);
+  fs::create_directory(work_ / "old");
+  Moves moves;
+  try {
+    for (const std::string& name : tops_of(replaced_)) {
+      if (fs::exists(fs::symlink_status(place_ / name)))
+        moves.move(place_ / name, work_ / "old" / name);
+    }
+    for (const std::string& name : tops_of(written_))
+      moves.move(work_ / "new" / name, place_ / name);
+  } catch (const fs::filesystem_error& error) {
+    if (moves.take_back()) throw;
+    throw base::Error(fmt::format("{}: {}; files of the gallery that was there are in {}",
+                                  place_.string(), error.code().message(),
+                                  (work_ / "old").string()));
+  }
+  remove_old();
+}
+
+void SavedFolder::remove_old() {
+  std::error_code failure;
+  std::set<fs::path> folders;
+  for (const std::string& name : replaced_) {
+    fs::remove(work_ / "old" / name, failure);
+    for (fs::path folder = fs::path(name).parent_path(); !folder.empty();
+         folder = folder.parent_path())
+      folders.insert(folder);
+  }
+  // A folder sorts before what is in it. One that isn't empty stays.
+  for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)
+    fs::remove(work_ / "old" / *folder, failure);
+  fs::remove(work_ / "old", failure);
+  if (!fs::exists(work_ / "old")) return;
+  throw base::Error(base::ExitCode::conflict,
+                    fmt::format("{}: the gallery is saved, but files came to the old one "
+                                "meanwhile; they are in {}",
+                                place_.string(), (work_ / "old").string()));
+}
+
+}  // namespace sleight::gallery
