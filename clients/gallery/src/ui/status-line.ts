@@ -36,6 +36,7 @@ function changeWords(state: AppState, before: AppState, source: AppState["source
   const now = state.gallery?.archives.find(({ id }) => id === state.loaded?.id);
   const then = before.gallery?.archives.find(({ id }) => id === state.loaded?.id);
   if (now === undefined || then === undefined) return "";
+  if (now.run !== then.run && now.run === state.loaded.run) return `${now.name} holds this run again.`;
   if (now.run !== then.run) return `${now.name} is another run's archive now.`;
   if (now.state !== then.state) {
     if (now.state === "ready") return `${now.name} can be read again.`;
