@@ -15,8 +15,7 @@ class ContactPlaces {
  public:
   static constexpr std::uint32_t k_none = 0xffffffff;
 
-  ContactPlaces() { clear(); }
-  void clear() { keys_.fill(k_free); }
+  ContactPlaces() { keys_.fill(k_free); }
   /// REQUIRES: low and high, together, are not in it; at most k_first_contacts_max of them.
   void add(std::uint32_t low, std::uint32_t high, std::uint32_t place) {
     const std::size_t slot = slot_of(key_of(low, high));

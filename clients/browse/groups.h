@@ -12,7 +12,7 @@
 // Of more than 500 the groups are those of 200 of them (of 500 if more than 100 groups are asked
 // for), chosen by a hash of their names, as even over the set as a draw; all others go to the group
 // whose representative is nearest. So at most 500 groups can be asked for then. 12 medoids of 200
-// of 5,000 HI are 1.2% further from everyone than those of 500, and known four times as soon.
+// of 5,000 HI are 1.2% further from everyone than those of 500, and known in half the time.
 //
 // The result depends on the set alone, not on the order in which it is given: the animations are
 // worked through in the order of their names, and of equal choices the first is taken.

@@ -321,10 +321,9 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
     }
     earlier = nullptr;
   }
-  if (options.beginning_max > 0 && total > options.beginning_max) {
+  if (options.beginning_max > 0 && total > options.beginning_max && earlier == nullptr) {
     read.is_beginning = true;
     total = options.beginning_max;
-    earlier = nullptr;
   }
 
   for (GroupReader& group : groups) {

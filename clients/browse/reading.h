@@ -31,7 +31,8 @@ struct ReadingOptions {
   /// An index of this very file, which nobody has written since: its entries are moved out of it,
   /// unread. Where the archive is another all the same, it is one of an earlier archive.
   Index* of_this_file = nullptr;
-  /// So many of the first animations, where there are more; 0: all. Nothing is taken over then.
+  /// So many of the first animations are enough, where there are more and no earlier index is of
+  /// use; 0: all are wanted.
   std::uint64_t beginning_max = 0;
   /// Told now and then: animations that were read, of how many.
   std::function<void(std::uint64_t, std::uint64_t)> progress{};

@@ -11,8 +11,8 @@
 // more.
 //
 // Bodies that may take each other's place (scene::Feature::twin_of) are matched so that the sum of
-// squared distances at nine of the times is least (matching.h; squares need no roots, and of a
-// thousand pairs of bodies most are not matched).
+// squared distances at nine of the times is least (matching.h): every body is compared with every
+// other for that, and squares need no roots.
 //
 // This is not the likeness distance that decides what a run keeps (docs/SAMPLING.md): that one
 // asks the world, this one a recording of any world. It is symmetric, and 0 of an animation and

@@ -135,16 +135,23 @@ web::Answer Answers::of_archive(const web::Ask& ask, std::size_t archive,
   refuse_unknown();
 }
 
-web::Answer Answers::notes_answer() const {
-  Json notes = Json::object();
+std::vector<std::string> Answers::runs_with_notes() const {
+  std::vector<std::string> runs;
   for (std::size_t archive = 0; archive < gallery_.archives(); ++archive) {
     const auto snapshot = gallery_.snapshot(archive);
     if (!snapshot) continue;
     const std::string& run = snapshot->facts().summary.run_id;
     if (!is_run_word(run)) continue;
     notes_.keep_in(run, notes_folder(gallery_.path_of(archive)));
-    notes[run] = notes_.of_run(run);
+    runs.push_back(run);
   }
+  return runs;
+}
+
+web::Answer Answers::notes_answer() const {
+  Json notes = Json::object();
+  for (const std::string& run : runs_with_notes())
+    notes[run] = notes_.of_run(run);
   return json_answer({{"notes", std::move(notes)}});
 }
 
@@ -162,6 +169,7 @@ web::Answer Answers::post(const web::Ask& ask) const {
       throw Refused(k_bad_request, fmt::format("The question has no text \"{}\".", name), "");
     return question[name].get<std::string>();
   };
+  runs_with_notes();  // where each is kept
   const bool has_note = question.is_object() && question.contains("note");
   return json_answer(
       notes_.change(text("run"), text("name"), has_note ? Json(question["note"]) : Json(nullptr)));

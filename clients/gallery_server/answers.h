@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "clients/cli/diagnosis.h"
 #include "clients/gallery_server/gallery.h"
@@ -32,6 +33,8 @@ class Answers {
   web::Answer get(const web::Ask& ask) const;
   web::Answer post(const web::Ask& ask) const;
   web::Answer of_archive(const web::Ask& ask, std::size_t archive, std::string_view what) const;
+  /// Of the archives that are shown; says where the notes of each are kept.
+  std::vector<std::string> runs_with_notes() const;
   web::Answer notes_answer() const;
 
   const Gallery& gallery_;

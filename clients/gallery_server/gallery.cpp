@@ -41,7 +41,7 @@ const char* word_of(ArchiveState state) {
 void prepare_groups(const Snapshot& snapshot) {
   try {
     snapshot.prepare_groups();
-  } catch (const std::bad_alloc&) {  // who asks for them is told
+  } catch (const std::exception&) {  // no memory, no thread: who asks for them is told
   }
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -60,6 +61,10 @@ std::string sha256_of_file(const std::string& path) {
   if (file.bad()) throw base::Error(fmt::format("{}: can't be read", path));
   return hash::to_hex(hash.finish());
 }
+
+Fetching::Fetching(Parts parts)
+    : parts_(std::move(parts)),
+      expiry_(parts_.loop.call_every(k_held_for_s / 10, [this] { drop_expired(); })) {}
 
 void Fetching::fetch(const rpc::FetchAsk& ask, std::string segments,
                      rpc::Reply<rpc::Fetched> reply) {
@@ -227,26 +232,38 @@ std::unique_ptr<rpc::Source> Fetching::held(const std::string& sha256) {
   }
 }
 
-/// Keeps the file's link for a while; those that nobody came back for go.
+/// Keeps the file's link for a while, and of those that were made for one name the newest.
 void Fetching::hold(const std::string& sha256, const Found& file) {
-  const auto [at, is_new] = held_.try_emplace(sha256, Held{.path = file.path, .name = file.name});
+  const auto [at, is_new] = held_.try_emplace(
+      sha256, Held{.path = file.path, .name = file.name, .is_ours = file.is_ours});
   if (!is_new && at->second.path != file.path) {
     ::unlink(at->second.path.c_str());
     at->second.path = file.path;
   }
   at->second.until_s = clock_.now_s() + k_held_for_s;
-  const auto drop = [&](auto oldest) {
-    ::unlink(oldest->second.path.c_str());
-    held_.erase(oldest);
-  };
-  const auto until = [](const auto& a, const auto& b) {
-    return a.second.until_s < b.second.until_s;
-  };
-  while (held_.size() > 1) {
-    const auto oldest = std::min_element(held_.begin(), held_.end(), until);
-    if (held_.size() <= k_held_files_max && oldest->second.until_s > clock_.now_s()) break;
-    drop(oldest);
-  }
+  drop_oldest([&](const Held& held) { return held.is_ours && held.name == file.name; },
+              k_held_made_max);
+  drop_oldest([](const Held&) { return true; }, k_held_files_max);
+}
+
+/// Who reads it has it open, and keeps it.
+Fetching::HeldFile Fetching::drop(HeldFile held) {
+  ::unlink(held->second.path.c_str());
+  return held_.erase(held);
+}
+
+void Fetching::drop_oldest(const std::function<bool(const Held&)>& is_meant, std::size_t most) {
+  std::vector<HeldFile> meant;
+  for (auto at = held_.begin(); at != held_.end(); ++at)
+    if (is_meant(at->second)) meant.push_back(at);
+  std::ranges::sort(meant, {}, [](HeldFile at) { return at->second.until_s; });
+  for (std::size_t i = 0; i + most < meant.size(); ++i)
+    drop(meant[i]);
+}
+
+void Fetching::drop_expired() {
+  for (auto at = held_.begin(); at != held_.end();)
+    at = at->second.until_s <= clock_.now_s() ? drop(at) : std::next(at);
 }
 
 }  // namespace sleight::daemon

@@ -9,7 +9,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -27,6 +27,8 @@ namespace sleight::daemon {
 
 /// Files that are held open for clients that come back.
 inline constexpr std::size_t k_held_files_max = 16;
+/// Of a job that goes on, of which there is another archive so far each time.
+inline constexpr std::size_t k_held_made_max = 2;
 inline constexpr double k_held_for_s = 600;
 /// Of deriving an archive so far, or recordings out of one.
 inline constexpr double k_make_s_max = 900;
@@ -40,7 +42,7 @@ class Fetching {
     const JobFolders& folders;
     std::string sleight{};  ///< the program that makes archives and recordings
   };
-  explicit Fetching(Parts parts) : parts_(std::move(parts)) {}
+  explicit Fetching(Parts parts);
 
   /// `segments` names the archive's table of recordings: of its draws, or of finds where a search
   /// is all.
@@ -62,6 +64,7 @@ class Fetching {
   struct Held {
     std::string path;
     std::string name;
+    bool is_ours = false;  ///< made, so that its bytes are nobody else's
     double until_s = 0;
   };
 
@@ -82,11 +85,16 @@ class Fetching {
   void give(std::vector<Hashed> files, bool has_more, rpc::Reply<rpc::Fetched>& reply);
   std::unique_ptr<rpc::Source> held(const std::string& sha256);
   void hold(const std::string& sha256, const Found& file);
+  using HeldFile = std::map<std::string, Held>::iterator;
+  HeldFile drop(HeldFile held);
+  void drop_oldest(const std::function<bool(const Held&)>& is_meant, std::size_t most);
+  void drop_expired();
 
   Parts parts_;
   base::SteadyClock clock_;
   std::map<std::string, Held> held_{};  ///< by digest
   std::uint64_t made_ = 0;
+  rpc::Loop::Handle expiry_;
 };
 
 /// Hexadecimal SHA-256 of a file's bytes. Throws base::Error where it can't be read.

@@ -98,6 +98,26 @@ class Service(ServiceTest):
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("already", refused.stderr)
 
+    def test_copies_of_a_run_that_goes_on_are_few(self):
+        """Goal: who follows a run by its archive so far doesn't fill the service's disk. Method: archives of a
+        run that goes on, each longer than the one before; the copies that the service holds."""
+        self.serve()
+        number = self.submit(self.write_request(chains=2, scans=30_000, iterations_per_scan=400))
+        self.until_running(number)
+        scans = set()
+
+        def fetched_longer():
+            path = self.path(f"{len(scans)}.h5")
+            path.unlink(missing_ok=True)
+            self.succeed(self.ask("fetch", number, "--so-far", "-o", path))
+            scans.add(self.info(path)["scans"])
+            return len(scans) == 4
+
+        self.until(fetched_longer)
+        held = list((self.state / "fetched").iterdir())
+        self.assertEqual(len(held), 2, held)
+        self.succeed(self.ask("cancel", number))
+
     def test_a_daemon_that_is_killed_loses_nothing(self):
         self.serve()
         request = self.write_request(chains=2, scans=20_000, iterations_per_scan=250)

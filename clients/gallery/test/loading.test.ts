@@ -36,6 +36,8 @@ function tableOf(entries: number, generation: number): Table {
   } as unknown as Table;
 }
 
+const settled = () => new Promise((resolve) => setTimeout(resolve, 5));
+
 /** The page's state as an archive's beginning, then the whole of it is told. */
 async function seen(page: Page): Promise<{ first: number | null; then: number; offered: string }> {
   let archive = summary(beginning, true);
@@ -48,13 +50,12 @@ async function seen(page: Page): Promise<{ first: number | null; then: number; o
   } as unknown as GallerySource;
   const store = new Store(initialState(page));
   const loading = new Loading(store, source);
-  const settle = () => new Promise((resolve) => setTimeout(resolve, 5));
   loading.see(stateOf(archive));
-  await settle();
+  await settled();
   const first = store.state.loaded === null ? null : store.state.visible.length;
   archive = summary(whole, false);
   loading.see(stateOf(archive));
-  await settle();
+  await settled();
   const then = store.state.visible.length;
   const offered = `${store.state.loaded!.names.length - then} ${store.state.isBeginning ? "more" : "new"}`;
   loading.takeOffered();
@@ -72,8 +73,6 @@ test("a link that names animations waits for all of them", async () => {
   for (const link of [{ playing: ["0.8"] }, { selected: ["0.8"] }, { sort: { by: "alike" as const, to: ["0.8"] } }])
     assert.deepEqual(await seen({ ...firstPage, ...link } as Page), { first: null, then: whole, offered: "0 new" });
 });
-
-const settled = () => new Promise((resolve) => setTimeout(resolve, 5));
 
 test("another run in an archive's place waits until it is asked for", async () => {
   const shownRun: ArchiveSummary = { ...summary(beginning, false), generation: 1, warning: "of ab" };

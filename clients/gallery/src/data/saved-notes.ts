@@ -1,8 +1,8 @@
 // Stars and notes of a saved gallery: its files are nobody's to change, so they are kept by the
 // browser where it keeps anything for this page, and else until the page is closed.
 
-import { isObject } from "./packed";
 import { noteOf, patched } from "./note-patch";
+import { isObject } from "./packed";
 import type { AnimationName, KeptNote, NotePatch } from "./types";
 
 type OfRun = Record<AnimationName, KeptNote>;

@@ -1,11 +1,11 @@
 // Asks the source for whatever the state needs and does not have: answers of queries, groups,
 // distances. It looks at each change; answers that come after the question has changed are dropped.
+import { noteOf } from "../data/note-patch";
 import { SourceError, type GallerySource } from "../data/source";
 import { noEntries, type AppState, type Loaded, type QueryAnswer, type ShownGroups } from "./app-state";
 import { areGroupsThere, within } from "./derived";
 import { ascending, intersection, type Entries } from "./entry-sets";
 import { say, sentenceOf } from "./messages";
-import { noteOf } from "../data/note-patch";
 import { isLetThrough } from "./notes";
 import type { PathStep } from "./page";
 import { Latest, type Store } from "./store";

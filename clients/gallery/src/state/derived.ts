@@ -1,8 +1,8 @@
 // What follows from the state. Each is computed once for the parts that it depends on.
+import { noteOf } from "../data/note-patch";
 import type { ArchiveSummary } from "../data/types";
 import { noEntries, type AppState, type QueryAnswer } from "./app-state";
 import { difference, filtered, intersection, type Entries } from "./entry-sets";
-import { noteOf } from "../data/note-patch";
 import { isLetThrough } from "./notes";
 import type { Chip } from "./page";
 import { joined, type SignedQuery } from "./query-text";

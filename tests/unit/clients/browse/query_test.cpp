@@ -123,6 +123,8 @@ TEST(Queries, MeanWhatTheySay) {
   // any, every, any of a kind.
   EXPECT_TRUE(is_met("any in x -1..-1"));
   EXPECT_FALSE(is_met("every in x -1..-1"));
+  EXPECT_TRUE(is_met("any body in x -1..-1"));
+  EXPECT_FALSE(is_met("every body in x -1..-1"));
   EXPECT_TRUE(is_met("every ball ends in z 0.2..1"));
   EXPECT_FALSE(is_met("every ball ends in z 0.5..1"));
   // Hits are both sides'; none of them before or after its time.
