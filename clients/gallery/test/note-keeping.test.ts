@@ -32,9 +32,9 @@ class Server {
 
 const settle = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 5));
 
-async function pageOf(server: Server, run = "a") {
+async function pageOf(server: Server, run = "a", source = server.asSource()) {
   const store = new Store(initialState(firstPage));
-  const keeping = new NoteKeeping(store, server.asSource());
+  const keeping = new NoteKeeping(store, source);
   const window = new EventTarget();
   keeping.start(window);
   const show = async (of: string): Promise<void> => {
@@ -114,6 +114,29 @@ test("what is noted while the server is away is kept when it is back", async () 
   assert.deepEqual([server.runs["a"]!["0.1"]?.star, server.runs["a"]!["0.1"]?.note], [true, "another's"]);
   assert.equal(server.runs["a"]!["0.2"]?.note, "second");
   assert.equal(noteOf(store.state.notes, "0.1").note, "another's");
+});
+
+test("what waits for an answer is sent when the page goes away", async () => {
+  const server = new Server();
+  const silent = server.asSource();
+  const asked: (readonly [string, NotePatch, boolean])[] = [];
+  silent.changeNote = (_run, name, patch, options) => {
+    asked.push([name, patch, options?.outlivesPage ?? false]);
+    return new Promise(() => undefined);
+  };
+  const { store, keeping, window } = await pageOf(server, "a", silent);
+  const leaves = (): boolean => window.dispatchEvent(new Event("beforeunload", { cancelable: true }));
+  keeping.toggle(["0.1"], "hidden");
+  keeping.undo();
+  keeping.toggle(["0.2"], "star");
+  await settle();
+  assert.deepEqual(asked, [["0.1", { hidden: true }, false]]);
+  assert.ok(leaves());
+  window.dispatchEvent(new Event("pagehide"));
+  assert.deepEqual(asked.slice(1), [["0.1", { hidden: false }, true], ["0.2", { star: true }, true]]);
+  // Where notes can't be kept, a person is asked before they are lost.
+  store.set({ notesWords: "can't be kept" });
+  assert.ok(!leaves());
 });
 
 test("patches say what is between two notes, and one after the other is both", () => {

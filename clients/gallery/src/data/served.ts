@@ -155,7 +155,7 @@ class ServedSource implements GallerySource {
     for (;;) {
       if (signal?.aborted) throw ABORTED;
       try {
-        const response = await fetch(new URL(`api/${question.path}`, this.base), initOf(question, signal));
+        const response = await fetch(new URL(`api/${question.path}`, this.base), initOf(question, options));
         if (!response.ok) throw await failureOf(response);
         return await read(response);
       } catch (error) {
@@ -276,9 +276,9 @@ class ServedSource implements GallerySource {
   }
 }
 
-function initOf(question: Question, signal: AbortSignal | undefined): RequestInit {
-  const init: RequestInit = { cache: "no-store" };
-  if (signal !== undefined) init.signal = signal;
+function initOf(question: Question, options: AskOptions | undefined): RequestInit {
+  const init: RequestInit = { cache: "no-store", keepalive: options?.outlivesPage ?? false };
+  if (options?.signal !== undefined) init.signal = options.signal;
   if (question.body === undefined) return init;
   return {
     ...init,

@@ -51,6 +51,8 @@ export interface SourceListener {
 
 export interface AskOptions {
   readonly signal?: AbortSignal;
+  /** The browser sends it even where the page goes away at once; nobody may read the answer then. */
+  readonly outlivesPage?: boolean;
 }
 
 /** Most names in one question: animations() splits what is longer. */

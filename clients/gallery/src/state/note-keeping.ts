@@ -24,15 +24,22 @@ export class NoteKeeping {
   ) {}
 
   /**
-   * Reads the notes of each run that comes to be shown, and again when a person comes back to the page:
-   * `window` is told then.
+   * Reads the notes of each run that comes to be shown, and again when a person comes back to the page.
+   * `window` tells of that, and of the page's end: what waits is sent then, and while it can't be kept the
+   * browser asks before it leaves.
    */
   start(window: EventTarget): () => void {
     const again = (): void => {
       const { loaded } = this.store.state;
       if (loaded !== null) void this.read(loaded.run);
     };
+    const leave = (): void => this.sendAtOnce();
+    const ask = (event: Event): void => {
+      if (this.store.state.notesWords !== "" && this.nextWaiting() !== null) event.preventDefault();
+    };
     window.addEventListener("focus", again);
+    window.addEventListener("pagehide", leave);
+    window.addEventListener("beforeunload", ask);
     const end = this.store.subscribe((state, before) => {
       const isOther = state.loaded?.run !== before.loaded?.run;
       const isBack = state.source === "here" && before.source === "away";
@@ -40,6 +47,8 @@ export class NoteKeeping {
     });
     return () => {
       window.removeEventListener("focus", again);
+      window.removeEventListener("pagehide", leave);
+      window.removeEventListener("beforeunload", ask);
       end();
     };
   }
@@ -177,6 +186,17 @@ export class NoteKeeping {
       this.isSending = false;
     }
     if (this.store.state.notesWords !== words) this.store.set({ notesWords: words });
+  }
+
+  /**
+   * As the page goes away: also what an answer is awaited for, which the browser may have cut off. Patches may
+   * come twice; where the page comes back, they stay in wait until a usual answer.
+   */
+  private sendAtOnce(): void {
+    for (const [run, ofRun] of this.waiting) {
+      for (const [name, patch] of ofRun)
+        this.source.changeNote(run, name, patch, { outlivesPage: true }).catch(() => undefined);
+    }
   }
 
   private nextWaiting(): { run: string; name: string; patch: NotePatch } | null {
