@@ -26,6 +26,7 @@ std::uint64_t most_along(std::string_view dim) {
   if (dim == "chain" || dim == "draw" || dim == "island") return k_run_scans_max;
   if (dim == "round") return k_rounds_max;
   if (dim == "proposal_kind") return k_kinds_max;
+  if (dim == "moment" || dim == "replica") return k_moments_max;
   return dim == "level" || dim == "walk_level" ? k_levels_max : k_steps_max;
 }
 
@@ -170,6 +171,31 @@ Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t
     ladder.acceptance.emplace_back(row, row + static_cast<std::ptrdiff_t>(width));
   }
   return ladder;
+}
+
+IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain) {
+  constexpr std::string_view k_name = "index_level";
+  IndexProcess process{.scan = row_of_chain(source, "index_scan", "moment", chain), .level = {}};
+  const archive::DatasetSpec* spec = find_table(source, k_name, {"chain", "moment", "replica"});
+  if (process.scan.empty() || spec == nullptr || spec->dims[2].size == 0) return {};
+  const std::uint64_t moments = spec->dims[1].size;
+  const std::uint64_t replicas = spec->dims[2].size;
+  if (chain >= spec->dims[0].size || moments != process.scan.size())
+    refuse(source, k_name, "other chains or moments than index_scan has");
+  // Where another chain has more moments, this one's rest is NaN.
+  const auto end = std::ranges::find_if(process.scan, [](double scan) { return std::isnan(scan); });
+  process.scan.erase(end, process.scan.end());
+  if (!std::ranges::is_sorted(process.scan)) refuse(source, "index_scan", "scans don't ascend");
+  process.level.assign(replicas, std::vector<double>(process.scan.size(), k_nan));
+  const std::uint64_t batch = std::max<std::uint64_t>(1, archive::k_batch_elements / replicas);
+  for (std::uint64_t first = 0; first < process.scan.size(); first += batch) {
+    const std::uint64_t count = std::min<std::uint64_t>(batch, process.scan.size() - first);
+    const auto levels = std::get<std::vector<double>>(source.read(
+        archive::k_tempering, k_name, (chain * moments + first) * replicas, count * replicas));
+    for (std::uint64_t i = 0; i < levels.size(); ++i)
+      process.level[i % replicas][first + i / replicas] = levels[i];
+  }
+  return process;
 }
 
 std::vector<double> of_chains(const archive::Source& source, std::string_view name,

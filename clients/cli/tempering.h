@@ -68,6 +68,19 @@ std::vector<std::uint64_t> without_round_trip(const archive::Source& source, std
 /// REQUIRES: the round is one of rounds_of.
 Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round);
 
+/// Most moments, and replicas, of an index process.
+inline constexpr std::uint64_t k_moments_max = 4096;
+
+/// At which level each replica of a ladder was.
+struct IndexProcess {
+  std::vector<double> scan;                ///< of the run, ascending
+  std::vector<std::vector<double>> level;  ///< by replica, by moment; 0 is the prior, NaN: at none
+};
+
+/// Empty where the archive says nothing of it, as those of earlier versions. REQUIRES: one of its
+/// chains.
+IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain);
+
 /// A number of each of the first `chains` chains; NaN where the archive has none.
 std::vector<double> of_chains(const archive::Source& source, std::string_view name,
                               std::uint64_t chains);

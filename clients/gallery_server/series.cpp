@@ -32,6 +32,7 @@ constexpr std::uint64_t k_rows_at_once = 65'536;
 constexpr std::uint64_t k_histogram_draws_max = 1'000'000;
 constexpr std::string_view k_trace_prefix = "trace.";
 constexpr std::string_view k_pair_prefix = "pair.";
+constexpr const char* k_index_title = "index process: at which level each replica is";
 
 [[noreturn]] void refuse_unknown() {
   throw Refused(k_not_found, "There is no such plot.", "Load the page anew.");
@@ -233,6 +234,20 @@ std::string rounds_table(const archive::Source& source, const archive::Summary& 
                         {"rounds", all.size()}});
 }
 
+std::string index_of(const archive::Source& source, const archive::Summary& summary,
+                     std::uint64_t chain) {
+  const cli::IndexProcess process = cli::index_process_of(source, chain);
+  Packed packed;
+  packed.add("scan", process.scan);
+  for (std::size_t replica = 0; replica < process.level.size(); ++replica)
+    packed.add(fmt::format("level.{}", replica), process.level[replica]);
+  return packed.finish({{"kind", "index"},
+                        {"title", k_index_title},
+                        {"chain", chain},
+                        {"chains", summary.chains},
+                        {"replicas", process.level.size()}});
+}
+
 /// All chains' numbers, every n-th where there are too many, with their weights.
 struct Weighed {
   std::vector<double> values{};
@@ -330,6 +345,8 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
   if (!rounds(source, summary).empty()) {
     add("ladder", "the ladder, and how often its levels swap", "levels", "ladder");
     add("rounds", "journeys from the prior and back, by round", "rounds", "ladder");
+    if (spec_of(source, archive::k_tempering, "index_level") != nullptr)
+      add("index", k_index_title, "index", "ladder");
   }
   for (const std::string& name : paired(source))
     add(std::string(k_pair_prefix) + name, title_of(name), "pair", "prior against posterior");
@@ -357,6 +374,7 @@ std::string series_in(const archive::Source& source, const archive::Summary& sum
   const std::uint64_t chain = chain_of(chain_text, summary);
   if (name == "ladder") return levels_of(source, summary, chain);
   if (name == "rounds") return rounds_table(source, summary, chain);
+  if (name == "index") return index_of(source, summary, chain);
   return trace_of(source, summary, name.substr(k_trace_prefix.size()), chain);
 }
 

@@ -55,7 +55,24 @@ async function drawAll(path) {
 test("all of a ladder's and plain chains' plots are drawn", async () => {
   const kinds = new Set();
   for (const path of [dice, ball]) for (const kind of Object.values(await drawAll(path))) kinds.add(kind);
-  assert.deepEqual([...kinds].sort(), ["levels", "pair", "rounds", "table", "trace"]);
+  assert.deepEqual([...kinds].sort(), ["index", "levels", "pair", "rounds", "table", "trace"]);
+});
+
+test("the index process shows each replica's way between the prior and the goal", async () => {
+  await visitor.open(`#run=${runOf(dice)}&view=plots&plot=index`);
+  await page.locator("#plot-title", { hasText: "index process" }).waitFor();
+  const lines = page.locator("#plot-place .legend li", { hasText: "replica" });
+  await lines.first().waitFor();
+  const { head, columns } = await page.evaluate(async (id) => {
+    const { archives: all } = await (await fetch("/api/gallery")).json();
+    const at = all.find(({ run: of }) => of === id).id;
+    const bytes = await (await fetch(`/api/archives/${at}/series/index?chain=0`)).arrayBuffer();
+    return JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, new DataView(bytes).getUint32(0, true))));
+  }, runOf(dice));
+  assert.equal(columns.length, 1 + head.replicas);
+  assert.equal(await lines.count(), head.replicas);
+  assert.ok(head.replicas >= 3);
+  visitor.assertNoProblems();
 });
 
 test("a search has no chains, which is said", async () => {

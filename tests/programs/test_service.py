@@ -98,6 +98,56 @@ class Service(ServiceTest):
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("already", refused.stderr)
 
+    def test_extended_by_any_rule_it_is_the_longer_run(self):
+        """Goal: extend by rounds and by solutions gives the run asked for at once, as by scans. Method: each
+        from a shorter request; digests against those by hand."""
+        self.serve()
+        tempered = """
+[world]
+name = "ball_2d"
+[sampler]
+method = "parallel_tempering"
+chains = 2
+round_scans = 32
+[stop]
+{}
+"""
+        for rule, less, more, option in [("rounds", 2, 4, "--rounds"),
+                                         ("independent_solutions", 2, 40, "--solutions")]:
+            with self.subTest(rule):
+                requests = []
+                for value in (less, more):
+                    requests.append(self.path(f"{rule}-{value}.toml"))
+                    requests[-1].write_text(tempered.format(f"{rule} = {value}"))
+                number = self.submit(requests[0])
+                self.wait(number)
+                short = self.job(number)["digest"]
+                self.assertEqual(short, self.quiet_digest(requests[0]))
+                self.succeed(self.ask("extend", number, option, more))
+                self.wait(number)
+                self.assertNotEqual(self.job(number)["digest"], short)
+                self.assertEqual(self.job(number)["digest"], self.quiet_digest(requests[1]))
+
+    def test_recordings_by_their_ids(self):
+        """Goal: kept recordings come as the archive has them, those asked for alone. Method: against the
+        archive's own export; ids that are not there."""
+        self.serve()
+        number = self.submit(self.write_request(chains=2, scans=500))
+        self.wait(number)
+        self.succeed(self.ask("fetch", number, "--recordings", "0,2", "-o", self.path("few")))
+        few, = self.path("few").iterdir()
+        self.assertEqual(few.name, f"job-{number}-recordings.csv")
+        of_two = [arg for at in (0, 2) for arg in ("--animation", at)]
+        by_hand = self.succeed(sleight("archive", "export", self.folder_of(number) / "out.h5", "--csv",
+                                       "--table", "segments", *of_two))
+        self.assertEqual(few.read_text(), by_hand.stdout)
+        self.assertGreater(len(by_hand.stdout.splitlines()), 4)
+        refused = self.ask("fetch", number, "--recordings", "1000000", "-o", self.path("none"))
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("No such recordings", refused.stderr)
+        self.assertEqual(self.ask("fetch", number, "--recordings", "3..", "-o", self.path("none")).returncode, 2)
+        self.assertFalse(self.path("none").exists() and any(self.path("none").iterdir()))
+
     def test_copies_of_a_run_that_goes_on_are_few(self):
         """Goal: who follows a run by its archive so far doesn't fill the service's disk. Method: archives of a
         run that goes on, each longer than the one before; the copies that the service holds."""

@@ -9,6 +9,7 @@ import subprocess
 import time
 
 import h5py
+import numpy
 
 import harness
 from harness import ProgramTest
@@ -174,6 +175,48 @@ rounds = 3
                 first = file["tempering/inverse_temperature"][0, 0].tolist()
             asked = [i / 4 if even else (i / 4) ** 6 for i in range(5)]
             self.assertEqual(first, asked)
+
+    def test_the_index_process_is_the_ladders(self):
+        # Levels of replicas agree with the temperatures of their last states, change by one at
+        # most, and have the journeys that are counted.
+        archive = self.path("index.h5")
+        self.direct(self.request("parallel_tempering", 40 * 15 + 25), archive, "--fresh")
+        with h5py.File(archive) as file:
+            tempering = {name: data[()] for name, data in file["tempering"].items()}
+            replicas = {name: data[()] for name, data in file["replicas"].items()}
+        trips_seen = 0
+        for chain in range(2):
+            scans = tempering["index_scan"][chain]
+            levels = tempering["index_level"][chain]
+            self.assertEqual(scans.tolist(), list(range(25, 40 * 15 + 25)))
+            begins = [int(begin) for begin in tempering["first_scan"][chain]]
+            ends = [*begins[1:], 40 * 15 + 25]
+            way = [None] * levels.shape[1]
+            for number, (begin, end) in enumerate(zip(begins, ends)):
+                count = int(tempering["levels"][chain, number])
+                rows = levels[begin - 25:end - 25]
+                trips = 0
+                for row in rows:
+                    held = row[~numpy.isnan(row)]
+                    self.assertEqual(sorted(held.tolist()), list(range(count)))
+                    for replica, level in enumerate(row):
+                        if level == 0:
+                            trips += way[replica] == "down"
+                            way[replica] = "up"
+                        elif level == count - 1 and way[replica] == "up":
+                            way[replica] = "down"
+                steps = numpy.abs(numpy.diff(rows, axis=0))
+                self.assertLessEqual(numpy.nanmax(steps), 1)
+                self.assertEqual(trips, tempering["round_trips"][chain, number])
+                trips_seen += trips
+            for replica, scan in enumerate(replicas["scan"][chain]):
+                level = levels[int(scan) - 25, replica] if scan >= 25 else numpy.nan
+                if numpy.isnan(level):
+                    continue
+                number = max(i for i, begin in enumerate(begins) if begin <= scan)
+                self.assertEqual(tempering["inverse_temperature"][chain, number, int(level)],
+                                 replicas["inverse_temperature"][chain, replica])
+        self.assertGreater(trips_seen, 5)
 
     def test_stopping_in_the_burn_in_leaves_no_archive(self):
         # One scan of the first chain's burn-in takes longer than the run may.

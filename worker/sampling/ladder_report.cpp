@@ -167,6 +167,51 @@ void write_levels(Tables& tables) {
                   });
 }
 
+/// Moments of an index process from a scan on.
+std::span<const IndexProcess::Moment> moments_from(const LadderRun& ladder,
+                                                   std::uint64_t first_scan) {
+  const std::vector<IndexProcess::Moment>& all = ladder.index_process().moments();
+  const auto first = std::ranges::lower_bound(all, first_scan, {}, &IndexProcess::Moment::scan);
+  return {first, all.end()};
+}
+
+/// At which level each replica was, at moments that are thinned to a bound.
+void add_index_process(std::span<const LadderRun* const> ladders, std::uint64_t first_scan,
+                       plan::Report& report) {
+  std::size_t moments = 0;
+  std::size_t replicas = 0;
+  for (const LadderRun* ladder : ladders) {
+    const auto of_ladder = moments_from(*ladder, first_scan);
+    moments = std::max(moments, of_ladder.size());
+    for (const IndexProcess::Moment& moment : of_ladder)
+      replicas = std::max(replicas, moment.level.size());
+  }
+  if (moments == 0) return;
+  const std::pair<std::string, std::size_t> by_chain{"chain", ladders.size()};
+  const std::pair<std::string, std::size_t> by_moment{"moment", moments};
+  plan::Table scans{.name = "index_scan",
+                    .meaning = "scan of the run at which replicas' levels are told",
+                    .dims = {by_chain, by_moment},
+                    .values = std::vector<double>(ladders.size() * moments, k_nan)};
+  plan::Table levels{.name = "index_level",
+                     .meaning = "level at which the replica is, 0 being the prior",
+                     .dims = {by_chain, by_moment, {"replica", replicas}},
+                     .values = std::vector<double>(ladders.size() * moments * replicas, k_nan)};
+  for (std::size_t l = 0; l < ladders.size(); ++l) {
+    std::size_t row = l * moments;
+    for (const IndexProcess::Moment& moment : moments_from(*ladders[l], first_scan)) {
+      scans.values[row] = static_cast<double>(moment.scan);
+      for (std::size_t replica = 0; replica < moment.level.size(); ++replica) {
+        if (moment.level[replica] != IndexProcess::k_no_level)
+          levels.values[row * replicas + replica] = moment.level[replica];
+      }
+      ++row;
+    }
+  }
+  report.tables.push_back(std::move(scans));
+  report.tables.push_back(std::move(levels));
+}
+
 }  // namespace
 
 plan::Report report_of(std::span<const LadderRun* const> ladders, std::uint64_t burnt_in_at) {
@@ -174,7 +219,9 @@ plan::Report report_of(std::span<const LadderRun* const> ladders, std::uint64_t 
   if (tables.empty()) return {};
   write_rounds(tables);
   write_levels(tables);
-  return tables.finish();
+  plan::Report report = tables.finish();
+  add_index_process(ladders, burnt_in_at, report);
+  return report;
 }
 
 }  // namespace sleight::sampling

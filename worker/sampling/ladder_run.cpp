@@ -195,6 +195,7 @@ void LadderRun::retire() {
       count_trip(rows_.front().replica[level], level);
     }
     round.statistics.add(scan);
+    index_process_.add(retired_, rows_.front().replica);
     for (SolutionsSince& solutions : solutions_)
       solutions.since.add(retired_, *rows_.front().result.back());
     rows_.pop_front();

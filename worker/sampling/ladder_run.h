@@ -30,6 +30,7 @@
 #include "common/plan/block.h"
 #include "common/plan/plan.h"
 #include "worker/sampling/chain_part.h"
+#include "worker/sampling/index_process.h"
 #include "worker/sampling/ladder_round.h"
 #include "worker/sampling/solutions.h"
 #include "worker/sampling/swap_flow.h"
@@ -72,6 +73,8 @@ class LadderRun {
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
   /// All rounds, the present one last.
   const std::vector<RoundReport>& rounds() const { return rounds_; }
+  /// Of the scans that every level has, but those that anneal.
+  const IndexProcess& index_process() const { return index_process_; }
   std::uint32_t replicas() const { return static_cast<std::uint32_t>(replicas_.size()); }
   /// What another method goes on from. REQUIRES: a round has just ended.
   BurnIn burn_in() const;
@@ -142,6 +145,7 @@ class LadderRun {
   std::uint64_t records_ = 0;
   std::uint64_t records_counted_ = 0;  ///< of rounds
   std::vector<RoundReport> rounds_;
+  IndexProcess index_process_;
   SwapFlow flow_;  ///< of the present round
   struct SolutionsSince {
     std::uint64_t first_scan = 0;

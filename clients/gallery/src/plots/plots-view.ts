@@ -128,7 +128,7 @@ export function makePlotsView(ui: Ui): PlotsView {
   /** Traces of all chains stand in one plot; of ladders there is one to each chain. */
   const offerChains = (kind: string): void => {
     const many = archiveShown(ui.store.state)?.chains ?? 1;
-    const isOne = kind === "levels" || kind === "rounds";
+    const isOne = ["levels", "rounds", "index"].includes(kind);
     setHidden(chainField, many < 2 || !(isOne || kind === "trace"));
     const all = { value: "", label: many > chainsShownMax ? `the first ${chainsShownMax}` : "all" };
     const each = Array.from({ length: many }, (_, i) => ({ value: String(i), label: String(i) }));
@@ -198,6 +198,7 @@ function headingOf(kind: string): string {
     trace: "Along the chain",
     levels: "Ladder",
     rounds: "Ladder",
+    index: "Ladder",
     pair: "Prior against posterior",
     table: "Diagnosis",
   };

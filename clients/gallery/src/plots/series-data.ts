@@ -65,6 +65,7 @@ export function plotDataOf(title: string, kind: string, all: readonly Series[]):
   if (kind === "trace") return traceOf(title, all);
   if (kind === "pair") return pairOf(title, first);
   if (kind === "levels") return levelsOf(title, first);
+  if (kind === "index") return indexOf(title, first);
   return roundsOf(title, first);
 }
 
@@ -167,6 +168,24 @@ function roundsOf(title: string, { head, columns }: Series): PlotData {
     return y ? [{ label: name.replaceAll("_", " "), chain: -1, x, y, isSteps: true }] : [];
   });
   return { ...nothing, title, notices: warningsOf([fieldsOf(head)]), lines, xLabel: "round" };
+}
+
+/** A line to each replica: those that go all the way up and down bring new draws. */
+function indexOf(title: string, { head, columns }: Series): PlotData {
+  const fields = fieldsOf(head);
+  const x = columns.get("scan");
+  if (!x) return { ...nothing, title };
+  const replicas = numberOf(fields["replicas"]) ?? 0;
+  const lines = Array.from({ length: replicas }, (_, replica) => replica).flatMap((replica) => {
+    const y = columns.get(`level.${replica}`);
+    // Some replicas lived before the burn-in's end only.
+    const isThere = y?.some((level) => Number.isFinite(level)) ?? false;
+    return y && isThere ? [{ label: `replica ${replica}`, chain: -1, x, y, isSteps: true }] : [];
+  });
+  const every = (x[1] ?? 0) - (x[0] ?? 0);
+  const notices = every > 1 ? [`One scan in ${every} is shown: how replicas went between isn't known.`] : [];
+  const yLabel = "level (0: the prior)";
+  return { ...nothing, title, notices: [...notices, ...warningsOf([fields])], lines, xLabel: "scan", yLabel };
 }
 
 /** How many chains a trace has, as the answer of one says. */

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "common/random/discrete_distributions.h"
@@ -250,6 +251,35 @@ void expect_rounds_after(const plan::Report& report, const std::vector<SlowLadde
   }
 }
 
+/// Which level each replica is at is what the temperatures of the reference's units say.
+void expect_index_process(const LadderRun& ladder, const SlowLadder& expected,
+                          std::uint64_t first_scan, std::uint64_t end) {
+  std::map<std::uint64_t, std::map<std::uint32_t, double>> betas;  // by scan, by replica
+  for (const auto& [place, unit] : expected.units)
+    betas[place.second][place.first] = unit.inverse_temperatures.front();
+  std::uint64_t stride = 1;
+  while ((end + stride - 1) / stride - (first_scan + stride - 1) / stride >
+         IndexProcess::k_moments_max)
+    stride *= 2;
+  std::uint64_t scan = (first_scan + stride - 1) / stride * stride;
+  for (const IndexProcess::Moment& moment : ladder.index_process().moments()) {
+    ASSERT_EQ(moment.scan, scan);
+    const std::map<std::uint32_t, double>& at = betas.at(scan);
+    ASSERT_LT(at.rbegin()->first, moment.level.size());
+    for (std::uint32_t replica = 0; replica < moment.level.size(); ++replica) {
+      const auto there = at.find(replica);
+      std::uint16_t level = IndexProcess::k_no_level;
+      if (there != at.end()) {
+        level = static_cast<std::uint16_t>(std::ranges::count_if(
+            at, [&](const auto& other) { return other.second < there->second; }));
+      }
+      ASSERT_EQ(moment.level[replica], level);
+    }
+    scan += stride;
+  }
+  EXPECT_GE(scan, end);
+}
+
 void expect_end(const Case& given, Session& session, const std::vector<SlowLadder>& expected,
                 std::uint64_t end) {
   ParallelTempering& plan = session.plan();
@@ -264,6 +294,7 @@ void expect_end(const Case& given, Session& session, const std::vector<SlowLadde
     const LadderRun& ladder = plan.ladders()[i];
     EXPECT_EQ(ladder.scans(), end);
     EXPECT_EQ(ladder.solutions().scans(), expected[i].solutions);
+    expect_index_process(ladder, expected[i], given.options.ladder.anneal_scans, end);
     EXPECT_EQ(fingerprint(ladder.rounds(), ladder.solutions().scans()),
               fingerprint(expected[i].rounds, expected[i].solutions));
     solutions += burnt_in ? solutions_between(expected[i], *burnt_in, end) : 0;

@@ -2,6 +2,7 @@
 // round trip, a restart and an independent solution.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 
@@ -93,6 +94,13 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
   EXPECT_EQ(round.round_trips, 3U);
   EXPECT_EQ(played.run().solutions().scans(), (std::vector<std::uint64_t>{0, 1, 3, 5, 7}));
   EXPECT_EQ(round.statistics.rejections(), std::vector{0.0});
+  std::vector<std::vector<std::uint16_t>> levels;
+  for (const IndexProcess::Moment& moment : played.run().index_process().moments()) {
+    EXPECT_EQ(moment.scan, levels.size());
+    levels.push_back(moment.level);
+  }
+  EXPECT_EQ(levels, (std::vector<std::vector<std::uint16_t>>{
+                        {0, 1}, {1, 0}, {1, 0}, {0, 1}, {0, 1}, {1, 0}, {1, 0}, {0, 1}, {0, 1}}));
 }
 
 TEST(LadderTrips, OfAConveyor) {
@@ -167,6 +175,12 @@ TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
   EXPECT_EQ(played.betas(2)[8], rounds[2].statistics.ladder()[2]);
   EXPECT_EQ(played.betas(3)[0], 0);
   EXPECT_EQ(played.betas(4)[0], rounds[2].statistics.ladder()[1]);
+  // Those that are gone have no level, and those to come aren't known yet.
+  const std::vector<IndexProcess::Moment>& moments = played.run().index_process().moments();
+  ASSERT_EQ(moments.size(), 40U);
+  EXPECT_EQ(moments[3].level, (std::vector<std::uint16_t>{0, 1}));
+  EXPECT_EQ(moments[4].level, (std::vector<std::uint16_t>{1, 2, 0}));
+  EXPECT_EQ(std::ranges::count(moments[39].level, IndexProcess::k_no_level), 3);
   EXPECT_EQ(played.betas(2).size() + played.betas(3).size() + played.betas(4).size() +
                 played.betas(0).size() + played.betas(1).size(),
             4U * 2 + 8 * 3 + 16 * 5 + 12 * 2);
