@@ -170,12 +170,6 @@ std::optional<Entry> entry_of(base::BytesView bytes, const Shared& shared) {
   return entry;
 }
 
-hash::Sha256::Value sum_of(base::BytesView bytes) {
-  hash::Sha256 sum;
-  sum.update(bytes);
-  return sum.finish();
-}
-
 /// Of bytes between the beginning and the sum.
 std::optional<Index> index_of_content(base::BytesView bytes, std::size_t threads) {
   Reader reader(bytes);
@@ -235,7 +229,7 @@ base::Bytes bytes_of(const Index& index) {
   for (const double number : accelerations.numbers())
     writer.put(number);
   base::Bytes bytes = writer.take();
-  const auto sum = sum_of(bytes);
+  const auto sum = hash::sha256_of(bytes);
   bytes.insert(bytes.end(), sum.begin(), sum.end());
   return bytes;
 }
@@ -250,7 +244,7 @@ std::optional<Index> index_of(base::BytesView bytes, std::size_t threads) {
   std::memcpy(sum.data(), bytes.data() + content.size(), sum.size());
   // Beside the reading, which takes about as long.
   std::future<bool> is_right = std::async(threads > 1 ? std::launch::async : std::launch::deferred,
-                                          [&] { return sum == sum_of(content); });
+                                          [&] { return sum == hash::sha256_of(content); });
   std::optional<Index> index = index_of_content(content.subspan(beginning.size()), threads);
   return is_right.get() ? std::move(index) : std::nullopt;
 }

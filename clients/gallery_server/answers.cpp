@@ -25,7 +25,6 @@ using Json = nlohmann::ordered_json;
 constexpr unsigned k_bad_request = 400;
 constexpr unsigned k_not_found = 404;
 constexpr unsigned k_damaged = 502;
-constexpr unsigned k_still_reading = 503;
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -110,9 +109,10 @@ web::Answer Answers::of_archive(const web::Ask& ask, std::size_t archive,
                                 std::string_view what) const {
   if (archive >= gallery_.archives())
     throw Refused(k_not_found, "There is no such archive.", "Load the page anew.");
-  const auto snapshot = gallery_.snapshot(archive);
-  if (!snapshot)
-    throw Refused(k_still_reading, "The archive has not been read yet.", "Ask again in a moment.");
+  // All but the index itself can be had of an outline.
+  const auto snapshot =
+      what == "index" ? gallery_.whole_snapshot(archive) : gallery_.snapshot(archive);
+  if (!snapshot) refuse_unread(gallery_, archive);
   constexpr std::string_view k_animations = "animations/";
   constexpr std::string_view k_series = "series/";
   if (what == "scene") return json_answer(scene_json(*snapshot));

@@ -38,9 +38,17 @@ const char* word_of(ArchiveState state) {
   return "";
 }
 
-void prepare_groups(const Snapshot& snapshot) {
+/// How long a question waits for motions.
+constexpr auto k_wait_max = std::chrono::seconds(2);
+/// So long the processor is left to the page that is being loaded, before motions are read that
+/// nobody asks for.
+constexpr auto k_outline_alone = std::chrono::seconds(2);
+
+/// Works out the first groups, and keeps them where that is worth it.
+void prepare_groups(const Snapshot& snapshot, const std::string& path, bool has_outline) {
   try {
-    snapshot.prepare_groups();
+    snapshot.first_groups();
+    if (!has_outline) snapshot.keep_outline(path);
   } catch (const std::exception&) {  // no memory, no thread: who asks for them is told
   }
 }
@@ -62,7 +70,7 @@ Gallery::~Gallery() {
   {
     const std::lock_guard lock(mutex_);
     is_over_ = true;
-    over_.notify_all();
+    changed_.notify_all();
   }
   looking_.join();
 }
@@ -78,9 +86,12 @@ void Gallery::look_forever() {
     for (std::size_t archive = 0; archive < count; ++archive)
       look_at(archive);
     std::unique_lock lock(mutex_);
-    if (over_.wait_for(lock, std::chrono::duration<double>(options_.look_every_s),
-                       [this] { return is_over_; }))
-      return;
+    changed_.wait_for(lock, std::chrono::duration<double>(options_.look_every_s), [this] {
+      return is_over_ || std::ranges::any_of(shown_, [](const auto& shown) {
+               return shown->has_outline() && shown->is_wanted;
+             });
+    });
+    if (is_over_) return;
   }
 }
 
@@ -108,42 +119,47 @@ void Gallery::look_through_folders() {
 }
 
 void Gallery::look_at(std::size_t archive) {
-  std::string path;
-  std::shared_ptr<const Snapshot> before;
+  Reading reading;
   const std::optional<cli::FileState> file = cli::state_of_file(path_of(archive));
   {
     const std::lock_guard lock(mutex_);
     Shown& shown = *shown_[archive];
-    path = shown.path;
-    before = shown.snapshot;
+    reading.path = shown.path;
     if (!file) {
       const bool was_known = shown.state == ArchiveState::gone;
       shown.state = ArchiveState::gone;
-      shown.words = before          ? "The archive's file is gone; this is what was read of it."
+      if (shown.has_outline()) shown.snapshot.reset();  // nothing more could be asked of it
+      shown.words = shown.snapshot  ? "The archive's file is gone; this is what was read of it."
                     : shown.is_live ? "The job has committed nothing yet."
                                     : "There is no such file (yet).";
       shown.tried.reset();
       if (was_known) return;
     } else if (shown.tried == file) {
-      return;
+      const auto alone = std::chrono::steady_clock::now() - shown.outlined_at;
+      if (!shown.has_outline() || (!shown.is_wanted && alone < k_outline_alone)) return;
+      reading.outline = shown.snapshot;
     } else {
       shown.tried = file;
-      if (!before) shown.state = ArchiveState::reading;
+      if (!shown.has_outline()) reading.before = shown.snapshot;
+      if (!reading.before) shown.state = ArchiveState::reading;
     }
   }
   if (!file) {
     tell();
     return;
   }
+  reading.file = *file;
+  // The rest is read at a later look.
+  if (!reading.before && !reading.outline && show_outline(archive, reading)) return;
   // So that there is something to see while many are read for the first time.
-  std::uint64_t beginning_max = before ? 0 : k_beginning;
+  std::uint64_t beginning_max = reading.before || reading.outline ? 0 : k_beginning;
   while (true) {
     std::string fault;
     std::shared_ptr<const Snapshot> now;
     try {
-      now = read(archive, path, before.get(), beginning_max);
+      now = read(archive, reading, beginning_max);
     } catch (const base::Error& error) {
-      fault = reason_of(error.what(), path);
+      fault = reason_of(error.what(), reading.path);
     } catch (const std::bad_alloc&) {
       fault = "reading it takes more memory than there is";
     }
@@ -154,20 +170,34 @@ void Gallery::look_at(std::size_t archive) {
     if (!now) return;
     if (!now->is_beginning()) {
       // The first archive is what a page shows first; while it is being loaded there is time.
-      if (archive == 0) prepare_groups(*now);
+      const bool has_outline = reading.outline != nullptr;
+      if (archive == 0) prepare_groups(*now, reading.path, has_outline);
       return;
     }
     beginning_max = 0;
   }
 }
 
-std::shared_ptr<const Snapshot> Gallery::read(std::size_t archive, const std::string& path,
-                                              const Snapshot* before, std::uint64_t beginning_max) {
-  std::uint64_t generation = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    generation = ++generation_;
+bool Gallery::show_outline(std::size_t archive, const Reading& reading) {
+  auto kept = cli::kept_outline(reading.path, reading.file);
+  if (!kept) return false;
+  std::shared_ptr<const Snapshot> outline;
+  try {
+    outline = std::make_shared<const Snapshot>(reading.path,
+                                               Snapshot::Options{.generation = new_generation(),
+                                                                 .file = reading.file,
+                                                                 .outline = &*kept,
+                                                                 .open = options_.open});
+  } catch (const std::exception&) {  // why is told when the whole is read
+    return false;
   }
+  show(archive, outline, "");
+  tell();
+  return true;
+}
+
+std::shared_ptr<const Snapshot> Gallery::read(std::size_t archive, const Reading& reading,
+                                              std::uint64_t beginning_max) {
   auto told = std::chrono::steady_clock::now();
   const auto progress = [&](std::uint64_t read, std::uint64_t of) {
     {
@@ -180,11 +210,19 @@ std::shared_ptr<const Snapshot> Gallery::read(std::size_t archive, const std::st
     told = moment;
     tell();
   };
-  return std::make_shared<const Snapshot>(path, Snapshot::Options{.generation = generation,
-                                                                  .earlier = before,
-                                                                  .beginning_max = beginning_max,
-                                                                  .progress = progress,
-                                                                  .open = options_.open});
+  return std::make_shared<const Snapshot>(
+      reading.path, Snapshot::Options{.generation = reading.outline ? reading.outline->generation()
+                                                                    : new_generation(),
+                                      .file = reading.file,
+                                      .earlier = reading.before.get(),
+                                      .beginning_max = beginning_max,
+                                      .progress = progress,
+                                      .open = options_.open});
+}
+
+std::uint64_t Gallery::new_generation() {
+  const std::lock_guard lock(mutex_);
+  return ++generation_;
 }
 
 void Gallery::show(std::size_t archive, std::shared_ptr<const Snapshot> now,
@@ -192,7 +230,11 @@ void Gallery::show(std::size_t archive, std::shared_ptr<const Snapshot> now,
   const std::lock_guard lock(mutex_);
   Shown& shown = *shown_[archive];
   shown.read = shown.of = 0;
+  changed_.notify_all();
+  if (!now && shown.has_outline()) shown.snapshot.reset();  // nothing more could be asked of it
   if (now) {
+    shown.is_wanted = false;
+    shown.outlined_at = std::chrono::steady_clock::now();
     shown.snapshot = std::move(now);
     shown.state = ArchiveState::ready;
     shown.words.clear();
@@ -235,6 +277,24 @@ Json Gallery::state() const {
 std::shared_ptr<const Snapshot> Gallery::snapshot(std::size_t archive) const {
   const std::lock_guard lock(mutex_);
   return archive < shown_.size() ? shown_[archive]->snapshot : nullptr;
+}
+
+std::shared_ptr<const Snapshot> Gallery::whole_snapshot(std::size_t archive) const {
+  std::unique_lock lock(mutex_);
+  if (archive >= shown_.size()) return nullptr;
+  Shown& shown = *shown_[archive];
+  if (shown.has_outline()) {
+    shown.is_wanted = true;
+    changed_.notify_all();
+    changed_.wait_for(lock, k_wait_max, [&] { return is_over_ || !shown.has_outline(); });
+  }
+  return shown.has_outline() ? nullptr : shown.snapshot;
+}
+
+std::string Gallery::damage_of(std::size_t archive) const {
+  const std::lock_guard lock(mutex_);
+  if (archive >= shown_.size() || shown_[archive]->state != ArchiveState::damaged) return {};
+  return shown_[archive]->words;
 }
 
 std::size_t Gallery::archives() const {

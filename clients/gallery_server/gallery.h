@@ -1,9 +1,11 @@
 // The archives that a page shows: which there are, what has been read of them, and how that
 // changes.
 //
-// A thread looks at the files some times a second. Of one that is read for the first time, and has
-// many animations, the first 500 are shown while the others are read. One that was replaced is read
-// anew beside the old snapshot, which is shown until the new one is whole; one that is gone or
+// A thread looks at the files some times a second. Of one that was browsed before, what was kept is
+// shown at once, and the motions are read two seconds later or when they are asked for: the
+// processor is left to the page that is being loaded. Of one that is read for the first time, and
+// has many animations, the first 500 are shown while the others are read. One that was replaced is
+// read anew beside the old snapshot, which is shown until the new one is whole; one that is gone or
 // damaged keeps what was read of it, and says so. Folders are looked through for new archives
 // (listed_files.h).
 //
@@ -11,6 +13,7 @@
 // thread.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -50,6 +53,11 @@ class Gallery {
 
   /// What is shown of an archive; null where nothing has been read (yet), or there is none.
   std::shared_ptr<const Snapshot> snapshot(std::size_t archive) const;
+  /// Likewise, but no outline: while there is only that it waits, for 2 s at most. Null also where
+  /// it has waited in vain.
+  std::shared_ptr<const Snapshot> whole_snapshot(std::size_t archive) const;
+  /// Why nothing can be read of a damaged archive, as a sentence; empty: it isn't damaged.
+  std::string damage_of(std::size_t archive) const;
   std::size_t archives() const;
   /// Its file, for people; empty where there is none.
   std::string path_of(std::size_t archive) const;
@@ -70,13 +78,28 @@ class Gallery {
     std::shared_ptr<const Snapshot> snapshot{};
     /// The last file that was tried; it is not tried again unless it changes.
     std::optional<cli::FileState> tried{};
+    /// Of an outline: since when it is shown, and whether motions have been asked for.
+    std::chrono::steady_clock::time_point outlined_at{};
+    bool is_wanted = false;
+    bool has_outline() const { return snapshot && snapshot->is_outline(); }
   };
   void look_forever();
   void look_through_folders();
   void look_at(std::size_t archive);
+  /// What is to be read of an archive, and beside what.
+  struct Reading {
+    std::string path{};
+    cli::FileState file{};
+    std::shared_ptr<const Snapshot> before{};
+    /// What is shown of this file, whose generation the whole has.
+    std::shared_ptr<const Snapshot> outline{};
+  };
+  /// Shows what was kept of the file, if something was.
+  bool show_outline(std::size_t archive, const Reading& reading);
   /// Throws what Snapshot throws.
-  std::shared_ptr<const Snapshot> read(std::size_t archive, const std::string& path,
-                                       const Snapshot* before, std::uint64_t beginning_max);
+  std::shared_ptr<const Snapshot> read(std::size_t archive, const Reading& reading,
+                                       std::uint64_t beginning_max);
+  std::uint64_t new_generation();
   /// Shows what was read; null: why it can't be.
   void show(std::size_t archive, std::shared_ptr<const Snapshot> now, const std::string& fault);
   void tell();
@@ -87,7 +110,7 @@ class Gallery {
   std::vector<ListedFiles::LeftOut> left_out_;
   std::uint64_t generation_ = 0;
   bool is_over_ = false;
-  std::condition_variable over_;
+  mutable std::condition_variable changed_;  ///< the end, what is shown, and what is wanted
   std::thread looking_;
 };
 

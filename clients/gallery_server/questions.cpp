@@ -24,7 +24,6 @@ using Question = nlohmann::json;
 constexpr unsigned k_bad_request = 400;
 constexpr unsigned k_not_found = 404;
 constexpr unsigned k_other_generation = 409;
-constexpr unsigned k_still_reading = 503;
 constexpr std::size_t k_alike_to_max = 100;
 
 [[noreturn]] void refuse(const std::string& words) {
@@ -44,18 +43,32 @@ std::uint64_t whole(const Question& ask, const char* name) {
   return value.get<std::uint64_t>();
 }
 
-std::shared_ptr<const Snapshot> snapshot_of(const Gallery& gallery, const Question& ask) {
+std::uint64_t archive_of(const Gallery& gallery, const Question& ask) {
   const std::uint64_t id = whole(ask, "id");
   if (id >= gallery.archives())
     throw Refused(k_not_found, "There is no such archive.", "Load the page anew.");
-  auto snapshot = gallery.snapshot(id);
-  if (!snapshot)
-    throw Refused(k_still_reading, "The archive has not been read yet.", "Ask again in a moment.");
+  return id;
+}
+
+/// As a question takes it, if it is of that generation.
+std::shared_ptr<const Snapshot> asked_for(const Gallery& gallery, const Question& ask,
+                                          std::shared_ptr<const Snapshot> snapshot) {
+  if (!snapshot) refuse_unread(gallery, archive_of(gallery, ask));
   if (snapshot->generation() != whole(ask, "generation")) {
     throw Refused(k_other_generation, "The archive has been read anew since.",
                   "Ask for its table again.");
   }
   return snapshot;
+}
+
+/// Which may be an outline.
+std::shared_ptr<const Snapshot> snapshot_of(const Gallery& gallery, const Question& ask) {
+  return asked_for(gallery, ask, gallery.snapshot(archive_of(gallery, ask)));
+}
+
+/// Which has motions.
+std::shared_ptr<const Snapshot> whole_of(const Gallery& gallery, const Question& ask) {
+  return asked_for(gallery, ask, gallery.whole_snapshot(archive_of(gallery, ask)));
 }
 
 std::vector<std::size_t> entries_in(const Question& list, const Snapshot& snapshot) {
@@ -106,12 +119,15 @@ std::vector<Share> shares(const Snapshot& snapshot, const browse::Groups& groups
   return shares_of(snapshot.facts().by_lineage, group_of, groups.groups.size());
 }
 
+bool are_all(const Snapshot& snapshot, const std::vector<std::size_t>& entries) {
+  return entries.size() == snapshot.index().entries.size() && std::ranges::is_sorted(entries);
+}
+
 /// Those of all are made ready once.
 browse::Groups groups_among(const Snapshot& snapshot, const std::vector<std::size_t>& entries,
                             std::size_t groups, browse::Grouping by) {
   const auto& all = snapshot.index().entries;
-  if (entries.size() == all.size() && std::ranges::is_sorted(entries))
-    return snapshot.alike().groups(groups, by);
+  if (are_all(snapshot, entries)) return snapshot.alike().groups(groups, by);
   std::vector<const browse::Entry*> of;
   for (const std::size_t entry : entries)
     of.push_back(&all[entry]);
@@ -141,7 +157,7 @@ Json found(const Gallery& gallery, const Question& ask) {
   const bool is_all = text.find_first_not_of(" \t\r\n") == std::string::npos;
   Json answer{{"found", Json::array()}, {"errors", Json::array()}};
   for (const Question& one : archives) {
-    const auto snapshot = snapshot_of(gallery, one);
+    const auto snapshot = is_all ? snapshot_of(gallery, one) : whole_of(gallery, one);
     const browse::Index& index = snapshot->index();
     Json entries = Json::array();
     if (is_all) {
@@ -164,7 +180,7 @@ Json found(const Gallery& gallery, const Question& ask) {
 }
 
 Json grouped(const Gallery& gallery, const Question& ask) {
-  const auto snapshot = snapshot_of(gallery, ask);
+  auto snapshot = snapshot_of(gallery, ask);
   const std::vector<std::size_t> entries = meant(ask, *snapshot);
   const std::uint64_t groups = whole(ask, "groups");
   if (groups < 1 || groups > browse::k_full_matrix_max)
@@ -174,9 +190,12 @@ Json grouped(const Gallery& gallery, const Question& ask) {
   Json answer{{"approximate", false}, {"groups", Json::array()}, {"share_words", ""}};
   if (entries.empty()) return answer;
 
+  const auto grouping = by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids;
+  const bool are_first = groups == browse::k_first_groups && grouping == browse::k_first_grouping &&
+                         are_all(*snapshot, entries);
+  if (!are_first) snapshot = whole_of(gallery, ask);
   const browse::Groups found =
-      groups_among(*snapshot, entries, groups,
-                   by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids);
+      are_first ? snapshot->first_groups() : groups_among(*snapshot, entries, groups, grouping);
   const std::vector<Share> share = shares(*snapshot, found, entries);
   answer["approximate"] = found.is_approximate;
   if (share.empty()) answer["share_words"] = why_no_shares(*snapshot);
@@ -200,7 +219,7 @@ Json grouped(const Gallery& gallery, const Question& ask) {
 }
 
 Json alike(const Gallery& gallery, const Question& ask) {
-  const auto snapshot = snapshot_of(gallery, ask);
+  const auto snapshot = whole_of(gallery, ask);
   const std::vector<std::size_t> to = entries_in(field(ask, "to"), *snapshot);
   if (to.empty() || to.size() > k_alike_to_max)
     refuse(fmt::format("One to {} animations can be compared with.", k_alike_to_max));

@@ -1,6 +1,7 @@
 // Why something that the page asks for is refused: an HTTP status and two sentences.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -18,5 +19,10 @@ class Refused : public std::runtime_error {
   unsigned status_;
   std::string what_to_do_;
 };
+
+class Gallery;
+/// Throws why nothing can be had of an archive that is there but not read, or has its outline
+/// alone.
+[[noreturn]] void refuse_unread(const Gallery& gallery, std::size_t archive);
 
 }  // namespace sleight::gallery

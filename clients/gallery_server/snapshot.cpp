@@ -13,6 +13,7 @@
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/remote/remote_source.h"
+#include "common/base/check.h"
 #include "common/base/error.h"
 
 namespace sleight::gallery {
@@ -62,6 +63,16 @@ std::vector<double> blind_throws(const archive::Source& source) {
   return throws;
 }
 
+/// The outline's index with what the archive says of itself; none where it isn't this archive's.
+std::optional<browse::Index> index_of_outline(const archive::Source& source,
+                                              browse::Outline& outline) {
+  if (archive::summary_of(source).content_digest != outline.index.digest) return std::nullopt;
+  const std::size_t entries = outline.index.entries.size();
+  auto read = browse::read_index(source, {.of_this_file = &outline.index});
+  if (!read || entries == 0 || read.value().taken_over != entries) return std::nullopt;
+  return std::move(read.value().index);
+}
+
 }  // namespace
 
 Facts facts_of(const archive::Source& source, const browse::ReadIndex& read) {
@@ -91,15 +102,25 @@ Facts facts_of(const archive::Source& source, const browse::ReadIndex& read) {
 
 Snapshot::Snapshot(const std::string& path, const Options& options)
     : generation_(options.generation),
-      file_(cli::state_of_file(path)),
-      source_(options.open ? options.open(path) : archive::remote::open_remote(path)),
-      read_(cli::read_index(
-          *source_, path,
-          {.file = file_,
-           .earlier = options.earlier == nullptr ? nullptr : &options.earlier->read_.index,
-           .beginning_max = options.beginning_max,
-           .progress = options.progress})),
-      facts_(facts_of(*source_, read_)) {
+      file_(options.file ? options.file : cli::state_of_file(path)),
+      source_(options.open ? options.open(path) : archive::remote::open_remote(path)) {
+  if (options.outline != nullptr) {
+    auto outline = index_of_outline(*source_, *options.outline);
+    if (outline) {
+      read_.index = *std::move(outline);
+      first_groups_ = std::move(options.outline->groups);
+    }
+  }
+  if (!first_groups_) {
+    CHECK(options.earlier == nullptr || !options.earlier->is_outline());
+    read_ = cli::read_index(
+        *source_, path,
+        {.file = file_,
+         .earlier = options.earlier == nullptr ? nullptr : &options.earlier->read_.index,
+         .beginning_max = options.beginning_max,
+         .progress = options.progress});
+  }
+  facts_ = facts_of(*source_, read_);
   for (std::size_t entry = 0; entry < read_.index.entries.size(); ++entry)
     by_name_.emplace(browse::short_text(read_.index.entries[entry].name), entry);
 }
@@ -124,6 +145,7 @@ std::optional<std::size_t> Snapshot::entry_of(std::string_view name) const {
 }
 
 const browse::AlikeSet& Snapshot::alike() const {
+  CHECK(!is_outline());
   std::call_once(made_alike_, [this] {
     std::vector<const browse::Entry*> all;
     for (const browse::Entry& entry : read_.index.entries)
@@ -133,9 +155,14 @@ const browse::AlikeSet& Snapshot::alike() const {
   return *alike_;
 }
 
-void Snapshot::prepare_groups() const {
-  constexpr std::size_t k_first_groups = 12;
-  alike().groups(k_first_groups, browse::Grouping::medoids);
+browse::Groups Snapshot::first_groups() const {
+  if (first_groups_) return *first_groups_;
+  return alike().groups(browse::k_first_groups, browse::k_first_grouping);
+}
+
+void Snapshot::keep_outline(const std::string& path) const {
+  CHECK(!is_outline() && !is_beginning());
+  if (file_) cli::keep_outline(path, *file_, read_.index, first_groups());
 }
 
 void Snapshot::read(const std::function<void(const archive::Source&)>& work) const {

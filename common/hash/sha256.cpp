@@ -33,6 +33,12 @@ Sha256::Value Sha256::finish() {
   return value;
 }
 
+Sha256::Value sha256_of(std::span<const std::byte> bytes) {
+  Sha256 hash;
+  hash.update(bytes);
+  return hash.finish();
+}
+
 std::string to_hex(const Sha256::Value& value) {
   std::string text;
   for (const std::byte byte : value)

@@ -30,6 +30,9 @@ class Sha256 {
   std::unique_ptr<Context> context_;
 };
 
+/// Of bytes that are there whole.
+Sha256::Value sha256_of(std::span<const std::byte> bytes);
+
 /// Lower-case hexadecimal, 64 digits.
 std::string to_hex(const Sha256::Value& value);
 

@@ -90,7 +90,8 @@ export class Asking {
     clearTimeout(this.groupsTimer);
     this.groupsTimer = setTimeout(
       () => void this.group(loaded, of, state.page.grouping, isWanted),
-      groupsDelayMs,
+      // The first ones are waited for.
+      state.groups === null ? 0 : groupsDelayMs,
     );
   }
 

@@ -43,6 +43,13 @@ export function startApp(root: HTMLElement, galleries: GallerySource): App {
   page.applyLink(location.hash);
   const ui: Ui = { store, source, loading, page, notes, theme: new Theme() };
   const renderer = new SharedRenderer();
+  loading.start();
+  // Made while the first archive is on its way.
+  const waited = store.subscribe(({ gallery }) => {
+    if (gallery === null) return;
+    waited();
+    setTimeout(() => renderer.prepare());
+  });
 
   const keysDialog = makeKeysDialog();
   const wall = makeWall(ui, renderer);
@@ -88,7 +95,6 @@ export function startApp(root: HTMLElement, galleries: GallerySource): App {
   notes.start(window);
   new Address(store, (link) => page.applyLink(link)).start();
   listenToKeys(keyActions(ui, { wall, player, filters, root, showKeys: () => keysDialog.showModal() }));
-  loading.start();
   return { renderer, player: () => (store.state.page.playing.length > 0 ? player.player : null) };
 }
 

@@ -237,7 +237,7 @@ export function makePlayerPanel(
     followDrawing(state, before);
     details.update(state, before);
     exportHint.update(state, before);
-    if (!renderer.available) {
+    if (isOpen && !renderer.available) {
       setText(failure, "This browser shows no 3D (WebGL): animations can be chosen by their numbers alone.");
       setHidden(failure, false);
     }

@@ -36,34 +36,42 @@ const RATIO_MAX = 2;
 /** Where the processor draws, each pixel counts. */
 const RATIO_MAX_SOFTWARE = 1;
 
+/** A context and what it draws on. */
+interface Context {
+  readonly surface: OffscreenCanvas;
+  readonly gl: WebGLRenderer;
+}
+
 export class SharedRenderer {
-  private readonly surface: OffscreenCanvas | null;
-  private readonly gl: WebGLRenderer | null;
+  /** Undefined until it is needed: to make one takes as long as to load an archive. */
+  private made: { readonly context: Context | null; readonly isSoftware: boolean } | undefined;
   private lost = false;
   private readonly restored = new Set<() => void>();
-  /** Whether the processor draws. */
-  readonly isSoftware: boolean;
 
-  constructor() {
-    this.isSoftware = drawsInSoftware();
-    this.surface = typeof OffscreenCanvas === "undefined" ? null : new OffscreenCanvas(1, 1);
-    this.gl = this.surface === null ? null : made(this.surface, !this.isSoftware);
-    if (this.gl === null || this.surface === null) return;
-    this.gl.outputColorSpace = SRGBColorSpace;
-    this.gl.setPixelRatio(1);
-    this.gl.autoClear = false;
-    this.surface.addEventListener("webglcontextlost", () => { this.lost = true; });
-    this.surface.addEventListener("webglcontextrestored", () => {
+  /** Makes the context, if there is none yet. */
+  prepare(): void { void this.context; }
+
+  private get ready(): { readonly context: Context | null; readonly isSoftware: boolean } {
+    if (this.made !== undefined) return this.made;
+    const isSoftware = drawsInSoftware();
+    this.made = { context: contextOf(!isSoftware), isSoftware };
+    const { context } = this.made;
+    context?.surface.addEventListener("webglcontextlost", () => { this.lost = true; });
+    context?.surface.addEventListener("webglcontextrestored", () => {
       this.lost = false;
       for (const again of this.restored) again();
     });
+    return this.made;
   }
+  private get context(): Context | null { return this.ready.context; }
+  /** Whether the processor draws. */
+  get isSoftware(): boolean { return this.ready.isSoftware; }
 
   /** False: there is no WebGL here at all. */
-  get available(): boolean { return this.gl !== null; }
+  get available(): boolean { return this.context !== null; }
   get isLost(): boolean {
     // The event comes a little later than the loss.
-    return this.lost || (this.gl !== null && this.gl.getContext().isContextLost());
+    return this.lost || (this.context !== null && this.context.gl.getContext().isContextLost());
   }
 
   /** How many pixels of a picture there are to one of CSS. */
@@ -82,8 +90,8 @@ export class SharedRenderer {
    * now. Sizes that alternate are slow, as each change makes a new surface.
    */
   begin(width: number, height: number, colour: number): boolean {
-    const { gl, surface } = this;
-    if (gl === null || surface === null || this.isLost || width < 1 || height < 1) return false;
+    if (this.context === null || this.isLost || width < 1 || height < 1) return false;
+    const { gl, surface } = this.context;
     if (width !== surface.width || height !== surface.height) gl.setSize(width, height, false);
     gl.setScissorTest(false);
     gl.setViewport(0, 0, width, height);
@@ -94,8 +102,8 @@ export class SharedRenderer {
 
   /** REQUIRES: begin() was true. */
   draw(scene: Scene, camera: Camera, into: Viewport, background: number): void {
-    const { gl, surface } = this;
-    if (gl === null || surface === null) return;
+    if (this.context === null) return;
+    const { gl, surface } = this.context;
     const y = surface.height - into.y - into.height;
     gl.setViewport(into.x, y, into.width, into.height);
     gl.setScissor(into.x, y, into.width, into.height);
@@ -107,9 +115,9 @@ export class SharedRenderer {
 
   /** Hands the picture over; in the same task as it was drawn. */
   finish(to: Screen): void {
-    if (this.surface === null || this.isLost) return;
+    if (this.context === null || this.isLost) return;
     try {
-      to.show(this.surface.transferToImageBitmap());
+      to.show(this.context.surface.transferToImageBitmap());
     } catch {
       // Lost just now: its listeners will hear of it.
     }
@@ -117,20 +125,28 @@ export class SharedRenderer {
 
   /** For tests: loses the context as a driver would; returns what brings it back. */
   loseContext(): () => void {
-    const extension = this.gl?.getContext().getExtension("WEBGL_lose_context");
+    const extension = this.context?.gl.getContext().getExtension("WEBGL_lose_context");
     extension?.loseContext();
     return () => extension?.restoreContext();
   }
 
   dispose(): void {
-    this.gl?.dispose();
+    this.made?.context?.gl.dispose();
     this.restored.clear();
   }
 }
 
-function made(canvas: OffscreenCanvas, antialias: boolean): WebGLRenderer | null {
+function contextOf(antialias: boolean): Context | null {
+  if (typeof OffscreenCanvas === "undefined") return null;
   try {
-    return new WebGLRenderer({ canvas, antialias, alpha: false, powerPreference: "high-performance" });
+    const surface = new OffscreenCanvas(1, 1);
+    const gl = new WebGLRenderer({
+      canvas: surface, antialias, alpha: false, powerPreference: "high-performance",
+    });
+    gl.outputColorSpace = SRGBColorSpace;
+    gl.setPixelRatio(1);
+    gl.autoClear = false;
+    return { surface, gl };
   } catch {
     return null;
   }

@@ -50,7 +50,7 @@ export function installTestHook(renderer: SharedRenderer, player: () => Player |
     renderer: {
       get available() { return renderer.available; },
       get isLost() { return renderer.isLost; },
-      isSoftware: renderer.isSoftware,
+      get isSoftware() { return renderer.isSoftware; },
     },
     loseContext: (forMs) => {
       const back = renderer.loseContext();

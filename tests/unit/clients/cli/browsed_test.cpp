@@ -79,6 +79,23 @@ TEST_F(IndexCache, GivesBackWhatItKept) {
   EXPECT_EQ(status.st_mode & 0777U, 0700U);
 }
 
+TEST_F(IndexCache, KeepsOutlinesOfOneStateOfTheFile) {
+  const browse::Index index = large();
+  const browse::Groups groups{.groups = {{.representative = 1, .members = {0, 1, 2, 3}}}};
+  const FileState now = *state_of_file(archive_);
+  EXPECT_FALSE(kept_outline(archive_, now).has_value());
+  keep_outline(archive_, now, index, groups);
+  const auto kept = kept_outline(archive_, now);
+  ASSERT_TRUE(kept.has_value());
+  EXPECT_EQ(kept->index.entries.size(), 4U);
+  EXPECT_EQ(kept->groups.groups[0].members.size(), 4U);
+  // It is beside the index, not in its place.
+  EXPECT_FALSE(kept_index(archive_).has_value());
+  FileState later = now;
+  ++later.modified_ns;
+  EXPECT_FALSE(kept_outline(archive_, later).has_value());
+}
+
 TEST_F(IndexCache, ForgetsWhatWasChanged) {
   keep_index(archive_, *state_of_file(archive_), large());
   const fs::path file = kept_file();

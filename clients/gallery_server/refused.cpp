@@ -1,0 +1,15 @@
+#include "clients/gallery_server/refused.h"
+
+#include "clients/gallery_server/gallery.h"
+
+namespace sleight::gallery {
+
+void refuse_unread(const Gallery& gallery, std::size_t archive) {
+  constexpr unsigned k_damaged = 502;
+  constexpr unsigned k_still_reading = 503;
+  const std::string damage = gallery.damage_of(archive);
+  if (!damage.empty()) throw Refused(k_damaged, damage, "Other archives can be seen.");
+  throw Refused(k_still_reading, "The archive has not been read yet.", "Ask again in a moment.");
+}
+
+}  // namespace sleight::gallery

@@ -1,0 +1,187 @@
+// Goal: an archive that was browsed before is shown at once by its outline, which says what the
+// whole says; what needs motions waits for these. Method: galleries of one file whose second
+// reading is held back, is damaged, or is of another file.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <future>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "clients/gallery_server/answers.h"
+#include "clients/gallery_server/gallery.h"
+#include "common/base/version.h"
+#include "tests/unit/clients/gallery_server/shown_files.h"
+#include "tests/unit/common/archive/hdf5/scratch.h"
+
+namespace sleight::gallery {
+namespace {
+
+using Json = nlohmann::json;
+using testing::made_up;
+
+template <class Holds>
+bool holds_soon(const Holds& holds) {
+  for (int i = 0; i < 2000 && !holds(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return holds();
+}
+
+class OutlinesTest : public archive::testing::Scratch {
+ protected:
+  void SetUp() override {
+    ::setenv("XDG_CACHE_HOME", path("cache").c_str(), 1);
+    archive_ = path("a.h5");
+    files_.put(archive_, made_up(101, 30));
+    keep_outline();
+  }
+  void TearDown() override {
+    held_ = false;
+    held_.notify_all();
+    ::unsetenv("XDG_CACHE_HOME");
+  }
+
+  /// As a gallery does with a large archive.
+  void keep_outline() {
+    const Snapshot whole(archive_, {.open = files_.opener()});
+    cli::keep_cached(
+        archive_, cli::k_outline_ending, *cli::state_of_file(archive_),
+        browse::bytes_of(browse::outline_of(whole.index(), whole.first_groups()), base::version()));
+  }
+
+  /// Whatever is opened after the first time is held back until it is let go.
+  std::unique_ptr<Gallery> begun() {
+    opened_ = 0;
+    held_ = true;
+    return std::make_unique<Gallery>(
+        GalleryOptions{.paths = {archive_},
+                       .look_every_s = 0.01,
+                       .open = [this, open = files_.opener()](const std::string& file) {
+                         if (opened_++ > 0) held_.wait(true);
+                         return open(file);
+                       }});
+  }
+  void let_go() {
+    held_ = false;
+    held_.notify_all();
+  }
+
+  /// What a page asks of archive 0 before anything else, and what it is answered.
+  static std::string first_answers(const Answers& answers, const Snapshot& snapshot) {
+    std::string all;
+    const std::string at = "/api/archives/0/";
+    for (const char* what : {"scene", "looks", "table", "series"})
+      all += answers({.path = at + what}).content.text();
+    for (std::size_t entry = 0; entry < snapshot.index().entries.size(); entry += 7) {
+      const std::string name = browse::short_text(snapshot.index().entries[entry].name);
+      const web::Answer animation = answers({.path = at + "animations/" + name});
+      EXPECT_EQ(animation.status, 200U) << name;
+      all += animation.content.text();
+    }
+    const web::Answer groups = asked(answers, "/api/groups", groups_of(snapshot, 12));
+    EXPECT_EQ(groups.status, 200U);
+    return all + groups.content.text();
+  }
+  static Json groups_of(const Snapshot& snapshot, int groups) {
+    return {{"id", 0},
+            {"generation", snapshot.generation()},
+            {"entries", nullptr},
+            {"groups", groups},
+            {"by", "medoids"}};
+  }
+  static web::Answer asked(const Answers& answers, const std::string& what, const Json& question) {
+    return answers({.method = web::Method::post, .path = what, .body = question.dump()});
+  }
+
+  testing::ShownFiles files_;
+  std::string archive_;
+  std::atomic<int> opened_ = 0;
+  std::atomic<bool> held_ = true;
+  Notes notes_{""};
+  cli::Rules rules_{};
+};
+
+TEST_F(OutlinesTest, SayWhatTheWholeSays) {
+  const auto gallery = begun();
+  ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
+  const auto outline = gallery->snapshot(0);
+  ASSERT_TRUE(outline->is_outline());
+  EXPECT_EQ(gallery->state()["archives"][0]["state"], "ready");
+  const Json said = gallery->state()["archives"][0];
+  const Answers answers(*gallery, notes_, rules_, "1.2");
+  const std::string before = first_answers(answers, *outline);
+
+  // What needs motions waits; a second is enough for what doesn't.
+  const Json find{{"query", "any in x 0..1m"},
+                  {"archives", {{{"id", 0}, {"generation", outline->generation()}}}}};
+  const Json alike{
+      {"id", 0}, {"generation", outline->generation()}, {"to", {0}}, {"entries", nullptr}};
+  std::vector<std::future<web::Answer>> waiting;
+  for (const auto& [what, question] : {std::pair("/api/find", find), std::pair("/api/alike", alike),
+                                       std::pair("/api/groups", groups_of(*outline, 5))}) {
+    waiting.push_back(std::async(std::launch::async,
+                                 [&, what, question] { return asked(answers, what, question); }));
+  }
+  waiting.push_back(
+      std::async(std::launch::async, [&] { return answers({.path = "/api/archives/0/index"}); }));
+  for (const auto& one : waiting)
+    EXPECT_EQ(one.wait_for(std::chrono::milliseconds(100)), std::future_status::timeout);
+  let_go();
+  for (auto& one : waiting)
+    EXPECT_EQ(one.get().status, 200U);
+  const auto whole = gallery->snapshot(0);
+  EXPECT_FALSE(whole->is_outline());
+  EXPECT_EQ(whole->generation(), outline->generation());
+  EXPECT_EQ(Json(gallery->state()["archives"][0]), said);
+  EXPECT_EQ(first_answers(answers, *whole), before);
+}
+
+TEST_F(OutlinesTest, AQuestionDoesNotWaitForEver) {
+  const auto gallery = begun();
+  ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
+  const Answers answers(*gallery, notes_, rules_, "1.2");
+  const web::Answer answer = asked(answers, "/api/groups", groups_of(*gallery->snapshot(0), 5));
+  EXPECT_EQ(answer.status, 503U);
+  let_go();
+  ASSERT_TRUE(holds_soon([&] { return !gallery->snapshot(0)->is_outline(); }));
+  EXPECT_EQ(asked(answers, "/api/groups", groups_of(*gallery->snapshot(0), 5)).status, 200U);
+}
+
+TEST_F(OutlinesTest, OfADamagedArchiveNothingStays) {
+  // Such a page would ask on and on for what can't be had.
+  const auto gallery = begun();
+  ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
+  const Json ask = groups_of(*gallery->snapshot(0), 5);
+  files_.damage(archive_);
+  let_go();
+  ASSERT_TRUE(holds_soon([&] { return gallery->state()["archives"][0]["state"] == "damaged"; }));
+  EXPECT_EQ(gallery->snapshot(0), nullptr);
+  const Answers answers(*gallery, notes_, rules_, "1.2");
+  EXPECT_EQ(asked(answers, "/api/groups", ask).status, 502U);
+  EXPECT_EQ(answers({.path = "/api/archives/0/table"}).status, 502U);
+}
+
+TEST_F(OutlinesTest, AreOfOneStateOfOneFile) {
+  // Another file in the place, and the same bytes under a wrong digest: both are read whole.
+  files_.put(archive_, made_up(60, 10));
+  {
+    const auto gallery = begun();
+    let_go();
+    ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
+    EXPECT_FALSE(gallery->snapshot(0)->is_outline());
+    EXPECT_EQ(opened_, 1);
+  }
+  const Snapshot whole(archive_, {.open = files_.opener()});
+  browse::Outline other = browse::outline_of(whole.index(), whole.first_groups());
+  other.index.digest.back() = other.index.digest.back() == '0' ? '1' : '0';
+  const Snapshot read(archive_, {.outline = &other, .open = files_.opener()});
+  EXPECT_FALSE(read.is_outline());
+  EXPECT_EQ(read.index().entries, whole.index().entries);
+}
+
+}  // namespace
+}  // namespace sleight::gallery
