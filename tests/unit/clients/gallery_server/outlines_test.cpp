@@ -84,7 +84,7 @@ class OutlinesTest : public archive::testing::Scratch {
     }
     const web::Answer groups = asked(answers, "/api/groups", groups_of(snapshot, 12));
     EXPECT_EQ(groups.status, 200U);
-    return all + groups.content.text();
+    return all.append(groups.content.text());
   }
   static Json groups_of(const Snapshot& snapshot, int groups) {
     return {{"id", 0},
