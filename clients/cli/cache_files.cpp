@@ -109,8 +109,9 @@ std::optional<FileState> state_of_file(const std::string& path) {
 std::optional<CachedBytes> cached(const std::string& archive, std::string_view ending) {
   const auto place = place_of(archive, ending);
   if (!place) return std::nullopt;
-  std::ifstream file(*place, std::ios::binary);
   std::error_code failure;
+  if (!fs::is_regular_file(*place, failure)) return std::nullopt;  // a pipe would be waited for
+  std::ifstream file(*place, std::ios::binary);
   const std::uint64_t size = fs::file_size(*place, failure);
   CachedBytes found;
   if (!file || failure || size < sizeof(found.of) || size > k_cache_bytes_max) return std::nullopt;

@@ -170,9 +170,10 @@ web::Answer Answers::post(const web::Ask& ask) const {
     return question[name].get<std::string>();
   };
   runs_with_notes();  // where each is kept
-  const bool has_note = question.is_object() && question.contains("note");
-  return json_answer(
-      notes_.change(text("run"), text("name"), has_note ? Json(question["note"]) : Json(nullptr)));
+  const std::string run = text("run");
+  Json notes =
+      notes_.change(run, question.contains("notes") ? Json(question["notes"]) : Json(nullptr));
+  return json_answer({{"notes", std::move(notes)}, {"words", notes_.trouble()}});
 }
 
 }  // namespace sleight::gallery

@@ -61,7 +61,12 @@ std::string reason_of(const std::string& what, const std::string& path) {
 
 }  // namespace
 
-Gallery::Gallery(GalleryOptions options) : options_(std::move(options)) {
+Gallery::Gallery(GalleryOptions options)
+    : options_(std::move(options)),
+      generation_(
+          static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                         std::chrono::system_clock::now().time_since_epoch())
+                                         .count())) {
   look_through_folders();
   looking_ = std::thread([this] { look_forever(); });
 }
@@ -128,20 +133,23 @@ void Gallery::look_at(std::size_t archive) {
     if (!file) {
       const bool was_known = shown.state == ArchiveState::gone;
       shown.state = ArchiveState::gone;
-      if (shown.has_outline()) shown.snapshot.reset();  // nothing more could be asked of it
-      shown.words = shown.snapshot  ? "The archive's file is gone; this is what was read of it."
+      shown.words = shown.snapshot  ? "The archive's file is gone. This is what was read before."
                     : shown.is_live ? "The job has committed nothing yet."
                                     : "There is no such file (yet).";
       shown.tried.reset();
       if (was_known) return;
     } else if (shown.tried == file) {
       const auto alone = std::chrono::steady_clock::now() - shown.outlined_at;
-      if (!shown.has_outline() || (!shown.is_wanted && alone < k_outline_alone)) return;
+      const bool is_due = shown.is_wanted || alone >= k_outline_alone;
+      if (!shown.has_outline() || shown.state != ArchiveState::ready || !is_due) return;
       reading.outline = shown.snapshot;
     } else {
       shown.tried = file;
       if (!shown.has_outline()) reading.before = shown.snapshot;
-      if (!reading.before) shown.state = ArchiveState::reading;
+      if (!reading.before) {
+        shown.state = ArchiveState::reading;
+        shown.words.clear();
+      }
     }
   }
   if (!file) {
@@ -231,7 +239,6 @@ void Gallery::show(std::size_t archive, std::shared_ptr<const Snapshot> now,
   Shown& shown = *shown_[archive];
   shown.read = shown.of = 0;
   changed_.notify_all();
-  if (!now && shown.has_outline()) shown.snapshot.reset();  // nothing more could be asked of it
   if (now) {
     shown.is_wanted = false;
     shown.outlined_at = std::chrono::steady_clock::now();
@@ -286,15 +293,22 @@ std::shared_ptr<const Snapshot> Gallery::whole_snapshot(std::size_t archive) con
   if (shown.has_outline()) {
     shown.is_wanted = true;
     changed_.notify_all();
-    changed_.wait_for(lock, k_wait_max, [&] { return is_over_ || !shown.has_outline(); });
+    changed_.wait_for(lock, k_wait_max, [&] {
+      const bool may_come =
+          shown.state == ArchiveState::reading || shown.state == ArchiveState::ready;
+      return is_over_ || !shown.has_outline() || !may_come;
+    });
   }
   return shown.has_outline() ? nullptr : shown.snapshot;
 }
 
-std::string Gallery::damage_of(std::size_t archive) const {
+std::string Gallery::why_unreadable(std::size_t archive) const {
   const std::lock_guard lock(mutex_);
-  if (archive >= shown_.size() || shown_[archive]->state != ArchiveState::damaged) return {};
-  return shown_[archive]->words;
+  if (archive >= shown_.size()) return {};
+  const Shown& shown = *shown_[archive];
+  const bool is_unreadable =
+      shown.state == ArchiveState::damaged || shown.state == ArchiveState::gone;
+  return is_unreadable ? shown.words : std::string();
 }
 
 std::size_t Gallery::archives() const {

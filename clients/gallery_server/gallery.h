@@ -56,8 +56,8 @@ class Gallery {
   /// Likewise, but no outline: while there is only that it waits, for 2 s at most. Null also where
   /// it has waited in vain.
   std::shared_ptr<const Snapshot> whole_snapshot(std::size_t archive) const;
-  /// Why nothing can be read of a damaged archive, as a sentence; empty: it isn't damaged.
-  std::string damage_of(std::size_t archive) const;
+  /// Why nothing more can be read of an archive that is damaged or gone, as sentences; else empty.
+  std::string why_unreadable(std::size_t archive) const;
   std::size_t archives() const;
   /// Its file, for people; empty where there is none.
   std::string path_of(std::size_t archive) const;
@@ -108,7 +108,9 @@ class Gallery {
   mutable std::mutex mutex_;  ///< of all below
   std::vector<std::unique_ptr<Shown>> shown_;
   std::vector<ListedFiles::LeftOut> left_out_;
-  std::uint64_t generation_ = 0;
+  /// From milliseconds since 1970 on: a page that is open while a gallery is started again must not
+  /// take another reading for the one that it has.
+  std::uint64_t generation_;
   bool is_over_ = false;
   mutable std::condition_variable changed_;  ///< the end, what is shown, and what is wanted
   std::thread looking_;

@@ -190,24 +190,34 @@ void Notes::keep_in(const std::string& run, const std::string& folder) {
   if (!known.folder) known.folder = folder;
 }
 
-Json Notes::change(const std::string& run, const std::string& animation, const Json& patch) {
-  if (!is_run_word(run) || !browse::parse_name(animation)) refuse("there is no such animation");
+Json Notes::change(const std::string& run, const Json& patches) {
+  if (!is_run_word(run)) refuse("there is no such run");
+  if (!patches.is_object()) refuse("the changes are no object");
   const std::lock_guard lock(mutex_);
   Run& of = loaded(run);
-  Json kept = patched(of.notes.value(animation, checked(Json::object())), patch);
   std::uint64_t changed = 0;
   for (const Json& one : of.notes)
     changed = std::max(changed, one["changed"].get<std::uint64_t>());
-  kept["changed"] = changed + 1;
-  if (says_nothing(kept)) {
-    of.notes.erase(animation);
-  } else {
-    if (!of.notes.contains(animation) && of.notes.size() >= k_notes_max)
-      refuse(fmt::format("a run has at most {} notes", k_notes_max));
-    of.notes[animation] = kept;
+  Json now = Json::object();
+  std::size_t more = 0;
+  for (const auto& [animation, patch] : patches.items()) {
+    if (!browse::parse_name(animation)) refuse("there is no such animation");
+    Json& kept = now[animation];
+    kept = patched(of.notes.value(animation, checked(Json::object())), patch);
+    kept["changed"] = changed + 1;
+    if (!says_nothing(kept) && !of.notes.contains(animation)) ++more;
+  }
+  if (more > 0 && of.notes.size() + more > k_notes_max)
+    refuse(fmt::format("a run has at most {} notes", k_notes_max));
+  for (const auto& [animation, kept] : now.items()) {
+    if (says_nothing(kept)) {
+      of.notes.erase(animation);
+    } else {
+      of.notes[animation] = kept;
+    }
   }
   write(run, of);
-  return kept;
+  return now;
 }
 
 std::string Notes::trouble() const {

@@ -36,13 +36,12 @@ class Notes {
   void keep_in(const std::string& run, const std::string& folder);
   /// All of a run, by animation. A file that can't be read has none.
   nlohmann::ordered_json of_run(const std::string& run);
-  /// Changes one as the patch says: "star", "hidden" and "note" are what they are then, "tags_on"
-  /// and "tags_off" are added and taken off; what it doesn't speak of stays, so that others'
-  /// changes do. Returns the whole note as it is now, with "changed", which grows with each change
-  /// of the run's notes. Throws base::Error(usage) where it is no patch, or the note becomes too
-  /// much.
-  nlohmann::ordered_json change(const std::string& run, const std::string& animation,
-                                const nlohmann::ordered_json& patch);
+  /// Changes those of some animations, each as its patch says: "star", "hidden" and "note" are what
+  /// they are then, "tags_on" and "tags_off" are added and taken off; what it doesn't speak of
+  /// stays, so that others' changes do. Returns the whole notes as they are now, each with
+  /// "changed", which grows with each change of the run's notes. Throws base::Error(usage), and
+  /// changes nothing, where one is no patch, or the notes become too much.
+  nlohmann::ordered_json change(const std::string& run, const nlohmann::ordered_json& patches);
   /// Why notes aren't kept; empty: they are.
   std::string trouble() const;
 

@@ -237,8 +237,12 @@ std::string rounds_table(const archive::Source& source, const archive::Summary& 
 std::string index_of(const archive::Source& source, const archive::Summary& summary,
                      std::uint64_t chain) {
   const cli::IndexProcess process = cli::index_process_of(source, chain);
+  std::vector<double> begins;
+  for (const cli::Round& round : rounds(source, summary))
+    begins.push_back(static_cast<double>(round.first_scan));
   Packed packed;
   packed.add("scan", process.scan);
+  packed.add("round", begins);
   for (std::size_t replica = 0; replica < process.level.size(); ++replica)
     packed.add(fmt::format("level.{}", replica), process.level[replica]);
   return packed.finish({{"kind", "index"},

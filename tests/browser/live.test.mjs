@@ -152,6 +152,31 @@ test("an archive that comes into the folder is there; a link out of it isn't", a
   visitor.assertNoProblems();
 });
 
+/** What a page complains of while its server is dead. */
+const ofDeadServer =
+  /status of (404|409|503) .*\/api\/find|ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE/;
+
+test("a server that comes back with a longer run offers what is new", async () => {
+  put(readFileSync(ages[1].path), grown);
+  const { archives: [{ run_id: id }], of: many } = find(ages[1].path, "-n", "1");
+  await visitor.open(`#run=${id}&view=list`);
+  await page.locator("#counts", { hasText: `${many} of ${many} shown` }).waitFor({ timeout: 10_000 });
+  await gallery.kill();
+  await troubleIs("The server doesn't answer");
+  put(readFileSync(ages[2].path), grown);
+  await gallery.begin();
+  await noTrouble();
+  const now = find(ages[2].path, "-n", "1").of;
+  await page.locator("#take-new", { hasText: `${now - many} new` }).waitFor({ timeout: 10_000 });
+  await page.locator("#view-groups").click();
+  await page.locator("#toolbar-words", { hasText: `groups of ${many} that` }).waitFor();
+  const words = await page.locator("#groups [role=gridcell]").allInnerTexts();
+  const kept = words.map((card) => Number(/(\d+) kept/.exec(card)[1]));
+  assert.equal(kept.reduce((a, b) => a + b), many, kept.join());
+  await cards(page);
+  visitor.assertNoProblems(ofDeadServer);
+});
+
 test("a server that is killed is waited for; the page goes on by itself", async () => {
   const id = find(grown, "-n", "1").archives[0].run_id;
   await visitor.open(`#run=${id}&view=list`);
@@ -177,7 +202,7 @@ test("a server that is killed is waited for; the page goes on by itself", async 
   await page.locator("#list [data-key]").first().hover();
   await page.locator("#list [data-index='0'] [data-act=star]").click();
   await page.locator("#list [data-index='0'].is-starred").waitFor();
-  visitor.assertNoProblems(/status of (404|409|503) .*\/api\/find|ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE/);
+  visitor.assertNoProblems(ofDeadServer);
   // Another server of this port, that doesn't know the page, says so.
   await gallery.kill();
   await troubleIs("The server doesn't answer");

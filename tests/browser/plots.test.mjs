@@ -69,7 +69,7 @@ test("the index process shows each replica's way between the prior and the goal"
     const bytes = await (await fetch(`/api/archives/${at}/series/index?chain=0`)).arrayBuffer();
     return JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, new DataView(bytes).getUint32(0, true))));
   }, runOf(dice));
-  assert.equal(columns.length, 1 + head.replicas);
+  assert.equal(columns.length, 2 + head.replicas);
   assert.equal(await lines.count(), head.replicas);
   assert.ok(head.replicas >= 3);
   visitor.assertNoProblems();

@@ -192,6 +192,29 @@ test("stars, tags and what is hidden are kept, and undone", async () => {
   visitor.assertNoProblems();
 });
 
+test("what is noted right before the page goes is kept", async () => {
+  const notesOf = () => page.evaluate(async () =>
+    Object.assign({}, ...Object.values((await (await fetch("/api/notes")).json()).notes)));
+  await visitor.open("#view=list");
+  await page.locator("#list [role=gridcell]").first().click();
+  await page.keyboard.press("Control+a");
+  await page.keyboard.press("s");
+  const many = find(hi).of;
+  await visitor.open("#view=list");
+  const starred = Object.values(await notesOf()).filter(({ star }) => star).length;
+  assert.equal(starred, many - 1, "all but the one that is hidden");
+
+  const [first] = namesFound(hi);
+  await visitor.open(`#play=${first}`);
+  await playerShows(page, 1);
+  await page.locator("#note-playing").fill("half a sen");
+  await page.reload();
+  await playerShows(page, 1);
+  await page.waitForFunction(() => document.querySelector("#note-playing").value === "half a sen");
+  assert.equal((await notesOf())[first].note, "half a sen");
+  visitor.assertNoProblems();
+});
+
 test("pictures move, and stand still for those who want that", async () => {
   const changesIn = (ms) => page.locator("canvas[data-thumbnail=drawn]").first().evaluate(async (canvas, wait) => {
     const picture = async () => {

@@ -14,13 +14,22 @@ import { Store } from "../src/state/store";
 class Server {
   readonly runs: Record<string, Record<string, KeptNote>> = { a: {}, b: {} };
   isAway = false;
+  /** Why notes last no longer than the server. */
+  words = "";
+  questions = 0;
 
   asSource(): GallerySource {
     return {
       notes: async () => ({ notes: structuredClone(this.asked()) }),
-      changeNote: async (run: string, name: string, patch: NotePatch) => {
+      changeNotes: async (run: string, patches: Readonly<Record<string, NotePatch>>) => {
+        this.questions += 1;
         const notes = this.asked()[run]!;
-        return (notes[name] = { ...patched(noteOf(notes, name), patch), changed: 1 });
+        if (Object.values(patches).some(({ note }) => note === "refused"))
+          throw new SourceError("other", "That note is refused.");
+        for (const [name, patch] of Object.entries(patches))
+          notes[name] = { ...patched(noteOf(notes, name), patch), changed: 1 };
+        const kept = Object.fromEntries(Object.keys(patches).map((name) => [name, notes[name]!]));
+        return { notes: kept, words: this.words };
       },
     } as unknown as GallerySource;
   }
@@ -119,9 +128,9 @@ test("what is noted while the server is away is kept when it is back", async () 
 test("what waits for an answer is sent when the page goes away", async () => {
   const server = new Server();
   const silent = server.asSource();
-  const asked: (readonly [string, NotePatch, boolean])[] = [];
-  silent.changeNote = (_run, name, patch, options) => {
-    asked.push([name, patch, options?.outlivesPage ?? false]);
+  const asked: (readonly [Readonly<Record<string, NotePatch>>, boolean])[] = [];
+  silent.changeNotes = (_run, patches, options) => {
+    asked.push([patches, options?.outlivesPage ?? false]);
     return new Promise(() => undefined);
   };
   const { store, keeping, window } = await pageOf(server, "a", silent);
@@ -130,13 +139,75 @@ test("what waits for an answer is sent when the page goes away", async () => {
   keeping.undo();
   keeping.toggle(["0.2"], "star");
   await settle();
-  assert.deepEqual(asked, [["0.1", { hidden: true }, false]]);
+  assert.deepEqual(asked, [[{ "0.1": { hidden: true } }, false]]);
   assert.ok(leaves());
   window.dispatchEvent(new Event("pagehide"));
-  assert.deepEqual(asked.slice(1), [["0.1", { hidden: false }, true], ["0.2", { star: true }, true]]);
-  // Where notes can't be kept, a person is asked before they are lost.
+  assert.deepEqual(asked.slice(1), [[{ "0.1": { hidden: false }, "0.2": { star: true } }, true]]);
+  // Where notes can't be kept, or are too many to be sent then, a person is asked before they are lost.
   store.set({ notesWords: "can't be kept" });
   assert.ok(!leaves());
+  store.set({ notesWords: "" });
+  keeping.toggle(Array.from({ length: 5000 }, (_, i) => `1.${i}`), "star");
+  assert.ok(!leaves());
+});
+
+test("many notes are few questions, and one that is refused costs the others nothing", async () => {
+  const server = new Server();
+  const { store, keeping } = await pageOf(server);
+  const names = Array.from({ length: 5000 }, (_, i) => `1.${i}`);
+  keeping.toggle(names, "star");
+  await settle();
+  assert.equal(Object.values(server.runs["a"]!).filter(({ star }) => star).length, 5000);
+  assert.ok(server.questions <= 4, `${server.questions}`);
+  server.isAway = true;
+  keeping.toggle(["0.1", "0.2"], "star");
+  keeping.edit("a", "0.3", noteOf({}, "0.3"), { note: "refused" });
+  keeping.toggle(["0.4"], "star");
+  await settle();
+  server.isAway = false;
+  store.set({ source: "refused" });
+  await settle();
+  store.set({ source: "here" });
+  await settle();
+  for (const name of ["0.1", "0.2", "0.4"]) assert.equal(server.runs["a"]![name]?.star, true, name);
+  assert.equal(server.runs["a"]!["0.3"], undefined);
+});
+
+test("a slow answer takes nothing back that was kept meanwhile, and silence is told", async () => {
+  const server = new Server();
+  const slow = server.asSource();
+  const { notes } = slow;
+  let isSlow = false;
+  slow.notes = async () => {
+    const then = await notes();
+    if (isSlow) await new Promise((resolve) => setTimeout(resolve, 30));
+    return then;
+  };
+  const { store, keeping, window } = await pageOf(server, "a", slow);
+  isSlow = true;
+  window.dispatchEvent(new Event("focus"));
+  await settle();
+  keeping.toggle(["0.1"], "star");
+  await settle();
+  assert.equal(server.runs["a"]!["0.1"]?.star, true);
+  await new Promise((resolve) => setTimeout(resolve, 100));
+  assert.equal(noteOf(store.state.notes, "0.1").star, true);
+
+  // What the server keeps no longer than it lives is said with the next change, and withdrawn.
+  store.set({ gallery: { version: "", archives: [], left_out: [], notes: { writable: true, words: "" } } });
+  server.words = "The disk is full.";
+  keeping.toggle(["0.2"], "star");
+  await settle();
+  assert.deepEqual(store.state.gallery?.notes, { writable: false, words: "The disk is full." });
+  server.words = "";
+  keeping.toggle(["0.2"], "star");
+  await settle();
+  assert.deepEqual(store.state.gallery?.notes, { writable: true, words: "" });
+
+  slow.changeNotes = () => new Promise(() => undefined);
+  keeping.toggle(["0.3"], "star");
+  await new Promise((resolve) => setTimeout(resolve, 2100));
+  assert.match(store.state.notesWords, /doesn't answer/);
 });
 
 test("patches say what is between two notes, and one after the other is both", () => {

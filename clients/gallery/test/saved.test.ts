@@ -266,21 +266,21 @@ test("notes are kept by the browser, or as long as the page", async () => {
   const first = open(undefined, () => storage).source;
   assert.deepEqual((await first.notes()).notes, { [RUN]: {} });
   const other = open(undefined, () => storage).source;
-  assert.equal((await first.changeNote(RUN, "0.10", note("one"))).changed, 1);
-  assert.equal((await other.changeNote(RUN, "0.20", note("two"))).changed, 2);
-  assert.equal((await first.changeNote(RUN, "0.10", note("three"))).changed, 3);
+  assert.equal((await first.changeNotes(RUN, { "0.10": note("one") })).notes["0.10"]?.changed, 1);
+  assert.equal((await other.changeNotes(RUN, { "0.20": note("two") })).notes["0.20"]?.changed, 2);
+  assert.equal((await first.changeNotes(RUN, { "0.10": note("three") })).notes["0.10"]?.changed, 3);
   const again = (await open(undefined, () => storage).source.notes()).notes[RUN];
   assert.deepEqual(Object.entries(again ?? {}).map(([name, { note: text }]) => [name, text]).sort(),
     [["0.10", "three"], ["0.20", "two"]]);
   assert.equal((await first.gallery()).notes.writable, true);
 
   storage.isFull = true;
-  await first.changeNote(RUN, "0.30", note("four"));
+  await first.changeNotes(RUN, { "0.30": note("four") });
   assert.equal((await first.notes()).notes[RUN]?.["0.30"]?.note, "four");
   assert.equal((await first.gallery()).notes.writable, false);
 
   const none = open(undefined, () => { throw new Error("SecurityError"); }).source;
-  await none.changeNote(RUN, "0.10", note("five"));
+  await none.changeNotes(RUN, { "0.10": note("five") });
   assert.equal((await none.notes()).notes[RUN]?.["0.10"]?.note, "five");
   assert.equal((await none.gallery()).notes.writable, false);
 

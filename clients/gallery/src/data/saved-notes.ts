@@ -32,12 +32,13 @@ export class SavedNotes {
     return notes;
   }
 
-  change(run: string, name: AnimationName, patch: NotePatch): KeptNote {
+  change(run: string, patches: Readonly<Record<AnimationName, NotePatch>>): OfRun {
     // The same gallery may be open twice: what the other page has noted stays.
     const notes = { ...this.ofRun(run), ...this.read(run) };
     const changed = 1 + Object.values(notes).reduce((most, one) => Math.max(most, one.changed), 0);
-    const kept: KeptNote = { ...patched(noteOf(notes, name), patch), changed };
-    const now = { ...notes, [name]: kept };
+    const kept = Object.fromEntries(Object.entries(patches).map(([name, patch]) =>
+      [name, { ...patched(noteOf(notes, name), patch), changed }]));
+    const now = { ...notes, ...kept };
     this.runs.set(run, now);
     try {
       this.storage?.setItem(PREFIX + run, JSON.stringify(now));

@@ -16,8 +16,8 @@ import { SatisfiedDraws, type Share } from "./saved-shares";
 import { type AskOptions, type GallerySource, SourceError, type SourceListener } from "./source";
 import {
   type AlikeAnswer, type AlikeAsk, type Animation, type AnimationName, type ArchiveAt, type ArchiveId,
-  type ArchiveSummary, type Entry, type FindAnswer, type GalleryState, type GroupsAnswer, type GroupsAsk,
-  type KeptNote, type Looks, nameOf, type NotePatch, type Notes, type Scene, type Series, type SeriesTitle,
+  type ArchiveSummary, type ChangedNotes, type Entry, type FindAnswer, type GalleryState, type GroupsAnswer,
+  type GroupsAsk, type Looks, nameOf, type NotePatch, type Notes, type Scene, type Series, type SeriesTitle,
   type Table,
 } from "./types";
 
@@ -28,6 +28,8 @@ const SERIES_BYTES_MAX = 64 * 1024 * 1024;
 /** Of two large archives the one that is not looked at has to go. */
 const INDEX_BYTES_MAX = 256 * 1024 * 1024;
 const PAUSE_MS = 3000;
+const NOT_KEPT =
+  "Stars and notes last until this page is closed: the browser keeps nothing for a page that is opened so.";
 
 /** An answer, and how many bytes it holds. */
 interface File {
@@ -98,7 +100,7 @@ class SavedSource implements GallerySource {
     const asked = this.galleries.get("", async () => galleryOf(await this.json("gallery")));
     const state = await wanted(asked, options);
     // Whether notes are kept is the browser's to say.
-    const words = this.kept.areKept ? "" : "this browser keeps nothing for a page that is opened so.";
+    const words = this.kept.areKept ? "" : NOT_KEPT;
     return { ...state, notes: { writable: this.kept.areKept, words } };
   }
 
@@ -200,8 +202,11 @@ class SavedSource implements GallerySource {
     return { notes: Object.fromEntries(archives.map(({ run }) => [run, this.kept.ofRun(run)])) };
   }
 
-  async changeNote(run: string, name: AnimationName, patch: NotePatch): Promise<KeptNote> {
-    return this.kept.change(run, name, patch);
+  async changeNotes(
+    run: string, patches: Readonly<Record<AnimationName, NotePatch>>,
+  ): Promise<ChangedNotes> {
+    const notes = this.kept.change(run, patches);
+    return { notes, words: this.kept.areKept ? "" : NOT_KEPT };
   }
 
   /** Nothing changes here. */

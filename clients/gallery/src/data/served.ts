@@ -1,6 +1,6 @@
 // A gallery that a server answers: `sleight gallery`.
 //
-// While the server is away every question but changeNote() waits, and is asked again once the server is
+// While the server is away every question but changeNotes() waits, and is asked again once the server is
 // back; the listeners are told. The stream of events is the sign of life: it is opened anew with
 // growing pauses, so nobody has to reload the page.
 
@@ -13,8 +13,8 @@ import {
   type SourceListener, type SourceState,
 } from "./source";
 import type {
-  AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, FindAnswer, GalleryState,
-  GroupsAnswer, GroupsAsk, KeptNote, Looks, NotePatch, Notes, Scene, Series, SeriesTitle, Table,
+  AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, ChangedNotes, FindAnswer,
+  GalleryState, GroupsAnswer, GroupsAsk, Looks, NotePatch, Notes, Scene, Series, SeriesTitle, Table,
 } from "./types";
 
 const PAUSE_MS_MIN = 250;
@@ -111,12 +111,12 @@ class ServedSource implements GallerySource {
     if (!isObject(answer) || !isObject(answer["notes"])) throw torn("there are no notes in it");
     return answer as unknown as Notes;
   }
-  async changeNote(
-    run: string, name: AnimationName, patch: NotePatch, options?: AskOptions,
-  ): Promise<KeptNote> {
-    const body = { run, name, note: patch };
-    const answer = await this.json({ path: "notes", body, waits: false }, options);
-    return withLists<KeptNote>(answer, "tags");
+  async changeNotes(
+    run: string, patches: Readonly<Record<AnimationName, NotePatch>>, options?: AskOptions,
+  ): Promise<ChangedNotes> {
+    const answer = await this.json({ path: "notes", body: { run, notes: patches }, waits: false }, options);
+    if (!isObject(answer) || !isObject(answer["notes"])) throw torn("there are no notes in it");
+    return answer as unknown as ChangedNotes;
   }
 
   onChange(listener: SourceListener): () => void {

@@ -5,8 +5,8 @@
 // the one they mean.
 
 import type {
-  AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, FindAnswer, GalleryState,
-  GroupsAnswer, GroupsAsk, KeptNote, Looks, NotePatch, Notes, Scene, Series, SeriesTitle, Table,
+  AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, ChangedNotes, FindAnswer,
+  GalleryState, GroupsAnswer, GroupsAsk, Looks, NotePatch, Notes, Scene, Series, SeriesTitle, Table,
 } from "./types";
 
 export type FailureKind =
@@ -81,8 +81,10 @@ export interface GallerySource {
   /** As `sleight diagnose --json` says it. */
   diagnosis(archive: ArchiveId, options?: AskOptions): Promise<unknown>;
   notes(options?: AskOptions): Promise<Notes>;
-  /** Returns the whole note as it is then. */
-  changeNote(run: string, name: AnimationName, patch: NotePatch, options?: AskOptions): Promise<KeptNote>;
+  /** Changes some notes of a run: all of them or none. */
+  changeNotes(
+    run: string, patches: Readonly<Record<AnimationName, NotePatch>>, options?: AskOptions,
+  ): Promise<ChangedNotes>;
   /** Returns what ends it. */
   onChange(listener: SourceListener): () => void;
 }

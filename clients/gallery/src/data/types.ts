@@ -211,6 +211,12 @@ export interface Notes {
   readonly notes: Readonly<Record<string, Readonly<Record<AnimationName, KeptNote>>>>;
 }
 
+/** What was changed, whole; `words`: why it lasts no longer than the gallery, "" where it does. */
+export interface ChangedNotes {
+  readonly notes: Readonly<Record<AnimationName, KeptNote>>;
+  readonly words: string;
+}
+
 /** Of an archive's table row: what it is called. */
 export function nameOf(table: Table, entry: Entry): AnimationName {
   const draw = String(table.draw[entry] ?? 0);

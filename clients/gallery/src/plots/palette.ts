@@ -12,5 +12,6 @@ export function lineColour(index: number, isDark: boolean): string {
 }
 
 export function lineDash(index: number): number[] {
-  return [...(dashes[index % dashes.length] ?? [])];
+  // The first six differ in both; of the next six none has a pair of theirs, and so on.
+  return [...(dashes[(index + Math.floor(index / dashes.length)) % dashes.length] ?? [])];
 }

@@ -177,15 +177,22 @@ function indexOf(title: string, { head, columns }: Series): PlotData {
   if (!x) return { ...nothing, title };
   const replicas = numberOf(fields["replicas"]) ?? 0;
   const lines = Array.from({ length: replicas }, (_, replica) => replica).flatMap((replica) => {
-    const y = columns.get(`level.${replica}`);
-    // Some replicas lived before the burn-in's end only.
-    const isThere = y?.some((level) => Number.isFinite(level)) ?? false;
-    return y && isThere ? [{ label: `replica ${replica}`, chain: -1, x, y, isSteps: true }] : [];
+    const levels = columns.get(`level.${replica}`) ?? [];
+    // Some live for a part of the run only.
+    const there = [...levels.keys()].filter((moment) => Number.isFinite(levels[moment]));
+    const ofThere = (column: Column | readonly number[]): Float64Array =>
+      Float64Array.from(there, (moment) => column[moment] ?? NaN);
+    const line = { label: `replica ${replica}`, chain: -1, x: ofThere(x), y: ofThere(levels), isSteps: true };
+    return there.length > 0 ? [line] : [];
   });
+  const begins = columns.get("round");
+  const marks = begins ? [{ label: "a round begins: its ladder is spaced anew", x: begins }] : [];
   const every = (x[1] ?? 0) - (x[0] ?? 0);
   const notices = every > 1 ? [`One scan in ${every} is shown: how replicas went between isn't known.`] : [];
   const yLabel = "level (0: the prior)";
-  return { ...nothing, title, notices: [...notices, ...warningsOf([fields])], lines, xLabel: "scan", yLabel };
+  return {
+    ...nothing, title, notices: [...notices, ...warningsOf([fields])], lines, marks, xLabel: "scan", yLabel,
+  };
 }
 
 /** How many chains a trace has, as the answer of one says. */

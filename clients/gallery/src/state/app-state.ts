@@ -87,6 +87,8 @@ export interface AppState {
   readonly built: string;
   readonly notes: NotesByName;
   readonly notesWords: string;
+  /** The browser has no WebGL. */
+  readonly hasNoPictures: boolean;
   readonly history: History<Undoable>;
   readonly groups: ShownGroups | null;
   readonly groupsFailure: string;

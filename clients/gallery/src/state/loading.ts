@@ -67,6 +67,8 @@ export class Loading {
       this.store.set({ loadFailure: "" });
       return;
     }
+    // Where a gallery was started again, what is shown is more.
+    if (!isOther && archive.is_beginning && !this.store.state.isBeginning) return;
     if (archive.state !== "ready") {
       // What was read of it stays on the page; the header says why it isn't as it was.
       if (isOther)

@@ -12,11 +12,22 @@ import { redo, undo, withStep } from "./undo";
 
 type Patches = Readonly<Record<string, NotePatch>>;
 
+/** In one question. */
+const patchesMax = 2000;
+/** Browsers send 64 kB at most for a page that is going. */
+const leavingBytesMax = 60_000;
+/** An answer that takes longer is told. */
+const lateMs = 2000;
+const noAnswer = "the gallery's server doesn't answer.";
+
 export class NoteKeeping {
   private readonly latest = new Latest();
   /** What is not kept yet, by run and name. */
   private readonly waiting = new Map<string, Map<string, NotePatch>>();
+  /** Counts what is changed here, and what of that was kept. */
+  private changes = 0;
   private isSending = false;
+  private atOnce = patchesMax;
 
   constructor(
     private readonly store: Store<AppState>,
@@ -25,8 +36,8 @@ export class NoteKeeping {
 
   /**
    * Reads the notes of each run that comes to be shown, and again when a person comes back to the page.
-   * `window` tells of that, and of the page's end: what waits is sent then, and while it can't be kept the
-   * browser asks before it leaves.
+   * `window` tells of that, and of the page's end: what waits is sent then. Where it can't be kept, or is more
+   * than a page may send while it goes, the browser asks before it leaves.
    */
   start(window: EventTarget): () => void {
     const again = (): void => {
@@ -35,14 +46,16 @@ export class NoteKeeping {
     };
     const leave = (): void => this.sendAtOnce();
     const ask = (event: Event): void => {
-      if (this.store.state.notesWords !== "" && this.nextWaiting() !== null) event.preventDefault();
+      const bytes = JSON.stringify([...this.waiting].map(([, ofRun]) => [...ofRun])).length;
+      const isTooMuch = bytes > leavingBytesMax;
+      if (this.isWaiting() && (isTooMuch || this.store.state.notesWords !== "")) event.preventDefault();
     };
     window.addEventListener("focus", again);
     window.addEventListener("pagehide", leave);
     window.addEventListener("beforeunload", ask);
     const end = this.store.subscribe((state, before) => {
       const isOther = state.loaded?.run !== before.loaded?.run;
-      const isBack = state.source === "here" && before.source === "away";
+      const isBack = state.source === "here" && before.source !== "here";
       if (isOther || isBack) again();
     });
     return () => {
@@ -55,9 +68,12 @@ export class NoteKeeping {
 
   private async read(run: string): Promise<void> {
     const isWanted = this.latest.begin();
+    const { changes } = this;
     try {
       const all = await this.source.notes();
       if (!isWanted()) return;
+      // What was kept in the meantime may not be in the answer.
+      if (changes !== this.changes) return await this.read(run);
       const notes: Record<string, Note> = { ...all.notes[run] };
       for (const [name, patch] of this.waiting.get(run) ?? []) notes[name] = patched(noteOf(notes, name), patch);
       this.store.set({ notes, notesWords: "" });
@@ -152,6 +168,7 @@ export class NoteKeeping {
   }
 
   private putNotes(run: string, changed: Patches): void {
+    this.changes += 1;
     const ofRun = this.waiting.get(run) ?? new Map<string, NotePatch>();
     this.waiting.set(run, ofRun);
     const notes: Record<string, Note> = { ...this.store.state.notes };
@@ -163,29 +180,44 @@ export class NoteKeeping {
     void this.send();
   }
 
-  /** Has all that waits kept, one after another: what fails once would fail as often as there are names. */
+  /** Has all that waits kept. */
   private async send(): Promise<void> {
     if (this.isSending) return;
     this.isSending = true;
     let words = "";
+    const late = setTimeout(() => this.store.set({ notesWords: notKept(noAnswer) }), lateMs);
     try {
       for (let next = this.nextWaiting(); next !== null; next = this.nextWaiting()) {
-        const { run, name, patch } = next;
-        const kept = await this.source.changeNote(run, name, patch).catch((error: unknown) => {
-          // It will never be kept.
-          if (error instanceof SourceError && error.kind === "other") this.sent(run, name, patch);
-          throw error;
+        const { run, patches } = next;
+        const isAlone = Object.keys(patches).length === 1;
+        const answer = await this.source.changeNotes(run, patches).catch((error: unknown) => {
+          if (!(error instanceof SourceError) || error.kind !== "other") throw error;
+          // One will never be kept. Of several it is found by sending each alone.
+          if (isAlone) words = notKept(sentenceOf(error));
+          return null;
         });
-        this.sent(run, name, patch);
-        const isShown = run === this.store.state.loaded?.run && !this.waiting.get(run)?.has(name);
-        if (isShown) this.store.set({ notes: { ...this.store.state.notes, [name]: kept } });
+        if (answer !== null || isAlone) this.sent(run, patches);
+        if (answer !== null) this.show(run, answer.notes, answer.words);
+        else this.atOnce = 1;
       }
     } catch (error) {
       words = notKept(sentenceOf(error));
     } finally {
+      clearTimeout(late);
+      if (!this.isWaiting()) this.atOnce = patchesMax;
       this.isSending = false;
     }
     if (this.store.state.notesWords !== words) this.store.set({ notesWords: words });
+  }
+
+  /** As they were kept, but for those that have been changed again. */
+  private show(run: string, kept: NotesByName, why: string): void {
+    const { notes, loaded, gallery } = this.store.state;
+    if (gallery !== null && gallery.notes.words !== why)
+      this.store.set({ gallery: { ...gallery, notes: { writable: why === "", words: why } } });
+    if (run !== loaded?.run) return;
+    const settled = Object.entries(kept).filter(([name]) => !this.waiting.get(run)?.has(name));
+    this.store.set({ notes: { ...notes, ...Object.fromEntries(settled) } });
   }
 
   /**
@@ -194,20 +226,27 @@ export class NoteKeeping {
    */
   private sendAtOnce(): void {
     for (const [run, ofRun] of this.waiting) {
-      for (const [name, patch] of ofRun)
-        this.source.changeNote(run, name, patch, { outlivesPage: true }).catch(() => undefined);
+      if (ofRun.size > 0)
+        this.source.changeNotes(run, Object.fromEntries(ofRun), { outlivesPage: true }).catch(() => undefined);
     }
   }
 
-  private nextWaiting(): { run: string; name: string; patch: NotePatch } | null {
-    for (const [run, ofRun] of this.waiting) for (const [name, patch] of ofRun) return { run, name, patch };
+  private isWaiting(): boolean {
+    return this.nextWaiting() !== null;
+  }
+
+  /** Some of one run's. */
+  private nextWaiting(): { run: string; patches: Patches } | null {
+    for (const [run, ofRun] of this.waiting)
+      if (ofRun.size > 0) return { run, patches: Object.fromEntries([...ofRun].slice(0, this.atOnce)) };
     return null;
   }
 
-  /** Takes it out of those that wait, unless more of the same note has come. */
-  private sent(run: string, name: string, patch: NotePatch): void {
+  /** Takes them out of those that wait, but where more of the same note has come. */
+  private sent(run: string, patches: Patches): void {
+    this.changes += 1;
     const ofRun = this.waiting.get(run);
-    if (ofRun?.get(name) === patch) ofRun.delete(name);
+    for (const [name, patch] of Object.entries(patches)) if (ofRun?.get(name) === patch) ofRun.delete(name);
   }
 }
 

@@ -37,7 +37,7 @@ export function ofShownRun(source: GallerySource, store: Store<AppState>): Galle
     diagnosis: (...of) => ask(() => source.diagnosis(...of)),
     // Notes are by run.
     notes: (options) => source.notes(options),
-    changeNote: (...of) => source.changeNote(...of),
+    changeNotes: (...of) => source.changeNotes(...of),
     onChange: (listener) => source.onChange(listener),
   };
 }

@@ -160,6 +160,7 @@ export function initialState(page: Page): AppState {
     built: "",
     notes: {},
     notesWords: "",
+    hasNoPictures: false,
     history: { done: [], undone: [] },
     groups: null,
     groupsFailure: "",

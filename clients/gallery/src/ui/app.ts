@@ -48,7 +48,7 @@ export function startApp(root: HTMLElement, galleries: GallerySource): App {
   const waited = store.subscribe(({ gallery }) => {
     if (gallery === null) return;
     waited();
-    setTimeout(() => renderer.prepare());
+    setTimeout(() => store.set({ hasNoPictures: !renderer.available }));
   });
 
   const keysDialog = makeKeysDialog();

@@ -165,8 +165,16 @@ function makeNoteEditor(ui: Ui, nameNow: () => string): NoteEditor {
   let of = { run: "", name: "" };
   // As it was when the field was entered: what others change meanwhile is theirs.
   let before = emptyNote;
-  tags.addEventListener("change", () => ui.notes.edit(of.run, of.name, before, { tags: tagsOfText(tags.value) }));
-  text.addEventListener("change", () => ui.notes.edit(of.run, of.name, before, { note: text.value }));
+  const keepTags = (): void => ui.notes.edit(of.run, of.name, before, { tags: tagsOfText(tags.value) });
+  const keepText = (): void => ui.notes.edit(of.run, of.name, before, { note: text.value });
+  tags.addEventListener("change", keepTags);
+  text.addEventListener("change", keepText);
+  // What is being typed when the page goes counts too; before notes are sent for the last time.
+  const leave = (): void => {
+    if (document.activeElement === tags && tags.value !== before.tags.join(", ")) keepTags();
+    if (document.activeElement === text && text.value !== before.note) keepText();
+  };
+  window.addEventListener("pagehide", leave, { capture: true });
   return {
     element: el(
       "div",

@@ -3,11 +3,10 @@
 import type { ArchiveSummary } from "../data/types";
 import { archiveShown, hiddenCount, offeredCount, replacing, within } from "../state/derived";
 import type { AppState } from "../state/app-state";
-import { notKept } from "../state/notes";
 import { button, el, select, setHidden, setText } from "./dom";
 import type { Part, Ui } from "./part";
 import type { ThemeChoice } from "./theme";
-import { count, counted } from "./words";
+import { count, counted, noPictures } from "./words";
 
 export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => void): Part {
   const archives = el("nav", { class: "archives", "aria-label": "Archives" });
@@ -138,6 +137,7 @@ function troubleWords(state: AppState, archive: ArchiveSummary | null): string {
     sentences.push(archive.words || `${archive.name} is gone; what was read of it stays.`);
   if (archive?.state === "damaged")
     sentences.push(archive.words || `${archive.name} is damaged; what was read of it stays.`);
+  if (state.hasNoPictures) sentences.push(noPictures);
   const other = replacing(state);
   if (other !== null)
     sentences.push(
@@ -145,7 +145,7 @@ function troubleWords(state: AppState, archive: ArchiveSummary | null): string {
         "queries, groups, plots and pictures that aren't there yet can't be had of it any more.",
     );
   const notes = state.gallery?.notes;
-  if (notes !== undefined && !notes.writable) sentences.push(notKept(notes.words));
+  if (notes !== undefined && !notes.writable) sentences.push(notes.words);
   else if (state.notesWords !== "") sentences.push(state.notesWords);
   const left = state.gallery?.left_out ?? [];
   if (left.length > 0) {

@@ -19,7 +19,7 @@ import { makeExportHint } from "./export-hint";
 import type { Part, Ui } from "./part";
 import { makeControls } from "./player-controls";
 import { Timeline } from "./timeline";
-import { millimetres } from "./words";
+import { millimetres, noPictures } from "./words";
 
 export interface PlayerPanel extends Part {
   readonly player: Player;
@@ -238,7 +238,7 @@ export function makePlayerPanel(
     details.update(state, before);
     exportHint.update(state, before);
     if (isOpen && !renderer.available) {
-      setText(failure, "This browser shows no 3D (WebGL): animations can be chosen by their numbers alone.");
+      setText(failure, noPictures);
       setHidden(failure, false);
     }
   };

@@ -2,6 +2,9 @@
 
 const counts = new Intl.NumberFormat("en", { maximumFractionDigits: 0 });
 
+export const noPictures =
+  "This browser shows no 3D (WebGL): animations can be chosen by their numbers alone.";
+
 /** "12,000" */
 export function count(value: number): string {
   return counts.format(value);

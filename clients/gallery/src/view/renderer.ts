@@ -48,9 +48,6 @@ export class SharedRenderer {
   private lost = false;
   private readonly restored = new Set<() => void>();
 
-  /** Makes the context, if there is none yet. */
-  prepare(): void { void this.context; }
-
   private get ready(): { readonly context: Context | null; readonly isSoftware: boolean } {
     if (this.made !== undefined) return this.made;
     const isSoftware = drawsInSoftware();
@@ -67,7 +64,7 @@ export class SharedRenderer {
   /** Whether the processor draws. */
   get isSoftware(): boolean { return this.ready.isSoftware; }
 
-  /** False: there is no WebGL here at all. */
+  /** False: there is no WebGL here at all. To ask makes the context. */
   get available(): boolean { return this.context !== null; }
   get isLost(): boolean {
     // The event comes a little later than the loss.

@@ -189,7 +189,8 @@ TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
   unknown["id"] = 5;
   EXPECT_EQ(status("/api/groups", unknown), 404U);
   EXPECT_EQ(status("/api/alike", with({{"to", Json::array()}})), 400U);
-  EXPECT_EQ(status("/api/notes", {{"run", "../x"}, {"name", "0.1"}, {"note", Json::object()}}),
+  EXPECT_EQ(status("/api/notes", {{"run", "../x"}, {"notes", {{"0.1", Json::object()}}}}), 400U);
+  EXPECT_EQ(status("/api/notes", {{"run", "3f2a"}, {"name", "0.1"}, {"note", Json::object()}}),
             400U);
   EXPECT_EQ(status("/api/nothing", good), 404U);
 }

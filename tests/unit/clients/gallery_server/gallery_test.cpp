@@ -129,6 +129,21 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
   }
 }
 
+TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
+  // A page that is open asks on by what it has: entries of another reading must not be taken for
+  // its own.
+  const std::string archive = path("a.h5");
+  files.put(archive, made_up(50));
+  std::vector<nlohmann::ordered_json> said;
+  for (int i = 0; i < 2; ++i) {
+    const Gallery gallery(options({archive}));
+    said.push_back(waited(gallery, 0, is("ready")));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(said[0]["run"], said[1]["run"]);
+  EXPECT_GT(said[1]["generation"], said[0]["generation"]);
+}
+
 TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
   // Goal: a deleted or damaged file is said, what was read stays, and it is read again when it is
   // back. Method: one after the other.
@@ -138,7 +153,7 @@ TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
   const auto before = waited(gallery, 0, is("ready"));
   std::filesystem::remove(archive);
   EXPECT_THAT(waited(gallery, 0, is("gone"))["words"].get<std::string>(),
-              HasSubstr("this is what was read of it"));
+              HasSubstr("This is what was read before."));
   EXPECT_NE(gallery.snapshot(0), nullptr);
   files.damage(archive);
   EXPECT_THAT(waited(gallery, 0, is("damaged"))["words"].get<std::string>(),

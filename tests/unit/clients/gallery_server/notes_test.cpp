@@ -24,6 +24,12 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 
+/// One animation's note is changed; returns it as it is then.
+Json changed(Notes& notes, const std::string& run, const std::string& animation,
+             const Json& patch) {
+  return notes.change(run, {{animation, patch}})[animation];
+}
+
 class NotesTest : public archive::testing::Scratch {
  protected:
   const Json starred{{"star", true}, {"hidden", false}, {"tags_on", {"calm"}}, {"note", "näher"}};
@@ -36,8 +42,8 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   // another.
   {
     Notes notes(path("notes"));
-    EXPECT_EQ(notes.change(run, "0.250", starred)["changed"], 1);
-    EXPECT_EQ(notes.change(run, "find.3", starred)["changed"], 2);
+    EXPECT_EQ(changed(notes, run, "0.250", starred)["changed"], 1);
+    EXPECT_EQ(changed(notes, run, "find.3", starred)["changed"], 2);
     EXPECT_EQ(notes.trouble(), "");
   }
   struct stat about {};
@@ -48,7 +54,7 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   EXPECT_EQ(kept["0.250"]["note"], "näher");
   EXPECT_EQ(kept["0.250"]["tags"], Json::array({"calm"}));
   EXPECT_EQ(kept["find.3"]["star"], true);
-  notes.change(run, "0.250", nothing);
+  changed(notes, run, "0.250", nothing);
   EXPECT_FALSE(notes.of_run(run).contains("0.250"));
   EXPECT_FALSE(Notes(path("notes")).of_run(run).contains("0.250"));
   EXPECT_TRUE(notes.of_run("ffff").empty());
@@ -59,7 +65,7 @@ TEST_F(NotesTest, NothingElseGetsIn) {
   // Method: other types, too much, names that lead elsewhere.
   Notes notes(path("notes"));
   const auto refused = [&](const std::string& of, const std::string& name, const Json& note) {
-    EXPECT_THROW(notes.change(of, name, note), base::Error) << of << " " << name << " " << note;
+    EXPECT_THROW(changed(notes, of, name, note), base::Error) << of << " " << name << " " << note;
   };
   refused("../x", "0.1", starred);
   refused("", "0.1", starred);
@@ -78,14 +84,39 @@ TEST_F(NotesTest, NothingElseGetsIn) {
   EXPECT_FALSE(fs::exists(path("notes")));
 }
 
+TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
+  // Goal: all that a person does at once is in the file, or nothing of it. Method: thousands; the
+  // same with one wrong; too many.
+  Notes notes(path("notes"));
+  Json stars = Json::object();
+  for (int i = 0; i < 5000; ++i)
+    stars[fmt::format("0.{}", i)] = {{"star", true}};
+  EXPECT_EQ(notes.change(run, stars).size(), 5000U);
+  EXPECT_EQ(Notes(path("notes")).of_run(run).size(), 5000U);
+  Json off = stars;
+  for (Json& patch : off)
+    patch["star"] = false;
+  off["0.4999"] = {{"star", "no"}};
+  EXPECT_THROW(notes.change(run, off), base::Error);
+  EXPECT_EQ(notes.of_run(run)["0.0"]["star"], true);
+  Json more = Json::object();
+  for (std::size_t i = 0; i <= k_notes_max - 5000; ++i)
+    more[fmt::format("1.{}", i)] = {{"hidden", true}};
+  EXPECT_THROW(notes.change(run, more), base::Error);
+  more.erase("1.0");
+  EXPECT_EQ(notes.change(run, more).size(), k_notes_max - 5000);
+  EXPECT_EQ(Notes(path("notes")).of_run(run).size(), k_notes_max);
+  EXPECT_THROW(notes.change(run, Json::array({1})), base::Error);
+}
+
 TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
   // Goal: two people's changes of one note are both there. Method: each changes something else.
   Notes mine(path("notes"));
   Notes yours(path("notes"));
-  mine.change(run, "0.1", {{"note", "this one"}, {"tags_on", {"film"}}});
-  EXPECT_EQ(yours.change(run, "0.1", {{"star", true}, {"tags_on", {"red", "film"}}})["note"],
+  changed(mine, run, "0.1", {{"note", "this one"}, {"tags_on", {"film"}}});
+  EXPECT_EQ(changed(yours, run, "0.1", {{"star", true}, {"tags_on", {"red", "film"}}})["note"],
             "this one");
-  mine.change(run, "0.1", {{"tags_off", {"red", "none"}}});
+  changed(mine, run, "0.1", {{"tags_off", {"red", "none"}}});
   for (Notes* notes : {&mine, &yours}) {
     const Json kept = notes->of_run(run)["0.1"];
     EXPECT_EQ(kept["note"], "this one");
@@ -99,7 +130,7 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   // left as it is. Method: a file where the folder should be; a file of nonsense; no folder.
   std::ofstream(path("taken")) << "a file";
   Notes notes(path("taken/notes"));
-  notes.change(run, "0.250", starred);
+  changed(notes, run, "0.250", starred);
   EXPECT_EQ(notes.of_run(run)["0.250"]["star"], true);
   EXPECT_THAT(notes.trouble(), HasSubstr("until the gallery ends"));
 
@@ -108,14 +139,14 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   Notes damaged(path("notes"));
   EXPECT_TRUE(damaged.of_run(run).empty());
   EXPECT_THAT(damaged.trouble(), HasSubstr("can't be read"));
-  damaged.change(run, "0.1", starred);
+  changed(damaged, run, "0.1", starred);
   std::string first;
   std::getline(std::ifstream(path("notes/3f2a9c01.json")), first);
   EXPECT_EQ(first, "{\"notes\": [1, 2");
 
   Notes nowhere("");
   EXPECT_THAT(nowhere.trouble(), HasSubstr("no home folder"));
-  nowhere.change(run, "0.1", starred);
+  changed(nowhere, run, "0.1", starred);
   EXPECT_EQ(nowhere.of_run(run)["0.1"]["star"], true);
 }
 
@@ -123,11 +154,11 @@ TEST_F(NotesTest, ManyGalleriesMayWriteOneFile) {
   // Goal: who writes a note loses nobody else's. Method: two galleries of one folder, by turns.
   Notes mine(path("notes"));
   Notes yours(path("notes"));
-  mine.change(run, "0.1", starred);
+  changed(mine, run, "0.1", starred);
   EXPECT_TRUE(yours.of_run(run).contains("0.1"));
-  yours.change(run, "0.2", starred);
-  mine.change(run, "0.3", starred);
-  yours.change(run, "0.1", nothing);
+  changed(yours, run, "0.2", starred);
+  changed(mine, run, "0.3", starred);
+  changed(yours, run, "0.1", nothing);
   for (Notes* notes : {&mine, &yours}) {
     const Json kept = notes->of_run(run);
     EXPECT_FALSE(kept.contains("0.1"));
@@ -143,7 +174,7 @@ TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
   std::ofstream(path("notes/3f2a9c01.json")) << "[]";
   Notes notes(path("notes"));
   notes.of_run(run);
-  notes.change("aaaa", "0.1", starred);
+  changed(notes, "aaaa", "0.1", starred);
   EXPECT_THAT(notes.trouble(), HasSubstr("3f2a9c01.json"));
   EXPECT_TRUE(Notes(path("notes")).of_run("aaaa").contains("0.1"));
 }
@@ -159,8 +190,8 @@ TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
   Notes notes(path("data/own"));
   notes.keep_in(run, path("sleight-notes"));
   notes.keep_in(run, path("elsewhere"));
-  notes.change(run, "0.1", starred);
-  notes.change("aaaa", "0.1", starred);
+  changed(notes, run, "0.1", starred);
+  changed(notes, "aaaa", "0.1", starred);
   EXPECT_TRUE(fs::exists(path("sleight-notes/3f2a9c01.json")));
   EXPECT_TRUE(fs::exists(path("data/own/aaaa.json")));
   ::unsetenv("XDG_DATA_HOME");

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -151,18 +152,37 @@ TEST_F(OutlinesTest, AQuestionDoesNotWaitForEver) {
   EXPECT_EQ(asked(answers, "/api/groups", groups_of(*gallery->snapshot(0), 5)).status, 200U);
 }
 
-TEST_F(OutlinesTest, OfADamagedArchiveNothingStays) {
-  // Such a page would ask on and on for what can't be had.
-  const auto gallery = begun();
-  ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
-  const Json ask = groups_of(*gallery->snapshot(0), 5);
-  files_.damage(archive_);
-  let_go();
-  ASSERT_TRUE(holds_soon([&] { return gallery->state()["archives"][0]["state"] == "damaged"; }));
-  EXPECT_EQ(gallery->snapshot(0), nullptr);
-  const Answers answers(*gallery, notes_, rules_, "1.2");
-  EXPECT_EQ(asked(answers, "/api/groups", ask).status, 502U);
-  EXPECT_EQ(answers({.path = "/api/archives/0/table"}).status, 502U);
+TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
+  // Goal: what an outline has stays to be seen, what needs motions is refused at once and in words,
+  // and all is there when the archive is. Method: damage and removal before the second reading.
+  for (const bool is_removed : {false, true}) {
+    const auto gallery = begun();
+    ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
+    const auto outline = gallery->snapshot(0);
+    ASSERT_TRUE(outline->is_outline());
+    if (is_removed) {
+      std::filesystem::remove(archive_);
+    } else {
+      files_.damage(archive_);
+    }
+    let_go();
+    const char* state = is_removed ? "gone" : "damaged";
+    ASSERT_TRUE(holds_soon([&] { return gallery->state()["archives"][0]["state"] == state; }));
+    const Answers answers(*gallery, notes_, rules_, "1.2");
+    EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 12)).status, 200U);
+    EXPECT_EQ(answers({.path = "/api/archives/0/table"}).status, 200U);
+    const auto begin = std::chrono::steady_clock::now();
+    const web::Answer refused = asked(answers, "/api/groups", groups_of(*outline, 5));
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+    EXPECT_EQ(refused.status, 502U);
+    EXPECT_NE(refused.content.text().find("This is what was read before"), std::string::npos);
+
+    files_.put(archive_, made_up(101, 30));
+    ASSERT_TRUE(holds_soon([&] { return !gallery->snapshot(0)->is_outline(); }));
+    const auto whole = gallery->snapshot(0);
+    EXPECT_EQ(asked(answers, "/api/groups", groups_of(*whole, 5)).status, 200U);
+    keep_outline();
+  }
 }
 
 TEST_F(OutlinesTest, AreOfOneStateOfOneFile) {
