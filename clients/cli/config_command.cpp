@@ -26,6 +26,7 @@ std::string source_of(const config::Row& row, const std::optional<std::string>& 
 
 nlohmann::ordered_json value_of(const config::Row& row) {
   if (row.is_text) return row.value;
+  if (row.is_flag) return row.value == "true";
   if (!row.number) return nullptr;
   if (*row.number == std::floor(*row.number)) return static_cast<std::int64_t>(*row.number);
   return *row.number;

@@ -33,7 +33,7 @@ const char* const k_jobs_help = "17, a range 3..8, or a group g5; several may be
 const char* const k_json_help = "As JSON";
 
 std::string socket_path() {
-  return config::settings_here().socket.value;
+  return config::socket_to_call();
 }
 
 /// A command whose options live as long as the app. `run` is its work.

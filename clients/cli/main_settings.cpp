@@ -11,13 +11,15 @@ namespace {
 struct SettingOption {
   const char* key;
   const char* option;
-  const char* type;
+  const char* type;  ///< null: a flag
   const char* help;
 };
 
 constexpr SettingOption k_options[] = {
     {"state", "--state", "FOLDER", "Folder of the daemon: its jobs, their archives, its log"},
     {"socket", "--socket", "PATH", "Where the daemon is called"},
+    {"group", "--group", "NAME", "Of the users who may call the daemon, beside its own"},
+    {"allow_root", "--allow-root", nullptr, "The daemon may run as root, and so may every job"},
     {"cores", "--cores", "N", "For all running jobs together"},
     {"memory", "--memory", "SIZE", "For all running jobs together (24GB)"},
     {"disk_reserve", "--disk-reserve", "SIZE",
@@ -33,6 +35,13 @@ constexpr SettingOption k_options[] = {
 
 void add_setting_options(CLI::App& app, std::vector<config::Given>& given) {
   for (const SettingOption& setting : k_options) {
+    if (setting.type == nullptr) {
+      const auto switch_on = [&given, &setting] {
+        given.push_back({.key = setting.key, .text = "true", .given_by = setting.option});
+      };
+      app.add_flag_callback(setting.option, switch_on, setting.help);
+      continue;
+    }
     app.add_option_function<std::string>(
            setting.option,
            [&given, &setting](const std::string& text) {

@@ -1,5 +1,7 @@
 // The daemon `sleightd`: joins the service with the worlds that check its requests.
 #include <fmt/format.h>
+#include <grp.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -18,6 +20,7 @@
 #include "common/config/settings.h"
 #include "common/logging/log.h"
 #include "common/request/direction_request.h"
+#include "common/request/text.h"
 #include "service/daemon/daemon.h"
 #include "service/keeper/command.h"
 
@@ -60,7 +63,23 @@ jobs::Options job_options_of(const config::Settings& settings) {
   return options;
 }
 
+/// The group's number. Throws base::Error where there is no such group.
+std::optional<std::uint32_t> group_of(const config::Setting<std::string>& setting) {
+  if (setting.value.empty()) return std::nullopt;
+  const group* found = ::getgrnam(setting.value.c_str());
+  if (found != nullptr) return found->gr_gid;
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("{}: there is no group {} on this machine", setting.given_by,
+                                request::printable(setting.value, 60)));
+}
+
 int serve(const config::Settings& settings) {
+  if (::geteuid() == 0 && !settings.allow_root.value) {
+    throw base::Error(
+        base::ExitCode::not_allowed,
+        "as root every job would be root's; start the daemon as a user of its own, or "
+        "with --allow-root if this machine is there for nothing else");
+  }
   run::Catalogue catalogue = worlds_of_program();
   daemon::DaemonOptions options{
       .runner = {.state = settings.state.value,
@@ -70,6 +89,7 @@ int serve(const config::Settings& settings) {
                  .disk_reserve_bytes = settings.disk_reserve_bytes.value,
                  .programs = keeper::programs_beside_this()},
       .socket = settings.socket.value,
+      .group = group_of(settings.group),
       .facts = facts_of(settings),
       .read = [&](const std::string& text, const std::string& name) {
         return request::read_request(text, name, catalogue.bindings());

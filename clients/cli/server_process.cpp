@@ -97,7 +97,8 @@ bool ServerProcess::is_running() {
 
 base::ExitCode ServerProcess::exit_code() const {
   const int code = has_ended_ && WIFEXITED(status_) ? WEXITSTATUS(status_) : 0;
-  const bool is_ours = code > 0 && code <= static_cast<int>(base::ExitCode::environment);
+  const bool is_ours = (code > 0 && code <= static_cast<int>(base::ExitCode::environment)) ||
+                       code == static_cast<int>(base::ExitCode::not_allowed);
   return is_ours ? static_cast<base::ExitCode>(code) : base::ExitCode::environment;
 }
 

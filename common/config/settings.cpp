@@ -25,6 +25,7 @@ using request::Value;
 
 constexpr std::uint64_t k_integer_max = 1'000'000'000'000;
 constexpr std::size_t k_shown_characters_max = 60;
+constexpr std::size_t k_name_bytes_max = 255;
 constexpr std::string_view k_limits = "limits";
 
 /// Whole numbers that a key takes.
@@ -35,11 +36,13 @@ struct Range {
 };
 
 /// Each key once: its name, its member, what it may be and what it is. A visitor has `path`,
-/// `count` (also of a limit), `bytes` (also of a limit) and `duration_s`.
+/// `name`, `flag`, `count` (also of a limit), `bytes` (also of a limit) and `duration_s`.
 template <class AnySettings, class Visitor>
 void visit(AnySettings& s, Visitor& visitor) {
   visitor.path("state", s.state, "folder of the daemon: its jobs, their archives, its log");
   visitor.path("socket", s.socket, "where the daemon is called");
+  visitor.name("group", s.group, "of the users who may call the daemon, beside its own");
+  visitor.flag("allow_root", s.allow_root, "the daemon may run as root, and so may every job");
   visitor.count("cores", s.cores, Range{1, k_cores_max, "cores"}, "for all running jobs together");
   visitor.bytes("memory", s.memory_bytes, 1, "for all running jobs together");
   visitor.bytes("disk_reserve", s.disk_reserve_bytes, 0,
@@ -103,6 +106,31 @@ class Reader {
     if (!path.starts_with('/') || path.find('\0') != std::string::npos)
       return refuse(key, *found, "an absolute path, \"/...\" or \"~/...\"");
     take(setting, std::move(path), *found);
+  }
+
+  void name(std::string_view key, Setting<std::string>& setting, std::string_view /*help*/) {
+    const std::optional<Found> found = find(key);
+    if (!found) return;
+    const auto* text = std::get_if<std::string>(&found->value.held);
+    if (text == nullptr || text->empty() || text->size() > k_name_bytes_max ||
+        text->find('\0') != std::string::npos)
+      return refuse(key, *found, "a name as a string");
+    take(setting, *text, *found);
+  }
+
+  void flag(std::string_view key, Setting<bool>& setting, std::string_view /*help*/) {
+    const std::optional<Found> found = find(key);
+    if (!found) return;
+    std::optional<bool> is_on;
+    if (const auto* held = std::get_if<bool>(&found->value.held)) is_on = *held;
+    // Command line and environment have texts alone.
+    if (found->origin != Origin::file) {
+      const auto* text = std::get_if<std::string>(&found->value.held);
+      if (text != nullptr && (*text == "true" || *text == "1")) is_on = true;
+      if (text != nullptr && (*text == "false" || *text == "0")) is_on = false;
+    }
+    if (!is_on) return refuse(key, *found, "true or false");
+    take(setting, bool{*is_on}, *found);
   }
 
   template <class T>
@@ -192,9 +220,10 @@ class Reader {
       if (given.key == key)
         return Found{value_of(given.text), Origin::command_line, given.given_by};
     }
-    const std::string_view name = key == "state"    ? "SLEIGHT_STATE"
-                                  : key == "socket" ? "SLEIGHT_SOCKET"
-                                                    : "";
+    const std::string_view name = key == "state"        ? "SLEIGHT_STATE"
+                                  : key == "socket"     ? "SLEIGHT_SOCKET"
+                                  : key == "allow_root" ? "SLEIGHT_ALLOW_ROOT"
+                                                        : "";
     if (!name.empty()) {
       // Shells pass a variable that is switched off as an empty one.
       const auto text = surroundings_.variable(name);
@@ -309,6 +338,13 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
   }
   const bool is_own = settings.socket.origin != Origin::fallback;
   if (!is_own) settings.socket.value = settings.state.value + "/socket";
+  const bool is_in_state = settings.socket.value.starts_with(settings.state.value + "/");
+  if (!settings.group.value.empty() && is_in_state) {
+    wrong.push_back({settings.group.given_by, request::k_no_place,
+                     fmt::format("a group needs a socket outside of the state folder, which is its "
+                                 "owner's alone; set socket, to {} for example",
+                                 k_machine_socket)});
+  }
   const std::size_t bytes = settings.socket.value.size();
   if (bytes <= k_socket_path_bytes_max) return;
   const std::string& given_by = is_own ? settings.socket.given_by
@@ -331,6 +367,16 @@ class RowMaker {
     Row& row = add(key, setting, help);
     row.value = request::printable(setting.value, 4096);
     row.is_text = true;
+  }
+  void name(std::string_view key, const Setting<std::string>& setting, std::string_view help) {
+    Row& row = add(key, setting, help);
+    if (!setting.value.empty()) row.value = request::printable(setting.value, k_name_bytes_max);
+    row.is_text = true;
+  }
+  void flag(std::string_view key, const Setting<bool>& setting, std::string_view help) {
+    Row& row = add(key, setting, help);
+    row.value = setting.value ? "true" : "false";
+    row.is_flag = true;
   }
   void count(std::string_view key, const Setting<std::uint64_t>& setting, const Range& range,
              std::string_view help) {

@@ -4,7 +4,7 @@
 // that gives it:
 //
 //   1. the command line
-//   2. the environment: SLEIGHT_STATE, SLEIGHT_SOCKET
+//   2. the environment: SLEIGHT_STATE, SLEIGHT_SOCKET, SLEIGHT_ALLOW_ROOT
 //   3. the file $XDG_CONFIG_HOME/sleight/config.toml, else ~/.config/sleight/config.toml
 //   4. the default, which may depend on the machine or on another setting
 //
@@ -65,6 +65,8 @@ struct UserLimits {
 struct Settings {
   Setting<std::string> state;                 ///< the daemon's folder
   Setting<std::string> socket;                ///< default: "socket" in `state`
+  Setting<std::string> group;                 ///< of users who may call the daemon; empty: nobody
+  Setting<bool> allow_root;                   ///< the daemon, and so every job, may be root's
   Setting<std::uint64_t> cores;               ///< for all jobs together; default: all of them
   Setting<std::uint64_t> memory_bytes;        ///< `memory`, for all jobs; default: 3/4 of it
   Setting<std::uint64_t> disk_reserve_bytes;  ///< `disk_reserve`: below this nothing starts
@@ -86,6 +88,8 @@ inline constexpr std::uint64_t k_keep_bytes = 50'000'000'000;
 inline constexpr std::uint64_t k_cache_mb = 256;
 inline constexpr std::uint64_t k_jobs_of_user = 20'000;
 inline constexpr std::uint64_t k_cores_max = 65'536;
+/// Where a machine's daemon listens by convention: clients call it where no daemon of their own is.
+inline constexpr std::string_view k_machine_socket = "/run/sleight/socket";
 /// A path in a sockaddr_un, its final zero aside.
 inline constexpr std::size_t k_socket_path_bytes_max = 107;
 
@@ -127,6 +131,7 @@ struct Row {
   std::string unit;   ///< of `number`: "bytes", "s", "days", "cores"; empty of text
   std::optional<double> number;  ///< of what is no text; none: text, or no limit
   bool is_text = false;
+  bool is_flag = false;  ///< `value` is "true" or "false"
   Origin origin = Origin::fallback;
   std::string given_by;
   std::string help;  ///< one line
@@ -138,6 +143,10 @@ std::vector<Row> rows_of(const Settings& settings);
 /// Environment, machine and file of this process. Throws base::Error: usage, with a line for each
 /// error in them; environment, where the file can't be read.
 Settings settings_here(const std::vector<Given>& command_line = {});
+
+/// Where this process's calls go: the socket that is set, else that of its user's own daemon, else,
+/// where there is only that, the machine's. Throws as settings_here.
+std::string socket_to_call();
 
 /// What settings_here looks at.
 Surroundings surroundings_here();

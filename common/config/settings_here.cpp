@@ -46,6 +46,19 @@ Surroundings surroundings_here() {
                           static_cast<std::uint64_t>(std::max(page_bytes, 0L))};
 }
 
+std::string socket_to_call() {
+  const Settings settings = settings_here();
+  const bool is_set =
+      settings.socket.origin != Origin::fallback || settings.state.origin != Origin::fallback;
+  std::error_code none;
+  const auto is_there = [&](const std::string& path) {
+    return std::filesystem::is_socket(path, none);
+  };
+  const std::string machine(k_machine_socket);
+  if (is_set || is_there(settings.socket.value) || !is_there(machine)) return settings.socket.value;
+  return machine;
+}
+
 Settings settings_here(const std::vector<Given>& command_line) {
   const Surroundings surroundings = surroundings_here();
   auto settings = settings_of(surroundings, file_here(surroundings), command_line);

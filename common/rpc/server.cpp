@@ -42,7 +42,7 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
   struct Connection;
 
   Impl(Loop& loop, const std::string& path, Handler& handler, const ServerLimits& wanted,
-       Complain complain_to);
+       Complain complain_to, std::optional<std::uint32_t> group);
   ~Impl();
   KJ_DISALLOW_COPY(Impl);
 
@@ -116,12 +116,13 @@ struct Server::Impl::Connection {
 };
 
 Server::Impl::Impl(Loop& loop, const std::string& path, Handler& handler,
-                   const ServerLimits& wanted, Complain complain_to)
+                   const ServerLimits& wanted, Complain complain_to,
+                   std::optional<std::uint32_t> group)
     : timer(loop.impl().timer()),
       provider(*loop.impl().io.lowLevelProvider),
       limits(wanted),
       complain(complain_to ? std::move(complain_to) : [](const std::string&) {}),
-      socket(path),
+      socket(path, group),
       receiver(provider.wrapListenSocketFd(socket.descriptor(),
                                            kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
                                                kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK)),
@@ -235,8 +236,9 @@ void Server::Impl::taskFailed(kj::Exception&& exception) {
 }
 
 Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerLimits limits,
-               Complain complain)
-    : impl_(std::make_unique<Impl>(loop, socket_path, handler, limits, std::move(complain))) {}
+               Complain complain, std::optional<std::uint32_t> group)
+    : impl_(
+          std::make_unique<Impl>(loop, socket_path, handler, limits, std::move(complain), group)) {}
 
 Server::~Server() = default;
 

@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/rpc/handler.h"
@@ -55,11 +56,12 @@ class Server {
  public:
   using Complain = std::function<void(const std::string&)>;
 
-  /// Listens from here on. The socket is its owner's alone (0600). A file left by a server that is
-  /// gone is replaced; throws base::Error with ExitCode::conflict where one listens, and with
+  /// Listens from here on. The socket is its owner's alone (0600), or also `group`'s (0660): whose
+  /// a call is, is what the kernel says of its peer. A file left by a server that is gone is
+  /// replaced; throws base::Error with ExitCode::conflict where one listens, and with
   /// ExitCode::environment where the socket can't be made. `handler` and `loop` must outlive it.
   Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerLimits limits = {},
-         Complain complain = {});
+         Complain complain = {}, std::optional<std::uint32_t> group = {});
   /// Ends all connections and removes the socket.
   ~Server();
   Server(const Server&) = delete;

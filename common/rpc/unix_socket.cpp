@@ -73,7 +73,8 @@ const sockaddr* as_address(const sockaddr_un& address) {
 
 // A socket that listens, under a name beside its own, is renamed: so nobody meets one that is
 // readable by others or does not listen yet, and a stale one is replaced in one step.
-ListeningSocket::ListeningSocket(const std::string& path) : path_(path) {
+ListeningSocket::ListeningSocket(const std::string& path, std::optional<gid_t> group)
+    : path_(path) {
   const auto fail = [&](const std::string& what) {
     return base::Error(fmt::format("the service can't listen at {}: {}: {}", path, what, reason()));
   };
@@ -98,9 +99,14 @@ ListeningSocket::ListeningSocket(const std::string& path) : path_(path) {
   const sockaddr_un address = address_of(folder.get(), beside);
   if (::bind(socket.get(), as_address(address), sizeof address) != 0) throw fail("bind");
   struct stat seen = {};
-  if (::chmod(beside.c_str(), S_IRUSR | S_IWUSR) != 0 ||
-      ::listen(socket.get(), k_waiting_max) != 0 || ::lstat(beside.c_str(), &seen) != 0 ||
-      ::rename(beside.c_str(), path.c_str()) != 0) {
+  if (group && ::chown(beside.c_str(), static_cast<uid_t>(-1), *group) != 0) {
+    const auto error = fail("giving it to its group, in which the daemon's user must be");
+    ::unlink(beside.c_str());
+    throw error;
+  }
+  const mode_t mode = S_IRUSR | S_IWUSR | (group ? S_IRGRP | S_IWGRP : 0U);
+  if (::chmod(beside.c_str(), mode) != 0 || ::listen(socket.get(), k_waiting_max) != 0 ||
+      ::lstat(beside.c_str(), &seen) != 0 || ::rename(beside.c_str(), path.c_str()) != 0) {
     const auto error = fail("listen");
     ::unlink(beside.c_str());
     throw error;
@@ -129,6 +135,13 @@ base::Result<int, Unconnected> connect_to(const std::string& path) {
   // ENOTSOCK and the like: something else lies there, nobody listens.
   if (errno == ENOENT || errno == ECONNREFUSED) return Unconnected::nobody;
   if (errno == EAGAIN) return Unconnected::busy;
+  if (errno == EACCES) {
+    throw base::Error(
+        base::ExitCode::not_allowed,
+        fmt::format("the server at {} is not for this user; whoever runs it may let you into its "
+                    "group",
+                    path));
+  }
   throw base::Error(fmt::format("can't connect to {}: {}", path, reason()));
 }
 

@@ -9,6 +9,7 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/base/result.h"
@@ -18,8 +19,9 @@ namespace sleight::rpc {
 /// A listening socket, and its name in the file system.
 class ListeningSocket {
  public:
-  /// Mode 0600. Throws base::Error: ExitCode::conflict where a server listens there.
-  explicit ListeningSocket(const std::string& path);
+  /// Mode 0600; with a group 0660 and that group's. Throws base::Error: ExitCode::conflict where a
+  /// server listens there.
+  explicit ListeningSocket(const std::string& path, std::optional<gid_t> group = {});
   /// Closes it, and removes the name if it is still this socket's.
   ~ListeningSocket();
   ListeningSocket(const ListeningSocket&) = delete;

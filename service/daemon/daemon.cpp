@@ -43,8 +43,9 @@ void run_daemon(const DaemonOptions& options) {
   Calls calls(loop, runner, options.facts, options.read, [&] { loop.stop(); });
   // Calls are answered from the moment on at which the jobs are taken up again.
   runner.begin();
-  server = std::make_unique<rpc::Server>(loop, options.socket, calls, rpc::ServerLimits{},
-                                         [](const std::string& words) { logging::warn(words); });
+  server = std::make_unique<rpc::Server>(
+      loop, options.socket, calls, rpc::ServerLimits{},
+      [](const std::string& words) { logging::warn(words); }, options.group);
   loop.on_stop_signals([&](int) { loop.stop(); });
   logging::info(fmt::format("serving on {}, state in {}, process {}", options.socket,
                             options.runner.state, ::getpid()));

@@ -3,7 +3,7 @@
 //
 //   state folder (0700)
 //     lock          held as long as the daemon lives: one daemon a folder
-//     socket        where it answers (0600)
+//     socket        where it answers (0600); for a group's members (0660) it lies elsewhere
 //     jobs.sqlite   the job store (job_store.h)
 //     jobs/17/      a job's folder (job_folder.h, service/keeper)
 //     server.log    what a daemon in the background says
@@ -14,6 +14,8 @@
 // Thread safety: run() is the thread's; signals end it in order.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "service/daemon/calls.h"
@@ -25,6 +27,8 @@ namespace sleight::daemon {
 struct DaemonOptions {
   RunnerOptions runner{};
   std::string socket{};
+  /// Whose members may call it too; none: its own user alone.
+  std::optional<std::uint32_t> group{};
   ServerFacts facts{};
   ReadRequest read{};
 };

@@ -52,7 +52,7 @@ independent_solutions = 500
 class Daemon:
     def __init__(self, *options):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="sleight-figures-"))
-        self.environment = {**os.environ, "SLEIGHT_STATE": str(self.folder / "state"),
+        self.environment = {**os.environ, "SLEIGHT_ALLOW_ROOT": "1", "SLEIGHT_STATE": str(self.folder / "state"),
                             "XDG_CONFIG_HOME": str(self.folder), "OMPI_ALLOW_RUN_AS_ROOT": "1",
                             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
         self.process = subprocess.Popen([arguments.bin / "sleightd", *options], env=self.environment,

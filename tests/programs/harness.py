@@ -37,6 +37,7 @@ def run(command, env=None, **options):
 
 def environment():
     return {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+            "SLEIGHT_ALLOW_ROOT": "1",
             # Open MPI and pango leak at exit; leaks of ours show in the unit tests.
             "ASAN_OPTIONS": "detect_leaks=0"}
 

@@ -71,7 +71,7 @@ class Config(ProgramTest):
         if file is not None:
             path.write_text(file)
         env = {"HOME": str(self.folder), "XDG_CONFIG_HOME": str(folder), "XDG_STATE_HOME": "",
-               "SLEIGHT_STATE": "", "SLEIGHT_SOCKET": "", **variables}
+               "SLEIGHT_STATE": "", "SLEIGHT_SOCKET": "", "SLEIGHT_ALLOW_ROOT": "", **variables}
         return path, sleight("config", *words, env=env)
 
     def test_nothing_needs_configuring(self):

@@ -39,7 +39,7 @@ export function environment(home, more = {}) {
   const { XDG_CACHE_HOME, XDG_DATA_HOME, XDG_STATE_HOME, XDG_RUNTIME_DIR, DISPLAY, WAYLAND_DISPLAY, ...rest } =
     process.env;
   mkdirSync(home, { recursive: true });
-  return { ...rest, OMPI_ALLOW_RUN_AS_ROOT: "1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM: "1", HOME: home, ...more };
+  return { ...rest, OMPI_ALLOW_RUN_AS_ROOT: "1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM: "1", SLEIGHT_ALLOW_ROOT: "1", HOME: home, ...more };
 }
 
 let homeOfRuns = null;

@@ -145,6 +145,35 @@ TEST(Settings, ErrorsOfTheFileHaveTheirPlaces) {
   EXPECT_THAT(errors(k_ada, "cores = \n"), testing::HasSubstr("config.toml:1:9: not valid TOML"));
 }
 
+TEST(Settings, AGroupNeedsASocketOutsideOfTheStateFolder) {
+  // The folder is its owner's alone, so nobody else would reach it.
+  EXPECT_EQ(errors(k_ada, "socket = \"/run/sleight/socket\"\ngroup = \"film\"\n"), "");
+  EXPECT_EQ(errors(k_ada, "group = \"film\"\n"),
+            "config.toml:1:1: a group needs a socket outside of the state folder, which is its "
+            "owner's alone; set socket, to /run/sleight/socket for example\n");
+  EXPECT_EQ(
+      errors(k_ada, "state = \"/s\"\nsocket = \"/s/socket\"\n", {{"group", "film", "--group"}}),
+      "--group: a group needs a socket outside of the state folder, which is its owner's "
+      "alone; set socket, to /run/sleight/socket for example\n");
+  EXPECT_EQ(errors(k_ada, "group = 4\nallow_root = \"yes\"\n"),
+            "config.toml:1:9: 'group': expected a name as a string, found 4\n"
+            "config.toml:2:14: 'allow_root': expected true or false, found the string \"yes\"\n");
+}
+
+TEST(Settings, FlagsAreSwitchedOnAnywhere) {
+  const auto is_allowed = [](const Variables& variables, const std::string& file,
+                             const std::vector<Given>& command_line = {}) {
+    return good(variables, file, command_line).allow_root.value;
+  };
+  EXPECT_FALSE(is_allowed(k_ada, ""));
+  EXPECT_TRUE(is_allowed(k_ada, "allow_root = true\n"));
+  EXPECT_TRUE(is_allowed({{"HOME", "/h"}, {"SLEIGHT_ALLOW_ROOT", "1"}}, ""));
+  EXPECT_FALSE(is_allowed({{"HOME", "/h"}, {"SLEIGHT_ALLOW_ROOT", "0"}}, "allow_root = true\n"));
+  EXPECT_TRUE(is_allowed(k_ada, "allow_root = false\n", {{"allow_root", "true", "--allow-root"}}));
+  EXPECT_EQ(errors({{"HOME", "/h"}, {"SLEIGHT_ALLOW_ROOT", "yes"}}, ""),
+            "SLEIGHT_ALLOW_ROOT: expected true or false, found the string \"yes\"\n");
+}
+
 TEST(Settings, ErrorsElsewhereNameWhatGaveThem) {
   EXPECT_EQ(errors({{"HOME", "/people/ada"}, {"SLEIGHT_STATE", "here"}}, ""),
             "SLEIGHT_STATE: expected an absolute path, \"/...\" or \"~/...\", found the string "
@@ -165,7 +194,8 @@ TEST(Settings, RowsTellEverySettingAsTheFileWouldHaveIt) {
   // Goal: no setting is left out. Method: rows of values other than the defaults, as a file again.
   const Settings s =
       good(k_ada,
-           "state = \"/a\"\nsocket = \"/b\"\ncores = 8\nmemory = \"24 GB\"\n"
+           "state = \"/a\"\nsocket = \"/b\"\ngroup = \"film\"\nallow_root = true\ncores = "
+           "8\nmemory = \"24 GB\"\n"
            "disk_reserve = \"5 MB\"\nslice = \"5m\"\nkeep_days = 7\nkeep_bytes = \"1 TB\"\n"
            "cache_mb = 64\n[limits]\njobs = 3\ncores = 4\ncore_hours = 100\nbytes = \"2 GB\"\n");
   std::string file;
@@ -173,7 +203,7 @@ TEST(Settings, RowsTellEverySettingAsTheFileWouldHaveIt) {
   for (const Row& row : rows_of(s)) {
     EXPECT_EQ(row.origin, Origin::file) << row.key;
     EXPECT_FALSE(row.help.empty()) << row.key;
-    EXPECT_EQ(row.is_text, !row.number.has_value()) << row.key;
+    EXPECT_EQ(row.is_text || row.is_flag, !row.number.has_value()) << row.key;
     const bool is_quoted = row.is_text || row.unit == "bytes" || row.unit == "s";
     const std::string line = " = " + (is_quoted ? "\"" + row.value + "\"" : row.value) + "\n";
     if (row.key.starts_with("limits.")) {
