@@ -26,8 +26,8 @@ std::uint64_t most_along(std::string_view dim) {
   if (dim == "chain" || dim == "draw" || dim == "island") return k_run_scans_max;
   if (dim == "round") return k_rounds_max;
   if (dim == "proposal_kind") return k_kinds_max;
-  if (dim == "moment" || dim == "replica") return k_moments_max;
-  return dim == "level" || dim == "walk_level" ? k_levels_max : k_steps_max;
+  if (dim == "moment") return k_moments_max;
+  return dim == "level" || dim == "walk_level" || dim == "replica" ? k_levels_max : k_steps_max;
 }
 
 using Names = std::vector<std::string_view>;

@@ -68,8 +68,8 @@ std::vector<std::uint64_t> without_round_trip(const archive::Source& source, std
 /// REQUIRES: the round is one of rounds_of.
 Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round);
 
-/// Most moments, and replicas, of an index process.
-inline constexpr std::uint64_t k_moments_max = 4096;
+/// Most moments of an index process (worker/sampling/index_process.h, which this side can't see).
+inline constexpr std::uint64_t k_moments_max = 1024;
 
 /// At which level each replica of a ladder was.
 struct IndexProcess {
