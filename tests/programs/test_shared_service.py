@@ -1,5 +1,5 @@
 """Goal: a machine's daemon serves the members of a group, tells them apart by what the kernel says, and shows
-nobody another one's jobs; it is no root's. Method: a daemon of a user of its own and clients of three others,
+nobody another one's jobs; it is no root's; its unit is sound. Method: a daemon of a user of its own and clients of three others,
 all real processes; two are in the group. Users are numbers alone, which only root can take on: elsewhere the
 test is skipped."""
 
@@ -124,6 +124,26 @@ class Shared(ServiceTest):
         inside = self.state / "socket"
         refused(2, "a socket outside of the state folder", *of_its_user, "--group", GROUP, "--socket", inside)
         self.assertEqual(list(self.state.glob("jobs/*")), [])
+
+
+class Unit(harness.ProgramTest):
+    """The unit that starts such a daemon on a machine with systemd, judged without a running one."""
+
+    def test_systemd_finds_nothing_wrong_and_little_that_is_exposed(self):
+        unit = self.path("sleightd.service")
+        text = (pathlib.Path(harness.arguments.source) / "deploy/systemd/sleightd.service").read_text()
+        # It must name a program that is there, and not one that this machine may have installed.
+        self.assertIn("ExecStart=/usr/bin/sleightd ", text)
+        unit.write_text(text.replace("/usr/bin/sleightd ", os.path.abspath(harness.program("sleightd")) + " "))
+        verified = self.succeed(harness.run(["systemd-analyze", "verify", "--man=no", unit]))
+        self.assertEqual(verified.stdout + verified.stderr, "")
+        judged = self.succeed(harness.run(["systemd-analyze", "security", "--offline=yes", "--threshold=20", unit]))
+        level = float(judged.stdout.split("Overall exposure level for sleightd.service: ")[1].split()[0])
+        self.assertLessEqual(level, 2)
+        # Its command line is one that the daemon takes, and jobs outlive it.
+        options = text.split("ExecStart=/usr/bin/sleightd ")[1].splitlines()[0].split()
+        self.assertEqual(options[0::2], ["--state", "--socket", "--group"])
+        self.assertIn("\nKillMode=process\n", text)
 
 
 if __name__ == "__main__":
