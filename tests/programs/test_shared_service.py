@@ -136,7 +136,8 @@ class Unit(harness.ProgramTest):
         self.assertIn("ExecStart=/usr/bin/sleightd ", text)
         unit.write_text(text.replace("/usr/bin/sleightd ", os.path.abspath(harness.program("sleightd")) + " "))
         verified = self.succeed(harness.run(["systemd-analyze", "verify", "--man=no", unit]))
-        self.assertEqual(verified.stdout + verified.stderr, "")
+        # Of this machine's own units it may say what it likes.
+        self.assertNotIn("sleightd", verified.stdout + verified.stderr)
         judged = self.succeed(harness.run(["systemd-analyze", "security", "--offline=yes", "--threshold=20", unit]))
         level = float(judged.stdout.split("Overall exposure level for sleightd.service: ")[1].split()[0])
         self.assertLessEqual(level, 2)
