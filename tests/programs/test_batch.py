@@ -177,6 +177,23 @@ class Batch(ProgramTest):
         self.assertNotEqual(result.returncode, 0)
         self.assertIn("rank 1 reads another request", result.stderr)
 
+    def test_a_rank_that_makes_other_results_is_refused(self):
+        # The same program but for the name of what it makes, as another host may have it installed.
+        program = pathlib.Path(harness.program("sleight-batch"))
+        version = harness.run([program, "--version"]).stdout.split("results ")[1].strip()
+        other = self.path("sleight-batch")
+        changed = program.read_bytes().replace(version.encode(), version[::-1].encode())
+        other.write_bytes(changed)
+        other.chmod(0o755)
+        self.assertIn(f"results {version[::-1]}", harness.run([other, "--version"]).stdout)
+        request = self.write_request()
+        command = harness.batch(1, request, self.path("a.h5"), folder=self.folder)
+        command += [":", "-n", "1", other, str(request), "-o", str(self.path("a.h5"))]
+        result = harness.run(command)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn(f"rank 1 makes results {version[::-1]}, rank 0 makes {version}", result.stderr)
+        self.assertFalse(self.path("a.h5").exists())
+
     @unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "takes a lease's 30 s")
     def test_a_rank_that_hangs_holds_up_nothing(self):
         # Goal: a rank that stands still delays a run by a lease, and its end by a bounded wait;

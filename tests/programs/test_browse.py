@@ -58,11 +58,13 @@ class Browse(ProgramTest):
             with h5py.File(archive) as file:
                 animations = file["animations"]
                 log_prior = animations["log_prior"][:]
+                in_proportion = animations["in_proportion"][:].astype(bool).tolist()
                 names = [f"{chain}.{draw}" for chain, draw in
                          zip(animations["chain"][:], animations["draw"][:])]
             found = self.find(archive)
             self.assertEqual([one["id"] for one in found["animations"]], names, world)
             self.assertGreater(len(names), 2, world)
+            self.assertEqual([one["in_proportion"] for one in found["animations"]], in_proportion)
             self.assertEqual([one["numbers"]["log_prior"] for one in found["animations"]],
                              list(log_prior))
             middle = repr(float(numpy.median(log_prior)))
@@ -78,6 +80,17 @@ class Browse(ProgramTest):
             self.assertIn(f"{len(names)} of {len(names)} animations", text)
             for name in names:
                 self.assertIn(name, text)
+
+    def test_what_a_search_found_is_told_apart(self):
+        # Draws are in the model's proportions, finds are not; a query keeps either.
+        archive = self.kept / "found.h5"
+        self.direct(pathlib.Path(harness.arguments.source) / "requests/die.toml", archive, "--set", "stop.found=3",
+                    "--set", "stop.rounds=2")
+        found = self.find(archive)["animations"]
+        self.assertEqual({one["group"]: one["in_proportion"] for one in found},
+                         {"finds": False, "animations": True})
+        alone = self.find(archive, "--where", "in_proportion = 0")
+        self.assertEqual({one["group"] for one in alone["animations"]}, {"finds"})
 
     def test_names_alone_are_what_export_takes(self):
         archive = self.archives["dice"]

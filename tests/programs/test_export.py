@@ -155,6 +155,7 @@ class Export(ProgramTest):
                            if one == f"{group['chain'][i]}.{group['draw'][i]}")
                 self.assertEqual(extras["log_prior"], group["log_prior"][nth])
                 self.assertEqual(extras["lineage"], group["lineage"][nth])
+                self.assertEqual(extras["in_proportion"], bool(group["in_proportion"][nth]))
                 first, count = group["segment_start"][nth], group["segment_count"][nth]
                 last = {}
                 for i in range(first, first + count):
