@@ -192,6 +192,21 @@ test("stars, tags and what is hidden are kept, and undone", async () => {
   visitor.assertNoProblems();
 });
 
+test("a double click plays a card wherever it lies", async () => {
+  // The first click chooses it, and what can be done with those chosen comes up beneath the wall.
+  await visitor.open("#view=list");
+  await cards(page);
+  const grid = await page.locator("#list").boundingBox();
+  const low = await page.locator("#list canvas").evaluateAll((all, bottom) => all.map((canvas) => {
+    const { left, top, width } = canvas.getBoundingClientRect();
+    return { name: canvas.closest("[role=gridcell]").dataset.key, x: left + width / 2, top };
+  }).filter(({ top }) => top < bottom - 15).sort((a, b) => b.top - a.top)[0], grid.y + grid.height);
+  const y = Math.max(low.top + 5, grid.y + grid.height - 30);
+  await page.mouse.dblclick(low.x, y, { delay: 60 });
+  assert.deepEqual((await playerShows(page, 1)).labels, [low.name]);
+  visitor.assertNoProblems();
+});
+
 test("what is noted right before the page goes is kept", async () => {
   const notesOf = () => page.evaluate(async () =>
     Object.assign({}, ...Object.values((await (await fetch("/api/notes")).json()).notes)));

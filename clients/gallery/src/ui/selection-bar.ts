@@ -8,6 +8,9 @@ import { makeExportHint } from "./export-hint";
 import type { Part, Ui } from "./part";
 import { counted } from "./words";
 
+/** So long the bar stays away: it would push the second click of a double one off its card. */
+const doubleClickMs = 400;
+
 export function makeSelectionBar(ui: Ui): Part {
   const chosen = (): readonly string[] => ui.store.state.selection.names;
   const words = el("p", { class: "selection-words", id: "selection-words" });
@@ -68,9 +71,19 @@ export function makeSelectionBar(ui: Ui): Part {
     ),
     exportHint.element,
   );
+  let coming: ReturnType<typeof setTimeout> | undefined;
   const update = (state: AppState, before: AppState): void => {
     const { names } = state.selection;
-    setHidden(element, names.length === 0);
+    if (names.length === 0) {
+      clearTimeout(coming);
+      coming = undefined;
+      setHidden(element, true);
+    } else if (element.hidden) {
+      coming ??= setTimeout(() => {
+        coming = undefined;
+        setHidden(element, false);
+      }, doubleClickMs);
+    }
     const shown = names.length <= 4 ? names.join(", ") : `${names.slice(0, 3).join(", ")} …`;
     setText(
       words,
