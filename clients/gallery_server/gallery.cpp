@@ -93,7 +93,7 @@ void Gallery::look_forever() {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::duration<double>(options_.look_every_s), [this] {
       return is_over_ || std::ranges::any_of(shown_, [](const auto& shown) {
-               return shown->has_outline() && shown->is_wanted;
+               return shown->may_become_whole() && shown->is_wanted;
              });
     });
     if (is_over_) return;
@@ -141,7 +141,7 @@ void Gallery::look_at(std::size_t archive) {
     } else if (shown.tried == file) {
       const auto alone = std::chrono::steady_clock::now() - shown.outlined_at;
       const bool is_due = shown.is_wanted || alone >= k_outline_alone;
-      if (!shown.has_outline() || shown.state != ArchiveState::ready || !is_due) return;
+      if (!shown.may_become_whole() || !is_due) return;
       reading.outline = shown.snapshot;
     } else {
       shown.tried = file;

@@ -82,6 +82,8 @@ class Gallery {
     std::chrono::steady_clock::time_point outlined_at{};
     bool is_wanted = false;
     bool has_outline() const { return snapshot && snapshot->is_outline(); }
+    /// Its motions can be had: the file is there, and nothing was wrong with it.
+    bool may_become_whole() const { return has_outline() && state == ArchiveState::ready; }
   };
   void look_forever();
   void look_through_folders();
