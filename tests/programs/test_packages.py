@@ -34,15 +34,14 @@ def built(version=None):
     more = ["-D", f"CPACK_DEBIAN_PACKAGE_VERSION={version}"] if version else []
     run("cpack", "--preset", "package", *more, cwd=source)
     package, = folder.glob("sleight_*.deb")
-    kept = pathlib.Path(tempfile.mkdtemp(prefix="sleight-deb-")) / package.name
-    shutil.copy(package, kept)
-    return kept
+    return package.rename(package.parent / f"built_{package.name}")
 
 
 class Machine:
     """A Debian 12 in a folder, from where this machine's Debian is from."""
 
     def __init__(self):
+        self.daemon = None
         self.root = pathlib.Path(tempfile.mkdtemp(prefix="sleight-debian-"))
         self.root.chmod(0o755)
         mirror = run("apt-get", "indextargets", "--format", "$(REPO_URI)", "Created-By: Packages", "Origin: Debian",
@@ -52,7 +51,6 @@ class Machine:
             shutil.copy(pathlib.Path("/", place), self.root / place)
         run("mount", "-t", "proc", "proc", self.root / "proc")
         self.inside("apt-get", "-q", "update")
-        self.daemon = None
 
     def remove(self):
         if self.daemon:
