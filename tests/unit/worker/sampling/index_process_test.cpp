@@ -1,6 +1,7 @@
 // The thinned record of replicas' levels.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -10,9 +11,9 @@ namespace sleight::sampling {
 namespace {
 
 TEST(IndexProcess, KeepsWhatTheNumberOfScansSays) {
-  // Goal: never more than the bound and always more than half of it, evenly spaced, whatever the
-  // first scan; the levels are those that were given. Method: after each of 10,000 scans against
-  // all that were added; of two replicas one is hotter in every third scan.
+  // Goal: never more than the bound and, once there are as many scans, at least half of it, evenly
+  // spaced, whatever the first scan; the levels are those that were given. Method: after each of
+  // 10,000 scans against all that were added; of two replicas one is hotter in every third scan.
   for (const std::uint64_t first : {0U, 1U, 777U}) {
     IndexProcess process;
     std::uint64_t stride = 1;
@@ -22,6 +23,8 @@ TEST(IndexProcess, KeepsWhatTheNumberOfScansSays) {
       process.add(scan, replica);
       const std::vector<IndexProcess::Moment>& moments = process.moments();
       ASSERT_LE(moments.size(), IndexProcess::k_moments_max);
+      const std::uint64_t added = scan + 1 - first;
+      ASSERT_GE(moments.size(), std::min<std::uint64_t>(added, IndexProcess::k_moments_max / 2));
       if (moments.size() > 1) stride = moments[1].scan - moments[0].scan;
       std::uint64_t expected = (first + stride - 1) / stride * stride;
       for (const IndexProcess::Moment& moment : moments) {
