@@ -11,6 +11,7 @@
 
 #include "clients/cli/job_text.h"
 #include "clients/cli/job_watch.h"
+#include "clients/cli/known_servers.h"
 #include "clients/cli/selected_jobs.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
@@ -80,7 +81,7 @@ void print_page(const rpc::JobPage& page, const ListOptions& options) {
 int complete(const std::string& socket) {
   // A shell shows what comes: whatever goes wrong, it gets nothing.
   try {
-    rpc::Client client(socket, {.call_s_max = 2});
+    rpc::Client client(place_of(socket), {.call_s_max = 2});
     for (const rpc::JobView& job : client.list({.count = rpc::k_page_jobs_max}).jobs)
       fmt::print("{}\n", completion_line(job));
   } catch (const std::exception&) {

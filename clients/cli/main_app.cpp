@@ -18,6 +18,7 @@
 #include "clients/cli/main_own.h"
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_service.h"
+#include "clients/cli/main_token.h"
 #include "clients/cli/main_world_plots.h"
 #include "clients/cli/plot_command.h"
 #include "common/archive/csv.h"
@@ -292,6 +293,7 @@ void build_app(CLI::App& app, CommandLine& line) {
   add_browse_commands(app, arguments.browse, action);
   add_gallery_command(app, arguments.gallery, arguments.rules, action);
   add_service_commands(app, action);
+  add_token_commands(app, action);
 
   // The program itself.
   add_own_commands(app, arguments.own, action);

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "common/config/settings.h"
+#include "clients/cli/main_service.h"
 #include "common/request/text.h"
 
 namespace sleight::programs {
@@ -87,9 +87,8 @@ void add_gallery_command(CLI::App& app, gallery::CommandOptions& options, const 
       "  sleight gallery 17\n"
       "  sleight gallery hi.h5 --save hi_gallery\n"
       "  ssh -L 8475:127.0.0.1:8475 cluster sleight gallery runs/hi.h5 --no-browser");
-  command->callback([&] {
-    action = [&] { return gallery::show_gallery(options, config::socket_to_call(), rules); };
-  });
+  command->callback(
+      [&] { action = [&] { return gallery::show_gallery(options, service_called(), rules); }; });
 }
 
 }  // namespace sleight::programs

@@ -32,17 +32,13 @@ constexpr std::uint32_t k_lines_max = 100'000;
 const char* const k_jobs_help = "17, a range 3..8, or a group g5; several may be given";
 const char* const k_json_help = "As JSON";
 
-std::string socket_path() {
-  return config::socket_to_call();
-}
-
 /// A command whose options live as long as the app. `run` is its work.
 template <class Options, class Run>
 CLI::App* add_command(CLI::App& app, const char* name, const char* help, Action& action, Run run,
                       std::shared_ptr<Options> options) {
   CLI::App* command = app.add_subcommand(name, help);
   command->callback([&action, run, options] {
-    action = [run, options] { return run(socket_path(), *options); };
+    action = [run, options] { return run(service_called(), *options); };
   });
   return command;
 }
@@ -108,6 +104,12 @@ void add_submit(CLI::App& app, Action& action) {
       ->type_name("N");
   command->add_option("--name", options->name, "For people; the file's or the word if not given")
       ->type_name("TEXT");
+  command
+      ->add_option("--option", options->options,
+                   "For the system that runs it, as partition=long under Slurm; may be given "
+                   "repeatedly")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
   command->add_flag("--strict", options->strict,
                     "End the run when a simulation fails, instead of refusing that state");
   command->add_flag("--watch", options->watch, "Show how it goes until it ends, as `watch` does");
@@ -332,7 +334,7 @@ void add_server(CLI::App& app, Action& action) {
     CLI::App* one = server->add_subcommand(name, help);
     one->add_flag("--json", *json, k_json_help);
     one->callback(
-        [&action, json, run] { action = [json, run] { return run(socket_path(), *json); }; });
+        [&action, json, run] { action = [json, run] { return run(service_called(), *json); }; });
     one->footer(footer);
   };
   add("stop", "End it; jobs run on", cli::stop_server,
@@ -345,6 +347,11 @@ void add_server(CLI::App& app, Action& action) {
 }
 
 }  // namespace
+
+std::string service_called() {
+  const config::ToCall call = config::service_to_call();
+  return call.server.empty() ? call.socket : call.server;
+}
 
 void add_service_commands(CLI::App& app, std::function<int()>& action) {
   add_submit(app, action);

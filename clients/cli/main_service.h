@@ -9,6 +9,10 @@
 
 namespace sleight::programs {
 
+/// What commands call: a socket's path, or HOST:PORT. Throws base::Error(usage) where settings are
+/// wrong.
+std::string service_called();
+
 /// Adds the commands. `action` becomes what a parsed one asks for, and returns the exit code; the
 /// arguments live as long as the app.
 void add_service_commands(CLI::App& app, std::function<int()>& action);

@@ -19,6 +19,13 @@ constexpr SettingOption k_options[] = {
     {"state", "--state", "FOLDER", "Folder of the daemon: its jobs, their archives, its log"},
     {"socket", "--socket", "PATH", "Where the daemon is called"},
     {"group", "--group", "NAME", "Of the users who may call the daemon, beside its own"},
+    {"listen", "--listen", "ADDRESS",
+     "Where the daemon is called from other machines, over TLS (0.0.0.0:7423)"},
+    {"tls_certificate", "--tls-certificate", "FILE",
+     "Of the daemon there, in PEM; one of its own making if not given"},
+    {"tls_key", "--tls-key", "FILE", "Of --tls-certificate, in PEM"},
+    {"backend", "--backend", "NAME",
+     "What runs jobs: local (this machine), slurm, or a program's path"},
     {"allow_root", "--allow-root", nullptr, "The daemon may run as root, and so may every job"},
     {"cores", "--cores", "N", "For all running jobs together"},
     {"memory", "--memory", "SIZE", "For all running jobs together (24GB)"},
@@ -55,14 +62,15 @@ void add_setting_options(CLI::App& app, std::vector<config::Given>& given) {
 void build_daemon_app(CLI::App& app, std::vector<config::Given>& given) {
   app.name("sleightd");
   app.description(
-      "Sleight's service: takes direction requests as jobs and runs them on this machine.\n"
+      "Sleight's service: takes direction requests as jobs and runs them.\n"
       "`sleight server start` starts it in the background.");
   app.set_version_flag("--version", version_text());
   add_setting_options(app, given);
   app.footer(
       "`sleight config` shows the settings that hold and where each comes from.\n\nExamples:\n"
       "  sleightd\n"
-      "  sleightd --state /scratch/ada/sleight --cores 8 --memory 24GB");
+      "  sleightd --state /scratch/ada/sleight --cores 8 --memory 24GB\n"
+      "  sleightd --listen 0.0.0.0:7423");
 }
 
 }  // namespace sleight::programs

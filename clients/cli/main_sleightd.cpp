@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,9 +12,11 @@
 
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_settings.h"
+#include "clients/cli/main_system.h"
 #include "clients/cli/main_worlds.h"
 #include "clients/cli/output.h"
 #include "clients/cli/results_version.h"
+#include "common/access/server_address.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
 #include "common/config/quantities.h"
@@ -46,7 +49,18 @@ daemon::ServerFacts facts_of(const config::Settings& settings) {
                       .value = limit_text(limits.core_hours.value, "")},
                      {.name = "bytes of a user",
                       .value = limits.bytes.value ? config::bytes_text(*limits.bytes.value)
-                                                  : std::string("none")}}};
+                                                  : std::string("none")},
+                     {.name = "states of a job", .value = limit_text(limits.states.value, "")},
+                     {.name = "simulations of a job",
+                      .value = limit_text(limits.simulations.value, "")}},
+          .request_limits = {.states = limits.states.value.value_or(0),
+                             .simulations = limits.simulations.value.value_or(0)},
+          .job_cores = static_cast<std::uint32_t>(settings.job_cores.value),
+          .check_options =
+              [settings](const std::map<std::string, std::string>& given) {
+                check_options(settings, given);
+              },
+          .backend = settings.backend.value};
 }
 
 jobs::Options job_options_of(const config::Settings& settings) {
@@ -81,16 +95,26 @@ int serve(const config::Settings& settings) {
         "with --allow-root if this machine is there for nothing else");
   }
   run::Catalogue catalogue = worlds_of_program();
+  const System system = system_of(settings);
+  // Before the options: GCC 12 destroys an aggregate's members twice where a later one's
+  // initialiser throws.
+  const std::optional<std::uint32_t> group = group_of(settings.group);
+  daemon::ServerFacts facts = facts_of(settings);
   daemon::DaemonOptions options{
       .runner = {.state = settings.state.value,
                  .jobs = job_options_of(settings),
                  .cores = static_cast<std::uint32_t>(settings.cores.value),
                  .memory_bytes = settings.memory_bytes.value,
                  .disk_reserve_bytes = settings.disk_reserve_bytes.value,
-                 .programs = keeper::programs_beside_this()},
+                 .programs = keeper::programs_beside_this(),
+                 .system = system.backend},
       .socket = settings.socket.value,
-      .group = group_of(settings.group),
-      .facts = facts_of(settings),
+      .group = group,
+      .address = settings.listen.value.empty() ? std::nullopt
+                                               : access::server_address_of(settings.listen.value),
+      .certificate_path = settings.tls_certificate.value,
+      .key_path = settings.tls_key.value,
+      .facts = std::move(facts),
       .read = [&](const std::string& text, const std::string& name) {
         return request::read_request(text, name, catalogue.bindings());
       }};

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "clients/cli/job_text.h"
+#include "clients/cli/known_servers.h"
 #include "clients/cli/server_process.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
@@ -36,7 +37,7 @@ constexpr std::size_t k_told_log_lines = 20;
 /// The daemon's words, none where none answers.
 std::optional<rpc::ServerView> server_at(const std::string& socket) {
   try {
-    rpc::Client client(socket, {.call_s_max = 5});
+    rpc::Client client(place_of(socket), {.call_s_max = 5});
     return client.info();
   } catch (const rpc::NoServer&) {
     return std::nullopt;
@@ -93,8 +94,10 @@ bool has_exited(std::int64_t pid) {
   return name_end != std::string::npos && line.substr(name_end).starts_with(") Z");
 }
 
-/// Its socket goes first; the folder is free once the process has gone.
+/// Its socket goes first; the folder is free once the process has gone. Of one on another machine
+/// no more is seen than that it doesn't answer.
 bool is_gone(std::int64_t pid, const std::string& socket) {
+  if (!socket.starts_with('/')) return !server_at(socket);
   if (pid > 0 && ::kill(static_cast<pid_t>(pid), 0) == 0) return has_exited(pid);
   if (pid > 0 && errno == ESRCH) return true;
   // Another user's process can't be asked for; its socket can.
@@ -165,7 +168,7 @@ std::vector<std::string> server_command(const std::string& program,
 std::string server_text(const rpc::ServerView& server, const std::string& socket) {
   std::string text;
   const auto add = [&](std::string_view head, const std::string& words) {
-    if (!words.empty()) text += fmt::format("{:<10}{}\n", head, words);
+    if (!words.empty()) text += fmt::format("{:<12}{}\n", head, words);
   };
   add("server",
       fmt::format("pid {}, up {}, {}{}", server.pid, events::clock_time(server.up_s), shown(socket),
@@ -184,6 +187,10 @@ std::string server_text(const rpc::ServerView& server, const std::string& socket
                           size_text(server.disk_reserve_bytes)));
   add("keeps", shown(server.keeping_rule));
   add("limits", limits_line(server));
+  if (!server.address.empty()) {
+    add("listens", shown(server.address) + " over TLS");
+    add("certificate", shown(server.fingerprint));
+  }
   add("clients", fmt::format("{} connection{}, {} watching", server.connections,
                              server.connections == 1 ? "" : "s", server.watchers));
   return text;

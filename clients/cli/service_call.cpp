@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "clients/cli/known_servers.h"
 #include "common/base/check.h"
 #include "common/request/text.h"
 
@@ -89,8 +90,8 @@ void complain(const std::string& line) {
   std::fputs((line + "\n").c_str(), stderr);
 }
 
-int with_service(const std::string& socket, const std::function<int(rpc::Client&)>& work) {
-  rpc::Client client(socket);
+int with_service(const std::string& called, const std::function<int(rpc::Client&)>& work) {
+  rpc::Client client(place_of(called));
   try {
     return work(client);
   } catch (const rpc::NoServer& error) {

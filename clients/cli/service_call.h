@@ -15,9 +15,10 @@
 
 namespace sleight::cli {
 
-/// Runs `work`, a command. A refusal becomes a base::Error with its exit code and words, no server
-/// ExitCode::no_server, whose words say how to start one.
-int with_service(const std::string& socket, const std::function<int(rpc::Client&)>& work);
+/// Runs `work`, a command, with the service at `called`: a socket's path, or HOST:PORT of one that
+/// was logged in to (known_servers.h). A refusal becomes a base::Error with its exit code and
+/// words, no server ExitCode::no_server, whose words say how to start one.
+int with_service(const std::string& called, const std::function<int(rpc::Client&)>& work);
 
 /// not_allowed 9, bad_request 3, conflict 4, not_found and gone 2, bug 1; all else 5.
 base::ExitCode exit_code_of(rpc::RefusalKind kind);

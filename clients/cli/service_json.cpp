@@ -140,7 +140,9 @@ Json to_json(const rpc::ServerView& server) {
           {"limits", std::move(limits)},
           {"jobs", std::move(jobs)},
           {"connections", server.connections},
-          {"watchers", server.watchers}};
+          {"watchers", server.watchers},
+          {"address", server.address.empty() ? Json(nullptr) : Json(server.address)},
+          {"fingerprint", server.fingerprint.empty() ? Json(nullptr) : Json(server.fingerprint)}};
 }
 
 Json to_json(const rpc::LogPiece& piece) {

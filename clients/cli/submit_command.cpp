@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <thread>
 #include <utility>
 
@@ -20,6 +21,8 @@
 
 namespace sleight::cli {
 namespace {
+
+constexpr std::size_t k_option_characters_max = 60;  // that an error shows
 
 using Diagnostics = std::vector<request::Diagnostic>;
 
@@ -77,6 +80,24 @@ std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet
   if (set == nullptr) return std::nullopt;
   return request::Diagnostic{"--set " + set->text, request::k_no_place,
                              fmt::format("{} gives that; leave one of them out", option)};
+}
+
+/// KEY=VALUE each; of one key the last counts.
+std::vector<rpc::JobOption> job_options_of(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> values;
+  for (const std::string& text : texts) {
+    const std::size_t end = text.find('=');
+    if (end == std::string::npos || end == 0) {
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("--option: '{}' is no KEY=VALUE, as partition=long is",
+                                    request::printable(text, k_option_characters_max)));
+    }
+    values[text.substr(0, end)] = text.substr(end + 1);
+  }
+  std::vector<rpc::JobOption> options;
+  for (const auto& [name, value] : values)
+    options.push_back({.name = name, .value = value});
+  return options;
 }
 
 /// Within the service's bound, cut between characters.
@@ -211,7 +232,8 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
          .ranks = options.ranks,
          .memory_bytes = memory_of(options.memory),
          .priority = options.priority,
-         .strict = options.strict});
+         .strict = options.strict,
+         .options = job_options_of(options.options)});
   }
   check_size(submission);
   return submission;

@@ -30,7 +30,8 @@ struct SubmitOptions {
   std::uint32_t ranks = 0;
   std::string memory{};  ///< "2 GB"; empty: the default
   std::int32_t priority = 0;
-  std::string name{};  ///< empty: the file's, or the word
+  std::vector<std::string> options{};  ///< "partition=long", for the system that runs it
+  std::string name{};                  ///< empty: the file's, or the word
   bool strict = false;
   bool watch = false;
   bool wait = false;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "clients/cli/event_words.h"
+#include "clients/cli/known_servers.h"
 #include "clients/cli/service_call.h"
 #include "common/base/error.h"
 #include "common/events/progress.h"
@@ -97,7 +98,7 @@ void JobFollower::set_news(bool has_ended) {
 }
 
 void JobFollower::watch() {
-  rpc::Client client(socket_, {.away_s_max = k_away_s_max});
+  rpc::Client client(cli::place_of(socket_), {.away_s_max = k_away_s_max});
   {
     const std::lock_guard lock(mutex_);
     watching_ = &client;
@@ -130,7 +131,7 @@ std::string JobFollower::fetched(rpc::Client& client, rpc::FetchKind kind) {
 }
 
 void JobFollower::fetch_forever() {
-  rpc::Client client(socket_, {.away_s_max = k_away_s_max});
+  rpc::Client client(cli::place_of(socket_), {.away_s_max = k_away_s_max});
   {
     const std::lock_guard lock(mutex_);
     fetching_ = &client;

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <limits>
 #include <utility>
 
+#include "common/access/server_address.h"
 #include "common/base/check.h"
 #include "common/config/quantities.h"
 #include "common/request/document.h"
@@ -26,7 +28,7 @@ using request::Value;
 constexpr std::uint64_t k_integer_max = 1'000'000'000'000;
 constexpr std::size_t k_shown_characters_max = 60;
 constexpr std::size_t k_name_bytes_max = 255;
-constexpr std::string_view k_limits = "limits";
+constexpr std::string_view k_sections[] = {"limits", "slurm"};
 
 /// Whole numbers that a key takes.
 struct Range {
@@ -36,14 +38,23 @@ struct Range {
 };
 
 /// Each key once: its name, its member, what it may be and what it is. A visitor has `path`,
-/// `name`, `flag`, `count` (also of a limit), `bytes` (also of a limit) and `duration_s`.
+/// `name`, `address`, `flag`, `count` (also of a limit), `bytes` (also of a limit) and
+/// `duration_s`.
 template <class AnySettings, class Visitor>
 void visit(AnySettings& s, Visitor& visitor) {
   visitor.path("state", s.state, "folder of the daemon: its jobs, their archives, its log");
   visitor.path("socket", s.socket, "where the daemon is called");
   visitor.name("group", s.group, "of the users who may call the daemon, beside its own");
+  visitor.address("listen", s.listen, "where the daemon is called from other machines, over TLS");
+  visitor.path("tls_certificate", s.tls_certificate,
+               "of the daemon there, in PEM; one of its own making if not given");
+  visitor.path("tls_key", s.tls_key, "of tls_certificate, in PEM");
+  visitor.name("backend", s.backend,
+               "what runs jobs: \"local\" for this machine, \"slurm\", or a program's path");
   visitor.flag("allow_root", s.allow_root, "the daemon may run as root, and so may every job");
   visitor.count("cores", s.cores, Range{1, k_cores_max, "cores"}, "for all running jobs together");
+  visitor.count("job_cores", s.job_cores, Range{0, k_cores_max, "cores"},
+                "of a job that doesn't say; 0: those that are free");
   visitor.bytes("memory", s.memory_bytes, 1, "for all running jobs together");
   visitor.bytes("disk_reserve", s.disk_reserve_bytes, 0,
                 "with less left on the disk nothing starts and running jobs are held");
@@ -55,6 +66,7 @@ void visit(AnySettings& s, Visitor& visitor) {
                 "of finished jobs together; beyond it the oldest that are not pinned go");
   visitor.count("cache_mb", s.cache_mb, Range{0, 1'000'000, "MB"},
                 "in which each process of a job keeps simulations");
+  visitor.address("server", s.server, "of another machine, which commands call over TLS");
   visitor.count("limits.jobs", s.limits.jobs, Range{1, k_integer_max, "jobs"},
                 "of one user, that have not ended");
   visitor.count("limits.cores", s.limits.cores, Range{1, k_cores_max, "cores"},
@@ -62,6 +74,16 @@ void visit(AnySettings& s, Visitor& visitor) {
   visitor.count("limits.core_hours", s.limits.core_hours, Range{1, k_integer_max, "core-hours"},
                 "of one user, in a day");
   visitor.bytes("limits.bytes", s.limits.bytes, 1, "on the disk, of one user's jobs");
+  visitor.count("limits.states", s.limits.states, Range{1, k_integer_max, "states"},
+                "of one job: chains x temperatures, or x particles");
+  visitor.count("limits.simulations", s.limits.simulations, Range{1, k_integer_max, "simulations"},
+                "of one job, as far as its [stop] says how many");
+  visitor.name("slurm.account", s.slurm.account, "of jobs that don't say otherwise");
+  visitor.name("slurm.partition", s.slurm.partition, "likewise");
+  visitor.name("slurm.qos", s.slurm.qos, "likewise");
+  visitor.name("slurm.time", s.slurm.time, "likewise: the longest time of one start");
+  visitor.name("slurm.more", s.slurm.more, "further options of sbatch, such as --exclusive");
+  visitor.path("slurm.script", s.slurm.script, "direct.sbatch, if not the one that is installed");
 }
 
 /// A value with what gave it.
@@ -116,6 +138,16 @@ class Reader {
         text->find('\0') != std::string::npos)
       return refuse(key, *found, "a name as a string");
     take(setting, *text, *found);
+  }
+
+  void address(std::string_view key, Setting<std::string>& setting, std::string_view /*help*/) {
+    const std::optional<Found> found = find(key);
+    if (!found) return;
+    const auto* text = std::get_if<std::string>(&found->value.held);
+    const auto address = text == nullptr ? std::nullopt : access::server_address_of(*text);
+    if (!address)
+      return refuse(key, *found, "an address as \"render.example.org:7423\" or \"0.0.0.0\"");
+    take(setting, access::text_of(*address), *found);
   }
 
   void flag(std::string_view key, Setting<bool>& setting, std::string_view /*help*/) {
@@ -186,17 +218,17 @@ class Reader {
     for (const Given& given : command_line_)
       CHECK(std::find(keys_.begin(), keys_.end(), given.key) != keys_.end());
     for (const Entry& entry : document_.loose)
-      unknown(entry, entry.key, std::string(k_limits) == entry.key);
+      unknown(entry, entry.key, is_section(entry.key));
     for (const request::Section& section : document_.sections) {
-      if (section.name != k_limits) {
+      if (!is_section(section.name)) {
         in_file_.add(section.place,
-                     fmt::format("unknown section [{}]; the file has [limits] alone, "
-                                 "its other keys stand before it",
-                                 shown(section.name)));
+                     fmt::format("unknown section [{}]; the file has [{}] alone, "
+                                 "its other keys stand before them",
+                                 shown(section.name), fmt::join(k_sections, "] and [")));
         continue;
       }
       for (const Entry& entry : section.entries)
-        unknown(entry, fmt::format("{}.{}", k_limits, entry.key), false);
+        unknown(entry, fmt::format("{}.{}", section.name, entry.key), false);
     }
     const std::vector<request::Diagnostic> of_file = in_file_.sorted();
     wrong_.insert(wrong_.end(), of_file.begin(), of_file.end());
@@ -205,6 +237,10 @@ class Reader {
  private:
   static std::string shown(std::string_view text) {
     return request::printable(text, k_shown_characters_max);
+  }
+
+  static bool is_section(std::string_view name) {
+    return std::find(std::begin(k_sections), std::end(k_sections), name) != std::end(k_sections);
   }
 
   /// "'jobs' in [limits]", "'cores'".
@@ -222,6 +258,7 @@ class Reader {
     }
     const std::string_view name = key == "state"        ? "SLEIGHT_STATE"
                                   : key == "socket"     ? "SLEIGHT_SOCKET"
+                                  : key == "server"     ? "SLEIGHT_SERVER"
                                   : key == "allow_root" ? "SLEIGHT_ALLOW_ROOT"
                                                         : "";
     if (!name.empty()) {
@@ -265,26 +302,30 @@ class Reader {
     }
   }
 
-  void unknown(const Entry& entry, const std::string& name, bool is_section) {
+  void unknown(const Entry& entry, const std::string& name, bool is_of_section) {
     if (std::find(keys_.begin(), keys_.end(), name) != keys_.end()) return;
-    if (is_section) {
+    if (is_of_section) {
       return in_file_.add(entry.place, fmt::format("'{0}' must be a section, written [{0}] once, "
                                                    "with its keys below",
-                                                   k_limits));
+                                                   entry.key));
     }
     // A key in the wrong place is nearer than a mistyped one.
-    const std::string limit = fmt::format("{}.{}", k_limits, entry.key);
-    const bool is_misplaced_limit =
-        name != limit && std::find(keys_.begin(), keys_.end(), limit) != keys_.end();
+    std::string_view other_section;
+    for (const std::string_view section : k_sections) {
+      const std::string there = fmt::format("{}.{}", section, entry.key);
+      if (name != there && std::find(keys_.begin(), keys_.end(), there) != keys_.end())
+        other_section = section;
+    }
     const bool is_misplaced =
-        name == limit && std::find(keys_.begin(), keys_.end(), entry.key) != keys_.end();
+        name != entry.key && std::find(keys_.begin(), keys_.end(), entry.key) != keys_.end();
     const auto near = request::nearest(name, keys_);
-    in_file_.add(entry.place,
-                 fmt::format("unknown key {}; {}", name_in_file(shown(name)),
-                             is_misplaced_limit ? "it belongs in [limits]"
-                             : is_misplaced     ? "it belongs before every section"
-                             : near ? fmt::format("did you mean {}?", name_in_file(*near))
-                                    : fmt::format("there are {}", fmt::join(keys_, ", "))));
+    in_file_.add(
+        entry.place,
+        fmt::format("unknown key {}; {}", name_in_file(shown(name)),
+                    !other_section.empty() ? fmt::format("it belongs in [{}]", other_section)
+                    : is_misplaced         ? "it belongs before every section"
+                    : near                 ? fmt::format("did you mean {}?", name_in_file(*near))
+                                           : fmt::format("there are {}", fmt::join(keys_, ", "))));
   }
 
   const Surroundings& surroundings_;
@@ -324,7 +365,40 @@ Settings defaults_of(const Surroundings& surroundings) {
   settings.keep_bytes.value = k_keep_bytes;
   settings.cache_mb.value = k_cache_mb;
   settings.limits.jobs.value = k_jobs_of_user;
+  settings.limits.states.value = k_states_of_job;
+  settings.limits.simulations.value = k_simulations_of_job;
+  settings.backend.value = "local";
   return settings;
+}
+
+/// A certificate and its key come together.
+void settle_certificate(const Settings& settings, std::vector<request::Diagnostic>& wrong) {
+  const auto& certificate = settings.tls_certificate;
+  const auto& key = settings.tls_key;
+  if (certificate.value.empty() == key.value.empty()) return;
+  wrong.push_back({certificate.value.empty() ? key.given_by : certificate.given_by,
+                   request::k_no_place,
+                   certificate.value.empty() ? "tls_key needs its tls_certificate, too"
+                                             : "tls_certificate needs its tls_key, too"});
+}
+
+/// What jobs may have of a batch system has nothing to do with the daemon's machine.
+void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong) {
+  const std::string& backend = settings.backend.value;
+  if (backend == "local") return;
+  if (backend == "slurm" || backend.starts_with('/')) {
+    const auto settle = [](Setting<std::uint64_t>& setting, std::uint64_t value) {
+      if (setting.origin == Origin::fallback) setting.value = value;
+    };
+    settle(settings.cores, k_system_cores);
+    settle(settings.memory_bytes, k_system_memory_bytes);
+    settle(settings.job_cores, k_system_job_cores);
+    return;
+  }
+  wrong.push_back({settings.backend.given_by, request::k_no_place,
+                   fmt::format("backend is \"local\", \"slurm\" or the absolute path of a program, "
+                               "not \"{}\"",
+                               request::printable(backend, k_shown_characters_max))});
 }
 
 /// The socket lies in the state folder unless it has a place of its own.
@@ -365,13 +439,16 @@ class RowMaker {
 
   void path(std::string_view key, const Setting<std::string>& setting, std::string_view help) {
     Row& row = add(key, setting, help);
-    row.value = request::printable(setting.value, 4096);
+    if (!setting.value.empty()) row.value = request::printable(setting.value, 4096);
     row.is_text = true;
   }
   void name(std::string_view key, const Setting<std::string>& setting, std::string_view help) {
     Row& row = add(key, setting, help);
     if (!setting.value.empty()) row.value = request::printable(setting.value, k_name_bytes_max);
     row.is_text = true;
+  }
+  void address(std::string_view key, const Setting<std::string>& setting, std::string_view help) {
+    name(key, setting, help);
   }
   void flag(std::string_view key, const Setting<bool>& setting, std::string_view help) {
     Row& row = add(key, setting, help);
@@ -460,7 +537,11 @@ base::Result<Settings, std::vector<request::Diagnostic>> settings_of(
   Reader reader(surroundings, path, document, command_line, wrong);
   visit(settings, reader);
   reader.report_unknown();
-  if (wrong.empty()) settle_socket(settings, wrong);
+  if (wrong.empty()) {
+    settle_certificate(settings, wrong);
+    settle_backend(settings, wrong);
+    settle_socket(settings, wrong);
+  }
   if (!wrong.empty()) return wrong;
   return settings;
 }

@@ -4,7 +4,7 @@
 // that gives it:
 //
 //   1. the command line
-//   2. the environment: SLEIGHT_STATE, SLEIGHT_SOCKET, SLEIGHT_ALLOW_ROOT
+//   2. the environment: SLEIGHT_STATE, SLEIGHT_SOCKET, SLEIGHT_SERVER, SLEIGHT_ALLOW_ROOT
 //   3. the file $XDG_CONFIG_HOME/sleight/config.toml, else ~/.config/sleight/config.toml
 //   4. the default, which may depend on the machine or on another setting
 //
@@ -17,6 +17,9 @@
 //
 //   [limits]           # of each user
 //   jobs = 100
+//
+//   [slurm]            # where backend = "slurm"
+//   partition = "batch"
 //
 // Invariants
 //   1. Every value is in the range that its key states, wherever it came from.
@@ -59,15 +62,35 @@ struct UserLimits {
   Setting<std::optional<std::uint64_t>> cores;       ///< of running jobs
   Setting<std::optional<std::uint64_t>> core_hours;  ///< of all jobs that are still kept
   Setting<std::optional<std::uint64_t>> bytes;       ///< of the folders of all jobs that are kept
+  // Of one job: more is refused, with the sum (service/daemon/request_cost.h).
+  Setting<std::optional<std::uint64_t>> states;       ///< chains x temperatures or particles
+  Setting<std::optional<std::uint64_t>> simulations;  ///< as far as [stop] says how many
   friend bool operator==(const UserLimits&, const UserLimits&) = default;
 };
 
+/// Of jobs under Slurm that don't say otherwise, as sbatch takes them; empty: Slurm's own.
+struct SlurmDefaults {
+  Setting<std::string> account;
+  Setting<std::string> partition;
+  Setting<std::string> qos;
+  Setting<std::string> time;
+  Setting<std::string> more;    ///< further options of sbatch, between spaces
+  Setting<std::string> script;  ///< direct.sbatch; empty: the one that is installed
+  friend bool operator==(const SlurmDefaults&, const SlurmDefaults&) = default;
+};
+
 struct Settings {
+  Setting<std::string> server;                ///< whose commands are for a service elsewhere
   Setting<std::string> state;                 ///< the daemon's folder
   Setting<std::string> socket;                ///< default: "socket" in `state`
   Setting<std::string> group;                 ///< of users who may call the daemon; empty: nobody
+  Setting<std::string> listen;                ///< over TLS: "0.0.0.0:7423"; empty: nowhere
+  Setting<std::string> tls_certificate;       ///< PEM; empty: of its own making
+  Setting<std::string> tls_key;               ///< with tls_certificate
+  Setting<std::string> backend;               ///< "local", "slurm", or a program's path
   Setting<bool> allow_root;                   ///< the daemon, and so every job, may be root's
   Setting<std::uint64_t> cores;               ///< for all jobs together; default: all of them
+  Setting<std::uint64_t> job_cores;           ///< of a job that doesn't say; 0: what is free
   Setting<std::uint64_t> memory_bytes;        ///< `memory`, for all jobs; default: 3/4 of it
   Setting<std::uint64_t> disk_reserve_bytes;  ///< `disk_reserve`: below this nothing starts
   Setting<double> slice_s;                    ///< `slice`: a job runs so long before it yields
@@ -75,6 +98,7 @@ struct Settings {
   Setting<std::uint64_t> keep_bytes;          ///< finished jobs take up at most this together
   Setting<std::uint64_t> cache_mb;            ///< of each process of a job, as --cache
   UserLimits limits;                          ///< `[limits]`
+  SlurmDefaults slurm;                        ///< `[slurm]`
   friend bool operator==(const Settings&, const Settings&) = default;
 };
 
@@ -87,6 +111,12 @@ inline constexpr std::uint64_t k_keep_bytes = 50'000'000'000;
 /// As run::k_cache_bytes_max, which this side can't see; tests/programs compare them.
 inline constexpr std::uint64_t k_cache_mb = 256;
 inline constexpr std::uint64_t k_jobs_of_user = 20'000;
+// Where a batch system runs the jobs: what they may have of it, if nothing is said.
+inline constexpr std::uint64_t k_system_cores = 1024;
+inline constexpr std::uint64_t k_system_memory_bytes = 4'000'000'000'000;
+inline constexpr std::uint64_t k_system_job_cores = 4;
+inline constexpr std::uint64_t k_states_of_job = 16'384;
+inline constexpr std::uint64_t k_simulations_of_job = 100'000'000'000;
 inline constexpr std::uint64_t k_cores_max = 65'536;
 /// Where a machine's daemon listens by convention: clients call it where no daemon of their own is.
 inline constexpr std::string_view k_machine_socket = "/run/sleight/socket";
@@ -144,9 +174,14 @@ std::vector<Row> rows_of(const Settings& settings);
 /// error in them; environment, where the file can't be read.
 Settings settings_here(const std::vector<Given>& command_line = {});
 
-/// Where this process's calls go: the socket that is set, else that of its user's own daemon, else,
-/// where there is only that, the machine's. Throws as settings_here.
-std::string socket_to_call();
+/// Where this process's calls go: the server or the socket that is set, else that of its user's own
+/// daemon, else, where there is only that, the machine's. Throws as settings_here.
+/// "HOST:PORT" where `server` is set, else a path.
+struct ToCall {
+  std::string socket{};
+  std::string server{};  ///< empty: the socket
+};
+ToCall service_to_call();
 
 /// What settings_here looks at.
 Surroundings surroundings_here();

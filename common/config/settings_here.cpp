@@ -46,8 +46,9 @@ Surroundings surroundings_here() {
                           static_cast<std::uint64_t>(std::max(page_bytes, 0L))};
 }
 
-std::string socket_to_call() {
+ToCall service_to_call() {
   const Settings settings = settings_here();
+  if (!settings.server.value.empty()) return {.server = settings.server.value};
   const bool is_set =
       settings.socket.origin != Origin::fallback || settings.state.origin != Origin::fallback;
   std::error_code none;
@@ -55,8 +56,9 @@ std::string socket_to_call() {
     return std::filesystem::is_socket(path, none);
   };
   const std::string machine(k_machine_socket);
-  if (is_set || is_there(settings.socket.value) || !is_there(machine)) return settings.socket.value;
-  return machine;
+  if (is_set || is_there(settings.socket.value) || !is_there(machine))
+    return {.socket = settings.socket.value};
+  return {.socket = machine};
 }
 
 Settings settings_here(const std::vector<Given>& command_line) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <kj/async-io.h>
 #include <kj/async-unix.h>
+#include <kj/compat/tls.h>
 #include <kj/debug.h>
 #include <sys/random.h>
 #include <unistd.h>
@@ -13,12 +14,14 @@
 #include <type_traits>
 #include <utility>
 
+#include "common/access/certificates.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/rpc/encoding.h"
 #include "common/rpc/event_descriptor.h"
 #include "common/rpc/from_now.h"
 #include "common/rpc/link.h"
+#include "common/rpc/tcp_socket.h"
 #include "common/rpc/unix_socket.h"
 
 namespace sleight::rpc {
@@ -58,8 +61,9 @@ struct Client::Impl final : Link {
     std::vector<generated::File::Client> files{};
   };
 
-  Impl(std::string socket_path, ClientOptions chosen)
-      : path(std::move(socket_path)),
+  Impl(ServicePlace called, ClientOptions chosen)
+      : place(std::move(called)),
+        name(name_of(place)),
         options(chosen),
         io(events_of_thread()),
         interrupts(make_event_descriptor()),
@@ -120,7 +124,7 @@ struct Client::Impl final : Link {
       case kj::Exception::Type::OVERLOADED:
         connection = nullptr;
         throw base::Error(
-            fmt::format("the server at {} does not answer; its log may say why", path));
+            fmt::format("the server at {} does not answer; its log may say why", name));
       default:
         connection = nullptr;
         throw RefusedError({.kind = RefusalKind::bug,
@@ -137,26 +141,102 @@ struct Client::Impl final : Link {
     KJ_IF_MAYBE (there, connection) {
       return **there;
     }
+    const auto* remote = std::get_if<RemoteService>(&place);
+    auto made = kj::heap<Connection>(remote == nullptr ? connect_here(std::get<std::string>(place))
+                                                       : connect_over_tls(*remote));
+    capnp::MallocMessageBuilder builder;
+    auto server = builder.initRoot<capnp::rpc::twoparty::VatId>();
+    server.setSide(capnp::rpc::twoparty::Side::SERVER);
+    auto entrance = made->system.bootstrap(server).castAs<generated::Entrance>();
+    if (remote == nullptr) {
+      made->service = entered<generated::Entrance::OpenResults>(entrance.openRequest().send());
+    } else {
+      auto login = entrance.loginRequest();
+      login.setToken(as_text(remote->token));
+      made->service = entered<generated::Entrance::LoginResults>(login.send());
+    }
+    connection = kj::mv(made);
+    return *KJ_ASSERT_NONNULL(connection);
+  }
+
+  template <class Results, class Sent>
+  generated::Service::Client entered(Sent sent) {
+    auto opened = wait(kj::Promise<capnp::Response<Results>>(kj::mv(sent)), options.call_s_max);
+    if (opened.hasRefusal()) throw RefusedError(get(opened.getRefusal()));
+    return opened.getService();
+  }
+
+  kj::Own<kj::AsyncIoStream> connect_here(const std::string& path) {
     const auto descriptor = connect_to(path);
     if (!descriptor) {
       if (descriptor.error() == Unconnected::busy) throw Lost("the server has no time");
       throw NoServer(
           fmt::format("no server listens at {}; `sleight server start` starts one", path));
     }
-    auto made = kj::heap<Connection>(io->lowLevelProvider->wrapSocketFd(
-        kj::AutoCloseFd(descriptor.value()), kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
-                                                 kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK));
-    capnp::MallocMessageBuilder builder;
-    auto server = builder.initRoot<capnp::rpc::twoparty::VatId>();
-    server.setSide(capnp::rpc::twoparty::Side::SERVER);
-    auto entrance = made->system.bootstrap(server).castAs<generated::Entrance>();
-    auto opened = wait(kj::Promise<capnp::Response<generated::Entrance::OpenResults>>(
-                           entrance.openRequest().send()),
-                       options.call_s_max);
-    if (opened.hasRefusal()) throw RefusedError(get(opened.getRefusal()));
-    made->service = opened.getService();
-    connection = kj::mv(made);
-    return *KJ_ASSERT_NONNULL(connection);
+    return io->lowLevelProvider->wrapSocketFd(kj::AutoCloseFd(descriptor.value()),
+                                              kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
+                                                  kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK);
+  }
+
+  kj::Own<kj::AsyncIoStream> connect_over_tls(const RemoteService& remote) {
+    auto raw = reach(remote.address);
+    KJ_IF_MAYBE (descriptor, raw->getFd()) {
+      tune(*descriptor);
+    }
+    const bool is_known = !remote.certificate.empty() && access::is_self_signed(remote.certificate);
+    const std::string host = is_known ? access::k_self_name : remote.address.host;
+    try {
+      kj::TlsContext::Options tls;
+      tls.minVersion = kj::TlsVersion::TLS_1_2;
+      tls.useSystemTrustStore = remote.certificate.empty();
+      kj::Vector<kj::TlsCertificate> trusted;
+      if (!remote.certificate.empty()) trusted.add(kj::StringPtr(remote.certificate.c_str()));
+      tls.trustedCertificates = trusted;
+      kj::TlsContext context(tls);
+      auto shaken = context.wrapClient(kj::mv(raw), kj::StringPtr(host.c_str()));
+      return io->provider->getTimer()
+          .timeoutAt(from_now(options.call_s_max), kj::mv(shaken))
+          .wait(io->waitScope);
+    } catch (const kj::Exception& error) {
+      if (error.getType() == kj::Exception::Type::DISCONNECTED)
+        throw Lost("the server ends the connection");
+      if (error.getType() == kj::Exception::Type::OVERLOADED)
+        throw base::Error(fmt::format("what answers at {} does not speak TLS", name));
+      throw NotTrusted(
+          base::ExitCode::not_allowed,
+          is_known
+              ? fmt::format(
+                    "the server at {0} shows another certificate than the one that was "
+                    "logged in to: either it has a new one, or somebody stands between. Ask "
+                    "whoever runs it, and `sleight login {0}` again",
+                    name)
+              : fmt::format("nobody that is trusted here vouches for the certificate of the server "
+                            "at {0}; `sleight login {0} --fingerprint SHA256:...` knows it by its "
+                            "fingerprint, --ca FILE trusts an authority",
+                            name));
+    }
+  }
+
+  kj::Own<kj::AsyncIoStream> reach(const access::ServerAddress& address) {
+    auto& network = io->provider->getNetwork();
+    auto& timer = io->provider->getTimer();
+    try {
+      auto reached = network.parseAddress(address.host.c_str(), address.port)
+                         .then([](kj::Own<kj::NetworkAddress> found) {
+                           auto connected = found->connect();
+                           return connected.attach(kj::mv(found));
+                         });
+      return timer.timeoutAt(from_now(options.call_s_max), kj::mv(reached)).wait(io->waitScope);
+    } catch (const kj::Exception& error) {
+      if (error.getType() == kj::Exception::Type::FAILED)
+        throw NoServer(fmt::format("the host of {} is not found", name));
+      throw NoServer(fmt::format("no server answers at {}", name));
+    }
+  }
+
+  static std::string name_of(const ServicePlace& place) {
+    const auto* remote = std::get_if<RemoteService>(&place);
+    return remote == nullptr ? std::get<std::string>(place) : access::text_of(remote->address);
   }
 
   /// Repeats what a lost connection ended, for a while.
@@ -168,7 +248,7 @@ struct Client::Impl final : Link {
         return call();
       } catch (const Lost& lost) {
         if (now_s() - began_s > options.call_s_max)
-          throw NoServer(fmt::format("{} at {}, again and again", lost.what(), path));
+          throw NoServer(fmt::format("{} at {}, again and again", lost.what(), name));
       }
       was_repeated = true;
       wait(kj::Promise<void>(io->provider->getTimer().atTime(from_now(wait_s))), 0);
@@ -264,7 +344,8 @@ struct Client::Impl final : Link {
 
   double now_s() const override { return clock.now_s(); }
 
-  std::string path;
+  ServicePlace place;
+  std::string name;  ///< of the place, for people
   ClientOptions options;
   std::shared_ptr<kj::AsyncIoContext> io;
   kj::AutoCloseFd interrupts;  ///< an eventfd
@@ -274,10 +355,17 @@ struct Client::Impl final : Link {
   base::SteadyClock clock;
 };
 
-Client::Client(std::string socket_path, ClientOptions options)
-    : impl_(std::make_unique<Impl>(std::move(socket_path), options)) {}
+Client::Client(ServicePlace place, ClientOptions options)
+    : impl_(std::make_unique<Impl>(std::move(place), options)) {}
 
 Client::~Client() = default;
+
+void Client::enter() {
+  impl_->repeat([&] {
+    impl_->connected();
+    return Nothing();
+  });
+}
 
 Submitted Client::submit(const Submission& submission) {
   return impl_->call(
@@ -399,6 +487,36 @@ void Client::drain() {
 void Client::stop() {
   impl_->call([](auto& service) { return service.stopRequest().send(); },
               [](const auto&) { return Nothing(); });
+}
+
+TokenView Client::create_token(const TokenAsk& ask) {
+  return impl_->call(
+      [&](auto& service) {
+        auto request = service.createTokenRequest();
+        put(ask, request.initAsk());
+        return request.send();
+      },
+      [](const auto& results) { return get(results.getToken()); });
+}
+
+std::vector<TokenView> Client::tokens() {
+  return impl_->call([](auto& service) { return service.listTokensRequest().send(); },
+                     [](const auto& results) {
+                       std::vector<TokenView> tokens;
+                       for (const auto token : results.getTokens())
+                         tokens.push_back(get(token));
+                       return tokens;
+                     });
+}
+
+TokenView Client::revoke_token(const std::string& id) {
+  return impl_->call(
+      [&](auto& service) {
+        auto request = service.revokeTokenRequest();
+        request.setId(as_text(id));
+        return request.send();
+      },
+      [](const auto& results) { return get(results.getToken()); });
 }
 
 Waited Client::watch(const std::vector<WatchPoint>& points, WatchSink& sink) {

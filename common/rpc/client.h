@@ -5,8 +5,13 @@
 // service has been away for too long: a watcher sees every numbered event once and in order, and a
 // fetched file is whole or not there.
 //
+// A service of another machine is called over TLS, by a token. Nothing is sent before its
+// certificate has been checked: it is the one that is known of it, or an authority vouches for it
+// and for the host's name.
+//
 // Exceptions, all base::Error or RefusedError:
 //   NoServer       none listens, or it went away and did not come back
+//   NotTrusted     its certificate is not the one that is known, or nobody vouches for it
 //   RefusedError   the service refused the call
 //   base::Error    the service does not answer in time; a file of ours can't be written
 //
@@ -19,8 +24,10 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "common/access/server_address.h"
 #include "common/base/error.h"
 #include "common/rpc/service.h"
 
@@ -28,6 +35,11 @@ namespace sleight::rpc {
 
 /// Its words say how to start a server.
 class NoServer : public base::Error {
+ public:
+  using base::Error::Error;
+};
+
+class NotTrusted : public base::Error {
  public:
   using base::Error::Error;
 };
@@ -48,6 +60,18 @@ struct ClientOptions {
   double wait_s_max = 2;
   double away_s_max = 600;  ///< `watch` and `fetch` give a service up that is away for so long
 };
+
+/// A service that is reached over TLS.
+struct RemoteService {
+  access::ServerAddress address{};
+  std::string token{};
+  /// The service's own, as PEM (certificates.h), or that of the authority that vouches for it;
+  /// empty: one that the system trusts does.
+  std::string certificate{};
+};
+
+/// A Unix socket's path, or a service of another machine.
+using ServicePlace = std::variant<std::string, RemoteService>;
 
 /// One thing that happened to a watched job.
 struct WatchedEvent {
@@ -100,11 +124,13 @@ struct FetchedFiles {
 class Client {
  public:
   /// Connects with the first call.
-  explicit Client(std::string socket_path, ClientOptions options = {});
+  explicit Client(ServicePlace place, ClientOptions options = {});
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
+  /// Connects, and shows the token where there is one. Other calls do it by themselves.
+  void enter();
   Submitted submit(const Submission& submission);
   JobPage list(const ListAsk& ask);
   JobView status(JobId job);
@@ -119,6 +145,10 @@ class Client {
   ServerView info();
   void drain();
   void stop();
+  /// `ask.token` is drawn by the caller, so that a repeated call makes no second one.
+  TokenView create_token(const TokenAsk& ask);
+  std::vector<TokenView> tokens();
+  TokenView revoke_token(const std::string& id);
 
   /// Until all are settled or refused; each from its point on. REQUIRES: no job twice, at most
   /// k_watch_jobs_max.

@@ -154,6 +154,11 @@ void put(const Submission& from, generated::Submission::Builder to) {
     jobs[i].setMemoryBytes(job.memory_bytes);
     jobs[i].setPriority(job.priority);
     jobs[i].setStrict(job.strict);
+    auto options = jobs[i].initOptions(static_cast<unsigned>(job.options.size()));
+    for (unsigned k = 0; k < options.size(); ++k) {
+      options[k].setName(as_text(job.options[k].name));
+      options[k].setValue(as_text(job.options[k].value));
+    }
   }
 }
 
@@ -170,6 +175,10 @@ Submission get(generated::Submission::Reader from) {
                   .priority = job.getPriority(),
                   .strict = job.getStrict()};
     if (job.getCores() > 0) ask.cores = job.getCores();
+    for (const auto option : job.getOptions()) {
+      if (ask.options.size() > k_options_max) break;
+      ask.options.push_back({as_string(option.getName()), as_string(option.getValue())});
+    }
     to.jobs.push_back(std::move(ask));
   }
   return to;
@@ -535,6 +544,8 @@ void put(const ServerView& from, generated::ServerView::Builder to) {
   }
   to.setConnections(from.connections);
   to.setWatchers(from.watchers);
+  SLEIGHT_PUT_TEXT(to, Address, from.address, k_line_bytes_max);
+  SLEIGHT_PUT_TEXT(to, Fingerprint, from.fingerprint, k_line_bytes_max);
 }
 
 ServerView get(generated::ServerView::Reader from) {
@@ -555,7 +566,9 @@ ServerView get(generated::ServerView::Reader from) {
                    .limits = {},
                    .counts = {},
                    .connections = from.getConnections(),
-                   .watchers = from.getWatchers()};
+                   .watchers = from.getWatchers(),
+                   .address = as_string(from.getAddress()),
+                   .fingerprint = as_string(from.getFingerprint())};
   for (const auto limit : from.getLimits())
     to.limits.push_back({as_string(limit.getName()), as_string(limit.getValue())});
   for (const auto count : from.getCounts())

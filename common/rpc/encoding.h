@@ -40,6 +40,8 @@ void put(const LogPiece& from, generated::LogPiece::Builder to);
 void put(const FetchAsk& from, generated::FetchAsk::Builder to);
 void put(const FileView& from, generated::FileRef::Builder to);  ///< all but the capability
 void put(const ServerView& from, generated::ServerView::Builder to);
+void put(const TokenAsk& from, generated::TokenAsk::Builder to);
+void put(const TokenView& from, generated::TokenView::Builder to);
 
 Refusal get(generated::Refusal::Reader from);
 Submission get(generated::Submission::Reader from);
@@ -56,6 +58,8 @@ LogPiece get(generated::LogPiece::Reader from);
 FetchAsk get(generated::FetchAsk::Reader from);
 FileView get(generated::FileRef::Reader from);
 ServerView get(generated::ServerView::Reader from);
+TokenAsk get(generated::TokenAsk::Reader from);
+TokenView get(generated::TokenView::Reader from);
 
 ArrivedBatch get(generated::Batch::Reader from);
 

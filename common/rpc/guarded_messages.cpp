@@ -30,14 +30,8 @@ struct GuardedMessages::Incoming {
 };
 
 GuardedMessages::GuardedMessages(kj::AsyncIoStream& stream, const kj::Timer& timer,
-                                 Traffic& traffic, std::size_t message_bytes_max,
-                                 std::function<void()> grown)
-    : stream_(stream),
-      timer_(timer),
-      traffic_(traffic),
-      bytes_max_(message_bytes_max),
-      grown_(std::move(grown)),
-      out_(stream) {
+                                 Traffic& traffic, std::function<void()> grown)
+    : stream_(stream), timer_(timer), traffic_(traffic), grown_(std::move(grown)), out_(stream) {
   traffic_.active = timer_.now();
 }
 
@@ -83,7 +77,8 @@ kj::Promise<GuardedMessages::Read> GuardedMessages::read_content(kj::Own<Incomin
   std::size_t words = 0;  // 64 segments of 32 bits: no overflow
   for (std::size_t i = 0; i < segments; ++i)
     words += words_of(i);
-  if (words > bytes_max_ / sizeof(capnp::word)) return refusal("a message is too large");
+  if (words > traffic_.message_bytes_max / sizeof(capnp::word))
+    return refusal("a message is too large");
   incoming->content = kj::heapArray<capnp::word>(words);
   incoming->segments = kj::heapArray<kj::ArrayPtr<const capnp::word>>(segments);
   std::size_t first = 0;
@@ -112,6 +107,8 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
       const auto call = content.getCall();
       if (!call.getSendResultsTo().isCaller())
         kj::throwFatalException(refusal("an answer must go to its caller"));
+      if (call.getParams().getCapTable().size() > 0)
+        kj::throwFatalException(refusal("a call brings capabilities"));
       questions_.insert(call.getQuestionId());
       break;
     }
@@ -121,8 +118,12 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
     case capnp::rpc::Message::FINISH:
       questions_.erase(content.getFinish().getQuestionId());
       break;
-    default:
+    case capnp::rpc::Message::RELEASE:
+    case capnp::rpc::Message::ABORT:
       break;
+    default:
+      // Of capabilities and promises of the peer's, which has none, and of calls that nobody made.
+      kj::throwFatalException(refusal("a message that no client has use for"));
   }
   if (questions_.size() > k_questions_max)
     kj::throwFatalException(refusal("too many questions at once"));

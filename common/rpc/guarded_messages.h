@@ -7,6 +7,9 @@
 //   2. Nothing is read while an answer is being written: a peer that reads none is not listened to.
 //   3. A connection has at most k_questions_max questions whose answers it has not let go of. A
 //      question whose answer is to be kept for others ends the connection.
+//   4. A peer brings no capabilities, as no call takes one (service.capnp, law 4), and says nothing
+//      of any: some of what can be said makes Cap'n Proto 0.9 keep the connection's memory for ever
+//      (found by tests/attacks).
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -28,7 +31,8 @@ inline constexpr int k_nesting_max = 32;           ///< pointers within pointers
 
 /// What a connection does just now.
 struct Traffic {
-  std::size_t incoming_bytes = 0;  ///< of the message that comes in; 0: none
+  std::size_t message_bytes_max = 0;  ///< smaller while nobody knows whose it is
+  std::size_t incoming_bytes = 0;     ///< of the message that comes in; 0: none
   kj::TimePoint incoming_since = kj::origin<kj::TimePoint>();
   std::size_t writes = 0;  ///< that are not done
   kj::TimePoint writing_since = kj::origin<kj::TimePoint>();
@@ -39,7 +43,7 @@ class GuardedMessages final : public capnp::MessageStream {
  public:
   /// `grown` is called when a large message begins to come in or to go out.
   GuardedMessages(kj::AsyncIoStream& stream, const kj::Timer& timer, Traffic& traffic,
-                  std::size_t message_bytes_max, std::function<void()> grown);
+                  std::function<void()> grown);
 
   kj::Promise<kj::Maybe<capnp::MessageReaderAndFds>> tryReadMessage(
       kj::ArrayPtr<kj::AutoCloseFd> descriptors, capnp::ReaderOptions options,
@@ -64,7 +68,6 @@ class GuardedMessages final : public capnp::MessageStream {
   kj::AsyncIoStream& stream_;
   const kj::Timer& timer_;
   Traffic& traffic_;
-  std::size_t bytes_max_;
   std::function<void()> grown_;
   capnp::AsyncIoMessageStream out_;
   kj::Maybe<kj::Own<kj::PromiseFulfiller<void>>> written_;  ///< of a read that waits

@@ -14,7 +14,9 @@
 //   2. A handler may be told of anything that a client can write: ids that don't exist, texts that
 //      are no request. Sizes and counts are within service.h's limits, and enumerations in requests
 //      are never `unknown`.
-//   3. The user of a call is the uid that the kernel says the peer has.
+//   3. The user of a call is the uid that the kernel says the peer has; over TCP the one of the
+//   token
+//      that the peer has shown.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -34,7 +36,12 @@ namespace sleight::rpc {
 
 struct Caller {
   std::uint32_t user = 0;  ///< uid
-  std::int64_t pid = 0;    ///< for logs; never to decide by
+  std::int64_t pid = 0;    ///< for logs; never to decide by; 0: of another machine
+  std::string address{};   ///< of a peer over TCP, "192.0.2.7:50312"; empty: of this machine
+  std::string token_id{};  ///< that it was let in by; empty: a Unix socket's
+  Scopes scopes = Scopes::all();
+  std::uint32_t token_jobs_max = 0;   ///< as in TokenAsk
+  std::uint32_t token_cores_max = 0;  ///< likewise
 };
 
 struct Nothing {
@@ -80,6 +87,18 @@ class Reply {
     }
   }
   Send send_;
+};
+
+/// Who lets peers in over TCP.
+class Authority {
+ public:
+  virtual ~Authority() = default;
+  /// Whose the token is. The refusal tells nobody what is wrong with it.
+  virtual base::Result<Caller, Refusal> login(const std::string& token,
+                                              const std::string& address) = 0;
+  /// Whether a session that was let in may go on: its token is neither revoked nor expired. Asked
+  /// at each call, and some times a second.
+  virtual bool lets_go_on(const Caller& caller) = 0;
 };
 
 /// What a watcher of a job lacks.
@@ -148,6 +167,10 @@ class Handler {
   virtual void drain(const Caller&, Reply<Nothing>) = 0;
   /// Ends the daemon; jobs run on. Answered before it ends.
   virtual void stop(const Caller&, Reply<Nothing>) = 0;
+
+  virtual void create_token(const Caller&, TokenAsk, Reply<TokenView>) = 0;
+  virtual void list_tokens(const Caller&, Reply<std::vector<TokenView>>) = 0;
+  virtual void revoke_token(const Caller&, std::string id, Reply<TokenView>) = 0;
 };
 
 }  // namespace sleight::rpc

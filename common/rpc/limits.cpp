@@ -6,6 +6,8 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "common/access/token_text.h"
+
 namespace sleight::rpc {
 namespace {
 
@@ -43,6 +45,22 @@ std::optional<Refusal> check(const JobAsk& job) {
     return refuse(RefusalKind::limit,
                   fmt::format("A request has at most {} kB; this one has {} kB.",
                               k_request_bytes_max >> 10U, job.request.size() >> 10U));
+  }
+  if (job.options.size() > k_options_max) {
+    return refuse(
+        RefusalKind::limit,
+        fmt::format("A job has at most {} options for the system that runs it.", k_options_max));
+  }
+  std::unordered_set<std::string> names;
+  for (const JobOption& option : job.options) {
+    if (option.name.empty() || option.name.size() > k_option_bytes_max ||
+        option.value.size() > k_option_bytes_max || !is_printable(option.name) ||
+        !is_printable(option.value) || !names.insert(option.name).second) {
+      return refuse(RefusalKind::bad_request,
+                    fmt::format("An option has a name and a value of at most {} bytes without "
+                                "control characters, and each name is given once.",
+                                k_option_bytes_max));
+    }
   }
   return std::nullopt;
 }
@@ -131,6 +149,25 @@ std::optional<Refusal> check(FetchAsk& ask) {
     return refuse(RefusalKind::bad_request, "No recording is named.", "Give their ids.");
   if (ask.after.size() > k_name_bytes_max || ask.sha256_wanted.size() > k_key_bytes_max)
     return refuse(RefusalKind::bad_request, "The file's name or digest is too long.");
+  return std::nullopt;
+}
+
+std::optional<Refusal> check(TokenAsk& ask) {
+  if (!access::token_of(ask.token))
+    return refuse(RefusalKind::bad_request, "That is no token.",
+                  "`sleight token create` draws one.");
+  if (ask.name.empty() || ask.name.size() > k_name_bytes_max || !is_printable(ask.name)) {
+    return refuse(RefusalKind::bad_request,
+                  fmt::format("A token's name has 1 to {} bytes and no control characters.",
+                              k_name_bytes_max),
+                  "Choose another --name.");
+  }
+  if (ask.scopes.has_unknown) return newer_client("scope of a token");
+  if (ask.scopes.bits == 0)
+    return refuse(RefusalKind::bad_request, "A token without a scope lets nobody do anything.");
+  if (!(ask.valid_s >= 0) || ask.valid_s > k_token_s_max) {
+    return refuse(RefusalKind::bad_request, "A token is valid for ten years at most, or for ever.");
+  }
   return std::nullopt;
 }
 

@@ -19,6 +19,7 @@ std::optional<Refusal> check(ListAsk& ask);
 std::optional<Refusal> check(Extension& extension);
 std::optional<Refusal> check(LogAsk& ask);
 std::optional<Refusal> check(FetchAsk& ask);
+std::optional<Refusal> check(TokenAsk& ask);
 std::optional<Refusal> check(const std::vector<WatchPoint>& points);
 
 Refusal no_such_job();

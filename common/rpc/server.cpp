@@ -2,6 +2,7 @@
 
 #include <capnp/rpc-twoparty.h>
 #include <kj/async-io.h>
+#include <kj/compat/tls.h>
 #include <kj/debug.h>
 
 #include <algorithm>
@@ -9,11 +10,13 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/rpc/from_now.h"
 #include "common/rpc/guarded_messages.h"
 #include "common/rpc/loop_impl.h"
 #include "common/rpc/service_calls.h"
+#include "common/rpc/tcp_socket.h"
 #include "common/rpc/unix_socket.h"
 #include "common/rpc/watchers.h"
 
@@ -40,16 +43,22 @@ capnp::ReaderOptions reader_options(const ServerLimits& limits) {
 
 struct Server::Impl final : kj::TaskSet::ErrorHandler {
   struct Connection;
+  struct Handshake;
+  struct TlsDoor;
 
   Impl(Loop& loop, const std::string& path, Handler& handler, const ServerLimits& wanted,
        Complain complain_to, std::optional<std::uint32_t> group);
   ~Impl();
   KJ_DISALLOW_COPY(Impl);
 
-  void accept_next();
+  using Admit = void (Impl::*)(kj::Own<kj::AsyncIoStream>);
+  void accept_next(kj::ConnectionReceiver& from, Admit admit);
   void admit(kj::Own<kj::AsyncIoStream> stream);
+  void admit_stranger(kj::Own<kj::AsyncIoStream> stream);
   bool make_room();
-  void serve(kj::Own<kj::AsyncIoStream> stream, const Peer& peer);
+  bool make_room_for_stranger();
+  std::size_t count_strangers() const;
+  void serve(kj::Own<kj::AsyncIoStream> stream, Caller caller, bool is_known);
   void bound_what_is_held();
   void look();
   void taskFailed(kj::Exception&& exception) override;
@@ -63,6 +72,8 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
   std::shared_ptr<Calls> calls = std::make_shared<Calls>();
   Watchers watchers;
   std::unordered_set<Connection*> connections;  ///< each is owned by its task
+  std::unordered_set<Handshake*> handshakes;    ///< likewise
+  std::unique_ptr<TlsDoor> tls;
   std::uint64_t accepted = 0;
   std::uint64_t ended = 0;
   bool accept_fails = false;  ///< said once
@@ -71,21 +82,29 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
 };
 
 struct Server::Impl::Connection {
-  Connection(Impl& server_impl, kj::Own<kj::AsyncIoStream> connected, const Peer& peer)
+  Connection(Impl& server_impl, kj::Own<kj::AsyncIoStream> connected, Caller caller, bool is_known)
       : server(server_impl),
+        began(server.timer.now()),
+        traffic{.message_bytes_max =
+                    is_known ? server.limits.message_bytes_max : server.limits.stranger_bytes_max},
         stream(kj::mv(connected)),
-        messages(*stream, server.timer, traffic, server.limits.message_bytes_max,
-                 [this] { server.bound_what_is_held(); }),
+        messages(*stream, server.timer, traffic, [this] { server.bound_what_is_held(); }),
         network(messages, capnp::rpc::twoparty::Side::SERVER, reader_options(server.limits)),
         system(capnp::makeRpcServer(network, make_entrance(server.calls, conversation))) {
-    conversation->caller = {.user = peer.user, .pid = peer.pid};
+    conversation->caller = std::move(caller);
+    conversation->is_known = is_known;
+    conversation->known = [this] { traffic.message_bytes_max = server.limits.message_bytes_max; };
     system.setFlowLimit(server.limits.message_bytes_max / sizeof(capnp::word));
     server.connections.insert(this);
   }
-  ~Connection() { server.connections.erase(this); }
+  ~Connection() {
+    conversation->known = nullptr;  // a call that still runs may hold the conversation
+    server.connections.erase(this);
+  }
   KJ_DISALLOW_COPY(Connection);
 
   std::size_t held_bytes() { return traffic.incoming_bytes + network.getCurrentQueueSize(); }
+  bool is_stranger() const { return !conversation->is_known; }
   bool is_idle() const {
     return conversation->calls == 0 && traffic.writes == 0 && traffic.incoming_bytes == 0;
   }
@@ -105,6 +124,7 @@ struct Server::Impl::Connection {
   }
 
   Impl& server;
+  kj::TimePoint began;
   bool is_ending = false;
   kj::PromiseFulfillerPair<void> ender = kj::newPromiseAndFulfiller<void>();
   std::shared_ptr<Conversation> conversation = std::make_shared<Conversation>();
@@ -113,6 +133,56 @@ struct Server::Impl::Connection {
   GuardedMessages messages;
   capnp::TwoPartyVatNetwork network;
   capnp::RpcSystem<capnp::rpc::twoparty::VatId> system;
+};
+
+/// A peer over TCP of which nothing is known yet, not even whether it speaks TLS.
+struct Server::Impl::Handshake {
+  explicit Handshake(Impl& server_impl) : server(server_impl), began(server.timer.now()) {
+    server.handshakes.insert(this);
+  }
+  ~Handshake() { server.handshakes.erase(this); }
+  KJ_DISALLOW_COPY(Handshake);
+  void end() {
+    if (std::exchange(is_ending, true)) return;
+    ++server.ended;
+    ender.fulfiller->fulfill();
+  }
+
+  Impl& server;
+  kj::TimePoint began;
+  bool is_ending = false;
+  kj::PromiseFulfillerPair<void> ender = kj::newPromiseAndFulfiller<void>();
+};
+
+namespace {
+
+kj::TlsContext::Options tls_options(const kj::TlsKeypair& keypair) {
+  kj::TlsContext::Options options;
+  options.useSystemTrustStore = false;
+  options.minVersion = kj::TlsVersion::TLS_1_2;
+  options.defaultKeypair = keypair;
+  return options;
+}
+
+}  // namespace
+
+struct Server::Impl::TlsDoor {
+  TlsDoor(Impl& server, base::Descriptor listening, const access::Keypair& texts,
+          Authority& lets_in)
+      : authority(lets_in),
+        descriptor(kj::mv(listening)),
+        keypair{kj::TlsPrivateKey(kj::StringPtr(texts.key.c_str())),
+                kj::TlsCertificate(kj::StringPtr(texts.certificate.c_str()))},
+        context(tls_options(keypair)),
+        receiver(server.provider.wrapListenSocketFd(
+            descriptor.get(), kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
+                                  kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK)) {}
+
+  Authority& authority;
+  base::Descriptor descriptor;
+  kj::TlsKeypair keypair;
+  kj::TlsContext context;
+  kj::Own<kj::ConnectionReceiver> receiver;
 };
 
 Server::Impl::Impl(Loop& loop, const std::string& path, Handler& handler,
@@ -134,7 +204,7 @@ Server::Impl::Impl(Loop& loop, const std::string& path, Handler& handler,
             .complain = complain,
             .connections = [this] { return connections.size(); }};
   looking = loop.call_every(k_look_s, [this] { look(); });
-  accept_next();
+  accept_next(*receiver, &Impl::admit);
 }
 
 Server::Impl::~Impl() {
@@ -144,35 +214,39 @@ Server::Impl::~Impl() {
 // ---------------------------------------------------------------------------- admitting
 // connections
 
-void Server::Impl::accept_next() {
-  tasks.add(receiver->accept().then(
-      [this](kj::Own<kj::AsyncIoStream> stream) {
+void Server::Impl::accept_next(kj::ConnectionReceiver& from, Admit let_in) {
+  tasks.add(from.accept().then(
+      [this, &from, let_in](kj::Own<kj::AsyncIoStream> stream) {
         accept_fails = false;
-        admit(kj::mv(stream));
-        accept_next();
+        (this->*let_in)(kj::mv(stream));
+        accept_next(from, let_in);
       },
-      [this](kj::Exception&& exception) {
+      [this, &from, let_in](kj::Exception&& exception) {
         if (!std::exchange(accept_fails, true)) {
           complain(std::string("no connection can be accepted: ") +
                    exception.getDescription().cStr());
         }
+        make_room_for_stranger();
         make_room();
-        tasks.add(timer.atTime(from_now(k_accept_again_s)).then([this] { accept_next(); }));
+        tasks.add(timer.atTime(from_now(k_accept_again_s)).then([this, &from, let_in] {
+          accept_next(from, let_in);
+        }));
       }));
 }
 
 void Server::Impl::admit(kj::Own<kj::AsyncIoStream> stream) {
-  const std::size_t ending = static_cast<std::size_t>(
-      std::count_if(connections.begin(), connections.end(),
-                    [](const Connection* connection) { return connection->is_ending; }));
-  if (connections.size() - ending >= limits.connections_max && !make_room()) {
+  const auto staying = static_cast<std::size_t>(
+      std::count_if(connections.begin(), connections.end(), [](const Connection* connection) {
+        return !connection->is_ending && !connection->is_stranger();
+      }));
+  if (staying >= limits.connections_max && !make_room()) {
     ++ended;
     return;
   }
   KJ_IF_MAYBE (descriptor, stream->getFd()) {
     try {
       const Peer peer = peer_of(*descriptor);
-      serve(kj::mv(stream), peer);
+      serve(kj::mv(stream), {.user = peer.user, .pid = peer.pid}, true);
     } catch (const base::Error& error) {
       complain(error.what());
     }
@@ -184,7 +258,7 @@ bool Server::Impl::make_room() {
   const kj::TimePoint now = timer.now();
   Connection* longest = nullptr;
   for (Connection* connection : connections) {
-    if (connection->is_ending || !connection->is_idle()) continue;
+    if (connection->is_ending || connection->is_stranger() || !connection->is_idle()) continue;
     if (longest == nullptr || connection->traffic.active < longest->traffic.active)
       longest = connection;
   }
@@ -193,10 +267,68 @@ bool Server::Impl::make_room() {
   return true;
 }
 
-void Server::Impl::serve(kj::Own<kj::AsyncIoStream> stream, const Peer& peer) {
-  auto connection = kj::heap<Connection>(*this, kj::mv(stream), peer);
+std::size_t Server::Impl::count_strangers() const {
+  const auto is_staying = [](const auto* stranger) { return !stranger->is_ending; };
+  const auto shaking = std::count_if(handshakes.begin(), handshakes.end(), is_staying);
+  const auto unknown =
+      std::count_if(connections.begin(), connections.end(), [&](const Connection* connection) {
+        return connection->is_stranger() && is_staying(connection);
+      });
+  return static_cast<std::size_t>(shaking + unknown);
+}
+
+/// Ends the stranger that has been there longest, if any has been for long enough.
+bool Server::Impl::make_room_for_stranger() {
+  const kj::TimePoint now = timer.now();
+  Handshake* shaking = nullptr;
+  for (Handshake* one : handshakes)
+    if (!one->is_ending && (shaking == nullptr || one->began < shaking->began)) shaking = one;
+  Connection* unknown = nullptr;
+  for (Connection* one : connections) {
+    if (one->is_ending || !one->is_stranger()) continue;
+    if (unknown == nullptr || one->began < unknown->began) unknown = one;
+  }
+  const auto is_old = [&](kj::TimePoint began) {
+    return seconds(now - began) >= limits.idle_grace_s;
+  };
+  if (shaking != nullptr && (unknown == nullptr || shaking->began <= unknown->began)) {
+    if (!is_old(shaking->began)) return false;
+    shaking->end();
+    return true;
+  }
+  if (unknown == nullptr || !is_old(unknown->began)) return false;
+  unknown->end();
+  return true;
+}
+
+void Server::Impl::admit_stranger(kj::Own<kj::AsyncIoStream> stream) {
+  if (count_strangers() >= limits.strangers_max && !make_room_for_stranger()) {
+    ++ended;
+    return;
+  }
+  Caller caller;
+  KJ_IF_MAYBE (descriptor, stream->getFd()) {
+    tune(*descriptor);
+    caller.address = peer_address_of(*descriptor);
+  }
+  auto handshake = kj::heap<Handshake>(*this);
+  auto over = tls->context.wrapServer(kj::mv(stream))
+                  .then([this, caller = std::move(caller)](kj::Own<kj::AsyncIoStream> secured) {
+                    serve(kj::mv(secured), caller, false);
+                  })
+                  .exclusiveJoin(kj::mv(handshake->ender.promise))
+                  // What a stranger sends may be anything: that it is no TLS is no news.
+                  .catch_([](kj::Exception&&) {});
+  tasks.add(over.attach(kj::mv(handshake)));
+}
+
+void Server::Impl::serve(kj::Own<kj::AsyncIoStream> stream, Caller caller, bool is_known) {
+  auto connection = kj::heap<Connection>(*this, kj::mv(stream), std::move(caller), is_known);
   ++accepted;
+  const bool is_tls = !connection->conversation->caller.address.empty();
   auto over = connection->network.onDisconnect().exclusiveJoin(kj::mv(connection->ender.promise));
+  // A peer that breaks off within TLS is told as a failure of the protocol.
+  if (is_tls) over = over.catch_([](kj::Exception&&) {});
   tasks.add(over.attach(kj::mv(connection)));
 }
 
@@ -223,9 +355,18 @@ void Server::Impl::bound_what_is_held() {
 void Server::Impl::look() {
   const kj::TimePoint now = timer.now();
   for (Connection* connection : connections) {
-    if (!connection->is_idle() && connection->waiting_s(now) > limits.message_s_max)
-      connection->end();
+    const Conversation& conversation = *connection->conversation;
+    const bool is_late =
+        connection->is_stranger()
+            ? conversation.has_failed || seconds(now - connection->began) > limits.login_s_max
+            : !connection->is_idle() && connection->waiting_s(now) > limits.message_s_max;
+    const bool is_out = !connection->is_stranger() && tls &&
+                        !conversation.caller.token_id.empty() &&
+                        !tls->authority.lets_go_on(conversation.caller);
+    if (is_late || is_out) connection->end();
   }
+  for (Handshake* handshake : handshakes)
+    if (seconds(now - handshake->began) > limits.login_s_max) handshake->end();
   bound_what_is_held();
 }
 
@@ -242,6 +383,18 @@ Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, Ser
 
 Server::~Server() = default;
 
+access::ServerAddress Server::listen(const access::ServerAddress& address,
+                                     const access::Keypair& keypair, Authority& authority) {
+  CHECK(impl_->tls == nullptr);
+  access::check_keypair(keypair);
+  base::Descriptor socket = listen_at(address);
+  const access::ServerAddress bound = own_address_of(socket.get());
+  impl_->tls = std::make_unique<Impl::TlsDoor>(*impl_, std::move(socket), keypair, authority);
+  impl_->calls->authority = &authority;
+  impl_->accept_next(*impl_->tls->receiver, &Impl::admit_stranger);
+  return {.host = address.host, .port = bound.port};
+}
+
 void Server::news(JobId job) {
   impl_->watchers.news(job);
 }
@@ -250,6 +403,7 @@ ServerCounts Server::counts() const {
   ServerCounts counts = {.connections = impl_->connections.size(),
                          .watchers = impl_->watchers.waiting(),
                          .held_bytes = 0,
+                         .strangers = impl_->count_strangers(),
                          .accepted = impl_->accepted,
                          .ended = impl_->ended,
                          .calls = impl_->calls->count};

@@ -1,4 +1,4 @@
-// Listens on a Unix socket and hands calls to a Handler.
+// Listens on a Unix socket, and over TLS where that is asked for, and hands calls to a Handler.
 //
 // Peers are not trusted. Whatever they send or leave unread, what the server holds for all of them
 // together is bounded by ServerLimits, and the others are served:
@@ -10,6 +10,10 @@
 //      that has kept them longest is ended.
 //   4. Where there are too many connections, the one that has been idle longest makes room; if none
 //      has been for `idle_grace_s`, the new one is closed.
+//   5. Over TLS a peer is a stranger until it has shown a token. Strangers have `login_s_max` for
+//      handshake and login, messages of `stranger_bytes_max`, and one try; there are at most
+//      `strangers_max` of them, apart from the others: where there are more, the one that has been
+//      there longest makes room, as in 4. A session ends as soon as its token does.
 // An ended connection costs a client nothing: it connects again (client.h).
 //
 // What goes wrong is answered as a Refusal; an exception of a handler as a bug, without its words,
@@ -25,6 +29,7 @@
 #include <optional>
 #include <string>
 
+#include "common/access/certificates.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/loop.h"
 
@@ -40,6 +45,9 @@ struct ServerLimits {
   double message_s_max = 30;  ///< for a message to come in whole, and for an answer to be read
   /// A watch without news is answered after so long, so that both sides know of each other.
   double watch_s_max = 20;
+  std::size_t strangers_max = 64;
+  std::size_t stranger_bytes_max = 16U << 10U;
+  double login_s_max = 10;
 };
 
 /// For `server status`, and for tests of the limits.
@@ -47,6 +55,7 @@ struct ServerCounts {
   std::size_t connections = 0;
   std::size_t watchers = 0;  ///< watch calls that wait for news
   std::size_t held_bytes = 0;
+  std::size_t strangers = 0;   ///< over TLS, that nobody knows yet
   std::uint64_t accepted = 0;  ///< of all time, as are the following
   std::uint64_t ended = 0;     ///< connections that the server ended, by a limit
   std::uint64_t calls = 0;
@@ -66,6 +75,12 @@ class Server {
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
+
+  /// Listens over TLS too, 1.2 or newer, for peers that `authority` knows. Returns where: port 0
+  /// takes any that is free. Throws base::Error as the constructor, and where the certificate or
+  /// its key is no good. Once. `authority` must outlive the server.
+  access::ServerAddress listen(const access::ServerAddress& address, const access::Keypair& keypair,
+                               Authority& authority);
 
   /// A job may have something new for its watchers. Costs little where nobody watches it.
   void news(JobId job);

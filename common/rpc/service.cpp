@@ -35,4 +35,26 @@ std::optional<JobState> job_state_of(std::string_view name) {
   return std::nullopt;
 }
 
+std::string_view name_of(Scope scope) {
+  switch (scope) {
+    case Scope::read:
+      return "read";
+    case Scope::submit:
+      return "submit";
+    case Scope::manage:
+      return "manage";
+    case Scope::operate:
+      return "operate";
+    case Scope::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+std::optional<Scope> scope_of(std::string_view name) {
+  for (const Scope scope : k_scopes)
+    if (name_of(scope) == name) return scope;
+  return std::nullopt;
+}
+
 }  // namespace sleight::rpc

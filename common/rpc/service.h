@@ -68,6 +68,13 @@ struct Refusal {
 
 // ------------------------------------------------------------------------------------ submitting
 
+/// One for the system that runs a job, as Slurm's partition.
+struct JobOption {
+  std::string name{};
+  std::string value{};
+  bool operator==(const JobOption&) const = default;
+};
+
 /// What one job is to do and may use.
 struct JobAsk {
   std::string name{};     ///< for people; empty: the service takes the request's world
@@ -77,6 +84,7 @@ struct JobAsk {
   std::uint64_t memory_bytes = 0;        ///< of the caches of all processes; 0: the default
   std::int32_t priority = 0;             ///< among one user's jobs: higher ones first
   bool strict = false;                   ///< a failed simulation ends the job
+  std::vector<JobOption> options{};      ///< at most k_options_max, each name once
   bool operator==(const JobAsk&) const = default;
 };
 
@@ -295,6 +303,60 @@ struct FileView {
   bool operator==(const FileView&) const = default;
 };
 
+// ------------------------------------------------------------------------------------------ tokens
+
+/// What a session by a token may do, as bits. Each includes nothing of the others.
+enum class Scope : std::uint8_t {
+  unknown = 0,  ///< a newer program's
+  read = 1,     ///< list, status, watch, logs, fetch, info
+  submit = 2,
+  manage = 4,   ///< cancel, hold, resume, extend, erase, pin, set_priority
+  operate = 8,  ///< drain and stop, of a user who may
+};
+inline constexpr Scope k_scopes[] = {Scope::read, Scope::submit, Scope::manage, Scope::operate};
+
+/// "read", and so on.
+std::string_view name_of(Scope scope);
+std::optional<Scope> scope_of(std::string_view name);
+
+struct Scopes {
+  std::uint8_t bits = 0;
+  bool has_unknown = false;  ///< of a message: something that this program does not know
+
+  static constexpr Scopes all() { return {.bits = 15}; }
+  constexpr bool has(Scope scope) const { return (bits & static_cast<std::uint8_t>(scope)) != 0; }
+  constexpr void add(Scope scope) {
+    bits = static_cast<std::uint8_t>(bits | static_cast<std::uint8_t>(scope));
+  }
+  bool operator==(const Scopes&) const = default;
+};
+
+struct TokenAsk {
+  std::string token{};                      ///< whole, drawn by the client (token_text.h)
+  std::string name{};                       ///< for people
+  std::optional<std::uint32_t> for_user{};  ///< uid; none: the caller's own
+  Scopes scopes{};
+  double valid_s = 0;           ///< 0: for ever
+  std::uint32_t jobs_max = 0;   ///< of this token's, that have not ended; 0: as its user
+  std::uint32_t cores_max = 0;  ///< of one of its jobs; 0: as its user
+  bool operator==(const TokenAsk&) const = default;
+};
+
+struct TokenView {
+  std::string id{};
+  std::string name{};
+  std::uint32_t user = 0;
+  Scopes scopes{};
+  double created_s = 0;
+  double expires_s = 0;    ///< 0: never
+  double revoked_s = 0;    ///< 0: it is not
+  double last_used_s = 0;  ///< 0: never
+  std::string last_from{};
+  std::uint32_t jobs_max = 0;
+  std::uint32_t cores_max = 0;
+  bool operator==(const TokenView&) const = default;
+};
+
 // ------------------------------------------------------------------------------------------ server
 
 struct NamedLimit {
@@ -316,7 +378,7 @@ struct ServerView {
   std::int64_t pid = 0;
   double up_s = 0;
   bool draining = false;
-  std::string backend{};  ///< "local"
+  std::string backend{};  ///< "local", "slurm", or a program's path
   std::uint32_t cores = 0;
   std::uint32_t cores_used = 0;
   std::uint64_t memory_bytes = 0;
@@ -328,6 +390,8 @@ struct ServerView {
   std::vector<StateCount> counts{};
   std::uint32_t connections = 0;
   std::uint32_t watchers = 0;
+  std::string address{};      ///< where it listens over TCP; empty: nowhere
+  std::string fingerprint{};  ///< of its certificate there
   bool operator==(const ServerView&) const = default;
 };
 
@@ -349,6 +413,10 @@ inline constexpr std::size_t k_piece_bytes_max = 1U << 20U;
 /// Longer texts of views lose their end, and longer lists their last: an answer stays readable.
 inline constexpr std::size_t k_text_bytes_max = 64U << 10U;
 inline constexpr std::size_t k_history_max = 1000;
+inline constexpr std::size_t k_options_max = 32;        ///< of a job, for the system that runs it
+inline constexpr std::size_t k_option_bytes_max = 256;  ///< of a name or a value
+inline constexpr std::size_t k_tokens_max = 1000;       ///< of a user, and as many in an answer
+inline constexpr double k_token_s_max = 3650.0 * 86400;
 
 /// Whether a fetched file may be called so: a name in a folder, not hidden, without control
 /// characters, at most k_name_bytes_max long.

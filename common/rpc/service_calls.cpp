@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/access/token_text.h"
 #include "common/rpc/encoding.h"
 #include "common/rpc/limits.h"
 
@@ -26,6 +27,17 @@ std::optional<Refusal> check(Nothing& /*nothing*/) {
 
 std::optional<Refusal> check(JobId& job) {
   return job.value == 0 ? std::optional(no_such_job()) : std::nullopt;
+}
+
+struct TokenId {
+  std::string id{};
+};
+
+std::optional<Refusal> check(TokenId& token) {
+  if (access::is_token_id(token.id)) return std::nullopt;
+  return Refusal{.kind = RefusalKind::not_found,
+                 .sentence = "There is no such token.",
+                 .what_to_do = "`sleight token list` shows those that there are."};
 }
 
 /// What a call with a target has besides.
@@ -81,6 +93,13 @@ struct Serving {
       return Refusal{.kind = RefusalKind::busy,
                      .sentence = "The server is ending.",
                      .what_to_do = "Try again when it is started anew."};
+    }
+    if (!conversation->is_known ||
+        (calls->authority != nullptr && !conversation->caller.token_id.empty() &&
+         !calls->authority->lets_go_on(conversation->caller))) {
+      return Refusal{.kind = RefusalKind::not_allowed,
+                     .sentence = "The token is no longer valid.",
+                     .what_to_do = "Log in with another one: `sleight login`."};
     }
     if (conversation->calls >= calls->limits.calls_max) {
       return Refusal{.kind = RefusalKind::limit,
@@ -373,6 +392,45 @@ class ServiceCalls final : public generated::Service::Server {
         [](Nothing, auto) { return std::optional<Refusal>(); });
   }
 
+  kj::Promise<void> createToken(CreateTokenContext context) override {
+    return serving_.serve<TokenView>(
+        context, [](auto params) { return get(params.getAsk()); },
+        [this](TokenAsk asked, Reply<TokenView> reply) {
+          handler().create_token(caller(), std::move(asked), std::move(reply));
+        },
+        [](const TokenView& token, auto results) {
+          put(token, results.initToken());
+          return std::optional<Refusal>();
+        });
+  }
+
+  kj::Promise<void> listTokens(ListTokensContext context) override {
+    return serving_.serve<std::vector<TokenView>>(
+        context, [](auto) { return Nothing(); },
+        [this](Nothing, Reply<std::vector<TokenView>> reply) {
+          handler().list_tokens(caller(), std::move(reply));
+        },
+        [](const std::vector<TokenView>& tokens, auto results) {
+          auto to =
+              results.initTokens(static_cast<unsigned>(std::min(tokens.size(), k_tokens_max)));
+          for (unsigned i = 0; i < to.size(); ++i)
+            put(tokens[i], to[i]);
+          return std::optional<Refusal>();
+        });
+  }
+
+  kj::Promise<void> revokeToken(RevokeTokenContext context) override {
+    return serving_.serve<TokenView>(
+        context, [](auto params) { return TokenId{as_string(params.getId())}; },
+        [this](TokenId asked, Reply<TokenView> reply) {
+          handler().revoke_token(caller(), std::move(asked.id), std::move(reply));
+        },
+        [](const TokenView& token, auto results) {
+          put(token, results.initToken());
+          return std::optional<Refusal>();
+        });
+  }
+
  private:
   Handler& handler() const { return *serving_.calls->handler; }
   const Caller& caller() const { return serving_.conversation->caller; }
@@ -404,14 +462,52 @@ class ServiceCalls final : public generated::Service::Server {
 
 class EntranceCalls final : public generated::Entrance::Server {
  public:
-  explicit EntranceCalls(Serving serving) : service_(kj::heap<ServiceCalls>(std::move(serving))) {}
+  explicit EntranceCalls(const Serving& serving)
+      : serving_(serving), service_(kj::heap<ServiceCalls>(serving)) {}
 
   kj::Promise<void> open(OpenContext context) override {
+    if (serving_.conversation->is_known) {
+      context.getResults().setService(service_);
+    } else {
+      put(no_entrance("This way in takes a token."), context.getResults().initRefusal());
+    }
+    return kj::READY_NOW;
+  }
+
+  kj::Promise<void> login(LoginContext context) override {
+    Conversation& conversation = *serving_.conversation;
+    Authority* authority = serving_.calls->authority;
+    if (serving_.calls->handler == nullptr || authority == nullptr || conversation.is_known ||
+        std::exchange(conversation.has_tried, true)) {
+      put(no_entrance("No token is taken here."), context.getResults().initRefusal());
+      return kj::READY_NOW;
+    }
+    const auto text = context.getParams().getToken();
+    // Its size is looked at first: nothing of what a stranger sends is copied.
+    auto caller = text.size() == access::k_token_characters
+                      ? authority->login(as_string(text), conversation.caller.address)
+                      : base::Result<Caller, Refusal>(no_entrance("This token is not valid here."));
+    context.releaseParams();
+    if (!caller) {
+      conversation.has_failed = true;
+      put(caller.error(), context.getResults().initRefusal());
+      return kj::READY_NOW;
+    }
+    conversation.caller = std::move(caller).value();
+    conversation.is_known = true;
+    if (conversation.known) conversation.known();
     context.getResults().setService(service_);
     return kj::READY_NOW;
   }
 
  private:
+  static Refusal no_entrance(const char* sentence) {
+    return {.kind = RefusalKind::not_allowed,
+            .sentence = sentence,
+            .what_to_do = "`sleight login` shows one that the service's machine has given out."};
+  }
+
+  Serving serving_;
   generated::Service::Client service_;
 };
 

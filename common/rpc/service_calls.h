@@ -24,17 +24,22 @@ struct Calls {
   ServerLimits limits{};
   std::function<void(const std::string&)> complain{};
   std::function<std::size_t()> connections{};
-  std::uint64_t count = 0;  ///< of all time
+  Authority* authority = nullptr;  ///< none: nobody comes over TCP
+  std::uint64_t count = 0;         ///< of all time
 };
 
 /// What the calls of one connection have in common.
 struct Conversation {
   Caller caller{};
-  std::size_t calls = 0;  ///< that are not answered
+  bool is_known = false;          ///< whose it is; else only login is answered
+  bool has_tried = false;         ///< to log in: once
+  bool has_failed = false;        ///< a wrong token was shown: the connection is to be ended
+  std::function<void()> known{};  ///< called once, when it has become known
+  std::size_t calls = 0;          ///< that are not answered
   std::size_t sources = 0;
 };
 
-/// The bootstrap interface of a connection whose peer is known.
+/// The bootstrap interface of a connection.
 generated::Entrance::Client make_entrance(std::shared_ptr<Calls> calls,
                                           std::shared_ptr<Conversation> conversation);
 

@@ -3,7 +3,7 @@
 #
 #   client                                    service (sleightd)
 #     │── connects to the Unix socket ──────────▶│   the kernel says whose process the client is
-#     │── Entrance.open() ──────────────────────▶│
+#     │── Entrance.open() ──────────────────────▶│   over TLS: Entrance.login(token)
 #     │◀─ Service ───────────────────────────────│
 #     │── Service.submit(key, jobs) ────────────▶│
 #     │◀─ [17] ──────────────────────────────────│   when it is durable
@@ -36,10 +36,14 @@
 using Cxx = import "/capnp/c++.capnp";
 $Cxx.namespace("sleight::rpc::generated");
 
-# The bootstrap interface: all that a peer has before it is known. A Unix socket's peer is known by its
-# uid. Over TCP, a later call here will take a token.
+# The bootstrap interface: all that a peer has before it is known.
 interface Entrance {
   open @0 () -> (refusal :Refusal, service :Service);
+  # Of a Unix socket, whose peer is known by its uid. Refused over TCP.
+
+  login @1 (token :Text) -> (refusal :Refusal, service :Service);
+  # Over TLS, once a connection: one that shows a wrong token is ended. A token that is revoked or
+  # expires ends its connections.
 }
 
 interface Service {
@@ -77,6 +81,46 @@ interface Service {
   # Starts nothing more, and stops what runs in order.
   stop @15 () -> (refusal :Refusal);
   # Ends the service; jobs run on, and the next service takes them over.
+
+  # Tokens are made, shown and revoked over the Unix socket alone: one that is lost makes no others.
+  createToken @16 (ask :TokenAsk) -> (refusal :Refusal, token :TokenView);
+  listTokens @17 () -> (refusal :Refusal, tokens :List(TokenView));
+  # The caller's; all of them for the service's own user.
+  revokeToken @18 (id :Text) -> (refusal :Refusal, token :TokenView);
+}
+
+# What a session by a token may do. Each includes nothing of the others.
+enum Scope {
+  unknown @0;
+  read @1;     # list, status, watch, logs, fetch, info
+  submit @2;
+  manage @3;   # cancel, hold, resume, extend, erase, pin, setPriority
+  operate @4;  # drain and stop, of a user who may
+}
+
+# The client draws the token, so that a repeated call makes no second one.
+struct TokenAsk {
+  token @0 :Text;     # the whole token; the service keeps its hash
+  name @1 :Text;      # for people
+  forUser @2 :Int64 = -1;  # uid; negative: the caller's own. Another's: of the service's own user alone
+  scopes @3 :List(Scope);
+  validFor @4 :Float64;    # seconds; 0: for ever
+  jobsMax @5 :UInt32;      # of this token's, that have not ended; 0: as its user
+  coresMax @6 :UInt32;     # of one of its jobs; 0: as its user
+}
+
+struct TokenView {
+  id @0 :Text;
+  name @1 :Text;
+  user @2 :UInt32;
+  scopes @3 :List(Scope);
+  created @4 :Float64;
+  expires @5 :Float64;   # 0: never
+  revoked @6 :Float64;   # 0: it is not
+  lastUsed @7 :Float64;  # 0: never
+  lastFrom @8 :Text;     # the address that it was last used from
+  jobsMax @9 :UInt32;
+  coresMax @10 :UInt32;
 }
 
 interface File {
@@ -126,6 +170,12 @@ struct JobAsk {
   memoryBytes @4 :UInt64;  # of the caches of all processes; 0: the default
   priority @5 :Int32;      # among one user's jobs: higher ones first
   strict @6 :Bool;         # a failed simulation ends the job
+  options @7 :List(Option);  # for the system that runs it, as Slurm's partition; 32 at most
+}
+
+struct Option {
+  name @0 :Text;
+  value @1 :Text;
 }
 
 struct Submitted {
@@ -328,6 +378,8 @@ struct ServerView {
   counts @15 :List(StateCount);
   connections @16 :UInt32;
   watchers @17 :UInt32;
+  address @18 :Text;      # where it listens over TCP; empty: nowhere
+  fingerprint @19 :Text;  # of its certificate there
 }
 
 struct NamedLimit {

@@ -52,12 +52,24 @@ rpc::Touched touched_of(jobs::JobId job, const Board& board, const std::string& 
   return touched;
 }
 
+std::optional<rpc::Refusal> wrong_options(const ServerFacts& facts,
+                                          const std::map<std::string, std::string>& options) {
+  if (!facts.check_options) return std::nullopt;
+  try {
+    facts.check_options(options);
+  } catch (const base::Error& failure) {
+    return rpc::Refusal{.kind = rpc::RefusalKind::bad_request, .sentence = failure.what()};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
-Calls::Calls(rpc::Loop& loop, JobRunner& runner, ServerFacts facts, ReadRequest read,
-             std::function<void()> stop)
+Calls::Calls(rpc::Loop& loop, JobRunner& runner, Tokens& tokens, ServerFacts facts,
+             ReadRequest read, std::function<void()> stop)
     : loop_(loop),
       runner_(runner),
+      tokens_(tokens),
       facts_(std::move(facts)),
       read_(std::move(read)),
       stop_(std::move(stop)),
@@ -69,7 +81,8 @@ Calls::Calls(rpc::Loop& loop, JobRunner& runner, ServerFacts facts, ReadRequest 
                  .sleight = runner.options().programs.sleight}) {}
 
 bool Calls::is_operator(const rpc::Caller& caller) const {
-  return caller.user == 0 || caller.user == ::geteuid();
+  // A token that is to do less sees less, too.
+  return caller.scopes.has(rpc::Scope::operate) && (caller.user == 0 || caller.user == ::geteuid());
 }
 
 bool Calls::sees(const rpc::Caller& caller, const Posted& posted) const {
@@ -110,22 +123,66 @@ rpc::Refusal Calls::stalled() const {
       .what_to_do = "Make room on the disk of its state folder; nothing that was taken is lost."};
 }
 
+/// What a token allows beside its user's limits: of jobs that have not ended, `more` added.
+std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::size_t more) const {
+  if (caller.token_jobs_max == 0) return std::nullopt;
+  const auto being = being_submitted_.find(caller.token_id);
+  std::size_t count = being == being_submitted_.end() ? 0 : being->second;
+  for (const auto& [id, posted] : runner_.board().all()) {
+    if (posted.asked.token_id == caller.token_id && !jobs::is_over(posted.job.state)) ++count;
+  }
+  if (count + more <= caller.token_jobs_max) return std::nullopt;
+  return rpc::Refusal{
+      .kind = rpc::RefusalKind::limit,
+      .sentence = fmt::format("This token's jobs that have not ended are at most {}; there are {}, "
+                              "and {} more are asked for.",
+                              caller.token_jobs_max, count, more),
+      .what_to_do = "Wait until some end, or ask for a token with more."};
+}
+
+/// A job without a wish has at most what the token allows.
+std::optional<rpc::Refusal> Calls::fit_to_token(const rpc::Caller& caller, rpc::JobAsk& ask) {
+  const std::uint32_t cores_max = caller.token_cores_max;
+  if (cores_max == 0) return std::nullopt;
+  if (std::max(ask.cores.value_or(0), ask.ranks) <= cores_max) {
+    if (!ask.cores && ask.ranks == 0) ask.cores = cores_max;
+    return std::nullopt;
+  }
+  return rpc::Refusal{.kind = rpc::RefusalKind::limit,
+                      .sentence = fmt::format("A job of this token has at most {} core{}.",
+                                              cores_max, cores_max == 1 ? "" : "s"),
+                      .what_to_do = "Ask for fewer cores or ranks."};
+}
+
 void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
                    rpc::Reply<rpc::Submitted> reply) {
   if (!runner_.stalled().empty()) {
     reply.refuse(stalled());
     return;
   }
+  if (auto refused = beyond_token(caller, submission.jobs.size())) {
+    reply.refuse(*std::move(refused));
+    return;
+  }
   const bool is_group = submission.is_group || submission.jobs.size() > 1;
   std::vector<JobRunner::Submission> submissions;
   for (std::size_t i = 0; i < submission.jobs.size(); ++i) {
     rpc::JobAsk& ask = submission.jobs[i];
-    auto request = checked_request(ask, read_);
+    if (auto refused = fit_to_token(caller, ask)) {
+      reply.refuse(*std::move(refused));
+      return;
+    }
+    auto request = checked_request(ask, read_, facts_.request_limits);
     if (!request) {
       reply.refuse(request.error());
       return;
     }
     StoredRequest stored = std::move(request).value();
+    stored.token_id = caller.token_id;
+    if (auto refused = wrong_options(facts_, stored.options)) {
+      reply.refuse(*std::move(refused));
+      return;
+    }
     const std::uint64_t processes = std::max(1U, ask.ranks);
     const std::uint64_t cache_bytes =
         ask.memory_bytes > 0 ? ask.memory_bytes / processes : facts_.cache_mb << 20U;
@@ -140,27 +197,36 @@ void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
                     .name = ask.name.empty() ? stored.world : ask.name,
                     .group = is_group ? runner_.next_group() : jobs::GroupId{},
                     .priority = ask.priority,
-                    .wishes = {.cores = ask.cores.value_or(0),
+                    .wishes = {.cores = ask.cores.value_or(ask.ranks > 0 ? 0 : facts_.job_cores),
                                .ranks = ask.ranks,
                                .memory_bytes = cache_bytes + k_process_bytes}},
          .request = std::move(stored)});
   }
   auto owed = std::make_shared<rpc::Reply<rpc::Submitted>>(std::move(reply));
-  runner_.submit(std::move(submissions), [this, owed](const std::vector<jobs::Answer>& answers) {
-    rpc::Submitted submitted{.was_known = true};
-    for (const jobs::Answer& answer : answers) {
-      if (answer.refusal) {
-        owed->refuse(refusal_of(*answer.refusal));
-        return;
-      }
-      submitted.jobs.push_back(rpc_id(answer.job));
-      submitted.was_known = submitted.was_known && !answer.is_new;
-    }
-    const Posted* first = runner_.board().find(answers.front().job);
-    if (first != nullptr && first->job.group.value > 0)
-      submitted.group = rpc::GroupId{first->job.group.value};
-    owed->answer(std::move(submitted));
-  });
+  // The board has them only once they are durable.
+  const std::size_t count = submissions.size();
+  being_submitted_[caller.token_id] += count;
+  const auto done = [this, token = caller.token_id, count] {
+    const auto being = being_submitted_.find(token);
+    if ((being->second -= count) == 0) being_submitted_.erase(being);
+  };
+  runner_.submit(std::move(submissions),
+                 [this, owed, done](const std::vector<jobs::Answer>& answers) {
+                   done();
+                   rpc::Submitted submitted{.was_known = true};
+                   for (const jobs::Answer& answer : answers) {
+                     if (answer.refusal) {
+                       owed->refuse(refusal_of(*answer.refusal));
+                       return;
+                     }
+                     submitted.jobs.push_back(rpc_id(answer.job));
+                     submitted.was_known = submitted.was_known && !answer.is_new;
+                   }
+                   const Posted* first = runner_.board().find(answers.front().job);
+                   if (first != nullptr && first->job.group.value > 0)
+                     submitted.group = rpc::GroupId{first->job.group.value};
+                   owed->answer(std::move(submitted));
+                 });
 }
 
 void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::JobPage> reply) {
@@ -372,7 +438,7 @@ void Calls::extend(const rpc::Caller& caller, rpc::Target target, rpc::Extension
                     .what_to_do = "Try again."});
       return;
     }
-    auto longer = extended_request(*stored, extension, read_);
+    auto longer = extended_request(*stored, extension, read_, facts_.request_limits);
     if (!longer) {
       reply.refuse(longer.error());
       return;
@@ -410,7 +476,7 @@ void Calls::fetch(const rpc::Caller& caller, rpc::FetchAsk ask, rpc::Reply<rpc::
   }
   const StoredRequest& asked = posted.value()->asked;
   const bool is_search = asked.found_wanted > 0 && asked.in_proportion_wanted == 0;
-  fetching_.fetch(ask, is_search ? "find_segments" : "segments", std::move(reply));
+  fetching_.fetch(caller.user, ask, is_search ? "find_segments" : "segments", std::move(reply));
 }
 
 void Calls::info(const rpc::Caller& caller, rpc::Reply<rpc::ServerView> reply) {
@@ -422,7 +488,9 @@ void Calls::info(const rpc::Caller& caller, rpc::Reply<rpc::ServerView> reply) {
   server.pid = ::getpid();
   server.up_s = clock_.now_s() - begin_s_;
   server.draining = standing.is_draining;
-  server.backend = "local";
+  server.backend = facts_.backend;
+  server.address = facts_.address;
+  server.fingerprint = facts_.fingerprint;
   server.cores = standing.cores;
   server.cores_used = standing.cores_in_use;
   server.memory_bytes = standing.memory_bytes;
@@ -459,6 +527,41 @@ void Calls::stop(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) {
   }
   reply.answer({});
   stop_();
+}
+
+void Calls::create_token(const rpc::Caller& caller, rpc::TokenAsk ask,
+                         rpc::Reply<rpc::TokenView> reply) {
+  if (ask.for_user && *ask.for_user != caller.user && !is_operator(caller)) {
+    reply.refuse({.kind = rpc::RefusalKind::not_allowed,
+                  .sentence = "Only the service's own user may give out tokens of others."});
+    return;
+  }
+  try {
+    reply.give(tokens_.create(caller.user, ask));
+  } catch (const base::Error& failure) {
+    logging::warn(failure.what());
+    reply.refuse(stalled());
+  }
+}
+
+void Calls::list_tokens(const rpc::Caller& caller, rpc::Reply<std::vector<rpc::TokenView>> reply) {
+  reply.answer(tokens_.of(is_operator(caller) ? std::nullopt : std::optional(caller.user)));
+}
+
+void Calls::revoke_token(const rpc::Caller& caller, std::string id,
+                         rpc::Reply<rpc::TokenView> reply) {
+  try {
+    reply.give(tokens_.revoke(is_operator(caller) ? std::nullopt : std::optional(caller.user), id));
+  } catch (const base::Error& failure) {
+    // It is over all the same, until the server ends.
+    logging::warn(failure.what());
+    reply.refuse(stalled());
+  }
+}
+
+void Calls::listens_at(std::string address, std::string fingerprint) {
+  facts_.address = std::move(address);
+  facts_.fingerprint = std::move(fingerprint);
 }
 
 }  // namespace sleight::daemon

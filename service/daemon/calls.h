@@ -7,6 +7,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "service/daemon/job_runner.h"
 #include "service/daemon/logs.h"
 #include "service/daemon/requests.h"
+#include "service/daemon/tokens.h"
 
 namespace sleight::daemon {
 
@@ -26,11 +29,19 @@ struct ServerFacts {
   std::uint64_t cache_mb = 256;  ///< of a process of a job
   std::string keeping_rule{};
   std::vector<rpc::NamedLimit> limits{};
+  RequestLimits request_limits{};
+  std::uint32_t job_cores = 0;  ///< of a job that doesn't say; 0: what is free
+  /// Throws base::Error where the system that runs jobs takes no such options. None: it takes none.
+  std::function<void(const std::map<std::string, std::string>&)> check_options{};
+  std::string backend = "local";
+  // Where it listens over TCP, if it does.
+  std::string address{};
+  std::string fingerprint{};
 };
 
 class Calls final : public rpc::Handler {
  public:
-  Calls(rpc::Loop& loop, JobRunner& runner, ServerFacts facts, ReadRequest read,
+  Calls(rpc::Loop& loop, JobRunner& runner, Tokens& tokens, ServerFacts facts, ReadRequest read,
         std::function<void()> stop);
 
   void submit(const rpc::Caller& caller, rpc::Submission submission,
@@ -59,6 +70,15 @@ class Calls final : public rpc::Handler {
   void info(const rpc::Caller& caller, rpc::Reply<rpc::ServerView> reply) override;
   void drain(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) override;
   void stop(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) override;
+  void create_token(const rpc::Caller& caller, rpc::TokenAsk ask,
+                    rpc::Reply<rpc::TokenView> reply) override;
+  void list_tokens(const rpc::Caller& caller,
+                   rpc::Reply<std::vector<rpc::TokenView>> reply) override;
+  void revoke_token(const rpc::Caller& caller, std::string id,
+                    rpc::Reply<rpc::TokenView> reply) override;
+
+  /// Where it listens from now on.
+  void listens_at(std::string address, std::string fingerprint);
 
  private:
   bool is_operator(const rpc::Caller& caller) const;
@@ -75,14 +95,18 @@ class Calls final : public rpc::Handler {
   void touch_all(std::vector<jobs::Ask> asks, std::vector<std::optional<StoredRequest>> requests,
                  rpc::Reply<std::vector<rpc::Touched>> reply);
   rpc::Refusal stalled() const;
+  std::optional<rpc::Refusal> beyond_token(const rpc::Caller& caller, std::size_t more) const;
+  static std::optional<rpc::Refusal> fit_to_token(const rpc::Caller& caller, rpc::JobAsk& ask);
 
   rpc::Loop& loop_;
   JobRunner& runner_;
+  Tokens& tokens_;
   ServerFacts facts_;
   ReadRequest read_;
   std::function<void()> stop_;
   base::SteadyClock clock_;
   double begin_s_;
+  std::map<std::string, std::size_t> being_submitted_{};  ///< jobs, by token
   Fetching fetching_;
   Logs logs_;
 };

@@ -5,14 +5,24 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <memory>
 
+#include "common/access/certificates.h"
+#include "common/access/token_text.h"
+#include "common/base/clock.h"
 #include "common/base/error.h"
+#include "common/base/file_system.h"
 #include "common/logging/log.h"
 #include "common/rpc/server.h"
+#include "service/backend/backend.h"
+#include "service/daemon/audit_log.h"
+#include "service/daemon/guarded_calls.h"
 #include "service/daemon/state_lock.h"
+#include "service/daemon/tls_files.h"
+#include "service/daemon/tokens.h"
 
 namespace sleight::daemon {
 namespace {
@@ -27,30 +37,76 @@ void make_state_folder(const std::string& state) {
   }
 }
 
+/// The state folder's name towards batch systems: drawn once.
+std::string daemon_id_of(const std::string& state) {
+  base::PosixFileSystem files;
+  const std::string path = state + "/daemon.id";
+  if (!files.exists(path)) {
+    const std::string beside = path + ".new";
+    base::write_text_file(files, beside, access::draw_token().id + "\n");
+    files.sync_file(beside);
+    files.rename(beside, path);
+    files.sync_directory_of(path);
+  }
+  std::string id = base::read_text_file(path, 100);
+  while (!id.empty() && id.back() == '\n')
+    id.pop_back();
+  if (backend::is_daemon_name(id)) return id;
+  throw base::Error(fmt::format(
+      "{}: is not as it was written; jobs that a batch system has are known by it", path));
+}
+
+double wall_s() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
 }  // namespace
 
 void run_daemon(const DaemonOptions& options) {
   make_state_folder(options.runner.state);
   const std::unique_ptr<store::RunLock> lock = lock_state_folder(options.runner.state);
+  // Before all that keeps replies: those that are left in the end are noted when it goes.
+  base::SteadyClock clock;
+  AuditLog audit(options.runner.state, clock);
   rpc::Loop loop;
   std::unique_ptr<rpc::Server> server;
+  RunnerOptions runner_options = options.runner;
+  if (runner_options.system) runner_options.daemon_id = daemon_id_of(options.runner.state);
   JobRunner runner(
-      loop, options.runner,
+      loop, runner_options,
       [&](jobs::JobId job) {
         if (server) server->news(rpc::JobId{job.value});
       },
       lock.get());
-  Calls calls(loop, runner, options.facts, options.read, [&] { loop.stop(); });
+  base::PosixFileSystem files;
+  Tokens tokens(files, options.runner.state + "/tokens.json", wall_s);
+  Calls calls(loop, runner, tokens, options.facts, options.read, [&] { loop.stop(); });
+  GuardedCalls guarded(calls, audit);
+  AuditedAuthority authority(tokens, audit);
   // Calls are answered from the moment on at which the jobs are taken up again.
   runner.begin();
   server = std::make_unique<rpc::Server>(
-      loop, options.socket, calls, rpc::ServerLimits{},
+      loop, options.socket, guarded, rpc::ServerLimits{},
       [](const std::string& words) { logging::warn(words); }, options.group);
+  if (options.address) {
+    const access::Keypair keypair =
+        keypair_of(options.runner.state, options.certificate_path, options.key_path);
+    const std::string at = access::text_of(server->listen(*options.address, keypair, authority));
+    const std::string fingerprint = access::fingerprint_of(keypair.certificate);
+    calls.listens_at(at, fingerprint);
+    logging::info(fmt::format("serving over TLS on {}, certificate {}", at, fingerprint));
+  }
+  const auto keeping = loop.call_every(k_token_uses_saved_s, [&] {
+    tokens.save_uses();
+    audit.flush();
+  });
   loop.on_stop_signals([&](int) { loop.stop(); });
   logging::info(fmt::format("serving on {}, state in {}, process {}", options.socket,
                             options.runner.state, ::getpid()));
   loop.run();
   server.reset();
+  tokens.save_uses();
   logging::info("stopped; jobs run on, and the next server takes them over");
 }
 

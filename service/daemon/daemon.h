@@ -7,6 +7,10 @@
 //     jobs.sqlite   the job store (job_store.h)
 //     jobs/17/      a job's folder (job_folder.h, service/keeper)
 //     server.log    what a daemon in the background says
+//     audit.log     who did what (audit_log.h)
+//     daemon.id     its name towards a batch system
+//     tokens.json   by which peers over TCP are let in (tokens.h)
+//     tls/          the certificate of its own making, if it listens over TCP without another
 //
 // Killed at any moment, it loses nothing that it has answered, and no job notices: the next one
 // takes the jobs up where they are.
@@ -18,6 +22,7 @@
 #include <optional>
 #include <string>
 
+#include "common/access/server_address.h"
 #include "service/daemon/calls.h"
 #include "service/daemon/job_runner.h"
 #include "service/daemon/requests.h"
@@ -29,6 +34,11 @@ struct DaemonOptions {
   std::string socket{};
   /// Whose members may call it too; none: its own user alone.
   std::optional<std::uint32_t> group{};
+  /// Where it listens over TCP too; none: nowhere.
+  std::optional<access::ServerAddress> address{};
+  /// Certificate and key in PEM; empty: of its own making, in the state folder.
+  std::string certificate_path{};
+  std::string key_path{};
   ServerFacts facts{};
   ReadRequest read{};
 };

@@ -66,7 +66,7 @@ Fetching::Fetching(Parts parts)
     : parts_(std::move(parts)),
       expiry_(parts_.loop.call_every(k_held_for_s / 10, [this] { drop_expired(); })) {}
 
-void Fetching::fetch(const rpc::FetchAsk& ask, std::string segments,
+void Fetching::fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string segments,
                      rpc::Reply<rpc::Fetched> reply) {
   if (!ask.sha256_wanted.empty()) {
     if (auto source = held(ask.sha256_wanted)) {
@@ -76,7 +76,16 @@ void Fetching::fetch(const rpc::FetchAsk& ask, std::string segments,
       return;
     }
   }
-  make(ask, std::move(segments), std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
+  if (const auto of_user = under_way_.find(user);
+      of_user != under_way_.end() && of_user->second >= k_fetches_of_user_max) {
+    reply.refuse(refusal(rpc::RefusalKind::busy,
+                         fmt::format("{} fetches of yours are under way, which are the most.",
+                                     k_fetches_of_user_max),
+                         "Try again when some of them are done."));
+    return;
+  }
+  make(user, ask, std::move(segments),
+       std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
 }
 
 Fetching::Files Fetching::derived(jobs::JobId job, const std::string& made) const {
@@ -172,14 +181,15 @@ Fetching::Files Fetching::find(const rpc::FetchAsk& ask, const std::string& segm
 }
 
 /// Finds or makes the files and hashes them, in the worker's thread.
-void Fetching::make(const rpc::FetchAsk& ask, const std::string& segments,
+void Fetching::make(std::uint32_t user, const rpc::FetchAsk& ask, const std::string& segments,
                     std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
   const std::string beside = fmt::format("{}/{}", parts_.folders.fetched(), ++made_);
   const bool is_there = ask.kind == rpc::FetchKind::failure_files ||
                         (ask.kind == rpc::FetchKind::archive &&
                          std::filesystem::exists(parts_.folders.archive(job_id(ask.job))));
   Worker& worker = is_there ? parts_.worker : parts_.maker;
-  worker.run([this, ask, segments, beside, reply] {
+  ++under_way_[user];
+  worker.run([this, user, ask, segments, beside, reply] {
     std::variant<std::vector<Hashed>, rpc::Refusal> outcome = std::vector<Hashed>{};
     bool has_more = false;
     try {
@@ -196,7 +206,8 @@ void Fetching::make(const rpc::FetchAsk& ask, const std::string& segments,
                         fmt::format("The files of job {} can't be read.", ask.job.value),
                         "The service's log has the reason.");
     }
-    parts_.loop.post([this, outcome = std::move(outcome), has_more, reply]() mutable {
+    parts_.loop.post([this, user, outcome = std::move(outcome), has_more, reply]() mutable {
+      if (--under_way_[user] == 0) under_way_.erase(user);
       if (auto* refused = std::get_if<rpc::Refusal>(&outcome)) {
         reply->refuse(std::move(*refused));
       } else {

@@ -30,6 +30,8 @@ inline constexpr std::size_t k_held_files_max = 16;
 /// Of a job that goes on, of which there is another archive so far each time.
 inline constexpr std::size_t k_held_made_max = 2;
 inline constexpr double k_held_for_s = 600;
+/// A user's fetches that are hashed or made, or wait for that: they go on when their client leaves.
+inline constexpr std::size_t k_fetches_of_user_max = 32;
 /// Of deriving an archive so far, or recordings out of one.
 inline constexpr double k_make_s_max = 900;
 
@@ -44,9 +46,10 @@ class Fetching {
   };
   explicit Fetching(Parts parts);
 
-  /// `segments` names the archive's table of recordings: of its draws, or of finds where a search
-  /// is all.
-  void fetch(const rpc::FetchAsk& ask, std::string segments, rpc::Reply<rpc::Fetched> reply);
+  /// For a user. `segments` names the archive's table of recordings: of its draws, or of finds
+  /// where a search is all.
+  void fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string segments,
+             rpc::Reply<rpc::Fetched> reply);
 
   /// A file on the disk and what it is to be called; `is_ours`: made for this call.
   struct Found {
@@ -80,7 +83,7 @@ class Fetching {
   std::vector<Found> failures(jobs::JobId job, const std::string& after, bool& has_more) const;
   static Hashed hashed(Found file, const std::string& beside);
 
-  void make(const rpc::FetchAsk& ask, const std::string& segments,
+  void make(std::uint32_t user, const rpc::FetchAsk& ask, const std::string& segments,
             std::shared_ptr<rpc::Reply<rpc::Fetched>> reply);
   void give(std::vector<Hashed> files, bool has_more, rpc::Reply<rpc::Fetched>& reply);
   std::unique_ptr<rpc::Source> held(const std::string& sha256);
@@ -92,7 +95,8 @@ class Fetching {
 
   Parts parts_;
   base::SteadyClock clock_;
-  std::map<std::string, Held> held_{};  ///< by digest
+  std::map<std::string, Held> held_{};                ///< by digest
+  std::map<std::uint32_t, std::size_t> under_way_{};  ///< fetches by user
   std::uint64_t made_ = 0;
   rpc::Loop::Handle expiry_;
 };

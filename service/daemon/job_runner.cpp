@@ -12,6 +12,8 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/logging/log.h"
+#include "service/daemon/local_attempts.h"
+#include "service/daemon/system_attempts.h"
 
 namespace sleight::daemon {
 namespace {
@@ -92,22 +94,40 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
             });
       }()),
       reader_(to_read_),
-      attempts_(std::make_unique<Attempts>(Attempts::Parts{
-          .loop = loop_,
-          .clock = clock_,
-          .files = files_,
-          .folders = folders_,
-          .feeds = feeds_,
-          .backend = backend_,
-          .text_of =
-              [this](jobs::JobId job, std::uint64_t revision) {
-                const auto request = reader_.request(job, revision);
-                if (!request)
-                  throw base::Error(
-                      fmt::format("the job store has no request of job {}", job.value));
-                return LaunchText{.request = request->text, .strict = request->strict};
-              },
-          .hear = [this](jobs::Input input) { hear(std::move(input)); }})) {}
+      attempts_(make_attempts()) {}
+
+std::unique_ptr<Attempts> JobRunner::make_attempts() {
+  const auto text_of = [this](jobs::JobId job, std::uint64_t revision) {
+    const auto request = reader_.request(job, revision);
+    if (!request)
+      throw base::Error(fmt::format("the job store has no request of job {}", job.value));
+    return LaunchText{
+        .request = request->text, .strict = request->strict, .options = request->options};
+  };
+  const auto hear_it = [this](jobs::Input input) { hear(std::move(input)); };
+  if (options_.system == nullptr) {
+    return std::make_unique<LocalAttempts>(LocalAttempts::Parts{.loop = loop_,
+                                                                .clock = clock_,
+                                                                .files = files_,
+                                                                .folders = folders_,
+                                                                .feeds = feeds_,
+                                                                .backend = backend_,
+                                                                .text_of = text_of,
+                                                                .hear = hear_it});
+  }
+  return std::make_unique<SystemAttempts>(
+      SystemAttempts::Parts{.loop = loop_,
+                            .clock = clock_,
+                            .files = files_,
+                            .folders = folders_,
+                            .feeds = feeds_,
+                            .backend = options_.system,
+                            .daemon_id = options_.daemon_id,
+                            .list_every_s = options_.list_every_s,
+                            .programs = options_.programs,
+                            .text_of = text_of,
+                            .hear = hear_it});
+}
 
 JobRunner::~JobRunner() = default;
 

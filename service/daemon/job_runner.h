@@ -22,6 +22,7 @@
 #include "common/base/clock.h"
 #include "common/base/file_system.h"
 #include "common/rpc/loop.h"
+#include "service/backend/backend.h"
 #include "service/daemon/attempts.h"
 #include "service/daemon/board.h"
 #include "service/daemon/feeds.h"
@@ -30,6 +31,7 @@
 #include "service/daemon/save_queue.h"
 #include "service/daemon/worker.h"
 #include "service/jobs/jobs.h"
+#include "service/keeper/backend.h"
 
 namespace sleight::daemon {
 
@@ -40,6 +42,10 @@ struct RunnerOptions {
   std::uint64_t memory_bytes = 0;
   std::uint64_t disk_reserve_bytes = 0;
   keeper::Programs programs{};
+  /// The batch system that has the jobs' attempts; null: this machine.
+  std::shared_ptr<backend::Backend> system{};
+  std::string daemon_id{};   ///< of the state folder, for the system (backend::is_daemon_name)
+  double list_every_s = 10;  ///< how often the system is asked for all attempts
 };
 
 /// The free disk and the folders' sizes are looked at so often while jobs run, or wait.
@@ -89,6 +95,7 @@ class JobRunner {
   void watch(jobs::JobId job);
 
  private:
+  std::unique_ptr<Attempts> make_attempts();
   void hear(jobs::Input input);
   std::vector<jobs::Effect> step(const jobs::Input& input);
   void carry_out(std::vector<jobs::Effect> effects, std::vector<StoredRequest> requests = {});

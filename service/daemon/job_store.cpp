@@ -65,11 +65,13 @@ std::int64_t signed_of(std::uint64_t value) {
 }
 
 std::string asked_line(const StoredRequest& request) {
-  return nlohmann::json{{"world", request.world},
-                        {"strict", request.strict},
-                        {"found_wanted", request.found_wanted},
-                        {"in_proportion_wanted", request.in_proportion_wanted}}
-      .dump();
+  nlohmann::json json{{"world", request.world},
+                      {"strict", request.strict},
+                      {"found_wanted", request.found_wanted},
+                      {"in_proportion_wanted", request.in_proportion_wanted}};
+  if (!request.token_id.empty()) json["token"] = request.token_id;
+  if (!request.options.empty()) json["options"] = request.options;
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::optional<StoredRequest> asked_of(std::string_view line) {
@@ -78,7 +80,9 @@ std::optional<StoredRequest> asked_of(std::string_view line) {
     return StoredRequest{.world = json.at("world"),
                          .strict = json.at("strict"),
                          .found_wanted = json.at("found_wanted"),
-                         .in_proportion_wanted = json.at("in_proportion_wanted")};
+                         .in_proportion_wanted = json.at("in_proportion_wanted"),
+                         .token_id = json.value("token", ""),
+                         .options = json.value("options", std::map<std::string, std::string>())};
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
   }

@@ -42,11 +42,13 @@ inline constexpr std::int64_t k_job_store_format = 1;
 struct StoredRequest {
   jobs::JobId job{};
   std::uint64_t revision = 1;
-  std::string text{};                      ///< normalised
-  std::string world{};                     ///< its name
-  bool strict = false;                     ///< a failed simulation ends the run
-  std::uint64_t found_wanted = 0;          ///< by a search; 0: none are asked for
-  std::uint64_t in_proportion_wanted = 0;  ///< independent solutions; likewise
+  std::string text{};                            ///< normalised
+  std::string world{};                           ///< its name
+  bool strict = false;                           ///< a failed simulation ends the run
+  std::uint64_t found_wanted = 0;                ///< by a search; 0: none are asked for
+  std::uint64_t in_proportion_wanted = 0;        ///< independent solutions; likewise
+  std::string token_id{};                        ///< that it was submitted by; empty: none
+  std::map<std::string, std::string> options{};  ///< for the system that runs it
   bool operator==(const StoredRequest&) const = default;
 };
 

@@ -69,15 +69,21 @@ std::optional<request::Extension> extension_of(const rpc::Extension& extension) 
 }  // namespace
 
 base::Result<StoredRequest, rpc::Refusal> checked_request(const rpc::JobAsk& ask,
-                                                          const ReadRequest& read) {
+                                                          const ReadRequest& read,
+                                                          const RequestLimits& limits) {
   auto request = read(ask.request, ask.name.empty() ? "request" : ask.name);
   if (!request) return bad_request(request.error());
-  return stored_of(request.value(), ask.strict);
+  if (auto refused = beyond_limits(cost_of(request.value()), limits)) return *std::move(refused);
+  StoredRequest stored = stored_of(request.value(), ask.strict);
+  for (const rpc::JobOption& option : ask.options)
+    stored.options[option.name] = option.value;
+  return stored;
 }
 
 base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& stored,
                                                            const rpc::Extension& extension,
-                                                           const ReadRequest& read) {
+                                                           const ReadRequest& read,
+                                                           const RequestLimits& limits) {
   const std::string name = fmt::format("the request of job {}", stored.job.value);
   const auto asked = extension_of(extension);
   if (!asked) return no_extension(fmt::format("{} is no such number", extension.to));
@@ -90,16 +96,22 @@ base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& 
     const auto& errors = longer.error();
     return no_extension(errors.empty() ? "the request has errors" : errors.front().message);
   }
+  if (auto refused = beyond_limits(cost_of(longer.value()), limits)) return *std::move(refused);
   StoredRequest next = stored_of(longer.value(), stored.strict);
   next.job = stored.job;
   next.revision = stored.revision + 1;
+  next.token_id = stored.token_id;
+  next.options = stored.options;
   return next;
 }
 
 std::string content_of(const rpc::JobAsk& ask, const std::string& request) {
-  return hash::sha256_hex(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", ask.name,
-                                      ask.cores ? fmt::format("{}", *ask.cores) : "-", ask.ranks,
-                                      ask.memory_bytes, ask.priority, ask.strict, request));
+  std::string text = fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", ask.name,
+                                 ask.cores ? fmt::format("{}", *ask.cores) : "-", ask.ranks,
+                                 ask.memory_bytes, ask.priority, ask.strict, request);
+  for (const rpc::JobOption& option : ask.options)
+    text += fmt::format("\n{}={}", option.name, option.value);
+  return hash::sha256_hex(text);
 }
 
 }  // namespace sleight::daemon

@@ -11,6 +11,7 @@
 #include "common/request/direction_request.h"
 #include "common/rpc/service.h"
 #include "service/daemon/job_store.h"
+#include "service/daemon/request_cost.h"
 
 namespace sleight::daemon {
 
@@ -21,12 +22,14 @@ using ReadRequest =
 
 /// Checks what a client sends. `ask.name` stands for a file's name in the errors; empty: "request".
 base::Result<StoredRequest, rpc::Refusal> checked_request(const rpc::JobAsk& ask,
-                                                          const ReadRequest& read);
+                                                          const ReadRequest& read,
+                                                          const RequestLimits& limits);
 
 /// The next revision: the same request with a longer [stop].
 base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& stored,
                                                            const rpc::Extension& extension,
-                                                           const ReadRequest& read);
+                                                           const ReadRequest& read,
+                                                           const RequestLimits& limits);
 
 /// For a submission's idempotency: equal for equal asks. `request` is the ask's, normalised.
 std::string content_of(const rpc::JobAsk& ask, const std::string& request);

@@ -37,11 +37,10 @@ Usage Accounts::at(const Account& account, double now_s) const {
   const double passed_s = std::max(0.0, now_s - usage.at_s);
   const double decay = std::exp2(-passed_s / options_.half_life_s);
   const double mean_s = options_.half_life_s / std::numbers::ln2;
-  usage.share_core_s =
-      usage.share_core_s * decay + static_cast<double>(account.cores) * mean_s * (1 - decay);
+  const double cores = account.cores - std::min(account.cores, account.cores_waiting);
+  usage.share_core_s = usage.share_core_s * decay + cores * mean_s * (1 - decay);
   const double flows_back = limits(usage.user).core_hours_per_day * k_hour_s / k_day_s;
-  usage.allowance_core_s = std::max(
-      0.0, usage.allowance_core_s + passed_s * (static_cast<double>(account.cores) - flows_back));
+  usage.allowance_core_s = std::max(0.0, usage.allowance_core_s + passed_s * (cores - flows_back));
   usage.at_s = std::max(usage.at_s, now_s);
   return usage;
 }
@@ -59,8 +58,9 @@ double Accounts::had_core_s(UserId user, double now_s) const {
 double Accounts::standing_core_s(UserId user, double now_s) const {
   const Account* account = find(user);
   if (account == nullptr) return 0;
-  return at(*account, now_s).share_core_s +
-         static_cast<double>(account->cores - account->cores_stopping) * options_.horizon_s;
+  const std::uint32_t unused = account->cores_stopping + account->cores_waiting;
+  const double cores = account->cores - std::min(account->cores, unused);
+  return at(*account, now_s).share_core_s + cores * options_.horizon_s;
 }
 
 bool Accounts::is_over_core_hours(UserId user, double now_s, bool is_held) const {

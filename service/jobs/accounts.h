@@ -21,6 +21,7 @@ struct Account {
   Usage usage{};
   std::uint32_t cores = 0;           ///< of open attempts
   std::uint32_t cores_stopping = 0;  ///< of these, asked to stop
+  std::uint32_t cores_waiting = 0;   ///< of these, in a batch system's queue: not used yet
   std::uint64_t unfinished = 0;      ///< jobs that aren't over
   std::uint64_t disk_bytes = 0;
   std::optional<double> idle_since_s{};  ///< since when it waits with nothing running

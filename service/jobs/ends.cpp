@@ -55,6 +55,23 @@ Verdict is_hindered(const Job& job, Reason reason, std::string words) {
   return verdict;
 }
 
+/// Not the job's doing: a batch system took its place, or somebody cancelled it there.
+Verdict ends_outside(const Job& job, Outside outside, const std::string& how) {
+  if (outside == Outside::cancelled)
+    return goes_on(
+        job, {.to = State::held,
+              .reason = Reason::cancelled_outside,
+              .words = fmt::format("Somebody cancelled it in the batch system. {}{}It goes on "
+                                   "after `sleight resume {}`.",
+                                   how, how.empty() ? "" : ". ", job.id)});
+  return goes_on(job, {.to = State::queued,
+                       .reason = Reason::taken_away,
+                       .words = fmt::format("The batch system took its place. {}{}It goes on by "
+                                            "itself.",
+                                            how, how.empty() ? "" : ". "),
+                       .backs_off = job.counts.scans <= job.scans_at_attempt});
+}
+
 Verdict dies(const Job& job, const std::string& how, std::string_view log_end,
              std::string_view repeat, const Options& options) {
   const std::uint32_t deaths = deaths_with_this(job);
@@ -161,6 +178,8 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
       return fails(job, Reason::simulation_failed, with_log(ended.words, {}, ended.repeat));
     case EndKind::time_limit:
     case EndKind::stop_requested:
+      if (ended.outside != Outside::nothing)
+        return ends_outside(job, ended.outside, ended.outside_words);
       // Somebody else's signal, again and again before a commit, must not keep a machine busy.
       return goes_on(job,
                      {.to = State::queued,
@@ -172,6 +191,8 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
     case EndKind::bug:
       return judge_bug(job, ended, options);
     case EndKind::none:
+      if (ended.outside != Outside::nothing && ended.hindrance == Hindrance::none)
+        return ends_outside(job, ended.outside, ended.outside_words);
       return ended.hindrance != Hindrance::none
                  ? judge_error(job, ended, around, options)
                  : dies(job, how_it_ended(ended), ended.log_end, ended.repeat, options);
@@ -180,6 +201,7 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
 }
 
 Verdict judge(const Job& job, const Died& died, const Options& options) {
+  if (died.outside != Outside::nothing) return ends_outside(job, died.outside, died.words);
   const std::string how =
       died.words.empty() ? "It was killed together with its keeper." : died.words;
   return dies(job, how, died.log_end, died.repeat, options);

@@ -8,6 +8,8 @@
 //     no room on disk, other results     held
 //     a check failed                     failed if it is the same place and nothing was committed
 //                                        since; else a death
+//     cancelled in the batch system      held: it goes on when its user says so
+//     its place was taken away           starts again, and is no death
 //     stopped in order                   what the stop was asked for; else it starts again
 //     any other error, or no record      a death: starts again later; the fifth without a commit
 //                                        between: failed

@@ -65,6 +65,8 @@ enum class Reason {
   gave_up,             ///< [done] with less than was asked for; [failed] with nothing
   no_draws,            ///< [failed] the burn-in hadn't ended when all scans were made
   simulation_failed,   ///< [failed] under --strict
+  taken_away,          ///< [queued] the batch system took its place, and it goes on elsewhere
+  cancelled_outside,   ///< [held] somebody cancelled its attempt in the batch system
   went_on,             ///< [queued] what it was held for is no longer so
   bug,                 ///< [failed] a check failed twice at one place without a commit between
   refused_by_program,  ///< [failed] the request, an archive: it would be refused again

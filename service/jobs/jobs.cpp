@@ -21,7 +21,8 @@ constexpr double k_look_at_limits_s = 10;
 constexpr double k_remove_again_s = 60;
 
 bool goes_on_by_itself(const Job& job) {
-  return job.state == State::held && job.reason != Reason::hold_asked;
+  return job.state == State::held && job.reason != Reason::hold_asked &&
+         job.reason != Reason::cancelled_outside;
 }
 bool is_of_limit(Reason reason) {
   return reason == Reason::limit_core_hours || reason == Reason::limit_bytes;

@@ -30,6 +30,9 @@
 //   6. Of waiting jobs the next one is never overtaken by one that comes after it (turns.h), so a
 //      large one gets its room.
 //
+// A batch system may have an attempt in its queue first: the job stays `starting` with its cores
+// kept for it, and nothing is charged. How long that takes is that system's.
+//
 // Nobody starves: a user that waits with nothing running is next after patience_s at the latest; it
 // has its room when the running jobs' slices are over (a slice is bounded by slice_per_cost times a
 // job's restart, or by twice the time that its longest scan takes) and they have stopped
@@ -137,6 +140,7 @@ class Jobs {
   struct Open {
     bool has_begun = false;                ///< its keeper has been seen
     bool is_looked_for = false;            ///< a Look is out
+    bool is_pending = false;               ///< a batch system has it in its queue
     bool is_found = false;                 ///< its launch was an earlier daemon's
     bool is_launched_again = false;        ///< so an earlier launch may still be under way
     std::uint32_t unbegun = 0;             ///< answers in a row that it never began
@@ -189,6 +193,7 @@ class Jobs {
   void take(const Launched& input);
   void take(const LaunchFailed& input);
   void see(Job& job, Open& open, const NeverBegan& seen);
+  void see(Job& job, Open& open, const Pending& seen);
   void see(Job& job, Open& open, const Running& seen);
   void see(Job& job, Open& open, const Ended& seen);
   void see(Job& job, Open& open, const Died& seen);
@@ -197,6 +202,7 @@ class Jobs {
             const std::string& results_version);
   void learn_start_cost(Job& job, std::optional<double> first_commit_after_s, bool had_committed);
   void begins(Job& job, Open& open);
+  void set_pending(Job& job, Open& open, bool is_pending);
   void close(Job& job, const Verdict& verdict, const std::string& bug_place = {});
   void look(const Job& job, Open& open);
   void launch(const Job& job);

@@ -21,10 +21,11 @@ void Jobs::take(const Sight& input) {
   const auto found = jobs_.find(input.job);
   if (found == jobs_.end()) return;
   Job& job = found->second;
-  const bool is_running = std::holds_alternative<Running>(input.seen);
+  const bool is_there =
+      std::holds_alternative<Running>(input.seen) || std::holds_alternative<Pending>(input.seen);
   if (!is_active(job.state) || input.attempt < job.attempt) {
     // An attempt that was thought to be gone holds the folder. Those after it wait for that.
-    if (is_running)
+    if (is_there)
       effects_.emplace_back(Stop{.job = job.id,
                                  .attempt = input.attempt,
                                  .how = is_over(job.state) ? StopHow::now : StopHow::in_order});
@@ -56,7 +57,7 @@ void Jobs::take(const LaunchFailed& input) {
     return;
   // Of an attempt that was launched before this, another keeper may begin yet: looks go on.
   const Open& open = open_.at(input.job);
-  if (open.has_begun || open.is_found || open.is_launched_again) return;
+  if (open.has_begun || open.is_pending || open.is_found || open.is_launched_again) return;
   close(found->second, judge(found->second, input, around(found->second), options_));
 }
 
@@ -65,6 +66,7 @@ void Jobs::take(const LaunchFailed& input) {
 /// then somebody has deleted the folder's record.
 void Jobs::see(Job& job, Open& open, const NeverBegan&) {
   if (!std::exchange(open.is_looked_for, false)) return;
+  set_pending(job, open, false);
   if (++open.unbegun >= options_.unbegun_max) {
     close(job, judge_unbegun(job, options_));
     return;
@@ -74,6 +76,35 @@ void Jobs::see(Job& job, Open& open, const NeverBegan&) {
     launch(job);
   }
   set_alarm(job.id, open, clock_s_ + options_.look_after_launch_s);
+}
+
+/// It begins by itself, or is stopped where it waits.
+void Jobs::see(Job& job, Open& open, const Pending& seen) {
+  open.is_looked_for = false;
+  open.unbegun = 0;
+  const bool was_pending = open.is_pending;
+  if (!open.has_begun) set_pending(job, open, true);  // else the news is late
+  if (job.state == State::starting && job.words != seen.words) {
+    job.words = seen.words;
+    dirty_.insert(job.id);
+  }
+  if (!open.stop_asked_s) {
+    set_alarm(job.id, open, clock_s_ + options_.look_every_s);
+  } else if (open.is_pending && !was_pending) {
+    send_stop(job, open);
+  }
+}
+
+void Jobs::set_pending(Job& job, Open& open, bool is_pending) {
+  if (open.is_pending == is_pending) return;
+  charge(job, open);
+  accounts_.advance(job.user, clock_s_);
+  Account& account = accounts_.of(job.user);
+  account.cores_waiting += is_pending ? job.cores : 0U;
+  account.cores_waiting -= is_pending ? 0U : job.cores;
+  dirty_users_.insert(job.user);
+  dirty_.insert(job.id);
+  open.is_pending = is_pending;
 }
 
 void Jobs::see(Job& job, Open& open, const Running& seen) {
@@ -107,8 +138,12 @@ void Jobs::see(Job& job, Open& open, const Died& seen) {
 }
 
 /// What isn't known changes nothing: keepers go on without us.
-void Jobs::see(Job& job, Open& open, const Unknown&) {
+void Jobs::see(Job& job, Open& open, const Unknown& seen) {
   open.is_looked_for = false;
+  if (job.state == State::starting && !seen.words.empty() && job.words != seen.words) {
+    job.words = seen.words;
+    dirty_.insert(job.id);
+  }
   if (!open.stop_asked_s) set_alarm(job.id, open, clock_s_ + options_.look_after_launch_s);
 }
 
@@ -133,6 +168,10 @@ void Jobs::learn_start_cost(Job& job, std::optional<double> first_commit_after_s
 }
 
 void Jobs::begins(Job& job, Open& open) {
+  if (open.is_pending) {
+    set_pending(job, open, false);
+    job.attempt_begin_s = clock_s_;  // its slice begins now
+  }
   open.has_begun = true;
   if (job.state == State::starting) {
     enter(job, State::running, open.is_found ? Reason::found_running : Reason::began, {});
@@ -150,6 +189,7 @@ void Jobs::close(Job& job, const Verdict& verdict, const std::string& bug_place)
   CHECK_GE(account.cores, job.cores);
   account.cores -= job.cores;
   if (open.stop_asked_s) account.cores_stopping -= job.cores;
+  if (open.is_pending) account.cores_waiting -= job.cores;
   cores_in_use_ -= job.cores;
   memory_in_use_ -= job.wishes.memory_of_all();
   dirty_users_.insert(job.user);
@@ -168,7 +208,8 @@ void Jobs::close(Job& job, const Verdict& verdict, const std::string& bug_place)
 }
 
 void Jobs::charge(Job& job, Open& open) {
-  job.core_seconds += static_cast<double>(job.cores) * (clock_s_ - open.charged_s);
+  if (!open.is_pending)
+    job.core_seconds += static_cast<double>(job.cores) * (clock_s_ - open.charged_s);
   open.charged_s = clock_s_;
 }
 
@@ -176,7 +217,8 @@ void Jobs::look(const Job& job, Open& open) {
   open.is_looked_for = true;
   effects_.emplace_back(Look{.job = job.id, .attempt = job.attempt});
   set_alarm(job.id, open,
-            clock_s_ + (open.has_begun ? options_.look_every_s : options_.look_after_launch_s));
+            clock_s_ + (open.has_begun || open.is_pending ? options_.look_every_s
+                                                          : options_.look_after_launch_s));
 }
 
 void Jobs::launch(const Job& job) {
@@ -198,7 +240,7 @@ void Jobs::ask_to_stop(Job& job, Reason reason, std::string words) {
   open.stop_asked_s = clock_s_;
   accounts_.of(job.user).cores_stopping += job.cores;
   enter(job, State::yielding, reason, std::move(words));
-  if (open.has_begun) send_stop(job, open);
+  if (open.has_begun || open.is_pending) send_stop(job, open);
 }
 
 void Jobs::send_stop(const Job& job, Open& open) {
@@ -222,7 +264,7 @@ void Jobs::ring_alarms() {
     Open& open = open_.at(id);
     const Job& job = jobs_.at(id);
     look(job, open);
-    if (open.stop_asked_s && open.has_begun) send_stop(job, open);
+    if (open.stop_asked_s && (open.has_begun || open.is_pending)) send_stop(job, open);
   }
 }
 

@@ -237,6 +237,7 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
 void Jobs::use_idle_cores() {
   if (!may_start() || next_job()) return;
   for (const auto& [id, open] : open_) {
+    if (open.is_pending) continue;
     if (jobs_.at(id).state != State::running) return;  // first it is seen what comes of that
   }
   const std::vector<RunningJob> running = running_jobs();

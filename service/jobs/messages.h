@@ -73,6 +73,10 @@ struct Ask {
 /// The backend hasn't got the attempt: no keeper, and its folder has no record of this attempt or a
 /// newer one. It may be that it begins yet.
 struct NeverBegan {};
+/// A batch system has the attempt in its queue: it will begin by itself, and uses nothing yet.
+struct Pending {
+  std::string words{};  ///< why it waits there: "Slurm job 812 waits: Priority"
+};
 /// A keeper has it.
 struct Running {
   Counts counts{};
@@ -87,6 +91,12 @@ enum class Hindrance {
   disk_full,
   other_results,
   store_damaged  ///< what the run had stored can't be read: no attempt would get further
+};
+/// What a batch system, or somebody by its means, did to an attempt that we had not asked for.
+enum class Outside {
+  nothing,
+  taken,     ///< it had to make room, or its machine was lost
+  cancelled  ///< by hand
 };
 /// It is gone, with all its processes, and its record has an end.
 struct Ended {
@@ -103,6 +113,8 @@ struct Ended {
   std::optional<double> first_commit_after_s{};
   std::uint64_t disk_bytes = 0;
   std::string results_version{};
+  Outside outside = Outside::nothing;
+  std::string outside_words{};  ///< "Slurm job 812: PREEMPTED"
 };
 /// Nobody holds its folder, and its record has no end: keeper and program were killed.
 struct Died {
@@ -111,16 +123,19 @@ struct Died {
   std::string repeat{};
   Counts counts{};
   std::uint64_t disk_bytes = 0;
+  Outside outside = Outside::nothing;
 };
 /// The backend can't say.
-struct Unknown {};
+struct Unknown {
+  std::string words{};  ///< why, for whoever waits for the attempt to begin
+};
 
 /// What the backend sees of a job; unasked, or after a Look. `attempt` is that of the folder's
-/// record; for NeverBegan and Unknown the one that was asked about.
+/// record; for NeverBegan, Pending and Unknown the one that was asked about.
 struct Sight {
   JobId job;
   Attempt attempt;
-  std::variant<NeverBegan, Running, Ended, Died, Unknown> seen;
+  std::variant<NeverBegan, Pending, Running, Ended, Died, Unknown> seen;
 };
 
 /// The keeper of the attempt holds the folder.

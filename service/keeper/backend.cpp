@@ -141,13 +141,17 @@ RunningKeeper LocalBackend::launch(const AttemptSpec& spec) const {
   CHECK_GT(spec.attempt, 0U);
   if (const std::string obstacle = obstacle_of(spec, programs_); !obstacle.empty())
     throw base::Error(obstacle);
-  std::vector<std::string> command = keeper_command_of(spec, programs_);
+  return launch_command(spec.folder, keeper_command_of(spec, programs_));
+}
+
+RunningKeeper LocalBackend::launch_command(const std::string& folder,
+                                           std::vector<std::string> command) const {
   std::vector<std::string> variables = program_environment();
   const std::vector<char*> arguments = pointers_to(command);
   const std::vector<char*> environment = pointers_to(variables);
   const base::Descriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
   if (!null) fail("/dev/null", errno);
-  const std::string words_path = spec.folder + "/" + k_keeper_words_name;
+  const std::string words_path = folder + "/" + k_keeper_words_name;
   const base::Descriptor words(
       ::open(words_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!words) fail(words_path, errno);
@@ -174,7 +178,7 @@ RunningKeeper LocalBackend::launch(const AttemptSpec& spec) const {
   if (running.descriptor() < 0) fail("a keeper can't be watched", errno);
   if (!send(line.mine.get(), true)) fail("a keeper can't be started", ESRCH);
   int error = 0;
-  if (receive(line.mine.get(), error)) fail(programs_.keeper, error);
+  if (receive(line.mine.get(), error)) fail(command.front(), error);
   return running;
 }
 

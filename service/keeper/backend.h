@@ -35,6 +35,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/descriptor.h"
 #include "service/keeper/attempt_record.h"
@@ -78,6 +79,8 @@ class LocalBackend {
   /// where no keeper can be started, or the spec can't be run here (more ranks than cores, no
   /// mpirun).
   RunningKeeper launch(const AttemptSpec& spec) const;
+  /// The same with a keeper's command as it stands (keeper_command_of).
+  RunningKeeper launch_command(const std::string& folder, std::vector<std::string> command) const;
 
   /// Throws base::Error where the record can't be read, or is of a later attempt: another daemon
   /// uses the folder.

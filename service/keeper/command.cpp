@@ -30,6 +30,10 @@ std::string found_on_path(const std::string& name) {
 /// Open MPI on this machine alone: no network but loopback, and none of its files elsewhere. Ranks
 /// are not bound to cores: each mpirun would bind its own to the same first ones.
 std::vector<std::string> mpirun_of(const AttemptSpec& spec, const Programs& programs) {
+  // In a batch system's job mpirun asks that system for its machines, and the site has set it up.
+  if (spec.in_batch)
+    return {programs.mpirun.empty() ? "mpirun" : programs.mpirun, "-n",
+            fmt::format("{}", spec.ranks), programs.sleight_batch};
   const std::string files = spec.folder + "/" + k_mpi_folder_name;
   std::vector<std::string> command{programs.mpirun, "--bind-to", "none"};
   if (spec.oversubscribe) command.emplace_back("--oversubscribe");
@@ -58,7 +62,7 @@ Programs programs_beside_this() {
 
 std::string obstacle_of(const AttemptSpec& spec, const Programs& programs) {
   if (!spec.folder.starts_with('/')) return "the job's folder is no absolute path";
-  if (spec.ranks == 0) return {};
+  if (spec.ranks == 0 || spec.in_batch) return {};
   if (programs.mpirun.empty()) {
     return "there is no mpirun on the PATH: install Open MPI, or run the job without ranks";
   }
@@ -97,6 +101,7 @@ std::vector<std::string> keeper_command_of(const AttemptSpec& spec, const Progra
                                    "--grace",
                                    fmt::format("{}", spec.grace_s)};
   if (spec.ranks > 0) command.emplace_back("--ranks");
+  if (spec.in_batch) command.emplace_back("--batch");
   if (spec.memory_bytes_max > 0)
     command.insert(command.end(), {"--memory", fmt::format("{}", spec.memory_bytes_max)});
   if (spec.file_bytes_max > 0)
@@ -121,11 +126,15 @@ std::vector<std::string> cleaned_environment(const std::vector<std::string>& env
   return cleaned;
 }
 
-std::vector<std::string> program_environment() {
+std::vector<std::string> whole_environment() {
   std::vector<std::string> variables;
   for (char** variable = environ; *variable != nullptr; ++variable)
     variables.emplace_back(*variable);
-  return cleaned_environment(variables);
+  return variables;
+}
+
+std::vector<std::string> program_environment() {
+  return cleaned_environment(whole_environment());
 }
 
 }  // namespace sleight::keeper

@@ -24,10 +24,13 @@ inline constexpr const char* k_keeper_words_name = "keeper.err";
 inline constexpr const char* k_mpi_folder_name = "mpi";
 
 struct AttemptSpec {
-  std::string folder{};        ///< the job's, an absolute path; has k_request_name
-  std::uint32_t attempt = 1;   ///< from 1
-  std::uint32_t cores = 1;     ///< threads; of no meaning with ranks
-  std::uint32_t ranks = 0;     ///< of one core each; 0: no MPI is started
+  std::string folder{};       ///< the job's, an absolute path; has k_request_name
+  std::uint32_t attempt = 1;  ///< from 1
+  std::uint32_t cores = 1;    ///< threads; of no meaning with ranks
+  std::uint32_t ranks = 0;    ///< of one core each; 0: no MPI is started
+  /// In a batch system's job, on the machines that it was given: ranks are spread over them, and
+  /// what this machine has does not count.
+  bool in_batch = false;
   bool oversubscribe = false;  ///< more ranks than the machine has cores; then they yield when idle
   std::uint64_t cache_mb = 256;  ///< of each process
   bool strict = false;           ///< a simulation that fails ends the run
@@ -65,6 +68,9 @@ std::vector<std::string> keeper_command_of(const AttemptSpec& spec, const Progra
 /// linker work (OMPI_*, PMIX_*, LD_* and their like), and a batch job's own variables, by which
 /// mpirun would look for that job's nodes. The pair that lets root use mpirun stays.
 std::vector<std::string> cleaned_environment(const std::vector<std::string>& environment);
+
+/// This process's, as it is.
+std::vector<std::string> whole_environment();
 
 /// This process's, so cleaned.
 std::vector<std::string> program_environment();

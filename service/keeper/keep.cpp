@@ -27,6 +27,7 @@
 #include "common/base/clock.h"
 #include "common/base/descriptor.h"
 #include "common/base/file_system.h"
+#include "common/base/network_disk.h"
 #include "common/store/sessions.h"
 #include "service/keeper/attempt_record.h"
 #include "service/keeper/command.h"
@@ -47,6 +48,8 @@ constexpr double k_first_rank_look_s = 0.02;
 /// How soon it kills again what is left of a program, at first and at last.
 constexpr int k_kill_again_ms_min = 1;
 constexpr int k_kill_again_ms_max = 100;
+/// How often a keeper that waits for another one looks at it.
+constexpr int k_other_look_ms = 200;
 /// A pipe's line is shorter; of what else is written there no more is kept.
 constexpr std::size_t k_told_bytes_max = 4 * events::k_end_line_bytes_max;
 
@@ -159,7 +162,7 @@ class Output {
 /// The signals that the keeper takes, as a descriptor.
 class Signals {
  public:
-  Signals() {
+  explicit Signals(bool in_batch) : on_term_(in_batch ? Stop::in_order : Stop::now) {
     // Inherited dispositions would hide the children's ends or end the keeper.
     std::signal(SIGCHLD, SIG_DFL);
     for (const int number : {SIGHUP, SIGPIPE, SIGXFSZ})
@@ -179,13 +182,14 @@ class Signals {
     signalfd_siginfo info{};
     while (::read(descriptor_.get(), &info, sizeof(info)) == sizeof(info)) {
       const int number = static_cast<int>(info.ssi_signo);
-      if (number == SIGTERM) asked = Stop::now;
-      if ((number == SIGUSR1 || number == SIGINT) && !asked) asked = Stop::in_order;
+      const Stop how = number == SIGTERM ? on_term_ : Stop::in_order;
+      if (number != SIGCHLD && asked != Stop::now) asked = how;
     }
     return asked;
   }
 
  private:
+  Stop on_term_;
   base::Descriptor descriptor_;
 };
 
@@ -364,12 +368,14 @@ AttemptEnd start_and_wait(const KeeperOptions& options, Signals& signals, EndPip
   const base::SteadyClock clock;
   const double begun_s = clock.now_s();
   Output output(log);
-  const auto program = start_program({.command = options.command,
-                                      .environment = program_environment(),
-                                      .output = output.writer(),
-                                      .memory_bytes_max = options.memory_bytes_max,
-                                      .file_bytes_max = options.file_bytes_max},
-                                     moments);
+  const auto program =
+      start_program({.command = options.command,
+                     .environment = options.in_batch ? whole_environment() : program_environment(),
+                     .output = output.writer(),
+                     .memory_bytes_max = options.memory_bytes_max,
+                     .file_bytes_max = options.file_bytes_max,
+                     .blocks_sigterm = options.in_batch},
+                    moments);
   output.close_writer();
   AttemptEnd end;
   if (program) {
@@ -387,22 +393,46 @@ AttemptEnd start_and_wait(const KeeperOptions& options, Signals& signals, EndPip
   return end;
 }
 
+/// The attempt has begun by another keeper of the same batch job, which its system has started
+/// twice. As long as that one lives, so does this, or the system would end both; signals are handed
+/// on. False: it has gone, or is on another machine.
+bool wait_for_other(const ProcessIdentity& other, Signals& signals) {
+  bool was_there = false;
+  while (is_living(other)) {
+    was_there = true;
+    if (signals.take()) ::kill(other.pid, SIGUSR1);
+    pollfd wait{.fd = signals.descriptor(), .events = POLLIN, .revents = 0};
+    ::poll(&wait, 1, k_other_look_ms);
+  }
+  return was_there;
+}
+
 }  // namespace
 
 base::ExitCode keep(const KeeperOptions& options, Moments& moments) {
   CHECK_GT(options.attempt, 0U);
   moments.reached(Moment::begun);
-  Signals signals;
+  Signals signals(options.in_batch);
   if (::chdir(options.folder.c_str()) != 0) fail(options.folder);
-  const auto lock = KeeperLock::take(options.folder);
-  if (!lock) {
+  const bool marks = options.in_batch && base::network_file_system(options.folder);
+  const auto lock = marks ? std::nullopt : KeeperLock::take(options.folder);
+  const auto earlier = read_record(options.folder);
+  const bool has_begun = earlier && earlier->attempt >= options.attempt;
+  if (!marks && !lock && !(options.in_batch && has_begun)) {
     fmt::print(stderr, "sleight-keeper: {}: another keeper has this folder\n", options.folder);
     return base::ExitCode::conflict;
   }
-  const auto earlier = read_record(options.folder);
-  if (earlier && earlier->attempt >= options.attempt) {
+  if (has_begun) {
     fmt::print(stderr, "sleight-keeper: {}: attempt {} has begun before attempt {} was asked for\n",
                options.folder, earlier->attempt, options.attempt);
+    if (options.in_batch && earlier->attempt == options.attempt &&
+        wait_for_other(earlier->keeper, signals))
+      return base::ExitCode::ok;
+    return base::ExitCode::conflict;
+  }
+  if (marks && !KeeperLock::mark_begun(options.folder, options.attempt)) {
+    fmt::print(stderr, "sleight-keeper: {}: attempt {} has begun before\n", options.folder,
+               options.attempt);
     return base::ExitCode::conflict;
   }
   moments.reached(Moment::locked);
@@ -437,6 +467,14 @@ base::ExitCode keep(const KeeperOptions& options, Moments& moments) {
   // What can't be removed now, the next attempt says: this one's end counts.
   static_cast<void>(clear_mpi_files(options.folder));
   record.end = std::move(end);
+  if (marks) {
+    const auto newest = read_record(options.folder);
+    if (newest && newest->attempt > options.attempt) {
+      fmt::print(stderr, "sleight-keeper: {}: attempt {} was given up for lost\n", options.folder,
+                 options.attempt);
+      return base::ExitCode::conflict;
+    }
+  }
   file.end(record);
   moments.reached(Moment::end_recorded);
   return base::ExitCode::ok;

@@ -19,6 +19,14 @@
 //   newer
 //      than those before.
 //
+// In a batch system's job (KeeperOptions::in_batch) it differs in five things. SIGTERM, which such
+// a system sends to all processes some time before it kills them, is passed on as SIGUSR1, and kept
+// from the program, which would be told twice. The program has the whole environment, in which
+// mpirun finds the job's machines. On a network disk, whose locks outlive a lost machine, the file
+// `begun.N` takes the lock's place: so an attempt that the system starts twice runs once. A second
+// keeper on the first one's machine waits for its end, as the system would take its own end for
+// that of all. And a keeper that was thought lost writes nothing over a later attempt's record.
+//
 // Invariants:
 //   1. While the keeper lives the lock is held; once it has gone, nothing of the program is left:
 //   it
@@ -44,6 +52,7 @@ struct KeeperOptions {
   std::uint32_t attempt = 1;
   std::vector<std::string> command{};
   bool with_ranks = false;  ///< the command is mpirun's
+  bool in_batch = false;    ///< a batch system's job holds the keeper
   // Of the program, as in AttemptSpec.
   std::uint64_t memory_bytes_max = 0;
   std::uint64_t file_bytes_max = 0;

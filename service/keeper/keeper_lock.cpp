@@ -6,9 +6,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/file_system.h"
 #include "service/keeper/command.h"
 
 namespace sleight::keeper {
@@ -16,6 +18,12 @@ namespace {
 
 std::string path_in(const std::string& folder) {
   return folder + "/" + k_lock_name;
+}
+
+constexpr std::string_view k_mark_begin = "begun.";
+
+std::string mark_in(const std::string& folder, std::uint32_t attempt) {
+  return fmt::format("{}/{}{}", folder, k_mark_begin, attempt);
 }
 
 struct flock whole_file() {
@@ -48,6 +56,25 @@ KeeperLock::~KeeperLock() {
 
 KeeperLock::KeeperLock(KeeperLock&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+bool KeeperLock::mark_begun(const std::string& folder, std::uint32_t attempt) {
+  const std::string path = mark_in(folder, attempt);
+  // On network disks too it succeeds for one process alone.
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor < 0 && errno == EEXIST) return false;
+  if (descriptor < 0) fail_at(path);
+  ::close(descriptor);
+  base::PosixFileSystem files;
+  for (const std::string& name : files.names_in(folder)) {
+    if (name.starts_with(k_mark_begin) && folder + "/" + name != path)
+      files.remove(folder + "/" + name);
+  }
+  return true;
+}
+
+bool KeeperLock::has_begun(const std::string& folder, std::uint32_t attempt) {
+  return base::PosixFileSystem().exists(mark_in(folder, attempt));
+}
 
 bool KeeperLock::is_held(const std::string& folder) {
   const std::string path = path_in(folder);

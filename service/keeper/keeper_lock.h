@@ -9,6 +9,7 @@
 // Thread safety: a KeeperLock belongs to one thread; is_held any.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,13 @@ class KeeperLock {
   KeeperLock& operator=(KeeperLock&&) = delete;
   KeeperLock(const KeeperLock&) = delete;
   KeeperLock& operator=(const KeeperLock&) = delete;
+
+  /// For disks whose locks outlive a lost machine, or that have none: marks the attempt as begun,
+  /// for ever and on all machines (`begun.N`; older marks go). False: it had begun. Throws
+  /// base::Error.
+  static bool mark_begun(const std::string& folder, std::uint32_t attempt);
+  /// Whether it was so marked.
+  static bool has_begun(const std::string& folder, std::uint32_t attempt);
 
   /// Whether a keeper holds it. False where there is no folder.
   static bool is_held(const std::string& folder);

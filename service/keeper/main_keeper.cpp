@@ -39,6 +39,8 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
       ->check(CLI::PositiveNumber)
       ->type_name("N");
   app.add_flag("--ranks", options.with_ranks, "The program is mpirun, and is watched as such");
+  app.add_flag("--batch", options.in_batch,
+               "A batch system's job holds it: SIGTERM ends the program in order too");
   app.add_option("--memory", options.memory_bytes_max, "Data of each of its processes, at most")
       ->type_name("BYTES");
   app.add_option("--file-bytes", options.file_bytes_max, "Each file that it writes, at most")

@@ -25,12 +25,13 @@ bool limit(int resource, std::uint64_t most) {
   return ::setrlimit(static_cast<__rlimit_resource>(resource), &both) == 0;
 }
 
-/// What a process has by default: nothing is ignored or blocked.
-void reset_signals() {
+/// What a process has by default: nothing is ignored, and nothing else is blocked.
+void reset_signals(bool blocks_sigterm) {
   for (int number = 1; number < NSIG; ++number)
     std::signal(number, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
+  if (blocks_sigterm) sigaddset(&none, SIGTERM);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
@@ -55,7 +56,7 @@ bool take_limits(const ProgramStart& start) {
   const bool is_ready = ::setsid() >= 0 && take_streams(start.output) && take_limits(start) &&
                         ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC) == 0;
   if (is_ready) {
-    reset_signals();
+    reset_signals(start.blocks_sigterm);
     ::execvpe(arguments[0], arguments, environment);
   }
   const int error = errno;

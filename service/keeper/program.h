@@ -25,6 +25,7 @@ struct ProgramStart {
   int output = -1;                     ///< becomes its stdout and stderr
   std::uint64_t memory_bytes_max = 0;  ///< RLIMIT_DATA; 0: as the keeper's
   std::uint64_t file_bytes_max = 0;    ///< RLIMIT_FSIZE; 0: as the keeper's
+  bool blocks_sigterm = false;         ///< it does not get SIGTERM, nor do those that it starts
 };
 
 /// Returns once the program runs; or why it can't be started, and then there is no child.

@@ -15,7 +15,8 @@ constexpr std::uint32_t k_deaths_most = 6;
 /// By the rules of ends.h, told again in other words.
 bool is_death(const Ended& ended) {
   if (ended.kind == EndKind::bug) return true;
-  if (ended.kind == EndKind::none) return ended.hindrance == Hindrance::none;
+  if (ended.kind == EndKind::none)
+    return ended.hindrance == Hindrance::none && ended.outside == Outside::nothing;
   return false;
 }
 
@@ -129,6 +130,11 @@ void Ledger::check_change(const Change& change, const Job* before) {
   }
   const bool closes = is_active(change.from) && !is_active(change.to);
   if (closes && before != nullptr) count_end(change, told);
+  const auto end = ends_.find({change.id, change.attempt});
+  if (closes && change.from != State::yielding && end != ends_.end() && end->second.is_cancelled &&
+      change.to != State::held)
+    wrong(
+        fmt::format("job {} was cancelled outside, and becomes {}", change.id, name_of(change.to)));
   if (change.to == State::starting && change.from == State::queued &&
       told.not_before_s > clock_s_ + 1e-6)
     wrong(fmt::format("job {} starts {} s too soon after its end", change.id,
@@ -309,9 +315,12 @@ void Ledger::tells(const Input& input, const Jobs& machine) {
     told.scans_told = std::max(told.scans_told, ended->counts.scans);
     end.is_death = is_death(*ended);
     end.is_bug = ended->kind == EndKind::bug;
+    end.is_cancelled =
+        ended->kind == EndKind::stop_requested && ended->outside == Outside::cancelled;
   } else if (const auto* died = std::get_if<Died>(&sight->seen)) {
     told.scans_told = std::max(told.scans_told, died->counts.scans);
-    end.is_death = true;
+    end.is_death = died->outside == Outside::nothing;
+    end.is_cancelled = died->outside == Outside::cancelled;
   } else {
     return;
   }

@@ -20,6 +20,8 @@
 //  10. After the n-th start in a row that failed the next comes 2^(n-1) s later at the soonest.
 //  11. A job that nobody deletes is told of announce_s before it is, and is not pinned.
 //  12. A running job that is to stop is told so in the same step.
+//  13. One whose attempt somebody cancelled in the batch system, and that nobody had asked to stop,
+//      is held, or done if it had finished.
 // Not thread-safe.
 #pragma once
 
@@ -83,6 +85,7 @@ class Ledger {
   struct ToldEnd {
     bool is_death = false;
     bool is_bug = false;
+    bool is_cancelled = false;  ///< in the batch system
     std::uint64_t scans = 0;
     double lived_s = 0;
   };

@@ -33,6 +33,7 @@ enum class Mistake : std::uint8_t {
   bug_is_a_death,  ///< twice at one place is as good as five times anywhere
   wall_clock_decides,
   deleted_unannounced,
+  cancelled_goes_on,  ///< what somebody cancelled in the batch system starts again
 };
 
 inline constexpr std::array k_mistakes{
@@ -58,6 +59,7 @@ inline constexpr std::array k_mistakes{
     std::pair{Mistake::bug_is_a_death, std::string_view("bug_is_a_death")},
     std::pair{Mistake::wall_clock_decides, std::string_view("wall_clock_decides")},
     std::pair{Mistake::deleted_unannounced, std::string_view("deleted_unannounced")},
+    std::pair{Mistake::cancelled_goes_on, std::string_view("cancelled_goes_on")},
 };
 
 }  // namespace sleight::jobs::simulated

@@ -58,12 +58,14 @@ JobPlan job_of(Dice& dice, std::uint32_t users, const Room& room, double span_s)
   job.stop_s = dice.log_uniform(0.02, 2);
   job.disk_bytes = dice.whole(1, 5) * k_gb;
   job.acts = acts_of(dice, 2 * span_s);
+  if (dice.chance(0.3)) job.queue_s = dice.log_uniform(0.1, 30);
   return job;
 }
 
 bool lasts(Fault::Kind kind) {
   return kind != Fault::Kind::server_dies && kind != Fault::Kind::server_dies_at_save &&
-         kind != Fault::Kind::keeper_dies && kind != Fault::Kind::wall_jumps;
+         kind != Fault::Kind::keeper_dies && kind != Fault::Kind::wall_jumps &&
+         kind != Fault::Kind::place_taken && kind != Fault::Kind::cancelled_by_hand;
 }
 
 std::vector<Fault> faults_of(std::uint64_t seed, double span_s,
@@ -160,7 +162,7 @@ double liveness_bound_s(const Scenario& scenario) {
     // On one core, extended, with every restart that its slices allow and every death.
     core_s += 2 * job.scan_core_s * static_cast<double>(job.scans);
     bound_s += 8 * job.scan_core_s * static_cast<double>(job.scans) +
-               20 * (job.begin_s + job.stop_s + options.look_after_launch_s);
+               20 * (job.queue_s + job.begin_s + job.stop_s + options.look_after_launch_s);
   }
   if (options.limits.core_hours_per_day > 0)
     bound_s += (4 * core_s / 3600 / options.limits.core_hours_per_day + 2) * 86400;

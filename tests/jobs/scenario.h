@@ -44,6 +44,7 @@ struct JobPlan {
   std::uint64_t scans = 1;       ///< of its request; each extension adds as many
   std::uint64_t fate_scan = 0;   ///< where its fate strikes
   double scan_core_s = 1;        ///< of one scan
+  double queue_s = 0;            ///< in a batch system's queue before each start; 0: there is none
   double begin_s = 0.1;          ///< from the keeper's start to the first scan
   double stop_s = 0.1;           ///< from being asked to the end
   std::uint64_t disk_bytes = 0;  ///< of its folder, once it has begun
@@ -55,6 +56,8 @@ struct Fault {
     server_dies,          ///< at once
     server_dies_at_save,  ///< of the next save: before it is on disk, after, or amid its effects
     keeper_dies,          ///< of one running job, or of all
+    place_taken,          ///< by a batch system, of one running job: in order, or killed
+    cancelled_by_hand,    ///< in a batch system, of one job that runs or waits there
     messages_lost,        ///< some of the backend's, for a time
     messages_twice,
     messages_late,   ///< so that later ones overtake them

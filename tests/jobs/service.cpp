@@ -22,7 +22,8 @@ constexpr double k_day_s = 86400;
 
 bool lasts(Kind kind) {
   return kind != Kind::server_dies && kind != Kind::server_dies_at_save &&
-         kind != Kind::keeper_dies && kind != Kind::wall_jumps;
+         kind != Kind::keeper_dies && kind != Kind::wall_jumps && kind != Kind::place_taken &&
+         kind != Kind::cancelled_by_hand;
 }
 
 }  // namespace
@@ -240,6 +241,10 @@ void Service::strike(const Fault& fault) {
     kill_daemon();
   } else if (fault.kind == Kind::server_dies_at_save) {
     dies_at_save_ = fault.which % 5;
+  } else if (fault.kind == Kind::place_taken) {
+    backend_.take_place(fault.which);
+  } else if (fault.kind == Kind::cancelled_by_hand) {
+    backend_.cancel_by_hand(fault.which);
   } else if (fault.kind == Kind::keeper_dies) {
     backend_.kill(fault.which, fault.which % 4 == 0);
   } else {
@@ -304,7 +309,10 @@ void Service::look_around() {
   }
   for (const auto& [nth, id] : ids_) {
     const Job* job = store_.find(id);
-    if (job == nullptr || job->state != State::held || job->reason != Reason::hold_asked) continue;
+    const bool waits_for_user =
+        job != nullptr && job->state == State::held &&
+        (job->reason == Reason::hold_asked || job->reason == Reason::cancelled_outside);
+    if (!waits_for_user) continue;
     const Token token = next_ask_++;
     asks_open_.insert(token);
     ask(nth, AskKind::resume, token);

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "common/base/error.h"
 
@@ -62,7 +64,30 @@ void SimBackend::launch(const Launch& launch) {
     tell(LaunchFailed{.job = launch.job, .attempt = launch.attempt, .is_backend_away = true});
     return;
   }
-  events_.after(latency_s(), [this, launch] { begin(launch); });
+  events_.after(latency_s(), [this, launch] { enqueue(launch); });
+}
+
+/// The queue has an attempt once, also where it is launched again.
+void SimBackend::enqueue(const Launch& launch) {
+  const auto found = folders_.find(launch.job);
+  if (found == folders_.end()) return;
+  Folder& folder = found->second;
+  if (folder.plan->queue_s <= 0) return begin(launch);
+  if (folder.attempt >= launch.attempt || folder.cancelled >= launch.attempt) return;
+  if (!folder.pending.emplace(launch.attempt, launch).second) return;
+  tell(Sight{.job = launch.job, .attempt = launch.attempt, .seen = Pending{.words = "Priority"}});
+  events_.after(dice_.uniform(0, 2 * folder.plan->queue_s), [this, launch] {
+    const auto then = folders_.find(launch.job);
+    if (then != folders_.end() && then->second.pending.erase(launch.attempt) > 0) begin(launch);
+  });
+}
+
+/// Cancelled there, it leaves no record.
+void SimBackend::leave_queue(JobId job, Attempt attempt) {
+  Folder& folder = folders_.at(job);
+  folder.pending.erase(attempt);
+  folder.cancelled = std::max(folder.cancelled, attempt);
+  tell(Sight{.job = job, .attempt = attempt, .seen = Died{.outside = Outside::cancelled}});
 }
 
 void SimBackend::begin(const Launch& launch) {
@@ -73,6 +98,7 @@ void SimBackend::begin(const Launch& launch) {
   folder.is_locked = true;
   folder.attempt = launch.attempt;
   folder.end.reset();
+  folder.outside = Outside::nothing;
   folder.revision = launch.revision;
   folder.cores = launch.cores;
   folder.is_stopping = false;
@@ -195,18 +221,22 @@ void SimBackend::end(JobId job, Ended ended) {
   tell(Sight{.job = job, .attempt = folder.attempt, .seen = std::move(ended)});
 }
 
-void SimBackend::die(JobId job) {
+void SimBackend::die(JobId job, Outside outside) {
   Folder& folder = folders_.at(job);
   release(job, folder);
-  tell(Sight{.job = job,
-             .attempt = folder.attempt,
-             .seen = Died{.counts = {.scans = folder.scans, .found = folder.found}}});
+  folder.outside = outside;
+  tell(Sight{
+      .job = job,
+      .attempt = folder.attempt,
+      .seen = Died{.counts = {.scans = folder.scans, .found = folder.found}, .outside = outside}});
 }
 
 void SimBackend::stop(const Stop& stop) {
   if (dice_.chance(weather_.lost)) return;
   events_.after(latency_s(), [this, stop] {
     const auto found = folders_.find(stop.job);
+    if (found != folders_.end() && found->second.pending.contains(stop.attempt))
+      return leave_queue(stop.job, stop.attempt);
     if (found == folders_.end() || !found->second.is_locked ||
         found->second.attempt != stop.attempt)
       return;
@@ -239,7 +269,12 @@ void SimBackend::look(const Look& look) {
       } else if (folder.attempt >= look.attempt && folder.end) {
         sight.seen = *folder.end;
       } else if (folder.attempt >= look.attempt) {
-        sight.seen = Died{.counts = {.scans = folder.scans, .found = folder.found}};
+        sight.seen = Died{.counts = {.scans = folder.scans, .found = folder.found},
+                          .outside = folder.outside};
+      } else if (folder.pending.contains(look.attempt)) {
+        sight.seen = Pending{.words = "Resources"};
+      } else if (folder.cancelled >= look.attempt) {
+        sight.seen = Died{.outside = Outside::cancelled};
       }
     }
     tell(std::move(sight));
@@ -263,6 +298,37 @@ void SimBackend::kill(std::uint64_t nth, bool all) {
   }
 }
 
+void SimBackend::take_place(std::uint64_t nth) {
+  std::vector<JobId> locked;
+  for (const auto& [job, folder] : folders_)
+    if (folder.is_locked) locked.push_back(job);
+  if (locked.empty()) return;
+  const JobId job = locked[nth % locked.size()];
+  if (nth % 2 == 0) {
+    die(job, Outside::taken);
+  } else {
+    end(job, {.kind = EndKind::stop_requested, .exit_code = 130, .outside = Outside::taken});
+  }
+}
+
+void SimBackend::cancel_by_hand(std::uint64_t nth) {
+  std::vector<std::pair<JobId, std::optional<Attempt>>> there;
+  for (const auto& [job, folder] : folders_) {
+    if (folder.is_locked) there.emplace_back(job, std::nullopt);
+    for (const auto& [attempt, launch] : folder.pending)
+      there.emplace_back(job, attempt);
+  }
+  if (there.empty()) return;
+  const auto& [job, waiting] = there[nth % there.size()];
+  if (waiting) {
+    leave_queue(job, *waiting);
+  } else if (nth % 3 == 0) {
+    die(job, Outside::cancelled);
+  } else {
+    end(job, {.kind = EndKind::stop_requested, .exit_code = 130, .outside = Outside::cancelled});
+  }
+}
+
 double SimBackend::core_s_of(UserId user) const {
   const auto before = core_s_of_.find(user);
   double core_s = before == core_s_of_.end() ? 0 : before->second;
@@ -275,7 +341,7 @@ double SimBackend::core_s_of(UserId user) const {
 
 bool SimBackend::anything_runs() const {
   for (const auto& [job, folder] : folders_) {
-    if (folder.is_locked) return true;
+    if (folder.is_locked || !folder.pending.empty()) return true;
   }
   return false;
 }

@@ -46,6 +46,10 @@ class SimBackend {
   void fill_disk(bool full) { is_disk_full_ = full; }
   void leave(bool away) { is_away_ = away; }
   void change_programs(bool other) { has_other_programs_ = other; }
+  /// The n-th program that runs loses its place: it stops in order, or is killed.
+  void take_place(std::uint64_t nth);
+  /// Somebody cancels the n-th job that runs or waits.
+  void cancel_by_hand(std::uint64_t nth);
   /// A keeper that holds a folder, with all below it: the n-th, or all.
   void kill(std::uint64_t nth, bool all);
 
@@ -59,10 +63,13 @@ class SimBackend {
  private:
   struct Folder {
     const JobPlan* plan = nullptr;
-    Attempt attempt{};           ///< of the record
-    std::optional<Ended> end{};  ///< of the record
+    Attempt attempt{};                   ///< of the record
+    std::optional<Ended> end{};          ///< of the record
+    Outside outside = Outside::nothing;  ///< of how it went without an end
     bool is_locked = false;
-    std::uint64_t life = 0;  ///< moves on when what was under way is over
+    std::map<Attempt, Launch> pending{};  ///< in the queue
+    Attempt cancelled{};                  ///< the newest that was cancelled while it waited
+    std::uint64_t life = 0;               ///< moves on when what was under way is over
     std::uint64_t revision = 1;
     std::uint32_t cores = 1;
     bool is_stopping = false;
@@ -72,13 +79,15 @@ class SimBackend {
     std::uint64_t scans = 0;  ///< committed
     std::uint64_t found = 0;
   };
+  void enqueue(const Launch& launch);
+  void leave_queue(JobId job, Attempt attempt);
   void begin(const Launch& launch);
   void go_on(JobId job);
   void scan(JobId job);
   bool meets_fate(JobId job, Folder& folder);
   void end(JobId job, Ended ended);
   void stopped(JobId job);
-  void die(JobId job);
+  void die(JobId job, Outside outside = Outside::nothing);
   void release(JobId job, Folder& folder);
   void after(JobId job, double delay_s, void (SimBackend::*then)(JobId));
   Running seen_running(const Folder& folder) const;

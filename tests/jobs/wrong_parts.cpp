@@ -51,6 +51,9 @@ Sight sight_with(Mistake mistake, Sight sight, const Jobs& machine) {
   } else if (mistake == Mistake::bug_is_a_death && ended != nullptr &&
              ended->kind == EndKind::bug) {
     ended->kind = EndKind::none;
+  } else if (mistake == Mistake::cancelled_goes_on) {
+    if (ended != nullptr) ended->outside = Outside::nothing;
+    if (auto* died = std::get_if<Died>(&sight.seen)) died->outside = Outside::nothing;
   } else if (mistake == Mistake::commits_not_counted) {
     if (Counts* counts = counts_of(sight)) counts->scans = 0;
   }
@@ -112,6 +115,9 @@ ScenarioChoice where_it_shows(Mistake mistake) {
     case Mistake::deaths_for_ever:
     case Mistake::no_back_off:
       choice.wants = {Kind::keeper_dies};
+      break;
+    case Mistake::cancelled_goes_on:
+      choice.wants = {Kind::cancelled_by_hand};
       break;
     case Mistake::reserve_ignored:
       choice.wants = {Kind::disk_fills};

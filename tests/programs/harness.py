@@ -210,6 +210,8 @@ def main():
     parser.add_argument("--source", required=True, help="folder of the sources")
     parser.add_argument("--kills", type=int, default=10, help="for test_kill")
     parser.add_argument("--only", choices=["direct", "batch"], help="of test_kill")
+    parser.add_argument("--attacks", type=int, default=15_000, help="for test_attacks")
+    parser.add_argument("--attacker", help="for test_attacks: the program, if not that of the same build")
     parser.add_argument("--seconds", type=float, default=10, help="of work in a run of test_kill")
     parser.add_argument("--seed", type=int, default=1, help="for random moments")
     arguments, rest = parser.parse_known_args()

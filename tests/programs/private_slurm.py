@@ -98,8 +98,7 @@ class PrivateSlurm:
                        f"--seed-file={self.folder}/munged.seed",
                        f"--log-file={self.folder}/munged.log")
             self.wait_for("munged", (self.folder / "munge.socket").exists)
-            self.start("slurmctld", "slurmctld", "-D", "-i")
-            self.wait_for("slurmctld", lambda: self.call("scontrol", "ping").returncode == 0)
+            self.start_controller("-i")
             for node in (self.host, "other"):
                 self.start(node, "slurmd", "-D", "-N", node)
                 self.wait_for(node, lambda node=node: "State=IDLE" in self.call(
@@ -117,6 +116,24 @@ class PrivateSlurm:
             self.daemons[name] = subprocess.Popen(command, env=self.environment,
                                                   stdin=subprocess.DEVNULL, stdout=output,
                                                   stderr=output, start_new_session=True)
+
+    def start_controller(self, *options):
+        self.start("slurmctld", "slurmctld", "-D", *options)
+        self.wait_for("slurmctld", lambda: self.call("scontrol", "ping").returncode == 0)
+
+    def kill(self, name):
+        """A daemon, as if its machine had lost power."""
+        self.daemons[name].kill()
+        self.daemons[name].wait()
+
+    def kill_steps(self):
+        """What slurmd has started and watches: with it, all of a node."""
+        for process in self.processes():
+            try:
+                if pathlib.Path(f"/proc/{process}/comm").read_text().startswith("slurmstepd"):
+                    os.kill(process, signal.SIGKILL)
+            except OSError:
+                pass  # it ended just now
 
     def wait_for(self, name, is_up):
         deadline = time.monotonic() + START_S_MAX

@@ -106,6 +106,37 @@ class ServiceTest(ProgramTest):
         return self.digest(output)
 
 
+class TlsServiceTest(ServiceTest):
+    """Its daemon listens over TLS too, on a port of its own choice that it has again when it is started again."""
+
+    def setUp(self):
+        super().setUp()
+        self.address = "127.0.0.1:0"
+
+    def serve_over_tls(self, **more):
+        self.serve("--listen", self.address, "--cores", 1, **more)
+        status = self.ask_json("server", "status")
+        self.address, self.fingerprint = status["address"], status["fingerprint"]
+        return self.daemon
+
+    def token(self, name, *options):
+        """Makes one, as a file. Returns it and the token's id."""
+        path = self.path(f"{name}.token")
+        made = self.ask_json("token", "create", "--name", name, "-o", path, *options)
+        return path, made["id"]
+
+    def far(self, home, *args, **options):
+        """`sleight` as on another machine: what it knows of servers is below `home`."""
+        return harness.sleight(*args, env=self.far_environment(home), **options)
+
+    def far_environment(self, home):
+        return {"XDG_CONFIG_HOME": str(self.path(home)), "SLEIGHT_SERVER": self.address,
+                "SLEIGHT_STATE": str(self.path("no state here"))}
+
+    def log_in(self, home, token):
+        return self.far(home, "login", self.address, "--token-file", token, "--fingerprint", self.fingerprint)
+
+
 def processes_of(folder):
     """Living processes whose working folder is a job's."""
     found = []

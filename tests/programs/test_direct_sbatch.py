@@ -108,6 +108,41 @@ for ((i = 0; i < 600; i++)); do sleep 0.05; done""")
             self.command("mpirun", f"exit {code}")
             self.assertEqual(self.ended(self.start()), (code, 0))
 
+    def attempt(self):
+        """The service's form, with a keeper that says what it got; what it said, and how it ended."""
+        self.command("keeper", f"""printf '%s\\n' "$@" > {self.path("arguments")}
+echo "${{OMPI_MCA_orte_launch_agent:-}}" > {self.path("agent")}
+grep SigBlk /proc/$$/status > {self.path("blocked")}; exit 4""")
+        ended = self.ended(self.start("--attempt", self.path("keeper"), "--folder", "a b", "--", "it's"))
+        self.assertEqual(self.path("arguments").read_text(), "--folder\na b\n--\nit's\n")
+        blocked = int(self.path("blocked").read_text().split()[1], 16)
+        return (self.path("agent").read_text().strip(),
+                [bool(blocked >> (number - 1) & 1) for number in (signal.SIGUSR1, signal.SIGTERM)], ended)
+
+    def test_an_attempt_of_the_service_is_queued_by_the_service_alone(self):
+        self.assertEqual(self.attempt(), ("env --block-signal=TERM orted", [True, True], (4, 0)))
+
+    def test_an_attempt_without_an_env_that_blocks_signals(self):
+        self.command("env", "exit 125")
+        self.assertEqual(self.attempt(), ("", [False, False], (4, 0)))
+
+    def test_signals_before_the_keeper_listens_wait_for_it(self):
+        # The keeper lets them through at last, and hears of both.
+        self.command("keeper", f"""touch {self.path("waits")}
+exec /usr/bin/python3 -c '
+import signal, time
+time.sleep(1)
+heard = [signal.sigtimedwait({{signal.SIGUSR1, signal.SIGTERM}}, 5).si_signo for _ in range(2)]
+raise SystemExit(sorted(heard) != [signal.SIGUSR1, signal.SIGTERM])'""")
+        process = self.start("--attempt", self.path("keeper"))
+        deadline = time.monotonic() + 30
+        while not self.path("waits").exists():
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        process.send_signal(signal.SIGUSR1)
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.ended(process), (0, 0))
+
     def test_wrong_usage(self):
         self.command("mpirun", f"touch {self.path('ran')}")
         self.assertEqual(self.ended(self.start("r.toml")), (2, 0))

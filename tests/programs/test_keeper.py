@@ -3,6 +3,7 @@ left: no process, no shared memory, no file of Open MPI's outside its folder. Me
 real runs, direct and by mpirun, driven by a daemon that is gone between its calls (tests/keepers);
 kill -9 of the keeper, mpirun and its ranks at random moments from a printed seed (--seed, --kills)."""
 
+import itertools
 import json
 import os
 import pathlib
@@ -212,8 +213,11 @@ class Keeper(ProgramTest):
                 ("ranks", ["--ranks", "2", "--oversubscribe"], ["keeper", "program", 0, 1])]
         for name, options, victims in ways:
             generator = random.Random(f"{seed} {name}")
-            whole_s, hits, gone = self.whole_run(options), 0, []
-            for turn in range(kills):
+            # The shortest of some: moments are within a run also where the machine was busy before.
+            whole_s, hits, gone = min(self.whole_run(options) for _ in range(3)), 0, []
+            turns = itertools.takewhile(lambda turn: turn < kills or (not hits and turn < 10 * kills),
+                                        itertools.count())
+            for turn in turns:
                 victim = victims[turn % len(victims)]
                 self.new_job()
                 keeper = self.launch(1, *options)
@@ -223,7 +227,7 @@ class Keeper(ProgramTest):
                 if victim == "keeper" and gone_s is not None:
                     gone.append(gone_s)
                 self.finish(options, digest, f"{name} {turn} {victim}")
-            print(f"{name}: {hits} of {kills} kills hit a run of {whole_s:.2f} s; with the keeper all were "
+            print(f"{name}: {hits} of {turn + 1} kills hit a run of {whole_s:.2f} s; with the keeper all were "
                   f"gone after {min(gone, default=0):.3f} to {max(gone, default=0):.3f} s")
             self.assertGreater(hits, 0)
             # A busy machine takes longer: a time is asked for where there are many kills.
@@ -237,8 +241,8 @@ class Keeper(ProgramTest):
 
     def whole_run(self, options):
         self.new_job()
-        begin = time.monotonic()
         self.launch(1, *options)
+        begin = time.monotonic()
         self.await_end(1)
         return time.monotonic() - begin
 

@@ -28,7 +28,7 @@ LIBRARIES = (
     ("Cap'n Proto", r"(capnp|kj)/.*|.*\.capnp\.h",
      r"CapnProto::.*|capnp.*|kj.*|sleight_(schema|service)_generated",
      ("common/schema/wire", "common/rpc"), False),
-    ("OpenSSL", r"openssl/.*", r"OpenSSL::.*|crypto|ssl", ("common/hash",), False),
+    ("OpenSSL", r"openssl/.*", r"OpenSSL::.*|crypto|ssl", ("common/hash", "common/access"), False),
     ("spdlog", r"spdlog/.*", r"spdlog.*", ("common/logging",), False),
     ("librsvg", r"librsvg/.*|cairo.*|gdk-pixbuf/.*", r"PkgConfig::RSVG|rsvg.*", ("clients/plot",),
      False),

@@ -506,7 +506,7 @@ TEST_F(JobCommands, ServerCommandsTellOfTheServer) {
   EXPECT_EQ(json["socket"], socket_);
   EXPECT_EQ(json["draining"], false);
   const std::string text = out([&] { return show_server(socket_, false); });
-  EXPECT_NE(text.find("jobs      3 queued\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("jobs        3 queued\n"), std::string::npos) << text;
   out([&] { return drain_server(socket_, false); });
   EXPECT_NE(out([&] { return show_server(socket_, false); }).find("draining"), std::string::npos);
 }

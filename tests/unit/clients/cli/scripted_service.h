@@ -73,6 +73,8 @@ class ScriptedHandler final : public rpc::Handler {
   using TouchCall = Call<rpc::Target, rpc::Reply<std::vector<rpc::Touched>>>;
 
   std::vector<rpc::JobView> jobs;
+  std::vector<rpc::TokenView> tokens;
+  rpc::TokenAsk asked_token{};
   rpc::ServerView server{.version = "scripted", .pid = ::getpid()};
   Call<rpc::Submission, rpc::Reply<rpc::Submitted>> on_submit;
   Call<rpc::ListAsk, rpc::Reply<rpc::JobPage>> on_list;
@@ -150,6 +152,27 @@ class ScriptedHandler final : public rpc::Handler {
     reply.answer({});
   }
   void stop(const rpc::Caller&, rpc::Reply<rpc::Nothing> reply) override { reply.answer({}); }
+  void create_token(const rpc::Caller& caller, rpc::TokenAsk ask,
+                    rpc::Reply<rpc::TokenView> reply) override {
+    asked_token = ask;
+    reply.answer({.id = ask.token.substr(8, 10),
+                  .name = ask.name,
+                  .user = ask.for_user.value_or(caller.user),
+                  .scopes = ask.scopes,
+                  .expires_s = ask.valid_s});
+  }
+  void list_tokens(const rpc::Caller&, rpc::Reply<std::vector<rpc::TokenView>> reply) override {
+    reply.answer(std::vector<rpc::TokenView>(tokens));
+  }
+  void revoke_token(const rpc::Caller&, std::string id, rpc::Reply<rpc::TokenView> reply) override {
+    for (const rpc::TokenView& token : tokens) {
+      if (token.id != id) continue;
+      rpc::TokenView revoked = token;
+      revoked.revoked_s = 1;
+      return reply.answer(std::move(revoked));
+    }
+    reply.refuse({.kind = rpc::RefusalKind::not_found, .sentence = "There is no such token."});
+  }
 };
 
 /// Serves a handler at a path while it lives; more than one after another may.

@@ -127,9 +127,10 @@ TEST(Settings, ErrorsOfTheFileHaveTheirPlaces) {
   EXPECT_EQ(errors(k_ada, "limits = 4\n"),
             "config.toml:1:1: 'limits' must be a section, written [limits] once, with its keys "
             "below\n");
-  EXPECT_EQ(errors(k_ada, "[server]\ncores = 4\n"),
-            "config.toml:1:2: unknown section [server]; the file has [limits] alone, its other "
-            "keys stand before it\n");
+  EXPECT_EQ(
+      errors(k_ada, "[daemon]\ncores = 4\n"),
+      "config.toml:1:2: unknown section [daemon]; the file has [limits] and [slurm] alone, its "
+      "other keys stand before them\n");
   EXPECT_EQ(
       errors(k_ada, "cores = 0\nmemory = \"much\"\nslice = 0\nstate = \"here\"\n"),
       "config.toml:1:9: 'cores': expected an integer from 1 to 65536 (cores), found 0\n"
@@ -158,6 +159,52 @@ TEST(Settings, AGroupNeedsASocketOutsideOfTheStateFolder) {
   EXPECT_EQ(errors(k_ada, "group = 4\nallow_root = \"yes\"\n"),
             "config.toml:1:9: 'group': expected a name as a string, found 4\n"
             "config.toml:2:14: 'allow_root': expected true or false, found the string \"yes\"\n");
+}
+
+TEST(Settings, AddressesAreReadWithTheirPort) {
+  Variables variables = k_ada;
+  variables["SLEIGHT_SERVER"] = "render.example.org";
+  const Settings s = good(variables, "listen = '0.0.0.0:9000'\nserver = 'other:1'\n");
+  EXPECT_EQ(s.server.value, "render.example.org:7423");
+  EXPECT_EQ(s.server.given_by, "SLEIGHT_SERVER");
+  EXPECT_EQ(s.listen.value, "0.0.0.0:9000");
+  EXPECT_THAT(errors(k_ada, "listen = 'a b'\n"),
+              testing::HasSubstr("config.toml:1:10: 'listen': expected an address"));
+  EXPECT_THAT(errors(k_ada, "server = 7\n"), testing::HasSubstr("'server': expected an address"));
+}
+
+TEST(Settings, ACertificateAndItsKeyComeTogether) {
+  EXPECT_EQ(good(k_ada, "tls_certificate = '/c.pem'\ntls_key = '/k.pem'\n").tls_key.value,
+            "/k.pem");
+  EXPECT_THAT(errors(k_ada, "tls_certificate = '/c.pem'\n"),
+              testing::HasSubstr("needs its tls_key"));
+  EXPECT_THAT(errors(k_ada, "tls_key = '/k.pem'\n"),
+              testing::HasSubstr("needs its tls_certificate"));
+}
+
+TEST(Settings, ABatchSystemHasOtherDefaults) {
+  const Settings here = good(k_ada);
+  EXPECT_EQ(here.backend.value, "local");
+  EXPECT_EQ(here.job_cores.value, 0U);
+  const Settings slurm = good(k_ada, "backend = 'slurm'\n[slurm]\npartition = 'long'\n");
+  EXPECT_EQ(slurm.cores.value, k_system_cores);
+  EXPECT_EQ(slurm.memory_bytes.value, k_system_memory_bytes);
+  EXPECT_EQ(slurm.job_cores.value, k_system_job_cores);
+  EXPECT_EQ(slurm.slurm.partition.value, "long");
+  EXPECT_EQ(good(k_ada, "backend = 'slurm'\ncores = 3\n").cores.value, 3U);
+  EXPECT_THAT(
+      errors(k_ada, "backend = 'pbs'\n"),
+      testing::HasSubstr("\"local\", \"slurm\" or the absolute path of a program, not \"pbs\""));
+}
+
+TEST(Settings, AKeyInAnotherSectionIsToldWhere) {
+  EXPECT_THAT(errors(k_ada, "partition = 'long'\n"), testing::HasSubstr("it belongs in [slurm]"));
+  EXPECT_THAT(errors(k_ada, "[limits]\npartition = 'long'\n"),
+              testing::HasSubstr("it belongs in [slurm]"));
+  EXPECT_THAT(errors(k_ada, "[slurm]\nlisten = 'a'\n"),
+              testing::HasSubstr("it belongs before every section"));
+  EXPECT_THAT(errors(k_ada, "[pbs]\n"),
+              testing::HasSubstr("the file has [limits] and [slurm] alone"));
 }
 
 TEST(Settings, FlagsAreSwitchedOnAnywhere) {
@@ -194,25 +241,33 @@ TEST(Settings, RowsTellEverySettingAsTheFileWouldHaveIt) {
   // Goal: no setting is left out. Method: rows of values other than the defaults, as a file again.
   const Settings s =
       good(k_ada,
-           "state = \"/a\"\nsocket = \"/b\"\ngroup = \"film\"\nallow_root = true\ncores = "
-           "8\nmemory = \"24 GB\"\n"
+           "state = \"/a\"\nsocket = \"/b\"\ngroup = \"film\"\nlisten = \"[::1]:2\"\n"
+           "tls_certificate = \"/c\"\ntls_key = \"/k\"\nbackend = \"slurm\"\nallow_root = true\n"
+           "cores = 8\njob_cores = 3\nmemory = \"24 GB\"\n"
            "disk_reserve = \"5 MB\"\nslice = \"5m\"\nkeep_days = 7\nkeep_bytes = \"1 TB\"\n"
-           "cache_mb = 64\n[limits]\njobs = 3\ncores = 4\ncore_hours = 100\nbytes = \"2 GB\"\n");
+           "cache_mb = 64\nserver = \"a.b:1\"\n"
+           "[limits]\njobs = 3\ncores = 4\ncore_hours = 100\nbytes = \"2 GB\"\nstates = 5\n"
+           "simulations = 6\n"
+           "[slurm]\naccount = \"a\"\npartition = \"p\"\nqos = \"q\"\ntime = \"1:00\"\n"
+           "more = \"--exclusive\"\nscript = \"/s\"\n");
   std::string file;
-  std::string limits = "[limits]\n";
+  std::map<std::string, std::string> sections;
   for (const Row& row : rows_of(s)) {
     EXPECT_EQ(row.origin, Origin::file) << row.key;
     EXPECT_FALSE(row.help.empty()) << row.key;
     EXPECT_EQ(row.is_text || row.is_flag, !row.number.has_value()) << row.key;
     const bool is_quoted = row.is_text || row.unit == "bytes" || row.unit == "s";
     const std::string line = " = " + (is_quoted ? "\"" + row.value + "\"" : row.value) + "\n";
-    if (row.key.starts_with("limits.")) {
-      limits += row.key.substr(7) + line;
-    } else {
+    const std::size_t dot = row.key.find('.');
+    if (dot == std::string::npos) {
       file += row.key + line;
+    } else {
+      sections[row.key.substr(0, dot)] += row.key.substr(dot + 1) + line;
     }
   }
-  const Settings again = good(k_ada, file + limits);
+  for (const auto& [name, lines] : sections)
+    file += "[" + name + "]\n" + lines;
+  const Settings again = good(k_ada, file);
   EXPECT_EQ(again, s);
 }
 

@@ -16,6 +16,7 @@
 #include <fstream>
 #include <type_traits>
 
+#include "common/access/token_text.h"
 #include "common/base/check.h"
 #include "common/hash/sha256.h"
 #include "common/rpc/client.h"
@@ -117,7 +118,8 @@ void FakeService::list(const Caller&, ListAsk ask, Reply<JobPage> reply) {
   reply.answer(std::move(page));
 }
 
-void FakeService::status(const Caller&, JobId id, Reply<JobView> reply) {
+void FakeService::status(const Caller& caller, JobId id, Reply<JobView> reply) {
+  last_caller = caller;
   if (throws) throw std::runtime_error("a secret of the service");
   if (keeps_status) {
     kept.push_back(std::move(reply));
@@ -206,6 +208,10 @@ void FakeService::set_priority(const Caller&, Target target, std::int32_t priori
 
 void FakeService::fetch(const Caller&, FetchAsk ask, Reply<Fetched> reply) {
   fetches.push_back(ask);
+  if (keeps_fetches) {
+    kept_fetches.push_back(std::move(reply));
+    return;
+  }
   if (jobs.count(ask.job.value) == 0) {
     reply.refuse(not_found());
     return;
@@ -241,6 +247,36 @@ void FakeService::stop(const Caller&, Reply<Nothing> reply) {
   calls.emplace_back("stop");
   reply.answer({});
   if (on_stop) on_stop();
+}
+
+void FakeService::create_token(const Caller& caller, TokenAsk ask, Reply<TokenView> reply) {
+  const std::string id = access::token_of(ask.token)->id;
+  tokens[id] = {.id = id,
+                .name = ask.name,
+                .user = ask.for_user.value_or(caller.user),
+                .scopes = ask.scopes,
+                .created_s = 1000,
+                .expires_s = ask.valid_s,
+                .jobs_max = ask.jobs_max,
+                .cores_max = ask.cores_max};
+  reply.answer(tokens[id]);
+}
+
+void FakeService::list_tokens(const Caller&, Reply<std::vector<TokenView>> reply) {
+  std::vector<TokenView> all;
+  for (const auto& [id, token] : tokens)
+    all.push_back(token);
+  reply.answer(std::move(all));
+}
+
+void FakeService::revoke_token(const Caller&, std::string id, Reply<TokenView> reply) {
+  const auto token = tokens.find(id);
+  if (token == tokens.end()) {
+    reply.refuse(not_found());
+    return;
+  }
+  token->second.revoked_s = 2000;
+  reply.answer(token->second);
 }
 
 // ------------------------------------------------------------------------------------------

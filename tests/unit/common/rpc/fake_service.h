@@ -66,10 +66,14 @@ class FakeService final : public Handler {
   std::uint64_t events_asked = 0;
   std::uint32_t last_user = 0;
   bool keeps_status = false;  ///< status calls are kept unanswered
-  bool throws = false;        ///< status throws
-  std::uint64_t gap_at = 0;   ///< this event is left out
+  std::vector<Reply<Fetched>> kept_fetches{};
+  bool keeps_fetches = false;  ///< fetch calls are kept unanswered
+  bool throws = false;         ///< status throws
+  std::uint64_t gap_at = 0;    ///< this event is left out
   std::size_t files_in_page = k_fetch_files_max;
   std::function<void()> on_stop{};
+  std::map<std::string, TokenView> tokens{};  ///< by id
+  Caller last_caller{};                       ///< of a status call
 
   void add_file(const std::string& name, std::string content);
 
@@ -91,6 +95,9 @@ class FakeService final : public Handler {
   void info(const Caller&, Reply<ServerView>) override;
   void drain(const Caller&, Reply<Nothing>) override;
   void stop(const Caller&, Reply<Nothing>) override;
+  void create_token(const Caller&, TokenAsk, Reply<TokenView>) override;
+  void list_tokens(const Caller&, Reply<std::vector<TokenView>>) override;
+  void revoke_token(const Caller&, std::string id, Reply<TokenView>) override;
 
  private:
   void touch(const std::string& call, Target target, Reply<std::vector<Touched>> reply);

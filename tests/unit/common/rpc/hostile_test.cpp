@@ -336,6 +336,44 @@ TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
   expect_served();
 }
 
+TEST_F(HostileTest, APeerBringsNoCapabilities) {
+  // Goal: a peer can't make the server keep what it has said of capabilities of its own, as
+  // Cap'n Proto would, for ever. Method: each message that says something of one ends its
+  // connection; a call without any does not.
+  using Make = std::function<void(capnp::rpc::Message::Builder)>;
+  const std::vector<Make> messages = {
+      [](auto message) { message.initResolve().initCap().setSenderPromise(0); },
+      [](auto message) { message.initReturn().initResults(); },
+      [](auto message) { message.initDisembargo().initTarget().setImportedCap(0); },
+      [](auto message) { message.initUnimplemented().initResolve(); },
+      [](auto message) { message.initProvide().initTarget().setImportedCap(0); },
+      [](auto message) { message.initAccept(); },
+      [](auto message) { message.initJoin().initTarget().setImportedCap(0); },
+  };
+  for (const Make& make : messages) {
+    Raw raw(socket());
+    open(raw);
+    capnp::MallocMessageBuilder message;
+    make(message.initRoot<capnp::rpc::Message>());
+    raw.send(message);
+    EXPECT_TRUE(raw.is_ended(1000));
+  }
+  Raw brings(socket());
+  open(brings);
+  capnp::MallocMessageBuilder message;
+  call_of_service(message, 2, 13).getParams().initCapTable(1)[0].setSenderPromise(0);
+  brings.send(message);
+  EXPECT_TRUE(brings.is_ended(1000));
+  // One that brings none is not ended.
+  Raw plain(socket());
+  open(plain);
+  capnp::MallocMessageBuilder call;
+  call_of_service(call, 2, 13);
+  plain.send(call);
+  EXPECT_FALSE(plain.is_ended(200));
+  expect_served();
+}
+
 TEST_F(HostileTest, MoreCallsAtOnceThanAllowedAreRefused) {
   // Goal: a connection's calls at once are bounded, and a watch that is dropped is forgotten.
   // Method: more watches on one connection than are allowed; some are dropped, and as many come in

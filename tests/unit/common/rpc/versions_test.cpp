@@ -45,7 +45,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 /// each enumeration, a member of a union, a call.
 std::string future_text() {
   std::string text = text_of(k_today);
-  text = replaced(text, "  strict @6 :Bool;", "  nextWish @7 :Text;\n  strict @6 :Bool;");
+  text = replaced(text, "  strict @6 :Bool;", "  nextWish @8 :Text;\n  strict @6 :Bool;");
   text =
       replaced(text, "  repeatCommand @37 :Text;",
                "  nextView @39 :Text;\n  nextNumber @40 :UInt64 = 7;\n  repeatCommand @37 :Text;");
@@ -56,7 +56,7 @@ std::string future_text() {
                   "    group @1 :UInt64;\n    nextTarget @2 :Text;\n  }");
   return replaced(
       text, "  info @13 ()",
-      "  nextCall @16 (wish :Text) -> (refusal :Refusal, answer :Text);\n  info @13 ()");
+      "  nextCall @19 (wish :Text) -> (refusal :Refusal, answer :Text);\n  info @13 ()");
 }
 
 /// A schema read from its text.

@@ -1,7 +1,7 @@
 // Goal: an attempt is said to have begun once its keeper has a record of it, and one whose keeper
 // ends before is known at once not to have begun. Method: real keepers, among them one that kills
 // itself at a stated moment, under a real loop; a script stands for `sleight`.
-#include "service/daemon/attempts.h"
+#include "service/daemon/local_attempts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -39,21 +39,21 @@ class AttemptsTest : public keeper::testing::JobTest {
     rpc::Loop loop;
     std::optional<jobs::Input> heard;
     const auto give_up = loop.call_later(k_patience_s, [&] { loop.stop(); });
-    Attempts attempts({.loop = loop,
-                       .clock = clock_,
-                       .files = files_,
-                       .folders = folders_,
-                       .feeds = feeds_,
-                       .backend = backend,
-                       .results_version = "1",
-                       .text_of = [](auto, auto) { return LaunchText{.request = "# none\n"}; },
-                       .hear =
-                           [&](jobs::Input input) {
-                             if (heard || std::holds_alternative<jobs::BackendNote>(input)) return;
-                             heard = std::move(input);
-                             seen_ = backend.look(folders_.folder(k_job), 1);
-                             loop.stop();
-                           }});
+    LocalAttempts attempts({.loop = loop,
+                            .clock = clock_,
+                            .files = files_,
+                            .folders = folders_,
+                            .feeds = feeds_,
+                            .backend = backend,
+                            .text_of = [](auto, auto) { return LaunchText{.request = "# none\n"}; },
+                            .hear =
+                                [&](jobs::Input input) {
+                                  if (heard || std::holds_alternative<jobs::BackendNote>(input))
+                                    return;
+                                  heard = std::move(input);
+                                  seen_ = backend.look(folders_.folder(k_job), 1);
+                                  loop.stop();
+                                }});
     if (dies_at) {
       const std::string name(keeper::k_moment_names.at(static_cast<std::size_t>(*dies_at)));
       ::setenv("SLEIGHT_KEEPER_DIES_AT", name.c_str(), 1);

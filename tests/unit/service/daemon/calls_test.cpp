@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -18,8 +19,8 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr const char* k_request = "[world]\nname = 'toy'\n[stop]\nscans = 10\n";
-constexpr rpc::Caller k_ada{.user = 4001};
-constexpr rpc::Caller k_bob{.user = 4002};
+const rpc::Caller k_ada{.user = 4001};
+const rpc::Caller k_bob{.user = 4002};
 
 class CallsTest : public ::testing::Test {
  protected:
@@ -41,8 +42,9 @@ class CallsTest : public ::testing::Test {
     options.jobs.limits.jobs = 5;
     options.programs = {.keeper = "/no/keeper", .sleight = "/no/sleight"};
     runner_ = std::make_unique<JobRunner>(*loop_, options, [](jobs::JobId) {});
+    tokens_ = std::make_unique<Tokens>(files_, state_ / "tokens.json", [] { return 1e9; });
     calls_ = std::make_unique<Calls>(
-        *loop_, *runner_, ServerFacts{},
+        *loop_, *runner_, *tokens_, ServerFacts{},
         [this](const std::string& text, const std::string& name) {
           return request::read_request(text, name, worlds_);
         },
@@ -91,6 +93,8 @@ class CallsTest : public ::testing::Test {
   std::array<request::WorldBinding, 1> worlds_{request::toy::binding(parameters_)};
   std::unique_ptr<rpc::Loop> loop_;
   std::unique_ptr<JobRunner> runner_;
+  base::PosixFileSystem files_;
+  std::unique_ptr<Tokens> tokens_;
   std::unique_ptr<Calls> calls_;
 };
 
@@ -213,6 +217,100 @@ TEST_F(CallsTest, CancelExtendAndDelete) {
   const auto gone = answer<rpc::JobView>(
       [&](rpc::Reply<rpc::JobView> reply) { calls_->status(k_ada, job, std::move(reply)); });
   EXPECT_EQ(gone.error().kind, rpc::RefusalKind::gone);
+}
+
+// A token's limits hold beside its user's: over its own jobs, and the cores of each.
+TEST_F(CallsTest, ATokensLimits) {
+  rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 2};
+  ASSERT_TRUE(submit(k_ada, submission("own", 2)).ok());
+  ASSERT_TRUE(submit(caller, submission("a", 1)).ok());
+  const auto too_many = submit(caller, submission("b", 2));
+  ASSERT_FALSE(too_many.ok());
+  EXPECT_EQ(too_many.error().kind, rpc::RefusalKind::limit);
+  EXPECT_THAT(too_many.error().sentence, HasSubstr("at most 2; there are 1, and 2 more"));
+  EXPECT_TRUE(submit(caller, submission("c", 1)).ok());
+  EXPECT_FALSE(submit(caller, submission("d", 1)).ok());
+  // Also after a restart.
+  end();
+  begin();
+  EXPECT_FALSE(submit(caller, submission("e", 1)).ok());
+  EXPECT_TRUE(submit(k_ada, submission("f", 1)).ok());
+}
+
+TEST_F(CallsTest, ATokensCores) {
+  const rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_cores_max = 2};
+  rpc::Submission wide = submission("a", 1);
+  wide.jobs[0].cores = 3;
+  EXPECT_EQ(submit(caller, wide).error().kind, rpc::RefusalKind::limit);
+  rpc::Submission ranks = submission("b", 1);
+  ranks.jobs[0].ranks = 3;
+  EXPECT_EQ(submit(caller, ranks).error().kind, rpc::RefusalKind::limit);
+  const auto unwished = submit(caller, submission("c", 1));
+  ASSERT_TRUE(unwished.ok());
+  EXPECT_EQ(list(caller).jobs.at(0).cores_wanted, 2U);
+}
+
+// Of a token of the service's own user: without `operate` it is a user as any other.
+TEST_F(CallsTest, AnOperatorsTokenSeesLessWithoutOperate) {
+  ASSERT_TRUE(submit(k_ada, submission("a", 1)).ok());
+  rpc::Caller own{.user = ::geteuid(), .token_id = "0123456789"};
+  EXPECT_EQ(list(own).total, 1U);
+  own.scopes = {};
+  own.scopes.add(rpc::Scope::read);
+  EXPECT_EQ(list(own).total, 0U);
+}
+
+TEST_F(CallsTest, OptionsComeBackWithTheJob) {
+  rpc::Submission asked = submission("a", 1);
+  asked.jobs[0].options = {{.name = "partition", .value = "long"}};
+  const auto made = submit(k_ada, asked);
+  ASSERT_TRUE(made.ok());
+  rpc::Submission other = asked;
+  other.jobs[0].options[0].value = "short";
+  EXPECT_EQ(submit(k_ada, other).error().kind, rpc::RefusalKind::conflict);
+  end();
+  begin();
+  const auto stored = runner_->reader().request(jobs::JobId{made.value().jobs.front().value}, 1);
+  ASSERT_TRUE(stored.has_value());
+  EXPECT_EQ(stored->options.at("partition"), "long");
+}
+
+// Goal: what waits to be made is bounded, whoever leaves meanwhile, and one user's keeps out none
+// of another's. Method: a maker that has no time, and more fetches than are allowed.
+TEST_F(CallsTest, AUsersFetchesThatWaitAreBounded) {
+  const auto of_ada = submit(k_ada, submission("key", 1)).value().jobs.front();
+  const auto of_bob = submit(k_bob, submission("key", 1)).value().jobs.front();
+  std::promise<void> go_on;
+  runner_->maker().run([waited = go_on.get_future().share()] { waited.wait(); });
+  std::size_t answered = 0;
+  std::optional<rpc::RefusalKind> last;
+  const auto fetch = [&](const rpc::Caller& caller, rpc::JobId job) {
+    last.reset();
+    calls_->fetch(caller, {.job = job, .kind = rpc::FetchKind::so_far},
+                  rpc::Reply<rpc::Fetched>([&](const auto& answer) {
+                    ++answered;
+                    if (!answer.ok()) last = answer.error().kind;
+                  }));
+  };
+  for (std::size_t i = 0; i < k_fetches_of_user_max; ++i)
+    fetch(k_ada, of_ada);
+  EXPECT_EQ(answered, 0U);
+  fetch(k_ada, of_ada);
+  EXPECT_EQ(last, rpc::RefusalKind::busy);
+  fetch(k_bob, of_bob);
+  EXPECT_EQ(answered, 1U);
+  const auto await = [&](std::size_t count) {
+    while (answered < count) {
+      const auto stopping = loop_->call_later(0.01, [this] { loop_->stop(); });
+      loop_->run();
+    }
+  };
+  // When they are done there is room again.
+  go_on.set_value();
+  await(k_fetches_of_user_max + 2);
+  fetch(k_ada, of_ada);
+  await(k_fetches_of_user_max + 3);
+  EXPECT_NE(last, rpc::RefusalKind::busy);
 }
 
 }  // namespace

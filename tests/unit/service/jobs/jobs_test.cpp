@@ -188,6 +188,124 @@ TEST(Jobs, OfWhichAnOlderAttemptHoldsTheFolderWaitForIt) {
   EXPECT_EQ(bench.at(id).counts.scans, 0U) << "it doesn't count";
 }
 
+TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
+  // Method: a job of four cores that computes for 100 s and waits for 1,000 s before.
+  Bench bench;
+  const JobId id = bench.job();
+  bench.see(id, Pending{.words = "Slurm job 812 waits: Priority"});
+  EXPECT_EQ(bench.at(id).state, State::starting);
+  EXPECT_EQ(bench.at(id).words, "Slurm job 812 waits: Priority");
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(all_of<Launch>(bench.wait(50)).empty());
+    bench.see(id, Pending{.words = "Slurm job 812 waits: Resources"});
+  }
+  EXPECT_EQ(bench.at(id).words, "Slurm job 812 waits: Resources");
+  EXPECT_EQ(bench.at(id).attempt, Attempt{1});
+  EXPECT_EQ(bench.at(id).core_seconds, 0);
+  bench.step(LaunchFailed{.job = id, .attempt = Attempt{1}, .words = "late news"});
+  bench.step(Launched{.job = id, .attempt = Attempt{1}});
+  EXPECT_EQ(bench.at(id).state, State::running);
+  bench.see(id, Pending{.words = "late news"});
+  EXPECT_EQ(bench.at(id).state, State::running);
+  EXPECT_NE(bench.at(id).words, "late news");
+  bench.wait(100);
+  bench.see(id, Ended{.kind = EndKind::finished});
+  EXPECT_DOUBLE_EQ(bench.at(id).core_seconds, 400);
+}
+
+TEST(Jobs, ThatWaitInABatchSystemUseNothingOfTheirUsersLimit) {
+  // Method: 360 core-seconds a day; a job of four cores waits for 1,000 s, then runs for 100 s.
+  Bench bench({.limits = {.core_hours_per_day = 0.1}});
+  const JobId id = bench.job();
+  bench.see(id, Pending{});
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(all_of<Stop>(bench.wait(50)).empty());
+    bench.see(id, Pending{});
+  }
+  EXPECT_EQ(bench.at(id).state, State::starting);
+  bench.step(Launched{.job = id, .attempt = Attempt{1}});
+  EXPECT_EQ(all_of<Stop>(bench.wait(100)).size(), 1U);
+  EXPECT_EQ(bench.at(id).reason, Reason::limit_core_hours);
+}
+
+TEST(Jobs, ThatWaitInABatchSystemAreStoppedThereAtOnce) {
+  for (const AskKind kind : {AskKind::cancel, AskKind::hold}) {
+    Bench bench;
+    const JobId id = bench.job();
+    bench.see(id, Pending{});
+    const auto effects = bench.step(Ask{.user = k_ann, .job = id, .kind = kind});
+    ASSERT_EQ(all_of<Stop>(effects).size(), 1U);
+    EXPECT_EQ(all_of<Stop>(effects)[0].how, StopHow::in_order);
+    bench.see(id, Died{.outside = Outside::cancelled});
+    EXPECT_EQ(bench.at(id).state, kind == AskKind::cancel ? State::cancelled : State::held);
+    EXPECT_EQ(bench.at(id).deaths, 0U);
+  }
+}
+
+TEST(Jobs, AskedToStopBeforeTheBatchSystemIsHeardOfAreStoppedThen) {
+  Bench bench;
+  const JobId id = bench.job();
+  EXPECT_FALSE(bench.ask(id, AskKind::cancel));
+  EXPECT_EQ(all_of<Stop>(bench.see(id, Pending{})).size(), 1U);
+  EXPECT_TRUE(all_of<Stop>(bench.see(id, Pending{})).empty()) << "once is enough";
+  EXPECT_EQ(all_of<Stop>(bench.wait(10)).size(), 1U) << "and again where nothing comes of it";
+}
+
+TEST(Jobs, CancelledInTheBatchSystemAreHeld) {
+  // Method: stopped in order by it, killed by it, and taken from its queue.
+  const auto ends = std::vector<decltype(Sight::seen)>{
+      Ended{.kind = EndKind::stop_requested,
+            .outside = Outside::cancelled,
+            .outside_words = "Slurm job 812: CANCELLED"},
+      Ended{.signal = 9, .outside = Outside::cancelled},
+      Died{.words = "Slurm job 812: CANCELLED.", .outside = Outside::cancelled}};
+  for (const auto& end : ends) {
+    Bench bench;
+    const JobId id = bench.job();
+    bench.see(id, Running{});
+    bench.see(id, end);
+    EXPECT_EQ(bench.at(id).state, State::held);
+    EXPECT_EQ(bench.at(id).reason, Reason::cancelled_outside);
+    EXPECT_NE(bench.at(id).words.find("`sleight resume 1`"), std::string::npos);
+    EXPECT_EQ(bench.at(id).deaths, 0U);
+    bench.step(BackendNote{.is_there = true});
+    bench.wait(10'000);
+    EXPECT_EQ(bench.at(id).state, State::held) << "nothing starts it again but its user";
+    EXPECT_FALSE(bench.ask(id, AskKind::resume));
+    EXPECT_EQ(bench.at(id).state, State::starting);
+  }
+}
+
+TEST(Jobs, CancelledInTheBatchSystemAsTheyFinishAreDone) {
+  Bench bench;
+  const JobId id = bench.job();
+  bench.see(id, Ended{.kind = EndKind::finished, .outside = Outside::cancelled});
+  EXPECT_EQ(bench.at(id).state, State::done);
+}
+
+TEST(Jobs, WhosePlaceIsTakenGoOnAndAreNotCountedAsDead) {
+  Bench bench;
+  const JobId id = bench.job();
+  for (int i = 0; i < 20; ++i) {
+    bench.see(id, Running{});
+    bench.see(id, Died{.words = "Slurm job 812: NODE_FAIL.", .outside = Outside::taken});
+    EXPECT_EQ(bench.at(id).state, State::queued);
+    EXPECT_EQ(bench.at(id).reason, Reason::taken_away);
+    bench.wait(301);
+    EXPECT_EQ(bench.at(id).state, State::starting);
+  }
+  EXPECT_EQ(bench.at(id).attempt, Attempt{21});
+  EXPECT_EQ(bench.at(id).deaths, 0U);
+}
+
+TEST(Jobs, OfABatchSystemThatIsAwaySayWhy) {
+  Bench bench;
+  const JobId id = bench.job();
+  bench.see(id, Unknown{.words = "Slurm doesn't answer"});
+  EXPECT_EQ(bench.at(id).state, State::starting);
+  EXPECT_EQ(bench.at(id).words, "Slurm doesn't answer");
+}
+
 TEST(Jobs, CancelledBeforeTheyBeganAreStoppedWhenTheyBegin) {
   Bench bench;
   const JobId id = bench.job();

@@ -64,6 +64,22 @@ TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
   EXPECT_NE(obstacle_of(spec, without), "");
 }
 
+TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
+  // Method: the whole lines; neither this machine's cores nor its mpirun count.
+  AttemptSpec spec{.folder = "/jobs/17", .ranks = 100'000, .in_batch = true};
+  EXPECT_EQ(obstacle_of(spec, k_programs), "");
+  EXPECT_EQ(joined(command_of(spec, k_programs)),
+            "/usr/bin/mpirun -n 100000 /b/sleight-batch request.toml -o out.h5 --cache 256 "
+            "--end-report end.pipe --quiet");
+  EXPECT_EQ(joined(keeper_command_of(spec, k_programs)),
+            "/b/sleight-keeper --folder /jobs/17 --attempt 1 --grace 30 --ranks --batch -- " +
+                joined(command_of(spec, k_programs)));
+  Programs without = k_programs;
+  without.mpirun.clear();
+  EXPECT_EQ(obstacle_of(spec, without), "");
+  EXPECT_EQ(command_of(spec, without).front(), "mpirun");
+}
+
 TEST(Command, TheEnvironmentIsCleaned) {
   // Method: one variable of each kind that goes, and those that look alike and stay.
   const std::vector<std::string> all{

@@ -255,5 +255,102 @@ TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
   EXPECT_TRUE(std::filesystem::is_fifo(path("end.pipe")));
 }
 
+TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
+  // Goal: a system that sends SIGTERM to all processes some time before it kills them leaves that
+  // time to the run. Method: the program and the keeper get it, as from scancel; the program hears
+  // of it once, as SIGUSR1, and sees the job's variables.
+  program_is(
+      "trap 'echo term >> told' TERM; trap 'echo usr1 >> told; exit 130' USR1; echo $SLURM_JOB_ID "
+      "> "
+      "number; echo $$ > pid; while true; do sleep 0.02; done");
+  AttemptSpec in_batch = spec();
+  in_batch.in_batch = true;
+  ::setenv("SLURM_JOB_ID", "812", 1);
+  // As a batch system starts it: with the environment as it is.
+  const RunningKeeper keeper = backend().launch_command(
+      folder(), {"/usr/bin/env", "SLURM_JOB_ID=812", "sh", "-c", fmt::format("exec {}", [&] {
+                   std::string words;
+                   for (const std::string& word : keeper_command_of(in_batch, backend().programs()))
+                     words += "'" + word + "' ";
+                   return words;
+                 }())});
+  ::unsetenv("SLURM_JOB_ID");
+  await_file("pid");
+  ::kill(std::stoi(text_in("pid")), SIGTERM);
+  EXPECT_TRUE(keeper.stop(Stop::now));
+  const Look look = await_end();
+  ASSERT_EQ(look.state, Look::State::ended);
+  EXPECT_EQ(look.record->end->stop_asked, Stop::in_order);
+  EXPECT_EQ(look.record->end->exit_code, 130);
+  EXPECT_EQ(look.record->end->killed_for, KilledFor::nothing);
+  EXPECT_EQ(text_in("told"), "usr1\n");
+  EXPECT_EQ(text_in("number"), "812\n");
+}
+
+TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
+  // Goal: where locks say nothing and a record is seen late, the mark decides. Method: the record
+  // is taken away, as if it weren't seen yet, and the same attempt is launched again.
+  ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
+  program_is("echo started >> starts");
+  AttemptSpec in_batch = spec();
+  in_batch.in_batch = true;
+  run(in_batch);
+  EXPECT_TRUE(std::filesystem::exists(path("begun.1")));
+  EXPECT_FALSE(std::filesystem::exists(path("keeper.lock")));
+  std::filesystem::remove(path("attempt.json"));
+  const RunningKeeper again = backend().launch(in_batch);
+  EXPECT_TRUE(testing::comes_true([&] { return again.has_gone(); }));
+  EXPECT_EQ(text_in("starts"), "started\n");
+  EXPECT_THAT(text_in(k_keeper_words_name), HasSubstr("attempt 1 has begun before"));
+  in_batch.attempt = 2;
+  run(in_batch);
+  EXPECT_EQ(text_in("starts"), "started\nstarted\n");
+  EXPECT_FALSE(std::filesystem::exists(path("begun.1")));
+  ::unsetenv("SLEIGHT_NETWORK_DISK");
+}
+
+TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
+  // Goal: the system sees no end before there is one. Method: with a lock and with a mark; the
+  // second is told to stop, and hands it on.
+  for (const char* network : {"0", "1"}) {
+    ::setenv("SLEIGHT_NETWORK_DISK", network, 1);
+    program_is("echo started >> starts; trap 'exit 130' USR1; while true; do sleep 0.02; done");
+    AttemptSpec in_batch = spec(network[0] == '0' ? 1 : 2);
+    in_batch.in_batch = true;
+    const RunningKeeper first = backend().launch(in_batch);
+    EXPECT_TRUE(testing::comes_true([&] { return !lines_in("starts").empty(); }));
+    const RunningKeeper second = backend().launch(in_batch);
+    EXPECT_TRUE(testing::comes_true([&] {
+      return text_in(k_keeper_words_name).find("has begun before") != std::string::npos;
+    }));
+    EXPECT_FALSE(second.has_gone());
+    EXPECT_FALSE(first.has_gone());
+    EXPECT_TRUE(second.stop(Stop::in_order));
+    EXPECT_TRUE(testing::comes_true([&] { return first.has_gone() && second.has_gone(); }));
+    EXPECT_EQ(lines_in("starts").size(), 1U);
+    EXPECT_EQ(read_record(folder())->end->exit_code, 130);
+    std::filesystem::remove(path("starts"));
+  }
+  ::unsetenv("SLEIGHT_NETWORK_DISK");
+}
+
+TEST_F(KeepTest, AKeeperThatWasGivenUpWritesNothingOverALaterRecord) {
+  // Method: a later attempt's record comes while it runs.
+  ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
+  program_is("touch begun; while [ ! -e go ]; do sleep 0.02; done");
+  AttemptSpec in_batch = spec();
+  in_batch.in_batch = true;
+  const RunningKeeper keeper = backend().launch(in_batch);
+  EXPECT_TRUE(testing::comes_true([&] { return std::filesystem::exists(path("begun")); }));
+  AttemptRecord later = *read_record(folder());
+  later.attempt = 2;
+  std::ofstream(path("attempt.json")) << to_text(later);
+  std::ofstream(path("go")).flush();
+  EXPECT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
+  EXPECT_EQ(read_record(folder()), later);
+  EXPECT_THAT(text_in(k_keeper_words_name), HasSubstr("given up for lost"));
+  ::unsetenv("SLEIGHT_NETWORK_DISK");
+}
+
 }  // namespace
 }  // namespace sleight::keeper

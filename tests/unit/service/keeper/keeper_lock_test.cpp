@@ -5,8 +5,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <optional>
+#include <thread>
+#include <vector>
 
 #include "common/base/error.h"
 #include "tests/unit/service/keeper/job.h"
@@ -41,6 +44,24 @@ TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
   ::waitpid(child, nullptr, 0);
   EXPECT_FALSE(KeeperLock::is_held(folder()));
   EXPECT_TRUE(KeeperLock::take(folder()));
+}
+
+TEST_F(KeeperLockTest, AnAttemptIsMarkedAsBegunOnce) {
+  // Method: the same attempt by several threads at once; then a later one, whose mark takes the
+  // place of the earlier one's.
+  EXPECT_FALSE(KeeperLock::has_begun(folder(), 1));
+  std::atomic<int> marked = 0;
+  std::vector<std::thread> several;
+  for (int i = 0; i < 8; ++i)
+    several.emplace_back([&] { marked += KeeperLock::mark_begun(folder(), 1) ? 1 : 0; });
+  for (std::thread& thread : several)
+    thread.join();
+  EXPECT_EQ(marked, 1);
+  EXPECT_TRUE(KeeperLock::has_begun(folder(), 1));
+  EXPECT_TRUE(KeeperLock::mark_begun(folder(), 2));
+  EXPECT_FALSE(KeeperLock::has_begun(folder(), 1));
+  EXPECT_TRUE(KeeperLock::has_begun(folder(), 2));
+  EXPECT_THROW(KeeperLock::mark_begun(path("nowhere"), 1), base::Error);
 }
 
 TEST_F(KeeperLockTest, ALookIsNeverInTheWay) {

@@ -1,0 +1,172 @@
+#include "clients/cli/login_command.h"
+
+#include <fmt/format.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+
+#include "clients/cli/known_servers.h"
+#include "clients/cli/service_call.h"
+#include "clients/cli/service_json.h"
+#include "common/access/certificates.h"
+#include "common/access/token_text.h"
+#include "common/base/error.h"
+#include "common/base/file_system.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr double k_login_s_max = 20;
+constexpr std::size_t k_pem_bytes_max = std::size_t{1} << 20U;
+constexpr std::size_t k_token_file_bytes_max = 4096;
+
+[[noreturn]] void usage_error(const std::string& words) {
+  throw base::Error(base::ExitCode::usage, words);
+}
+
+access::ServerAddress address_of(const std::string& text) {
+  const auto address = access::server_address_of(text);
+  if (!address || address->port == 0) {
+    usage_error(
+        fmt::format("{}: is no address as render.example.org:{}", shown(text), access::k_port));
+  }
+  return *address;
+}
+
+/// While it lives the terminal shows nothing of what is typed.
+class WithoutEcho {
+ public:
+  WithoutEcho() {
+    if (::tcgetattr(STDIN_FILENO, &before_) != 0) return;
+    termios silent = before_;
+    silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+    is_set_ = ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &silent) == 0;
+  }
+  ~WithoutEcho() {
+    if (!is_set_) return;
+    ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_);
+    std::fputs("\n", stderr);
+  }
+  WithoutEcho(const WithoutEcho&) = delete;
+  WithoutEcho& operator=(const WithoutEcho&) = delete;
+
+ private:
+  termios before_{};
+  bool is_set_ = false;
+};
+
+std::string line_of_stdin() {
+  std::string line;
+  for (int c = std::getchar(); c != EOF && c != '\n' && line.size() < k_token_file_bytes_max;
+       c = std::getchar())
+    line += static_cast<char>(c);
+  return line;
+}
+
+std::string token_given(const LoginOptions& options) {
+  std::string text;
+  if (!options.token_file.empty()) {
+    text = base::read_text_file(options.token_file, k_token_file_bytes_max);
+  } else if (::isatty(STDIN_FILENO) != 0) {
+    std::fputs("Token: ", stderr);
+    const WithoutEcho hidden;
+    text = line_of_stdin();
+  } else {
+    text = line_of_stdin();
+  }
+  std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
+  if (!access::token_of(text)) {
+    // Nothing of it is shown: it may be nearly right.
+    usage_error(
+        "this is no token: one begins with sleight_ and has its check at the end; was all "
+        "of it copied?");
+  }
+  return text;
+}
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// With or without its first word, in large or small digits, with colons between.
+std::string plain_fingerprint(const std::string& text) {
+  std::string plain = lower(text);
+  if (plain.starts_with("sha256:")) plain.erase(0, 7);
+  std::erase(plain, ':');
+  return plain;
+}
+
+/// The certificate that the service is to be known by; empty: an authority that the system trusts.
+std::string certificate_for(const LoginOptions& options, const access::ServerAddress& address) {
+  if (!options.ca_file.empty()) {
+    std::string pem = base::read_text_file(options.ca_file, k_pem_bytes_max);
+    try {
+      static_cast<void>(access::fingerprint_of(pem));
+    } catch (const base::Error& failure) {
+      usage_error(fmt::format("{}: {}", shown(options.ca_file), failure.what()));
+    }
+    return pem;
+  }
+  if (options.fingerprint.empty()) return {};
+  std::string pem = access::certificate_shown_at(address, k_login_s_max);
+  const std::string seen = access::fingerprint_of(pem);
+  if (plain_fingerprint(seen) == plain_fingerprint(options.fingerprint)) return pem;
+  throw base::Error(base::ExitCode::not_allowed,
+                    fmt::format("{} shows the certificate {}, not the one that was given: either "
+                                "it has a new one, or somebody stands between. `sleight server "
+                                "status` on its machine shows the right one",
+                                access::text_of(address), seen));
+}
+
+}  // namespace
+
+int login(const LoginOptions& options) {
+  const access::ServerAddress address = address_of(options.address);
+  rpc::RemoteService service{.address = address, .token = token_given(options)};
+  service.certificate = certificate_for(options, address);
+  rpc::Client client(service, {.call_s_max = k_login_s_max});
+  try {
+    client.enter();
+  } catch (const rpc::NotTrusted&) {
+    if (!service.certificate.empty()) throw;
+    const std::string seen =
+        access::fingerprint_of(access::certificate_shown_at(address, k_login_s_max));
+    throw base::Error(
+        base::ExitCode::not_allowed,
+        fmt::format("nobody that is trusted here vouches for {0}. It shows the certificate\n  {1}\n"
+                    "Compare that with what `sleight server status` says on its machine; if they "
+                    "are the same:\n  sleight login {0} --fingerprint {1}",
+                    access::text_of(address), seen));
+  } catch (const rpc::NoServer& error) {
+    throw base::Error(base::ExitCode::no_server, shown(error.what()));
+  } catch (const rpc::RefusedError& error) {
+    throw base::Error(exit_code_of(error.refusal().kind), words_of(error.refusal()));
+  }
+  const std::string path = remember(service);
+  const std::string name = access::text_of(address);
+  if (options.json) {
+    fmt::print("{}\n", indented({{"server", name}, {"file", path}}));
+  } else {
+    fmt::print("logged in to {0}; its jobs are those of\n  export SLEIGHT_SERVER={0}\n", name);
+  }
+  return static_cast<int>(base::ExitCode::ok);
+}
+
+int logout(const std::string& text, bool json) {
+  const access::ServerAddress address = address_of(text);
+  const bool was_known = forget(address);
+  if (json) {
+    fmt::print("{}\n", indented({{"server", access::text_of(address)}, {"was_known", was_known}}));
+  } else {
+    fmt::print("{}\n", was_known ? "its token is deleted here; it is valid until it is revoked"
+                                 : "it was not logged in to");
+  }
+  return static_cast<int>(base::ExitCode::ok);
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,12 @@
+// The commands of services on other machines: `sleight token`, `login` and `logout`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace sleight::programs {
+
+/// As add_service_commands (main_service.h).
+void add_token_commands(CLI::App& app, std::function<int()>& action);
+
+}  // namespace sleight::programs

@@ -1,0 +1,229 @@
+#include "clients/cli/token_commands.h"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <system_error>
+
+#include "clients/cli/service_call.h"
+#include "clients/cli/service_json.h"
+#include "clients/cli/terminal.h"
+#include "clients/cli/text_table.h"
+#include "common/access/token_text.h"
+#include "common/base/descriptor.h"
+#include "common/base/error.h"
+#include "common/config/quantities.h"
+
+namespace sleight::cli {
+namespace {
+
+constexpr int k_done = static_cast<int>(base::ExitCode::ok);
+constexpr double k_day_s = 86400;
+
+[[noreturn]] void refuse_usage(const std::string& words) {
+  throw base::Error(base::ExitCode::usage, words);
+}
+
+std::vector<std::string> names_of(const rpc::Scopes& scopes) {
+  std::vector<std::string> names;
+  for (const rpc::Scope scope : rpc::k_scopes)
+    if (scopes.has(scope)) names.emplace_back(rpc::name_of(scope));
+  return names;
+}
+
+std::string day_of(double time_s) {
+  return fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(static_cast<std::time_t>(time_s)));
+}
+
+double wall_s() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
+std::string state_of_token(const rpc::TokenView& token, double now_s) {
+  if (token.revoked_s > 0) return "revoked";
+  if (token.expires_s > 0 && token.expires_s <= now_s) return "expired";
+  return "valid";
+}
+
+Json json_of(const rpc::TokenView& token) {
+  const auto or_null = [](double time_s) { return time_s > 0 ? Json(time_s) : Json(nullptr); };
+  const auto limit = [](std::uint32_t count) { return count > 0 ? Json(count) : Json(nullptr); };
+  return {{"id", token.id},
+          {"name", token.name},
+          {"user", token.user},
+          {"scopes", names_of(token.scopes)},
+          {"state", state_of_token(token, wall_s())},
+          {"created", token.created_s},
+          {"expires", or_null(token.expires_s)},
+          {"revoked", or_null(token.revoked_s)},
+          {"last_used", or_null(token.last_used_s)},
+          {"last_from", token.last_from.empty() ? Json(nullptr) : Json(token.last_from)},
+          {"jobs_max", limit(token.jobs_max)},
+          {"cores_max", limit(token.cores_max)}};
+}
+
+/// A file of its own for its owner alone; one that is there is left.
+class SecretFile {
+ public:
+  explicit SecretFile(const std::string& path)
+      : path_(path),
+        file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600)) {
+    if (file_) return;
+    throw base::Error(errno == EEXIST ? base::ExitCode::conflict : base::ExitCode::environment,
+                      fmt::format("{}: {}", shown(path), std::system_category().message(errno)));
+  }
+  void write(const std::string& text) const {
+    if (::write(file_.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
+        ::fsync(file_.get()) != 0) {
+      throw base::Error(fmt::format("{}: {}", shown(path_), std::system_category().message(errno)));
+    }
+  }
+  void remove() const { static_cast<void>(::unlink(path_.c_str())); }
+
+ private:
+  std::string path_;
+  base::Descriptor file_;
+};
+
+}  // namespace
+
+double validity_s_of(const std::string& text) {
+  if (text == "never") return 0;
+  std::optional<double> seconds;
+  if (text.ends_with('d')) {
+    const auto days = config::duration_s_of(text.substr(0, text.size() - 1) + "s");
+    if (days) seconds = *days * k_day_s;
+  } else {
+    seconds = config::duration_s_of(text);
+  }
+  if (!seconds || *seconds > rpc::k_token_s_max) {
+    refuse_usage(
+        fmt::format("--expires: '{}' is no time such as 90d, 12h, or never; ten years are "
+                    "the longest",
+                    shown(text)));
+  }
+  return *seconds;
+}
+
+int create_token(const std::string& called, const TokenCreateOptions& options) {
+  rpc::TokenAsk ask{.name = options.name,
+                    .valid_s = validity_s_of(options.expires),
+                    .jobs_max = options.jobs_max,
+                    .cores_max = options.cores_max};
+  for (const std::string& name : options.scopes) {
+    const auto scope = rpc::scope_of(name);
+    if (!scope) {
+      refuse_usage(fmt::format("--scope: '{}' is none; there are read, submit, manage and operate",
+                               shown(name)));
+    }
+    ask.scopes.add(*scope);
+  }
+  if (!options.user.empty()) {
+    ask.for_user = user_of(options.user);
+    if (!ask.for_user)
+      refuse_usage(fmt::format("--user: there is no user {} here", shown(options.user)));
+  }
+  ask.token = access::text_of(access::draw_token());
+  std::optional<SecretFile> file;
+  if (!options.output.empty()) {
+    // Before the token is there: one that nobody has is of no use.
+    file.emplace(options.output);
+    file->write(ask.token + "\n");
+  }
+  try {
+    return with_service(called, [&](rpc::Client& client) {
+      const rpc::TokenView token = client.create_token(ask);
+      if (options.json) {
+        Json json = json_of(token);
+        if (!file) json["token"] = ask.token;
+        fmt::print("{}\n", indented(json));
+        return k_done;
+      }
+      complain(fmt::format(
+          "token {} of {}, {}; may {}. It is shown this once.", token.id, name_of_user(token.user),
+          token.expires_s > 0 ? fmt::format("valid until {}", day_of(token.expires_s))
+                              : std::string("valid until it is revoked"),
+          fmt::join(names_of(token.scopes), ", ")));
+      if (!file) fmt::print("{}\n", ask.token);
+      return k_done;
+    });
+  } catch (...) {
+    if (file) file->remove();
+    throw;
+  }
+}
+
+int list_tokens(const std::string& called, bool all, bool json) {
+  return with_service(called, [&](rpc::Client& client) {
+    std::vector<rpc::TokenView> tokens = client.tokens();
+    const double now_s = wall_s();
+    if (!all) {
+      std::erase_if(tokens, [&](const rpc::TokenView& token) {
+        return state_of_token(token, now_s) != "valid";
+      });
+    }
+    if (json) {
+      Json list = Json::array();
+      for (const rpc::TokenView& token : tokens)
+        list.push_back(json_of(token));
+      fmt::print("{}\n", indented(list));
+      return k_done;
+    }
+    if (tokens.empty()) {
+      fmt::print("no tokens\n");
+      return k_done;
+    }
+    TextTable table{.columns = {{.head = "ID"},
+                                {.head = "USER", .rank = 3},
+                                {.head = "STATE"},
+                                {.head = "MAY", .rank = 1},
+                                {.head = "EXPIRES", .rank = 2},
+                                {.head = "LAST USED", .rank = 4},
+                                {.head = "FROM", .rank = 5},
+                                {.head = "NAME"}}};
+    for (const rpc::TokenView& token : tokens) {
+      table.rows.push_back({shown(token.id), name_of_user(token.user), state_of_token(token, now_s),
+                            fmt::format("{}", fmt::join(names_of(token.scopes), " ")),
+                            token.expires_s > 0 ? day_of(token.expires_s) : "never",
+                            token.last_used_s > 0 ? day_of(token.last_used_s) : "never",
+                            shown(token.last_from), shown(token.name)});
+    }
+    fmt::print("{}", to_text(table, width_of(stdout)));
+    return k_done;
+  });
+}
+
+int revoke_tokens(const std::string& called, const TokenRevokeOptions& options) {
+  for (const std::string& id : options.ids) {
+    if (!access::is_token_id(id)) {
+      refuse_usage(fmt::format("'{}' is no id of a token; `sleight token list` shows them",
+                               shown(id.substr(0, 20))));
+    }
+  }
+  return with_service(called, [&](rpc::Client& client) {
+    Json list = Json::array();
+    for (const std::string& id : options.ids) {
+      const rpc::TokenView token = client.revoke_token(id);
+      if (options.json) {
+        list.push_back(json_of(token));
+      } else {
+        fmt::print("token {} ({}) is revoked; its sessions end\n", shown(token.id),
+                   shown(token.name));
+      }
+    }
+    if (options.json) fmt::print("{}\n", indented(list));
+    return k_done;
+  });
+}
+
+}  // namespace sleight::cli

@@ -1,0 +1,37 @@
+// `sleight token`: who may call the service from other machines.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/rpc/service.h"
+
+namespace sleight::cli {
+
+struct TokenCreateOptions {
+  std::string name{};
+  std::vector<std::string> scopes{"read", "submit", "manage"};
+  std::string expires = "90d";  ///< "90d", "12h", "never"
+  std::string user{};           ///< empty: the caller
+  std::uint32_t jobs_max = 0;
+  std::uint32_t cores_max = 0;
+  std::string output{};  ///< the token's file; empty: standard output
+  bool json = false;
+};
+
+/// Draws a token and gives it to the service; prints it once, as it is kept nowhere.
+int create_token(const std::string& called, const TokenCreateOptions& options);
+
+int list_tokens(const std::string& called, bool all, bool json);
+
+struct TokenRevokeOptions {
+  std::vector<std::string> ids{};
+  bool json = false;
+};
+int revoke_tokens(const std::string& called, const TokenRevokeOptions& options);
+
+/// Seconds of "90d", "12h" or "never" (0). Throws base::Error(usage).
+double validity_s_of(const std::string& text);
+
+}  // namespace sleight::cli

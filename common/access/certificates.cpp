@@ -1,0 +1,194 @@
+#include "common/access/certificates.h"
+
+#include <fmt/format.h>
+#include <netdb.h>
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/rand.h>
+#include <openssl/ssl.h>
+#include <openssl/x509v3.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "common/base/descriptor.h"
+#include "common/base/error.h"
+
+namespace sleight::access {
+namespace {
+
+constexpr long k_valid_s = 3650L * 86400;
+constexpr long k_clocks_differ_s = 86400;  // a client's clock may be behind ours
+
+struct Freer {
+  void operator()(X509* it) const { ::X509_free(it); }
+  void operator()(EVP_PKEY* it) const { ::EVP_PKEY_free(it); }
+  void operator()(BIO* it) const { ::BIO_free(it); }
+  void operator()(SSL_CTX* it) const { ::SSL_CTX_free(it); }
+  void operator()(SSL* it) const { ::SSL_free(it); }
+  void operator()(X509_EXTENSION* it) const { ::X509_EXTENSION_free(it); }
+  void operator()(addrinfo* it) const { ::freeaddrinfo(it); }
+};
+template <class T>
+using Held = std::unique_ptr<T, Freer>;
+
+/// OpenSSL's reason for what has just failed.
+std::string reason() {
+  const unsigned long code = ::ERR_get_error();
+  ::ERR_clear_error();
+  const char* words = code == 0 ? nullptr : ::ERR_reason_error_string(code);
+  return words == nullptr ? "unknown reason" : words;
+}
+
+void need(bool is_good, const char* what) {
+  if (!is_good) throw base::Error(fmt::format("{}: {}", what, reason()));
+}
+
+Held<BIO> reader_of(std::string_view text) {
+  return Held<BIO>(::BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+}
+
+std::string text_in(BIO* bio) {
+  char* begin = nullptr;
+  const long size = BIO_get_mem_data(bio, &begin);
+  return {begin, static_cast<std::size_t>(size)};
+}
+
+Held<X509> first_certificate(std::string_view text) {
+  Held<X509> certificate(::PEM_read_bio_X509(reader_of(text).get(), nullptr, nullptr, nullptr));
+  need(certificate != nullptr, "this is no certificate in PEM");
+  return certificate;
+}
+
+/// Nobody is asked for a key's passphrase.
+int no_passphrase(char*, int, int, void*) {
+  return 0;
+}
+
+void add_extension(X509* certificate, int kind, const char* value) {
+  const Held<X509_EXTENSION> extension(::X509V3_EXT_conf_nid(nullptr, nullptr, kind, value));
+  need(extension != nullptr && ::X509_add_ext(certificate, extension.get(), -1) == 1,
+       "a certificate can't be made");
+}
+
+base::Descriptor connect_to_host(const ServerAddress& address, double seconds_max) {
+  addrinfo hints = {};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const std::string port = std::to_string(address.port);
+  const int failure = ::getaddrinfo(address.host.c_str(), port.c_str(), &hints, &found);
+  if (failure != 0)
+    throw base::Error(fmt::format("{} is not found: {}", address.host, ::gai_strerror(failure)));
+  const Held<addrinfo> held(found);
+  int error = ECONNREFUSED;
+  for (const addrinfo* one = found; one != nullptr; one = one->ai_next) {
+    base::Descriptor socket(
+        ::socket(one->ai_family, one->ai_socktype | SOCK_CLOEXEC, one->ai_protocol));
+    if (!socket) continue;
+    timeval patience = {};
+    patience.tv_sec = static_cast<time_t>(std::ceil(seconds_max));
+    ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    ::setsockopt(socket.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    if (::connect(socket.get(), one->ai_addr, one->ai_addrlen) == 0) return socket;
+    error = errno;
+  }
+  throw base::Error(base::ExitCode::no_server,
+                    fmt::format("no server answers at {}: {}", text_of(address),
+                                std::strerror(error == EINPROGRESS ? ETIMEDOUT : error)));
+}
+
+}  // namespace
+
+Keypair make_self_signed() {
+  const char* const what = "a certificate can't be made";
+  const Held<EVP_PKEY> key(::EVP_EC_gen("P-256"));
+  need(key != nullptr, what);
+  const Held<X509> certificate(::X509_new());
+  need(certificate != nullptr, what);
+  std::uint64_t serial = 0;
+  need(::RAND_bytes(reinterpret_cast<unsigned char*>(&serial), sizeof serial) == 1, what);
+  need(::X509_set_version(certificate.get(), X509_VERSION_3) == 1 &&
+           ::ASN1_INTEGER_set_uint64(::X509_get_serialNumber(certificate.get()), serial >> 1U) ==
+               1 &&
+           ::X509_gmtime_adj(X509_getm_notBefore(certificate.get()), -k_clocks_differ_s) !=
+               nullptr &&
+           ::X509_gmtime_adj(X509_getm_notAfter(certificate.get()), k_valid_s) != nullptr &&
+           ::X509_set_pubkey(certificate.get(), key.get()) == 1,
+       what);
+  X509_NAME* name = ::X509_get_subject_name(certificate.get());
+  need(::X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC,
+                                    reinterpret_cast<const unsigned char*>(k_self_name), -1, -1,
+                                    0) == 1 &&
+           ::X509_set_issuer_name(certificate.get(), name) == 1,
+       what);
+  add_extension(certificate.get(), NID_subject_alt_name,
+                (std::string("DNS:") + k_self_name).c_str());
+  add_extension(certificate.get(), NID_basic_constraints, "critical,CA:TRUE,pathlen:0");
+  add_extension(certificate.get(), NID_key_usage, "critical,digitalSignature,keyCertSign");
+  add_extension(certificate.get(), NID_ext_key_usage, "serverAuth");
+  need(::X509_sign(certificate.get(), key.get(), ::EVP_sha256()) > 0, what);
+
+  const Held<BIO> certificate_text(::BIO_new(::BIO_s_mem()));
+  const Held<BIO> key_text(::BIO_new(::BIO_s_mem()));
+  need(::PEM_write_bio_X509(certificate_text.get(), certificate.get()) == 1 &&
+           ::PEM_write_bio_PrivateKey(key_text.get(), key.get(), nullptr, nullptr, 0, nullptr,
+                                      nullptr) == 1,
+       what);
+  return {.certificate = text_in(certificate_text.get()), .key = text_in(key_text.get())};
+}
+
+std::string fingerprint_of(std::string_view certificate) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  const Held<X509> first = first_certificate(certificate);
+  need(::X509_digest(first.get(), ::EVP_sha256(), digest.data(), &size) == 1,
+       "a certificate has no fingerprint");
+  std::string text = "SHA256:";
+  for (unsigned i = 0; i < size; ++i)
+    text += fmt::format("{:02x}", digest[i]);
+  return text;
+}
+
+bool is_self_signed(std::string_view certificate) {
+  const Held<X509> first = first_certificate(certificate);
+  return ::X509_check_host(first.get(), k_self_name, 0, 0, nullptr) == 1;
+}
+
+void check_keypair(const Keypair& keypair) {
+  const Held<X509> certificate = first_certificate(keypair.certificate);
+  const Held<EVP_PKEY> key(
+      ::PEM_read_bio_PrivateKey(reader_of(keypair.key).get(), nullptr, &no_passphrase, nullptr));
+  need(key != nullptr, "the key can't be read: it must be in PEM and without a passphrase");
+  if (::X509_check_private_key(certificate.get(), key.get()) != 1) {
+    ::ERR_clear_error();
+    throw base::Error("the key does not belong to the certificate");
+  }
+}
+
+std::string certificate_shown_at(const ServerAddress& address, double seconds_max) {
+  const base::Descriptor socket = connect_to_host(address, seconds_max);
+  const Held<SSL_CTX> context(::SSL_CTX_new(::TLS_client_method()));
+  need(context != nullptr, "TLS can't be used");
+  ::SSL_CTX_set_verify(context.get(), SSL_VERIFY_NONE, nullptr);
+  const Held<SSL> tls(::SSL_new(context.get()));
+  need(tls != nullptr && ::SSL_set_fd(tls.get(), socket.get()) == 1 &&
+           SSL_set_tlsext_host_name(tls.get(), address.host.c_str()) == 1,
+       "TLS can't be used");
+  ::ERR_clear_error();
+  if (::SSL_connect(tls.get()) != 1) {
+    throw base::Error(
+        fmt::format("what answers at {} does not speak TLS: {}", text_of(address), reason()));
+  }
+  const Held<X509> shown(::SSL_get1_peer_certificate(tls.get()));
+  const Held<BIO> text(::BIO_new(::BIO_s_mem()));
+  need(shown != nullptr && ::PEM_write_bio_X509(text.get(), shown.get()) == 1,
+       "the server shows no certificate");
+  return text_in(text.get());
+}
+
+}  // namespace sleight::access

@@ -1,0 +1,208 @@
+#include "service/backend/tool.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <string_view>
+
+#include "common/base/clock.h"
+#include "common/base/descriptor.h"
+#include "common/base/error.h"
+#include "service/keeper/program.h"
+
+namespace sleight::backend {
+namespace {
+
+/// A program whose output has ended is looked at so often.
+constexpr int k_wait_ms = 2;
+/// Whether it is to be stopped is looked at so often.
+constexpr int k_look_at_stop_ms = 100;
+
+struct Pipe {
+  base::Descriptor reader;
+  base::Descriptor writer;
+};
+
+Pipe make_pipe() {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    throw base::Error(fmt::format("no pipe: {}", std::strerror(errno)));
+  return {.reader = base::Descriptor(ends[0]), .writer = base::Descriptor(ends[1])};
+}
+
+/// Frees what posix_spawn wants to have initialised.
+class SpawnWishes {
+ public:
+  SpawnWishes(int input, int output, int words) {
+    ::posix_spawn_file_actions_init(&files_);
+    ::posix_spawn_file_actions_adddup2(&files_, input, STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&files_, output, STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&files_, words, STDERR_FILENO);
+    // The daemon's descriptors are all closed by exec; what a library opened otherwise is not.
+    ::posix_spawn_file_actions_addclosefrom_np(&files_, STDERR_FILENO + 1);
+    ::posix_spawnattr_init(&attributes_);
+    sigset_t none;
+    sigemptyset(&none);
+    sigset_t usual;
+    sigfillset(&usual);
+    ::posix_spawnattr_setsigmask(&attributes_, &none);
+    ::posix_spawnattr_setsigdefault(&attributes_, &usual);
+    ::posix_spawnattr_setflags(&attributes_,
+                               POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSID);
+  }
+  ~SpawnWishes() {
+    ::posix_spawn_file_actions_destroy(&files_);
+    ::posix_spawnattr_destroy(&attributes_);
+  }
+  SpawnWishes(const SpawnWishes&) = delete;
+  SpawnWishes& operator=(const SpawnWishes&) = delete;
+
+  const posix_spawn_file_actions_t* files() const { return &files_; }
+  const posix_spawnattr_t* attributes() const { return &attributes_; }
+
+ private:
+  posix_spawn_file_actions_t files_{};
+  posix_spawnattr_t attributes_{};
+};
+
+/// Takes what there is; closes at the end.
+void take(base::Descriptor& from, std::string& into, std::size_t bytes_max, bool& is_cut) {
+  std::array<char, 16384> piece;
+  const ssize_t count = ::read(from.get(), piece.data(), piece.size());
+  if (count < 0 && (errno == EINTR || errno == EAGAIN)) return;
+  if (count <= 0) {
+    from.reset();
+    return;
+  }
+  const std::size_t room = bytes_max - std::min(bytes_max, into.size());
+  is_cut = is_cut || static_cast<std::size_t>(count) > room;
+  into.append(piece.data(), std::min(room, static_cast<std::size_t>(count)));
+}
+
+/// Gives it what it reads; closes at the end, or where it reads no more.
+void give(base::Descriptor& to, std::string_view& rest) {
+  const ssize_t count = rest.empty() ? 0 : ::write(to.get(), rest.data(), rest.size());
+  if (count < 0 && (errno == EINTR || errno == EAGAIN)) return;
+  if (count > 0) rest.remove_prefix(static_cast<std::size_t>(count));
+  if (count < 0 || rest.empty()) to.reset();
+}
+
+/// Writing to a program that reads nothing must not end this one.
+class NoPipeSignal {
+ public:
+  NoPipeSignal() {
+    sigset_t pipe;
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    ::pthread_sigmask(SIG_BLOCK, &pipe, &before_);
+  }
+  ~NoPipeSignal() {
+    // One that came is taken, so that it does not come when it is let through again.
+    sigset_t pipe;
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    const timespec at_once{};
+    if (!sigismember(&before_, SIGPIPE))
+      while (::sigtimedwait(&pipe, nullptr, &at_once) > 0) {
+      }
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  NoPipeSignal(const NoPipeSignal&) = delete;
+  NoPipeSignal& operator=(const NoPipeSignal&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+}  // namespace
+
+std::string ToolEnd::why() const {
+  if (was_too_slow) return "it did not answer in time";
+  if (!words.empty()) return words;
+  if (exit_code < 0) return "it was killed";
+  return fmt::format("it ended with exit code {}", exit_code);
+}
+
+ToolEnd run_tool(const std::vector<std::string>& command, const ToolOptions& options) {
+  const NoPipeSignal guard;
+  const base::SteadyClock clock;
+  Pipe input = make_pipe();
+  Pipe output = make_pipe();
+  Pipe words = make_pipe();
+  ::fcntl(input.writer.get(), F_SETFL, O_NONBLOCK);
+  const SpawnWishes wishes(input.reader.get(), output.writer.get(), words.writer.get());
+  std::vector<std::string> arguments = command;
+  std::vector<std::string> variables = options.environment;
+  pid_t child = 0;
+  const int failure =
+      ::posix_spawnp(&child, command.front().c_str(), wishes.files(), wishes.attributes(),
+                     keeper::pointers_to(arguments).data(), keeper::pointers_to(variables).data());
+  if (failure != 0)
+    throw base::Error(
+        fmt::format("{} can't be started: {}", command.front(), std::strerror(failure)));
+  input.reader.reset();
+  output.writer.reset();
+  words.writer.reset();
+
+  ToolEnd end;
+  std::string_view rest = options.input;
+  const double end_s = clock.now_s() + options.seconds_max;
+  while (output.reader || words.reader) {
+    const double left_s = options.stop != nullptr && *options.stop ? 0 : end_s - clock.now_s();
+    end.was_too_slow = left_s <= 0;
+    if (end.was_too_slow) break;
+    std::array<pollfd, 3> waits{{{.fd = output.reader.get(), .events = POLLIN, .revents = 0},
+                                 {.fd = words.reader.get(), .events = POLLIN, .revents = 0},
+                                 {.fd = input.writer.get(), .events = POLLOUT, .revents = 0}}};
+    if (::poll(waits.data(), waits.size(),
+               std::min(static_cast<int>(left_s * 1000) + 1, k_look_at_stop_ms)) < 0)
+      continue;
+    bool are_words_cut = false;
+    if (waits[0].revents != 0)
+      take(output.reader, end.output, options.output_bytes_max, end.is_cut);
+    if (waits[1].revents != 0)
+      take(words.reader, end.words, options.words_bytes_max, are_words_cut);
+    if (waits[2].revents != 0) give(input.writer, rest);
+  }
+  // One that has closed both may run on.
+  int status = 0;
+  pid_t waited = 0;
+  while (!end.was_too_slow && (waited = ::waitpid(child, &status, WNOHANG)) == 0) {
+    end.was_too_slow = clock.now_s() >= end_s || (options.stop != nullptr && *options.stop);
+    ::poll(nullptr, 0, k_wait_ms);
+  }
+  if (waited != child) {
+    ::kill(-child, SIGKILL);
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+  }
+  if (WIFEXITED(status) && !end.was_too_slow) end.exit_code = WEXITSTATUS(status);
+  while (!end.words.empty() && static_cast<unsigned char>(end.words.back()) <= ' ')
+    end.words.pop_back();
+  return end;
+}
+
+std::vector<std::string> environment_without(const std::vector<std::string>& beginnings,
+                                             const std::vector<std::string>& kept) {
+  std::vector<std::string> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text(*variable);
+    const auto begins = [text](const std::string& beginning) {
+      return text.starts_with(beginning);
+    };
+    if (std::ranges::none_of(beginnings, begins) || std::ranges::any_of(kept, begins))
+      variables.emplace_back(text);
+  }
+  return variables;
+}
+
+}  // namespace sleight::backend

@@ -1,0 +1,67 @@
+// Who did what, as lines of JSON in `audit.log` of the state folder: for whoever runs the service.
+//
+//   {"time":"2026-11-27T14:05:09Z","call":"submit","user":1000,"from":"192.0.2.7:50312",
+//    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}
+//
+//   call     login, submit, cancel, hold, resume, extend, erase, pin, set_priority, fetch, drain,
+//            stop, create_token, revoke_token
+//   from     a peer's address, or "process 4242" of this machine; token: none of a Unix socket's
+//   outcome  "done", or the refusal's kind and sentence
+//
+// `audit.log`, and before it `audit.old.log`: when the first is full it takes the place of the
+// second. Strangers who show wrong tokens are written once a second at most, with their number:
+// they can't push out what happened before. A disk that takes nothing loses lines, and stops
+// nobody; how many is said once it can be.
+//
+// Thread safety: one thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "common/base/clock.h"
+#include "common/base/descriptor.h"
+#include "common/rpc/handler.h"
+
+namespace sleight::daemon {
+
+inline constexpr std::uint64_t k_audit_bytes_max = 16U << 20U;  ///< of each of the two files
+
+struct AuditLine {
+  std::string call{};
+  std::string of{};       ///< what was asked for: "17", "g5"; empty: nothing to name
+  std::string outcome{};  ///< "done", or why not
+  std::string made{};     ///< what came of it: "17 18"; empty: nothing to name
+};
+
+class AuditLog {
+ public:
+  /// Makes the file at the first line.
+  AuditLog(std::string folder, const base::Clock& clock,
+           std::uint64_t bytes_max = k_audit_bytes_max);
+  ~AuditLog();
+  AuditLog(const AuditLog&) = delete;
+  AuditLog& operator=(const AuditLog&) = delete;
+
+  void note(const rpc::Caller& caller, const AuditLine& line);
+  /// Of somebody who showed a wrong token.
+  void note_stranger(const std::string& address);
+  /// Writes what strangers did meanwhile.
+  void flush();
+
+ private:
+  void write(const std::string& line);
+
+  std::string folder_;
+  const base::Clock& clock_;
+  std::uint64_t bytes_max_;
+  base::Descriptor file_;
+  std::uint64_t bytes_ = 0;
+  std::uint64_t lost_ = 0;
+  std::uint64_t strangers_ = 0;  ///< that no line has told of yet
+  std::string last_stranger_{};
+  double strangers_told_s_ = -1e9;
+};
+
+}  // namespace sleight::daemon

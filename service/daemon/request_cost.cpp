@@ -1,0 +1,82 @@
+#include "service/daemon/request_cost.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "common/events/progress.h"
+
+namespace sleight::daemon {
+namespace {
+
+using events::grouped;
+
+/// The most that can be told where it is more.
+std::uint64_t product(std::uint64_t a, std::uint64_t b) {
+  std::uint64_t whole = 0;
+  return __builtin_mul_overflow(a, b, &whole) ? std::numeric_limits<std::uint64_t>::max() : whole;
+}
+
+bool is_tempered(request::Method method) {
+  return method == request::Method::parallel_tempering ||
+         method == request::Method::simulated_tempering ||
+         method == request::Method::tempered_transitions ||
+         method == request::Method::annealed_importance;
+}
+
+/// Of each chain; none: the rule is judged by results.
+std::optional<std::uint64_t> scans_of(const request::DirectionRequest& request) {
+  if (request.stop.scans) return *request.stop.scans;
+  if (!request.stop.rounds) return std::nullopt;
+  const std::uint64_t doubled = (std::uint64_t{1} << *request.stop.rounds) - 1;
+  return product(request.sampler.round_scans, doubled);
+}
+
+rpc::Refusal too_dear(const std::string& sum, std::uint64_t most, const char* what,
+                      const char* setting, const char* key) {
+  return {.kind = rpc::RefusalKind::limit,
+          .sentence = fmt::format("The request is too dear: {}, and a job of this service has at "
+                                  "most {} {}.",
+                                  sum, grouped(most), what),
+          .what_to_do =
+              fmt::format("Ask for less (`{}`); whoever runs the service sets {}.", key, setting)};
+}
+
+}  // namespace
+
+RequestCost cost_of(const request::DirectionRequest& request) {
+  const request::SamplerParameters& sampler = request.sampler;
+  RequestCost cost{.states = sampler.chains};
+  std::string factors = fmt::format("{} chains", grouped(sampler.chains));
+  if (is_tempered(sampler.method)) {
+    const std::uint64_t replicas = sampler.replicas.value_or(request::k_chosen_replicas_max);
+    cost.states = product(cost.states, replicas);
+    factors +=
+        fmt::format(" x {}{} temperatures", sampler.replicas ? "" : "up to ", grouped(replicas));
+  } else if (sampler.method == request::Method::sequential) {
+    const std::uint64_t particles = sampler.particles.value_or(request::k_particles);
+    cost.states = product(cost.states, particles);
+    factors += fmt::format(" x {} particles", grouped(particles));
+  }
+  cost.states_sum = fmt::format("{} = {} states", factors, grouped(cost.states));
+  if (const auto scans = scans_of(request); scans && sampler.chains > 0) {
+    const std::uint64_t each = product(sampler.iterations_per_scan, *scans);
+    cost.simulations = product(cost.states, each);
+    cost.simulations_sum = fmt::format("{} x {} iterations of a scan x {} scans = {} simulations",
+                                       factors, grouped(sampler.iterations_per_scan),
+                                       grouped(*scans), grouped(*cost.simulations));
+  }
+  return cost;
+}
+
+std::optional<rpc::Refusal> beyond_limits(const RequestCost& cost, const RequestLimits& limits) {
+  if (limits.states > 0 && cost.states > limits.states)
+    return too_dear(cost.states_sum, limits.states, "states", "limits.states", "sampler.chains");
+  if (limits.simulations > 0 && cost.simulations && *cost.simulations > limits.simulations) {
+    return too_dear(cost.simulations_sum, limits.simulations, "simulations", "limits.simulations",
+                    "[stop]");
+  }
+  return std::nullopt;
+}
+
+}  // namespace sleight::daemon

@@ -1,0 +1,140 @@
+// Attempts that a batch system has (service/backend): by questions to it, in a thread of their own,
+// and by what their keepers write into the jobs' folders on some other machine.
+//
+//   Launch       ──▶ request.toml, backend.launch; its answer: Sight {Pending}, or LaunchFailed
+//   Look         ──▶ the next list of all attempts, and the folder's record: Sight
+//   Stop         ──▶ backend.signal
+//   each second  ──▶ the folders' records: Launched, Sight {Running}, Sight {Ended}
+//   now and then ──▶ one list for all: Sight {Pending}, and of those that are gone what follows
+//
+//     the system has it | the folder's record | so
+//     waiting, running  | none                | Pending, with the system's words
+//     running           | without an end      | Running
+//     any               | with an end         | Ended. If somebody else stopped it: once the system
+//                       |                     | says who
+//     gone, absent      | without an end      | Died, once no lease of its run can be alive
+//     gone              | none                | Died, with what the system and the keeper said
+//     absent            | none                | NeverBegan, to a Look
+//     doesn't answer    | none, without end   | Unknown, to a Look: never an end
+//
+// A disk that machines share shows files late, so what is gone is looked at for k_settle_s.
+//
+// Thread safety: as Attempts.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/base/clock.h"
+#include "common/base/file_system.h"
+#include "common/rpc/loop.h"
+#include "service/backend/backend.h"
+#include "service/daemon/attempt_sights.h"
+#include "service/daemon/attempts.h"
+#include "service/daemon/feeds.h"
+#include "service/daemon/job_folder.h"
+#include "service/daemon/lease_watch.h"
+#include "service/daemon/worker.h"
+#include "service/keeper/command.h"
+
+namespace sleight::daemon {
+
+/// A list that somebody waits for comes so much sooner, as a part of the time between two lists.
+inline constexpr double k_list_soonest_share = 0.2;
+/// What is gone may show its record so much later.
+inline constexpr double k_settle_s = 5;
+/// Of what system and keeper said of an attempt that left no record, so much is told.
+inline constexpr std::size_t k_system_log_bytes = 2000;
+
+class SystemAttempts final : public Attempts {
+ public:
+  struct Parts {
+    rpc::Loop& loop;
+    const base::Clock& clock;
+    base::FileSystem& files;
+    const JobFolders& folders;
+    Feeds& feeds;
+    std::shared_ptr<backend::Backend> backend;
+    std::string daemon_id{};         ///< backend::is_daemon_name
+    double list_every_s = 10;        ///< of all attempts together
+    double look_every_s = k_look_s;  ///< at the folders' records
+    double settle_s = k_settle_s;
+    keeper::Programs programs{};  ///< as the system's machines see them
+    TextOf text_of;
+    Hear hear;
+  };
+  explicit SystemAttempts(Parts parts);
+  ~SystemAttempts() override;
+
+  void launch(const jobs::Launch& launch) override;
+  void stop(const jobs::Stop& stop) override;
+  void look(const jobs::Look& look) override;
+  std::optional<jobs::BackendNote> look_at_programs() override {
+    return sights_.look_at_programs();
+  }
+  std::size_t running() const override { return runs_.size(); }
+
+ private:
+  struct Run {
+    jobs::Attempt attempt{};
+    bool is_launching = false;     ///< no list says anything of it yet
+    std::uint64_t since_list = 0;  ///< lists from this one on do
+    bool is_looked_for = false;
+    bool is_stopped = false;    ///< by us
+    bool is_told_gone = false;  ///< its last words are being fetched
+    std::optional<backend::Seen> seen{};
+    std::optional<double> gone_s{};  ///< since when the system has it no more
+    std::optional<LeaseWatch> lease{};
+    bool has_begun = false;  ///< it has a record
+    std::string told_words{};
+    WatchedRun watched{};
+  };
+
+  void tell(jobs::Input input);
+  void tell_seen(jobs::JobId job, Run& run, decltype(jobs::Sight::seen) seen);
+  void tell_pending(jobs::JobId job, Run& run, std::string words);
+  Run& run_of(jobs::JobId job, jobs::Attempt attempt);
+  Run* find(jobs::JobId job, jobs::Attempt attempt);
+  backend::AttemptName name_of(jobs::JobId job, jobs::Attempt attempt) const;
+  backend::Order order_of(const jobs::Launch& launch, const LaunchText& text) const;
+
+  /// On the backend's thread; what comes of it is told on the loop's.
+  void ask(std::function<void()> question);
+  void launched(jobs::JobId job, jobs::Attempt attempt, const backend::Seen& seen);
+  void not_launched(jobs::JobId job, jobs::Attempt attempt, const std::string& words, bool is_away,
+                    bool may_have_begun);
+  void list();
+  void list_if_due();
+  double list_soonest_s() const;
+  void listed(std::uint64_t number, const std::map<backend::AttemptName, backend::Seen>& all);
+  void not_listed(const std::string& words);
+
+  void poll();
+  void plan_poll();
+  void judge(jobs::JobId job);
+  bool judge_begun(jobs::JobId job, Run& run, const keeper::AttemptRecord& record);
+  bool judge_gone(jobs::JobId job, Run& run, const keeper::AttemptRecord* record);
+  void judge_there(jobs::JobId job, Run& run);
+  void fetch_last_words(jobs::JobId job, Run& run);
+  bool is_folder_gone(jobs::JobId job, Run& run);
+  bool is_gone(const Run& run) const;
+  jobs::Outside outside_of(const Run& run) const;
+  std::string words_of(const Run& run) const;
+
+  Parts parts_;
+  AttemptSights sights_;
+  std::map<jobs::JobId, Run> runs_;
+  rpc::Loop::Handle polling_{};
+  rpc::Loop::Handle listing_{};
+  bool is_polling_ = false;
+  bool is_listing_ = false;
+  std::optional<double> list_begun_s_{};  ///< the newest
+  std::uint64_t lists_ = 0;               ///< begun so far
+  Worker worker_;                         ///< last: what it does uses the rest
+};
+
+}  // namespace sleight::daemon

@@ -1,0 +1,214 @@
+#include "service/daemon/tokens.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/access/token_text.h"
+#include "common/base/error.h"
+#include "common/logging/log.h"
+
+namespace sleight::daemon {
+namespace {
+
+constexpr int k_format = 1;
+constexpr std::size_t k_file_bytes_max = std::size_t{64} << 20U;
+
+rpc::Refusal wrong_token() {
+  return {.kind = rpc::RefusalKind::not_allowed,
+          .sentence = "This token is not valid here.",
+          .what_to_do = "Whoever runs the service can give out another: `sleight token create`."};
+}
+
+nlohmann::json json_of(const rpc::TokenView& view, const std::string& hash) {
+  std::vector<std::string> scopes;
+  for (const rpc::Scope scope : rpc::k_scopes)
+    if (view.scopes.has(scope)) scopes.emplace_back(rpc::name_of(scope));
+  return {{"id", view.id},
+          {"hash", hash},
+          {"name", view.name},
+          {"user", view.user},
+          {"scopes", scopes},
+          {"created", view.created_s},
+          {"expires", view.expires_s},
+          {"revoked", view.revoked_s},
+          {"last_used", view.last_used_s},
+          {"last_from", view.last_from},
+          {"jobs_max", view.jobs_max},
+          {"cores_max", view.cores_max}};
+}
+
+}  // namespace
+
+Tokens::Tokens(base::FileSystem& files, std::string path, std::function<double()> wall_s,
+               std::size_t of_user_max)
+    : files_(files), path_(std::move(path)), wall_s_(std::move(wall_s)), of_user_max_(of_user_max) {
+  if (files_.exists(path_)) read();
+}
+
+void Tokens::read() {
+  try {
+    const auto json = nlohmann::json::parse(base::read_text_file(path_, k_file_bytes_max));
+    if (json.at("format") != k_format) {
+      throw base::Error(base::ExitCode::conflict,
+                        fmt::format("{}: written by another version of this program; it is left as "
+                                    "it is: use that version, or move the file away (then no token "
+                                    "is valid)",
+                                    path_));
+    }
+    for (const auto& one : json.at("tokens")) {
+      Kept kept{.view = {.id = one.at("id"),
+                         .name = one.at("name"),
+                         .user = one.at("user"),
+                         .created_s = one.at("created"),
+                         .expires_s = one.at("expires"),
+                         .revoked_s = one.at("revoked"),
+                         .last_used_s = one.at("last_used"),
+                         .last_from = one.at("last_from"),
+                         .jobs_max = one.at("jobs_max"),
+                         .cores_max = one.at("cores_max")},
+                .hash = one.at("hash")};
+      for (const std::string name : one.at("scopes"))
+        if (const auto scope = rpc::scope_of(name)) kept.view.scopes.add(*scope);
+      if (!access::is_token_id(kept.view.id)) throw base::Error("");
+      tokens_.emplace(kept.view.id, std::move(kept));
+    }
+  } catch (const base::Error& failure) {
+    if (failure.what()[0] != '\0') throw;
+    throw base::Error(fmt::format("{}: has an id that is none", path_));
+  } catch (const nlohmann::json::exception&) {
+    throw base::Error(
+        fmt::format("{}: can't be read as a list of tokens; it is left as it is: put back a copy, "
+                    "or move it away (then no token is valid)",
+                    path_));
+  }
+}
+
+/// Durable when it returns, in one step.
+void Tokens::write() {
+  is_saved_ = false;
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& [id, kept] : tokens_)
+    list.push_back(json_of(kept.view, kept.hash));
+  const nlohmann::json whole{{"format", k_format}, {"tokens", std::move(list)}};
+  const std::string beside = path_ + ".new";
+  base::write_text_file(files_, beside,
+                        whole.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  files_.sync_file(beside);
+  files_.rename(beside, path_);
+  files_.sync_directory_of(path_);
+  is_saved_ = true;
+  has_new_uses_ = false;
+}
+
+bool Tokens::is_valid(const Kept& kept) const {
+  const bool is_over = kept.view.expires_s > 0 && wall_s_() >= kept.view.expires_s;
+  return kept.view.revoked_s <= 0 && !is_over;
+}
+
+base::Result<rpc::TokenView, rpc::Refusal> Tokens::create(std::uint32_t user,
+                                                          const rpc::TokenAsk& ask) {
+  const auto token = access::token_of(ask.token);
+  if (!token) return wrong_token();
+  const std::string hash = access::hash_of(*token);
+  const std::uint32_t owner = ask.for_user.value_or(user);
+  if (const auto known = tokens_.find(token->id); known != tokens_.end()) {
+    if (known->second.view.user == owner && access::are_equal_hashes(known->second.hash, hash))
+      return known->second.view;
+    return rpc::Refusal{.kind = rpc::RefusalKind::conflict,
+                        .sentence = "There is a token of this id.",
+                        .what_to_do = "Draw another one."};
+  }
+  const double now_s = wall_s_();
+  std::erase_if(tokens_, [&](const auto& entry) {
+    const rpc::TokenView& view = entry.second.view;
+    const double over_s = view.revoked_s > 0 ? view.revoked_s : view.expires_s;
+    return !is_valid(entry.second) && now_s - over_s > k_over_token_listed_s;
+  });
+  const auto of_owner = std::ranges::count_if(
+      tokens_, [&](const auto& entry) { return entry.second.view.user == owner; });
+  if (static_cast<std::size_t>(of_owner) >= of_user_max_) {
+    return rpc::Refusal{.kind = rpc::RefusalKind::limit,
+                        .sentence = fmt::format("A user has at most {} tokens.", of_user_max_),
+                        .what_to_do = "Those that are revoked or expired go after 30 days."};
+  }
+  const rpc::TokenView view{.id = token->id,
+                            .name = ask.name,
+                            .user = owner,
+                            .scopes = ask.scopes,
+                            .created_s = now_s,
+                            .expires_s = ask.valid_s > 0 ? now_s + ask.valid_s : 0,
+                            .jobs_max = ask.jobs_max,
+                            .cores_max = ask.cores_max};
+  tokens_[token->id] = {.view = view, .hash = hash};
+  try {
+    write();
+  } catch (...) {
+    tokens_.erase(token->id);
+    throw;
+  }
+  return view;
+}
+
+std::vector<rpc::TokenView> Tokens::of(std::optional<std::uint32_t> user) const {
+  std::vector<rpc::TokenView> views;
+  for (const auto& [id, kept] : tokens_)
+    if (!user || kept.view.user == *user) views.push_back(kept.view);
+  std::ranges::stable_sort(views, std::greater(), &rpc::TokenView::created_s);
+  return views;
+}
+
+base::Result<rpc::TokenView, rpc::Refusal> Tokens::revoke(std::optional<std::uint32_t> user,
+                                                          const std::string& id) {
+  const auto found = tokens_.find(id);
+  if (found == tokens_.end() || (user && found->second.view.user != *user)) {
+    return rpc::Refusal{.kind = rpc::RefusalKind::not_found,
+                        .sentence = "There is no such token.",
+                        .what_to_do = "`sleight token list` shows those that there are."};
+  }
+  rpc::TokenView& view = found->second.view;
+  // It is over before it is written, and stays so whatever comes of that.
+  if (view.revoked_s > 0 && is_saved_) return view;
+  if (view.revoked_s <= 0) view.revoked_s = wall_s_();
+  write();
+  return view;
+}
+
+base::Result<rpc::Caller, rpc::Refusal> Tokens::login(const std::string& text,
+                                                      const std::string& address) {
+  const auto token = access::token_of(text);
+  if (!token) return wrong_token();
+  const auto found = tokens_.find(token->id);
+  // A hash that none has: what is unknown takes as long as what is wrong.
+  const std::string& kept_hash = found == tokens_.end() ? std::string(64, '-') : found->second.hash;
+  const bool is_equal = access::are_equal_hashes(access::hash_of(*token), kept_hash);
+  if (found == tokens_.end() || !is_equal || !is_valid(found->second)) return wrong_token();
+  rpc::TokenView& view = found->second.view;
+  view.last_used_s = wall_s_();
+  view.last_from = address;
+  has_new_uses_ = true;
+  return rpc::Caller{.user = view.user,
+                     .address = address,
+                     .token_id = view.id,
+                     .scopes = view.scopes,
+                     .token_jobs_max = view.jobs_max,
+                     .token_cores_max = view.cores_max};
+}
+
+bool Tokens::lets_go_on(const rpc::Caller& caller) {
+  const auto found = tokens_.find(caller.token_id);
+  return found != tokens_.end() && is_valid(found->second);
+}
+
+void Tokens::save_uses() {
+  if (!has_new_uses_ && is_saved_) return;
+  try {
+    write();
+  } catch (const base::Error& failure) {
+    logging::warn(failure.what());
+  }
+}
+
+}  // namespace sleight::daemon

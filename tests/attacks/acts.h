@@ -1,0 +1,96 @@
+// The attacks on what speaks Cap'n Proto, each an episode on one connection: over the socket, and
+// within TLS before and after a login.
+//
+// An episode counts its attacks, and how many of them the server's decoder has reached: by what it
+// answered, and by connections that it ended. A connection whose peer has ended it must be ended by
+// the server too; a call that can be read must be answered. Where not, that is trouble.
+//
+// Thread safety: an episode belongs to one thread; tallies and trouble are shared.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/access/server_address.h"
+#include "tests/attacks/lines.h"
+#include "tests/attacks/odd_values.h"
+
+namespace sleight::attack {
+
+/// The service that is attacked.
+struct Target {
+  std::string socket{};
+  access::ServerAddress address{};
+  std::string token{};
+  TlsSettings tls{TLS1_3_VERSION};
+  TlsSettings old_tls{TLS1_2_VERSION};
+};
+
+enum class Door : std::uint8_t {
+  socket,
+  stranger,  ///< within TLS, before a login
+  session    ///< after it
+};
+
+/// Of one kind of attack.
+struct Tally {
+  std::atomic<std::uint64_t> attacks = 0;
+  std::atomic<std::uint64_t> reached = 0;
+  std::atomic<std::uint64_t> turned_away = 0;  ///< no room for the connection: no attack
+};
+
+/// The first thing that went wrong.
+class Trouble {
+ public:
+  void say(const std::string& words) {
+    const std::lock_guard lock(mutex_);
+    if (!words_) words_ = words;
+    is_there_ = true;
+  }
+  bool is_there() const { return is_there_; }
+  std::optional<std::string> words() const {
+    const std::lock_guard lock(mutex_);
+    return words_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::optional<std::string> words_{};
+  std::atomic<bool> is_there_ = false;
+};
+
+/// What an episode is given.
+struct Scene {
+  const Target& target;
+  Door door;
+  std::uint64_t episode;
+  Dice& dice;
+  Tally& tally;
+  Trouble& trouble;
+  std::string_view kind;  ///< its name
+
+  void trouble_is(const std::string& words) const;
+};
+
+void calls(const Scene& scene);
+void mutated_messages(const Scene& scene);
+void protocol_messages(const Scene& scene);
+void pipelined_calls(const Scene& scene);
+void capabilities(const Scene& scene);
+void pointers(const Scene& scene);
+void broken_frames(const Scene& scene);
+void cut_streams(const Scene& scene);
+void unread_answers(const Scene& scene);
+void noise(const Scene& scene);
+/// Of strangers alone.
+void wrong_logins(const Scene& scene);
+
+/// Reads until the server has ended the line, and counts that; trouble where it does not.
+void await_end(const Scene& scene, Line& line);
+
+}  // namespace sleight::attack

@@ -1,0 +1,42 @@
+// What a server says on a connection, taken apart: which calls it has answered, and how.
+//
+// Thread safety: one thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+
+namespace sleight::attack {
+
+class Listener {
+ public:
+  /// Bytes as they come, in pieces of any size.
+  void hear(std::string_view bytes);
+
+  bool has_answered(std::uint32_t question) const { return answered_.contains(question); }
+  /// With results, be they a refusal.
+  bool has_results(std::uint32_t question) const { return resulted_.contains(question); }
+  std::uint64_t messages() const { return messages_; }
+  std::uint64_t exceptions() const { return exceptions_; }
+  std::uint64_t aborts() const { return aborts_; }
+  /// Refusals of the kind `bug`: the server failed at a call.
+  std::uint64_t bugs() const { return bugs_; }
+  /// Not even a frame of Cap'n Proto came.
+  bool is_garbled() const { return is_garbled_; }
+
+ private:
+  void hear_message(std::string_view frame);
+
+  std::string pending_{};
+  std::unordered_set<std::uint32_t> answered_{};
+  std::unordered_set<std::uint32_t> resulted_{};
+  std::uint64_t messages_ = 0;
+  std::uint64_t exceptions_ = 0;
+  std::uint64_t aborts_ = 0;
+  std::uint64_t bugs_ = 0;
+  bool is_garbled_ = false;
+};
+
+}  // namespace sleight::attack

@@ -1,0 +1,123 @@
+"""Goal: the backends of this machine and of other programs do what every backend has to. Method: the cases of
+backend_conformance.py through tests/backends, each call a process of its own; the program is the documented
+example, deploy/backends/sleight-example. What a program must not do is done by scripts. Slurm's are
+test_slurm_backend.py's."""
+
+import json
+import os
+import pathlib
+import unittest
+
+import backend_conformance
+import harness
+from harness import ProgramTest
+from service_harness import ServiceTest
+
+
+def engine(*arguments):
+    return [pathlib.Path(harness.arguments.bin).parent / "tests/sleight-backend", *arguments]
+
+
+class Local(backend_conformance.Conformance, ProgramTest):
+    def command(self):
+        return engine("--kind", "local", "--register", self.path("register"))
+
+    @unittest.skip("this machine always answers itself")
+    def test_a_system_that_does_not_answer_is_away(self):
+        pass
+
+
+class Example(backend_conformance.Conformance, ProgramTest):
+    asked_by_batch = True
+
+    def command(self):
+        program = pathlib.Path(harness.arguments.source).resolve() / "deploy/backends/sleight-example"
+        return engine("--kind", "program", "--program", program)
+
+    def environment(self):
+        return {**super().environment(), "SLEIGHT_EXAMPLE": str(self.path("example"))}
+
+    def wait_options(self):
+        return {"delay": "1000"}
+
+    def make_away(self):
+        self.path("example").rename(self.path("elsewhere"))
+        self.path("example").touch()
+
+    def come_back(self):
+        self.path("example").unlink()
+        self.path("elsewhere").rename(self.path("example"))
+
+
+@unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "for deploy/soak slurm")
+class ExampleAlone(Example):
+    """Without the service's own side of it."""
+
+    def command(self):
+        return [pathlib.Path(harness.arguments.source).resolve() / "deploy/backends/sleight-example"]
+
+
+class Service(ServiceTest):
+    """The daemon over such a program, to the end of a job."""
+
+    def environment(self):
+        return {**super().environment(), "SLEIGHT_EXAMPLE": str(self.path("example"))}
+
+    def test_a_job_waits_and_runs_beside_a_daemon_that_is_killed(self):
+        request = self.write_request(scans=2000)
+        options = ["--backend", pathlib.Path(harness.arguments.source).resolve() / "deploy/backends/sleight-example"]
+        self.serve(*options)
+        job = self.submit(request, "--option", "delay=3")
+        self.until(lambda: self.job(job)["reason"].endswith("waits: delay"))
+        self.kill_daemon()
+        self.serve(*options)
+        self.wait(job)
+        seen = self.job(job)
+        self.assertEqual((seen["starts"], seen["digest"]), (1, self.quiet_digest(request)))
+        record = self.attempt(job)
+        self.assertIn("--end-report", record["command"])
+        self.assertEqual(record["end"]["exit_code"], 0)
+
+
+class WrongPrograms(ProgramTest):
+    """The service's side of a program that does not do what is stated."""
+
+    def ask(self, script, verb="list", *options):
+        program = self.path("program")
+        program.write_text(f"#!/bin/bash\n{script}\n")
+        program.chmod(0o755)
+        question = {"version": 1, "daemon": "abcdefgh", "attempt": {"daemon": "abcdefgh", "job": 1, "epoch": 1}}
+        return harness.run([*engine("--kind", "program", "--program", program, *options), verb],
+                           input=json.dumps(question))
+
+    def test_what_counts_as_away(self):
+        for script in ("exit 75", "kill -9 $$", "echo nonsense", "echo '{}'", "true",
+                       """echo '{"version": 2, "attempts": []}'""", """echo '{"version": 1}'""",
+                       """echo '{"version": 1, "attempts": 3}'"""):
+            result = self.ask(script)
+            self.assertEqual(result.returncode, backend_conformance.AWAY, script)
+            self.assertNotEqual(result.stderr, "")
+
+    def test_one_that_does_not_end_is_killed(self):
+        for script in ("sleep 1000", "exec >&- 2>&-; sleep 1000", "sleep 1000 & exit 0"):
+            result = self.ask(script, "list", "--seconds", "0.3")
+            self.assertEqual(result.returncode, backend_conformance.AWAY, script)
+            self.assertIn("in time", result.stderr)
+
+    def test_refusals_are_told(self):
+        result = self.ask("echo no such project >&2; exit 3")
+        self.assertNotIn(result.returncode, (0, backend_conformance.AWAY))
+        self.assertIn("no such project", result.stderr)
+
+    def test_others_attempts_are_not_listed(self):
+        entry = {"attempt": {"daemon": "strangers", "job": 1, "epoch": 1}, "state": "running"}
+        result = self.ask(f"echo '{json.dumps({'version': 1, 'attempts': [entry]})}'")
+        self.assertEqual(json.loads(self.succeed(result).stdout)["attempts"], [])
+
+    def test_one_that_reads_nothing(self):
+        result = self.ask("""exec <&-; echo '{"version": 1, "attempts": [], "more": 1}'""")
+        self.assertEqual(json.loads(self.succeed(result).stdout)["attempts"], [])
+
+
+if __name__ == "__main__":
+    harness.main()

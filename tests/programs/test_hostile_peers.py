@@ -1,0 +1,278 @@
+"""Goal: over TLS nobody is served who may not be, odd names do nothing but be refused in printable words, dear
+requests are refused with their sum, and neither silent peers nor a killed daemon keep others from being served.
+Method: a daemon of its own that listens over TLS, real `sleight` processes that log in as from another machine,
+and sockets that say nothing."""
+
+import contextlib
+import itertools
+import json
+import pathlib
+import re
+import resource
+import signal
+import socket
+import subprocess
+import time
+
+import harness
+from service_harness import TlsServiceTest
+
+CLIENTS = 200
+SERVED_S_MAX = 5
+
+
+class Tokens(TlsServiceTest):
+    def test_wrong_expired_and_revoked_ones_let_nobody_in(self):
+        self.serve_over_tls()
+        unknown, _ = self.token("unknown")
+        # A daemon that never heard of it, at the same place with the same certificate.
+        self.kill_daemon(signal.SIGTERM)
+        (self.state / "tokens.json").unlink()
+        self.serve_over_tls()
+        good, _ = self.token("good")
+        revoked, revoked_id = self.token("revoked")
+        expired, _ = self.token("expired", "--expires", "1s")
+        expires = time.monotonic() + 1
+        self.succeed(self.ask("token", "revoke", revoked_id))
+        self.succeed(self.log_in("good", good))
+        # One that expires while it is logged in is refused from then on.
+        self.succeed(self.log_in("late", expired))
+        time.sleep(max(0, expires - time.monotonic()) + 0.1)
+        late = self.far("late", "list")
+        self.assertEqual(late.returncode, 9, late.stderr)
+        words = set()
+        for home, token in [("unknown", unknown), ("revoked", revoked), ("expired", expired)]:
+            refused = self.log_in(home, token)
+            self.assertEqual(refused.returncode, 9, refused.stderr)
+            words.add(refused.stderr)
+            self.assertFalse(self.path(home).exists(), "a token that is not valid is kept")
+        # Nobody learns which of them it was.
+        self.assertEqual(len(words), 1, words)
+        # What is no token is not even sent.
+        bad = self.path("bad.token")
+        for text in ["", "sleight_" + "0" * 70, good.read_text()[:-2], "../" * 1000, "\x1b[2J"]:
+            bad.write_text(text)
+            refused = self.log_in("bad", bad)
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+        self.succeed(self.far("good", "list"))
+
+    def test_a_token_that_is_revoked_ends_a_watch_within_a_second(self):
+        self.serve_over_tls()
+        token, token_id = self.token("watcher")
+        self.succeed(self.log_in("watcher", token))
+        held = self.submit(self.write_request(chains=1, scans=100_000_000))
+        self.succeed(self.ask("hold", held))
+        far = subprocess.Popen([harness.program("sleight"), "watch", str(held)], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True,
+                               env={**harness.environment(), **self.far_environment("watcher")})
+        self.addCleanup(far.kill)
+        self.until(lambda: self.ask_json("server", "status")["watchers"] == 1)
+        began = time.monotonic()
+        self.succeed(self.ask("token", "revoke", token_id))
+        told = time.monotonic()
+        words = far.communicate(timeout=30)[1]
+        took = time.monotonic() - told
+        print(f"the revocation took {told - began:.2f} s, the watch's end {took:.2f} s more")
+        self.assertEqual(far.returncode, 9, words)
+        # A second for the session, and what the client needs to ask again and to say so.
+        self.assertLess(took, 2)
+
+
+class Clients(TlsServiceTest):
+    def test_two_hundred_at_once_are_answered_and_outlive_a_killed_daemon(self):
+        self.serve_over_tls()
+        token, _ = self.token("many")
+        self.succeed(self.log_in("many", token))
+        held = self.submit(self.write_request(chains=1, scans=100_000_000))
+        self.succeed(self.ask("hold", held))
+        environment = {**harness.environment(), **self.far_environment("many")}
+        watchers = []
+        with contextlib.ExitStack() as ends:
+            for _ in range(CLIENTS):
+                watchers.append(ends.enter_context(subprocess.Popen(
+                    [harness.program("sleight"), "watch", str(held), "--json"], stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL, env=environment)))
+            ends.callback(lambda: [watcher.kill() for watcher in watchers])
+
+            def watching():
+                return self.ask_json("server", "status")["watchers"]
+
+            began = time.monotonic()
+            self.until(lambda: watching() == CLIENTS)
+            print(f"{CLIENTS} sessions after {time.monotonic() - began:.1f} s")
+            began = time.monotonic()
+            self.succeed(self.far("many", "list"))
+            self.assertLess(time.monotonic() - began, SERVED_S_MAX)
+            self.kill_daemon()
+            self.serve_over_tls()
+            began = time.monotonic()
+            self.until(lambda: watching() == CLIENTS)
+            print(f"all of them again after {time.monotonic() - began:.1f} s")
+            self.succeed(self.ask("cancel", held))
+            self.assertEqual({watcher.wait(timeout=60) for watcher in watchers}, {11})
+
+    def test_silent_peers_keep_nobody_out(self):
+        """Goal: more peers than there is room for, who say nothing, or half of a word, and stay: others come in.
+        Method: 100 strangers over TLS, where there is room for 64, and 550 on the socket, where there is for 512."""
+        soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+        self.addCleanup(resource.setrlimit, resource.RLIMIT_NOFILE, (soft, hard))
+        self.serve_over_tls()
+        token, _ = self.token("honest")
+        self.succeed(self.log_in("honest", token))
+        host, port = self.address.split(":")
+        with contextlib.ExitStack() as ends:
+            def peer(family, place, words):
+                one = ends.enter_context(socket.socket(family, socket.SOCK_STREAM))
+                one.settimeout(10)
+                # The daemon's own backlog may be full for a moment.
+                self.until(lambda: one.connect_ex(place) == 0, 10)
+                one.sendall(words)
+                return one
+
+            def served():
+                for ask in [lambda: self.ask("list"), lambda: self.far("honest", "list")]:
+                    began = time.monotonic()
+                    self.succeed(ask())
+                    self.assertLess(time.monotonic() - began, SERVED_S_MAX)
+
+            strangers = [peer(socket.AF_INET, (host, int(port)), b"\x16\x03\x01"[:i % 4]) for i in range(100)]
+            served()
+            here = [peer(socket.AF_UNIX, str(self.state / "socket"), b"abc"[:i % 3]) for i in range(550)]
+            served()
+            # It was an attack: some had to make room, and some are there still.
+            self.assertGreater(self.ask_json("server", "status")["connections"], 200)
+            ended = 0
+            for one in strangers + here:
+                one.setblocking(False)
+                try:
+                    one.recv(1)
+                except BlockingIOError:
+                    continue
+                except ConnectionResetError:
+                    pass
+                ended += 1
+            self.assertGreater(ended, 0)
+            self.assertLess(ended, 600)
+
+
+class Names(TlsServiceTest):
+    ODD = ["../../../../tmp/sleight-evil", "/etc/passwd", "\x1b[2J\x1b]0;evil\x07", "a\nb\r", "\x7f", "..", "%s%n",
+           "\udcff\udcfe", "\u202e", "x" * 100_000, "-1", "99999999999999999999999", "g", "1..", "3..1", " ", ""]
+
+    def refused(self, codes, result):
+        """In words that a terminal may show, of some length."""
+        self.assertIn(result.returncode, codes, result.stderr[:1000])
+        self.assertRegex(result.stderr, r"\S")
+        self.assertLess(len(result.stderr), 5000)
+        for line in result.stderr.splitlines():
+            self.assertIsNone(re.search(r"[\x00-\x08\x0b-\x1f\x7f\x80-\x9f\u202e]", line), repr(line[:300]))
+
+    def listing(self):
+        """All that this test's processes could have written, but what the service notes for itself."""
+        notes = ("state/audit", "sleightd.log", "state/jobs.")
+        found = sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
+        return [name for name in found if not name.startswith(notes)]
+
+    def text(self, name):
+        return name.encode(errors="surrogateescape")
+
+    def test_ids_are_refused(self):
+        self.serve_over_tls()
+        before = self.listing()
+        commands = itertools.cycle([["status"], ["cancel"], ["fetch"], ["token", "revoke"]])
+        for odd in self.ODD:
+            for command in itertools.islice(commands, 2):
+                self.refused({2}, self.raw(self.environment(), *command, "--", odd))
+        self.assertEqual(self.listing(), before)
+
+    def raw(self, env, *args):
+        """`sleight` with arguments of any bytes; what it says is text all the same."""
+        result = subprocess.run([self.text(harness.program("sleight")), *map(self.text, args)], capture_output=True,
+                                env={**harness.environment(), **env}, timeout=60, cwd=self.folder)
+        return subprocess.CompletedProcess(args, result.returncode, result.stdout.decode(), result.stderr.decode())
+
+    def test_servers_are_refused(self):
+        """Goal: a server's name is part of a file's; none leads out of its folder."""
+        self.serve_over_tls()
+        token, _ = self.token("any")
+        before = self.listing()
+        here = {"XDG_CONFIG_HOME": str(self.path("home"))}
+        for odd in self.ODD:
+            if odd.strip():
+                far = {**self.far_environment("home"), "SLEIGHT_SERVER": self.text(odd)}
+                self.refused({2, 12}, self.raw(far, "list"))
+            self.refused({2, 9, 12}, self.raw(here, "login", "--token-file", str(token), "--", odd))
+        # Of what no name leads to, nothing is deleted.
+        for odd in self.ODD[:4]:
+            self.refused({2}, self.raw(here, "logout", "--", odd))
+        self.assertEqual(self.listing(), before)
+
+    def test_names_of_jobs_and_tokens_are_texts_alone(self):
+        self.serve_over_tls()
+        request = self.write_request(chains=1, scans=10)
+        kept = {}
+        for odd in [*self.ODD[:5], "x" * 100_000]:
+            made = self.raw(self.environment(), "submit", str(request), "--json", "--name", odd)
+            if made.returncode == 0:
+                kept[odd] = json.loads(made.stdout)["id"]
+            else:
+                self.refused({2, 3}, made)
+        for odd in self.ODD:
+            named = self.raw(self.environment(), "token", "create", "--name", odd)
+            if named.returncode != 0:
+                self.refused({2, 3}, named)
+        # Names that are printable are as good as any, and lead nowhere: the job's folder is its number.
+        self.assertIn("../../../../tmp/sleight-evil", kept)
+        self.assertIn("/etc/passwd", kept)
+        self.assertNotIn("x" * 100_000, kept)
+        for number in kept.values():
+            self.wait(number)
+        for job in self.ask_json("list")["jobs"]:
+            self.assertIsNone(re.search(r"[\x00-\x1f\x7f]", job["name"]), job["name"])
+        self.assertEqual(sorted(int(path.name) for path in (self.state / "jobs").iterdir()), sorted(kept.values()))
+        self.assertFalse(pathlib.Path("/tmp/sleight-evil").exists())
+        # Shown to people, none of them does anything to a terminal.
+        for shown in [["list"], ["token", "list"], ["status", *map(str, kept.values())]]:
+            text = self.raw(self.environment(), *shown).stdout
+            self.assertIsNone(re.search(r"[\x00-\x08\x0b-\x1f\x7f]", text), repr(text))
+        # Fetched without a name for it, the file is the job's number.
+        fetched = self.path("fetched")
+        fetched.mkdir()
+        evil = str(kept["../../../../tmp/sleight-evil"])
+        self.succeed(harness.sleight("fetch", evil, env=self.environment(), cwd=fetched))
+        self.assertEqual([path.name for path in fetched.iterdir()], [f"job-{evil}.h5"])
+        self.refused({5}, self.raw(self.environment(), "fetch", evil, "-o", "no/such/../folder/x.h5"))
+        self.refused({4, 5}, self.raw(self.environment(), "fetch", evil, "-o", "/"))
+
+    def test_requests_of_a_megabyte_of_anything(self):
+        self.serve_over_tls()
+        for text in ["[world]\nname = \"" + "../" * 350_000 + "\"\n", "[" * 1_000_000, "a." * 500_000 + "b = 1",
+                     "\x1b[2J" * 250_000, "x" * 1_048_000]:
+            request = self.path("odd.toml")
+            request.write_text(text)
+            self.refused({3, 5}, self.ask("submit", request))
+        # Beyond a megabyte it is not even looked at.
+        request.write_text("#" * 1_100_000 + harness.request_text())
+        self.refused({3, 5}, self.ask("submit", request))
+        self.assertEqual(self.ask_json("list")["jobs"], [])
+
+    def test_a_request_that_is_too_dear_is_refused_with_its_sum(self):
+        self.serve_over_tls()
+        dear = self.ask("submit", self.write_request(chains=65536))
+        self.refused({5}, dear)
+        self.assertIn("65,536 chains = 65,536 states, and a job of this service has at most 16,384 states", dear.stderr)
+        self.assertIn("limits.states", dear.stderr)
+        long = self.ask("submit", self.write_request(chains=1000, scans=1_000_000_000, iterations_per_scan=1000))
+        self.refused({5}, long)
+        self.assertIn("1,000 chains x 1,000 iterations of a scan x 1,000,000,000 scans = "
+                      "1,000,000,000,000,000 simulations", long.stderr)
+        self.assertIn("limits.simulations", long.stderr)
+        # One of a group that is too dear refuses all.
+        group = self.ask("submit", self.write_request(chains=4), "--set", "sampler.chains={4,65536}")
+        self.refused({5}, group)
+        self.assertEqual(self.ask_json("list")["jobs"], [])
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,78 @@
+// Goal: programs are run with a bound on their time and their words, and nothing of them is left.
+#include "service/backend/tool.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <string>
+
+#include "common/base/clock.h"
+#include "common/base/error.h"
+
+namespace sleight::backend {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+ToolEnd run_shell(const std::string& script, ToolOptions options = {}) {
+  options.environment = environment_without({});
+  return run_tool({"sh", "-c", script}, options);
+}
+
+TEST(Tools, TellWhatTheyPrintAndHowTheyEnd) {
+  const ToolEnd end = run_shell("cat; echo word >&2; exit 3", {.input = std::string(300'000, 'x')});
+  EXPECT_EQ(end.exit_code, 3);
+  EXPECT_EQ(end.output, std::string(300'000, 'x'));
+  EXPECT_EQ(end.words, "word");
+  EXPECT_EQ(end.why(), "word");
+  EXPECT_FALSE(end.is_cut);
+  EXPECT_EQ(run_shell("exit 4").why(), "it ended with exit code 4");
+  EXPECT_EQ(run_shell("kill -9 $$").exit_code, -1);
+}
+
+TEST(Tools, AreBounded) {
+  const ToolEnd end = run_shell("head -c 100000 /dev/zero; head -c 100000 /dev/zero >&2",
+                                {.output_bytes_max = 1000, .words_bytes_max = 500});
+  EXPECT_TRUE(end.is_cut);
+  EXPECT_EQ(end.output.size(), 1000U);
+  EXPECT_LE(end.words.size(), 500U);
+}
+
+TEST(Tools, ThatTakeTooLongAreKilled) {
+  // Method: one that waits, one whose child keeps its output open, one that closes it and waits.
+  for (const char* script : {"sleep 1000", "sleep 1000 & exit 0", "exec >&- 2>&-; sleep 1000"}) {
+    const base::SteadyClock clock;
+    const double begin_s = clock.now_s();
+    EXPECT_TRUE(run_shell(script, {.seconds_max = 0.2}).was_too_slow) << script;
+    EXPECT_LT(clock.now_s() - begin_s, 10) << script;
+  }
+  const std::atomic<bool> stop = true;
+  EXPECT_TRUE(run_shell("sleep 1000", {.stop = &stop}).was_too_slow);
+}
+
+TEST(Tools, ThatReadNothingEndNobody) {
+  const ToolEnd end = run_shell("exec <&-; echo done", {.input = std::string(1'000'000, 'x')});
+  EXPECT_EQ(end.exit_code, 0);
+  EXPECT_EQ(end.output, "done\n");
+}
+
+TEST(Tools, ThatAreNotThereCannotBeStarted) {
+  EXPECT_THROW(run_tool({"sleight-no-such-program"}, {}), base::Error);
+}
+
+TEST(Tools, EnvironmentsLackWhatTheyAreToLack) {
+  ::setenv("SLURM_CONF", "c", 1);
+  ::setenv("SLURM_JOB_ID", "7", 1);
+  const auto variables = environment_without({"SLURM_"}, {"SLURM_CONF"});
+  EXPECT_THAT(variables, Contains("SLURM_CONF=c"));
+  EXPECT_THAT(variables, Not(Contains(HasSubstr("SLURM_JOB_ID"))));
+  ::unsetenv("SLURM_CONF");
+  ::unsetenv("SLURM_JOB_ID");
+}
+
+}  // namespace
+}  // namespace sleight::backend

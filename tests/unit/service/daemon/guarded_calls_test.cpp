@@ -1,0 +1,218 @@
+// Goal: a token's scopes decide what a session may do, nobody makes tokens by one, and the audit
+// log says who did what, whole, bounded, and whatever strangers try. Method: each call by each
+// single scope, with a handler that notes what reaches it; the log's lines are read back.
+#include "service/daemon/guarded_calls.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/access/token_text.h"
+#include "common/base/clock.h"
+#include "tests/unit/common/rpc/fake_service.h"
+
+namespace sleight::daemon {
+namespace {
+
+using rpc::Scope;
+using ::testing::HasSubstr;
+
+class GuardedCallsTest : public ::testing::Test {
+ protected:
+  GuardedCallsTest()
+      : folder_(std::filesystem::temp_directory_path() /
+                ("guarded-" + std::to_string(::getpid()) + "-" +
+                 ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    std::filesystem::create_directories(folder_);
+    inner_.jobs[1].view = {.id = {1}};
+  }
+  ~GuardedCallsTest() override { std::filesystem::remove_all(folder_); }
+
+  std::vector<nlohmann::json> lines(const char* name = "audit.log") const {
+    std::vector<nlohmann::json> read;
+    std::ifstream file(folder_ / name);
+    for (std::string line; std::getline(file, line);)
+      read.push_back(nlohmann::json::parse(line));
+    return read;
+  }
+  static rpc::Caller with(Scope scope) {
+    rpc::Caller caller{.user = 4001, .address = "192.0.2.7:5", .token_id = "0123456789"};
+    caller.scopes = {};
+    caller.scopes.add(scope);
+    return caller;
+  }
+  /// The kind of refusal that a call gets; none: it is let through.
+  template <class T, class Call>
+  static std::optional<rpc::RefusalKind> refusal(const Call& call) {
+    std::optional<rpc::RefusalKind> kind;
+    call(rpc::Reply<T>([&](base::Result<T, rpc::Refusal> answer) {
+      if (!answer.ok()) kind = answer.error().kind;
+    }));
+    return kind;
+  }
+  /// Names of the calls that this caller may make.
+  std::set<std::string> allowed(const rpc::Caller& caller) {
+    std::set<std::string> names;
+    const auto note = [&](const char* name, std::optional<rpc::RefusalKind> kind) {
+      if (kind != rpc::RefusalKind::not_allowed) names.insert(name);
+    };
+    using Touched = std::vector<rpc::Touched>;
+    const auto target = rpc::Target::of(rpc::JobId{1});
+    note("submit", refusal<rpc::Submitted>([&](auto reply) {
+           calls_.submit(caller, {.key = "k", .jobs = {{}}}, std::move(reply));
+         }));
+    note("list",
+         refusal<rpc::JobPage>([&](auto reply) { calls_.list(caller, {}, std::move(reply)); }));
+    note("status",
+         refusal<rpc::JobView>([&](auto reply) { calls_.status(caller, {1}, std::move(reply)); }));
+    const auto batch = calls_.events_after(caller, {.job = {1}}, 10);
+    note("watch", batch.ok() ? std::nullopt : std::optional(batch.error().kind));
+    note("logs", refusal<rpc::LogPiece>(
+                     [&](auto reply) { calls_.logs(caller, {.job = {1}}, std::move(reply)); }));
+    note("cancel",
+         refusal<Touched>([&](auto reply) { calls_.cancel(caller, target, std::move(reply)); }));
+    note("hold",
+         refusal<Touched>([&](auto reply) { calls_.hold(caller, target, std::move(reply)); }));
+    note("resume",
+         refusal<Touched>([&](auto reply) { calls_.resume(caller, target, std::move(reply)); }));
+    note("extend", refusal<Touched>(
+                       [&](auto reply) { calls_.extend(caller, target, {}, std::move(reply)); }));
+    note("erase",
+         refusal<Touched>([&](auto reply) { calls_.erase(caller, target, std::move(reply)); }));
+    note("pin",
+         refusal<Touched>([&](auto reply) { calls_.pin(caller, target, true, std::move(reply)); }));
+    note("set_priority", refusal<Touched>([&](auto reply) {
+           calls_.set_priority(caller, target, 1, std::move(reply));
+         }));
+    note("fetch", refusal<rpc::Fetched>(
+                      [&](auto reply) { calls_.fetch(caller, {.job = {1}}, std::move(reply)); }));
+    note("info",
+         refusal<rpc::ServerView>([&](auto reply) { calls_.info(caller, std::move(reply)); }));
+    note("drain",
+         refusal<rpc::Nothing>([&](auto reply) { calls_.drain(caller, std::move(reply)); }));
+    note("stop", refusal<rpc::Nothing>([&](auto reply) { calls_.stop(caller, std::move(reply)); }));
+    note("create_token", refusal<rpc::TokenView>([&](auto reply) {
+           calls_.create_token(caller, {.token = token_}, std::move(reply));
+         }));
+    note("list_tokens", refusal<std::vector<rpc::TokenView>>(
+                            [&](auto reply) { calls_.list_tokens(caller, std::move(reply)); }));
+    note("revoke_token", refusal<rpc::TokenView>([&](auto reply) {
+           calls_.revoke_token(caller, "0123456789", std::move(reply));
+         }));
+    return names;
+  }
+
+  std::filesystem::path folder_;
+  base::ManualClock clock_;
+  rpc::testing::FakeService inner_;
+  AuditLog audit_{folder_, clock_, 4000};
+  GuardedCalls calls_{inner_, audit_};
+  std::string token_ = access::text_of(access::draw_token());
+};
+
+TEST_F(GuardedCallsTest, EachScopeAllowsItsCallsAlone) {
+  const std::map<Scope, std::set<std::string>> expected = {
+      {Scope::read, {"list", "status", "watch", "logs", "fetch", "info"}},
+      {Scope::submit, {"submit"}},
+      {Scope::manage, {"cancel", "hold", "resume", "extend", "erase", "pin", "set_priority"}},
+      {Scope::operate, {"drain", "stop"}}};
+  for (const auto& [scope, calls] : expected)
+    EXPECT_EQ(allowed(with(scope)), calls) << rpc::name_of(scope);
+}
+
+TEST_F(GuardedCallsTest, AUserOfThisMachineMayDoAll) {
+  EXPECT_EQ(allowed({.user = 4001, .pid = 7}).size(), 19U);
+}
+
+TEST_F(GuardedCallsTest, TheLogSaysWhoDidWhat) {
+  refusal<rpc::Submitted>([&](auto reply) {
+    calls_.submit({.user = 4001, .pid = 7}, {.key = "k", .jobs = {{}, {}}}, std::move(reply));
+  });
+  refusal<std::vector<rpc::Touched>>([&](auto reply) {
+    calls_.cancel(with(Scope::read), rpc::Target::of(rpc::GroupId{5}), std::move(reply));
+  });
+  const auto read = lines();
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0]["call"], "submit");
+  EXPECT_EQ(read[0]["from"], "process 7");
+  EXPECT_EQ(read[0]["of"], "2 jobs");
+  EXPECT_EQ(read[0]["outcome"], "done");
+  EXPECT_FALSE(read[0]["made"].get<std::string>().empty());
+  EXPECT_EQ(read[1]["call"], "cancel");
+  EXPECT_EQ(read[1]["user"], 4001);
+  EXPECT_EQ(read[1]["from"], "192.0.2.7:5");
+  EXPECT_EQ(read[1]["token"], "0123456789");
+  EXPECT_EQ(read[1]["of"], "g5");
+  EXPECT_THAT(read[1]["outcome"].get<std::string>(), HasSubstr("not_allowed"));
+}
+
+// Strangers are as many lines as there are seconds, and each is counted.
+TEST_F(GuardedCallsTest, StrangersCantFillTheLog) {
+  for (int i = 0; i < 1000; ++i) {
+    audit_.note_stranger("203.0.113.9:1");
+    clock_.advance(0.01);
+  }
+  clock_.advance(1);
+  audit_.flush();
+  std::uint64_t times = 0;
+  for (const auto& line : lines())
+    times += line.value("times", 1);
+  EXPECT_LE(lines().size(), 12U);
+  EXPECT_EQ(times, 1000U);
+}
+
+TEST_F(GuardedCallsTest, TheLogIsBounded) {
+  for (int i = 0; i < 200; ++i)
+    audit_.note({.user = 4001, .pid = i}, {.call = "submit", .outcome = "done"});
+  EXPECT_LE(std::filesystem::file_size(folder_ / "audit.log"), 4000U);
+  EXPECT_LE(std::filesystem::file_size(folder_ / "audit.old.log"), 4000U);
+  EXPECT_EQ(lines().back()["from"], "process 199");
+  EXPECT_FALSE(lines("audit.old.log").empty());
+}
+
+// Names are other people's: nothing in them breaks a line or a reader.
+TEST_F(GuardedCallsTest, OddTextsStayInTheirLine) {
+  audit_.note({.user = 1, .pid = 1},
+              {.call = "submit", .of = "a\n{\"call\":\"stop\"}\x1b[2J\xff\xc3", .outcome = "done"});
+  ASSERT_EQ(lines().size(), 1U);
+  EXPECT_EQ(lines()[0]["call"], "submit");
+}
+
+TEST_F(GuardedCallsTest, LinesThatTheDiskDoesNotTakeAreCounted) {
+  std::filesystem::create_directory(folder_ / "gone");
+  AuditLog audit(folder_ / "gone", clock_);
+  std::filesystem::remove_all(folder_ / "gone");
+  audit.note({.user = 1}, {.call = "submit", .outcome = "done"});
+  audit.note({.user = 1}, {.call = "submit", .outcome = "done"});
+  std::filesystem::create_directory(folder_ / "gone");
+  audit.note({.user = 1}, {.call = "cancel", .outcome = "done"});
+  const auto read = lines("gone/audit.log");
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0]["times"], 2);
+  EXPECT_EQ(read[1]["call"], "cancel");
+}
+
+// A daemon that ends drops the calls before those who still owe an answer to one.
+TEST_F(GuardedCallsTest, AReplyThatOutlivesTheCallsIsNoted) {
+  inner_.keeps_fetches = true;
+  bool is_answered = false;
+  std::make_unique<GuardedCalls>(inner_, audit_)
+      ->fetch({.user = 1, .pid = 1}, {.job = {1}},
+              rpc::Reply<rpc::Fetched>([&](auto) { is_answered = true; }));
+  ASSERT_TRUE(lines().empty());
+  inner_.kept_fetches.clear();
+  EXPECT_TRUE(is_answered);
+  ASSERT_EQ(lines().size(), 1U);
+  EXPECT_EQ(lines()[0]["call"], "fetch");
+  EXPECT_THAT(lines()[0]["outcome"].get<std::string>(), HasSubstr("without an answer"));
+}
+
+}  // namespace
+}  // namespace sleight::daemon

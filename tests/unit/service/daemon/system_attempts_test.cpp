@@ -1,0 +1,383 @@
+// Goal: what a batch system and a job's folder say together becomes what the machine of jobs hears,
+// and silence never becomes an end. Method: a backend by hand, records as keepers write them, a
+// real loop.
+#include "service/daemon/system_attempts.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/base/file_system.h"
+#include "common/store/lease_files.h"
+
+namespace sleight::daemon {
+namespace {
+
+using backend::Cause;
+using backend::State;
+using ::testing::HasSubstr;
+
+constexpr jobs::JobId k_job{17};
+constexpr jobs::Attempt k_attempt{3};
+/// Of a test that has failed.
+constexpr double k_patience_s = 20;
+/// In which something would be heard that is not to be.
+constexpr double k_quiet_s = 0.5;
+
+/// Says what it is told to say.
+class HandBackend final : public backend::Backend {
+ public:
+  using Answer = std::function<backend::Seen()>;
+
+  backend::Seen launch(const backend::Order& order) override {
+    const std::scoped_lock lock(mutex_);
+    orders_.push_back(order);
+    return answer_();
+  }
+  backend::Seen state(const backend::AttemptName&) override {
+    const std::scoped_lock lock(mutex_);
+    return answer_();
+  }
+  bool signal(const backend::AttemptName&, keeper::Stop how) override {
+    const std::scoped_lock lock(mutex_);
+    signals_.push_back(how);
+    return true;
+  }
+  std::map<backend::AttemptName, backend::Seen> list(const std::string& daemon) override {
+    const std::scoped_lock lock(mutex_);
+    const backend::Seen seen = answer_();
+    if (seen.state == State::absent) return {};
+    return {{{.daemon = daemon, .job = k_job.value, .epoch = k_attempt.value}, seen}};
+  }
+  std::string log(const backend::AttemptName&, const std::string&, std::size_t) override {
+    return "slurmstepd: it burnt";
+  }
+  std::string title() const override { return "Slurm"; }
+
+  void says(Answer answer) {
+    const std::scoped_lock lock(mutex_);
+    answer_ = std::move(answer);
+  }
+  void says(const backend::Seen& seen) {
+    says([seen] { return seen; });
+  }
+  std::vector<backend::Order> orders() {
+    const std::scoped_lock lock(mutex_);
+    return orders_;
+  }
+  std::vector<keeper::Stop> signals() {
+    const std::scoped_lock lock(mutex_);
+    return signals_;
+  }
+
+ private:
+  std::mutex mutex_;
+  Answer answer_ = [] { return backend::Seen{}; };
+  std::vector<backend::Order> orders_;
+  std::vector<keeper::Stop> signals_;
+};
+
+class SystemAttemptsTest : public ::testing::Test {
+ protected:
+  SystemAttemptsTest()
+      : state_([] {
+          std::string pattern = "/tmp/sleight-system-XXXXXX";
+          return std::string(::mkdtemp(pattern.data()));
+        }()),
+        folders_(state_),
+        feeds_(folders_, clock_, [](jobs::JobId) {}),
+        attempts_({.loop = loop_,
+                   .clock = clock_,
+                   .files = files_,
+                   .folders = folders_,
+                   .feeds = feeds_,
+                   .backend = backend_,
+                   .daemon_id = "abcdefgh",
+                   .list_every_s = 0.02,
+                   .look_every_s = 0.02,
+                   .settle_s = 0.1,
+                   .programs = {.keeper = "/opt/sleight-keeper",
+                                .sleight = "/opt/sleight",
+                                .sleight_batch = "/opt/sleight-batch"},
+                   .text_of =
+                       [](auto, auto) {
+                         return LaunchText{.request = "# none\n", .options = {{"qos", "high"}}};
+                       },
+                   .hear =
+                       [this](jobs::Input input) {
+                         if (!std::holds_alternative<jobs::BackendNote>(input))
+                           heard_.push_back(std::move(input));
+                       }}) {
+    files_.make_folder(folders_.all());
+  }
+  ~SystemAttemptsTest() override { std::filesystem::remove_all(state_); }
+
+  void launch(std::uint32_t ranks = 0) {
+    attempts_.launch({.job = k_job,
+                      .attempt = k_attempt,
+                      .cores = 2,
+                      .ranks = ranks,
+                      .memory_bytes = 1'000'000'000});
+  }
+  void look() {
+    files_.make_folder(folders_.folder(k_job));
+    attempts_.look({.job = k_job, .attempt = k_attempt});
+  }
+  void spin(double seconds) {
+    const auto timer = loop_.call_later(seconds, [&] { loop_.stop(); });
+    loop_.run();
+  }
+  void until(const std::function<bool()>& holds) {
+    const double end_s = clock_.now_s() + k_patience_s;
+    while (!holds() && clock_.now_s() < end_s)
+      spin(0.01);
+    EXPECT_TRUE(holds()) << "waited in vain; " << heard_.size() << " were heard";
+  }
+  /// The newest sight of a kind, waited for.
+  template <class Kind>
+  Kind sight() {
+    until([&] { return newest<Kind>() != nullptr; });
+    const Kind* kind = newest<Kind>();
+    return kind == nullptr ? Kind{} : *kind;
+  }
+  template <class Kind>
+  const Kind* newest() const {
+    for (auto input = heard_.rbegin(); input != heard_.rend(); ++input) {
+      const auto* sight = std::get_if<jobs::Sight>(&*input);
+      if (sight == nullptr) continue;
+      EXPECT_EQ(sight->job, k_job);
+      EXPECT_EQ(sight->attempt, k_attempt);
+      if (const auto* kind = std::get_if<Kind>(&sight->seen)) return kind;
+    }
+    return nullptr;
+  }
+  template <class Kind>
+  bool has_heard() const {
+    return std::ranges::any_of(
+        heard_, [](const auto& input) { return std::holds_alternative<Kind>(input); });
+  }
+  bool has_heard_an_end() const {
+    return newest<jobs::Ended>() != nullptr || newest<jobs::Died>() != nullptr ||
+           has_heard<jobs::LaunchFailed>();
+  }
+
+  keeper::AttemptRecord record() const {
+    return {.attempt = static_cast<std::uint32_t>(k_attempt.value),
+            .keeper = {.pid = 1, .start_ticks = 1, .boot = "elsewhere"},
+            .command = {"/opt/sleight", "direct"}};
+  }
+  void write(const keeper::AttemptRecord& record) {
+    base::write_text_file(files_, folders_.folder(k_job) + "/attempt.json.new", to_text(record));
+    files_.rename(folders_.folder(k_job) + "/attempt.json.new",
+                  folders_.folder(k_job) + "/attempt.json");
+  }
+  void begins() { write(record()); }
+  void ends(events::End how) {
+    keeper::AttemptRecord ended = record();
+    ended.end = keeper::AttemptEnd{.exit_code = 0, .run_end = events::RunEnd{.end = how}};
+    write(ended);
+  }
+  void waits() { backend_->says({.state = State::waiting, .id = "812", .words = "Priority"}); }
+  void runs() { backend_->says({.state = State::running, .id = "812"}); }
+  void is_gone(const std::string& words, Cause cause) {
+    backend_->says({.state = State::gone, .id = "812", .words = words, .cause = cause});
+  }
+  /// As far as a run that goes on.
+  void launch_and_begin() {
+    waits();
+    launch();
+    sight<jobs::Pending>();
+    runs();
+    begins();
+    until([&] { return has_heard<jobs::Launched>(); });
+  }
+
+  std::string state_;
+  base::SteadyClock clock_;
+  base::PosixFileSystem files_;
+  JobFolders folders_;
+  Feeds feeds_;
+  rpc::Loop loop_;
+  std::shared_ptr<HandBackend> backend_ = std::make_shared<HandBackend>();
+  std::vector<jobs::Input> heard_;
+  SystemAttempts attempts_;
+};
+
+TEST_F(SystemAttemptsTest, WaitRunAndEnd) {
+  waits();
+  launch();
+  EXPECT_EQ(sight<jobs::Pending>().words, "Slurm job 812 waits: Priority");
+  spin(0.2);
+  EXPECT_EQ(heard_.size(), 1U) << "the same words once";
+  ASSERT_EQ(backend_->orders().size(), 1U);
+  const backend::Order order = backend_->orders().front();
+  EXPECT_EQ(to_text(order.name), "sleight:abcdefgh:17:3");
+  EXPECT_EQ(order.folder, folders_.folder(k_job));
+  EXPECT_EQ(order.memory_bytes, 1'000'000'000U);
+  EXPECT_EQ(order.options.at("qos"), "high");
+  EXPECT_THAT(order.command, ::testing::Contains("--batch"));
+  EXPECT_TRUE(files_.exists(folders_.request(k_job)));
+
+  runs();
+  until([&] { return newest<jobs::Pending>()->words.find("has begun") != std::string::npos; });
+  begins();
+  until([&] { return has_heard<jobs::Launched>(); });
+  attempts_.look({.job = k_job, .attempt = k_attempt});
+  sight<jobs::Running>();
+  ends(events::End::finished);
+  EXPECT_EQ(sight<jobs::Ended>().kind, jobs::EndKind::finished) << "whatever the system says yet";
+  EXPECT_EQ(attempts_.running(), 0U);
+}
+
+TEST_F(SystemAttemptsTest, RanksAskForTheMemoryOfAll) {
+  waits();
+  launch(8);
+  sight<jobs::Pending>();
+  const backend::Order order = backend_->orders().front();
+  EXPECT_EQ(order.ranks, 8U);
+  EXPECT_EQ(order.memory_bytes, 8'000'000'000U);
+  EXPECT_THAT(order.command, ::testing::IsSupersetOf({"--ranks", "mpirun", "/opt/sleight-batch"}));
+}
+
+TEST_F(SystemAttemptsTest, ThatSomebodyElseStoppedEndOnceItIsKnownWho) {
+  launch_and_begin();
+  ends(events::End::stop_requested);
+  spin(k_quiet_s);
+  EXPECT_FALSE(has_heard_an_end());
+  is_gone("CANCELLED", Cause::cancelled);
+  const auto ended = sight<jobs::Ended>();
+  EXPECT_EQ(ended.outside, jobs::Outside::cancelled);
+  EXPECT_EQ(ended.outside_words, "Slurm job 812: CANCELLED");
+}
+
+TEST_F(SystemAttemptsTest, ThatWeStoppedEndAtOnce) {
+  launch_and_begin();
+  attempts_.stop({.job = k_job, .attempt = k_attempt});
+  until([&] { return !backend_->signals().empty(); });
+  EXPECT_EQ(backend_->signals().front(), keeper::Stop::in_order);
+  ends(events::End::stop_requested);
+  EXPECT_EQ(sight<jobs::Ended>().outside, jobs::Outside::nothing);
+}
+
+TEST_F(SystemAttemptsTest, ThatLeaveNoEndHaveDied) {
+  launch_and_begin();
+  is_gone("NODE_FAIL", Cause::taken);
+  const auto died = sight<jobs::Died>();
+  EXPECT_EQ(died.words, "Slurm job 812: NODE_FAIL.");
+  EXPECT_EQ(died.outside, jobs::Outside::taken);
+}
+
+TEST_F(SystemAttemptsTest, WhoseEndIsSeenLateHaveNotDied) {
+  // Goal: a shared disk shows files late. Method: the end comes within the time that is allowed.
+  launch_and_begin();
+  is_gone("COMPLETED", Cause::itself);
+  spin(0.05);
+  ends(events::End::finished);
+  sight<jobs::Ended>();
+  EXPECT_EQ(newest<jobs::Died>(), nullptr);
+}
+
+TEST_F(SystemAttemptsTest, WhoseRunMayLiveOnALostNodeAreWaitedFor) {
+  // Method: a lease of 1.5 s of another machine, renewed as long as its holder lives.
+  launch_and_begin();
+  const std::string run = folders_.run(k_job);
+  files_.make_folder(run);
+  store::LeaseText lease{
+      .holder = {.host = "lost", .machine = "lost", .process = 1}, .token = "t", .lease_s = 1.5};
+  store::PosixLeaseFiles leases(run, lease.holder);
+  const auto own = leases.make(1, lease.to_text());
+  ASSERT_TRUE(own);
+  is_gone("NODE_FAIL", Cause::taken);
+  for (int i = 0; i < 20; ++i) {
+    ++lease.beat;
+    own->write(lease.to_text());
+    spin(0.1);
+  }
+  EXPECT_FALSE(has_heard_an_end());
+  sight<jobs::Died>();
+}
+
+TEST_F(SystemAttemptsTest, ThatNeverHadARecordSayWhatTheSystemSays) {
+  is_gone("FAILED (NonZeroExitCode)", Cause::itself);
+  launch();
+  const auto died = sight<jobs::Died>();
+  EXPECT_EQ(died.words, "Slurm job 812: FAILED (NonZeroExitCode).");
+  EXPECT_EQ(died.log_end, "slurmstepd: it burnt");
+}
+
+TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
+  // Method: another daemon looks at what an earlier one launched; its end, none, and no record.
+  look();
+  begins();
+  ends(events::End::stop_requested);
+  EXPECT_EQ(sight<jobs::Ended>().outside, jobs::Outside::nothing);
+  heard_.clear();
+  begins();
+  look();
+  EXPECT_THAT(sight<jobs::Died>().words, HasSubstr("has forgotten it"));
+  heard_.clear();
+  std::filesystem::remove(folders_.folder(k_job) + "/attempt.json");
+  look();
+  sight<jobs::NeverBegan>();
+  heard_.clear();
+  spin(k_quiet_s);
+  EXPECT_TRUE(heard_.empty()) << "that it isn't there is told to looks alone";
+}
+
+TEST_F(SystemAttemptsTest, OfASystemThatIsAwayAreUnknown) {
+  launch_and_begin();
+  backend_->says([]() -> backend::Seen { throw backend::Away("no controller"); });
+  attempts_.look({.job = k_job, .attempt = k_attempt});
+  EXPECT_THAT(sight<jobs::Unknown>().words, HasSubstr("no controller"));
+  spin(k_quiet_s);
+  EXPECT_FALSE(has_heard_an_end());
+  EXPECT_EQ(attempts_.running(), 1U);
+  runs();
+  attempts_.look({.job = k_job, .attempt = k_attempt});
+  sight<jobs::Running>();
+}
+
+TEST_F(SystemAttemptsTest, ThatAnAwaySystemMayHaveAreLookedForAndOthersAreNot) {
+  backend_->says([]() -> backend::Seen { throw backend::Away("lost", true); });
+  launch();
+  sight<jobs::Unknown>();
+  EXPECT_FALSE(has_heard<jobs::LaunchFailed>());
+  backend_->says([]() -> backend::Seen { throw backend::Away("away", false); });
+  launch();
+  until([&] { return has_heard<jobs::LaunchFailed>(); });
+  const auto* failed = std::get_if<jobs::LaunchFailed>(&heard_.back());
+  ASSERT_NE(failed, nullptr);
+  EXPECT_TRUE(failed->is_backend_away);
+}
+
+TEST_F(SystemAttemptsTest, ThatTheSystemRefusesFailWithItsWords) {
+  backend_->says([]() -> backend::Seen { throw base::Error("Invalid account"); });
+  launch();
+  until([&] { return has_heard<jobs::LaunchFailed>(); });
+  const auto* failed = std::get_if<jobs::LaunchFailed>(&heard_.back());
+  ASSERT_NE(failed, nullptr);
+  EXPECT_FALSE(failed->is_backend_away);
+  EXPECT_EQ(failed->words, "Invalid account");
+}
+
+TEST_F(SystemAttemptsTest, WhoseFolderIsDeletedAreEnded) {
+  launch_and_begin();
+  std::filesystem::remove_all(folders_.folder(k_job));
+  EXPECT_EQ(sight<jobs::Died>().words, "Its folder was deleted.");
+  until([&] { return !backend_->signals().empty(); });
+  EXPECT_EQ(backend_->signals().front(), keeper::Stop::now);
+}
+
+}  // namespace
+}  // namespace sleight::daemon
