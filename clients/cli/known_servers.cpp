@@ -1,6 +1,5 @@
 #include "clients/cli/known_servers.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -12,7 +11,6 @@
 
 #include "clients/cli/own_folder.h"
 #include "clients/cli/service_call.h"
-#include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 
@@ -72,20 +70,11 @@ std::string remember(const rpc::RemoteService& service) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed || ::chmod(folder.c_str(), S_IRWXU) != 0) fail_at(folder.string());
-  const std::string beside = path + ".new";
-  static_cast<void>(::unlink(beside.c_str()));
-  {
-    // For its owner alone from the first byte on.
-    const base::Descriptor made(
-        ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-    if (!made) fail_at(beside);
-  }
   const nlohmann::ordered_json json{{"server", access::text_of(service.address)},
                                     {"token", service.token},
                                     {"certificate", service.certificate}};
   base::PosixFileSystem files;
-  base::write_text_file(files, beside, json.dump(1) + "\n");
-  files.rename(beside, path);
+  base::replace_text_file(files, path, json.dump(1) + "\n", base::Readers::owner);
   return path;
 }
 

@@ -41,13 +41,7 @@ void make_state_folder(const std::string& state) {
 std::string daemon_id_of(const std::string& state) {
   base::PosixFileSystem files;
   const std::string path = state + "/daemon.id";
-  if (!files.exists(path)) {
-    const std::string beside = path + ".new";
-    base::write_text_file(files, beside, access::draw_token().id + "\n");
-    files.sync_file(beside);
-    files.rename(beside, path);
-    files.sync_directory_of(path);
-  }
+  if (!files.exists(path)) base::replace_text_file(files, path, access::draw_token().id + "\n");
   std::string id = base::read_text_file(path, 100);
   while (!id.empty() && id.back() == '\n')
     id.pop_back();

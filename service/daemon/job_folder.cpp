@@ -37,12 +37,7 @@ void JobFolders::write_request(jobs::JobId job, const std::string& text,
                                base::FileSystem& files) const {
   files.make_folder(all());
   files.make_folder(folder(job));
-  const std::string path = request(job);
-  const std::string beside = path + ".new";
-  base::write_text_file(files, beside, text);
-  files.sync_file(beside);
-  files.rename(beside, path);
-  files.sync_directory_of(path);
+  base::replace_text_file(files, request(job), text);
   files.sync_directory_of(folder(job));
 }
 

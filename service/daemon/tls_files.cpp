@@ -1,14 +1,9 @@
 #include "service/daemon/tls_files.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <system_error>
-
-#include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 
@@ -39,22 +34,6 @@ access::Keypair checked(access::Keypair keypair, const std::string& certificate_
   return keypair;
 }
 
-/// For its owner alone from the first byte on.
-void write_secret(base::FileSystem& files, const std::string& path, const std::string& text) {
-  const std::string beside = path + ".new";
-  static_cast<void>(::unlink(beside.c_str()));
-  const base::Descriptor made(
-      ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!made) {
-    throw base::Error(
-        fmt::format("{}: can't write it: {}", beside, std::system_category().message(errno)));
-  }
-  base::write_text_file(files, beside, text);
-  files.sync_file(beside);
-  files.rename(beside, path);
-  files.sync_directory_of(path);
-}
-
 }  // namespace
 
 access::Keypair keypair_of(const std::string& state, const std::string& certificate_path,
@@ -68,8 +47,8 @@ access::Keypair keypair_of(const std::string& state, const std::string& certific
     const access::Keypair made = access::make_self_signed();
     files.make_folder(folder);
     // The key first: with the certificate both are there.
-    write_secret(files, key, made.key);
-    write_secret(files, certificate, made.certificate);
+    base::replace_text_file(files, key, made.key, base::Readers::owner);
+    base::replace_text_file(files, certificate, made.certificate);
     return made;
   }
   refuse_if_others_read(key);

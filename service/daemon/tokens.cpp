@@ -93,12 +93,9 @@ void Tokens::write() {
   for (const auto& [id, kept] : tokens_)
     list.push_back(json_of(kept.view, kept.hash));
   const nlohmann::json whole{{"format", k_format}, {"tokens", std::move(list)}};
-  const std::string beside = path_ + ".new";
-  base::write_text_file(files_, beside,
-                        whole.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-  files_.sync_file(beside);
-  files_.rename(beside, path_);
-  files_.sync_directory_of(path_);
+  base::replace_text_file(
+      files_, path_, whole.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n",
+      base::Readers::owner);
   is_saved_ = true;
   has_new_uses_ = false;
 }
