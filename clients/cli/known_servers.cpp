@@ -13,6 +13,7 @@
 #include "clients/cli/service_call.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/replaced_file.h"
 
 namespace sleight::cli {
 namespace {

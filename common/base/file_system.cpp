@@ -13,7 +13,6 @@
 #include <optional>
 #include <utility>
 
-#include "common/base/descriptor.h"
 #include "common/base/error.h"
 
 namespace sleight::base {
@@ -163,21 +162,6 @@ void write_text_file(FileSystem& files, const std::string& path, std::string_vie
   const std::unique_ptr<File> file = std::move(created).value();
   check(file->write_at(0, bytes_of(std::span<const char>(text.data(), text.size()))));
   check(file->close());
-}
-
-void replace_text_file(FileSystem& files, const std::string& path, std::string_view text,
-                       Readers readers) {
-  const std::string beside = path + ".new";
-  if (readers == Readers::owner) {
-    static_cast<void>(::unlink(beside.c_str()));
-    const Descriptor made(
-        ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-    if (!made) throw Error(fmt::format("{}: can't make it: {}", beside, last_error().message()));
-  }
-  write_text_file(files, beside, text);
-  files.sync_file(beside);
-  files.rename(beside, path);
-  files.sync_directory_of(path);
 }
 
 std::string read_text_file(const std::string& path, std::size_t bytes_max) {

@@ -77,17 +77,6 @@ std::string directory_of(const std::string& path);
 /// base::Error.
 void write_text_file(FileSystem& files, const std::string& path, std::string_view text);
 
-/// Who may read a file that is made.
-enum class Readers : std::uint8_t {
-  usual,  ///< as the process's umask has it
-  owner   ///< from its first byte on
-};
-
-/// As write_text_file, but in one step and durable: written beside it, synced and renamed. What an
-/// earlier try left beside it goes. Throws base::Error; then the old content stands.
-void replace_text_file(FileSystem& files, const std::string& path, std::string_view text,
-                       Readers readers = Readers::usual);
-
 /// The whole of a text file. Throws base::Error when it can't be read or exceeds `bytes_max`.
 std::string read_text_file(const std::string& path, std::size_t bytes_max);
 

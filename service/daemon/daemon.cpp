@@ -15,6 +15,7 @@
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/replaced_file.h"
 #include "common/logging/log.h"
 #include "common/rpc/server.h"
 #include "service/backend/backend.h"

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <system_error>
 
+#include "common/base/replaced_file.h"
+
 #include "service/keeper/command.h"
 
 namespace sleight::daemon {

@@ -6,6 +6,7 @@
 
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/replaced_file.h"
 
 namespace sleight::daemon {
 namespace {

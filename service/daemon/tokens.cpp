@@ -8,6 +8,7 @@
 
 #include "common/access/token_text.h"
 #include "common/base/error.h"
+#include "common/base/replaced_file.h"
 #include "common/logging/log.h"
 
 namespace sleight::daemon {
