@@ -115,6 +115,13 @@ std::string certificate_for(const LoginOptions& options, const access::ServerAdd
   if (options.fingerprint.empty()) return {};
   std::string pem = access::certificate_shown_at(address, k_login_s_max);
   const std::string seen = access::fingerprint_of(pem);
+  if (!access::is_self_signed(pem)) {
+    usage_error(
+        fmt::format("the certificate of {} is an authority's, which is not known by its "
+                    "fingerprint: give --ca FILE with the authority's own, or neither where "
+                    "the system trusts it",
+                    access::text_of(address)));
+  }
   if (plain_fingerprint(seen) == plain_fingerprint(options.fingerprint)) return pem;
   throw base::Error(base::ExitCode::not_allowed,
                     fmt::format("{} shows the certificate {}, not the one that was given: either "
@@ -133,9 +140,21 @@ int login(const LoginOptions& options) {
   try {
     client.enter();
   } catch (const rpc::NotTrusted&) {
+    const std::string pem = access::certificate_shown_at(address, k_login_s_max);
+    if (!access::is_self_signed(pem)) {
+      throw base::Error(
+          base::ExitCode::not_allowed,
+          fmt::format("{} shows an authority's certificate, and {}. It must be valid today and for "
+                      "the name {}: a DNS name of it, as numbers are not looked for",
+                      access::text_of(address),
+                      options.ca_file.empty()
+                          ? "nobody that the system trusts vouches for it; --ca "
+                            "FILE trusts another"
+                          : "the given one does not vouch for it",
+                      address.host));
+    }
     if (!service.certificate.empty()) throw;
-    const std::string seen =
-        access::fingerprint_of(access::certificate_shown_at(address, k_login_s_max));
+    const std::string seen = access::fingerprint_of(pem);
     throw base::Error(
         base::ExitCode::not_allowed,
         fmt::format("nobody that is trusted here vouches for {0}. It shows the certificate\n  {1}\n"

@@ -211,8 +211,7 @@ struct Client::Impl final : Link {
                     "whoever runs it, and `sleight login {0}` again",
                     name)
               : fmt::format("nobody that is trusted here vouches for the certificate of the server "
-                            "at {0}; `sleight login {0} --fingerprint SHA256:...` knows it by its "
-                            "fingerprint, --ca FILE trusts an authority",
+                            "at {}, for this name and today; `sleight login` again",
                             name));
     }
   }

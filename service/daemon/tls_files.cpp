@@ -7,6 +7,7 @@
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/replaced_file.h"
+#include "common/logging/log.h"
 
 namespace sleight::daemon {
 namespace {
@@ -45,6 +46,12 @@ access::Keypair keypair_of(const std::string& state, const std::string& certific
   const std::string certificate = is_own ? folder + "/certificate.pem" : certificate_path;
   const std::string key = is_own ? folder + "/key.pem" : key_path;
   if (is_own && !(files.exists(certificate) && files.exists(key))) {
+    if (files.exists(certificate)) {
+      logging::warn(
+          fmt::format("{} is gone: certificate and key are made anew, and those who have "
+                      "logged in have to do it again",
+                      key));
+    }
     const access::Keypair made = access::make_self_signed();
     files.make_folder(folder);
     // The key first: with the certificate both are there.

@@ -72,6 +72,13 @@ Verdict ends_outside(const Job& job, Outside outside, const std::string& how) {
                        .backs_off = job.counts.scans <= job.scans_at_attempt});
 }
 
+/// What others say may lack its end.
+std::string sentence(std::string words) {
+  if (!words.empty() && std::string_view(".!?").find(words.back()) == std::string_view::npos)
+    words += '.';
+  return words;
+}
+
 Verdict dies(const Job& job, const std::string& how, std::string_view log_end,
              std::string_view repeat, const Options& options) {
   const std::uint32_t deaths = deaths_with_this(job);
@@ -86,7 +93,7 @@ Verdict dies(const Job& job, const std::string& how, std::string_view log_end,
   }
   return goes_on(job, {.to = State::queued,
                        .reason = Reason::died,
-                       .words = fmt::format("{} It starts again by itself.", how),
+                       .words = fmt::format("{} It starts again by itself.", sentence(how)),
                        .backs_off = true,
                        .is_death = true});
 }

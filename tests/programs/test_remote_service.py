@@ -150,6 +150,12 @@ class Remote(TlsServiceTest):
         # The same certificate, for a host that it doesn't name.
         result = self.far("laptop", "login", number, *by_authority)
         self.assertEqual(result.returncode, 9, result.stderr)
+        self.assertIn("for the name 127.0.0.1", result.stderr)
+        # A fingerprint is for certificates that the service makes itself.
+        result = self.far("laptop", "login", self.address, "--token-file", file, "--fingerprint",
+                          self.ask_json("server", "status")["fingerprint"])
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("give --ca FILE", result.stderr)
         # Where the system trusts the authority nothing else is needed.
         trusting = {**self.far_environment("laptop"), "SSL_CERT_FILE": str(folder / "ca.pem")}
         self.succeed(harness.sleight("login", self.address, "--token-file", file, env=trusting))
