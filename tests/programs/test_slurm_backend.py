@@ -25,6 +25,7 @@ MinJobAge=300
 KillWait=5
 """
 CHAINS = 2
+CONTROLLER_SAVES_S = 10
 RUN_S = 12
 WORK = {"chains": CHAINS, "iterations_per_scan": 1000, "thin": 50}
 
@@ -69,6 +70,8 @@ class Slurm(backend_conformance.Conformance, ProgramTest):
         return {"more": "--begin=now+1000"}
 
     def make_away(self):
+        # An attempt whose start it has not saved yet it would end itself when it comes back.
+        time.sleep(CONTROLLER_SAVES_S)
         self.slurm.kill("slurmctld")
 
     def come_back(self):
