@@ -4,7 +4,7 @@
 //    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}
 //
 //   call     login, submit, cancel, hold, resume, extend, erase, pin, set_priority, fetch, drain,
-//            stop, create_token, revoke_token
+//            stop, create_token, list_tokens, revoke_token
 //   from     a peer's address, or "process 4242" of this machine; token: none of a Unix socket's
 //   outcome  "done", or the refusal's kind and sentence
 //

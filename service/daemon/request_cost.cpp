@@ -32,6 +32,11 @@ std::optional<std::uint64_t> scans_of(const request::DirectionRequest& request) 
   return product(request.sampler.round_scans, doubled);
 }
 
+/// "4 chains", "1 chain".
+std::string counted(std::uint64_t count, const char* what) {
+  return fmt::format("{} {}{}", grouped(count), what, count == 1 ? "" : "s");
+}
+
 rpc::Refusal too_dear(const std::string& sum, std::uint64_t most, const char* what,
                       const char* setting, const char* key) {
   return {.kind = rpc::RefusalKind::limit,
@@ -47,7 +52,7 @@ rpc::Refusal too_dear(const std::string& sum, std::uint64_t most, const char* wh
 RequestCost cost_of(const request::DirectionRequest& request) {
   const request::SamplerParameters& sampler = request.sampler;
   RequestCost cost{.states = sampler.chains};
-  std::string factors = fmt::format("{} chains", grouped(sampler.chains));
+  std::string factors = counted(sampler.chains, "chain");
   if (is_tempered(sampler.method)) {
     const std::uint64_t replicas = sampler.replicas.value_or(request::k_chosen_replicas_max);
     cost.states = product(cost.states, replicas);
@@ -60,11 +65,10 @@ RequestCost cost_of(const request::DirectionRequest& request) {
   }
   cost.states_sum = fmt::format("{} = {} states", factors, grouped(cost.states));
   if (const auto scans = scans_of(request); scans && sampler.chains > 0) {
-    const std::uint64_t each = product(sampler.iterations_per_scan, *scans);
-    cost.simulations = product(cost.states, each);
-    cost.simulations_sum = fmt::format("{} x {} iterations of a scan x {} scans = {} simulations",
-                                       factors, grouped(sampler.iterations_per_scan),
-                                       grouped(*scans), grouped(*cost.simulations));
+    cost.simulations = product(cost.states, product(sampler.iterations_per_scan, *scans));
+    cost.simulations_sum = fmt::format(
+        "{} x {} of a scan x {} = {}", factors, counted(sampler.iterations_per_scan, "iteration"),
+        counted(*scans, "scan"), counted(*cost.simulations, "simulation"));
   }
   return cost;
 }

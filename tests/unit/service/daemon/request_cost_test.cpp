@@ -39,6 +39,11 @@ TEST(RequestCostTest, SimulationsFollowFromScansAndRounds) {
   EXPECT_EQ(cost_of(asked).simulations, 40'000U);
   EXPECT_THAT(cost_of(asked).simulations_sum,
               HasSubstr("4 chains x 10 iterations of a scan x 1,000 scans = 40,000 simulations"));
+  auto small = request_with(Method::metropolis_hastings, 1);
+  small.sampler.iterations_per_scan = 1;
+  small.stop.scans = 7;
+  EXPECT_EQ(cost_of(small).simulations_sum,
+            "1 chain x 1 iteration of a scan x 7 scans = 7 simulations");
   asked.stop.scans.reset();
   asked.stop.rounds = 3;
   EXPECT_EQ(cost_of(asked).simulations, 4U * 10U * 64U * 7U);
