@@ -171,7 +171,8 @@ int login(const LoginOptions& options) {
   if (options.json) {
     fmt::print("{}\n", indented({{"server", name}, {"file", path}}));
   } else {
-    fmt::print("logged in to {0}; its jobs are those of\n  export SLEIGHT_SERVER={0}\n", name);
+    fmt::print("logged in to {0}. This makes commands go there:\n  export SLEIGHT_SERVER={0}\n",
+               name);
   }
   return static_cast<int>(base::ExitCode::ok);
 }
