@@ -42,7 +42,15 @@ void make_state_folder(const std::string& state) {
 std::string daemon_id_of(const std::string& state) {
   base::PosixFileSystem files;
   const std::string path = state + "/daemon.id";
-  if (!files.exists(path)) base::replace_text_file(files, path, access::draw_token().id + "\n");
+  if (!files.exists(path)) {
+    if (files.exists(state + "/jobs")) {
+      logging::warn(
+          fmt::format("{} is not there and is drawn anew: what a batch system has of this "
+                      "service under an earlier one is not found",
+                      path));
+    }
+    base::replace_text_file(files, path, access::draw_token().id + "\n");
+  }
   std::string id = base::read_text_file(path, 100);
   while (!id.empty() && id.back() == '\n')
     id.pop_back();

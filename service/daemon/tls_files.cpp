@@ -17,7 +17,8 @@ constexpr std::size_t k_pem_bytes_max = std::size_t{1} << 20U;
 /// A secret that others can read is none.
 void refuse_if_others_read(const std::string& path) {
   struct stat seen = {};
-  if (::stat(path.c_str(), &seen) != 0 || (seen.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
+  if (::stat(path.c_str(), &seen) != 0 || !S_ISREG(seen.st_mode)) return;  // reading it says so
+  if ((seen.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
   // A group that has the key for its services, as Debian's ssl-cert.
   const bool is_group_reader = (seen.st_mode & S_IRWXO) == 0 && (seen.st_mode & S_IWGRP) == 0;
   if (is_group_reader && seen.st_uid != ::geteuid()) return;
@@ -26,12 +27,13 @@ void refuse_if_others_read(const std::string& path) {
       fmt::format("{}: others than its owner can read this key; `chmod 600` it", path));
 }
 
-access::Keypair checked(access::Keypair keypair, const std::string& certificate_path) {
+access::Keypair checked(access::Keypair keypair, const std::string& certificate_path,
+                        const std::string& key_path) {
   try {
     access::check_keypair(keypair);
   } catch (const base::Error& failure) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: {}", certificate_path, failure.what()));
+                      fmt::format("{} with {}: {}", certificate_path, key_path, failure.what()));
   }
   return keypair;
 }
@@ -62,7 +64,7 @@ access::Keypair keypair_of(const std::string& state, const std::string& certific
   refuse_if_others_read(key);
   return checked({.certificate = base::read_text_file(certificate, k_pem_bytes_max),
                   .key = base::read_text_file(key, k_pem_bytes_max)},
-                 certificate);
+                 certificate, key);
 }
 
 }  // namespace sleight::daemon
