@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "service/backend/tool.h"
+#include "service/keeper/command.h"
+#include "service/keeper/tool.h"
 
 namespace sleight::backend {
 namespace {
@@ -31,14 +32,14 @@ std::string ProgramBackend::title() const {
 
 std::string ProgramBackend::ask(std::string_view verb, const Question& question) const {
   const bool is_launch = verb == "launch";
-  ToolEnd end;
+  keeper::ToolEnd end;
   try {
-    end =
-        run_tool({settings_.program, std::string(verb)}, {.input = text_of_question(verb, question),
-                                                          .seconds_max = settings_.answer_s_max,
-                                                          .output_bytes_max = k_message_bytes_max,
-                                                          .environment = environment_without({}),
-                                                          .stop = &is_ending_});
+    end = keeper::run_tool({settings_.program, std::string(verb)},
+                           {.input = text_of_question(verb, question),
+                            .seconds_max = settings_.answer_s_max,
+                            .output_bytes_max = k_message_bytes_max,
+                            .environment = keeper::whole_environment(),
+                            .stop = &is_ending_});
   } catch (const base::Error& failure) {
     throw Away(failure.what());
   }

@@ -34,14 +34,14 @@ SlurmBackend::SlurmBackend(SlurmSettings settings, const base::Clock& clock)
     : settings_(std::move(settings)),
       clock_(clock),
       // A daemon may run in a job itself, and its people may have wishes for squeue of their own.
-      environment_(
-          environment_without({"SBATCH_", "SQUEUE_", "SCANCEL_", "SLURM_"}, {"SLURM_CONF"})) {
+      environment_(keeper::environment_without({"SBATCH_", "SQUEUE_", "SCANCEL_", "SLURM_"},
+                                               {"SLURM_CONF"})) {
   slurm_wishes_of(settings_.defaults, {});
 }
 
-ToolEnd SlurmBackend::run(const std::vector<std::string>& command) {
+keeper::ToolEnd SlurmBackend::run(const std::vector<std::string>& command) {
   try {
-    return run_tool(
+    return keeper::run_tool(
         command,
         {.seconds_max = settings_.tool_s_max, .environment = environment_, .stop = &is_ending_});
   } catch (const base::Error& failure) {
@@ -68,8 +68,8 @@ const SlurmQueue& SlurmBackend::queue(bool afresh) {
 }
 
 void SlurmBackend::ask(double now_s) {
-  const ToolEnd end = run({settings_.squeue, fmt::format("--user={}", ::getuid()), "--states=all",
-                           "--noheader", "-o", k_squeue_format});
+  const keeper::ToolEnd end = run({settings_.squeue, fmt::format("--user={}", ::getuid()),
+                                   "--states=all", "--noheader", "-o", k_squeue_format});
   // Part of a queue would make the rest absent.
   if (end.exit_code != 0 || end.is_cut)
     throw Away(fmt::format("squeue: {}", end.is_cut ? "it says too much" : end.why()));
@@ -140,7 +140,7 @@ std::vector<std::string> SlurmBackend::submission_of(const Order& order) const {
 void SlurmBackend::submit(const Order& order) {
   const std::vector<std::string> command = submission_of(order);
   unsure_.insert(order.name);
-  const ToolEnd end = run(command);
+  const keeper::ToolEnd end = run(command);
   const std::string id = end.exit_code == 0 ? slurm_number_in(end.output) : std::string();
   if (id.empty()) {
     if (end.exit_code <= 0 || says_away(end.words))
@@ -166,7 +166,7 @@ bool SlurmBackend::signal(const AttemptName& name, keeper::Stop how) {
     // One that has begun since would be killed: it is asked anew, as what runs.
     if (how == keeper::Stop::in_order && !is_told) command.emplace_back("--state=PENDING");
     command.push_back(job.id);
-    const ToolEnd end = run(command);
+    const keeper::ToolEnd end = run(command);
     const bool is_gone = says_gone(end.words);
     if (end.exit_code != 0 && !is_gone) throw Away(fmt::format("scancel: {}", end.why()));
     if (!is_told && !is_gone) cancelled_.insert(job.id);

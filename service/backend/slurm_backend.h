@@ -29,7 +29,7 @@
 #include "common/base/clock.h"
 #include "service/backend/backend.h"
 #include "service/backend/slurm_queue.h"
-#include "service/backend/tool.h"
+#include "service/keeper/tool.h"
 
 namespace sleight::backend {
 
@@ -71,7 +71,7 @@ class SlurmBackend final : public Backend {
   std::vector<std::string> submission_of(const Order& order) const;
   void submit(const Order& order);
   Seen seen_in(const SlurmQueue& queue, const AttemptName& name) const;
-  ToolEnd run(const std::vector<std::string>& command);
+  keeper::ToolEnd run(const std::vector<std::string>& command);
 
   SlurmSettings settings_;
   const base::Clock& clock_;

@@ -14,8 +14,8 @@
 #include "common/base/error.h"
 #include "common/hash/sha256.h"
 #include "common/logging/log.h"
-#include "service/daemon/child_process.h"
 #include "service/daemon/views.h"
+#include "service/keeper/command.h"
 
 namespace sleight::daemon {
 namespace {
@@ -27,11 +27,9 @@ rpc::Refusal refusal(rpc::RefusalKind kind, std::string sentence, std::string wh
 }
 
 /// What the program said last, without its name and the job's folder.
-std::string last_line(const std::string& output) {
-  std::string text = output;
-  while (!text.empty() && text.back() == '\n')
-    text.pop_back();
-  text = text.substr(text.find_last_of('\n') + 1);
+std::string last_line(const keeper::ToolEnd& end) {
+  const std::string text =
+      end.words.empty() ? end.why() : end.words.substr(end.words.find_last_of('\n') + 1);
   constexpr std::string_view k_name = "sleight: ";
   return text.starts_with(k_name) ? text.substr(k_name.size()) : text;
 }
@@ -88,13 +86,20 @@ void Fetching::fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string s
        std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
 }
 
+/// Beside the cores that jobs have, and no longer than the daemon.
+keeper::ToolEnd Fetching::run_maker(const std::vector<std::string>& command) const {
+  return keeper::run_tool(command, {.seconds_max = k_make_s_max,
+                                    .environment = keeper::program_environment(),
+                                    .yields = true,
+                                    .stop = &parts_.maker.ending()});
+}
+
 Fetching::Files Fetching::derived(jobs::JobId job, const std::string& made) const {
-  const ChildEnd end =
-      run_child({parts_.sleight, "archive", "derive", parts_.folders.run(job), "-o", made},
-                {.seconds_max = k_make_s_max, .stop = &parts_.maker.ending(), .yields = true});
+  const keeper::ToolEnd end =
+      run_maker({parts_.sleight, "archive", "derive", parts_.folders.run(job), "-o", made});
   if (end.exit_code != 0) {
-    return refusal(rpc::RefusalKind::environment, fmt::format("No archive of job {} so far: {}",
-                                                              job.value, last_line(end.output)));
+    return refusal(rpc::RefusalKind::environment,
+                   fmt::format("No archive of job {} so far: {}", job.value, last_line(end)));
   }
   return std::vector<Found>{
       {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
@@ -126,11 +131,10 @@ Fetching::Files Fetching::recordings(jobs::JobId job, const std::string& segment
     command.emplace_back("--animation");
     command.push_back(std::to_string(id));
   }
-  const ChildEnd end = run_child(
-      command, {.seconds_max = k_make_s_max, .stop = &parts_.maker.ending(), .yields = true});
+  const keeper::ToolEnd end = run_maker(command);
   if (end.exit_code != 0) {
-    return refusal(rpc::RefusalKind::not_found, fmt::format("No such recordings of job {}: {}",
-                                                            job.value, last_line(end.output)));
+    return refusal(rpc::RefusalKind::not_found,
+                   fmt::format("No such recordings of job {}: {}", job.value, last_line(end)));
   }
   return std::vector<Found>{
       {.path = made, .name = fmt::format("job-{}-recordings.csv", job.value), .is_ours = true}};

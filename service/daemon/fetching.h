@@ -22,6 +22,7 @@
 #include "common/rpc/loop.h"
 #include "service/daemon/job_folder.h"
 #include "service/daemon/worker.h"
+#include "service/keeper/tool.h"
 
 namespace sleight::daemon {
 
@@ -77,6 +78,7 @@ class Fetching {
   Files find(const rpc::FetchAsk& ask, const std::string& segments, const std::string& beside,
              bool& has_more) const;
   Files newest(jobs::JobId job, const std::string& made) const;
+  keeper::ToolEnd run_maker(const std::vector<std::string>& command) const;
   Files derived(jobs::JobId job, const std::string& made) const;
   Files recordings(jobs::JobId job, const std::string& segments,
                    const std::vector<std::uint64_t>& ids, const std::string& made) const;

@@ -6,7 +6,8 @@
 #include <string_view>
 
 #include "common/base/error.h"
-#include "service/daemon/child_process.h"
+#include "service/keeper/command.h"
+#include "service/keeper/tool.h"
 
 namespace sleight::daemon {
 
@@ -20,7 +21,9 @@ std::string stamp_of(const std::string& program) {
 std::optional<std::string> results_version_of(const std::string& program) {
   constexpr std::string_view k_before = "\nresults ";
   try {
-    const ChildEnd end = run_child({program, "--version"}, {.seconds_max = k_version_s_max});
+    const keeper::ToolEnd end = keeper::run_tool(
+        {program, "--version"},
+        {.seconds_max = k_version_s_max, .environment = keeper::program_environment()});
     const std::size_t at = end.output.find(k_before);
     if (end.exit_code != 0 || at == std::string::npos) return std::nullopt;
     const std::size_t begin = at + k_before.size();

@@ -20,6 +20,8 @@
 namespace sleight::keeper {
 namespace {
 
+constexpr int k_low_priority = 10;
+
 bool limit(int resource, std::uint64_t most) {
   const rlimit both{.rlim_cur = most, .rlim_max = most};
   return ::setrlimit(static_cast<__rlimit_resource>(resource), &both) == 0;
@@ -35,10 +37,11 @@ void reset_signals(bool blocks_sigterm) {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-bool take_streams(int output) {
-  const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
-  return null >= 0 && ::dup2(null, STDIN_FILENO) >= 0 && ::dup2(output, STDOUT_FILENO) >= 0 &&
-         ::dup2(output, STDERR_FILENO) >= 0;
+bool take_streams(const ProgramStart& start) {
+  const int input = start.input >= 0 ? start.input : ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  const int words = start.words >= 0 ? start.words : start.output;
+  return input >= 0 && ::dup2(input, STDIN_FILENO) >= 0 &&
+         ::dup2(start.output, STDOUT_FILENO) >= 0 && ::dup2(words, STDERR_FILENO) >= 0;
 }
 
 bool take_limits(const ProgramStart& start) {
@@ -49,11 +52,12 @@ bool take_limits(const ProgramStart& start) {
 
 /// In the child: becomes the program, or tells `report` the error and ends.
 [[noreturn]] void become(const ProgramStart& start, char* const* arguments,
-                         char* const* environment, pid_t keeper, int report, Moments& moments) {
-  // First of all, so that nothing of this outlives the keeper, which may have gone before.
-  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != keeper) ::_exit(127);
+                         char* const* environment, pid_t starter, int report, Moments& moments) {
+  // First of all, so that nothing of this outlives the starter, which may have gone before.
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != starter) ::_exit(127);
   moments.reached(Moment::in_child);
-  const bool is_ready = ::setsid() >= 0 && take_streams(start.output) && take_limits(start) &&
+  if (start.yields) ::setpriority(PRIO_PROCESS, 0, k_low_priority);
+  const bool is_ready = ::setsid() >= 0 && take_streams(start) && take_limits(start) &&
                         ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC) == 0;
   if (is_ready) {
     reset_signals(start.blocks_sigterm);
@@ -88,11 +92,11 @@ base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moment
   if (::pipe2(ends, O_CLOEXEC) != 0) return failed(errno);
   const base::Descriptor heard(ends[0]);
   base::Descriptor report(ends[1]);
-  const pid_t keeper = ::getpid();
+  const pid_t starter = ::getpid();
   const pid_t child = ::fork();
   if (child < 0) return failed(errno);
   if (child == 0) {
-    become(start, arguments.data(), environment.data(), keeper, report.get(), moments);
+    become(start, arguments.data(), environment.data(), starter, report.get(), moments);
   }
   report.reset();
   moments.reached(Moment::forked);

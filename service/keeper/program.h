@@ -1,10 +1,11 @@
-// Starts the program of an attempt as a child that does not outlive its keeper.
+// Starts a program as a child that does not outlive whoever starts it: an attempt's, by its keeper;
+// a tool (tool.h).
 //
-// The child is killed by the kernel when the keeper ends, however that ends (PR_SET_PDEATHSIG). It
-// has a session of its own, no terminal, no descriptor but the standard ones, the limits below and
-// the environment that it is given.
+// The child is killed by the kernel when this process ends, however that ends (PR_SET_PDEATHSIG).
+// It has a session of its own, no terminal, no descriptor but the standard ones, the limits below
+// and the environment that it is given.
 //
-// Thread safety: call from the thread that lives as long as the keeper: the kernel watches the
+// Thread safety: call from a thread that lives as long as the child may: the kernel watches the
 // thread that forked, not the process.
 #pragma once
 
@@ -22,9 +23,12 @@ namespace sleight::keeper {
 struct ProgramStart {
   std::vector<std::string> command{};  ///< not empty; a name without a slash is looked for on PATH
   std::vector<std::string> environment{};
-  int output = -1;                     ///< becomes its stdout and stderr
-  std::uint64_t memory_bytes_max = 0;  ///< RLIMIT_DATA; 0: as the keeper's
-  std::uint64_t file_bytes_max = 0;    ///< RLIMIT_FSIZE; 0: as the keeper's
+  int input = -1;                      ///< becomes its stdin; -1: there is nothing to read
+  int output = -1;                     ///< becomes its stdout
+  int words = -1;                      ///< becomes its stderr; -1: as output
+  bool yields = false;                 ///< it runs at a low priority
+  std::uint64_t memory_bytes_max = 0;  ///< RLIMIT_DATA; 0: as this process's
+  std::uint64_t file_bytes_max = 0;    ///< RLIMIT_FSIZE; likewise
   bool blocks_sigterm = false;         ///< it does not get SIGTERM, nor do those that it starts
 };
 

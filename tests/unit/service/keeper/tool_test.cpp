@@ -1,5 +1,5 @@
 // Goal: programs are run with a bound on their time and their words, and nothing of them is left.
-#include "service/backend/tool.h"
+#include "service/keeper/tool.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,9 @@
 
 #include "common/base/clock.h"
 #include "common/base/error.h"
+#include "service/keeper/command.h"
 
-namespace sleight::backend {
+namespace sleight::keeper {
 namespace {
 
 using ::testing::Contains;
@@ -19,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 ToolEnd run_shell(const std::string& script, ToolOptions options = {}) {
-  options.environment = environment_without({});
+  options.environment = whole_environment();
   return run_tool({"sh", "-c", script}, options);
 }
 
@@ -32,6 +33,16 @@ TEST(Tools, TellWhatTheyPrintAndHowTheyEnd) {
   EXPECT_FALSE(end.is_cut);
   EXPECT_EQ(run_shell("exit 4").why(), "it ended with exit code 4");
   EXPECT_EQ(run_shell("kill -9 $$").exit_code, -1);
+}
+
+TEST(Tools, WordsSteerNoTerminal) {
+  const ToolEnd end = run_shell("printf 'a\\033[2J\\tb\\r\\177c\\nd \\n' >&2; exit 1");
+  EXPECT_EQ(end.words, "a?[2J b??c\nd");
+  EXPECT_EQ(end.why(), "a?[2J b??c d");
+}
+
+TEST(Tools, AtALowPriority) {
+  EXPECT_EQ(run_shell("nice", {.yields = true}).output, "10\n");
 }
 
 TEST(Tools, AreBounded) {
@@ -75,4 +86,4 @@ TEST(Tools, EnvironmentsLackWhatTheyAreToLack) {
 }
 
 }  // namespace
-}  // namespace sleight::backend
+}  // namespace sleight::keeper

@@ -1,9 +1,8 @@
-#include "service/backend/tool.h"
+#include "service/keeper/tool.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,9 +16,10 @@
 #include "common/base/clock.h"
 #include "common/base/descriptor.h"
 #include "common/base/error.h"
+#include "service/keeper/command.h"
 #include "service/keeper/program.h"
 
-namespace sleight::backend {
+namespace sleight::keeper {
 namespace {
 
 /// A program whose output has ended is looked at so often.
@@ -38,41 +38,6 @@ Pipe make_pipe() {
     throw base::Error(fmt::format("no pipe: {}", std::strerror(errno)));
   return {.reader = base::Descriptor(ends[0]), .writer = base::Descriptor(ends[1])};
 }
-
-/// Frees what posix_spawn wants to have initialised.
-class SpawnWishes {
- public:
-  SpawnWishes(int input, int output, int words) {
-    ::posix_spawn_file_actions_init(&files_);
-    ::posix_spawn_file_actions_adddup2(&files_, input, STDIN_FILENO);
-    ::posix_spawn_file_actions_adddup2(&files_, output, STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&files_, words, STDERR_FILENO);
-    // The daemon's descriptors are all closed by exec; what a library opened otherwise is not.
-    ::posix_spawn_file_actions_addclosefrom_np(&files_, STDERR_FILENO + 1);
-    ::posix_spawnattr_init(&attributes_);
-    sigset_t none;
-    sigemptyset(&none);
-    sigset_t usual;
-    sigfillset(&usual);
-    ::posix_spawnattr_setsigmask(&attributes_, &none);
-    ::posix_spawnattr_setsigdefault(&attributes_, &usual);
-    ::posix_spawnattr_setflags(&attributes_,
-                               POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSID);
-  }
-  ~SpawnWishes() {
-    ::posix_spawn_file_actions_destroy(&files_);
-    ::posix_spawnattr_destroy(&attributes_);
-  }
-  SpawnWishes(const SpawnWishes&) = delete;
-  SpawnWishes& operator=(const SpawnWishes&) = delete;
-
-  const posix_spawn_file_actions_t* files() const { return &files_; }
-  const posix_spawnattr_t* attributes() const { return &attributes_; }
-
- private:
-  posix_spawn_file_actions_t files_{};
-  posix_spawnattr_t attributes_{};
-};
 
 /// Takes what there is; closes at the end.
 void take(base::Descriptor& from, std::string& into, std::size_t bytes_max, bool& is_cut) {
@@ -123,11 +88,29 @@ class NoPipeSignal {
   sigset_t before_{};
 };
 
+/// Nothing in them steers a terminal, and no space is at their end.
+void tidy_words(std::string& words) {
+  for (char& c : words) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\t') {
+      c = ' ';
+    } else if (byte == 0x7f || (byte < ' ' && c != '\n')) {
+      c = '?';
+    }
+  }
+  while (!words.empty() && (words.back() == ' ' || words.back() == '\n'))
+    words.pop_back();
+}
+
 }  // namespace
 
 std::string ToolEnd::why() const {
   if (was_too_slow) return "it did not answer in time";
-  if (!words.empty()) return words;
+  if (!words.empty()) {
+    std::string line = words;
+    std::ranges::replace(line, '\n', ' ');
+    return line;
+  }
   if (exit_code < 0) return "it was killed";
   return fmt::format("it ended with exit code {}", exit_code);
 }
@@ -139,16 +122,16 @@ ToolEnd run_tool(const std::vector<std::string>& command, const ToolOptions& opt
   Pipe output = make_pipe();
   Pipe words = make_pipe();
   ::fcntl(input.writer.get(), F_SETFL, O_NONBLOCK);
-  const SpawnWishes wishes(input.reader.get(), output.writer.get(), words.writer.get());
-  std::vector<std::string> arguments = command;
-  std::vector<std::string> variables = options.environment;
-  pid_t child = 0;
-  const int failure =
-      ::posix_spawnp(&child, command.front().c_str(), wishes.files(), wishes.attributes(),
-                     keeper::pointers_to(arguments).data(), keeper::pointers_to(variables).data());
-  if (failure != 0)
-    throw base::Error(
-        fmt::format("{} can't be started: {}", command.front(), std::strerror(failure)));
+  Moments none;
+  const auto started = start_program({.command = command,
+                                      .environment = options.environment,
+                                      .input = input.reader.get(),
+                                      .output = output.writer.get(),
+                                      .words = words.writer.get(),
+                                      .yields = options.yields},
+                                     none);
+  if (!started) throw base::Error(started.error());
+  const pid_t child = started.value();
   input.reader.reset();
   output.writer.reset();
   words.writer.reset();
@@ -186,23 +169,20 @@ ToolEnd run_tool(const std::vector<std::string>& command, const ToolOptions& opt
     }
   }
   if (WIFEXITED(status) && !end.was_too_slow) end.exit_code = WEXITSTATUS(status);
-  while (!end.words.empty() && static_cast<unsigned char>(end.words.back()) <= ' ')
-    end.words.pop_back();
+  tidy_words(end.words);
   return end;
 }
 
 std::vector<std::string> environment_without(const std::vector<std::string>& beginnings,
                                              const std::vector<std::string>& kept) {
-  std::vector<std::string> variables;
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    const std::string_view text(*variable);
-    const auto begins = [text](const std::string& beginning) {
-      return text.starts_with(beginning);
+  std::vector<std::string> variables = whole_environment();
+  std::erase_if(variables, [&](const std::string& variable) {
+    const auto begins = [&](const std::string& beginning) {
+      return variable.starts_with(beginning);
     };
-    if (std::ranges::none_of(beginnings, begins) || std::ranges::any_of(kept, begins))
-      variables.emplace_back(text);
-  }
+    return std::ranges::any_of(beginnings, begins) && std::ranges::none_of(kept, begins);
+  });
   return variables;
 }
 
-}  // namespace sleight::backend
+}  // namespace sleight::keeper
