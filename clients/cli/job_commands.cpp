@@ -95,15 +95,20 @@ int touch_and_tell(
     const std::function<std::vector<rpc::Touched>(rpc::Client&, rpc::Target)>& call) {
   const std::vector<JobName> names = read_job_names(options.jobs);
   return with_service(socket, [&](rpc::Client& client) {
-    const std::vector<rpc::Touched> touched =
+    const TouchedJobs touched =
         touch(names, [&](rpc::Target target) { return call(client, target); });
     if (options.json) {
-      fmt::print("{}\n", indented(touched_json(touched, is_single_job(names))));
-      return k_ok;
+      fmt::print("{}\n", indented(touched_json(touched.done, is_single_job(names))));
+    } else {
+      for (const rpc::Touched& one : touched.done)
+        fmt::print("{}\n", touched_line(one));
     }
-    for (const rpc::Touched& one : touched)
-      fmt::print("{}\n", touched_line(one));
-    return k_ok;
+    int code = k_ok;
+    for (const RefusedName& one : touched.refused) {
+      complain(fmt::format("sleight: {}: {}", one.name, words_of(one.refusal)));
+      code = static_cast<int>(exit_code_of(one.refusal.kind));
+    }
+    return code;
   });
 }
 

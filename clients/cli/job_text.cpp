@@ -73,6 +73,8 @@ std::string why(const rpc::JobView& job) {
     case rpc::JobState::unknown:
       return reason_of(job);
     case rpc::JobState::starting:
+      // With how many cores is told elsewhere.
+      return job.reason.starts_with("With ") ? "" : reason_of(job);
     case rpc::JobState::running:
     case rpc::JobState::done:
       return "";

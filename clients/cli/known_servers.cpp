@@ -48,7 +48,10 @@ rpc::RemoteService read_known(const access::ServerAddress& address) {
   }
   try {
     const auto json = nlohmann::json::parse(base::read_text_file(path, k_known_file_bytes_max));
-    return {.address = address, .token = json.at("token"), .certificate = json.at("certificate")};
+    return {.address = address,
+            .token = json.at("token"),
+            .certificate = json.at("certificate"),
+            .own_name = json.at("own_name")};
   } catch (const nlohmann::json::exception&) {
     throw base::Error(
         fmt::format("{}: can't be read; `sleight login {}` again", path, access::text_of(address)));
@@ -73,7 +76,8 @@ std::string remember(const rpc::RemoteService& service) {
   if (failed || ::chmod(folder.c_str(), S_IRWXU) != 0) fail_at(folder.string());
   const nlohmann::ordered_json json{{"server", access::text_of(service.address)},
                                     {"token", service.token},
-                                    {"certificate", service.certificate}};
+                                    {"certificate", service.certificate},
+                                    {"own_name", service.own_name}};
   base::PosixFileSystem files;
   base::replace_text_file(files, path, json.dump(1) + "\n", base::Readers::owner);
   return path;

@@ -93,41 +93,50 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// With or without its first word, in large or small digits, with colons between.
-std::string plain_fingerprint(const std::string& text) {
-  std::string plain = lower(text);
-  if (plain.starts_with("sha256:")) plain.erase(0, 7);
-  std::erase(plain, ':');
-  return plain;
+/// With or without what stands before it, in large or small digits, with colons between: the 64
+/// digits.
+std::string digits_of_fingerprint(const std::string& text) {
+  std::string digits = lower(text);
+  const std::size_t before = digits.find_last_of("=");
+  if (before != std::string::npos) digits.erase(0, before + 1);
+  if (digits.starts_with("sha256:")) digits.erase(0, 7);
+  std::erase(digits, ':');
+  if (digits.size() == 64 && digits.find_first_not_of("0123456789abcdef") == std::string::npos)
+    return digits;
+  usage_error(
+      "--fingerprint: it is SHA256: and 64 hexadecimal digits, as `sleight server status` on "
+      "the service's machine shows it");
 }
 
-/// The certificate that the service is to be known by; empty: an authority that the system trusts.
-std::string certificate_for(const LoginOptions& options, const access::ServerAddress& address) {
+/// How the service is to be known; nothing where the system's authorities vouch for it.
+void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (!options.ca_file.empty()) {
-    std::string pem = base::read_text_file(options.ca_file, k_pem_bytes_max);
-    try {
-      static_cast<void>(access::fingerprint_of(pem));
-    } catch (const base::Error& failure) {
-      usage_error(fmt::format("{}: {}", shown(options.ca_file), failure.what()));
-    }
-    return pem;
+    service.certificate = base::read_text_file(options.ca_file, k_pem_bytes_max);
+    if (access::certificates_in(service.certificate).empty())
+      usage_error(fmt::format("{}: has no certificate in PEM", shown(options.ca_file)));
+    return;
   }
-  if (options.fingerprint.empty()) return {};
-  std::string pem = access::certificate_shown_at(address, k_login_s_max);
+  if (options.fingerprint.empty()) return;
+  const std::string wanted = digits_of_fingerprint(options.fingerprint);
+  const std::string pem = access::certificate_shown_at(service.address, k_login_s_max);
   const std::string seen = access::fingerprint_of(pem);
-  if (!access::is_self_signed(pem)) {
+  if (digits_of_fingerprint(seen) != wanted) {
+    throw base::Error(base::ExitCode::not_allowed,
+                      fmt::format("{} shows the certificate {}, not the one that was given: either "
+                                  "it has a new one, or somebody stands between. `sleight server "
+                                  "status` on its machine shows the right one",
+                                  access::text_of(service.address), seen));
+  }
+  const auto own_name = access::self_signed_name(pem);
+  if (!own_name) {
     usage_error(
         fmt::format("the certificate of {} is an authority's, which is not known by its "
                     "fingerprint: give --ca FILE with the authority's own, or neither where "
                     "the system trusts it",
-                    access::text_of(address)));
+                    access::text_of(service.address)));
   }
-  if (plain_fingerprint(seen) == plain_fingerprint(options.fingerprint)) return pem;
-  throw base::Error(base::ExitCode::not_allowed,
-                    fmt::format("{} shows the certificate {}, not the one that was given: either "
-                                "it has a new one, or somebody stands between. `sleight server "
-                                "status` on its machine shows the right one",
-                                access::text_of(address), seen));
+  service.certificate = pem;
+  service.own_name = *own_name;
 }
 
 }  // namespace
@@ -135,32 +144,24 @@ std::string certificate_for(const LoginOptions& options, const access::ServerAdd
 int login(const LoginOptions& options) {
   const access::ServerAddress address = address_of(options.address);
   rpc::RemoteService service{.address = address, .token = token_given(options)};
-  service.certificate = certificate_for(options, address);
+  set_trust(options, service);
   rpc::Client client(service, {.call_s_max = k_login_s_max});
   try {
     client.enter();
-  } catch (const rpc::NotTrusted&) {
-    const std::string pem = access::certificate_shown_at(address, k_login_s_max);
-    if (!access::is_self_signed(pem)) {
-      throw base::Error(
-          base::ExitCode::not_allowed,
-          fmt::format("{} shows an authority's certificate, and {}. It must be valid today and for "
-                      "the name {}: a DNS name of it, as numbers are not looked for",
-                      access::text_of(address),
-                      options.ca_file.empty()
-                          ? "nobody that the system trusts vouches for it; --ca "
-                            "FILE trusts another"
-                          : "the given one does not vouch for it",
-                      address.host));
-    }
+  } catch (const rpc::NotTrusted& error) {
     if (!service.certificate.empty()) throw;
-    const std::string seen = access::fingerprint_of(pem);
+    const std::string pem = access::certificate_shown_at(address, k_login_s_max);
+    const std::string name = access::text_of(address);
+    if (!access::self_signed_name(pem)) {
+      throw base::Error(base::ExitCode::not_allowed,
+                        fmt::format("{}; --ca FILE trusts another authority", error.what()));
+    }
     throw base::Error(
         base::ExitCode::not_allowed,
-        fmt::format("nobody that is trusted here vouches for {0}. It shows the certificate\n  {1}\n"
-                    "Compare that with what `sleight server status` says on its machine; if they "
-                    "are the same:\n  sleight login {0} --fingerprint {1}",
-                    access::text_of(address), seen));
+        fmt::format("{0}\nIt shows the certificate\n  {2}\nCompare that with what `sleight server "
+                    "status` says on its machine; if they are the same:\n  sleight login {1} "
+                    "--fingerprint {2}",
+                    error.what(), name, access::fingerprint_of(pem)));
   } catch (const rpc::NoServer& error) {
     throw base::Error(base::ExitCode::no_server, shown(error.what()));
   } catch (const rpc::RefusedError& error) {

@@ -11,8 +11,7 @@ namespace sleight::cli {
 namespace {
 
 bool is_absence(const rpc::Refusal& refusal) {
-  return refusal.kind == rpc::RefusalKind::not_found || refusal.kind == rpc::RefusalKind::gone ||
-         refusal.kind == rpc::RefusalKind::not_allowed;
+  return refusal.kind == rpc::RefusalKind::not_found || refusal.kind == rpc::RefusalKind::gone;
 }
 
 /// Calls `each` for every number of a range; those without a job are left out.
@@ -79,20 +78,28 @@ std::vector<rpc::JobView> views_of(rpc::Client& client, std::span<const JobName>
   return views;
 }
 
-std::vector<rpc::Touched> touch(std::span<const JobName> names,
-                                const std::function<std::vector<rpc::Touched>(rpc::Target)>& call) {
-  std::vector<rpc::Touched> touched;
-  const auto add = [&](rpc::Target target) {
-    for (rpc::Touched& one : call(target))
-      touched.push_back(std::move(one));
+TouchedJobs touch(std::span<const JobName> names,
+                  const std::function<std::vector<rpc::Touched>(rpc::Target)>& call) {
+  TouchedJobs touched;
+  const auto add = [&](rpc::Target target, const std::string& name, bool is_of_range) {
+    try {
+      for (rpc::Touched& one : call(target))
+        touched.done.push_back(std::move(one));
+    } catch (const rpc::RefusedError& refused) {
+      const bool is_left_out = is_of_range && is_absence(refused.refusal());
+      if (is_single_job(names) || is_left_out) throw;
+      touched.refused.push_back({.name = name, .refusal = refused.refusal()});
+    }
   };
   for (const JobName& name : names) {
     if (const auto* job = std::get_if<rpc::JobId>(&name)) {
-      add(rpc::Target::of(*job));
+      add(rpc::Target::of(*job), fmt::format("{}", *job), false);
     } else if (const auto* range = std::get_if<JobRange>(&name)) {
-      for_each_job(*range, [&](rpc::JobId id) { add(rpc::Target::of(id)); });
+      for_each_job(*range,
+                   [&](rpc::JobId id) { add(rpc::Target::of(id), fmt::format("{}", id), true); });
     } else {
-      add(rpc::Target::of(std::get<rpc::GroupId>(name)));
+      const auto group = std::get<rpc::GroupId>(name);
+      add(rpc::Target::of(group), fmt::format("g{}", group), false);
     }
   }
   return touched;

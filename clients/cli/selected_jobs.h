@@ -24,8 +24,20 @@ std::vector<rpc::JobView> views_of(rpc::Client& client, std::span<const JobName>
 /// All jobs of a group, oldest first. Throws RefusedError where there is no such group.
 std::vector<rpc::JobView> jobs_of(rpc::Client& client, rpc::GroupId group);
 
-/// Makes `call` for each name, a group at once, and gathers what became of each job.
-std::vector<rpc::Touched> touch(std::span<const JobName> names,
-                                const std::function<std::vector<rpc::Touched>(rpc::Target)>& call);
+/// Of several names, one for which the call was refused.
+struct RefusedName {
+  std::string name{};  ///< "17", "g5"
+  rpc::Refusal refusal{};
+};
+
+struct TouchedJobs {
+  std::vector<rpc::Touched> done{};
+  std::vector<RefusedName> refused{};
+};
+
+/// Makes `call` for each name, a group at once, and gathers what became of each job. One that is
+/// refused keeps no other from its call; alone it is thrown as a RefusedError.
+TouchedJobs touch(std::span<const JobName> names,
+                  const std::function<std::vector<rpc::Touched>(rpc::Target)>& call);
 
 }  // namespace sleight::cli

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -44,15 +43,9 @@ std::string day_of(double time_s) {
   return fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(static_cast<std::time_t>(time_s)));
 }
 
-double wall_s() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(now).count();
-}
-
-std::string state_of_token(const rpc::TokenView& token, double now_s) {
+std::string state_of_token(const rpc::TokenView& token) {
   if (token.revoked_s > 0) return "revoked";
-  if (token.expires_s > 0 && token.expires_s <= now_s) return "expired";
-  return "valid";
+  return token.has_expired ? "expired" : "valid";
 }
 
 Json json_of(const rpc::TokenView& token) {
@@ -62,7 +55,7 @@ Json json_of(const rpc::TokenView& token) {
           {"name", token.name},
           {"user", token.user},
           {"scopes", names_of(token.scopes)},
-          {"state", state_of_token(token, wall_s())},
+          {"state", state_of_token(token)},
           {"created", token.created_s},
           {"expires", or_null(token.expires_s)},
           {"revoked", or_null(token.revoked_s)},
@@ -128,10 +121,10 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
     }
     ask.scopes.add(*scope);
   }
-  if (!options.user.empty()) {
-    ask.for_user = user_of(options.user);
+  if (options.user) {
+    ask.for_user = user_of(*options.user);
     if (!ask.for_user)
-      refuse_usage(fmt::format("--user: there is no user {} here", shown(options.user)));
+      refuse_usage(fmt::format("--user: there is no user '{}' here", shown(*options.user)));
   }
   ask.token = access::text_of(access::draw_token());
   std::optional<SecretFile> file;
@@ -166,11 +159,9 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
 int list_tokens(const std::string& called, bool all, bool json) {
   return with_service(called, [&](rpc::Client& client) {
     std::vector<rpc::TokenView> tokens = client.tokens();
-    const double now_s = wall_s();
     if (!all) {
-      std::erase_if(tokens, [&](const rpc::TokenView& token) {
-        return state_of_token(token, now_s) != "valid";
-      });
+      std::erase_if(tokens,
+                    [](const rpc::TokenView& token) { return state_of_token(token) != "valid"; });
     }
     if (json) {
       Json list = Json::array();
@@ -192,7 +183,7 @@ int list_tokens(const std::string& called, bool all, bool json) {
                                 {.head = "FROM", .rank = 5},
                                 {.head = "NAME"}}};
     for (const rpc::TokenView& token : tokens) {
-      table.rows.push_back({shown(token.id), name_of_user(token.user), state_of_token(token, now_s),
+      table.rows.push_back({shown(token.id), name_of_user(token.user), state_of_token(token),
                             fmt::format("{}", fmt::join(names_of(token.scopes), " ")),
                             token.expires_s > 0 ? day_of(token.expires_s) : "never",
                             token.last_used_s > 0 ? day_of(token.last_used_s) : "never",
@@ -212,17 +203,23 @@ int revoke_tokens(const std::string& called, const TokenRevokeOptions& options) 
   }
   return with_service(called, [&](rpc::Client& client) {
     Json list = Json::array();
+    auto code = base::ExitCode::ok;
     for (const std::string& id : options.ids) {
-      const rpc::TokenView token = client.revoke_token(id);
-      if (options.json) {
+      try {
+        const rpc::TokenView token = client.revoke_token(id);
         list.push_back(json_of(token));
-      } else {
-        fmt::print("token {} ({}) is revoked; its sessions end\n", shown(token.id),
-                   shown(token.name));
+        if (!options.json) {
+          fmt::print("token {} ({}) is revoked; its sessions end\n", shown(token.id),
+                     shown(token.name));
+        }
+      } catch (const rpc::RefusedError& refused) {
+        // The others are revoked all the same.
+        complain(fmt::format("sleight: {}: {}", id, words_of(refused.refusal())));
+        code = exit_code_of(refused.refusal().kind);
       }
     }
     if (options.json) fmt::print("{}\n", indented(list));
-    return k_done;
+    return static_cast<int>(code);
   });
 }
 

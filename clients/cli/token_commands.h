@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace sleight::cli {
 struct TokenCreateOptions {
   std::string name{};
   std::vector<std::string> scopes{"read", "submit", "manage"};
-  std::string expires = "90d";  ///< "90d", "12h", "never"
-  std::string user{};           ///< empty: the caller
+  std::string expires = "90d";        ///< "90d", "12h", "never"
+  std::optional<std::string> user{};  ///< none: the caller
   std::uint32_t jobs_max = 0;
   std::uint32_t cores_max = 0;
   std::string output{};  ///< the token's file; empty: standard output

@@ -33,6 +33,7 @@ struct Freer {
   void operator()(SSL* it) const { ::SSL_free(it); }
   void operator()(X509_EXTENSION* it) const { ::X509_EXTENSION_free(it); }
   void operator()(addrinfo* it) const { ::freeaddrinfo(it); }
+  void operator()(GENERAL_NAMES* it) const { ::GENERAL_NAMES_free(it); }
 };
 template <class T>
 using Held = std::unique_ptr<T, Freer>;
@@ -57,6 +58,18 @@ std::string text_in(BIO* bio) {
   char* begin = nullptr;
   const long size = BIO_get_mem_data(bio, &begin);
   return {begin, static_cast<std::size_t>(size)};
+}
+
+std::string text_of(const ASN1_STRING* text) {
+  return {reinterpret_cast<const char*>(::ASN1_STRING_get0_data(text)),
+          static_cast<std::size_t>(::ASN1_STRING_length(text))};
+}
+
+std::string pem_of(X509* certificate) {
+  const Held<BIO> text(::BIO_new(::BIO_s_mem()));
+  need(text != nullptr && ::PEM_write_bio_X509(text.get(), certificate) == 1,
+       "a certificate can't be written");
+  return text_in(text.get());
 }
 
 Held<X509> first_certificate(std::string_view text) {
@@ -98,9 +111,51 @@ base::Descriptor connect_to_host(const ServerAddress& address, double seconds_ma
     error = errno;
   }
   throw base::Error(base::ExitCode::no_server,
-                    fmt::format("no server answers at {}: {}", text_of(address),
+                    fmt::format("no server answers at {}: {}", access::text_of(address),
                                 std::strerror(error == EINPROGRESS ? ETIMEDOUT : error)));
 }
+
+/// A connection of its own, for a look at a server.
+class Handshake {
+ public:
+  Handshake(const ServerAddress& address, const std::string& name, double seconds_max)
+      : address_(address),
+        socket_(connect_to_host(address, seconds_max)),
+        context_(::SSL_CTX_new(::TLS_client_method())),
+        tls_(context_ == nullptr ? nullptr : ::SSL_new(context_.get())) {
+    need(tls_ != nullptr && ::SSL_set_fd(tls_.get(), socket_.get()) == 1 &&
+             SSL_set_tlsext_host_name(tls_.get(), name.c_str()) == 1,
+         "TLS can't be used");
+  }
+
+  void trust_anybody() const { ::SSL_set_verify(tls_.get(), SSL_VERIFY_NONE, nullptr); }
+
+  /// Certificates in PEM, or the system's, for a name.
+  void trust(const std::string& certificates, const std::string& name) const {
+    X509_STORE* store = ::SSL_CTX_get_cert_store(context_.get());
+    if (certificates.empty()) need(::X509_STORE_set_default_paths(store) == 1, "no trust store");
+    for (const std::string& one : certificates_in(certificates))
+      ::X509_STORE_add_cert(store, first_certificate(one).get());
+    ::SSL_set_verify(tls_.get(), SSL_VERIFY_PEER, nullptr);
+    need(::SSL_set1_host(tls_.get(), name.c_str()) == 1, "TLS can't be used");
+  }
+
+  bool succeeds() const {
+    ::ERR_clear_error();
+    return ::SSL_connect(tls_.get()) == 1;
+  }
+  [[noreturn]] void fail() const {
+    throw base::Error(fmt::format("what answers at {} does not speak TLS: {}",
+                                  access::text_of(address_), reason()));
+  }
+  SSL* tls() const { return tls_.get(); }
+
+ private:
+  ServerAddress address_;
+  base::Descriptor socket_;
+  Held<SSL_CTX> context_;
+  Held<SSL> tls_;
+};
 
 }  // namespace
 
@@ -154,9 +209,35 @@ std::string fingerprint_of(std::string_view certificate) {
   return text;
 }
 
-bool is_self_signed(std::string_view certificate) {
+std::optional<std::string> self_signed_name(std::string_view certificate) {
   const Held<X509> first = first_certificate(certificate);
-  return ::X509_check_host(first.get(), k_self_name, 0, 0, nullptr) == 1;
+  if (::X509_self_signed(first.get(), 1) != 1) return std::nullopt;
+  const Held<GENERAL_NAMES> names(static_cast<GENERAL_NAMES*>(
+      ::X509_get_ext_d2i(first.get(), NID_subject_alt_name, nullptr, nullptr)));
+  for (int i = 0; names && i < sk_GENERAL_NAME_num(names.get()); ++i) {
+    const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
+    if (name->type == GEN_DNS) return text_of(name->d.dNSName);
+  }
+  // Without any, the common name stands for one.
+  const X509_NAME* subject = ::X509_get_subject_name(first.get());
+  const int at = ::X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
+  if (names || at < 0) return std::nullopt;
+  return text_of(::X509_NAME_ENTRY_get_data(::X509_NAME_get_entry(subject, at)));
+}
+
+std::vector<std::string> certificates_in(std::string_view text) {
+  const Held<BIO> reader = reader_of(text);
+  std::vector<std::string> found;
+  while (const Held<X509> one{::PEM_read_bio_X509(reader.get(), nullptr, nullptr, nullptr)})
+    found.push_back(pem_of(one.get()));
+  ::ERR_clear_error();  // there are no more
+  return found;
+}
+
+bool is_valid_now(std::string_view certificate) {
+  const Held<X509> first = first_certificate(certificate);
+  return ::X509_cmp_current_time(X509_get0_notBefore(first.get())) < 0 &&
+         ::X509_cmp_current_time(X509_get0_notAfter(first.get())) > 0;
 }
 
 void check_keypair(const Keypair& keypair) {
@@ -171,24 +252,22 @@ void check_keypair(const Keypair& keypair) {
 }
 
 std::string certificate_shown_at(const ServerAddress& address, double seconds_max) {
-  const base::Descriptor socket = connect_to_host(address, seconds_max);
-  const Held<SSL_CTX> context(::SSL_CTX_new(::TLS_client_method()));
-  need(context != nullptr, "TLS can't be used");
-  ::SSL_CTX_set_verify(context.get(), SSL_VERIFY_NONE, nullptr);
-  const Held<SSL> tls(::SSL_new(context.get()));
-  need(tls != nullptr && ::SSL_set_fd(tls.get(), socket.get()) == 1 &&
-           SSL_set_tlsext_host_name(tls.get(), address.host.c_str()) == 1,
-       "TLS can't be used");
-  ::ERR_clear_error();
-  if (::SSL_connect(tls.get()) != 1) {
-    throw base::Error(
-        fmt::format("what answers at {} does not speak TLS: {}", text_of(address), reason()));
-  }
-  const Held<X509> shown(::SSL_get1_peer_certificate(tls.get()));
-  const Held<BIO> text(::BIO_new(::BIO_s_mem()));
-  need(shown != nullptr && ::PEM_write_bio_X509(text.get(), shown.get()) == 1,
-       "the server shows no certificate");
-  return text_in(text.get());
+  const Handshake handshake(address, address.host, seconds_max);
+  handshake.trust_anybody();
+  if (!handshake.succeeds()) handshake.fail();
+  const Held<X509> shown(::SSL_get1_peer_certificate(handshake.tls()));
+  if (shown == nullptr) throw base::Error("the server shows no certificate");
+  return pem_of(shown.get());
+}
+
+std::string fault_of_certificate_at(const ServerAddress& address, const std::string& name,
+                                    const std::string& trusted, double seconds_max) {
+  const Handshake handshake(address, name, seconds_max);
+  handshake.trust(trusted, name);
+  if (handshake.succeeds()) return {};
+  const long fault = ::SSL_get_verify_result(handshake.tls());
+  if (fault == X509_V_OK) handshake.fail();
+  return ::X509_verify_cert_error_string(fault);
 }
 
 }  // namespace sleight::access

@@ -20,7 +20,7 @@ enum class ExitCode : int {
   bad_archive = 6,        ///< not a Sleight archive, damaged, or hostile
   not_mixed = 7,          ///< `sleight diagnose`: the chains have not mixed, for reasons printed
   simulation_failed = 8,  ///< with --strict, or nothing but failures: a bug of the simulator
-  not_allowed = 9,        ///< the service: the job is another user's
+  not_allowed = 9,        ///< the service: not for this user or token; or it can't be trusted
   job_failed = 10,        ///< `sleight wait` and `watch`: the job failed
   job_cancelled = 11,     ///< likewise: it was cancelled
   no_server = 12,         ///< no `sleightd` answers

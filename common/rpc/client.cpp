@@ -183,14 +183,14 @@ struct Client::Impl final : Link {
     KJ_IF_MAYBE (descriptor, raw->getFd()) {
       tune(*descriptor);
     }
-    const bool is_known = !remote.certificate.empty() && access::is_self_signed(remote.certificate);
-    const std::string host = is_known ? access::k_self_name : remote.address.host;
+    const std::string& host = remote.own_name.empty() ? remote.address.host : remote.own_name;
     try {
       kj::TlsContext::Options tls;
       tls.minVersion = kj::TlsVersion::TLS_1_2;
       tls.useSystemTrustStore = remote.certificate.empty();
       kj::Vector<kj::TlsCertificate> trusted;
-      if (!remote.certificate.empty()) trusted.add(kj::StringPtr(remote.certificate.c_str()));
+      for (const std::string& one : access::certificates_in(remote.certificate))
+        trusted.add(kj::StringPtr(one.c_str()));
       tls.trustedCertificates = trusted;
       kj::TlsContext context(tls);
       auto shaken = context.wrapClient(kj::mv(raw), kj::StringPtr(host.c_str()));
@@ -202,18 +202,25 @@ struct Client::Impl final : Link {
         throw Lost("the server ends the connection");
       if (error.getType() == kj::Exception::Type::OVERLOADED)
         throw base::Error(fmt::format("what answers at {} does not speak TLS", name));
-      throw NotTrusted(
-          base::ExitCode::not_allowed,
-          is_known
-              ? fmt::format(
-                    "the server at {0} shows another certificate than the one that was "
-                    "logged in to: either it has a new one, or somebody stands between. Ask "
-                    "whoever runs it, and `sleight login {0}` again",
-                    name)
-              : fmt::format("nobody that is trusted here vouches for the certificate of the server "
-                            "at {}, for this name and today; `sleight login` again",
-                            name));
+      throw NotTrusted(base::ExitCode::not_allowed, why_not_trusted(remote, host));
     }
+  }
+
+  std::string why_not_trusted(const RemoteService& remote, const std::string& host) const {
+    const double patience_s = options.call_s_max;
+    if (!remote.own_name.empty() &&
+        access::fingerprint_of(access::certificate_shown_at(remote.address, patience_s)) !=
+            access::fingerprint_of(remote.certificate)) {
+      return fmt::format(
+          "the server at {0} shows another certificate than the one that was logged in to: either "
+          "it has a new one, or somebody stands between. Ask whoever runs it, and `sleight login "
+          "{0}` again",
+          name);
+    }
+    const std::string fault =
+        access::fault_of_certificate_at(remote.address, host, remote.certificate, patience_s);
+    return fmt::format("the certificate of the server at {} is not trusted: {}", name,
+                       fault.empty() ? "it has not this host's DNS name" : fault);
   }
 
   kj::Own<kj::AsyncIoStream> reach(const access::ServerAddress& address) {

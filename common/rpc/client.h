@@ -65,9 +65,11 @@ struct ClientOptions {
 struct RemoteService {
   access::ServerAddress address{};
   std::string token{};
-  /// The service's own, as PEM (certificates.h), or that of the authority that vouches for it;
-  /// empty: one that the system trusts does.
+  /// The service's own, as PEM (certificates.h), or those of authorities that vouch for it; empty:
+  /// one that the system trusts does.
   std::string certificate{};
+  /// That `certificate` is for where it is the service's own; empty: it is an authority's.
+  std::string own_name{};
 };
 
 /// A Unix socket's path, or a service of another machine.

@@ -68,6 +68,7 @@ void put(const TokenView& from, generated::TokenView::Builder to) {
   put_scopes(from.scopes, to);
   to.setCreated(from.created_s);
   to.setExpires(from.expires_s);
+  to.setExpired(from.has_expired);
   to.setRevoked(from.revoked_s);
   to.setLastUsed(from.last_used_s);
   to.setLastFrom(as_text(from.last_from));
@@ -82,6 +83,7 @@ TokenView get(generated::TokenView::Reader from) {
           .scopes = get_scopes(from),
           .created_s = from.getCreated(),
           .expires_s = from.getExpires(),
+          .has_expired = from.getExpired(),
           .revoked_s = from.getRevoked(),
           .last_used_s = from.getLastUsed(),
           .last_from = as_string(from.getLastFrom()),

@@ -162,6 +162,7 @@ std::optional<Refusal> check(TokenAsk& ask) {
                               k_name_bytes_max),
                   "Choose another --name.");
   }
+  if (ask.for_user == k_no_user) return refuse(RefusalKind::bad_request, "There is no such user.");
   if (ask.scopes.has_unknown) return newer_client("scope of a token");
   if (ask.scopes.bits == 0)
     return refuse(RefusalKind::bad_request, "A token without a scope lets nobody do anything.");

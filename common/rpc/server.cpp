@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include "common/base/check.h"
 #include "common/base/descriptor.h"
@@ -42,6 +43,7 @@ capnp::ReaderOptions reader_options(const ServerLimits& limits) {
 }  // namespace
 
 struct Server::Impl final : kj::TaskSet::ErrorHandler {
+  struct Guest;
   struct Connection;
   struct Handshake;
   struct TlsDoor;
@@ -57,7 +59,7 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
   void admit_stranger(kj::Own<kj::AsyncIoStream> stream);
   bool make_room();
   bool make_room_for_stranger();
-  std::size_t count_strangers() const;
+  std::vector<Guest*> strangers() const;
   void serve(kj::Own<kj::AsyncIoStream> stream, Caller caller, bool is_known);
   void bound_what_is_held();
   void look();
@@ -81,10 +83,26 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
   kj::TaskSet tasks;  ///< the last one: it looks at what stands above
 };
 
-struct Server::Impl::Connection {
+/// What the server may end.
+struct Server::Impl::Guest {
+  explicit Guest(Impl& server_impl) : server(server_impl), began(server.timer.now()) {}
+  KJ_DISALLOW_COPY(Guest);
+  /// It is gone in a later turn of the loop.
+  void end() {
+    if (std::exchange(is_ending, true)) return;
+    ++server.ended;
+    ender.fulfiller->fulfill();
+  }
+
+  Impl& server;
+  kj::TimePoint began;
+  bool is_ending = false;
+  kj::PromiseFulfillerPair<void> ender = kj::newPromiseAndFulfiller<void>();
+};
+
+struct Server::Impl::Connection : Guest {
   Connection(Impl& server_impl, kj::Own<kj::AsyncIoStream> connected, Caller caller, bool is_known)
-      : server(server_impl),
-        began(server.timer.now()),
+      : Guest(server_impl),
         traffic{.message_bytes_max =
                     is_known ? server.limits.message_bytes_max : server.limits.stranger_bytes_max},
         stream(kj::mv(connected)),
@@ -101,7 +119,6 @@ struct Server::Impl::Connection {
     conversation->known = nullptr;  // a call that still runs may hold the conversation
     server.connections.erase(this);
   }
-  KJ_DISALLOW_COPY(Connection);
 
   std::size_t held_bytes() { return traffic.incoming_bytes + network.getCurrentQueueSize(); }
   bool is_stranger() const { return !conversation->is_known; }
@@ -116,17 +133,7 @@ struct Server::Impl::Connection {
     if (is_idle()) since = traffic.active;
     return seconds(now - since);
   }
-  /// It is gone in a later turn of the loop.
-  void end() {
-    if (std::exchange(is_ending, true)) return;
-    ++server.ended;
-    ender.fulfiller->fulfill();
-  }
 
-  Impl& server;
-  kj::TimePoint began;
-  bool is_ending = false;
-  kj::PromiseFulfillerPair<void> ender = kj::newPromiseAndFulfiller<void>();
   std::shared_ptr<Conversation> conversation = std::make_shared<Conversation>();
   Traffic traffic;
   kj::Own<kj::AsyncIoStream> stream;
@@ -136,22 +143,9 @@ struct Server::Impl::Connection {
 };
 
 /// A peer over TCP of which nothing is known yet, not even whether it speaks TLS.
-struct Server::Impl::Handshake {
-  explicit Handshake(Impl& server_impl) : server(server_impl), began(server.timer.now()) {
-    server.handshakes.insert(this);
-  }
+struct Server::Impl::Handshake : Guest {
+  explicit Handshake(Impl& server_impl) : Guest(server_impl) { server.handshakes.insert(this); }
   ~Handshake() { server.handshakes.erase(this); }
-  KJ_DISALLOW_COPY(Handshake);
-  void end() {
-    if (std::exchange(is_ending, true)) return;
-    ++server.ended;
-    ender.fulfiller->fulfill();
-  }
-
-  Impl& server;
-  kj::TimePoint began;
-  bool is_ending = false;
-  kj::PromiseFulfillerPair<void> ender = kj::newPromiseAndFulfiller<void>();
 };
 
 namespace {
@@ -267,42 +261,28 @@ bool Server::Impl::make_room() {
   return true;
 }
 
-std::size_t Server::Impl::count_strangers() const {
-  const auto is_staying = [](const auto* stranger) { return !stranger->is_ending; };
-  const auto shaking = std::count_if(handshakes.begin(), handshakes.end(), is_staying);
-  const auto unknown =
-      std::count_if(connections.begin(), connections.end(), [&](const Connection* connection) {
-        return connection->is_stranger() && is_staying(connection);
-      });
-  return static_cast<std::size_t>(shaking + unknown);
+/// Of whom nothing is known yet, but for those that are ending.
+std::vector<Server::Impl::Guest*> Server::Impl::strangers() const {
+  std::vector<Guest*> found;
+  for (Handshake* handshake : handshakes)
+    if (!handshake->is_ending) found.push_back(handshake);
+  for (Connection* connection : connections)
+    if (!connection->is_ending && connection->is_stranger()) found.push_back(connection);
+  return found;
 }
 
 /// Ends the stranger that has been there longest, if any has been for long enough.
 bool Server::Impl::make_room_for_stranger() {
-  const kj::TimePoint now = timer.now();
-  Handshake* shaking = nullptr;
-  for (Handshake* one : handshakes)
-    if (!one->is_ending && (shaking == nullptr || one->began < shaking->began)) shaking = one;
-  Connection* unknown = nullptr;
-  for (Connection* one : connections) {
-    if (one->is_ending || !one->is_stranger()) continue;
-    if (unknown == nullptr || one->began < unknown->began) unknown = one;
-  }
-  const auto is_old = [&](kj::TimePoint began) {
-    return seconds(now - began) >= limits.idle_grace_s;
-  };
-  if (shaking != nullptr && (unknown == nullptr || shaking->began <= unknown->began)) {
-    if (!is_old(shaking->began)) return false;
-    shaking->end();
-    return true;
-  }
-  if (unknown == nullptr || !is_old(unknown->began)) return false;
-  unknown->end();
+  const std::vector<Guest*> all = strangers();
+  const auto longest = std::ranges::min_element(all, {}, &Guest::began);
+  if (longest == all.end() || seconds(timer.now() - (*longest)->began) < limits.idle_grace_s)
+    return false;
+  (*longest)->end();
   return true;
 }
 
 void Server::Impl::admit_stranger(kj::Own<kj::AsyncIoStream> stream) {
-  if (count_strangers() >= limits.strangers_max && !make_room_for_stranger()) {
+  if (strangers().size() >= limits.strangers_max && !make_room_for_stranger()) {
     ++ended;
     return;
   }
@@ -403,7 +383,7 @@ ServerCounts Server::counts() const {
   ServerCounts counts = {.connections = impl_->connections.size(),
                          .watchers = impl_->watchers.waiting(),
                          .held_bytes = 0,
-                         .strangers = impl_->count_strangers(),
+                         .strangers = impl_->strangers().size(),
                          .accepted = impl_->accepted,
                          .ended = impl_->ended,
                          .calls = impl_->calls->count};

@@ -348,9 +348,10 @@ struct TokenView {
   std::uint32_t user = 0;
   Scopes scopes{};
   double created_s = 0;
-  double expires_s = 0;    ///< 0: never
-  double revoked_s = 0;    ///< 0: it is not
-  double last_used_s = 0;  ///< 0: never
+  double expires_s = 0;      ///< 0: never
+  bool has_expired = false;  ///< was seen to: a clock that is set back revives none
+  double revoked_s = 0;      ///< 0: it is not
+  double last_used_s = 0;    ///< 0: never
   std::string last_from{};
   std::uint32_t jobs_max = 0;
   std::uint32_t cores_max = 0;
@@ -416,6 +417,8 @@ inline constexpr std::size_t k_history_max = 1000;
 inline constexpr std::size_t k_options_max = 32;        ///< of a job, for the system that runs it
 inline constexpr std::size_t k_option_bytes_max = 256;  ///< of a name or a value
 inline constexpr std::size_t k_tokens_max = 1000;       ///< of a user, and as many in an answer
+/// No uid: what the system takes for "unchanged".
+inline constexpr std::uint32_t k_no_user = UINT32_MAX;
 inline constexpr double k_token_s_max = 3650.0 * 86400;
 
 /// Whether a fetched file may be called so: a name in a folder, not hidden, without control

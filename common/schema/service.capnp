@@ -116,6 +116,7 @@ struct TokenView {
   scopes @3 :List(Scope);
   created @4 :Float64;
   expires @5 :Float64;   # 0: never
+  expired @11 :Bool;     # it has been seen to be
   revoked @6 :Float64;   # 0: it is not
   lastUsed @7 :Float64;  # 0: never
   lastFrom @8 :Text;     # the address that it was last used from

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <csignal>
 #include <utility>
 
 #include "common/base/check.h"
@@ -155,6 +156,8 @@ jobs::Ended AttemptSights::ended(jobs::JobId job, const keeper::AttemptRecord& r
                     .results_version = run_results_version(job)};
   if (!end.run_end) {
     ended.words = signal_words(end);
+    // Told to stop before it could listen: what the keeper passed on ended it.
+    if (end.stop_asked && end.signal == SIGUSR1) ended.kind = jobs::EndKind::stop_requested;
     return ended;
   }
   const events::RunEnd& told = *end.run_end;

@@ -6,15 +6,23 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <ctime>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
+
+#include "common/logging/log.h"
 
 namespace sleight::daemon {
 namespace {
 
 constexpr double k_strangers_every_s = 1;
+constexpr double k_lines_per_s = 0.1;  // of a user and a call, in the long run
+constexpr double k_more_every_s = 10;
+constexpr double k_due_s = 1e300;  // later than any clock
 
 std::string time_now() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
@@ -31,11 +39,23 @@ AuditLog::AuditLog(std::string folder, const base::Clock& clock, std::uint64_t b
     : folder_(std::move(folder)), clock_(clock), bytes_max_(bytes_max) {}
 
 AuditLog::~AuditLog() {
-  strangers_told_s_ = -1e9;
-  flush();
+  tell_strangers(k_due_s);
+  tell_more(k_due_s);
 }
 
 void AuditLog::note(const rpc::Caller& caller, const AuditLine& line) {
+  flush();
+  const double now_s = clock_.now_s();
+  Share& share =
+      shares_.try_emplace({caller.user, line.call}, Share{.since_s = now_s, .told_s = now_s})
+          .first->second;
+  share.lines = std::min(k_audit_burst, share.lines + k_lines_per_s * (now_s - share.since_s));
+  share.since_s = now_s;
+  if (share.lines < 1) {
+    ++share.more;
+    return;
+  }
+  share.lines -= 1;
   nlohmann::ordered_json json{{"time", time_now()}, {"call", line.call}, {"user", caller.user}};
   json["from"] = caller.address.empty() ? fmt::format("process {}", caller.pid) : caller.address;
   if (!caller.token_id.empty()) json["token"] = caller.token_id;
@@ -53,6 +73,11 @@ void AuditLog::note_stranger(const std::string& address) {
 
 void AuditLog::flush() {
   const double now_s = clock_.now_s();
+  tell_strangers(now_s);
+  tell_more(now_s);
+}
+
+void AuditLog::tell_strangers(double now_s) {
   if (strangers_ == 0 || now_s - strangers_told_s_ < k_strangers_every_s) return;
   strangers_told_s_ = now_s;
   nlohmann::ordered_json json{
@@ -62,18 +87,41 @@ void AuditLog::flush() {
   write(text_of(json));
 }
 
+void AuditLog::tell_more(double now_s) {
+  for (auto& [what, share] : shares_) {
+    if (share.more == 0 || now_s - share.told_s < k_more_every_s) continue;
+    share.told_s = now_s;
+    write(text_of({{"time", time_now()},
+                   {"call", what.second},
+                   {"user", what.first},
+                   {"more", std::exchange(share.more, 0)}}));
+  }
+}
+
+/// One that can't be written is tried again with each line.
+void AuditLog::open_file() {
+  const std::string path = folder_ + "/audit.log";
+  // A pipe there would keep the daemon waiting.
+  file_.reset(::open(path.c_str(),
+                     O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600));
+  const int error = file_ ? EINVAL : errno;
+  struct stat seen = {};
+  if (file_ && (::fstat(file_.get(), &seen) != 0 || !S_ISREG(seen.st_mode))) file_.reset();
+  bytes_ = file_ ? static_cast<std::uint64_t>(seen.st_size) : 0;
+  if (file_ || lost_ > 0) return;
+  logging::warn(
+      fmt::format("{}: can't be written ({}): nothing is noted of who does what until it "
+                  "is a plain file again",
+                  path, std::system_category().message(error)));
+}
+
 void AuditLog::write(const std::string& line) {
   const std::string path = folder_ + "/audit.log";
   if (file_ && bytes_ + line.size() > bytes_max_) {
     file_.reset();
     static_cast<void>(std::rename(path.c_str(), (folder_ + "/audit.old.log").c_str()));
   }
-  if (!file_) {
-    file_.reset(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
-    struct stat seen = {};
-    bytes_ =
-        file_ && ::fstat(file_.get(), &seen) == 0 ? static_cast<std::uint64_t>(seen.st_size) : 0;
-  }
+  if (!file_) open_file();
   std::string whole;
   if (lost_ > 0)
     whole = text_of({{"time", time_now()}, {"call", "lines were lost"}, {"times", lost_}});

@@ -9,16 +9,22 @@
 //   outcome  "done", or the refusal's kind and sentence
 //
 // `audit.log`, and before it `audit.old.log`: when the first is full it takes the place of the
-// second. Strangers who show wrong tokens are written once a second at most, with their number:
-// they can't push out what happened before. A disk that takes nothing loses lines, and stops
-// nobody; how many is said once it can be.
+// second. Nobody can soon push out what happened before: of each call a user writes k_audit_burst
+// lines at once, and then one in ten seconds; those beyond are told by their number, now and then:
+//
+//   {"time":"...","call":"pin","user":1000,"more":812}
+//
+// Strangers who show wrong tokens are written once a second at most, with their number. Where
+// nothing can be written lines are lost, and nobody is stopped; the daemon's log says so, and how
+// many were lost is said once it can be.
 //
 // Thread safety: one thread.
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "common/base/clock.h"
 #include "common/base/descriptor.h"
@@ -26,6 +32,7 @@
 
 namespace sleight::daemon {
 
+inline constexpr double k_audit_burst = 1000;
 inline constexpr std::uint64_t k_audit_bytes_max = 16U << 20U;  ///< of each of the two files
 
 struct AuditLine {
@@ -47,10 +54,21 @@ class AuditLog {
   void note(const rpc::Caller& caller, const AuditLine& line);
   /// Of somebody who showed a wrong token.
   void note_stranger(const std::string& address);
-  /// Writes what strangers did meanwhile.
+  /// Writes what strangers did meanwhile, and the numbers of what has no lines.
   void flush();
 
  private:
+  /// How much a user may write of one call.
+  struct Share {
+    double lines = k_audit_burst;
+    double since_s = 0;      ///< when it was so much
+    std::uint64_t more = 0;  ///< that no line has told of yet
+    double told_s = 0;
+  };
+  using WhatByWhom = std::pair<std::uint32_t, std::string>;
+  void tell_strangers(double now_s);
+  void tell_more(double now_s);
+  void open_file();
   void write(const std::string& line);
 
   std::string folder_;
@@ -59,6 +77,7 @@ class AuditLog {
   base::Descriptor file_;
   std::uint64_t bytes_ = 0;
   std::uint64_t lost_ = 0;
+  std::map<WhatByWhom, Share> shares_{};
   std::uint64_t strangers_ = 0;  ///< that no line has told of yet
   std::string last_stranger_{};
   double strangers_told_s_ = -1e9;

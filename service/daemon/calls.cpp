@@ -123,37 +123,6 @@ rpc::Refusal Calls::stalled() const {
       .what_to_do = "Make room on the disk of its state folder; nothing that was taken is lost."};
 }
 
-/// What a token allows beside its user's limits: of jobs that have not ended, `more` added.
-std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::size_t more) const {
-  if (caller.token_jobs_max == 0) return std::nullopt;
-  const auto being = being_submitted_.find(caller.token_id);
-  std::size_t count = being == being_submitted_.end() ? 0 : being->second;
-  for (const auto& [id, posted] : runner_.board().all()) {
-    if (posted.asked.token_id == caller.token_id && !jobs::is_over(posted.job.state)) ++count;
-  }
-  if (count + more <= caller.token_jobs_max) return std::nullopt;
-  return rpc::Refusal{
-      .kind = rpc::RefusalKind::limit,
-      .sentence = fmt::format("This token's jobs that have not ended are at most {}; there are {}, "
-                              "and {} more are asked for.",
-                              caller.token_jobs_max, count, more),
-      .what_to_do = "Wait until some end, or ask for a token with more."};
-}
-
-/// A job without a wish has at most what the token allows.
-std::optional<rpc::Refusal> Calls::fit_to_token(const rpc::Caller& caller, rpc::JobAsk& ask) {
-  const std::uint32_t cores_max = caller.token_cores_max;
-  if (cores_max == 0) return std::nullopt;
-  if (std::max(ask.cores.value_or(0), ask.ranks) <= cores_max) {
-    if (!ask.cores && ask.ranks == 0) ask.cores = cores_max;
-    return std::nullopt;
-  }
-  return rpc::Refusal{.kind = rpc::RefusalKind::limit,
-                      .sentence = fmt::format("A job of this token has at most {} core{}.",
-                                              cores_max, cores_max == 1 ? "" : "s"),
-                      .what_to_do = "Ask for fewer cores or ranks."};
-}
-
 void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
                    rpc::Reply<rpc::Submitted> reply) {
   if (!runner_.stalled().empty()) {
@@ -351,6 +320,12 @@ void Calls::touch(const rpc::Caller& caller, const rpc::Target& target, jobs::As
     reply.refuse(found.error());
     return;
   }
+  if (kind == jobs::AskKind::resume) {
+    if (auto refused = may_not_revive(caller, found.value())) {
+      reply.refuse(*std::move(refused));
+      return;
+    }
+  }
   std::vector<jobs::Ask> asks;
   for (const jobs::JobId job : found.value()) {
     asks.push_back({.token = 0,
@@ -417,6 +392,10 @@ void Calls::extend(const rpc::Caller& caller, rpc::Target target, rpc::Extension
   const auto found = jobs_of(caller, target);
   if (!found) {
     reply.refuse(found.error());
+    return;
+  }
+  if (auto refused = may_not_revive(caller, found.value())) {
+    reply.refuse(*std::move(refused));
     return;
   }
   std::vector<jobs::Ask> asks;
@@ -527,36 +506,6 @@ void Calls::stop(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) {
   }
   reply.answer({});
   stop_();
-}
-
-void Calls::create_token(const rpc::Caller& caller, rpc::TokenAsk ask,
-                         rpc::Reply<rpc::TokenView> reply) {
-  if (ask.for_user && *ask.for_user != caller.user && !is_operator(caller)) {
-    reply.refuse({.kind = rpc::RefusalKind::not_allowed,
-                  .sentence = "Only the service's own user may give out tokens of others."});
-    return;
-  }
-  try {
-    reply.give(tokens_.create(caller.user, ask));
-  } catch (const base::Error& failure) {
-    logging::warn(failure.what());
-    reply.refuse(stalled());
-  }
-}
-
-void Calls::list_tokens(const rpc::Caller& caller, rpc::Reply<std::vector<rpc::TokenView>> reply) {
-  reply.answer(tokens_.of(is_operator(caller) ? std::nullopt : std::optional(caller.user)));
-}
-
-void Calls::revoke_token(const rpc::Caller& caller, std::string id,
-                         rpc::Reply<rpc::TokenView> reply) {
-  try {
-    reply.give(tokens_.revoke(is_operator(caller) ? std::nullopt : std::optional(caller.user), id));
-  } catch (const base::Error& failure) {
-    // It is over all the same, until the server ends.
-    logging::warn(failure.what());
-    reply.refuse(stalled());
-  }
 }
 
 void Calls::listens_at(std::string address, std::string fingerprint) {

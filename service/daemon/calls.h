@@ -96,6 +96,8 @@ class Calls final : public rpc::Handler {
                  rpc::Reply<std::vector<rpc::Touched>> reply);
   rpc::Refusal stalled() const;
   std::optional<rpc::Refusal> beyond_token(const rpc::Caller& caller, std::size_t more) const;
+  std::optional<rpc::Refusal> may_not_revive(const rpc::Caller& caller,
+                                             const std::vector<jobs::JobId>& jobs) const;
   static std::optional<rpc::Refusal> fit_to_token(const rpc::Caller& caller, rpc::JobAsk& ask);
 
   rpc::Loop& loop_;

@@ -171,7 +171,8 @@ void SystemAttempts::stop(const jobs::Stop& stop) {
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   ask([this, name = name_of(stop.job, stop.attempt), how] {
     try {
-      parts_.backend->signal(name, how);
+      // What becomes of one that waits only a list tells.
+      if (parts_.backend->signal(name, how)) parts_.loop.post([this] { list(); });
     } catch (const base::Error& failure) {
       // The machine asks again.
       logging::warn(fmt::format("job {}: {}", name.job, failure.what()));

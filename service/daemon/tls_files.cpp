@@ -35,6 +35,10 @@ access::Keypair checked(access::Keypair keypair, const std::string& certificate_
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{} with {}: {}", certificate_path, key_path, failure.what()));
   }
+  if (!access::is_valid_now(keypair.certificate)) {
+    logging::warn(fmt::format("{}: its time is over, or has not come: nobody will trust it",
+                              certificate_path));
+  }
   return keypair;
 }
 

@@ -15,6 +15,7 @@ namespace sleight::daemon {
 namespace {
 
 constexpr int k_format = 1;
+constexpr std::size_t k_hash_characters = 64;
 constexpr std::size_t k_file_bytes_max = std::size_t{64} << 20U;
 
 rpc::Refusal wrong_token() {
@@ -34,11 +35,54 @@ nlohmann::json json_of(const rpc::TokenView& view, const std::string& hash) {
           {"scopes", scopes},
           {"created", view.created_s},
           {"expires", view.expires_s},
+          {"has_expired", view.has_expired},
           {"revoked", view.revoked_s},
           {"last_used", view.last_used_s},
           {"last_from", view.last_from},
           {"jobs_max", view.jobs_max},
           {"cores_max", view.cores_max}};
+}
+
+/// A value that was not written here.
+struct Unsound {};
+
+template <class T>
+T number_in(const nlohmann::json& json, const char* key, double most) {
+  const auto& value = json.at(key);
+  const bool fits = std::is_integral_v<T> ? value.is_number_unsigned() : value.is_number();
+  if (!fits || !(value.get<double>() >= 0) || value.get<double>() > most) throw Unsound();
+  return value.get<T>();
+}
+
+KeptToken kept_of(const nlohmann::json& json) {
+  constexpr double k_time_most = 1e12;
+  constexpr double k_count_most = UINT32_MAX;
+  KeptToken kept{.view = {.id = json.at("id"),
+                          .name = json.at("name"),
+                          .user = number_in<std::uint32_t>(json, "user", rpc::k_no_user - 1.0),
+                          .created_s = number_in<double>(json, "created", k_time_most),
+                          .expires_s = number_in<double>(json, "expires", k_time_most),
+                          .has_expired = json.at("has_expired"),
+                          .revoked_s = number_in<double>(json, "revoked", k_time_most),
+                          .last_used_s = number_in<double>(json, "last_used", k_time_most),
+                          .last_from = json.at("last_from"),
+                          .jobs_max = number_in<std::uint32_t>(json, "jobs_max", k_count_most),
+                          .cores_max = number_in<std::uint32_t>(json, "cores_max", k_count_most)},
+                 .hash = json.at("hash")};
+  for (const std::string name : json.at("scopes")) {
+    const auto scope = rpc::scope_of(name);
+    if (!scope) throw Unsound();
+    kept.view.scopes.add(*scope);
+  }
+  if (!access::is_token_id(kept.view.id) || kept.hash.size() != k_hash_characters) throw Unsound();
+  return kept;
+}
+
+[[noreturn]] void refuse_file(const std::string& path) {
+  throw base::Error(
+      fmt::format("{}: is not as it was written; it is left as it is: put back a copy, or move it "
+                  "away (then no token is valid)",
+                  path));
 }
 
 }  // namespace
@@ -59,31 +103,15 @@ void Tokens::read() {
                                     "is valid)",
                                     path_));
     }
-    for (const auto& one : json.at("tokens")) {
-      Kept kept{.view = {.id = one.at("id"),
-                         .name = one.at("name"),
-                         .user = one.at("user"),
-                         .created_s = one.at("created"),
-                         .expires_s = one.at("expires"),
-                         .revoked_s = one.at("revoked"),
-                         .last_used_s = one.at("last_used"),
-                         .last_from = one.at("last_from"),
-                         .jobs_max = one.at("jobs_max"),
-                         .cores_max = one.at("cores_max")},
-                .hash = one.at("hash")};
-      for (const std::string name : one.at("scopes"))
-        if (const auto scope = rpc::scope_of(name)) kept.view.scopes.add(*scope);
-      if (!access::is_token_id(kept.view.id)) throw base::Error("");
-      tokens_.emplace(kept.view.id, std::move(kept));
+    for (const auto& one : json.at("tokens").get_ref<const nlohmann::json::array_t&>()) {
+      KeptToken kept = kept_of(one);
+      const std::string id = kept.view.id;
+      if (!tokens_.emplace(id, std::move(kept)).second) throw Unsound();
     }
-  } catch (const base::Error& failure) {
-    if (failure.what()[0] != '\0') throw;
-    throw base::Error(fmt::format("{}: has an id that is none", path_));
+  } catch (const Unsound&) {
+    refuse_file(path_);
   } catch (const nlohmann::json::exception&) {
-    throw base::Error(
-        fmt::format("{}: can't be read as a list of tokens; it is left as it is: put back a copy, "
-                    "or move it away (then no token is valid)",
-                    path_));
+    refuse_file(path_);
   }
 }
 
@@ -101,9 +129,19 @@ void Tokens::write() {
   has_new_uses_ = false;
 }
 
-bool Tokens::is_valid(const Kept& kept) const {
-  const bool is_over = kept.view.expires_s > 0 && wall_s_() >= kept.view.expires_s;
-  return kept.view.revoked_s <= 0 && !is_over;
+/// Notes it where its time is over.
+bool Tokens::is_valid(Kept& kept) {
+  rpc::TokenView& view = kept.view;
+  if (!view.has_expired && view.expires_s > 0 && wall_s_() >= view.expires_s) {
+    view.has_expired = true;
+    is_saved_ = false;
+  }
+  return view.revoked_s <= 0 && !view.has_expired;
+}
+
+void Tokens::look_at_all() {
+  for (auto& [id, kept] : tokens_)
+    static_cast<void>(is_valid(kept));
 }
 
 base::Result<rpc::TokenView, rpc::Refusal> Tokens::create(std::uint32_t user,
@@ -120,10 +158,13 @@ base::Result<rpc::TokenView, rpc::Refusal> Tokens::create(std::uint32_t user,
                         .what_to_do = "Draw another one."};
   }
   const double now_s = wall_s_();
+  look_at_all();
   std::erase_if(tokens_, [&](const auto& entry) {
     const rpc::TokenView& view = entry.second.view;
-    const double over_s = view.revoked_s > 0 ? view.revoked_s : view.expires_s;
-    return !is_valid(entry.second) && now_s - over_s > k_over_token_listed_s;
+    const double over_s = view.revoked_s > 0 ? view.revoked_s
+                          : view.has_expired ? view.expires_s
+                                             : now_s;
+    return now_s - over_s > k_over_token_listed_s;
   });
   const auto of_owner = std::ranges::count_if(
       tokens_, [&](const auto& entry) { return entry.second.view.user == owner; });
@@ -150,8 +191,9 @@ base::Result<rpc::TokenView, rpc::Refusal> Tokens::create(std::uint32_t user,
   return view;
 }
 
-std::vector<rpc::TokenView> Tokens::of(std::optional<std::uint32_t> user) const {
+std::vector<rpc::TokenView> Tokens::of(std::optional<std::uint32_t> user) {
   std::vector<rpc::TokenView> views;
+  look_at_all();
   for (const auto& [id, kept] : tokens_)
     if (!user || kept.view.user == *user) views.push_back(kept.view);
   std::ranges::stable_sort(views, std::greater(), &rpc::TokenView::created_s);
@@ -180,7 +222,8 @@ base::Result<rpc::Caller, rpc::Refusal> Tokens::login(const std::string& text,
   if (!token) return wrong_token();
   const auto found = tokens_.find(token->id);
   // A hash that none has: what is unknown takes as long as what is wrong.
-  const std::string& kept_hash = found == tokens_.end() ? std::string(64, '-') : found->second.hash;
+  const std::string& kept_hash =
+      found == tokens_.end() ? std::string(k_hash_characters, '-') : found->second.hash;
   const bool is_equal = access::are_equal_hashes(access::hash_of(*token), kept_hash);
   if (found == tokens_.end() || !is_equal || !is_valid(found->second)) return wrong_token();
   rpc::TokenView& view = found->second.view;
@@ -201,6 +244,7 @@ bool Tokens::lets_go_on(const rpc::Caller& caller) {
 }
 
 void Tokens::save_uses() {
+  look_at_all();
   if (!has_new_uses_ && is_saved_) return;
   try {
     write();

@@ -7,7 +7,9 @@
 //   1. What create and revoke have answered is durable. When a token was last used is written now
 //      and then; a daemon that is killed forgets the last minute of it.
 //   2. login tells nobody whether a token is unknown, wrong, expired or revoked.
-//   3. A token that is revoked or expired is never valid again; it is listed for some time.
+//   3. A token that is revoked, or was seen to have expired, is never valid again, whatever the
+//   clock
+//      says later; it is listed for some time. One is seen when it is used, and each minute.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -28,6 +30,12 @@ inline constexpr double k_over_token_listed_s = 30.0 * 86400;
 /// What is known of uses is saved so often.
 inline constexpr double k_token_uses_saved_s = 60;
 
+/// As the file has it.
+struct KeptToken {
+  rpc::TokenView view{};
+  std::string hash{};
+};
+
 class Tokens final : public rpc::Authority {
  public:
   /// `wall_s` is the time since 1970. Throws base::Error where the file can't be read, or is none
@@ -38,7 +46,7 @@ class Tokens final : public rpc::Authority {
   /// For its user, `ask.for_user` or `user`. The same token again answers what it did at first.
   base::Result<rpc::TokenView, rpc::Refusal> create(std::uint32_t user, const rpc::TokenAsk& ask);
   /// None: of all users. The newest first.
-  std::vector<rpc::TokenView> of(std::optional<std::uint32_t> user) const;
+  std::vector<rpc::TokenView> of(std::optional<std::uint32_t> user);
   /// None as in `of`. Another's is answered like one that is not there.
   base::Result<rpc::TokenView, rpc::Refusal> revoke(std::optional<std::uint32_t> user,
                                                     const std::string& id);
@@ -47,15 +55,13 @@ class Tokens final : public rpc::Authority {
                                                 const std::string& address) override;
   bool lets_go_on(const rpc::Caller& caller) override;
 
-  /// Writes what is known of uses since the last save. Failures are logged.
+  /// Writes which have expired, and what is known of uses since the last save. Failures are logged.
   void save_uses();
 
  private:
-  struct Kept {
-    rpc::TokenView view{};
-    std::string hash{};
-  };
-  bool is_valid(const Kept& kept) const;
+  using Kept = KeptToken;
+  bool is_valid(Kept& kept);
+  void look_at_all();
   void read();
   void write();
 

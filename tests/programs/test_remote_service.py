@@ -128,6 +128,7 @@ class Remote(TlsServiceTest):
         folder.mkdir()
         script = """
             openssl req -x509 -newkey rsa:2048 -nodes -keyout ca.key -out ca.pem -days 2 -subj /CN=Ours &&
+            openssl req -x509 -newkey rsa:2048 -nodes -keyout other.key -out other.pem -days 2 -subj /CN=Theirs &&
             openssl req -newkey rsa:2048 -nodes -keyout key.pem -out host.csr -subj /CN=localhost &&
             printf 'subjectAltName=DNS:localhost' > names &&
             openssl x509 -req -in host.csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 -extfile names -out host.pem
@@ -150,7 +151,12 @@ class Remote(TlsServiceTest):
         # The same certificate, for a host that it doesn't name.
         result = self.far("laptop", "login", number, *by_authority)
         self.assertEqual(result.returncode, 9, result.stderr)
-        self.assertIn("for the name 127.0.0.1", result.stderr)
+        self.assertIn("address mismatch", result.stderr)
+        # It stands anywhere in a bundle.
+        for bundle in (["other.pem", "ca.pem"], ["ca.pem", "other.pem"]):
+            (folder / "bundle.pem").write_text("".join((folder / name).read_text() for name in bundle))
+            self.succeed(self.far("laptop", "login", self.address, "--token-file", file, "--ca", folder / "bundle.pem"))
+            self.succeed(self.far("laptop", "list"))
         # A fingerprint is for certificates that the service makes itself.
         result = self.far("laptop", "login", self.address, "--token-file", file, "--fingerprint",
                           self.ask_json("server", "status")["fingerprint"])
@@ -161,6 +167,38 @@ class Remote(TlsServiceTest):
         self.succeed(harness.sleight("login", self.address, "--token-file", file, env=trusting))
         self.succeed(harness.sleight("list", env=trusting))
         self.assertEqual(self.far("laptop", "list").returncode, 9)
+
+    def test_a_certificate_that_vouches_for_itself(self):
+        """Made by the operator, for a host or for a time: it is known by its fingerprint, whatever the host is."""
+        folder = self.path("own")
+        folder.mkdir()
+        make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=render.example.org"]
+        for name, when in (("now", []), ("old", ["faketime", "2020-01-01"])):
+            subprocess.run([*when, *make, "-keyout", f"{name}.key", "-out", f"{name}.pem", "-days", "2"], cwd=folder,
+                           check=True, capture_output=True)
+            (folder / f"{name}.key").chmod(0o600)
+        self.serve("--listen", "127.0.0.1:0", "--tls-certificate", folder / "now.pem", "--tls-key", folder / "now.key")
+        status = self.ask_json("server", "status")
+        self.address, self.fingerprint = status["address"], status["fingerprint"]
+        file, _ = self.token("laptop")
+        openssl = subprocess.run(["openssl", "x509", "-in", folder / "now.pem", "-noout", "-sha256", "-fingerprint"],
+                                 check=True, capture_output=True, text=True).stdout.strip()
+        for fingerprint in (self.fingerprint, self.fingerprint.upper(), openssl):
+            self.succeed(self.far("laptop", "login", self.address, "--token-file", file, "--fingerprint", fingerprint))
+        self.succeed(self.far("laptop", "list"))
+        for wrong in ("SHA256:00", "here", self.fingerprint[:-1], self.fingerprint[:-1] + "g"):
+            result = self.far("laptop", "login", self.address, "--token-file", file, "--fingerprint", wrong)
+            self.assertEqual(result.returncode, 2, result.stderr)
+        # The same, when this machine's clock is wrong: not somebody between, but a time that is over.
+        result = harness.run(["faketime", "+10 days", harness.program("sleight"), "list"],
+                             env=self.far_environment("laptop"))
+        self.assertEqual(result.returncode, 9)
+        self.assertIn("certificate has expired", result.stderr)
+        self.assertNotIn("stands between", result.stderr)
+        self.daemon.terminate()
+        self.daemon.wait()
+        self.serve("--listen", "127.0.0.1:0", "--tls-certificate", folder / "old.pem", "--tls-key", folder / "old.key")
+        self.assertIn("its time is over", self.path("sleightd.log").read_text())
 
     def test_old_protocols_are_refused(self):
         self.serve_over_tls()

@@ -178,6 +178,12 @@ TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
   EXPECT_EQ(targets,
             (std::vector{rpc::Target::of(rpc::GroupId{5}), rpc::Target::of(rpc::JobId{20}),
                          rpc::Target::of(rpc::JobId{21}), rpc::Target::of(rpc::JobId{22})}));
+  // Of several, one that is refused keeps no other from its call, and is named.
+  EXPECT_EQ(out([&] {
+              return cancel(socket_, {.jobs = {"21", "17", "22"}});
+            }),
+            "17 cancelled: stops\n");
+  EXPECT_EQ(code_, 2);
   out([&] { return cancel(socket_, {.jobs = {"21..25"}}); });
   EXPECT_EQ(code_, 2);
   const Json json = Json::parse(out([&] { return cancel(socket_, {{"17"}, true}); }));

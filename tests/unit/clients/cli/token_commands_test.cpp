@@ -91,6 +91,18 @@ TEST_F(TokenCommands, AFileOfATokenIsNewAndItsOwners) {
   EXPECT_FALSE(std::filesystem::exists(options.output));
 }
 
+// What an unset variable of a script gives is nobody, and not whoever runs the script.
+TEST_F(TokenCommands, AUserIsOneThatThereIs) {
+  for (const char* user : {"", " ", "no such user", "4294967295", "4294967296", "-1", "1.5"}) {
+    TokenCreateOptions options{.name = "laptop", .user = user};
+    EXPECT_NE(failure([&] { create_token(socket(), options); }), base::ExitCode::ok) << user;
+    EXPECT_EQ(handler_.asked_token.token, "") << user;
+  }
+  TokenCreateOptions options{.name = "laptop", .user = "64002"};
+  out([&] { return create_token(socket(), options); });
+  EXPECT_EQ(handler_.asked_token.for_user, 64002U);
+}
+
 TEST_F(TokenCommands, TimesAreReadAsPeopleWriteThem) {
   EXPECT_EQ(validity_s_of("never"), 0);
   EXPECT_EQ(validity_s_of("90d"), 90 * 86400.0);
@@ -102,7 +114,7 @@ TEST_F(TokenCommands, TimesAreReadAsPeopleWriteThem) {
 
 TEST_F(TokenCommands, TheListIsOfValidOnes) {
   handler_.tokens = {{.id = "0123456789", .name = "\x1b[2J laptop", .expires_s = 0},
-                     {.id = "1123456789", .name = "old", .expires_s = 1},
+                     {.id = "1123456789", .name = "old", .expires_s = 1, .has_expired = true},
                      {.id = "2123456789", .name = "lost", .revoked_s = 1}};
   const std::string text = out([&] { return list_tokens(socket(), false, false); });
   EXPECT_NE(text.find("0123456789"), std::string::npos);
@@ -124,19 +136,29 @@ TEST_F(TokenCommands, OnlyIdsAreRevoked) {
   // A whole token given by mistake is not sent, and not shown.
   const std::string token = access::text_of(access::draw_token());
   EXPECT_EQ(failure([&] { revoke_tokens(socket(), {.ids = {token}}); }), base::ExitCode::usage);
-  EXPECT_EQ(failure([&] { revoke_tokens(socket(), {.ids = {"2123456789"}}); }),
-            base::ExitCode::usage);
+  // One that is not there keeps no other from being revoked.
+  handler_.tokens.push_back({.id = "1123456789", .name = "other"});
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(revoke_tokens(socket(), {.ids = {"0123456789", "2123456789", "1123456789"}}),
+            static_cast<int>(base::ExitCode::usage));
+  const std::string done = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(done.find("0123456789"), std::string::npos);
+  EXPECT_NE(done.find("1123456789"), std::string::npos);
+  EXPECT_NE(::testing::internal::GetCapturedStderr().find("2123456789: There is no such token"),
+            std::string::npos);
 }
 
 TEST_F(TokenCommands, KnownServersAreTheirOwnersAlone) {
   ::setenv("XDG_CONFIG_HOME", folder_.c_str(), 1);
   const rpc::RemoteService service{
-      .address = {.host = "render.example.org"}, .token = "t", .certificate = "c"};
+      .address = {.host = "render.example.org"}, .token = "t", .certificate = "c", .own_name = "n"};
   const std::string path = remember(service);
   const auto place = place_of("render.example.org");
   ASSERT_TRUE(std::holds_alternative<rpc::RemoteService>(place));
   EXPECT_EQ(std::get<rpc::RemoteService>(place).token, "t");
   EXPECT_EQ(std::get<rpc::RemoteService>(place).certificate, "c");
+  EXPECT_EQ(std::get<rpc::RemoteService>(place).own_name, "n");
   ::chmod(path.c_str(), 0640);
   EXPECT_EQ(failure([] { place_of("render.example.org"); }), base::ExitCode::environment);
   ::chmod(path.c_str(), 0600);

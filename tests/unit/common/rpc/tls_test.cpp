@@ -70,7 +70,10 @@ class TlsTest : public testing::SocketFolder {
     });
   }
   RemoteService remote() const {
-    return {.address = address_, .token = token_, .certificate = keypair_.certificate};
+    return {.address = address_,
+            .token = token_,
+            .certificate = keypair_.certificate,
+            .own_name = access::k_self_name};
   }
   int connect_raw() const {
     const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -198,10 +201,36 @@ TEST_F(TlsTest, AWaitingWatchEndsWithItsToken) {
 TEST_F(TlsTest, AServerWithAnotherCertificateGetsNoToken) {
   RemoteService other = remote();
   other.certificate = access::make_self_signed().certificate;
-  EXPECT_THROW(Client(other, {.call_s_max = 5}).enter(), NotTrusted);
+  try {
+    Client(other, {.call_s_max = 5}).enter();
+    FAIL() << "it was trusted";
+  } catch (const NotTrusted& error) {
+    EXPECT_NE(std::string(error.what()).find("shows another certificate"), std::string::npos);
+  }
+  // The right one for another name: no attack, and told as what it is.
+  other = remote();
+  other.own_name = "another.example.org";
+  try {
+    Client(other, {.call_s_max = 5}).enter();
+    FAIL() << "it was trusted";
+  } catch (const NotTrusted& error) {
+    EXPECT_NE(std::string(error.what()).find("hostname mismatch"), std::string::npos)
+        << error.what();
+  }
+  other = remote();
+  other.own_name = "";
   other.certificate = "";  // authorities that the system trusts: none vouches for ours
   EXPECT_THROW(Client(other, {.call_s_max = 5}).enter(), NotTrusted);
   EXPECT_EQ(authority_.logins, 0);
+}
+
+TEST_F(TlsTest, WhyACertificateIsNotTrustedIsSaid) {
+  const auto fault = [&](const std::string& name, const std::string& trusted) {
+    return access::fault_of_certificate_at(address_, name, trusted, 5);
+  };
+  EXPECT_EQ(fault(access::k_self_name, keypair_.certificate), "");
+  EXPECT_EQ(fault("another.example.org", keypair_.certificate), "hostname mismatch");
+  EXPECT_EQ(fault(access::k_self_name, ""), "self-signed certificate");
 }
 
 TEST_F(TlsTest, NobodyThereIsTold) {

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -100,6 +101,17 @@ TEST_F(AttemptsTest, WhoseKeeperEndsRightAfterTheRecordHaveDied) {
   const auto* sight = std::get_if<jobs::Sight>(&heard);
   EXPECT_TRUE(std::holds_alternative<jobs::Launched>(heard) ||
               (sight && std::holds_alternative<jobs::Died>(sight->seen)));
+}
+
+// A program that is told to stop before it listens is ended by that signal: no death of its own.
+TEST_F(AttemptsTest, ToldToStopBeforeItListensItStoppedInOrder) {
+  AttemptSights sights({.clock = clock_, .folders = folders_, .feeds = feeds_});
+  keeper::AttemptRecord record{.attempt = 1, .end = keeper::AttemptEnd{.signal = SIGUSR1}};
+  EXPECT_EQ(sights.ended(k_job, record, {}).kind, jobs::EndKind::none);
+  record.end->stop_asked = keeper::Stop::in_order;
+  EXPECT_EQ(sights.ended(k_job, record, {}).kind, jobs::EndKind::stop_requested);
+  record.end->signal = SIGSEGV;
+  EXPECT_EQ(sights.ended(k_job, record, {}).kind, jobs::EndKind::none);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/access/token_text.h"
 #include "tests/unit/common/request/toy_world.h"
 
 namespace sleight::daemon {
@@ -235,6 +236,62 @@ TEST_F(CallsTest, ATokensLimits) {
   begin();
   EXPECT_FALSE(submit(caller, submission("e", 1)).ok());
   EXPECT_TRUE(submit(k_ada, submission("f", 1)).ok());
+}
+
+// What has ended is brought back only by what may have it: a token's limits hold there as at a
+// submit.
+TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
+  const rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 1};
+  const auto own = submit(k_ada, submission("own", 1));
+  const auto first = submit(caller, submission("a", 1));
+  ASSERT_TRUE(own.ok() && first.ok());
+  const auto touch = [&](const auto& call) { return answer<std::vector<rpc::Touched>>(call); };
+  const auto cancel = [&](rpc::JobId job) {
+    ASSERT_TRUE(touch([&](auto reply) {
+                  calls_->cancel(k_ada, rpc::Target::of(job), std::move(reply));
+                }).ok());
+  };
+  const auto resume = [&](const rpc::Caller& by, rpc::JobId job) {
+    return touch([&](auto reply) { calls_->resume(by, rpc::Target::of(job), std::move(reply)); });
+  };
+  const auto extend = [&](const rpc::Caller& by, rpc::JobId job) {
+    return touch([&](auto reply) {
+      calls_->extend(by, rpc::Target::of(job), {.by = rpc::ExtendBy::scans, .to = 20},
+                     std::move(reply));
+    });
+  };
+  const rpc::JobId one = first.value().jobs.front();
+  cancel(one);
+  const auto second = submit(caller, submission("b", 1));
+  ASSERT_TRUE(second.ok());
+  EXPECT_EQ(resume(caller, one).error().kind, rpc::RefusalKind::limit);
+  EXPECT_EQ(extend(caller, one).error().kind, rpc::RefusalKind::limit);
+  // One that has not ended is counted already.
+  EXPECT_TRUE(extend(caller, second.value().jobs.front()).ok());
+  // Another's wishes are not this token's.
+  const rpc::JobId others = own.value().jobs.front();
+  EXPECT_THAT(extend(caller, others).error().sentence, HasSubstr("was not submitted by it"));
+  cancel(others);
+  EXPECT_EQ(resume(caller, others).error().kind, rpc::RefusalKind::limit);
+  // Its user may, and so may a token without limits; then there is room for its own again.
+  EXPECT_TRUE(resume({.user = 4001, .token_id = "1123456789"}, others).ok());
+  cancel(second.value().jobs.front());
+  EXPECT_TRUE(resume(caller, one).ok());
+}
+
+TEST_F(CallsTest, ARevocationThatCantBeSavedSaysSo) {
+  const std::string text = access::text_of(access::draw_token());
+  rpc::TokenAsk ask{.token = text, .name = "a"};
+  ask.scopes.add(rpc::Scope::read);
+  ASSERT_TRUE(answer<rpc::TokenView>([&](auto reply) {
+                calls_->create_token(k_ada, ask, std::move(reply));
+              }).ok());
+  std::filesystem::create_directory(state_ / "tokens.json.new");
+  const auto refused = answer<rpc::TokenView>([&](auto reply) {
+    calls_->revoke_token(k_ada, access::token_of(text)->id, std::move(reply));
+  });
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().sentence, HasSubstr("valid again after a restart"));
 }
 
 TEST_F(CallsTest, ATokensCores) {

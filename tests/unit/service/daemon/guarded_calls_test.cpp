@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -16,6 +17,7 @@
 
 #include "common/access/token_text.h"
 #include "common/base/clock.h"
+#include "common/logging/log.h"
 #include "tests/unit/common/rpc/fake_service.h"
 
 namespace sleight::daemon {
@@ -177,12 +179,65 @@ TEST_F(GuardedCallsTest, TheLogIsBounded) {
   EXPECT_FALSE(lines("audit.old.log").empty());
 }
 
+// What one of them repeats has no lines any more, and is counted: what others did stays.
+TEST_F(GuardedCallsTest, NobodyPushesOutWhatHappenedBefore) {
+  AuditLog audit(folder_, clock_);
+  audit.note({.user = 4002, .pid = 1}, {.call = "create_token", .outcome = "done"});
+  constexpr std::uint64_t k_pins = 300'000;
+  for (std::uint64_t i = 0; i < k_pins; ++i) {
+    audit.note(with(Scope::manage), {.call = "pin", .of = "14", .outcome = "done"});
+    clock_.advance(0.0002);
+  }
+  audit.note(with(Scope::manage), {.call = "cancel", .of = "15", .outcome = "done"});
+  clock_.advance(60);
+  audit.flush();
+  std::uint64_t pins = 0;
+  std::uint64_t others = 0;
+  for (const auto& line : lines()) {
+    if (line["call"] == "pin") pins += line.value("more", 1);
+    if (line["call"] != "pin") ++others;
+  }
+  EXPECT_EQ(pins, k_pins);
+  EXPECT_EQ(others, 2U);
+  EXPECT_LE(lines().size(), 1020U);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "audit.old.log"));
+  // After some time it has lines again.
+  clock_.advance(100);
+  audit.note(with(Scope::manage), {.call = "pin", .of = "16", .outcome = "done"});
+  EXPECT_EQ(lines().back()["of"], "16");
+}
+
 // Names are other people's: nothing in them breaks a line or a reader.
 TEST_F(GuardedCallsTest, OddTextsStayInTheirLine) {
   audit_.note({.user = 1, .pid = 1},
               {.call = "submit", .of = "a\n{\"call\":\"stop\"}\x1b[2J\xff\xc3", .outcome = "done"});
   ASSERT_EQ(lines().size(), 1U);
   EXPECT_EQ(lines()[0]["call"], "submit");
+}
+
+// What stands in its place stops nobody, and is told once.
+TEST_F(GuardedCallsTest, AFolderAPipeOrALinkInItsPlace) {
+  const auto place = folder_ / "audit.log";
+  for (const int kind : {0, 1, 2}) {
+    if (kind == 0) std::filesystem::create_directory(place);
+    if (kind == 1) {
+      ASSERT_EQ(::mkfifo(place.c_str(), 0600), 0);
+    }
+    if (kind == 2) std::filesystem::create_symlink(folder_ / "elsewhere", place);
+    AuditLog audit(folder_, clock_);
+    ::testing::internal::CaptureStderr();
+    logging::log_to_stderr("test", false);
+    audit.note({.user = 1}, {.call = "submit", .outcome = "done"});
+    audit.note({.user = 1}, {.call = "submit", .outcome = "done"});
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_THAT(said, HasSubstr("can't be written")) << kind;
+    EXPECT_EQ(said.find("can't be written"), said.rfind("can't be written")) << kind;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "elsewhere"));
+    std::filesystem::remove(place);
+    audit.note({.user = 1}, {.call = "cancel", .outcome = "done"});
+    EXPECT_EQ(lines().front()["times"], 2);
+    std::filesystem::remove(place);
+  }
 }
 
 TEST_F(GuardedCallsTest, LinesThatTheDiskDoesNotTakeAreCounted) {

@@ -95,6 +95,23 @@ TEST_F(TokensTest, EndsWhenItsTimeIsOver) {
   EXPECT_TRUE(is_let_in(for_ever));
 }
 
+TEST_F(TokensTest, AClockThatIsSetBackRevivesNone) {
+  const std::string used = draw();
+  const std::string unused = draw();
+  ASSERT_TRUE(tokens_->create(4001, ask(used)).ok());
+  ASSERT_TRUE(tokens_->create(4001, ask(unused)).ok());
+  now_s_ += 101;
+  EXPECT_FALSE(is_let_in(used));
+  tokens_->save_uses();  // as each minute: it looks at all of them
+  now_s_ -= 100'000;
+  EXPECT_FALSE(is_let_in(used));
+  EXPECT_FALSE(is_let_in(unused));
+  begin();
+  EXPECT_FALSE(is_let_in(used));
+  EXPECT_FALSE(is_let_in(unused));
+  EXPECT_TRUE(tokens_->of(4001).front().has_expired);
+}
+
 TEST_F(TokensTest, SurvivesADaemonAndIsRevokedForGood) {
   const std::string kept = draw();
   const std::string revoked = draw();
@@ -194,13 +211,33 @@ TEST_F(TokensTest, AUserHasSoManyAtMost) {
 TEST_F(TokensTest, AFileThatIsNoneIsRefusedAndLeft) {
   ASSERT_TRUE(tokens_->create(4001, ask(draw())).ok());
   const std::string good = content();
-  for (const std::string& bad : {std::string(), good.substr(0, good.size() / 2), std::string("[]"),
-                                 std::string(R"({"format":2,"tokens":[]})"),
-                                 std::string(R"({"format":1,"tokens":[{"id":"../../../x"}]})")}) {
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string bad = good;
+    EXPECT_NE(bad.find(from), std::string::npos) << from;
+    return bad.replace(bad.find(from), from.size(), to);
+  };
+  const std::size_t begin = good.find('{', 1);
+  const std::string token = good.substr(begin, good.rfind('}', good.size() - 3) + 1 - begin);
+  const std::vector<std::string> all_bad = {"",
+                                            good.substr(0, good.size() / 2),
+                                            "[]",
+                                            R"({"format":2,"tokens":[]})",
+                                            R"({"format":1,"tokens":{}})",
+                                            R"({"format":1,"tokens":null})",
+                                            R"({"format":1,"tokens":[{"id":"../../../x"}]})",
+                                            with(R"("user": 4001)", R"("user": 1099511627776)"),
+                                            with(R"("user": 4001)", R"("user": 0.5)"),
+                                            with(R"("user": 4001)", R"("user": 4294967295)"),
+                                            with(R"("revoked": 0.0)", R"("revoked": -1)"),
+                                            with(R"("read")", R"("all")"),
+                                            with(token, token + "," + token)};
+  for (const std::string& bad : all_bad) {
     std::ofstream(path()) << bad;
-    EXPECT_THROW(begin(), base::Error) << bad;
+    EXPECT_THROW(this->begin(), base::Error) << bad;
     EXPECT_EQ(content(), bad);
   }
+  std::ofstream(path()) << good;
+  EXPECT_NO_THROW(this->begin());
 }
 
 }  // namespace

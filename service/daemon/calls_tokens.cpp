@@ -1,0 +1,99 @@
+// Of calls.h: what a token's limits allow, and tokens themselves.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/error.h"
+#include "common/logging/log.h"
+#include "service/daemon/calls.h"
+
+namespace sleight::daemon {
+
+/// What a token allows beside its user's limits: of jobs that have not ended, `more` added.
+std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::size_t more) const {
+  if (caller.token_jobs_max == 0) return std::nullopt;
+  const auto being = being_submitted_.find(caller.token_id);
+  std::size_t count = being == being_submitted_.end() ? 0 : being->second;
+  for (const auto& [id, posted] : runner_.board().all()) {
+    if (posted.asked.token_id == caller.token_id && !jobs::is_over(posted.job.state)) ++count;
+  }
+  if (count + more <= caller.token_jobs_max) return std::nullopt;
+  return rpc::Refusal{
+      .kind = rpc::RefusalKind::limit,
+      .sentence = fmt::format("This token's jobs that have not ended are at most {}; there are {}, "
+                              "and {} more are asked for.",
+                              caller.token_jobs_max, count, more),
+      .what_to_do = "Wait until some end, or ask for a token with more."};
+}
+
+/// Of jobs that are resumed or extended. A token with limits brings back those that were submitted
+/// by it, which have its cores, and no more than it may have.
+std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
+                                                  const std::vector<jobs::JobId>& jobs) const {
+  if (caller.token_jobs_max == 0 && caller.token_cores_max == 0) return std::nullopt;
+  std::size_t revived = 0;
+  for (const jobs::JobId job : jobs) {
+    const Posted& posted = *runner_.board().find(job);
+    if (posted.asked.token_id != caller.token_id) {
+      return rpc::Refusal{
+          .kind = rpc::RefusalKind::limit,
+          .sentence = fmt::format(
+              "This token has limits of its own, and job {} was not submitted by it.", job.value),
+          .what_to_do = "A token without --jobs and --cores does it."};
+    }
+    if (jobs::is_over(posted.job.state)) ++revived;
+  }
+  return revived == 0 ? std::nullopt : beyond_token(caller, revived);
+}
+
+/// A job without a wish has at most what the token allows.
+std::optional<rpc::Refusal> Calls::fit_to_token(const rpc::Caller& caller, rpc::JobAsk& ask) {
+  const std::uint32_t cores_max = caller.token_cores_max;
+  if (cores_max == 0) return std::nullopt;
+  if (std::max(ask.cores.value_or(0), ask.ranks) <= cores_max) {
+    if (!ask.cores && ask.ranks == 0) ask.cores = cores_max;
+    return std::nullopt;
+  }
+  return rpc::Refusal{.kind = rpc::RefusalKind::limit,
+                      .sentence = fmt::format("A job of this token has at most {} core{}.",
+                                              cores_max, cores_max == 1 ? "" : "s"),
+                      .what_to_do = "Ask for fewer cores or ranks."};
+}
+
+void Calls::create_token(const rpc::Caller& caller, rpc::TokenAsk ask,
+                         rpc::Reply<rpc::TokenView> reply) {
+  if (ask.for_user && *ask.for_user != caller.user && !is_operator(caller)) {
+    reply.refuse({.kind = rpc::RefusalKind::not_allowed,
+                  .sentence = "Only the service's own user may give out tokens of others."});
+    return;
+  }
+  try {
+    reply.give(tokens_.create(caller.user, ask));
+  } catch (const base::Error& failure) {
+    logging::warn(failure.what());
+    reply.refuse(stalled());
+  }
+}
+
+void Calls::list_tokens(const rpc::Caller& caller, rpc::Reply<std::vector<rpc::TokenView>> reply) {
+  reply.answer(tokens_.of(is_operator(caller) ? std::nullopt : std::optional(caller.user)));
+}
+
+void Calls::revoke_token(const rpc::Caller& caller, std::string id,
+                         rpc::Reply<rpc::TokenView> reply) {
+  try {
+    reply.give(tokens_.revoke(is_operator(caller) ? std::nullopt : std::optional(caller.user), id));
+  } catch (const base::Error& failure) {
+    logging::warn(failure.what());
+    reply.refuse(
+        {.kind = rpc::RefusalKind::environment,
+         .sentence = fmt::format(
+             "Token {} is refused from now on, but that can't be saved: the disk is full or "
+             "fails, and it would be valid again after a restart.",
+             id),
+         .what_to_do = "Make room, and revoke it once more."});
+  }
+}
+
+}  // namespace sleight::daemon
