@@ -1,10 +1,16 @@
 // Balls that spell HI: one simulation of ten balls until its outcome is decided, and to rest, with
-// geometry that all differs from the last one's; and a chain of Algorithm 2.1.
+// geometry that all differs from the last one's; a chain of Algorithm 2.1; and both engines on the
+// same scenes.
 #include <benchmark/benchmark.h>
 
+#include <ctime>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "tests/bench/harness.h"
+#include "worker/physics/marbles/marbles.h"
+#include "worker/physics/simulator/simulation.h"
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/worlds/spelling/spelling.h"
 
@@ -102,6 +108,134 @@ BENCHMARK_CAPTURE(chain, fresh, worlds::spelling::Replays::no)
     ->Name("spelling_hi/chain_20000_fresh")
     ->Unit(benchmark::kSecond)
     ->Iterations(1);
+
+// What Marbles is for: the ratio of the two engines' times (docs/SIMULATOR, "Equal balls by
+// themselves"). Each simulates the same scenes for as long as balls drop and two seconds more, from
+// where its tables are made to where the balls are. What static geometry takes is counted by
+// itself, since a chain keeps that. `reuse`: with the history of a scene in which one ball is
+// dropped elsewhere, as a chain's proposals are; both make a new one.
+
+constexpr double k_after_the_last_s = 2;
+
+struct Engines {
+  double simulator_start_s = 0;
+  double simulator_s = 0;
+  double marbles_start_s = 0;
+  double marbles_s = 0;
+  ResultHash of_simulator{};
+  ResultHash of_marbles{};
+};
+
+double cpu_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+void hash_place(ResultHash& hash, const math::Vec3& place_m) {
+  for (int axis = 0; axis < 3; ++axis)
+    hash.add(place_m[axis]);
+}
+
+/// Both on a scene, with what they know of another one; `moved` starts otherwise there.
+void run_engines(const physics::Scene& scene, const physics::Scene* other, std::uint32_t moved,
+                 Engines& engines) {
+  const physics::Tick end =
+      scene.bodies.back().start_tick + physics::ticks_after(k_after_the_last_s);
+  const auto bodies = static_cast<std::uint32_t>(scene.bodies.size());
+  physics::SimulationOptions options;
+  options.record = false;
+  options.keep_history = other != nullptr;
+  const auto started = [&](const physics::Scene& of,
+                           const std::shared_ptr<const physics::History>& history) {
+    return physics::Simulation::start(of, options, history).value();
+  };
+  std::shared_ptr<const physics::History> history;
+  if (other != nullptr) {
+    physics::Simulation earlier = started(*other, nullptr);
+    CHECK(!earlier.run_until(end));
+    history = earlier.history();
+  }
+  double begin_s = cpu_s();
+  physics::Simulation simulation = started(scene, history);
+  engines.simulator_start_s += cpu_s() - begin_s;
+  begin_s = cpu_s();
+  CHECK(!simulation.run_until(end));
+  const auto own_history = simulation.history();
+  engines.simulator_s += cpu_s() - begin_s;
+  for (std::uint32_t ball = 0; ball < bodies; ++ball)
+    hash_place(engines.of_simulator, simulation.pose({ball}, end).position_m);
+
+  const double radius_m = std::get<physics::Sphere>(scene.bodies[0].shape).radius_m;
+  begin_s = cpu_s();
+  const physics::StaticGeometry statics(scene);
+  const physics::NearFeatures near(statics, radius_m);
+  engines.marbles_start_s += cpu_s() - begin_s;
+  physics::Marbles marbles;
+  physics::MarbleHistories histories;
+  if (other != nullptr) {
+    marbles.start(*other, near, end, {}, UINT64_MAX, {.records = true});
+    CHECK(!marbles.run_until(end));
+    histories = marbles.histories();
+    histories[moved] = nullptr;
+  }
+  begin_s = cpu_s();
+  marbles.start(
+      scene, near, end, {}, UINT64_MAX,
+      {.histories = other != nullptr ? &histories : nullptr, .records = other != nullptr});
+  const auto goes_wrong = [&] {
+    const bool failed = marbles.run_until(end).has_value();
+    CHECK(!failed || marbles.is_replay_void());
+    return marbles.is_replay_void();
+  };
+  if (goes_wrong()) {
+    marbles.start(scene, near, end, {}, UINT64_MAX, {.records = true});
+    CHECK(!goes_wrong());
+  }
+  if (other != nullptr) histories = marbles.histories();
+  engines.marbles_s += cpu_s() - begin_s;
+
+  // Where all are, those that are replayed included.
+  for (std::uint32_t ball = 0; ball < bodies; ++ball) {
+    if (marbles.replayed({ball}) != nullptr) marbles.stop_replay({ball});
+  }
+  if (goes_wrong()) {
+    marbles.start(scene, near, end);
+    CHECK(!goes_wrong());
+  }
+  for (std::uint32_t ball = 0; ball < bodies; ++ball)
+    hash_place(engines.of_marbles, marbles.position_m({ball}));
+}
+
+void engines(benchmark::State& state, bool reuses) {
+  const Spelling world(worlds::spelling::Parameters{});
+  const auto states = full_states(world, 50);
+  Engines both;
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const auto moved = static_cast<std::uint32_t>(i % states[i].active.size());
+      Spelling::State proposal = states[i];
+      proposal.drops_m[moved] = states[(i + 1) % states.size()].drops_m[moved];
+      const physics::Scene scene = *world.scene(proposal);
+      const physics::Scene before = *world.scene(states[i]);
+      run_engines(scene, reuses ? &before : nullptr, moved, both);
+    }
+  }
+  const auto runs = static_cast<double>(state.iterations()) * static_cast<double>(states.size());
+  const auto ms = [&](double all_s) { return 1e3 * all_s / runs; };
+  state.counters["simulator_ms"] = ms(both.simulator_s);
+  state.counters["marbles_ms"] = ms(both.marbles_s);
+  state.counters["simulator_start_ms"] = ms(both.simulator_start_s);
+  state.counters["marbles_statics_ms"] = ms(both.marbles_start_s);
+  state.counters["ratio"] = both.simulator_s / both.marbles_s;
+  verify(state, both.of_marbles.value(), both.of_simulator.value());
+}
+BENCHMARK_CAPTURE(engines, fresh, false)
+    ->Name("engines/spelling_hi")
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(4);
+BENCHMARK_CAPTURE(engines, reuse, true)
+    ->Name("engines/spelling_hi_reuse")
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(4);
 
 }  // namespace
 }  // namespace sleight::bench

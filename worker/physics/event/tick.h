@@ -32,6 +32,9 @@ inline constexpr Tick k_tick_max{TickCount{1} << 52};
 /// Later than every moment of a simulation: the time of what never happens.
 inline constexpr Tick k_never{std::numeric_limits<TickCount>::max()};
 
+/// Of what doesn't end: longer than every span, in seconds.
+inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
+
 /// Exact. REQUIRES: |span| <= 2^53.
 constexpr double seconds(TickCount span) {
   return static_cast<double>(span) * k_seconds_per_tick;

@@ -13,6 +13,7 @@
 
 #include "worker/physics/event/event.h"
 #include "worker/physics/marbles/touch_box.h"
+#include "worker/physics/simulator/contact_state.h"
 #include "worker/physics/simulator/recent_contacts.h"
 #include "worker/physics/simulator/resting.h"
 #include "worker/physics/simulator/segment.h"
@@ -23,13 +24,7 @@ namespace sleight::physics {
 struct Marble {
   static constexpr std::uint32_t k_none = UINT32_MAX;
   Segment segment;
-  // What it stays on, in contact.
-  std::array<std::uint32_t, 3> supports{};
-  std::uint32_t support_count = 0;
-  std::uint32_t leaves = k_none;  ///< the one whose region its centre leaves at mode_end, if any
-  Tick mode_end = k_never;
-  Vec3 half_way = Vec3::Zero();      ///< of a piece over an edge (lasting_contact.h)
-  Tick met_body{-k_tick_max.value};  ///< when it last collided with another ball
+  Supports supports;  ///< what it stays on, in contact
   enum class Stance : std::uint8_t { unknown, stands, moves };
   Stance stance = Stance::unknown;  ///< on its supports, where it was when it was last asked for
   Tick stance_tick{};
@@ -38,17 +33,10 @@ struct Marble {
   std::uint32_t static_feature = k_none;
   std::uint32_t last_feature = k_none;  ///< that it collided with
   Tick pair_tick = k_never;
-  // Collisions at one tick, and in a window.
-  Tick at_tick{-1};
-  std::uint32_t at_tick_count = 0;
-  std::uint32_t window_count = 0;
-  Tick window{};
+  CollisionCount collided;
   bool started = false;
   bool suspended = false;
   bool resumes = false;
-  std::span<const std::uint32_t> all_supports() const {
-    return std::span(supports).first(support_count);
-  }
 };
 
 struct MarbleHistory {

@@ -188,7 +188,7 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
     if (!balls_[other].started || balls_[other].suspended) continue;
     const Vec3 between_m = ball < other ? Vec3(place_at(other, now_) - place_m)
                                         : Vec3(place_m - place_at(other, now_));
-    if (math::norm(between_m) - (radius_m_ + radius_m_) <= k_touch_m) return name(other);
+    if (touches(math::norm(between_m) - (radius_m_ + radius_m_))) return name(other);
   }
   const MovingPoint centre{.position_m = place_m,
                            .velocity_mps = balls_[ball].segment.flight.velocity_mps,
@@ -200,8 +200,8 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
   const auto ask = [&](std::uint32_t index) {
     if (!overlaps(here, near_->touch_boxes()[index])) return;
     const SphereFeature& feature = statics_->feature(index);
-    if (index < lowest && gap_to(feature, centre, radius_m_).gap_m <= k_touch_m &&
-        outside_for_s(statics_->sides(feature), centre) == 0)
+    if (index < lowest && touches(gap_between(feature, centre, radius_m_).gap_m) &&
+        is_inside(statics_->sides(feature), centre.position_m))
       lowest = index;
   };
   std::ranges::for_each(near_->everywhere(), ask);
@@ -241,7 +241,8 @@ void Marbles::balls_changed() {
 bool Marbles::suspend(std::uint32_t ball) {
   if (!confinement_ || catches_up_ || is_resting(ball)) return false;
   // Decisions about rest still look at both.
-  if (resting_.enabled() && now_ - balls_[ball].met_body <= resting_.rest_span()) return false;
+  if (resting_.enabled() && now_ - balls_[ball].supports.met_body <= resting_.rest_span())
+    return false;
   const FreeFlight& flight = balls_[ball].segment.flight;
   const auto box = confinement_({ball}, flight.position_m,
                                 {.velocity_mps = flight.velocity_mps,
@@ -328,8 +329,8 @@ void Marbles::refresh_key(std::uint32_t index) {
            .lower = std::min(index, partner),
            .higher = std::max(index, partner)});
   }
-  if (ball.mode_end != k_never)
-    offer({.tick = ball.mode_end, .kind = EventKind::mode, .lower = index});
+  if (ball.supports.end != k_never)
+    offer({.tick = ball.supports.end, .kind = EventKind::mode, .lower = index});
   const Tick due = resting_.enabled() ? resting_.due(index) : k_never;
   if (due != k_never) offer({.tick = due, .kind = EventKind::rest, .lower = index});
   keys_[index] = best;

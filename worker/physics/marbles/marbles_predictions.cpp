@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "worker/physics/marbles/marbles.h"
 
@@ -14,7 +13,6 @@ namespace {
 /// another one.
 constexpr int k_halvings = 5;
 
-using detail::k_forever_s;
 using detail::k_root_shrink;
 
 /// Paths that are longer mostly leave the cell in which they begin: 16 ms. Speed only.
@@ -32,34 +30,6 @@ constexpr std::uint64_t k_early_ticks = 2;
 /// touch, at each.
 constexpr std::uint64_t k_steps_without_region = 6;
 
-/// What examine says of a region and a tick.
-bool is_inside(std::span<const RegionSide> sides, const Vec3& centre_m) {
-  return std::ranges::all_of(sides, [&](const RegionSide& side) {
-    const double inside_m = math::dot(side.space.normal, centre_m) - side.space.offset_m;
-    return side.strict ? inside_m > 0 : inside_m >= 0;
-  });
-}
-
-/// What it says of a face, but for its region, and not for how long.
-bool touches_face(const SphereFeature& face, const MovingPoint& centre, double radius_m) {
-  const Vec3 from = centre.position_m - face.point_m;
-  return math::dot(face.direction, from) - radius_m <= k_touch_m &&
-         math::dot(face.direction, centre.velocity_mps) < -k_approach_mps;
-}
-
-/// The same of an edge or a vertex.
-bool touches_corner(const SphereFeature& corner, const MovingPoint& centre, double radius_m) {
-  Vec3 away_m = centre.position_m - corner.point_m;
-  Vec3 velocity_mps = centre.velocity_mps;
-  if (corner.kind == FeatureKind::edge) {
-    away_m = away_m - math::dot(corner.direction, away_m) * corner.direction;
-    velocity_mps = velocity_mps - math::dot(corner.direction, velocity_mps) * corner.direction;
-  }
-  const double distance_m = math::norm(away_m);
-  return distance_m - radius_m <= k_touch_m &&
-         math::dot(away_m, velocity_mps) / distance_m < -k_approach_mps;
-}
-
 /// For how long an edge or a vertex can't be collided with, by touch and approach as examine judges
 /// them: 0 if both hold.
 double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre, double radius_m,
@@ -68,23 +38,22 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
   Vec3 velocity_mps = centre.velocity_mps;
   Vec3 pull_mps2 = centre.acceleration_mps2;
   if (corner.kind == FeatureKind::edge) {
-    away_m = away_m - math::dot(corner.direction, away_m) * corner.direction;
-    velocity_mps = velocity_mps - math::dot(corner.direction, velocity_mps) * corner.direction;
-    pull_mps2 = pull_mps2 - math::dot(corner.direction, pull_mps2) * corner.direction;
+    away_m = across(corner, away_m);
+    velocity_mps = across(corner, velocity_mps);
+    pull_mps2 = across(corner, pull_mps2);
   }
+  const auto [gap_m, rate_mps] = gap_to_round(away_m, velocity_mps, radius_m);
+  if (collides(gap_m, rate_mps)) return 0;
   const double distance_m = math::norm(away_m);
-  const double gap_m = distance_m - radius_m;
   const double c_v = math::dot(away_m, velocity_mps);
-  const double rate_mps = c_v / distance_m;
-  if (gap_m <= k_touch_m && rate_mps < -k_approach_mps) return 0;
   // The distance is at least that from a plane through the line or point, at right angles to the
   // way there. It doesn't shrink as long as c.v stays positive (sphere_search.h).
   const double c_a = math::dot(away_m, pull_mps2);
   double not_before_s = 0;
-  if (rate_mps >= -k_approach_mps) {
+  if (!approaches(rate_mps)) {
     const double v_a = math::dot(velocity_mps, pull_mps2);
     const double c_v_rate = math::dot(velocity_mps, velocity_mps) + c_a;
-    const double left = c_v + 0.5 * k_approach_mps * radius_m;
+    const double left = c_v + k_approach_at * k_approach_mps * radius_m;
     // left + c_v_rate h + 3/2 v.a h^2 falls to 0.
     if (left > 0) {
       not_before_s = first_fall_s(left, c_v_rate, 3 * v_a);
@@ -201,10 +170,10 @@ void Marbles::predict_static(std::uint32_t index) {
   // What it stays on it doesn't meet before its mode event. What it has just left is often what it
   // meets next, and then the rest is too far away: so that is asked first.
   std::array<std::uint32_t, 4> done{k_none, k_none, k_none, k_none};
-  if (in_contact(ball.segment)) std::ranges::copy(ball.all_supports(), done.begin());
+  if (in_contact(ball.segment)) std::ranges::copy(ball.supports.all(), done.begin());
   const std::uint32_t last = ball.last_feature;
   if (last != done[0] && last != done[1] && last != done[2]) done[3] = last;
-  const Tick until = std::min(end_, ball.mode_end);
+  const Tick until = std::min(end_, ball.supports.end);
   Tick best_tick = k_never;
   std::uint32_t best = k_none;
   Surroundings& surroundings = surroundings_[index];
@@ -320,16 +289,16 @@ Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, co
   for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
     if (judged > k_examined_ticks_max) return gives_up(tick);
     const MovingPoint now = centre_at(flight, tick);
-    const bool touches = touches_face(face, now, radius_m_);
-    if (touches && is_inside(sides, now.position_m)) return tick;
-    if (touches) {
+    const bool hits =
+        collides(gap_to_face(face, now.position_m - face.point_m, now.velocity_mps, radius_m_));
+    if (hits && is_inside(sides, now.position_m)) return tick;
+    if (hits) {
       // It goes below the plane outside of its region, and may come into that, deep as it is.
       const double outside_s = k_root_shrink * outside_for_s(sides, now);
       if (!(outside_s <= seconds(window.stop - tick))) return k_never;
       tick = tick + std::max<TickCount>(1, ticks_after(outside_s));
     } else {
-      tick = judged < k_early_ticks ? tick + 1
-                                    : examine(face, sides, now, radius_m_, k_touch_m, tick).next;
+      tick = judged < k_early_ticks ? tick + 1 : examine(face, sides, now, radius_m_, tick).next;
     }
   }
   return k_never;
@@ -344,15 +313,15 @@ Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner
   for (Tick tick = window.start + ticks_after(after_s); tick <= window.stop; ++judged) {
     if (judged > k_examined_ticks_max) return gives_up(tick);
     const MovingPoint now = centre_at(flight, tick);
-    const bool touches = touches_corner(corner, now, radius_m_);
-    if (touches && is_inside(sides, now.position_m)) return tick;
+    const bool hits = collides(gap_between(corner, now, radius_m_));
+    if (hits && is_inside(sides, now.position_m)) return tick;
     TickCount skips = 1;
-    if (touches || judged >= k_early_ticks) {
+    if (hits || judged >= k_early_ticks) {
       if (judged == 0 && stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick))
         return k_never;
       // Which side it is outside of is asked where it touches, or comes closer slowly.
-      double failing_s = touches ? 0 : corner_fails_for_s(corner, now, radius_m_, path.size_m);
-      if (touches || judged >= k_steps_without_region)
+      double failing_s = hits ? 0 : corner_fails_for_s(corner, now, radius_m_, path.size_m);
+      if (hits || judged >= k_steps_without_region)
         failing_s = std::max(failing_s, k_root_shrink * outside_for_s(sides, now));
       if (!(failing_s <= seconds(window.stop - tick))) return k_never;
       skips = std::max(skips, ticks_after(failing_s));

@@ -24,7 +24,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "worker/physics/event/tolerances.h"
@@ -35,8 +34,6 @@
 namespace sleight::physics {
 
 namespace detail {
-
-inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 
 /// More than roundings take from a root's time.
 inline constexpr double k_root_shrink = 1 - 0x1p-40;
@@ -80,7 +77,7 @@ struct PathPart {
     // least.
     floor_m2ps = rounding_mps * size_m - 0.25 * k_approach_mps * radius_m;
     side_margin_m = k_clear_margin_m + k_rounding_ulps * size_m;
-    near_m = near_m2 = detail::k_forever_s;
+    near_m = near_m2 = k_forever_s;
   }
   /// It ends so far from where it starts at most, along all axes together: sooner than the margins
   /// say, mostly.
@@ -154,18 +151,18 @@ inline double falls_after_s(double excess_m, double rate_mps, double pull_mps2,
 inline double face_not_before_s(const PathPart& path, const SphereFeature& face) {
   const Four normal = Four::of(face.direction);
   const double above_m = dot(normal, path.place_m - Four::of(face.point_m));
-  if (above_m > path.near_m) return detail::k_forever_s;
+  if (above_m > path.near_m) return k_forever_s;
   const double rate_mps = dot(normal, path.velocity_mps);
   const double pull_mps2 = dot(normal, path.pull_mps2);
   // It never approaches.
   const double last_rate_mps = rate_mps + pull_mps2 * path.span_s;
-  if (rate_mps > path.floor_mps && last_rate_mps > path.floor_mps) return detail::k_forever_s;
+  if (rate_mps > path.floor_mps && last_rate_mps > path.floor_mps) return k_forever_s;
   // It never touches: where it is lowest, at the end, unless it turns before. Some rounding more
   // counts as a touch.
   const double excess_m = above_m - path.touch_m;
   if (excess_m > 0 && (pull_mps2 <= 0 || last_rate_mps <= 0) &&
       excess_m + 0.5 * (rate_mps + last_rate_mps) * path.span_s > 0)
-    return detail::k_forever_s;
+    return k_forever_s;
   const double not_before_s =
       rate_mps > 0 && pull_mps2 < 0 ? rate_mps / -pull_mps2 : 0;  // until then it goes away
   return detail::k_root_shrink * falls_after_s(excess_m, rate_mps, pull_mps2, not_before_s);
@@ -206,7 +203,7 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
     const double change =
         first_c_a <= 0 || last_c_v <= 0 ? 0.5 * (first_c_v + last_c_v) : first_c_v;
     const double left = way.c_c + std::min(0.0, change) * span_s;
-    if (left > 0 && left * left > square * way.c_c) return detail::k_forever_s;
+    if (left > 0 && left * left > square * way.c_c) return k_forever_s;
   }
   const Four v = path.velocity_mps - Four::all(dot(way.along, path.velocity_mps)) * way.along;
   const Four a = path.pull_mps2 - Four::all(dot(way.along, path.pull_mps2)) * way.along;
@@ -224,13 +221,13 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
     // It doesn't approach as long as c.v stays positive; the last term of that only raises it.
     const double left = c_v - path.floor_m2ps;
     const double not_before_s = left > 0 ? first_fall_s(left, rate, 3 * bend) : 0;
-    if (!(detail::k_root_shrink * (s + not_before_s) <= span_s)) return detail::k_forever_s;
+    if (!(detail::k_root_shrink * (s + not_before_s) <= span_s)) return k_forever_s;
     // Half of c.c's excess, h later: excess + c.v h + rate h^2 / 2 + bend h^3 / 2 + a.a h^4 / 8, of
     // which the last two terms are no less than bend h^2 / 2 times what is left of the time.
     const double least_rate = rate + std::min(0.0, bend) * (span_s - s);
     const double fails_s = falls_after_s(0.5 * (c_c - square), c_v, least_rate, not_before_s);
     const double then_s = detail::k_root_shrink * (s + fails_s);
-    if (!(then_s <= span_s)) return detail::k_forever_s;
+    if (!(then_s <= span_s)) return k_forever_s;
     constexpr double k_close = 1 + 0x1p-14;
     const bool close = then_s <= k_close * s + k_seconds_per_tick;
     s = then_s;

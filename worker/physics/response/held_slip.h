@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/math/vector.h"
+#include "worker/physics/event/tick.h"
 #include "worker/physics/motion/rigid_body.h"
 
 namespace sleight::physics {
 
-inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 /// By how much the direction of a slip may turn, in radians, before the motion is asked for again:
 /// at least so much,
 inline constexpr double k_turn = 1.0 / 32;

@@ -139,11 +139,6 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   return std::min(until_s, std::max(takes_over, falls_s));
 }
 
-Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
-  return piece.velocity_mps +
-         math::cross(piece.angular_velocity_radps, point_m - piece.pose.position_m);
-}
-
 /// What the places of a piece's points are rounded by.
 double size_m(const MovingPiece& piece) {
   return std::max(size_of(piece.pose.position_m), piece.coordinates_m) + piece.view->r_outer_m +
@@ -172,10 +167,6 @@ double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   const double gains_mps2 = math::norm(b.acceleration_mps2 - a.acceleration_mps2) +
                             a.turning_acceleration_mps2 + b.turning_acceleration_mps2;
   return gains_mps2 > 0 ? left_mps / gains_mps2 : k_forever_s;
-}
-
-bool collides(const PieceContact& contact, double touch_m) {
-  return contact.gap_m <= touch_m && contact.rate_mps < -k_approach_mps;
 }
 
 /// How far below its centre a piece may come along the axis of its envelope, as a negative number.
@@ -395,32 +386,7 @@ Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b) {
   return distance_m > 0 ? Vec3(between_m / distance_m) : Vec3(Vec3::UnitX());
 }
 
-/// How the pieces meet, given their closest points from scratch.
-PieceContact contact_from(const Closest& closest, const MovingPiece& a, const MovingPiece& b) {
-  const Vec3 on_a_m = closest.point_a_m + a.radius_m * closest.normal;
-  const Vec3 on_b_m = closest.point_b_m - b.radius_m * closest.normal;
-  return {.gap_m = closest.gap_m - (a.radius_m + b.radius_m),
-          .rate_mps = math::dot(closest.normal, velocity_of(b, on_b_m) - velocity_of(a, on_a_m)),
-          .normal = closest.normal,
-          .point_m = 0.5 * (on_a_m + on_b_m)};
-}
-
 }  // namespace
-
-PieceContact contact_of(const MovingPiece& a, const MovingPiece& b) {
-  return contact_from(closest_cold(*a.view, a.pose, *b.view, b.pose), a, b);
-}
-
-PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b) {
-  const Closest closest =
-      closest_to_plane(solid_below.normal, solid_below.offset_m, *b.view, b.pose);
-  const Vec3 on_b_m = closest.point_b_m - b.radius_m * closest.normal;
-  const double gap_m = closest.gap_m - b.radius_m;
-  return {.gap_m = gap_m,
-          .rate_mps = math::dot(closest.normal, velocity_of(b, on_b_m)),
-          .normal = closest.normal,
-          .point_m = on_b_m - (0.5 * gap_m) * closest.normal};
-}
 
 bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double near_m,
                    Tick tick, Examined& examined) {
@@ -480,7 +446,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   };
   Shadows shadows(a, b, closest.normal);
   double span_s = 0;
-  if (gap_m <= touch_m) {
+  if (touches(gap_m, touch_m)) {
     span_s = touching_for_s(a, b, shadows, touch_m, turn_with_features());
   } else {
     span_s = open_for_s(a, b, shadows, touch_m, {});
@@ -504,17 +470,17 @@ Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick 
                   math::dot(axis, b.velocity_mps)};
   const double pull = math::dot(axis, b.acceleration_mps2);
   Envelope of_b(b, axis);
-  bool touches = false;
+  bool in_touch = false;
   if (base.place_m + of_b.lowest_m() <= k_touch_m + k_warm_error_m) {
     contact = contact_of(solid_below, b);
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
-    touches = contact.gap_m <= touch_m;
+    in_touch = touches(contact.gap_m, touch_m);
   }
   const double fall = std::max(0.0, b.turning_acceleration_mps2 - pull);
   of_b.turn(Vec3::Zero());
   double from_s = 0;
   double span_s = k_forever_s;
-  if (touches) {
+  if (in_touch) {
     from_s = comes_out_s(sum_of(base, k_no_line, of_b.first()), fall);
     span_s =
         touching_along(base, fall, b.turning_acceleration_mps2, k_rounding_ulps * b.view->r_outer_m,

@@ -19,8 +19,8 @@
 //
 // Invariants
 //   1. At a look within the touch all is a function of the two pieces' poses and motion alone: the
-//      verdict, gap <= k_touch_m and rate < -k_approach_mps; the contact; and, if they don't
-//      collide, how long they can't. It is what a search from scratch finds, by whatever means.
+//      verdict and the contact, which are collision_rule.h's, and, if they don't collide, how long
+//      they can't. It is what a search from scratch finds, by whatever means.
 //   2. Elsewhere a look may start from what was found before, by this search or by earlier ones of
 //      the pair. That decides which of several certified answers it finds, equal but for rounding,
 //      and so, by the bound above, only which ticks are skipped: never what collides, or when.
@@ -36,40 +36,10 @@
 #pragma once
 
 #include "worker/physics/distance/closest_points.h"
+#include "worker/physics/simulator/collision_rule.h"
 #include "worker/physics/simulator/sphere_search.h"
 
 namespace sleight::physics {
-
-/// A piece at a tick. What bounds motion must hold from then on.
-struct MovingPiece {
-  const ConvexView* view = nullptr;
-  double radius_m = 0;  ///< added all around
-  PlacedPose pose{};
-  /// Sum of the sizes of what a coordinate of the place was computed from, where that is more than
-  /// the coordinate itself: the place is rounded by that (coordinates_m_max).
-  double coordinates_m = 0;
-  Vec3 velocity_mps = Vec3::Zero();
-  Vec3 acceleration_mps2 = Vec3::Zero();
-  Vec3 angular_velocity_radps = Vec3::Zero();
-  /// Of any point of the piece against the centre, at most, from now on.
-  double turning_acceleration_mps2 = 0;
-  bool turns_evenly = false;  ///< the angular velocity doesn't change
-  /// Radius of a sphere about pose.position_m that holds the piece; infinite for what doesn't move.
-  double reach_m = 0;
-};
-
-/// How two pieces meet at a tick.
-struct PieceContact {
-  double gap_m = 0;
-  double rate_mps = 0;          ///< of the gap, at the closest points
-  Vec3 normal = Vec3::Zero();   ///< unit, from A to B
-  Vec3 point_m = Vec3::Zero();  ///< half way between the closest points
-};
-
-/// From scratch: a function of the two pieces' poses and velocities alone.
-PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
-/// Of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
-PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
 /// The cheaper part of a look, which asks for no orientation: while the spheres that hold two
 /// bodies are apart by more than a small part of `near_m`, or the one above a plane, nothing else

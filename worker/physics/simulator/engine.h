@@ -186,5 +186,3 @@ class Engine {
 };
 
 }  // namespace sleight::physics
-
-#include "worker/physics/simulator/engine_impl.h"

@@ -1,5 +1,5 @@
-// Bodies of the templates in engine.h, which includes it. The engines that programs use are
-// compiled once, in simulation.cpp.
+// Bodies of the templates in engine.h. The engines that programs use are compiled once, in
+// simulation.cpp, which alone includes this.
 #pragma once
 
 #include <fmt/format.h>

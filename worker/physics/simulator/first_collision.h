@@ -5,15 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "worker/physics/event/tick.h"
 #include "worker/physics/event/tolerances.h"
 #include "worker/physics/simulator/sphere_search.h"
 
 namespace sleight::physics {
-
-inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 
 /// A skip is shortened by this share for the rounding of its own computation.
 inline constexpr double k_skip_margin = 0x1p-20;

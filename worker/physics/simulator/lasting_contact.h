@@ -1,5 +1,5 @@
 // Spheres that stay on static geometry, as far as it needs no world: which faces carry a sphere,
-// and when its contact ends. world_modes.cpp says what stays and why.
+// and when its contact ends. contact_events.h says what stays and why.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -7,7 +7,7 @@
 #include "worker/physics/event/calendar_queue.h"
 #include "worker/physics/event/heap_queue.h"
 #include "worker/physics/event/tournament_queue.h"
-#include "worker/physics/simulator/engine.h"
+#include "worker/physics/simulator/engine_impl.h"
 
 namespace sleight::physics {
 namespace {

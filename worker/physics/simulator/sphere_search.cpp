@@ -2,14 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace sleight::physics {
 namespace {
-
-constexpr double k_forever_s = std::numeric_limits<double>::infinity();
-/// What a sphere touches is at least this part of its radius from its centre.
-constexpr double k_approach_at = 0.5;
 
 /// Least h >= 0 at which distance + rate h + curvature h^2 / 2 >= 0. REQUIRES: distance < 0.
 double first_rise_s(double distance, double rate, double curvature) {
@@ -33,14 +28,11 @@ Tick later(Tick tick, double span_s) {
 /// Of a centre that moves at c from a line or a point, at right angles to the line.
 GapState round_state(const Vec3& c, const Vec3& velocity_mps, const Vec3& acceleration_mps2,
                      double radius_m, double coordinates_m) {
-  const double distance_m = math::norm(c);
-  const double c_v = math::dot(c, velocity_mps);
-  return {.gap_m = distance_m - radius_m,
-          .rate_mps = c_v / distance_m,
+  return {.now = gap_to_round(c, velocity_mps, radius_m),
           .fall_mps2 = math::norm(acceleration_mps2),
           .coordinates_m = coordinates_m,
           .is_round = true,
-          .c_v = c_v,
+          .c_v = math::dot(c, velocity_mps),
           .c_v_rate = math::dot(velocity_mps, velocity_mps) + math::dot(c, acceleration_mps2),
           .c_v_second = 3 * math::dot(velocity_mps, acceleration_mps2),
           .least_c_v = k_approach_at * k_approach_mps * radius_m};
@@ -55,17 +47,12 @@ GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double 
   const Vec3& pull_mps2 = centre.acceleration_mps2;
   switch (feature.kind) {
     case FeatureKind::face:
-      return {.gap_m = math::dot(feature.direction, from) - radius_m,
-              .rate_mps = math::dot(feature.direction, velocity_mps),
+      return {.now = gap_to_face(feature, from, velocity_mps, radius_m),
               .fall_mps2 = std::max(0.0, -math::dot(feature.direction, pull_mps2)),
               .coordinates_m = coordinates_m};
-    case FeatureKind::edge: {
-      const auto across = [&](const Vec3& v) -> Vec3 {
-        return v - math::dot(feature.direction, v) * feature.direction;
-      };
-      return round_state(across(from), across(velocity_mps), across(pull_mps2), radius_m,
-                         coordinates_m);
-    }
+    case FeatureKind::edge:
+      return round_state(across(feature, from), across(feature, velocity_mps),
+                         across(feature, pull_mps2), radius_m, coordinates_m);
     case FeatureKind::vertex:
       break;
   }
@@ -76,26 +63,26 @@ Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m) {
   if (feature.kind == FeatureKind::face) return feature.direction;
   const Vec3 from = centre_m - feature.point_m;
   if (feature.kind == FeatureKind::vertex) return math::normalized(from);
-  return math::normalized(from - math::dot(feature.direction, from) * feature.direction);
+  return math::normalized(across(feature, from));
 }
 
 double failing_for_s(const GapState& state, double touch_m) {
   double failing_s = 0;
   const double fall = state.fall_mps2;
+  const auto [gap_m, rate_mps] = state.now;
   // The gap must fall to the touch.
-  if (state.gap_m > touch_m) {
-    const double excess_m =
-        state.gap_m - touch_m - k_rounding_ulps * (state.coordinates_m + state.gap_m);
+  if (!touches(gap_m, touch_m)) {
+    const double excess_m = gap_m - touch_m - k_rounding_ulps * (state.coordinates_m + gap_m);
     if (excess_m > 0) {
-      failing_s = first_rise_s(-excess_m, -state.rate_mps, fall);
+      failing_s = first_rise_s(-excess_m, -rate_mps, fall);
     } else {
       failing_s = k_seconds_per_tick;  // within rounding of the touch: the next tick, not this one
     }
   }
   // The rate must fall below the approach.
-  if (state.rate_mps >= -k_approach_mps) {
+  if (!approaches(rate_mps)) {
     if (fall == 0) return k_forever_s;
-    failing_s = std::max(failing_s, (state.rate_mps + k_approach_mps) / fall);
+    failing_s = std::max(failing_s, (rate_mps + k_approach_mps) / fall);
     const double left = state.c_v + state.least_c_v;
     if (state.is_round && left > 0)
       failing_s = std::max(failing_s, first_rise_s(-left, -state.c_v_rate, -state.c_v_second));
@@ -108,11 +95,10 @@ double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centr
   double outside_s = 0;
   for (const RegionSide& side : sides) {
     const Vec3& normal = side.space.normal;
-    const double inside_m = math::dot(normal, centre.position_m) - side.space.offset_m;
-    if (side.strict ? inside_m > 0 : inside_m >= 0) continue;
-    const double margin_m =
-        k_rounding_ulps * (std::fabs(side.space.offset_m) + std::fabs(inside_m));
-    const double short_m = std::min(0.0, inside_m + margin_m);
+    const double depth_m = inside_m(side, centre.position_m);
+    if (is_inside(side, depth_m)) continue;
+    const double margin_m = k_rounding_ulps * (std::fabs(side.space.offset_m) + std::fabs(depth_m));
+    const double short_m = std::min(0.0, depth_m + margin_m);
     const double rise_s = short_m < 0
                               ? first_rise_s(short_m, math::dot(normal, centre.velocity_mps),
                                              math::dot(normal, centre.acceleration_mps2))
@@ -123,8 +109,8 @@ double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centr
 }
 
 Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
-                 const MovingPoint& centre, double radius_m, double touch_m, Tick tick) {
-  double span_s = failing_for_s(gap_to(feature, centre, radius_m), touch_m);
+                 const MovingPoint& centre, double radius_m, Tick tick) {
+  double span_s = failing_for_s(gap_to(feature, centre, radius_m), k_touch_m);
   if (span_s < k_forever_s && !sides.empty()) {
     span_s = std::max(span_s, outside_for_s(sides, centre));
   }

@@ -1,11 +1,7 @@
 // When does a sphere meet another sphere, a plane, a face, an edge or a vertex?
 //
-// The question is always the same (docs/SIMULATOR, "A collision"): the first tick, not before a
-// given one, at which three conditions hold together,
-//
-//   touch     gap <= k_touch
-//   approach  d gap / dt < -k_approach
-//   region    the closest point lies on the feature itself, not on a neighbouring one
+// The question is always the same: the first tick, not before a given one, at which touch, approach
+// and region hold together, as collision_rule.h has them.
 //
 // Idea. No polynomial of fourth degree is solved. The gap between a moving centre and a convex
 // feature is convex along a straight line, so under a constant relative acceleration of which at
@@ -32,52 +28,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
-#include "worker/physics/distance/closest_points.h"
 #include "worker/physics/event/tick.h"
 #include "worker/physics/event/tolerances.h"
 #include "worker/physics/motion/free_flight.h"
 #include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/simulator/collision_rule.h"
 
 namespace sleight::physics {
 
-/// A point that moves along a parabola.
-struct MovingPoint {
-  Vec3 position_m;
-  Vec3 velocity_mps;
-  Vec3 acceleration_mps2;
-};
-
-/// The set dot(normal, x) >= offset.
-struct HalfSpace {
-  Vec3 normal = Vec3::Zero();  ///< unit
-  double offset_m = 0;
-};
-
-/// One feature of static geometry as spheres meet it: they touch where the centre's closest point
-/// lies on it, which is where the centre is in its region.
-struct SphereFeature {
-  FeatureKind kind = FeatureKind::face;
-  Vec3 point_m = Vec3::Zero();      ///< on the plane, an end of the edge, the vertex
-  Vec3 direction = Vec3::Zero();    ///< a face's outward normal, an edge's direction; unit
-  std::uint32_t regions_begin = 0;  ///< its half-spaces in the table of all
-  std::uint32_t regions_end = 0;
-};
-
-/// One of the half-spaces that make up a feature's region. Faces take their sides closed and edges
-/// and vertices open (`strict`), so each point belongs to exactly one feature.
-struct RegionSide {
-  HalfSpace space;
-  bool strict = false;
-};
+/// What a sphere touches is at least this part of its radius from its centre.
+inline constexpr double k_approach_at = 0.5;
 
 /// Gap between a sphere and a feature's plane, line or point, its rate, and bounds on how that may
 /// fall.
 struct GapState {
-  double gap_m = 0;
-  double rate_mps = 0;
+  GapAndRate now;
   double fall_mps2 = 0;      ///< A above, >= 0
   double coordinates_m = 0;  ///< size of the numbers that the gap is the difference of
   // Of a line or a point: c.v of the centre c from it, which has the rate's sign, is a cubic in
@@ -103,10 +70,9 @@ double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centr
 /// Least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0; infinite if never. Each root
 /// is taken in the form without cancellation. REQUIRES: place >= 0.
 inline double first_fall_s(double place, double rate, double curvature) {
-  constexpr double k_infinite = std::numeric_limits<double>::infinity();
-  if (rate >= 0 && curvature >= 0) return k_infinite;
+  if (rate >= 0 && curvature >= 0) return k_forever_s;
   const double discriminant = rate * rate - 2 * curvature * place;
-  if (!(discriminant >= 0)) return k_infinite;
+  if (!(discriminant >= 0)) return k_forever_s;
   const double root = std::sqrt(discriminant);
   return rate < 0 ? 2 * place / (root - rate) : (rate + root) / -curvature;
 }
@@ -123,10 +89,10 @@ inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide
   // The region: outside of one side throughout.
   for (const RegionSide& side : sides) {
     const Vec3& normal = side.space.normal;
-    const double inside_m = math::dot(normal, centre.position_m) - side.space.offset_m;
+    const double depth_m = inside_m(side, centre.position_m);
     const double comes_m = std::max(0.0, math::dot(normal, centre.velocity_mps)) * span_s +
                            std::max(0.0, math::dot(normal, centre.acceleration_mps2)) * half_square;
-    if (inside_m + comes_m < -k_clear_margin_m) return true;
+    if (depth_m + comes_m < -k_clear_margin_m) return true;
   }
   // The touch and the approach.
   const Vec3 from = centre.position_m - feature.point_m;
@@ -169,10 +135,9 @@ struct Examined {
   double gap_m = 0;  ///< if not, and if it is known: at that tick, at least
 };
 
-/// Judges one tick for a sphere and a feature. `centre` is the state at that tick; `touch_m` stands
-/// for k_touch_m.
+/// Judges one tick for a sphere and a feature. `centre` is the state at that tick.
 Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
-                 const MovingPoint& centre, double radius_m, double touch_m, Tick tick);
+                 const MovingPoint& centre, double radius_m, Tick tick);
 
 /// Of a place's coordinates.
 inline double size_of(const Vec3& place_m) {
@@ -180,7 +145,8 @@ inline double size_of(const Vec3& place_m) {
 }
 
 /// Judges one tick for two spheres, given as the motion of the second centre against the first.
-/// `coordinates_m` is the size of the coordinates of which `relative` is the difference.
+/// `coordinates_m` is the size of the coordinates of which `relative` is the difference; `touch_m`
+/// stands for k_touch_m.
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
                          double touch_m, Tick tick);
 

@@ -265,7 +265,4 @@ class StaticGeometry {
   std::vector<Box> tree_boxes_;
 };
 
-/// Whether some of a box is not outside of a plane.
-bool reaches(const HalfSpace& outside, const Box& box);
-
 }  // namespace sleight::physics

@@ -20,7 +20,7 @@ struct Above {
   Vec3 place_m = Vec3::Zero();
   double gap_m = 0;      ///< vertical
   double allowed_m = 0;  ///< how far it may move, of NearPoints
-  double rate_mps = 0;   ///< of that
+  double rate_mps = 0;   ///< of that, vertical too
   double pull_mps2 = 0;  ///< its second derivative, where the box turns evenly
   double slope_x = 0;
   double slope_y = 0;
@@ -28,6 +28,9 @@ struct Above {
 
   double spare_m() const { return gap_m - allowed_m; }
   Vec3 normal() const { return math::normalized(Vec3(-slope_x, -slope_y, 1)); }
+  bool collides() const {
+    return touches(gap_m) && approaches(approach_rate_mps(rate_mps, normal()));
+  }
 };
 
 /// Points of a box over a surface.
@@ -73,8 +76,9 @@ class Points {
     const double bend_mps2 =
         (below.bend_xx_per_m * (v.x() * v.x()) + 2 * below.bend_xy_per_m * (v.x() * v.y())) +
         below.bend_yy_per_m * (v.y() * v.y());
-    point.gap_m = point.place_m.z() - below.height_m;
-    point.rate_mps = (v.z() - below.slope_x * v.x()) - below.slope_y * v.y();
+    const GapAndRate above = height_above(below, point.place_m, v);
+    point.gap_m = above.gap_m;
+    point.rate_mps = above.rate_mps;
     point.pull_mps2 = ((a.z() - below.slope_x * a.x()) - below.slope_y * a.y()) - bend_mps2;
     point.slope_x = below.slope_x;
     point.slope_y = below.slope_y;

@@ -242,7 +242,7 @@ class Look {
   }
   void note_contact(const Above& point) {
     lowest_m_ = std::min(lowest_m_, point.gap_m);
-    if (point.gap_m > k_touch_m || point.rate_mps * point.normal().z() >= -k_approach_mps) return;
+    if (!point.collides()) return;
     if (colliding_ && (point.gap_m > contact_.gap_m ||
                        (point.gap_m == contact_.gap_m && point.order >= contact_.order)))
       return;
@@ -389,7 +389,7 @@ class Look {
 PieceContact contact_from(const Above& point) {
   const Vec3 normal = point.normal();
   return {.gap_m = point.gap_m,
-          .rate_mps = point.rate_mps * normal.z(),
+          .rate_mps = approach_rate_mps(point.rate_mps, normal),
           .normal = normal,
           .point_m = point.place_m - Vec3(0, 0, 0.5 * point.gap_m)};
 }

@@ -74,7 +74,7 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
   recent_.reset(scene_.slow.separation_speed_mps > 0 ? count : 0);
   changed_.reserve(count);
   searches_.reserve(count);
-  at_tick_.resize(count);
+  collided_.resize(count);
   recording_.reset(record_ ? count : 0, segments_reserved);
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -312,14 +312,14 @@ const std::string& World::static_name(std::uint32_t body, std::uint32_t index) c
 
 bool World::touching(std::uint32_t a, std::uint32_t b, Tick tick) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
-    const Vec3 between_m = between_at(a, b, tick);
-    return math::norm(between_m) - (constants_[a].reach_m + constants_[b].reach_m) <= k_touch_m;
+    const double radii_m = constants_[a].reach_m + constants_[b].reach_m;
+    return touches(math::norm(between_at(a, b, tick)) - radii_m);
   }
   for (std::uint32_t i = 0; i < constants_[a].part_count; ++i) {
     for (std::uint32_t j = 0; j < constants_[b].part_count; ++j) {
       const MovingPiece first = part_at(a, i, tick);
       const MovingPiece second = part_at(b, j, tick);
-      if (contact_of(first, second).gap_m <= k_touch_m) return true;
+      if (touches(contact_of(first, second).gap_m)) return true;
     }
   }
   return false;
@@ -329,11 +329,11 @@ bool World::touching_static(std::uint32_t body, std::uint32_t index, Tick tick) 
   if (constants_[body].is_sphere) {
     const SphereFeature& feature = statics_.feature(index);
     const MovingPoint centre = centre_at(body, tick);
-    return gap_to(feature, centre, constants_[body].reach_m).gap_m <= k_touch_m &&
-           outside_for_s(statics_.sides(feature), centre) == 0;
+    return touches(gap_between(feature, centre, constants_[body].reach_m).gap_m) &&
+           is_inside(statics_.sides(feature), centre.position_m);
   }
   for (std::uint32_t part = 0; part < constants_[body].part_count; ++part) {
-    if (contact_with_static(index, body, part, tick).gap_m <= k_touch_m) return true;
+    if (touches(contact_with_static(index, body, part, tick).gap_m)) return true;
   }
   return false;
 }

@@ -143,7 +143,7 @@ class World {
     __builtin_prefetch(&segments_[body], 1);
     __builtin_prefetch(&segments_[body].flight.velocity_mps[2], 1);
     __builtin_prefetch(&constants_[body]);
-    __builtin_prefetch(&at_tick_[body], 1);
+    __builtin_prefetch(&collided_[body], 1);
   }
   /// Whether predict_flight is for this body.
   bool in_free_flight(std::uint32_t body) const {
@@ -276,6 +276,9 @@ class World {
   std::span<const SurfaceTouch> surface_touches() const { return surface_touches_; }
 
  private:
+  /// As contact_events.h asks for bodies (world_at_event.h).
+  class AtEvent;
+
   /// What bodies that are not spheres need beside their segment.
   struct Turning {
     RotationTrack track;
@@ -313,22 +316,24 @@ class World {
   const MovingPiece& moving_at(std::uint32_t body, Tick tick);
   MovingPiece part_at(std::uint32_t body, std::uint32_t part, Tick tick);
   Segment segment_after(std::uint32_t body, Tick tick, const Vec3& position_m, const Twist& twist);
-  ContactLaw contact_law(double restitution, double friction, bool plastic) const;
-  ContactLaw law_of(MaterialId a, MaterialId b, bool plastic) const;
   /// Corners that carry as well as those that a body touched with, for the decision about rest.
   void note_near_corners(std::uint32_t body, Tick tick);
   void note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick);
   /// A body that has just begun a segment may keep its place.
   void note_place(std::uint32_t body);
   /// Counts a collision of a body; how many it had at this tick.
-  std::uint32_t count_at(std::uint32_t body, Tick tick);
+  std::uint32_t count_at(std::uint32_t body, Tick tick) {
+    const std::uint32_t count = collided_[body].add(tick);
+    if (collided_[body].is_too_much()) [[unlikely]]
+      note_too_much(body, tick);
+    return count;
+  }
+  void note_too_much(std::uint32_t body, Tick tick);
   /// Until when two spheres don't collide again, unless they come faster or closer (tolerances.h).
   Refractory refractory_of_parts(std::uint32_t a, std::uint32_t b);
   Refractory refractory_of_spheres(std::uint32_t a, std::uint32_t b) const;
   Prediction predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) const;
   RigidImpactBody rigid_body(std::uint32_t body, Tick tick);
-  ImpactOutput impact_of(std::uint32_t a, std::uint32_t b, const PieceContact& contact,
-                         const ContactLaw& law, Tick tick, bool a_fixed, bool b_fixed);
   PieceContact contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event);
   /// A body has touched a surface, at an arm from its centre.
   void note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& centre_m,
@@ -345,18 +350,19 @@ class World {
     return surface(index).lattices[constants_[body].first_part + part];
   }
   /// How a body bounces off static geometry, at a contact.
-  ContactLaw law_of_static(std::uint32_t body, std::uint32_t index, const Vec3& point_m,
-                           bool plastic) const;
+  SurfaceLaw law_of_static(std::uint32_t body, std::uint32_t index, const Vec3& point_m) const;
   PieceContact static_contact_at(std::uint32_t body, std::uint32_t index, const EventKey& event);
+  /// As contact_motion asks for a sphere.
+  RoundBody round_body(std::uint32_t body) const {
+    return physics::round_body(constants_[body].reach_m, constants_[body].inertia, scene_.slow);
+  }
   bool is_resting(std::uint32_t body) const { return segments_[body].mode == MotionMode::resting; }
-  double fastest_point_mps(std::uint32_t body, const Twist& twist) const;
   /// What the search found that came to the event, if that was the last one to find a collision.
   const PieceContact* found_contact(std::uint32_t a, std::uint32_t b, const EventKey& event) const {
     const bool same = found_.tick == event.tick && found_.a == a && found_.b == b &&
                       found_.feature == event.feature;
     return same ? &found_.contact : nullptr;
   }
-  void begin_after(std::uint32_t body, const Twist& twist, const EventKey& event);
   template <bool k_fresh>
   bool predict_flight_from(std::uint32_t body, std::span<PairEdge> edges,
                            std::span<const std::uint32_t> changes, Tick now) const;
@@ -365,10 +371,6 @@ class World {
   void collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& event);
   void note_failure(SceneError::Kind kind, const std::string& what, std::uint32_t body, Tick tick);
   void note_search_gave_up(std::uint32_t body, Tick tick);
-  void wake_dependents(std::uint32_t body, const EventKey& event);
-  /// What rested on those whose motion has changed, and that have left their places, wakes.
-  void wake_on_those_that_left(const EventKey& event);
-  bool has_left(std::uint32_t body, Tick tick);
 
   // Keeping and replaying histories (world_replay.cpp).
   void append_to_history(const EventKey& event);
@@ -385,28 +387,6 @@ class World {
   void restore(const HistoryEvent& event);
   void restore_surface(const HistoryEvent& event);
   void set_replayed(std::uint32_t body);
-
-  // Lasting contact of spheres (world_modes.cpp).
-  /// Whether a sphere that meets a feature so slowly loses its bounce there, and may stay.
-  bool is_caught(std::uint32_t body, std::uint32_t feature, double approach_mps, double restitution,
-                 Tick tick);
-  /// A sphere with such a twist goes on from faces that it touches: it stays on those that carry
-  /// it, if any do, or flies with the other one. `rolled`: it has rolled on them up to now.
-  void begin_on_faces(std::uint32_t body, std::span<const std::uint32_t> features,
-                      const Twist& twist, bool rolled, const Twist& otherwise,
-                      const EventKey& event);
-  /// The same when it has just lost its bounce on `feature`.
-  void begin_caught(std::uint32_t body, std::uint32_t feature, const Twist& twist,
-                    const EventKey& event);
-  RoundBody round_body(std::uint32_t body) const;
-  /// What a sphere that rolls leaves an edge or a resting body with.
-  double hop_speed_mps() const { return k_hop_share * scene_.slow.separation_speed_mps; }
-  LastingContact lasting_contact(std::uint32_t body, std::uint32_t feature, Tick tick) const;
-  /// The first tick from which on a segment's body is slower than it must be for rest.
-  Tick slow_from(std::uint32_t body, const Segment& segment, Tick end) const;
-  /// Whether a sphere that stays would begin to move from rest. REQUIRES: stays_on_faces.
-  Resting::Stance stance_of(std::uint32_t body, Tick tick);
-  TouchRecord touch_of_support(std::uint32_t body, std::uint32_t feature, Tick tick) const;
 
   Scene scene_;
   StaticGeometry statics_;
@@ -436,13 +416,7 @@ class World {
     PieceContact contact;
   };
   Found found_;
-  struct AtTick {
-    Tick tick{-1};
-    Tick window{};  ///< collisions are counted in windows
-    std::uint32_t events = 0;
-    std::uint32_t in_window = 0;
-  };
-  std::vector<AtTick> at_tick_;
+  std::vector<CollisionCount> collided_;  ///< by body
   Recording recording_;
   std::unique_ptr<HistoryBuilder> history_builder_;
   std::size_t history_recorded_ = 0;  ///< events of the history whose segments are in the recording

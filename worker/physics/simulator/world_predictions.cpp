@@ -153,7 +153,7 @@ Refractory World::refractory_of_parts(std::uint32_t a, std::uint32_t b) {
   for (std::uint32_t i = 0; i < constants_[a].part_count; ++i) {
     for (std::uint32_t j = 0; j < constants_[b].part_count; ++j) {
       const PieceContact contact = contact_of(part_at(a, i, begin), part_at(b, j, begin));
-      if (contact.gap_m <= k_touch_m && contact.rate_mps < -k_fast_approach_mps) return {};
+      if (touches(contact.gap_m) && contact.rate_mps < -k_fast_approach_mps) return {};
     }
   }
   return refractory;
@@ -273,8 +273,7 @@ Prediction World::look_static(std::uint32_t body, std::uint32_t index, Tick now,
                                         radius_m, seconds(until + 1 - now)))
     return {.tick = until + 1, .certain = false};
   return looked_ahead(now, until, [&](Tick tick) {
-    return examine(feature, statics_.sides(feature), centre_at(body, tick), radius_m, k_touch_m,
-                   tick);
+    return examine(feature, statics_.sides(feature), centre_at(body, tick), radius_m, tick);
   });
 }
 

@@ -1,9 +1,11 @@
-// Which bodies go to rest, which lasting contacts carry them beside those that they touched, and
-// which bodies wake.
+// Bodies that go to rest, and which lasting contacts carry them beside those that they touched;
+// spheres whose contact changes.
 #include <algorithm>
 #include <limits>
 
+#include "worker/physics/simulator/contact_events.h"
 #include "worker/physics/simulator/world.h"
+#include "worker/physics/simulator/world_at_event.h"
 
 namespace sleight::physics {
 namespace {
@@ -37,88 +39,13 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, double near_m,
 }  // namespace
 
 std::size_t World::rest(std::uint32_t body, const EventKey& event) {
-  changed_.clear();
-  const auto present = [&](std::uint32_t member) {
-    // Its partners are asked next, and it may come to rest on them.
-    note_contact_state(member);
-    resting_.for_each_partner(member, event.tick, [&](std::uint32_t partner) {
-      make_live(partner);
-      if (history_builder_) history_builder_->takes_part(partner);
-    });
-    const bool stays = stays_on_faces(member);
-    for (std::uint32_t i = 0; stays && i < supports_[member].count; ++i) {
-      resting_.still_touches(member,
-                             touch_of_support(member, supports_[member].features[i], event.tick));
-    }
-    if (!constants_[member].is_sphere) note_near_corners(member, event.tick);
-    return Resting::Present{
-        .speed_mps = fastest_point_mps(member, twist_at(member, event.tick)),
-        .weight_n = constants_[member].inertia.mass_kg * scene_.gravity_mps2,
-        .reach_m = constants_[member].reach_m,
-        .centre_m = position_at(segments_[member].flight, event.tick),
-        .round = constants_[member].is_sphere,
-        .stance = stays ? stance_of(member, event.tick) : Resting::Stance::unknown};
-  };
-  for (const std::uint32_t member : resting_.decide(body, event.tick, present)) {
-    Segment segment =
-        segment_after(member, event.tick, position_at(segments_[member].flight, event.tick), {});
-    segment.flight.acceleration_mps2 = Vec3::Zero();
-    segment.mode = MotionMode::resting;
-    begin_segment(member, segment, event);
-    changed_.push_back(member);
-  }
-  const std::size_t count = changed_.size();
-  if (count == 0 && has_left(body, event.tick)) {
-    resting_.leave(body);
-    wake_dependents(body, event);
-  }
-  return count;
+  AtEvent at(*this, event);
+  return contact::rest(at, body);
 }
 
-Resting::Stance World::stance_of(std::uint32_t body, Tick tick) {
-  const std::span<const std::uint32_t> features = supports_[body].all();
-  std::array<LastingContact, 3> contacts;
-  for (std::size_t i = 0; i < features.size(); ++i)
-    contacts[i] = lasting_contact(body, features[i], tick);
-  if (stands_on(round_body(body), std::span(contacts).first(features.size()), scene_.gravity_mps2))
-    return Resting::Stance::holds;
-  return resting_.touched_only(body, tick, features) ? Resting::Stance::slides
-                                                     : Resting::Stance::unknown;
-}
-
-void World::wake_dependents(std::uint32_t body, const EventKey& event) {
-  for (const std::uint32_t dependent : resting_.wake(body)) {
-    make_live(dependent);
-    note_contact_state(dependent);
-    if (!is_resting(dependent)) continue;
-    begin_after(dependent, {}, event);
-    const FreeFlight& flight = segments_[dependent].flight;
-    // How a sphere is turned makes no difference.
-    const bool round = constants_[dependent].is_sphere;
-    resting_.woke(dependent, event.tick,
-                  {flight.position_m, round ? Quat::Identity() : flight.orientation});
-  }
-}
-
-bool World::has_left(std::uint32_t body, Tick tick) {
-  if (!resting_.in_place(body)) return false;
-  const double speed_mps = fastest_point_mps(body, twist_at(body, tick));
-  const Pose pose = constants_[body].is_sphere
-                        ? Pose{position_at(segments_[body].flight, tick), Quat::Identity()}
-                        : pose_at(body, tick);
-  return resting_.has_left(body, pose, speed_mps, constants_[body].reach_m);
-}
-
-void World::wake_on_those_that_left(const EventKey& event) {
-  // The list grows by the bodies that wake; these are still in their places.
-  for (std::size_t i = 0; i < changed_.size(); ++i) {
-    const std::uint32_t body = changed_[i];
-    if (is_resting(body) || !has_left(body, event.tick)) continue;
-    note_contact_state(body);
-    resting_.leave(body);
-    wake_dependents(body, event);
-  }
-  std::sort(changed_.begin(), changed_.end());
+void World::change_mode(std::uint32_t body, const EventKey& event) {
+  AtEvent at(*this, event);
+  contact::change_mode(at, body, segments_[body].mode == MotionMode::rolling);
 }
 
 void World::note_near_corners(std::uint32_t body, Tick tick) {

@@ -41,8 +41,7 @@ Tick first_collision(const StaticGeometry& statics, const SphereFeature& feature
     const MovingPoint centre{.position_m = position_at(flight, tick),
                              .velocity_mps = velocity_at(flight, tick),
                              .acceleration_mps2 = flight.acceleration_mps2};
-    const Examined examined =
-        examine(feature, statics.sides(feature), centre, k_radius_m, k_touch_m, tick);
+    const Examined examined = examine(feature, statics.sides(feature), centre, k_radius_m, tick);
     if (examined.collides) return tick;
     tick = examined.next;
   }

@@ -262,10 +262,6 @@ class Rocking {
   bool stays_;
 };
 
-bool collides(const PieceContact& contact, double touch_m) {
-  return contact.gap_m <= touch_m && contact.rate_mps < -k_approach_mps;
-}
-
 TEST(ConvexSearch, SkipsNoCollision) {
   // Goal: convex_search.h, invariant 3, rounding included: no tick that a look skips is a
   // collision. Method: random pairs that approach each other slowly or fast, near the origin and

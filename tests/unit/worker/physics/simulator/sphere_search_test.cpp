@@ -158,7 +158,7 @@ TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
       const double span_s = seconds(one.end + 1 - one.now);
       const bool clear = keeps_clear(feature, sides, centre_at(one, one.now), one.radius_m, span_s);
       const auto looked_at = [&](Tick tick) {
-        return examine(feature, sides, centre_at(one, tick), one.radius_m, k_touch_m, tick);
+        return examine(feature, sides, centre_at(one, tick), one.radius_m, tick);
       };
       // The search, as long as it gets on.
       bool collides = false;

@@ -89,7 +89,7 @@ Closest closest_feature(const StaticGeometry& geometry, const Vec3& p) {
   for (std::uint32_t i = 0; i < geometry.feature_count(); ++i) {
     const SphereFeature& feature = geometry.feature(i);
     if (outside_for_s(geometry.sides(feature), still) > 0) continue;
-    const double distance_m = gap_to(feature, still, 0).gap_m;
+    const double distance_m = gap_between(feature, still, 0).gap_m;
     if (distance_m < closest.distance_m) closest = {i, distance_m};
   }
   return closest;
