@@ -11,12 +11,12 @@
 #include <span>
 #include <vector>
 
+#include "worker/physics/contact/contact_state.h"
+#include "worker/physics/contact/recent_contacts.h"
+#include "worker/physics/contact/resting.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/marbles/touch_box.h"
-#include "worker/physics/simulator/contact_state.h"
-#include "worker/physics/simulator/recent_contacts.h"
-#include "worker/physics/simulator/resting.h"
-#include "worker/physics/simulator/segment.h"
+#include "worker/physics/motion/segment.h"
 
 namespace sleight::physics {
 

@@ -53,6 +53,9 @@
 #include <vector>
 
 #include "worker/physics/broad_phase/box.h"
+#include "worker/physics/contact/lasting_contact.h"
+#include "worker/physics/contact/recent_contacts.h"
+#include "worker/physics/contact/resting.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/marbles/ball_boxes.h"
 #include "worker/physics/marbles/marble_history.h"
@@ -61,10 +64,7 @@
 #include "worker/physics/marbles/surroundings.h"
 #include "worker/physics/response/contact_motion.h"
 #include "worker/physics/response/sphere_impact.h"
-#include "worker/physics/simulator/lasting_contact.h"
-#include "worker/physics/simulator/recent_contacts.h"
-#include "worker/physics/simulator/resting.h"
-#include "worker/physics/simulator/scene.h"
+#include "worker/physics/scene/scene.h"
 
 namespace sleight::physics {
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "worker/physics/contact/contact_events.h"
 #include "worker/physics/marbles/marbles.h"
-#include "worker/physics/simulator/contact_events.h"
 
 namespace sleight::physics {
 

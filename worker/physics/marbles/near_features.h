@@ -26,7 +26,7 @@
 #include "worker/physics/marbles/four.h"
 #include "worker/physics/marbles/touch_box.h"
 #include "worker/physics/motion/rigid_body.h"
-#include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/scene/static_geometry.h"
 
 namespace sleight::physics {
 

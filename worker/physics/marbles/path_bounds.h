@@ -26,10 +26,10 @@
 #include <cmath>
 #include <span>
 
+#include "worker/physics/collision/sphere_search.h"
 #include "worker/physics/event/tolerances.h"
 #include "worker/physics/marbles/four.h"
 #include "worker/physics/marbles/near_features.h"
-#include "worker/physics/simulator/sphere_search.h"
 
 namespace sleight::physics {
 

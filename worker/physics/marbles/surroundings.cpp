@@ -1,6 +1,6 @@
 #include "worker/physics/marbles/surroundings.h"
 
-#include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/scene/static_geometry.h"
 
 namespace sleight::physics {
 void Surroundings::settle(const NearFeatures& near, const NearFeatures::Cell& cell,

@@ -23,8 +23,8 @@
 #include <vector>
 
 #include "worker/physics/broad_phase/box.h"
-#include "worker/physics/simulator/sphere_search.h"
-#include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/collision/sphere_search.h"
+#include "worker/physics/scene/static_geometry.h"
 
 namespace sleight::physics {
 

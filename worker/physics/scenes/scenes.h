@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "worker/physics/simulator/scene.h"
+#include "worker/physics/scene/scene.h"
 
 namespace sleight::physics::scenes {
 

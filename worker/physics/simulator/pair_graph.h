@@ -30,6 +30,7 @@
 #endif
 
 #include "common/base/check.h"
+#include "worker/physics/collision/piece_searches.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/simulator/near_allocator.h"
 
@@ -41,9 +42,6 @@ struct Prediction {
   std::uint32_t feature = 0;  ///< which of the pair's convex pieces meet, if they do
   bool certain = false;       ///< the collision is at `tick`; else the pair must be examined then
 };
-
-/// A pair has no search: its predictions are closed forms.
-inline constexpr std::uint32_t k_no_search = UINT32_MAX;
 
 /// Never a number of changes: a copy that has no prediction.
 inline constexpr std::uint32_t k_void = UINT32_MAX;

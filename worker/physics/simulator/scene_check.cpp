@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/physics/collision/surface_search.h"
+#include "worker/physics/scene/static_geometry.h"
 #include "worker/physics/simulator/simulation.h"
-#include "worker/physics/simulator/static_geometry.h"
-#include "worker/physics/simulator/surface_search.h"
 
 namespace sleight::physics {
 namespace {

@@ -34,11 +34,11 @@
 #include <span>
 
 #include "common/base/result.h"
+#include "worker/physics/contact/surface_touches.h"
+#include "worker/physics/reuse/history.h"
+#include "worker/physics/reuse/recording.h"
+#include "worker/physics/scene/scene.h"
 #include "worker/physics/simulator/engine_options.h"
-#include "worker/physics/simulator/history.h"
-#include "worker/physics/simulator/recording.h"
-#include "worker/physics/simulator/scene.h"
-#include "worker/physics/simulator/surface_touches.h"
 
 namespace sleight::physics {
 

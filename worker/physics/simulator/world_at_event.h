@@ -3,7 +3,7 @@
 // Internal to the sources of World. Thread safety: none.
 #pragma once
 
-#include "worker/physics/simulator/contact_events.h"
+#include "worker/physics/contact/contact_events.h"
 #include "worker/physics/simulator/world.h"
 
 namespace sleight::physics {

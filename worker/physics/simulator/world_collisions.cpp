@@ -1,5 +1,5 @@
 // What collisions and controls do to bodies.
-#include "worker/physics/simulator/contact_events.h"
+#include "worker/physics/contact/contact_events.h"
 #include "worker/physics/simulator/world.h"
 #include "worker/physics/simulator/world_at_event.h"
 

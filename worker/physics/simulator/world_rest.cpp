@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "worker/physics/simulator/contact_events.h"
+#include "worker/physics/contact/contact_events.h"
 #include "worker/physics/simulator/world.h"
 #include "worker/physics/simulator/world_at_event.h"
 

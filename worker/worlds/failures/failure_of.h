@@ -5,7 +5,7 @@
 
 #include "common/base/bytes.h"
 #include "common/plan/failure.h"
-#include "worker/physics/simulator/scene.h"
+#include "worker/physics/scene/scene.h"
 
 namespace sleight::worlds {
 

@@ -15,7 +15,7 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "common/scene/surface.h"
-#include "worker/physics/simulator/segment.h"
+#include "worker/physics/motion/segment.h"
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/dice/dice.h"
 #include "worker/worlds/readers/played_out.h"

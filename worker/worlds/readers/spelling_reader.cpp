@@ -8,7 +8,7 @@
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
-#include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/scene/static_geometry.h"
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/readers/played_out.h"
 #include "worker/worlds/readers/prior_draw.h"

@@ -9,7 +9,7 @@
 
 #include "common/math/rotation.h"
 #include "common/motion/segment.h"
-#include "worker/physics/simulator/recording.h"
+#include "worker/physics/reuse/recording.h"
 
 namespace sleight::worlds {
 

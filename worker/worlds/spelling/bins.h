@@ -23,8 +23,8 @@
 #include <vector>
 
 #include "common/math/vector.h"
+#include "worker/physics/scene/scene.h"
 #include "worker/physics/shape/triangle_mesh.h"
-#include "worker/physics/simulator/scene.h"
 #include "worker/worlds/spelling/parameters.h"
 
 namespace sleight::worlds::spelling {

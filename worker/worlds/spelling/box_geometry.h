@@ -11,9 +11,9 @@
 
 #include "worker/physics/marbles/marbles.h"
 #include "worker/physics/marbles/near_features.h"
+#include "worker/physics/scene/scene.h"
+#include "worker/physics/scene/static_geometry.h"
 #include "worker/physics/shape/triangle_mesh.h"
-#include "worker/physics/simulator/scene.h"
-#include "worker/physics/simulator/static_geometry.h"
 #include "worker/worlds/spelling/bins.h"
 
 namespace sleight::worlds::spelling {

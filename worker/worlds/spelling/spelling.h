@@ -36,8 +36,8 @@
 
 #include "common/plan/failure.h"
 #include "common/random/stream.h"
-#include "worker/physics/simulator/recording.h"
-#include "worker/physics/simulator/scene.h"
+#include "worker/physics/reuse/recording.h"
+#include "worker/physics/scene/scene.h"
 #include "worker/physics/simulator/simulation.h"
 #include "worker/sampling/target.h"
 #include "worker/worlds/spelling/aimed_drops.h"

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "common/random/stream.h"
-#include "tests/unit/worker/physics/simulator/random_meshes.h"
+#include "tests/unit/worker/physics/scene/random_meshes.h"
 #include "worker/physics/marbles/ball_boxes.h"
 #include "worker/physics/marbles/surroundings.h"
 #include "worker/physics/motion/free_flight.h"
-#include "worker/physics/simulator/static_geometry.h"
+#include "worker/physics/scene/static_geometry.h"
 
 namespace sleight::physics {
 namespace {

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "tests/support/property.h"
-#include "tests/unit/worker/physics/simulator/random_meshes.h"
+#include "tests/unit/worker/physics/scene/random_meshes.h"
 #include "worker/physics/marbles/near_features.h"
+#include "worker/physics/scene/static_geometry.h"
 #include "worker/physics/scenes/scenes.h"
-#include "worker/physics/simulator/static_geometry.h"
 
 namespace sleight::physics {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "tests/unit/worker/physics/simulator/dice.h"
+#include "worker/physics/scene/scene.h"
 #include "worker/physics/scenes/scenes.h"
-#include "worker/physics/simulator/scene.h"
 
 namespace sleight::physics::testing {
 

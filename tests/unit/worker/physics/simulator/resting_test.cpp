@@ -7,10 +7,10 @@
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/plain_geometry.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "worker/physics/contact/resting.h"
 #include "worker/physics/scenes/scenes.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/shapes.h"
-#include "worker/physics/simulator/resting.h"
 
 namespace sleight::physics {
 namespace {

@@ -7,9 +7,9 @@
 #include <map>
 
 #include "tests/support/property.h"
+#include "tests/unit/worker/physics/collision/surface_tables.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
-#include "tests/unit/worker/physics/simulator/surface_tables.h"
 #include "tests/unit/worker/physics/surface/reference_surface.h"
 
 namespace sleight::physics {

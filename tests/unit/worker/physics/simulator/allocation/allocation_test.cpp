@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "tests/unit/worker/physics/collision/surface_tables.h"
 #include "tests/unit/worker/physics/counted_allocations.h"
-#include "tests/unit/worker/physics/simulator/surface_tables.h"
 #include "worker/physics/scenes/scenes.h"
 #include "worker/physics/simulator/simulation.h"
 

@@ -1,0 +1,190 @@
+// The lines of a piece's vertices along an axis, of which the lowest counts.
+//
+// Each vertex's place along an axis is known now and so is its rate; as lines in time they have a
+// lower envelope. Internal to convex_search.cpp. Thread safety: values.
+#pragma once
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <span>
+
+#include "worker/physics/collision/convex_search.h"
+#include "worker/physics/collision/first_collision.h"
+
+namespace sleight::physics::envelope {
+
+/// A vertex along the axis: place + rate h.
+struct Line {
+  double place_m;
+  double rate_mps;
+};
+
+// Two lanes, as in separation.cpp.
+using Pair = double __attribute__((vector_size(16)));
+using Lanes = decltype(Pair{} < Pair{});
+
+inline Pair load(const double* from) {
+  Pair result;
+  std::memcpy(&result, from, sizeof(result));
+  return result;
+}
+
+/// Whether a comparison holds anywhere. GCC 12 would take vectors apart to join two of them.
+inline bool any(Lanes mask) {
+#ifdef __SSE2__
+  return _mm_movemask_pd(reinterpret_cast<__m128d>(mask)) != 0;
+#else
+  return (mask[0] | mask[1]) != 0;
+#endif
+}
+inline bool any(Lanes mask, Lanes other) {
+#ifdef __SSE2__
+  return _mm_movemask_pd(
+             _mm_or_pd(reinterpret_cast<__m128d>(mask), reinterpret_cast<__m128d>(other))) != 0;
+#else
+  return any(mask) || any(other);
+#endif
+}
+
+/// The lines of a piece's vertices along an axis, of which the lowest counts. Places are computed
+/// at once, rates only of those vertices that may come to be lowest.
+class Envelope {
+ public:
+  /// `up`: along the axis, away from the other piece. Places are from the body's centre.
+  Envelope(const MovingPiece& piece, const Vec3& up) : piece_(piece), up_(up) {
+    const ConvexView& view = *piece.view;
+    const Vec3 along = transposed_product(piece.pose.rotation, up);
+    const Pair x = {along.x(), along.x()};
+    const Pair y = {along.y(), along.y()};
+    const Pair z = {along.z(), along.z()};
+    Pair least0 = {k_forever_s, k_forever_s};
+    Pair least1 = least0;
+    for (std::size_t i = 0; i < view.padded_count; i += 4) {
+      const Pair place0 =
+          (x * load(view.xs_m + i) + y * load(view.ys_m + i)) + z * load(view.zs_m + i);
+      const Pair place1 =
+          (x * load(view.xs_m + i + 2) + y * load(view.ys_m + i + 2)) + z * load(view.zs_m + i + 2);
+      std::memcpy(&places_m_[i], &place0, sizeof(place0));
+      std::memcpy(&places_m_[i + 2], &place1, sizeof(place1));
+      least0 = place0 < least0 ? place0 : least0;
+      least1 = place1 < least1 ? place1 : least1;
+    }
+    const Pair least = least0 < least1 ? least0 : least1;
+    lowest_m_ = std::min(least[0], least[1]);
+  }
+
+  double lowest_m() const { return lowest_m_; }
+  /// The first, on a tie.
+  std::uint16_t lowest_vertex() const {
+    const Pair lowest = {lowest_m_, lowest_m_};
+    std::size_t i = 0;
+    const std::size_t last = std::size_t{piece_.view->padded_count} - 4;
+    while (i < last && !any(load(&places_m_[i]) == lowest, load(&places_m_[i + 2]) == lowest))
+      i += 4;
+    const std::size_t end = i + 3;
+    while (i < end && places_m_[i] != lowest_m_)
+      ++i;
+    return static_cast<std::uint16_t>(std::min<std::size_t>(i, piece_.view->vertex_count - 1U));
+  }
+
+  /// From now on the axis turns like this.
+  void turn(const Vec3& axis_radps) {
+    rate_ = transposed_product(piece_.pose.rotation,
+                               math::cross(up_, piece_.angular_velocity_radps - axis_radps));
+    fastest_mps_ = math::norm(rate_) * piece_.view->r_outer_m;
+    if (first_vertex_ == k_none) first_vertex_ = lowest_vertex();
+    lines_[0] = {lowest_m_, math::dot(rate_, piece_.view->vertices_m[first_vertex_])};
+    line_count_ = 1;
+  }
+
+  /// A line that is lowest at first. After keep_until, of those the one that falls most.
+  const Line& first() const { return lines_[0]; }
+
+  /// Forgets the lines that don't come to lie below the first one within a time. Whether any is
+  /// left.
+  bool keep_until(double until_s) {
+    for_each_below(until_s, 0, [&](const Line& other) {
+      lines_[line_count_++] = other;
+      if (other.place_m == lowest_m_ && other.rate_mps < lines_[0].rate_mps) lines_[0] = other;
+    });
+    return line_count_ > 1;
+  }
+  /// Forgets the lines that don't come to lie below the first one, or less than a margin above it,
+  /// within a time. Those left, first the lowest one.
+  std::span<const Line> keep_near_until(double until_s, double margin_m) {
+    for_each_below(until_s, margin_m, [&](const Line& other) { lines_[line_count_++] = other; });
+    return {lines_.data(), line_count_};
+  }
+
+  /// The line that next passes below `current`, of those kept, and when.
+  double next_after(const Line& current, Line& next) const {
+    double first_s = k_forever_s;
+    for (std::size_t i = 1; i < line_count_; ++i) {
+      const Line& other = lines_[i];
+      const double faster = current.rate_mps - other.rate_mps;
+      if (!(faster > 0)) continue;
+      const double above = other.place_m - current.place_m;
+      // Compared without a division: above / faster < first.
+      if (above < first_s * faster) {
+        first_s = above / faster;
+        next = other;
+      }
+    }
+    return first_s;
+  }
+
+ private:
+  static constexpr std::size_t k_none = k_hull_points_max;
+
+  /// Calls visit(line) for those that lie below the first one, raised by a margin, at some time up
+  /// to one. With a margin, for the first one as well.
+  template <class Visit>
+  void for_each_below(double until_s, double margin_m, const Visit& visit) {
+    if (!(fastest_mps_ > 0)) return;
+    const ConvexView& view = *piece_.view;
+    const Line start = lines_[0];
+    // Lower than this now, or it can't be lower than the first one then.
+    const double limit_m = start.place_m + (start.rate_mps + fastest_mps_) * until_s + margin_m;
+    const Pair limit = {limit_m, limit_m};
+    const Pair start_m = {start.place_m + margin_m, start.place_m + margin_m};
+    const Pair start_mps = {start.rate_mps, start.rate_mps};
+    const Pair until = {until_s, until_s};
+    const Pair x = {rate_.x(), rate_.x()};
+    const Pair y = {rate_.y(), rate_.y()};
+    const Pair z = {rate_.z(), rate_.z()};
+    for (std::size_t i = 0; i < view.padded_count; i += 4) {
+      if (!any(load(&places_m_[i]) < limit, load(&places_m_[i + 2]) < limit)) continue;
+      for (std::size_t k = i; k < i + 4; k += 2) {
+        const Pair place = load(&places_m_[k]);
+        const Pair rate =
+            (x * load(view.xs_m + k) + y * load(view.ys_m + k)) + z * load(view.zs_m + k);
+        const auto below = place - start_m < (start_mps - rate) * until;
+        if (!any(below)) continue;
+        for (std::size_t lane = 0; lane < 2; ++lane) {
+          // The padding repeats vertex 0.
+          if (below[lane] == 0 || k + lane >= view.vertex_count) continue;
+          visit(Line{place[lane], rate[lane]});
+        }
+      }
+    }
+  }
+
+  const MovingPiece& piece_;
+  Vec3 up_;
+  Vec3 rate_ = Vec3::Zero();
+  double lowest_m_;
+  std::size_t first_vertex_ = k_none;  ///< the lowest one, once it is asked for
+  double fastest_mps_ = 0;             ///< of a vertex along the axis, at most
+  std::size_t line_count_ = 0;
+  // Left as they are but for what is used.
+  std::array<double, k_hull_points_max> places_m_;
+  std::array<Line, k_hull_points_max + 1> lines_;
+};
+
+}  // namespace sleight::physics::envelope

@@ -1,0 +1,86 @@
+// The states of searches between bodies of convex parts: one for each pair of parts.
+//
+// A pair of bodies has a block of them in one array; blocks that are given back are used again for
+// pairs of as many parts.
+// Thread safety: none.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "worker/physics/collision/near_places.h"
+#include "worker/physics/distance/closest_points.h"
+
+namespace sleight::physics {
+
+/// A pair has no search: its predictions are closed forms.
+inline constexpr std::uint32_t k_no_search = UINT32_MAX;
+
+/// Of one pair of parts.
+struct PieceSearch {
+  SeparationCache cache;
+  PlacesOfPair clear_in = 0;  ///< while the bodies have these places, the parts don't meet
+  Tick next = k_never;        ///< the next tick to look at
+  std::uint32_t looks = 0;    ///< so far
+  std::uint32_t count = 0;    ///< in the block's first: its size
+};
+
+class PieceSearches {
+ public:
+  /// Room for so many bodies' neighbours before anything is allocated.
+  void reserve(std::size_t bodies) {
+    constexpr std::size_t k_neighbours = 32;
+    searches_.reserve(bodies * k_neighbours);
+    free_.resize(2);
+    for (auto& blocks : free_)
+      blocks.reserve(bodies * k_neighbours);
+  }
+
+  /// Ends all searches.
+  void clear() {
+    searches_.clear();
+    for (auto& blocks : free_)
+      blocks.clear();
+  }
+
+  /// The searches of a pair of bodies, to begin anew; takes a place for them if the pair has none.
+  /// The caches are those of the pair's last searches: its motion has changed, not where it is, nor
+  /// in which places it is clear.
+  std::span<PieceSearch> fresh(std::uint32_t& place, std::size_t count) {
+    const bool known = place != k_no_search;
+    if (!known) {
+      if (free_.size() <= count) free_.resize(count + 1);
+      if (free_[count].empty()) {
+        place = static_cast<std::uint32_t>(searches_.size());
+        searches_.resize(searches_.size() + count);
+      } else {
+        place = free_[count].back();
+        free_[count].pop_back();
+      }
+    }
+    const auto block = std::span(searches_).subspan(place, count);
+    for (PieceSearch& search : block) {
+      search =
+          known ? PieceSearch{.cache = search.cache, .clear_in = search.clear_in} : PieceSearch{};
+    }
+    block[0].count = static_cast<std::uint32_t>(count);
+    return block;
+  }
+
+  std::span<PieceSearch> of(std::uint32_t place) {
+    return std::span(searches_).subspan(place, searches_[place].count);
+  }
+
+  void release(std::uint32_t& place) {
+    if (place == k_no_search) return;
+    free_[searches_[place].count].push_back(place);
+    place = k_no_search;
+  }
+
+ private:
+  std::vector<PieceSearch> searches_;
+  std::vector<std::vector<std::uint32_t>> free_;  ///< places, by the size of their blocks
+};
+
+}  // namespace sleight::physics

@@ -1,0 +1,98 @@
+// How fast a box and the surface under it may change against each other: what bounds are made of.
+//
+// Internal to surface_search.cpp. Thread safety: values, but for the surface, which keeps what it
+// was asked for.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/physics/collision/first_collision.h"
+#include "worker/physics/collision/surface_search.h"
+
+namespace sleight::physics::surface_pace {
+
+/// Bounds hold while the box's centre stays within this part of its reach; when it is higher than
+/// anything near, within a whole one and a patch.
+inline constexpr double k_room = 0.25;
+
+/// Gaps and rates at ticks are off from a path without rounding by less than this share of what
+/// they are computed from.
+inline constexpr double k_rounding = 0x1p-48;
+
+/// How fast anything changes at most, while the box stays in the region that the bounds are of.
+struct Pace {
+  SurfaceBounds surface;
+  double stretch = 1;              ///< sqrt(1 + slope^2): length of (-S_x, -S_y, 1)
+  double bend_per_m = 0;           ///< of the surface, up or down
+  double past_mps = 0;             ///< of any point of the box, horizontally
+  double turning_radps = 0;        ///< of the box
+  double fall_mps2 = 0;            ///< the second derivative of a gap is no less than minus this
+  double jerk_mps3 = k_forever_s;  ///< nor does it change faster, where the box turns evenly
+  double valid_s = 0;
+  double rounding_m = 0;  ///< of gaps
+  double rounding_mps = 0;
+
+  /// The same of one point's gap, whose second derivative now is pull_mps2, for so long: at least
+  /// 0.
+  double fall_of(double pull_mps2, double until_s) const {
+    if (jerk_mps3 == k_forever_s) return fall_mps2;
+    const double fall = -pull_mps2 + 0.5 * jerk_mps3 * until_s;
+    return std::clamp(fall, 0.0, fall_mps2);
+  }
+};
+
+/// As long as any simulation: finite, as products of nothing and for ever aren't numbers.
+inline constexpr double k_always_s = seconds(k_tick_max.value);
+
+/// How long the centre stays within a horizontal distance.
+inline double stays_within_s(const MovingPiece& box, double room_m) {
+  const auto across = [](const Vec3& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); };
+  const double speed_mps = across(box.velocity_mps);
+  const double root = std::sqrt(speed_mps * speed_mps + 2 * across(box.acceleration_mps2) * room_m);
+  return 2 * room_m < k_always_s * (speed_mps + root) ? 2 * room_m / (speed_mps + root)
+                                                      : k_always_s;
+}
+
+inline SurfaceBounds bounds_around(SplineSurface& surface, const MovingPiece& box, double room_m) {
+  const Vec3& centre_m = box.pose.position_m;
+  const double away_m = box.reach_m + room_m;
+  return surface.bounds_in(centre_m.x() - away_m, centre_m.x() + away_m, centre_m.y() - away_m,
+                           centre_m.y() + away_m);
+}
+
+inline Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
+  const double room_m = k_room * box.reach_m;
+  Pace pace{.surface = bounds_around(surface, box, room_m)};
+  const SurfaceBounds& bounds = pace.surface;
+  const Vec3& pull_mps2 = box.acceleration_mps2;
+  const double aside_mps2 =
+      std::sqrt(pull_mps2.x() * pull_mps2.x() + pull_mps2.y() * pull_mps2.y());
+  const double turning_mps = std::sqrt(box.turning_acceleration_mps2 * box.reach_m);
+  pace.valid_s = stays_within_s(box, room_m);
+  pace.stretch = std::sqrt(1 + bounds.slope * bounds.slope);
+  pace.bend_per_m = std::max(bounds.hollow_per_m, bounds.bump_per_m);
+  const double gained_mps = aside_mps2 > 0 ? aside_mps2 * pace.valid_s : 0;
+  const Vec3& v = box.velocity_mps;
+  pace.past_mps = std::sqrt(v.x() * v.x() + v.y() * v.y()) + turning_mps + gained_mps;
+  pace.turning_radps = std::max(math::norm(box.angular_velocity_radps), turning_mps / box.reach_m);
+  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x', with x'' of the centre and of turning.
+  pace.fall_mps2 = std::max(0.0, (bounds.slope * aside_mps2 - pull_mps2.z()) +
+                                     pace.stretch * box.turning_acceleration_mps2 +
+                                     bounds.hollow_per_m * (pace.past_mps * pace.past_mps));
+  if (box.turns_evenly) {
+    // d3/dt3 (z - S): the point's own, (-grad S, 1) . j, and -3 v^T H a - T v^3 of the surface.
+    pace.jerk_mps3 =
+        pace.stretch * pace.turning_radps * box.turning_acceleration_mps2 +
+        pace.past_mps * (3 * pace.bend_per_m * (aside_mps2 + box.turning_acceleration_mps2) +
+                         bounds.twist_per_m2 * (pace.past_mps * pace.past_mps));
+  }
+  const double height_m = std::fabs(box.pose.position_m.z()) + box.reach_m;
+  const double across_m = std::fabs(box.pose.position_m.x()) + std::fabs(box.pose.position_m.y());
+  pace.rounding_m = k_rounding * (height_m + bounds.slope * (across_m + box.reach_m));
+  pace.rounding_mps = k_rounding * (std::fabs(v.z()) + pace.stretch * pace.past_mps +
+                                    pace.turning_radps * box.reach_m);
+  return pace;
+}
+
+}  // namespace sleight::physics::surface_pace

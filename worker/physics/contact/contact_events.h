@@ -1,0 +1,397 @@
+// What collisions, lasting contact and rest do to bodies: the rules of contact, over any table of
+// bodies.
+//
+// Idea. Two engines have bodies in tables of their own (world.h, marbles.h). What happens to the
+// bodies at an event is the same, so it stands here once, as functions over what both tables can
+// be asked. An engine wraps its table and the event into one object, which has
+//
+//   tick()                         the event's
+//   changed()                      the list of bodies that have begun a segment at it
+//   resting(), statics(), slow(), gravity_mps2(), alone_for()
+//   is_resting(b), is_round(b)     as its segment says; whether it is a sphere
+//   place_m(b), twist(b)           of its present motion, now
+//   upright(b)                     its pose now; how a sphere is turned makes no difference there
+//   reach_m(b), mass_kg(b), round_body(b), fastest_point_mps(b, twist)
+//   may_stay(b)                    whether it is a sphere that may stay on static geometry
+//   stays(b), supports(b)          whether it does, and on what
+//   lasting_contact(b, feature)    of such a sphere with static geometry
+//   stands(b, contacts)            whether it would stay where it is, on these
+//   slow_from(b, segment, end)     from when on it is slow enough for rest
+//   flight_after(b, twist)         as it would fly on from here
+//   begin_segment(b, segment), begin_after(b, twist)    both append to changed(); supports end
+//   begin_rest(b)                  the same, and the body stands still
+//   count(b)                       one more collision: its number at this tick
+//   meets(a, b, gap)               two bodies collide: for the refractory time, and for histories
+//   touches(b, record, slowly)     a body's part in a collision, for the decision about rest
+//   impact(a, b, contact, law, a_fixed, b_fixed)
+//   impact_on_static(b, twist, contact, law)
+//   notes_corners(b)               corners that carry beside those that touched
+// and says what happened to whoever keeps a history:
+//   learns(b)                      its contact state changes, beyond what it touches
+//   is_asked(member, asker)        its state is read for a decision about rest
+//   wakes(b, from, rested)         what it rested on has moved
+//
+// Everything is a function of the table's state at the event, so both engines do the same, bit for
+// bit; tests compare them.
+// Thread safety: none.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "worker/physics/collision/collision_rule.h"
+#include "worker/physics/contact/contact_state.h"
+#include "worker/physics/contact/lasting_contact.h"
+#include "worker/physics/contact/resting.h"
+#include "worker/physics/event/tolerances.h"
+#include "worker/physics/response/contact_motion.h"
+#include "worker/physics/response/rigid_impact.h"
+#include "worker/physics/scene/surface_law.h"
+
+namespace sleight::physics::contact {
+
+/// A table of bodies at an event, as above.
+template <class T>
+concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const Segment& segment,
+                          const TouchRecord& touch, const PieceContact& contact,
+                          const ContactLaw& law, std::span<const LastingContact> contacts) {
+  { at.tick() } -> std::same_as<Tick>;
+  { at.changed() } -> std::same_as<std::vector<std::uint32_t>&>;
+  { at.resting() } -> std::same_as<Resting&>;
+  { at.statics() } -> std::convertible_to<const StaticGeometry&>;
+  { at.slow() } -> std::convertible_to<const SlowContacts&>;
+  { at.gravity_mps2() } -> std::convertible_to<const Vec3&>;
+  { at.alone_for() } -> std::same_as<TickCount>;
+  { at.is_resting(body) } -> std::same_as<bool>;
+  { at.is_round(body) } -> std::same_as<bool>;
+  { at.place_m(body) } -> std::convertible_to<Vec3>;
+  { at.twist(body) } -> std::same_as<Twist>;
+  { at.upright(body) } -> std::same_as<Pose>;
+  { at.reach_m(body) } -> std::same_as<double>;
+  { at.mass_kg(body) } -> std::same_as<double>;
+  { at.fastest_point_mps(body, twist) } -> std::same_as<double>;
+  { at.round_body(body) } -> std::convertible_to<RoundBody>;
+  { at.may_stay(body) } -> std::same_as<bool>;
+  { at.stays(body) } -> std::same_as<bool>;
+  { at.supports(body) } -> std::same_as<Supports&>;
+  { at.lasting_contact(body, body) } -> std::same_as<LastingContact>;
+  { at.stands(body, contacts) } -> std::same_as<bool>;
+  { at.slow_from(body, segment, Tick{}) } -> std::same_as<Tick>;
+  { at.flight_after(body, twist) } -> std::same_as<FreeFlight>;
+  at.begin_segment(body, segment);
+  at.begin_after(body, twist);
+  at.begin_rest(body);
+  { at.count(body) } -> std::same_as<std::uint32_t>;
+  at.meets(body, body, double{});
+  at.touches(body, touch, bool{});
+  { at.impact(body, body, contact, law, bool{}, bool{}) } -> std::same_as<ImpactOutput>;
+  { at.impact_on_static(body, twist, contact, law) } -> std::same_as<Twist>;
+  at.notes_corners(body);
+  at.learns(body);
+  at.is_asked(body, body);
+  at.wakes(body, body, bool{});
+};
+
+// ---- laws ---------------------------------------------------------------------------------------
+
+/// What an impact follows, given that of the two materials: plastic after too many at one tick.
+inline ContactLaw law_of_impact(double restitution, double friction, const SlowContacts& slow,
+                                bool plastic) {
+  if (plastic) return {.restitution = 0, .friction = friction};
+  return {.restitution = restitution,
+          .friction = friction,
+          .separation_speed_floor_mps = slow.separation_speed_mps};
+}
+
+/// How fast the two sides of a contact part, at arms from the bodies' centres.
+inline double parting_mps(const Vec3& normal, const Vec3& arm_a_m, const Twist& a,
+                          const Vec3& arm_b_m, const Twist& b) {
+  const Vec3 of_a = a.velocity_mps + math::cross(a.angular_velocity_radps, arm_a_m);
+  const Vec3 of_b = b.velocity_mps + math::cross(b.angular_velocity_radps, arm_b_m);
+  return math::dot(normal, of_b - of_a);
+}
+
+/// What a sphere that rolls leaves an edge or a resting body with.
+inline double hop_speed_mps(const SlowContacts& slow) {
+  return k_hop_share * slow.separation_speed_mps;
+}
+
+// ---- who wakes ----------------------------------------------------------------------------------
+
+/// A body moves: what rested on it wakes, each where it is.
+template <Bodies At>
+void wake_dependents(At& at, std::uint32_t body) {
+  for (const std::uint32_t dependent : at.resting().wake(body)) {
+    const bool rested = at.is_resting(dependent);
+    at.wakes(dependent, body, rested);
+    if (!rested) continue;
+    at.begin_after(dependent, {});
+    at.resting().woke(dependent, at.tick(), at.upright(dependent));
+  }
+}
+
+/// Whether a body that woke without a blow has left the place in which others rest on it.
+template <Bodies At>
+bool has_left(At& at, std::uint32_t body) {
+  if (!at.resting().in_place(body)) return false;
+  return at.resting().has_left(body, at.upright(body), at.fastest_point_mps(body, at.twist(body)),
+                               at.reach_m(body));
+}
+
+/// What rested on those whose motion has changed, and that have left their places, wakes.
+template <Bodies At>
+void wake_on_those_that_left(At& at) {
+  // The list grows by the bodies that wake; these are still in their places.
+  for (std::size_t i = 0; i < at.changed().size(); ++i) {
+    const std::uint32_t body = at.changed()[i];
+    if (at.is_resting(body) || !has_left(at, body)) continue;
+    at.learns(body);
+    at.resting().leave(body);
+    wake_dependents(at, body);
+  }
+  std::sort(at.changed().begin(), at.changed().end());
+}
+
+// ---- lasting contact of spheres -----------------------------------------------------------------
+
+// A sphere loses its bounce on a face where that would be slower than separation_speed_mps, and
+// stays there if gravity presses it on: on a face, in a valley of two, in a corner of three. Over
+// an edge it hops while it is fast (contact_motion.h), and then goes round it piece by piece
+// (edge_motion.h). Vertices, and edges beside something else, it takes for faces as long as it
+// doesn't move by more than some micrometres: so it comes to rest between a face and an edge.
+//
+// Only a sphere that has met no other body for some bounces stays. One that leans on another body
+// goes on bouncing from both: if it stayed on the face, nothing would be left to part it from the
+// other body, and the two would collide without time passing.
+
+/// Up to three features, and a sphere's contacts with them.
+struct FewContacts {
+  std::array<std::uint32_t, 3> features{};
+  std::array<LastingContact, 3> contacts;
+  std::size_t count = 0;
+  void add(std::uint32_t feature, const LastingContact& contact) {
+    contacts[count] = contact;
+    features[count++] = feature;
+  }
+  std::span<const LastingContact> all() const { return std::span(contacts).first(count); }
+  MayStayOn first(std::size_t some, bool rolled) const {
+    return {.features = std::span(features).first(some),
+            .contacts = std::span(contacts).first(some),
+            .rolled = rolled};
+  }
+};
+
+/// Whether a sphere that meets a feature so slowly loses its bounce there, and may stay.
+template <Bodies At>
+bool is_caught(At& at, std::uint32_t body, std::uint32_t feature, double approach_mps,
+               double restitution, const Twist& twist) {
+  if (!at.may_stay(body)) return false;
+  const double slow_mps = at.slow().separation_speed_mps;
+  if (restitution * approach_mps >= slow_mps ||
+      at.tick() - at.supports(body).met_body < at.alone_for())
+    return false;
+  return at.statics().feature(feature).kind == FeatureKind::face ||
+         math::norm(twist.velocity_mps) < k_edge_speeds * slow_mps;
+}
+
+/// A sphere with such a twist goes on from what it touches: it stays on those that carry it, if any
+/// do, or flies with the other one.
+template <Bodies At>
+void begin_on_faces(At& at, std::uint32_t body, const MayStayOn& on, const Twist& twist,
+                    const Twist& otherwise) {
+  const auto stay =
+      stay_on(at.round_body(body), on, at.flight_after(body, twist),
+              {.statics = at.statics(), .slow = at.slow(), .gravity_mps2 = at.gravity_mps2()});
+  at.learns(body);
+  if (!stay) {
+    at.resting().flies(body, at.tick());
+    at.begin_after(body, otherwise);
+    return;
+  }
+  at.begin_segment(body, stay->segment);
+  Supports& kept = at.supports(body);
+  for (std::size_t i = 0; i < on.features.size(); ++i) {
+    if ((stay->subset >> i & 1U) != 0) kept.features[kept.count++] = on.features[i];
+  }
+  kept.end = stay->end;
+  kept.leaves = stay->leaves;
+  kept.half_way = stay->half_way;
+  if (at.resting().enabled())
+    at.resting().stays(body, at.tick(), at.slow_from(body, stay->segment, kept.end));
+}
+
+/// The same when it has just lost its bounce on `feature`.
+template <Bodies At>
+void begin_caught(At& at, std::uint32_t body, std::uint32_t feature, const Twist& twist) {
+  FewContacts few;
+  few.add(feature, at.lasting_contact(body, feature));
+  for (const std::uint32_t other : at.supports(body).all()) {
+    if (other != feature && few.count < few.features.size())
+      few.add(other, at.lasting_contact(body, other));
+  }
+  const Caught caught = caught_by(at.round_body(body), few.all(), twist, at.slow());
+  begin_on_faces(at, body, few.first(caught.count, false), caught.twist, caught.otherwise);
+}
+
+/// A sphere's mode event: its contact with static geometry changes.
+template <Bodies At>
+void change_mode(At& at, std::uint32_t body, bool rolled) {
+  at.changed().clear();
+  const Twist twist = at.twist(body);
+  // Over the border of one: what lies there is met as anything else, at once if it goes on level.
+  FewContacts few;
+  for (const std::uint32_t feature : at.supports(body).all()) {
+    if (feature != at.supports(body).leaves) few.add(feature, at.lasting_contact(body, feature));
+  }
+  begin_on_faces(at, body, few.first(few.count, rolled), twist, twist);
+  wake_on_those_that_left(at);
+}
+
+// ---- collisions ---------------------------------------------------------------------------------
+
+/// Two bodies collide. Whether the impact could be resolved.
+template <Bodies At>
+bool collide(At& at, std::uint32_t a, std::uint32_t b, const PieceContact& contact,
+             const SurfaceLaw& surfaces) {
+  at.changed().clear();
+  const bool plastic = std::max(at.count(a), at.count(b)) > k_elastic_at_a_tick;
+  const ContactLaw law = law_of_impact(surfaces.restitution, surfaces.friction, at.slow(), plastic);
+  at.meets(a, b, contact.gap_m);
+  bool a_rests = at.is_resting(a);
+  bool b_rests = at.is_resting(b);
+  ImpactOutput after = at.impact(a, b, contact, law, a_rests, b_rests);
+  if (a_rests || b_rests) {
+    // A blow that is hard enough wakes the resting one, which then takes part.
+    const std::uint32_t sleeper = a_rests ? a : b;
+    const double jump_mps = math::norm(after.impulse_ns) / at.mass_kg(sleeper);
+    if (jump_mps > at.resting().wake_speed_mps()) {
+      a_rests = false;
+      b_rests = false;
+      after = at.impact(a, b, contact, law, false, false);
+      wake_dependents(at, sleeper);
+    }
+  }
+  // What rolls along a resting body has no slip to pay its bounces from.
+  if (a_rests != b_rests) {
+    const std::uint32_t mover = a_rests ? b : a;
+    Twist& twist = a_rests ? after.b : after.a;
+    if (at.is_round(mover)) {
+      const Vec3 normal = a_rests ? contact.normal : Vec3(-contact.normal);
+      twist = hop(at.round_body(mover), normal, twist, hop_speed_mps(at.slow()));
+    }
+  }
+  if (at.resting().enabled()) {
+    const Vec3 arm_a_m = contact.point_m - at.place_m(a);
+    const Vec3 arm_b_m = contact.point_m - at.place_m(b);
+    const double parting = parting_mps(contact.normal, arm_a_m, after.a, arm_b_m, after.b);
+    const auto note = [&](std::uint32_t body, std::uint32_t partner, const Vec3& outwards,
+                          const Vec3& arm_m, const Twist& then) {
+      at.touches(body,
+                 {.tick = at.tick(),
+                  .partner = partner,
+                  .friction = law.friction,
+                  .normal = outwards,
+                  .arm_m = arm_m},
+                 at.resting().is_slow(at.fastest_point_mps(body, at.twist(body)),
+                                      at.fastest_point_mps(body, then), parting));
+    };
+    if (!a_rests) note(a, b, -contact.normal, arm_a_m, after.a);
+    if (!b_rests) note(b, a, contact.normal, arm_b_m, after.b);
+  }
+  if (!a_rests) at.begin_after(a, after.a);
+  if (!b_rests) at.begin_after(b, after.b);
+  wake_on_those_that_left(at);
+  return after.regime != ImpactRegime::unresolved;
+}
+
+/// A body collides with static geometry, by such a law.
+/// `touched`: whether what it touches is to be known.
+template <Bodies At>
+void collide_static(At& at, std::uint32_t body, std::uint32_t index, const PieceContact& contact,
+                    ContactLaw law, bool touched) {
+  at.changed().clear();
+  const Twist before = at.twist(body);
+  const double approach_mps = -math::dot(contact.normal, before.velocity_mps);
+  const bool caught = is_caught(at, body, index, approach_mps, law.restitution, before);
+  if (caught) law = {.restitution = 0, .friction = law.friction};
+  Twist after = at.impact_on_static(body, before, contact, law);
+  if (!caught && at.is_round(body) && at.slow().separation_speed_mps > 0)
+    after = hop(at.round_body(body), contact.normal, after, hop_speed_mps(at.slow()));
+  if (touched) {
+    const Vec3 arm_m = contact.point_m - at.place_m(body);
+    at.touches(
+        body,
+        {.tick = at.tick(),
+         .partner = k_static_partner,
+         .feature = index,
+         .friction = law.friction,
+         .normal = contact.normal,
+         .arm_m = arm_m},
+        at.resting().is_slow(at.fastest_point_mps(body, before), at.fastest_point_mps(body, after),
+                             parting_mps(contact.normal, Vec3::Zero(), {}, arm_m, after)));
+  }
+  if (caught) {
+    begin_caught(at, body, index, after);
+  } else {
+    at.begin_after(body, after);
+  }
+  wake_on_those_that_left(at);
+}
+
+// ---- rest ---------------------------------------------------------------------------------------
+
+/// What a decision about rest needs to know of a body; what carries it all the time is noted as
+/// touched.
+template <Bodies At>
+Resting::Present present_of(At& at, std::uint32_t body) {
+  const std::span<const std::uint32_t> features =
+      at.stays(body) ? at.supports(body).all() : std::span<const std::uint32_t>{};
+  FewContacts few;
+  for (const std::uint32_t feature : features) {
+    few.add(feature, at.lasting_contact(body, feature));
+    const LastingContact& contact = few.contacts[few.count - 1];
+    at.resting().still_touches(body, {.tick = at.tick(),
+                                      .partner = k_static_partner,
+                                      .feature = feature,
+                                      .friction = contact.friction,
+                                      .normal = contact.normal,
+                                      .arm_m = -at.reach_m(body) * contact.normal});
+  }
+  at.notes_corners(body);
+  Resting::Present present{.speed_mps = at.fastest_point_mps(body, at.twist(body)),
+                           .weight_n = at.mass_kg(body) * at.gravity_mps2(),
+                           .reach_m = at.reach_m(body),
+                           .centre_m = at.place_m(body),
+                           .round = at.is_round(body)};
+  if (!at.stays(body)) return present;
+  if (at.stands(body, few.all())) {
+    present.stance = Resting::Stance::holds;
+  } else if (at.resting().touched_only(body, at.tick(), features)) {
+    present.stance = Resting::Stance::slides;
+  }
+  return present;
+}
+
+/// A body's rest event: it and those it leans on go to rest, if they may. How many did.
+template <Bodies At>
+std::size_t rest(At& at, std::uint32_t body) {
+  at.changed().clear();
+  const auto present = [&](std::uint32_t member) {
+    at.is_asked(member, body);
+    return present_of(at, member);
+  };
+  for (const std::uint32_t member : at.resting().decide(body, at.tick(), present))
+    at.begin_rest(member);
+  const std::size_t count = at.changed().size();
+  if (count == 0 && has_left(at, body)) {
+    at.resting().leave(body);
+    wake_dependents(at, body);
+  }
+  return count;
+}
+
+}  // namespace sleight::physics::contact

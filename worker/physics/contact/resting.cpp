@@ -1,0 +1,344 @@
+#include "worker/physics/contact/resting.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/vector.h"
+#include "worker/physics/motion/rotation_bounds.h"
+
+namespace sleight::physics {
+namespace {
+
+/// A body wakes from a blow that would give it this many times the speed below which it rests: more
+/// than slow neighbours can.
+constexpr double k_wake_over_rest = 4;
+/// Slow bounces part at the least separation speed, or up to twice as fast.
+constexpr double k_slow_parting = 2;
+/// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
+/// cube that stands on an edge does not. More than balance may miss.
+constexpr double k_firm = 0.003;
+/// A body that stands, but not firmly, rests after so many rest times. The tilt of a cube on its
+/// edge grows e-fold in 0.97 sqrt(size / g), its moment about the edge over its weight: some
+/// 700-fold meanwhile where the rest time is 0.1 sqrt(size / g).
+constexpr TickCount k_patience = 64;
+/// A body that woke, or stays, is in its place as long as it has moved by less than this part of
+/// its reach.
+constexpr double k_in_place = 0.005;
+/// Sweeps over all pushes in the search for balance.
+constexpr int k_balance_sweeps_max = 400;
+/// After so many of them it is judged whether the search gets anywhere.
+constexpr int k_sweeps_judged = 8;
+/// Contacts of one partner closer together than this part of the arm count as one.
+constexpr double k_same_place = 0.05;
+
+/// A push: force, and torque over the reach.
+struct Wrench {
+  Vec3 force;
+  Vec3 torque;
+};
+
+double product(const Wrench& a, const Wrench& b) {
+  return math::dot(a.force, b.force) + math::dot(a.torque, b.torque);
+}
+
+Vec3 any_tangent(const Vec3& normal) {
+  const Vec3 axis = std::fabs(normal.x()) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+  return math::normalized(math::cross(normal, axis));
+}
+
+/// Pushes that contacts may give, and how much of each was needed last: weights that differ by
+/// little are carried by similar ones.
+class Balance {
+ public:
+  Balance(std::span<const TouchRecord> contacts, double reach_m) : reach_m_(reach_m) {
+    for (const TouchRecord& touch : contacts.first(std::min(contacts.size(), k_contacts_max))) {
+      const Vec3 first = any_tangent(touch.normal);
+      const Vec3 second = math::cross(touch.normal, first);
+      for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
+        const Vec3 force = touch.normal + touch.friction * tangent;
+        const Wrench push{force, math::cross(touch.arm_m, force) / reach_m};
+        inverse_squares_[count_] = 1 / product(push, push);
+        pushes_[count_++] = push;
+      }
+    }
+  }
+
+  /// The contacts that push in the last balance, as bits.
+  std::uint32_t pushing() const {
+    std::uint32_t contacts = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (share_[i] > 0) contacts |= std::uint32_t{1} << (i / k_edges);
+    }
+    return contacts;
+  }
+
+  /// Non-negative least squares by coordinate descent. `direction` of the weight is a unit.
+  bool carries(const Vec3& direction, const Vec3& weight_at_m) {
+    constexpr double k_enough = k_balance_tolerance * k_balance_tolerance;
+    Wrench rest{direction, math::cross(weight_at_m, direction) / reach_m_};
+    for (std::size_t i = 0; i < count_; ++i) {
+      rest.force += share_[i] * pushes_[i].force;
+      rest.torque += share_[i] * pushes_[i].torque;
+    }
+    double earlier = product(rest, rest);
+    for (int sweep = 0; sweep < k_balance_sweeps_max; ++sweep) {
+      const double left = product(rest, rest);
+      if (left < k_enough) return true;
+      if (sweep % k_sweeps_judged == 0 && sweep > 0) {
+        if (is_hopeless(left, left / earlier, k_balance_sweeps_max - sweep)) return false;
+        earlier = left;
+      }
+      for (std::size_t i = 0; i < count_; ++i) {
+        const double better =
+            std::max(0.0, share_[i] - product(rest, pushes_[i]) * inverse_squares_[i]);
+        const double change = better - share_[i];
+        if (change == 0) continue;
+        share_[i] = better;
+        rest.force += change * pushes_[i].force;
+        rest.torque += change * pushes_[i].torque;
+      }
+    }
+    return false;
+  }
+
+ private:
+  /// The edges of a friction pyramid.
+  static constexpr std::size_t k_edges = 4;
+  static constexpr std::size_t k_contacts_max = 16;
+
+  /// Whether what is left would stay too much if it fell twice as fast as it does.
+  static bool is_hopeless(double left, double fall, int sweeps_left) {
+    for (int i = 0; i < 2 * sweeps_left / k_sweeps_judged; ++i) {
+      if (left < k_balance_tolerance * k_balance_tolerance) return false;
+      left *= fall;
+    }
+    return true;
+  }
+
+  double reach_m_;
+  std::array<Wrench, k_edges * k_contacts_max> pushes_;
+  std::array<double, k_edges * k_contacts_max> inverse_squares_;
+  std::array<double, k_edges * k_contacts_max> share_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
+               const Vec3& weight_at_m) {
+  const double weight = math::norm(weight_n);
+  if (weight == 0) return true;
+  return Balance(contacts, reach_m).carries(weight_n / weight, weight_at_m);
+}
+
+bool falls_over(std::span<const TouchRecord> contacts, const Vec3& down, double reach_m) {
+  if (contacts.empty() || contacts.size() > 2) return false;
+  const Vec3& arm_m = contacts.front().arm_m;
+  const Vec3 axis =
+      contacts.size() == 2 ? Vec3(contacts[1].arm_m - arm_m) : math::cross(arm_m, down);
+  const Vec3 moves = math::cross(arm_m, axis);
+  const double work = math::dot(moves, down);
+  const double size = math::dot(moves, moves) + reach_m * reach_m * math::dot(axis, axis);
+  constexpr double k_more_than_rounding = 1 + 1e-6;
+  return work * work > k_more_than_rounding * k_balance_tolerance * k_balance_tolerance * size;
+}
+
+Resting::Chosen Resting::carrying(std::span<const TouchRecord> contacts, const Present& state,
+                                  TickCount slow) const {
+  const Vec3 down = state.weight_n / math::norm(state.weight_n);
+  const bool anyhow = state.round || slow / k_patience >= rest_span();
+  if (anyhow && falls_over(contacts, down, state.reach_m)) return 0;
+  Balance balance(contacts, state.reach_m);
+  if (anyhow) return balance.carries(down, Vec3::Zero()) ? balance.pushing() : 0;
+  // What carries the weight at the corners of a square carries it inside as well.
+  const Vec3 first = any_tangent(down);
+  const Vec3 second = math::cross(down, first);
+  Chosen pushing = 0;
+  for (const Vec3& side : {first, second, Vec3(-first), Vec3(-second)}) {
+    if (!balance.carries(down, k_firm * state.reach_m * side)) return 0;
+    pushing |= balance.pushing();
+  }
+  return pushing;
+}
+
+void Resting::note_stay(Log& log, Tick now) const {
+  const double moved_m = math::norm(log.state.centre_m - log.stays_at_m);
+  if (log.candidate && log.stays_since <= now && log.stays_since >= log.slow_since &&
+      moved_m <= k_in_place * log.state.reach_m)
+    return;
+  log.stays_since = log.candidate ? now : k_never;
+  log.stays_at_m = log.state.centre_m;
+}
+
+bool Resting::has_stayed(const Log& log, Tick now) const {
+  return log.stays_since <= now && (now - log.stays_since) / k_patience >= rest_span();
+}
+
+Resting::Chosen Resting::supporting(const Log& log, Tick now) const {
+  const TickCount slow = now - log.slow_since;
+  const auto contacts = log.touches();
+  if (log.state.stance == Stance::slides && !has_stayed(log, now)) return 0;
+  const bool weightless = is_zero(log.state.weight_n);
+  const auto pushes_up = [&](const TouchRecord& touch) {
+    return weightless || math::dot(touch.normal, log.state.weight_n) < 0;
+  };
+  // Without a weight that could be balanced, on all that may carry it.
+  if (weightless || is_jammed(log) || has_stayed(log, now) || log.state.stance == Stance::holds) {
+    Chosen all = 0;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if (!pushes_up(contacts[k])) continue;
+      if (!may_lean_on(contacts[k])) return 0;
+      all |= Chosen{1} << k;
+    }
+    return all;
+  }
+  // On those that push it up, if they suffice, so that what lies on it doesn't hold it; else with
+  // the others.
+  std::array<TouchRecord, k_records> chosen;
+  std::array<std::size_t, k_records> places;
+  std::size_t before = 0;
+  for (const bool any : {false, true}) {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if (!may_lean_on(contacts[k]) || !(any || pushes_up(contacts[k]))) continue;
+      chosen[count] = contacts[k];
+      places[count++] = k;
+    }
+    if (count == before) continue;
+    before = count;
+    const Chosen pushing =
+        carrying(std::span<const TouchRecord>(chosen).first(count), log.state, slow);
+    Chosen result = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if ((pushing >> i & 1U) != 0) result |= Chosen{1} << places[i];
+    }
+    if (result != 0) return result;
+  }
+  return 0;
+}
+
+void Resting::reset(std::size_t bodies, const SlowContacts& rule, TickCount jam_span) {
+  rule_ = rule;
+  jam_span_ = std::min(jam_span, rest_span());
+  logs_.assign(enabled() ? bodies : 0, {});
+  set_.reserve(bodies);
+}
+
+double Resting::wake_speed_mps() const {
+  return k_wake_over_rest * rule_.rest_speed_mps;
+}
+
+void Resting::record(Log& log, const TouchRecord& touch) const {
+  // The newest of each place of a partner; else in the place of the oldest.
+  std::size_t place = log.count;
+  const double near_m = k_same_place * math::norm(touch.arm_m);
+  for (std::size_t i = 0; i < log.count; ++i) {
+    const TouchRecord& other = log.records[i];
+    if (other.partner == touch.partner && math::norm(other.arm_m - touch.arm_m) < near_m &&
+        math::dot(other.normal, touch.normal) > 0.9) {
+      place = i;
+      break;
+    }
+  }
+  if (place == k_records) {
+    place = 0;
+    for (std::size_t i = 1; i < k_records; ++i) {
+      if (log.records[i].tick < log.records[place].tick) place = i;
+    }
+  } else if (place == log.count) {
+    ++log.count;
+  }
+  log.records[place] = touch;
+}
+
+bool Resting::is_slow(double before_mps, double after_mps, double parting_mps) const {
+  return before_mps < rule_.rest_speed_mps && after_mps < rule_.rest_speed_mps &&
+         parting_mps <= k_slow_parting * rule_.separation_speed_mps;
+}
+
+void Resting::touched(std::uint32_t body, const TouchRecord& touch, bool slowly) {
+  if (!enabled()) return;
+  Log& log = logs_[body];
+  log.rests = false;
+  record(log, touch);
+  if (!slowly) {
+    log.slow_since = k_never;
+    log.due = due_if_not_slow(log, touch.tick);
+    log.slow_collisions = 0;
+    return;
+  }
+  if (log.slow_since > touch.tick) {  // not slow yet
+    log.slow_since = touch.tick;
+    log.due = touch.tick + rest_span();
+  }
+  if (log.slow_collisions == 0 || touch.tick - log.counted_since > jam_span_) {
+    log.slow_collisions = 0;
+    log.counted_since = touch.tick;
+  }
+  if (++log.slow_collisions == k_slow_collisions) log.due = touch.tick;
+}
+
+void Resting::stays(std::uint32_t body, Tick now, Tick slow_from) {
+  if (!enabled()) return;
+  Log& log = logs_[body];
+  log.rests = false;
+  if (slow_from > now || log.slow_since > now) log.slow_since = slow_from;
+  log.due = log.slow_since == k_never ? k_never : std::max(log.slow_since + rest_span(), now);
+  if (log.in_place) log.due = std::min(log.due, now + rest_span());
+}
+
+void Resting::flies(std::uint32_t body, Tick now) {
+  if (!enabled()) return;
+  Log& log = logs_[body];
+  if (log.slow_since <= now) return;
+  log.slow_since = k_never;
+  log.due = due_if_not_slow(log, now);
+}
+
+void Resting::disturbed(std::uint32_t body) {
+  if (!enabled()) return;
+  Log& log = logs_[body];
+  log.rests = false;
+  log.slow_since = k_never;
+  log.due = k_never;
+  log.slow_collisions = 0;
+}
+
+std::span<const TouchRecord> Resting::recent(Log& log, Tick now) const {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < log.count; ++i) {
+    if (now - log.records[i].tick <= rest_span()) log.records[kept++] = log.records[i];
+  }
+  log.count = kept;
+  return {log.records.data(), log.count};
+}
+
+std::span<const std::uint32_t> Resting::wake(std::uint32_t body) {
+  set_.clear();
+  if (!enabled()) return set_;
+  for (std::uint32_t other = 0; other < logs_.size(); ++other) {
+    Log& log = logs_[other];
+    if (!log.rests || !log.leans_on(body)) continue;
+    log.rests = false;
+    set_.push_back(other);
+  }
+  return set_;
+}
+
+void Resting::woke(std::uint32_t body, Tick now, const Pose& pose) {
+  Log& log = logs_[body];
+  log.in_place = true;
+  // Places don't creep: the first one counts, as long as those that rested on it may still do so.
+  if (!log.has_place) log.place = pose;
+  log.has_place = true;
+  log.slow_since = now;
+  log.due = now + rest_span();
+}
+
+bool Resting::has_left(std::uint32_t body, const Pose& pose, double speed_mps,
+                       double reach_m) const {
+  if (speed_mps >= rule_.rest_speed_mps) return true;
+  return moved_m_max(logs_[body].place, pose, reach_m) > k_in_place * reach_m;
+}
+
+}  // namespace sleight::physics

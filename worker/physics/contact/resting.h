@@ -1,0 +1,391 @@
+// When do bodies come to rest, what holds them, and what wakes them?
+//
+// Idea. Slow bodies in contact bounce by micrometres for ever (restitution.h keeps the rate of
+// these impacts bounded). Of the bodies in touch with each other, the greatest set goes to rest of
+// which each member
+//   - was slower than rest_speed_mps at every collision of the last rest_time_s, and is so now;
+//   - is in balance on what it touched in that time, as far as that is static geometry, at rest or
+//     in the set: pushes along the normals of those contacts, with friction, can carry its weight,
+//     and could if its centre were a little to any side. What else it touches may still move (a
+//     heap into which grains fall rests from below). A sphere needn't stand so firmly; nor need
+//     another body that has been slow for 64 times as long, in which what balances on an edge
+//     topples, while a cube that rocks on two opposite corners does not. A body that has been slow
+//     for so long without leaving its place stands on all contacts that push it up, whether or not
+//     they balance it: a ball on a ledge that leans on another one may lack a thousandth of its
+//     weight, and yet only bounce by micrometres for ever.
+// Balance keeps a body that is slow because it is about to topple or to slide from being frozen.
+// Everything is read from recorded contacts, so the decision is a function of the events so far.
+//
+// A resting body is an obstacle. The bodies that pushed in its balance are its supporters. It wakes
+// when a collision, or a user, would give it a speed above wake_speed_mps(); below, it takes the
+// blow as static geometry does. It also wakes when a supporter moves. A supporter moves if it wakes
+// from a blow, or if its own supporter moved and it then is fast or leaves its place. So a blow
+// does not wake a whole heap: a body that may have lost its support is looked at, and the bodies on
+// it sleep on unless it leaves its place.
+//
+// Invariants
+//   1. A body rests only by decide(), which is asked at the body's own rest event.
+//   2. Nothing is allocated after reset().
+// Thread safety: none.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "worker/physics/event/event.h"
+#include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/scene/scene.h"
+
+namespace sleight::physics {
+
+/// A corner this close to what its body has just touched carries as well, as a part of the body's
+/// reach. A body that stands on three corners, two of which carry nearly all of it, lifts the third
+/// by some fifty times the height of a bounce, and would not be in balance for most of the time.
+inline constexpr double k_near_corner = 0.003;
+
+/// Balance may miss by this part of the weight.
+inline constexpr double k_balance_tolerance = 0.002;
+
+/// A body's partner is static geometry.
+inline constexpr std::uint32_t k_static_partner = UINT32_MAX;
+
+/// So many slow collisions without a fast one, in a few times that slow bounces take, stand for any
+/// rest time: a body that is jammed between others collides without time passing.
+inline constexpr std::uint32_t k_slow_collisions = 256;
+
+/// One impact as a body felt it.
+struct TouchRecord {
+  Tick tick{};
+  std::uint32_t partner = k_static_partner;
+  std::uint32_t feature = 0;  ///< of static geometry: which
+  double friction = 0;
+  Vec3 normal = Vec3::Zero();  ///< from the partner to the body
+  Vec3 arm_m = Vec3::Zero();   ///< from the body's centre to the contact
+};
+
+/// Whether forces at contacts, each within its friction cone, can hold a weight that acts at a
+/// place from the body's centre: sums of forces and of torques are zero to within a small part of
+/// the weight. `reach_m` turns torques into forces. Cones are pyramids of four edges, which lie
+/// inside of them.
+bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
+               const Vec3& weight_at_m = Vec3::Zero());
+
+/// Whether one or two contacts certainly don't carry a weight at the centre, which is quickly seen:
+/// in a turn about the line through them, or about the one contact towards which the weight falls,
+/// no push does work. What the weight works meanwhile, over the size of that motion, is left of it
+/// at least. `down`: unit.
+bool falls_over(std::span<const TouchRecord> contacts, const Vec3& down, double reach_m);
+
+class Resting {
+ public:
+  /// What is known of a body's balance without a look at its contacts.
+  enum class Stance : std::uint8_t {
+    unknown,
+    holds,  ///< it stays in contact, and would not accelerate if it stood still
+    slides  ///< it touches only what it stays on, and would accelerate
+  };
+  /// What the decision needs to know of a body at present.
+  struct Present {
+    double speed_mps = 0;  ///< of its fastest point, at most
+    Vec3 weight_n = Vec3::Zero();
+    double reach_m = 0;
+    Vec3 centre_m = Vec3::Zero();
+    bool round = false;  ///< a sphere: it may stand where others would topple
+    Stance stance = Stance::unknown;
+  };
+
+  /// So many slow collisions as make a body jammed must come within a span.
+  void reset(std::size_t bodies, const SlowContacts& rule, TickCount jam_span);
+
+  static constexpr std::size_t k_records = 16;
+  struct Touches {
+    std::array<TouchRecord, k_records> records;
+    std::size_t count = 0;
+  };
+  /// What a body touched in the last rest_time_s.
+  Touches touches(std::uint32_t body, Tick now) {
+    const auto felt = recent(logs_[body], now);
+    Touches copy;
+    copy.count = felt.size();
+    std::copy(felt.begin(), felt.end(), copy.records.begin());
+    return copy;
+  }
+
+  bool enabled() const { return rule_.rest_speed_mps > 0; }
+  /// How long what a body touched counts.
+  TickCount rest_span() const { return ticks_after(rule_.rest_time_s); }
+  double wake_speed_mps() const;
+
+  /// A collision of a body: its fastest point's speed before and after, and how fast the contact
+  /// parts. One that parts faster than slow bounces do is not slow: the body would freeze in the
+  /// air.
+  void touched(std::uint32_t body, const TouchRecord& record, double before_mps, double after_mps,
+               double parting_mps) {
+    touched(body, record, is_slow(before_mps, after_mps, parting_mps));
+  }
+  bool is_slow(double before_mps, double after_mps, double parting_mps) const;
+  /// The same, where that is known.
+  void touched(std::uint32_t body, const TouchRecord& record, bool slowly);
+  /// A body begins a segment in which it stays in contact; it is slow from a tick of that on, or
+  /// not (k_never).
+  void stays(std::uint32_t body, Tick now, Tick slow_from);
+  /// It leaves that contact without a blow.
+  void flies(std::uint32_t body, Tick now);
+  /// A contact that lasts, for the decision that is about to be made.
+  void still_touches(std::uint32_t body, const TouchRecord& touch) { record(logs_[body], touch); }
+  /// The body's motion changed for another reason.
+  void disturbed(std::uint32_t body);
+
+  /// Whether a body touched nothing in the last rest_time_s but these features of static geometry.
+  bool touched_only(std::uint32_t body, Tick now, std::span<const std::uint32_t> features) {
+    return std::ranges::all_of(recent(logs_[body], now), [&](const TouchRecord& touch) {
+      return touch.partner == k_static_partner &&
+             std::ranges::find(features, touch.feature) != features.end();
+    });
+  }
+
+  /// Calls visit(partner) for each other body that a body touched in the last rest_time_s, more
+  /// than once perhaps: its own rest depends on theirs.
+  template <class Visit>
+  void for_each_partner(std::uint32_t body, Tick now, const Visit& visit) const {
+    for (const TouchRecord& touch : logs_[body].touches()) {
+      if (touch.partner != k_static_partner && now - touch.tick <= rest_span())
+        visit(touch.partner);
+    }
+  }
+
+  /// Calls visit(supporter) for each body that a resting one leans on.
+  template <class Visit>
+  void for_each_supporter(std::uint32_t body, const Visit& visit) const {
+    const Log& log = logs_[body];
+    for (std::uint32_t i = 0; log.rests && i < log.supporter_count; ++i)
+      visit(log.supporters[i]);
+  }
+
+  /// When the body asks next whether it may rest; k_never if it isn't slow.
+  Tick due(std::uint32_t body) const { return logs_[body].due; }
+
+  /// Asks for a body. The set that goes to rest, in ascending order; empty if it doesn't yet, and
+  /// then it asks again later. present(body) gives a body's present state.
+  template <class PresentOf>
+  std::span<const std::uint32_t> decide(std::uint32_t body, Tick now, const PresentOf& present);
+
+  /// The bodies that rest on a body, in ascending order; they are no longer resting. Those that
+  /// rest on them still do, until they leave their place.
+  std::span<const std::uint32_t> wake(std::uint32_t body);
+  /// A body woke without a blow, where it rested.
+  void woke(std::uint32_t body, Tick now, const Pose& pose);
+  /// Whether others may still rest on a body that woke.
+  bool in_place(std::uint32_t body) const { return enabled() && logs_[body].in_place; }
+  /// Whether such a body, in another pose and at a speed by now, has left its place.
+  bool has_left(std::uint32_t body, const Pose& pose, double speed_mps, double reach_m) const;
+  /// It is in no place any more.
+  void leave(std::uint32_t body) { logs_[body].in_place = logs_[body].has_place = false; }
+
+  /// All that is known of a body, for a simulation that goes on from here. What it touched lies in
+  /// a list that contact_states share, since most touched little.
+  class State;
+  using TouchList = std::vector<TouchRecord>;
+  State state_of(std::uint32_t body, TouchList& touches) const;
+  void restore(std::uint32_t body, const State& state, std::span<const TouchRecord> touches);
+
+ private:
+  /// Of a body, but for what it touched and for what a decision notes on its way.
+  struct Known {
+    Tick slow_since = k_never;
+    Tick counted_since{};  ///< slow_collisions are counted from here
+    Tick due = k_never;
+    std::uint32_t slow_collisions = 0;
+    std::uint32_t count = 0;  ///< of records
+    std::uint32_t supporter_count = 0;
+    std::array<std::uint32_t, k_records> supporters{};  ///< of a resting body
+    bool rests = false;
+    bool has_place = false;  ///< some may have rested on it since it was there
+    bool in_place = false;   ///< awake, and others may still rest on it
+    Pose place{};
+    Tick stays_since = k_never;  ///< slow, and about there all the time; as decisions found it
+    Vec3 stays_at_m = Vec3::Zero();
+
+    bool leans_on(std::uint32_t other) const {
+      const auto end = supporters.begin() + supporter_count;
+      return std::find(supporters.begin(), end, other) != end;
+    }
+  };
+  struct Log : Known {
+    std::array<TouchRecord, k_records> records;
+    // Of the last decision in which the body was looked at.
+    bool candidate = false;  ///< it may rest, as far as is known
+    std::uint32_t carried = 0;
+    std::uint64_t round = 0;
+    Present state{};
+
+    std::span<const TouchRecord> touches() const { return {records.data(), count}; }
+  };
+
+  /// Which of some contacts, as bits.
+  using Chosen = std::uint32_t;
+  /// Contacts that carry a body that has been slow for so long: firmly, with its weight a little to
+  /// any side, or as it is, and then for long enough to have toppled otherwise. None if they don't.
+  Chosen carrying(std::span<const TouchRecord> contacts, const Present& state,
+                  TickCount slow) const;
+  /// The same of those contacts of a body that it may lean on. One that is jammed, or has stayed,
+  /// leans on all that push it up.
+  Chosen supporting(const Log& log, Tick now) const;
+  bool may_lean_on(const TouchRecord& touch) const {
+    if (touch.partner == k_static_partner) return true;
+    const Log& other = logs_[touch.partner];
+    return other.rests || (other.round == round_ && other.candidate);
+  }
+  static bool is_jammed(const Log& log) { return log.slow_collisions >= k_slow_collisions; }
+  /// Whether a candidate has been about its place for so long that it must be standing.
+  bool has_stayed(const Log& log, Tick now) const;
+  void note_stay(Log& log, Tick now) const;
+  /// Finds the greatest set around a body of which each is slow and in balance by what may rest
+  /// with it, and leaves it in set_. Whether the body is in it.
+  template <class PresentOf>
+  bool gather(std::uint32_t body, Tick now, const PresentOf& present);
+  /// The bodies of set_ rest, each on the bodies that carry it.
+  void lay_down_set();
+  /// Records of the last rest_time_s, moved to the front of the list.
+  std::span<const TouchRecord> recent(Log& log, Tick now) const;
+  void record(Log& log, const TouchRecord& touch) const;
+  /// A body in its place is looked at again all the same: others may rest on it.
+  Tick due_if_not_slow(const Log& log, Tick now) const {
+    return log.in_place ? now + rest_span() : k_never;
+  }
+  SlowContacts rule_;
+  TickCount jam_span_ = 0;
+  std::vector<Log> logs_;
+  std::vector<std::uint32_t> set_;  ///< scratch
+  std::uint64_t round_ = 0;         ///< decisions so far
+};
+
+class Resting::State {
+ public:
+  /// Whether the body rested, on that other one among others.
+  bool rests_on(std::uint32_t other) const { return known_.rests && known_.leans_on(other); }
+  /// Where in the list what it touched lies, and how much that is.
+  std::size_t first_touch() const { return first_touch_; }
+  std::size_t touch_count() const { return known_.count; }
+
+ private:
+  friend class Resting;
+  Known known_;
+  std::size_t first_touch_ = 0;  ///< of known_.count in the list
+};
+
+inline Resting::State Resting::state_of(std::uint32_t body, TouchList& touches) const {
+  State state;
+  if (!enabled()) return state;
+  const Log& log = logs_[body];
+  state.known_ = log;
+  state.first_touch_ = touches.size();
+  touches.insert(touches.end(), log.records.begin(), log.records.begin() + log.count);
+  return state;
+}
+
+inline void Resting::restore(std::uint32_t body, const State& state,
+                             std::span<const TouchRecord> touches) {
+  if (!enabled()) return;
+  Log& log = logs_[body];
+  log.round = 0;  // what the last decision noted counts no more
+  static_cast<Known&>(log) = state.known_;
+  std::copy_n(touches.begin() + static_cast<std::ptrdiff_t>(state.first_touch_), log.count,
+              log.records.begin());
+}
+
+template <class PresentOf>
+bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
+  ++round_;
+  set_.clear();
+  const auto consider = [&](std::uint32_t member) {
+    Log& log = logs_[member];
+    if (log.round == round_) return;
+    log.round = round_;
+    log.state = present(member);
+    log.candidate = !recent(log, now).empty() && log.slow_since != k_never &&
+                    (now - log.slow_since >= rest_span() || is_jammed(log)) &&
+                    log.state.speed_mps < rule_.rest_speed_mps;
+    note_stay(log, now);
+    if (log.candidate) set_.push_back(member);
+  };
+  // A body that all candidates together don't carry is carried by no subset of them. The body
+  // itself comes first, since mostly that settles it.
+  const auto check = [&](std::uint32_t member) {
+    Log& log = logs_[member];
+    log.carried = supporting(log, now);
+    log.candidate = log.carried != 0;
+    return log.candidate;
+  };
+  consider(body);
+  for (std::size_t i = 0; i < set_.size(); ++i) {
+    for (const TouchRecord& touch : logs_[set_[i]].touches()) {
+      if (touch.partner != k_static_partner && !logs_[touch.partner].rests) consider(touch.partner);
+    }
+    check(set_[i]);
+    if (!logs_[body].candidate) return false;
+  }
+  // A body that leaned on one that has turned out not to be carried is checked again.
+  const auto leans_on_others = [&](const Log& log) {
+    const auto contacts = log.touches();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if ((log.carried >> k & 1U) != 0 && !may_lean_on(contacts[k])) return true;
+    }
+    return false;
+  };
+  for (bool again = true; again;) {
+    again = false;
+    for (const std::uint32_t member : set_) {
+      if (logs_[member].candidate && leans_on_others(logs_[member]) && !check(member)) again = true;
+    }
+    if (!logs_[body].candidate) return false;
+  }
+  std::erase_if(set_, [&](std::uint32_t member) { return !logs_[member].candidate; });
+  std::sort(set_.begin(), set_.end());
+  lay_down_set();
+  return true;
+}
+
+inline void Resting::lay_down_set() {
+  for (const std::uint32_t member : set_) {
+    Log& log = logs_[member];
+    log.supporter_count = 0;
+    const auto contacts = log.touches();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const std::uint32_t partner = contacts[k].partner;
+      if ((log.carried >> k & 1U) == 0 || partner == k_static_partner || log.leans_on(partner))
+        continue;
+      log.supporters[log.supporter_count++] = partner;
+    }
+  }
+  for (const std::uint32_t member : set_) {
+    Log& log = logs_[member];
+    log.rests = true;
+    log.in_place = false;
+    log.slow_since = k_never;
+    log.due = k_never;
+    log.slow_collisions = 0;
+    log.count = 0;
+  }
+}
+
+template <class PresentOf>
+std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
+                                               const PresentOf& present) {
+  if (!gather(body, now, present)) {
+    Log& log = logs_[body];
+    // What slides is asked again when it slides otherwise (stays).
+    const bool slides = log.state.stance == Stance::slides;
+    log.due = now + std::max<TickCount>(1, slides ? 4 * rest_span() : rest_span() / 2);
+    if (is_jammed(log)) log.slow_collisions = 0;
+    if (log.state.speed_mps >= rule_.rest_speed_mps) disturbed(body);
+    return {};
+  }
+
+  return set_;
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,63 @@
+#include "worker/physics/motion/segment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/elementary.h"
+#include "common/math/vector.h"
+
+namespace sleight::physics {
+namespace {
+
+/// The most that a step of Magnus' expansion may turn by its second term. What is left out is of
+/// the size of this times the angle of a step.
+constexpr double k_second_term_rad = 1e-6;
+/// More steps are not taken: the turn of a ball that spins so fast for so long is anybody's guess.
+constexpr double k_steps_max = 100'000;
+
+Quat turned_unevenly(const Segment& segment, double s) {
+  const Vec3& w = segment.flight.angular_velocity_radps;
+  const Vec3& a = segment.angular_acceleration_radps2;
+  // The same at every step: it is made from a x (w + a s).
+  const Vec3 turn_of_axis = math::cross(a, w);
+  const double size = math::norm(turn_of_axis);
+  // Below rounding the axis stands still, and its step is the whole time.
+  const double straight = 0x1p-40 * math::norm(a) * math::norm(w);
+  double steps = 1;
+  if (size > straight) {
+    const double step_s = math::pow(12 * k_second_term_rad / size, 1.0 / 3);
+    steps = std::clamp(std::ceil(s / step_s), 1.0, k_steps_max);
+  }
+  const double h = s / steps;
+  const Vec3 second = (h * h * h / 12) * turn_of_axis;
+  Quat orientation = segment.flight.orientation;
+  for (double step = 0; step < steps; ++step) {
+    const Vec3 middle = w + ((step + 0.5) * h) * a;
+    orientation =
+        math::composed(math::quaternion_of_rotation_vector(h * middle + second), orientation);
+  }
+  return math::normalized(orientation);
+}
+
+}  // namespace
+
+Quat orientation_of(const Segment& segment, const Inertia& inertia, Tick tick) {
+  if (segment.mode == MotionMode::resting || tick == segment.flight.begin)
+    return segment.flight.orientation;
+  if (in_contact(segment)) return turned_unevenly(segment, seconds(tick - segment.flight.begin));
+  return orientation_at(segment.flight, inertia, tick);
+}
+
+Twist twist_of(const Segment& segment, const Inertia& inertia, Tick tick) {
+  Twist twist{.velocity_mps = velocity_at(segment.flight, tick),
+              .angular_velocity_radps = segment.flight.angular_velocity_radps};
+  if (in_contact(segment)) {
+    twist.angular_velocity_radps +=
+        seconds(tick - segment.flight.begin) * segment.angular_acceleration_radps2;
+  } else if (segment.mode == MotionMode::free) {
+    twist.angular_velocity_radps = angular_velocity_at(segment.flight, inertia, tick);
+  }
+  return twist;
+}
+
+}  // namespace sleight::physics

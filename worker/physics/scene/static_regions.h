@@ -1,0 +1,110 @@
+// Boxes and half-spaces of which static geometry makes its features' bounds and regions.
+//
+// Thread safety: pure functions.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "worker/physics/broad_phase/box.h"
+#include "worker/physics/collision/sphere_search.h"
+#include "worker/physics/event/tolerances.h"
+#include "worker/physics/shape/triangle_mesh.h"
+
+namespace sleight::physics {
+
+/// A box of a point, rounded outwards, and wider by what counts as a touch.
+inline Box box_around(const Vec3& point_m) {
+  Box box;
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    // A float of p lies within 2^-24 of it: more than that is added before rounding.
+    const double reach_m = 2 * k_touch_m + std::fabs(point_m[i]) * 0x1p-22;
+    box.low_m[axis] = static_cast<float>(point_m[i] - reach_m);
+    box.high_m[axis] = static_cast<float>(point_m[i] + reach_m);
+  }
+  return box;
+}
+
+inline Box joined(const Box& a, const Box& b) {
+  Box box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low_m[axis] = std::min(a.low_m[axis], b.low_m[axis]);
+    box.high_m[axis] = std::max(a.high_m[axis], b.high_m[axis]);
+  }
+  return box;
+}
+
+/// Rounded outwards.
+inline Box wider(const Box& box, double margin_m) {
+  if (margin_m == 0) return box;
+  constexpr float k_outwards = 1 + 0x1p-20F;
+  Box wide;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float margin =
+        k_outwards * (static_cast<float>(margin_m) +
+                      0x1p-20F * std::max(std::fabs(box.low_m[axis]), std::fabs(box.high_m[axis])));
+    wide.low_m[axis] = box.low_m[axis] - margin;
+    wide.high_m[axis] = box.high_m[axis] + margin;
+  }
+  return wide;
+}
+
+inline Box box_around(std::span<const Vec3> points_m) {
+  Box box = box_around(points_m[0]);
+  for (const Vec3& point_m : points_m.subspan(1))
+    box = joined(box, box_around(point_m));
+  return box;
+}
+
+inline RegionSide open_side(const Vec3& normal, double offset_m) {
+  return {.space = {normal, offset_m}, .strict = true};
+}
+
+/// Closed, and lowered by a margin.
+inline RegionSide closed_side(const Vec3& normal, double offset_m, double margin_m) {
+  return {.space = {normal, offset_m - margin_m}, .strict = false};
+}
+
+inline bool is_closed(const TriangleMesh& mesh) {
+  return std::ranges::none_of(mesh.edges(),
+                              [](const MeshEdge& edge) { return edge.kind == EdgeKind::boundary; });
+}
+
+/// Whether the normals of a closed mesh point inwards: then it is a hollow in a solid without end.
+inline bool is_hollow(const TriangleMesh& mesh) {
+  double volume = 0;
+  for (const TriangleCorners& corners : mesh.triangles()) {
+    const Vec3& a = mesh.vertices_m()[corners[0]];
+    volume += math::dot(
+        a, math::cross(mesh.vertices_m()[corners[1]] - a, mesh.vertices_m()[corners[2]] - a));
+  }
+  return volume < 0;
+}
+
+/// Whether a closed mesh stays hollow, or solid, while no coordinate of a vertex is further than
+/// slack_m from where it is now.
+inline bool keeps_side(const TriangleMesh& mesh, double slack_m) {
+  // While one vertex moves, the volume changes by that way times the area of the triangles about
+  // it, at most: a third of this counts. No side grows by more than both of its ends move.
+  const double way_m = std::sqrt(3) * slack_m;
+  double volume = 0;
+  double change = 0;
+  double rounding = 0;
+  for (const TriangleCorners& corners : mesh.triangles()) {
+    const Vec3& a = mesh.vertices_m()[corners[0]];
+    const Vec3 ab = mesh.vertices_m()[corners[1]] - a;
+    const Vec3 ac = mesh.vertices_m()[corners[2]] - a;
+    const Vec3 bc = ac - ab;
+    const Vec3 across = math::cross(ab, ac);
+    const double around_m = math::norm(ab) + math::norm(ac) + math::norm(bc);
+    const double term = math::dot(a, across);
+    volume += term;
+    rounding += std::fabs(term);
+    change += 3 * math::norm(across) + 4 * way_m * around_m + 12 * way_m * way_m;
+  }
+  return std::fabs(volume) > 1.001 * way_m * change + 1e-6 * rounding;
+}
+
+}  // namespace sleight::physics
