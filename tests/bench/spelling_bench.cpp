@@ -45,7 +45,7 @@ worlds::spelling::Outcome decide(const Spelling& world, const Spelling::State& s
   return world.simulate(state);
 }
 /// Of a candidate about whose state nothing is known: the whole simulation, with its history.
-worlds::spelling::Outcome decide_and_tell(const Spelling& world, const Spelling::State& state) {
+worlds::spelling::Outcome decide_and_keep(const Spelling& world, const Spelling::State& state) {
   return world.simulate_from(state, state, {});
 }
 worlds::spelling::Outcome run_to_rest(const Spelling& world, const Spelling::State& state) {
@@ -72,9 +72,9 @@ using worlds::spelling::Replays;
 BENCHMARK_CAPTURE(simulation, decision, &decide, Replays::no, 0xcbb75db773a49fa5U)
     ->Name("spelling_hi/decision")
     ->Unit(benchmark::kMillisecond);
-/// The same with all that simulations of similar states need.
-BENCHMARK_CAPTURE(simulation, decision_told, &decide_and_tell, Replays::yes, 0xcbb75db773a49fa5U)
-    ->Name("spelling_hi/decision_told")
+/// The same, keeping all that simulations of similar states need.
+BENCHMARK_CAPTURE(simulation, decision_kept, &decide_and_keep, Replays::yes, 0xcbb75db773a49fa5U)
+    ->Name("spelling_hi/decision_kept")
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(simulation, rest, &run_to_rest, Replays::no, 0x90497cb06cba6dfbU)
     ->Name("spelling_hi/rest")

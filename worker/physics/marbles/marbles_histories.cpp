@@ -8,8 +8,8 @@
 namespace sleight::physics {
 namespace {
 
-/// Marks of a ball, start included. Balls that lean on each other meet thousands of times, and a
-/// simulation rarely goes on from there.
+/// Checkpoints of a ball, start included. Balls that lean on each other meet thousands of times,
+/// and a simulation rarely goes on from there.
 constexpr std::size_t k_checkpoints_max = 48;
 
 /// A ball that meets no other has a checkpoint after so many events, since going on repeats all
