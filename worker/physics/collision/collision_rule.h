@@ -1,16 +1,17 @@
 // When do two things collide? The one rule of the simulator, a function of one tick.
 //
 //   touch     gap <= k_touch
-//   approach  d gap / dt < -k_approach
+//   approach  rate < -k_approach: how fast the gap changes, along the contact's normal
 //   region    of a feature of static geometry: the closest point lies on the feature itself, not on
 //             a neighbouring one
 //
 // Two things collide at the first tick, from a given one on, at which these hold together. Gap and
 // rate are computed cold: from where the two are at that tick and how they move, by the functions
-// below and no others. A search may skip what ticks it can show to fail; whether a tick is one that
-// collides it asks here. So it doesn't matter how it came there, and all searches and engines give
-// the same bits. Another size of either constant, or another order of the sums below, is another
-// model: trajectories change.
+// below and no others. A search may skip the ticks that it can show to fail; at the others it asks
+// here, or, where it needs to know for how long a condition goes on failing, compares what these
+// functions give (sphere_search.h, which a test holds to this). So it doesn't matter how it came
+// there, and all searches and engines give the same bits. Another size of either constant, or
+// another order of the sums below, is another model: trajectories change.
 //
 // One thing answers without these functions: two balls in free flight meet in closed form
 // (approach_of_free_spheres in sphere_search.h), which a test holds to this rule.
@@ -86,8 +87,8 @@ struct RegionSide {
 inline double inside_m(const RegionSide& side, const Vec3& place_m) {
   return math::dot(side.space.normal, place_m) - side.space.offset_m;
 }
-inline bool is_inside(const RegionSide& side, double inside_m) {
-  return side.strict ? inside_m > 0 : inside_m >= 0;
+inline bool is_inside(const RegionSide& side, double depth_m) {
+  return side.strict ? depth_m > 0 : depth_m >= 0;
 }
 inline bool is_inside(std::span<const RegionSide> sides, const Vec3& centre_m) {
   for (const RegionSide& side : sides) {
@@ -107,12 +108,20 @@ inline GapAndRate gap_to_face(const SphereFeature& face, const Vec3& from_m,
   return {.gap_m = math::dot(face.direction, from_m) - radius_m,
           .rate_mps = math::dot(face.direction, velocity_mps)};
 }
+/// Of a sphere at a distance from what is round (below), which has this product with its velocity.
+inline GapAndRate gap_at_distance(double distance_m, double from_dot_velocity, double radius_m) {
+  return {.gap_m = distance_m - radius_m, .rate_mps = from_dot_velocity / distance_m};
+}
 /// Of a sphere and what is round: a vertex, an edge, or another sphere, whose radius counts with
 /// this one's. `from_m` is the way from there to the centre and the velocity that of the centre
 /// against it; of an edge both are the parts across it. REQUIRES: `from_m` is not 0.
 inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, double radius_m) {
-  const double distance_m = math::norm(from_m);
-  return {.gap_m = distance_m - radius_m, .rate_mps = math::dot(from_m, velocity_mps) / distance_m};
+  return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
+}
+
+/// How far two spheres are apart whose centres are so far from each other.
+inline double gap_of_spheres_m(const Vec3& between_m, double radii_m) {
+  return math::norm(between_m) - radii_m;
 }
 
 /// Of a sphere and a feature, but for the region.
@@ -178,18 +187,27 @@ PieceContact contact_from(const Closest& closest, const MovingPiece& a, const Mo
 /// Of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
+/// Of two spheres, the second at `between_m` from the first. Without its rate.
+inline PieceContact contact_of_spheres(const Vec3& place_a_m, const Vec3& between_m,
+                                       double radius_a_m, double radius_b_m) {
+  const double distance_m = math::norm(between_m);
+  const Vec3 normal = between_m / distance_m;
+  return {.gap_m = distance_m - (radius_a_m + radius_b_m),
+          .normal = normal,
+          .point_m = place_a_m + radius_a_m * normal};
+}
+
 // ---- a point of a body and a spline surface -----------------------------------------------------
 
-/// Upwards, and how fast that changes where the surface is at rest.
+/// Gaps of surfaces are vertical: how high a point is above one, and how fast that changes.
 inline GapAndRate height_above(const SurfacePlace& below, const Vec3& place_m,
                                const Vec3& velocity_mps) {
   return {.gap_m = place_m.z() - below.height_m,
           .rate_mps = (velocity_mps.z() - below.slope_x * velocity_mps.x()) -
                       below.slope_y * velocity_mps.y()};
 }
-/// Gaps of surfaces are vertical and rates those along their normal, of which this is the vertical
-/// part: for a point that `height_above` is of.
-inline double approach_rate_mps(double vertical_mps, const Vec3& normal) {
+/// The rate along the surface's normal there, given the vertical one.
+inline double rate_along_normal_mps(double vertical_mps, const Vec3& normal) {
   return vertical_mps * normal.z();
 }
 

@@ -28,11 +28,12 @@ Tick later(Tick tick, double span_s) {
 /// Of a centre that moves at c from a line or a point, at right angles to the line.
 GapState round_state(const Vec3& c, const Vec3& velocity_mps, const Vec3& acceleration_mps2,
                      double radius_m, double coordinates_m) {
-  return {.now = gap_to_round(c, velocity_mps, radius_m),
+  const double c_v = math::dot(c, velocity_mps);
+  return {.now = gap_at_distance(math::norm(c), c_v, radius_m),
           .fall_mps2 = math::norm(acceleration_mps2),
           .coordinates_m = coordinates_m,
           .is_round = true,
-          .c_v = math::dot(c, velocity_mps),
+          .c_v = c_v,
           .c_v_rate = math::dot(velocity_mps, velocity_mps) + math::dot(c, acceleration_mps2),
           .c_v_second = 3 * math::dot(velocity_mps, acceleration_mps2),
           .least_c_v = k_approach_at * k_approach_mps * radius_m};
@@ -40,7 +41,7 @@ GapState round_state(const Vec3& c, const Vec3& velocity_mps, const Vec3& accele
 
 }  // namespace
 
-GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double radius_m) {
+GapState gap_state(const SphereFeature& feature, const MovingPoint& centre, double radius_m) {
   const Vec3 from = centre.position_m - feature.point_m;
   const double coordinates_m = std::max(math::norm(centre.position_m), math::norm(feature.point_m));
   const Vec3& velocity_mps = centre.velocity_mps;
@@ -110,7 +111,7 @@ double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centr
 
 Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
                  const MovingPoint& centre, double radius_m, Tick tick) {
-  double span_s = failing_for_s(gap_to(feature, centre, radius_m), k_touch_m);
+  double span_s = failing_for_s(gap_state(feature, centre, radius_m), k_touch_m);
   if (span_s < k_forever_s && !sides.empty()) {
     span_s = std::max(span_s, outside_for_s(sides, centre));
   }

@@ -56,7 +56,8 @@ struct GapState {
   double least_c_v = 0;   ///< below this, as a positive number, it approaches
 };
 
-GapState gap_to(const SphereFeature& feature, const MovingPoint& centre, double radius_m);
+/// The rule's gap, and what bounds it from then on.
+GapState gap_state(const SphereFeature& feature, const MovingPoint& centre, double radius_m);
 
 /// Unit vector from the feature's closest point to the centre. REQUIRES: the centre is not on it.
 Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m);

@@ -29,7 +29,7 @@ struct Above {
   double spare_m() const { return gap_m - allowed_m; }
   Vec3 normal() const { return math::normalized(Vec3(-slope_x, -slope_y, 1)); }
   bool collides() const {
-    return touches(gap_m) && approaches(approach_rate_mps(rate_mps, normal()));
+    return touches(gap_m) && approaches(rate_along_normal_mps(rate_mps, normal()));
   }
 };
 

@@ -389,7 +389,7 @@ class Look {
 PieceContact contact_from(const Above& point) {
   const Vec3 normal = point.normal();
   return {.gap_m = point.gap_m,
-          .rate_mps = approach_rate_mps(point.rate_mps, normal),
+          .rate_mps = rate_along_normal_mps(point.rate_mps, normal),
           .normal = normal,
           .point_m = point.place_m - Vec3(0, 0, 0.5 * point.gap_m)};
 }

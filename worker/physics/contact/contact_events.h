@@ -10,7 +10,8 @@
 //   resting(), statics(), slow(), gravity_mps2(), alone_for()
 //   is_resting(b), is_round(b)     as its segment says; whether it is a sphere
 //   place_m(b), twist(b)           of its present motion, now
-//   upright(b)                     its pose now; how a sphere is turned makes no difference there
+//   place_of_rest(b)               where others may rest on it: its pose now, of a sphere without
+//                                  its turn
 //   reach_m(b), mass_kg(b), round_body(b), fastest_point_mps(b, twist)
 //   may_stay(b)                    whether it is a sphere that may stay on static geometry
 //   stays(b), supports(b)          whether it does, and on what
@@ -18,7 +19,8 @@
 //   stands(b, contacts)            whether it would stay where it is, on these
 //   slow_from(b, segment, end)     from when on it is slow enough for rest
 //   flight_after(b, twist)         as it would fly on from here
-//   begin_segment(b, segment), begin_after(b, twist)    both append to changed(); supports end
+//   begin_segment(b, segment), begin_after(b, twist)    append it to changed(), and forget what it
+//                                  stayed on: supports(b) is empty then
 //   begin_rest(b)                  the same, and the body stands still
 //   count(b)                       one more collision: its number at this tick
 //   meets(a, b, gap)               two bodies collide: for the refractory time, and for histories
@@ -29,10 +31,10 @@
 // and says what happened to whoever keeps a history:
 //   learns(b)                      its contact state changes, beyond what it touches
 //   is_asked(member, asker)        its state is read for a decision about rest
-//   wakes(b, from, rested)         what it rested on has moved
+//   wakes(b, from, rested)         what it leant on has moved; whether it was at rest by then
 //
 // Everything is a function of the table's state at the event, so both engines do the same, bit for
-// bit; tests compare them.
+// bit. What they do is held to physics, and to kept hashes, by the tests of either.
 // Thread safety: none.
 #pragma once
 
@@ -70,7 +72,7 @@ concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const S
   { at.is_round(body) } -> std::same_as<bool>;
   { at.place_m(body) } -> std::convertible_to<Vec3>;
   { at.twist(body) } -> std::same_as<Twist>;
-  { at.upright(body) } -> std::same_as<Pose>;
+  { at.place_of_rest(body) } -> std::same_as<Pose>;
   { at.reach_m(body) } -> std::same_as<double>;
   { at.mass_kg(body) } -> std::same_as<double>;
   { at.fastest_point_mps(body, twist) } -> std::same_as<double>;
@@ -98,7 +100,7 @@ concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const S
 
 // ---- laws ---------------------------------------------------------------------------------------
 
-/// What an impact follows, given that of the two materials: plastic after too many at one tick.
+/// The law of an impact of two materials: plastic after too many at one tick.
 inline ContactLaw law_of_impact(double restitution, double friction, const SlowContacts& slow,
                                 bool plastic) {
   if (plastic) return {.restitution = 0, .friction = friction};
@@ -130,7 +132,7 @@ void wake_dependents(At& at, std::uint32_t body) {
     at.wakes(dependent, body, rested);
     if (!rested) continue;
     at.begin_after(dependent, {});
-    at.resting().woke(dependent, at.tick(), at.upright(dependent));
+    at.resting().woke(dependent, at.tick(), at.place_of_rest(dependent));
   }
 }
 
@@ -138,8 +140,8 @@ void wake_dependents(At& at, std::uint32_t body) {
 template <Bodies At>
 bool has_left(At& at, std::uint32_t body) {
   if (!at.resting().in_place(body)) return false;
-  return at.resting().has_left(body, at.upright(body), at.fastest_point_mps(body, at.twist(body)),
-                               at.reach_m(body));
+  return at.resting().has_left(body, at.place_of_rest(body),
+                               at.fastest_point_mps(body, at.twist(body)), at.reach_m(body));
 }
 
 /// What rested on those whose motion has changed, and that have left their places, wakes.
@@ -308,8 +310,8 @@ bool collide(At& at, std::uint32_t a, std::uint32_t b, const PieceContact& conta
   return after.regime != ImpactRegime::unresolved;
 }
 
-/// A body collides with static geometry, by such a law.
-/// `touched`: whether what it touches is to be known.
+/// A body collides with static geometry, by such a law of the impact (law_of_impact).
+/// `touched`: whether it is noted that the body touches it.
 template <Bodies At>
 void collide_static(At& at, std::uint32_t body, std::uint32_t index, const PieceContact& contact,
                     ContactLaw law, bool touched) {

@@ -53,7 +53,7 @@ struct CollisionCount {
     return at_tick > k_events_at_a_tick_max || in_window > k_collisions_in_window_max;
   }
 };
-/// What such a body does, for people. `slow_contacts_end`: in a scene that says how.
+/// What such a body does, for people. `slow_contacts_end`: whether the scene says how these end.
 std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_end);
 
 /// All contact state but for two parts: the touches lie in a list of TouchRecord (resting.h), and

@@ -119,15 +119,11 @@ class Resting {
   TickCount rest_span() const { return ticks_after(rule_.rest_time_s); }
   double wake_speed_mps() const;
 
-  /// A collision of a body: its fastest point's speed before and after, and how fast the contact
-  /// parts. One that parts faster than slow bounces do is not slow: the body would freeze in the
-  /// air.
-  void touched(std::uint32_t body, const TouchRecord& record, double before_mps, double after_mps,
-               double parting_mps) {
-    touched(body, record, is_slow(before_mps, after_mps, parting_mps));
-  }
+  /// Whether a collision of a body is a slow one, by its fastest point's speed before and after,
+  /// and by how fast the contact parts. One that parts faster than slow bounces do is not slow: the
+  /// body would freeze in the air.
   bool is_slow(double before_mps, double after_mps, double parting_mps) const;
-  /// The same, where that is known.
+  /// A collision of a body.
   void touched(std::uint32_t body, const TouchRecord& record, bool slowly);
   /// A body begins a segment in which it stays in contact; it is slow from a tick of that on, or
   /// not (k_never).

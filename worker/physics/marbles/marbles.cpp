@@ -188,7 +188,7 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
     if (!balls_[other].started || balls_[other].suspended) continue;
     const Vec3 between_m = ball < other ? Vec3(place_at(other, now_) - place_m)
                                         : Vec3(place_m - place_at(other, now_));
-    if (touches(math::norm(between_m) - (radius_m_ + radius_m_))) return name(other);
+    if (touches(gap_of_spheres_m(between_m, radius_m_ + radius_m_))) return name(other);
   }
   const MovingPoint centre{.position_m = place_m,
                            .velocity_mps = balls_[ball].segment.flight.velocity_mps,

@@ -64,7 +64,7 @@ class Marbles::AtEvent {
   bool is_round(std::uint32_t /*ball*/) const { return true; }
   Vec3 place_m(std::uint32_t ball) const { return marbles_.place_at(ball, tick_); }
   Twist twist(std::uint32_t ball) const { return marbles_.twist_at(ball, tick_); }
-  Pose upright(std::uint32_t ball) const { return {place_m(ball), Quat::Identity()}; }
+  Pose place_of_rest(std::uint32_t ball) const { return {place_m(ball), Quat::Identity()}; }
   double reach_m(std::uint32_t /*ball*/) const { return marbles_.radius_m_; }
   double mass_kg(std::uint32_t /*ball*/) const { return marbles_.inertia_.mass_kg; }
   double fastest_point_mps(std::uint32_t /*ball*/, const Twist& twist) const {
@@ -172,13 +172,8 @@ void Marbles::collide(std::uint32_t a, std::uint32_t b, Tick tick) {
   static_assert(contact::Bodies<AtEvent>);
   const Vec3 place_a_m = place_at(a, tick);
   const Vec3 between_m = place_at(b, tick) - place_a_m;
-  const double distance_m = math::norm(between_m);
-  const Vec3 normal = between_m / distance_m;
   AtEvent at(*this, tick);
-  contact::collide(at, a, b,
-                   {.gap_m = distance_m - (radius_m_ + radius_m_),
-                    .normal = normal,
-                    .point_m = place_a_m + radius_m_ * normal},
+  contact::collide(at, a, b, contact_of_spheres(place_a_m, between_m, radius_m_, radius_m_),
                    scene_->contacts.between(material_, material_));
 }
 

@@ -42,10 +42,10 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
     velocity_mps = across(corner, velocity_mps);
     pull_mps2 = across(corner, pull_mps2);
   }
-  const auto [gap_m, rate_mps] = gap_to_round(away_m, velocity_mps, radius_m);
-  if (collides(gap_m, rate_mps)) return 0;
   const double distance_m = math::norm(away_m);
   const double c_v = math::dot(away_m, velocity_mps);
+  const auto [gap_m, rate_mps] = gap_at_distance(distance_m, c_v, radius_m);
+  if (collides(gap_m, rate_mps)) return 0;
   // The distance is at least that from a plane through the line or point, at right angles to the
   // way there. It doesn't shrink as long as c.v stays positive (sphere_search.h).
   const double c_a = math::dot(away_m, pull_mps2);

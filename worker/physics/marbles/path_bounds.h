@@ -75,7 +75,7 @@ struct PathPart {
     floor_mps = rounding_mps - k_approach_mps;
     // It approaches at c.v < -|c| k_approach, and what it touches is half of its radius away at
     // least.
-    floor_m2ps = rounding_mps * size_m - 0.25 * k_approach_mps * radius_m;
+    floor_m2ps = rounding_mps * size_m - 0.5 * k_approach_at * k_approach_mps * radius_m;
     side_margin_m = k_clear_margin_m + k_rounding_ulps * size_m;
     near_m = near_m2 = k_forever_s;
   }

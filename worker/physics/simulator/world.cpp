@@ -312,8 +312,8 @@ const std::string& World::static_name(std::uint32_t body, std::uint32_t index) c
 
 bool World::touching(std::uint32_t a, std::uint32_t b, Tick tick) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
-    const double radii_m = constants_[a].reach_m + constants_[b].reach_m;
-    return touches(math::norm(between_at(a, b, tick)) - radii_m);
+    return touches(
+        gap_of_spheres_m(between_at(a, b, tick), constants_[a].reach_m + constants_[b].reach_m));
   }
   for (std::uint32_t i = 0; i < constants_[a].part_count; ++i) {
     for (std::uint32_t j = 0; j < constants_[b].part_count; ++j) {

@@ -27,7 +27,7 @@ class World::AtEvent {
     return position_at(world_.segments_[body].flight, tick());
   }
   Twist twist(std::uint32_t body) { return world_.twist_at(body, tick()); }
-  Pose upright(std::uint32_t body) {
+  Pose place_of_rest(std::uint32_t body) {
     return is_round(body) ? Pose{place_m(body), Quat::Identity()} : world_.pose_at(body, tick());
   }
   double reach_m(std::uint32_t body) const { return constants(body).reach_m; }

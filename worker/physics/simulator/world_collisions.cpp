@@ -4,6 +4,7 @@
 #include "worker/physics/simulator/world_at_event.h"
 
 namespace sleight::physics {
+
 SurfaceLaw World::law_of_static(std::uint32_t body, std::uint32_t index,
                                 const Vec3& point_m) const {
   if (is_surface(body, index)) {
@@ -29,14 +30,9 @@ RigidImpactBody World::rigid_body(std::uint32_t body, Tick tick) {
 
 PieceContact World::contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) {
-    const Vec3 place_a_m = position_at(segments_[a].flight, event.tick);
-    const Vec3 between_m = between_at(a, b, event.tick);
-    PieceContact contact;
-    const double distance_m = math::norm(between_m);
-    contact.gap_m = distance_m - (constants_[a].reach_m + constants_[b].reach_m);
-    contact.normal = between_m / distance_m;
-    contact.point_m = place_a_m + constants_[a].reach_m * contact.normal;
-    return contact;
+    return contact_of_spheres(position_at(segments_[a].flight, event.tick),
+                              between_at(a, b, event.tick), constants_[a].reach_m,
+                              constants_[b].reach_m);
   }
   if (const PieceContact* found = found_contact(a, b, event)) return *found;
   const std::uint32_t of_b = constants_[b].part_count;

@@ -52,8 +52,13 @@ double distance_m(const SphereFeature& feature, const Vec3& place_m) {
   return math::norm(math::cross(from_m, feature.direction));
 }
 
+/// A face's normal points up; edges run along y.
+Vec3 feature_direction(std::uint64_t n) {
+  return n % 3 == 0 ? Vec3(0, 0, 1) : Vec3(0, 1, 0);
+}
+
 TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
-  // Goal: the gap of a sphere and each kind of feature, or another sphere, and how fast it changes.
+  // Goal: the gap of a sphere and each kind of feature, and how fast it changes.
   // Method: distances by other formulas, and their central differences.
   for (const std::uint64_t n : property::cases(3000)) {
     random::Stream stream({.seed = 23, .purpose = random::Purpose::scene}, n);
@@ -75,10 +80,45 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
     };
     EXPECT_NEAR(gap.rate_mps, (after(k_step_s) - after(-k_step_s)) / (2 * k_step_s), 1e-7);
     // What a search starts from is the same, bit for bit.
-    const GapState state = gap_to(feature, centre, radius_m);
+    const GapState state = gap_state(feature, centre, radius_m);
     EXPECT_EQ(state.now.gap_m, gap.gap_m);
     EXPECT_EQ(state.now.rate_mps, gap.rate_mps);
   }
+}
+
+TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
+  // Goal: what a search says of a tick, which it derives from how long each condition fails, is
+  // what the rule says: for spheres and features, and for two spheres. Method: random features with
+  // a region, and spheres that are within a little of each limit, on either side or on it.
+  std::array<std::uint64_t, 2> verdicts{};
+  for (const std::uint64_t n : property::cases(100'000)) {
+    random::Stream stream({.seed = 31, .purpose = random::Purpose::scene}, n);
+    const auto near = [&](double limit, double by) {
+      return stream.bits() % 4 == 0 ? limit : limit + by * (stream.uniform() - 0.5);
+    };
+    const SphereFeature feature{
+        .kind = std::array{FeatureKind::face, FeatureKind::edge, FeatureKind::vertex}[n % 3],
+        .point_m = {0, 0, 0},
+        .direction = feature_direction(n)};
+    const double radius_m = 0.125;
+    // Above the feature's point, with the region's border at x = 0.
+    const std::array sides{RegionSide{.space = {.normal = {1, 0, 0}, .offset_m = 0},
+                                      .strict = feature.kind != FeatureKind::face}};
+    const MovingPoint centre{
+        .position_m = {near(0, 1e-7), 0, radius_m + near(k_touch_m, 1e-7)},
+        .velocity_mps = {stream.uniform() - 0.5, 0, near(-k_approach_mps, 1e-8)},
+        .acceleration_mps2 = {0, 0, -9.81}};
+    const bool expected = collides(feature, sides, centre, radius_m);
+    ++verdicts[expected ? 1 : 0];
+    EXPECT_EQ(examine(feature, sides, centre, radius_m, Tick{}).collides, expected) << n;
+    const GapAndRate apart = gap_to_round(centre.position_m, centre.velocity_mps, radius_m);
+    EXPECT_EQ(examine_spheres(centre, radius_m, radius_m, k_touch_m, Tick{}).collides,
+              collides(apart))
+        << n;
+  }
+  if (!property::all_cases()) return;
+  EXPECT_GT(verdicts[0], 5'000U);
+  EXPECT_GT(verdicts[1], 5'000U);
 }
 
 /// The first tick at which two spheres collide, without a pull: the search by the rule.
