@@ -8,6 +8,7 @@
 #include <map>
 #include <thread>
 
+#include "common/access/certificates.h"
 #include "common/base/clock.h"
 #include "common/rpc/client.h"
 #include "tests/attacks/held_peers.h"
@@ -149,9 +150,11 @@ void ask_honestly(Shared& shared, const rpc::ServicePlace& place, const char* wa
 }
 
 void be_honest(Shared& shared) {
-  const rpc::RemoteService remote{.address = shared.target.address,
-                                  .token = shared.target.token,
-                                  .certificate = shared.campaign.certificate};
+  const rpc::RemoteService remote{
+      .address = shared.target.address,
+      .token = shared.target.token,
+      .certificate = shared.campaign.certificate,
+      .own_name = access::self_signed_name(shared.campaign.certificate).value_or("")};
   while (!shared.is_over) {
     ask_honestly(shared, shared.target.socket, "on the socket");
     ask_honestly(shared, remote, "over TLS");
