@@ -119,7 +119,7 @@ inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, dou
   return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
 }
 
-/// How far two spheres are apart whose centres are so far from each other.
+/// Of two spheres, the second centre at `between_m` from the first.
 inline double gap_of_spheres_m(const Vec3& between_m, double radii_m) {
   return math::norm(between_m) - radii_m;
 }
