@@ -77,16 +77,16 @@ struct Condition;
 
 /// Conditions that come one after another: Inside, Touches.
 struct InOrder {
-  std::vector<Condition> steps{};
+  std::vector<Condition> steps;
 };
 struct AllOf {
-  std::vector<Condition> parts{};
+  std::vector<Condition> parts;
 };
 struct AnyOf {
-  std::vector<Condition> parts{};
+  std::vector<Condition> parts;
 };
 struct Not {
-  std::vector<Condition> part{};  ///< one
+  std::vector<Condition> part;  ///< one
 };
 
 struct Condition {

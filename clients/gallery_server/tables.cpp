@@ -9,8 +9,11 @@
 #include "clients/gallery_server/meshes.h"
 
 namespace sleight::gallery {
+namespace {
 
 using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 void add_table(Packed& to, const browse::Index& index) {
   std::vector<std::uint8_t> is_find;

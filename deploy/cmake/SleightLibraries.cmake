@@ -17,6 +17,10 @@ find_path(RANDOM123_INCLUDE Random123/philox.h REQUIRED)
 if(SLEIGHT_SHELLS)
   find_package(CLI11 REQUIRED)
   find_package(CapnProto REQUIRED)
+  # What clang needs to compile its headers: see there.
+  add_library(sleight_kj_comparisons INTERFACE)
+  target_compile_options(sleight_kj_comparisons INTERFACE
+    "$<$<CXX_COMPILER_ID:Clang>:SHELL:-include ${CMAKE_SOURCE_DIR}/common/schema/wire/kj_comparisons.h>")
   find_package(nlohmann_json REQUIRED)
   find_package(spdlog REQUIRED)
   find_package(OpenSSL REQUIRED COMPONENTS Crypto SSL)

@@ -390,7 +390,7 @@ std::string mutated(Dice& dice, const Bounds& bounds, std::uint32_t question) {
   // The head stays, so that the content is read; broken_frame changes heads.
   for (std::uint64_t i = 0, changes = 1 + dice.below(6); i < changes; ++i) {
     const std::size_t at = 8 + dice.below(frame.size() - 8);
-    frame[at] = dice.one_in(2) ? static_cast<char>(frame[at] ^ (1U << dice.below(8)))
+    frame[at] = dice.one_in(2) ? static_cast<char>(frame[at] ^ (1 << dice.below(8)))
                                : static_cast<char>(dice.bits());
   }
   return bounds.is_owner && does_harm(frame) ? before : frame;

@@ -32,7 +32,7 @@ std::string hello_of(const Scene& scene) {
 void change(Dice& dice, std::string& bytes) {
   for (std::uint64_t i = 0, changes = 1 + dice.below(8); i < changes; ++i) {
     char& c = bytes[dice.below(bytes.size())];
-    c = dice.one_in(2) ? static_cast<char>(c ^ (1U << dice.below(8)))
+    c = dice.one_in(2) ? static_cast<char>(c ^ (1 << dice.below(8)))
                        : static_cast<char>(dice.bits());
   }
 }

@@ -16,6 +16,9 @@ import unittest
 
 arguments = None
 
+# For tests that take long and whose claim others make as well.
+soak = unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "long: for `deploy/soak programs`")
+
 # On one machine, as root, with more ranks than cores, over loopback alone.
 MPIRUN = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "plm", "isolated",
           "--mca", "btl", "self,vader", "--mca", "oob_tcp_if_include", "lo"]
@@ -203,18 +206,38 @@ def kill_group(process, number=signal.SIGKILL):
     process.communicate()
 
 
+class Timed(unittest.TextTestResult):
+    """Its end lists how long each test took, the longest first: what to shorten if deploy/test is over its
+    budget."""
+
+    def startTest(self, test):
+        super().startTest(test)
+        self.begun = time.monotonic()
+
+    def stopTest(self, test):
+        super().stopTest(test)
+        self.took = [*getattr(self, "took", []), (time.monotonic() - self.begun, test)]
+
+    def printErrors(self):
+        for seconds, test in sorted(getattr(self, "took", []), key=lambda one: -one[0]):
+            if seconds >= 1:
+                self.stream.writeln(f"{seconds:6.1f} s {test.id()}")
+        super().printErrors()
+
+
 def main():
     global arguments
     parser = argparse.ArgumentParser()
     parser.add_argument("--bin", required=True, help="folder of the built programs")
     parser.add_argument("--source", required=True, help="folder of the sources")
-    parser.add_argument("--kills", type=int, default=10, help="for test_kill")
+    parser.add_argument("--kills", type=int, default=6, help="for test_kill")
     parser.add_argument("--only", choices=["direct", "batch"], help="of test_kill")
     parser.add_argument("--attacks", type=int, default=15_000, help="for test_attacks")
     parser.add_argument("--attacker", help="for test_attacks: the program, if not that of the same build")
-    parser.add_argument("--seconds", type=float, default=10, help="of work in a run of test_kill")
+    parser.add_argument("--seconds", type=float, default=6, help="of work in a run of test_kill")
     parser.add_argument("--seed", type=int, default=1, help="for random moments")
     arguments, rest = parser.parse_known_args()
     # The tests import this file as a module of its own: they look there.
     sys.modules["harness"].arguments = arguments
-    unittest.main(module="__main__", argv=[sys.argv[0], *rest], verbosity=2)
+    unittest.main(module="__main__", argv=[sys.argv[0], *rest],
+                  testRunner=unittest.TextTestRunner(verbosity=2, resultclass=Timed))

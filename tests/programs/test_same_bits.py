@@ -75,12 +75,12 @@ class SameBits(ProgramTest):
     def test_a_run_in_many_sessions(self):
         # Seconds of work in sessions of a third of a second; longer ones on a machine so slow that
         # it hardly starts the program in that time.
-        request = self.write_request(scans=50000, chains=3, iterations_per_scan=100)
+        request = self.write_request(scans=20000, chains=3, iterations_per_scan=100)
         limit_s = 0.3
         for sessions in range(1, 60):
             self.direct(request, self.path("cut.h5"), "--time-limit", f"{limit_s:.2f}s")
             limit_s *= 1.1
-            if self.path("cut.h5").exists() and self.info(self.path("cut.h5"))["scans"] == 50000:
+            if self.path("cut.h5").exists() and self.info(self.path("cut.h5"))["scans"] == 20000:
                 break
         self.assertGreater(sessions, 1)
         self.direct(request, self.path("whole.h5"))

@@ -88,7 +88,7 @@ name = "spelling"
 word = "I"
 font = "5 rows"
 [stop]
-odds = 0.4
+odds = 0.8
 found = 2
 """
 
@@ -148,7 +148,7 @@ class Search(ProgramTest):
         self.assertEqual(len(table.stdout.splitlines()), 5)
 
     def test_the_same_by_threads_ranks_and_kills(self):
-        request = self.search(found=300)
+        request = self.search(found=100)
         straight = self.path("straight.h5")
         self.direct(request, straight, "-j", "1")
         digest = self.digest(straight)
@@ -329,6 +329,9 @@ class Search(ProgramTest):
         self.assertIn("Nothing found: no archive. Of 64 starts in a row none got past ball 1 of 5: ",
                       result.stdout)
         self.assertFalse(output.exists())
+
+    @harness.soak
+    def test_a_die_that_can_not_come_there(self):
         # A die that would have to come to rest ten metres away, after one that can do as is wanted.
         request = self.path("far.toml")
         request.write_text(DICE.replace("[stop]", """[[constraint.place]]

@@ -54,7 +54,7 @@ thin = 3
     def test_threads_ranks_and_processors(self):
         for method in METHODS:
             with self.subTest(method):
-                request = self.request(method, 1500)
+                request = self.request(method, 700)
                 one = self.path("one.h5")
                 self.direct(request, one, "--threads", "1", "--fresh")
                 self.succeed(harness.sleight("archive", "verify", one))
@@ -75,7 +75,7 @@ thin = 3
         # The comparisons above can fail.
         for method in METHODS:
             with self.subTest(method):
-                request = self.request(method, 700)
+                request = self.request(method, 400)
                 self.direct(request, self.path("a.h5"), "--fresh")
                 self.direct(request, self.path("b.h5"), "--fresh", "--seed", "6")
                 self.assertNotEqual(self.digest(self.path("a.h5")), self.digest(self.path("b.h5")))
@@ -85,14 +85,14 @@ thin = 3
         print(f"seed {harness.arguments.seed}")
         for method in METHODS:
             with self.subTest(method):
-                request = self.request(method, 2500, iterations=20)
+                request = self.request(method, 1200, iterations=20)
                 whole = self.path("whole.h5")
                 begin = time.monotonic()
                 self.direct(request, whole, "--fresh")
                 took = time.monotonic() - begin
                 output = self.path(f"{method}.h5")
                 kills = 0
-                for _ in range(6):
+                for _ in range(4):
                     process = harness.start([harness.program("sleight"), "direct", request, "-o",
                                              output, "-q"])
                     try:
@@ -109,7 +109,7 @@ thin = 3
         for method in METHODS:
             with self.subTest(method):
                 cut = self.path(f"{method}.h5")
-                self.direct(self.request(method, 100000000), cut, "--time-limit", "2s")
+                self.direct(self.request(method, 100000000), cut, "--time-limit", "1s")
                 scans = self.asked_scans(cut)
                 self.assertGreater(scans, BURN_IN)
                 self.assertLess(scans, 100000000)
@@ -154,7 +154,7 @@ rounds = 3
                                                folder=self.folder)))
         others["sessions"] = self.path("sessions.h5")
         scans = 20 * 7  # of three rounds
-        limit_s = 0.3
+        limit_s = 0.5
         for sessions in range(1, 40):
             self.direct(request, others["sessions"], "--time-limit", f"{limit_s:.2f}s")
             limit_s *= 1.1  # so that a slow machine gets on, too
@@ -220,7 +220,7 @@ rounds = 3
 
     def test_stopping_in_the_burn_in_leaves_no_archive(self):
         # One scan of the first chain's burn-in takes longer than the run may.
-        request = self.request("simulated_tempering", 1000, iterations=1000000)
+        request = self.request("simulated_tempering", 1000, iterations=200000)
         output = self.path("early.h5")
         result = self.direct(request, output, "--time-limit", "0.2s", "--json")
         self.assertEqual(json.loads(result.stdout)["archive"], "")

@@ -80,7 +80,7 @@ void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number)
     cells *= divided.cells;
     // The period has at least 2^8 units, so that the ring of sketches fits it a whole number of
     // times, and cells have at least 2^k_unit_bits.
-    const int more = std::bit_width(divided.cells) + k_unit_bits - k_sketch_bits;
+    const int more = static_cast<int>(std::bit_width(divided.cells)) + k_unit_bits - k_sketch_bits;
     divided.shift = 32 - k_sketch_bits - std::max(more, 0);
   }
   level.cell_zero = number * k_level_stride;

@@ -212,7 +212,7 @@ Closest closest_warm(const ConvexView& a, const PlacedPose& pose_a, const Convex
 }
 
 Closest closest_to_point(const ConvexView& a, const PlacedPose& pose_a, const Vec3& point_m) {
-  const PointPiece point(Vec3(Vec3::Zero()));
+  const PointPiece point{Vec3(Vec3::Zero())};
   return closest_cold(a, pose_a, point.view(),
                       {.rotation = Mat3::Identity(), .position_m = point_m});
 }

@@ -47,9 +47,9 @@ class RunRequestFaults : public testing::BallRuns {
 
 TEST_F(RunRequestFaults, AnyCallMayFail) {
   // The disk fills up for good at each call in turn; at every third one it fails once. With
-  // sanitizers, where a session takes ten times as long, at every fifth and every seventh.
+  // sanitizers, where a session takes ten times as long, at every 15th and every 22nd.
 #ifdef SLEIGHT_SANITIZED
-  constexpr std::uint64_t k_for_good_every = 5, k_once_every = 7;
+  constexpr std::uint64_t k_for_good_every = 15, k_once_every = 22;
 #else
   constexpr std::uint64_t k_for_good_every = 1, k_once_every = 3;
 #endif

@@ -16,9 +16,11 @@ namespace {
 
 constexpr std::uint64_t k_seed = 141421;
 #ifdef SLEIGHT_SANITIZED
-constexpr std::uint64_t k_runs = 4;
+constexpr std::uint64_t k_runs = 2;
+constexpr std::uint64_t k_questions = 48;  ///< a session at most, before it is stopped
 #else
 constexpr std::uint64_t k_runs = 20;
+constexpr std::uint64_t k_questions = 12;
 #endif
 
 class RunRequestProperty : public testing::BallRuns {};
@@ -57,7 +59,7 @@ TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
         summary = session(request,
                           {.output = output,
                            .fresh = fresh,
-                           .stop_requested = stop_before_writing(1 + below(12), summary)},
+                           .stop_requested = stop_before_writing(1 + below(k_questions), summary)},
                           k_threads[below(3)]);
       }
       ASSERT_EQ(summary.scans, expected.scans);

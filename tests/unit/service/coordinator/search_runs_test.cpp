@@ -24,6 +24,13 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
+// With sanitizers a session takes ten times as long, so runs are stopped as rarely.
+#ifdef SLEIGHT_SANITIZED
+constexpr std::uint64_t k_rarer = 8;
+#else
+constexpr std::uint64_t k_rarer = 1;
+#endif
+
 class SearchRuns : public testing::BallRuns {
  protected:
   static std::string words(const std::string& sampler, const std::string& stop) {
@@ -122,8 +129,8 @@ TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
   EXPECT_EQ(session(request, {.output = path("t.h5")}, 3).digest, straight.digest);
   RunSummary last{.end = DriveEnd::stop_requested};
   for (int i = 0; last.end != DriveEnd::finished && i < 1000; ++i)
-    last =
-        session(request, {.output = path("p.h5"), .stop_requested = stop_before_writing(20, last)});
+    last = session(request, {.output = path("p.h5"),
+                             .stop_requested = stop_before_writing(20 * k_rarer, last)});
   EXPECT_EQ(last.digest, straight.digest);
   const archive::Summary summary = checked(path("s.h5"));
   const std::string rules = "scans = " + std::to_string(straight.scans) + "\nodds = 1.0\n";
@@ -185,7 +192,8 @@ TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
   EXPECT_EQ(session(four, {.output = path("t.h5")}, 3).digest, straight.digest);
   RunSummary last{.end = DriveEnd::stop_requested};
   for (int i = 0; last.end != DriveEnd::finished && i < 1000; ++i)
-    last = session(four, {.output = path("p.h5"), .stop_requested = stop_before_writing(40, last)});
+    last = session(
+        four, {.output = path("p.h5"), .stop_requested = stop_before_writing(40 * k_rarer, last)});
   EXPECT_EQ(last.digest, straight.digest);
   const archive::Summary summary = checked(path("s.h5"));
   EXPECT_LT(summary.scans, straight.scans);
