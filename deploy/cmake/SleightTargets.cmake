@@ -24,7 +24,8 @@ endfunction()
 # The flags and the precompiled header of a folder's products.
 function(sleight_product target)
   sleight_folder_name(name)
-  if(SLEIGHT_PLAIN_SHELLS AND name MATCHES "^(clients|service)_")
+  # The gallery's server works on thousands of JSON values, for minutes without optimisation.
+  if(SLEIGHT_PLAIN_SHELLS AND name MATCHES "^(clients|service)_" AND NOT name MATCHES gallery_server)
     target_link_libraries(${target} PRIVATE sleight_options_shells)
     target_precompile_headers(${target} REUSE_FROM sleight_precompiled_shells)
   else()

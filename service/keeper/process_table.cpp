@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace sleight::keeper {
 namespace {
@@ -23,8 +24,11 @@ struct Stat {
 
 /// Empty where there is no such file, or its process has gone meanwhile.
 std::string content_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  // A file of /proc whose process ends meanwhile fails in the middle, and `<<` takes that for its
+  // end.
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return std::move(text).str();
 }
 
 /// proc(5), /proc/PID/stat: the name stands in brackets and may hold any character.
