@@ -86,7 +86,8 @@ TEST_F(NotesTest, NothingElseGetsIn) {
 
 TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   // Goal: all that a person does at once is in the file, or nothing of it. Method: thousands; the
-  // same with one wrong; too many.
+  // same with one wrong; too many; as many as may be, but not with sanitizers, where that takes
+  // half a minute.
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)
@@ -103,9 +104,11 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   for (std::size_t i = 0; i <= k_notes_max - 5000; ++i)
     more[fmt::format("1.{}", i)] = {{"hidden", true}};
   EXPECT_THROW(notes.change(run, more), base::Error);
+#ifndef SLEIGHT_SANITIZED
   more.erase("1.0");
   EXPECT_EQ(notes.change(run, more).size(), k_notes_max - 5000);
   EXPECT_EQ(Notes(path("notes")).of_run(run).size(), k_notes_max);
+#endif
   EXPECT_THROW(notes.change(run, Json::array({1})), base::Error);
 }
 
