@@ -6,13 +6,13 @@ namespace sleight::daemon {
 
 Worker::Worker() : thread_([this] { go_on(); }) {}
 
-Worker::~Worker() {
+void Worker::end() {
   {
     const std::scoped_lock lock(mutex_);
     ending_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void Worker::run(Work work) {
