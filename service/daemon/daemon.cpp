@@ -109,8 +109,6 @@ void run_daemon(const DaemonOptions& options) {
                             options.runner.state, ::getpid()));
   loop.run();
   server.reset();
-  // Fetches that are being made belong to the calls, which go before the runner.
-  runner.end_workers();
   tokens.save_uses();
   logging::info("stopped; jobs run on, and the next server takes them over");
 }

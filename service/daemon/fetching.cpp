@@ -64,6 +64,11 @@ Fetching::Fetching(Parts parts)
     : parts_(std::move(parts)),
       expiry_(parts_.loop.call_every(k_held_for_s / 10, [this] { drop_expired(); })) {}
 
+Fetching::~Fetching() {
+  parts_.worker.end();
+  parts_.maker.end();
+}
+
 void Fetching::fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string segments,
                      rpc::Reply<rpc::Fetched> reply) {
   if (!ask.sha256_wanted.empty()) {

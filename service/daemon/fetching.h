@@ -46,6 +46,10 @@ class Fetching {
     std::string sleight{};  ///< the program that makes archives and recordings
   };
   explicit Fetching(Parts parts);
+  /// Both workers do what they had begun, which uses this, and nothing more.
+  ~Fetching();
+  Fetching(const Fetching&) = delete;
+  Fetching& operator=(const Fetching&) = delete;
 
   /// For a user. `segments` names the archive's table of recordings: of its draws, or of finds
   /// where a search is all.

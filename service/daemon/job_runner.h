@@ -87,11 +87,6 @@ class JobRunner {
   const RunnerOptions& options() const { return options_; }
   Worker& worker() { return worker_; }
   Worker& maker() { return maker_; }
-  /// Both have done what they had begun, and do nothing more.
-  void end_workers() {
-    worker_.end();
-    maker_.end();
-  }
   /// Of the group that the next submission makes.
   jobs::GroupId next_group() const { return jobs::GroupId{next_id_}; }
   /// Why nothing can be saved at the moment; empty: it can.

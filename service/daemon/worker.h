@@ -25,7 +25,7 @@ class Worker {
   /// In order. `work` must not throw, and says by Loop::post what came of it.
   void run(Work work);
   /// Waits for the work that has begun, which `ending` tells; what has not begun never does. By who
-  /// owns what the work uses, before that goes.
+  /// owns what the work uses, before that goes; once more does nothing.
   void end();
   /// True from the beginning of its end: work that takes long looks at it. Any thread.
   const std::atomic<bool>& ending() const { return ending_; }

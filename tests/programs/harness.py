@@ -16,9 +16,6 @@ import unittest
 
 arguments = None
 
-# For tests that take long and whose claim others make as well.
-soak = unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "long: for `deploy/soak programs`")
-
 # On one machine, as root, with more ranks than cores, over loopback alone.
 MPIRUN = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "plm", "isolated",
           "--mca", "btl", "self,vader", "--mca", "oob_tcp_if_include", "lo"]
@@ -210,16 +207,20 @@ class Timed(unittest.TextTestResult):
     """Its end lists how long each test took, the longest first: what to shorten if deploy/test is over its
     budget."""
 
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.took = []
+
     def startTest(self, test):
         super().startTest(test)
         self.begun = time.monotonic()
 
     def stopTest(self, test):
         super().stopTest(test)
-        self.took = [*getattr(self, "took", []), (time.monotonic() - self.begun, test)]
+        self.took.append((time.monotonic() - self.begun, test))
 
     def printErrors(self):
-        for seconds, test in sorted(getattr(self, "took", []), key=lambda one: -one[0]):
+        for seconds, test in sorted(self.took, key=lambda one: -one[0]):
             if seconds >= 1:
                 self.stream.writeln(f"{seconds:6.1f} s {test.id()}")
         super().printErrors()

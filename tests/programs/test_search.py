@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import time
+import unittest
 
 import h5py
 import numpy
@@ -330,7 +331,7 @@ class Search(ProgramTest):
                       result.stdout)
         self.assertFalse(output.exists())
 
-    @harness.soak
+    @unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "long: for `deploy/soak programs`")
     def test_a_die_that_can_not_come_there(self):
         # A die that would have to come to rest ten metres away, after one that can do as is wanted.
         request = self.path("far.toml")

@@ -99,7 +99,7 @@ class Faults(ServiceTest):
                 self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
                 history = self.ask_json("status", number, "--history")["history"]
                 self.assertEqual([c["state"] for c in history].count("done"), 1)
-                self.until(lambda: processes_of(self.folder_of(number)) == [], 20)
+                self.assertEqual(processes_of(self.folder_of(number)), [])
         print(f"{self.hits} of {sum(kills_of.values()) - kills_of['daemon'] - kills_of['client']} kills of "
               "keepers, mpiruns and ranks hit one")
         self.assertGreater(self.hits, 0)

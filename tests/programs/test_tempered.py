@@ -109,7 +109,7 @@ thin = 3
         for method in METHODS:
             with self.subTest(method):
                 cut = self.path(f"{method}.h5")
-                self.direct(self.request(method, 100000000), cut, "--time-limit", "1s")
+                self.direct(self.request(method, 100000000), cut, "--time-limit", "2s")
                 scans = self.asked_scans(cut)
                 self.assertGreater(scans, BURN_IN)
                 self.assertLess(scans, 100000000)
@@ -154,7 +154,7 @@ rounds = 3
                                                folder=self.folder)))
         others["sessions"] = self.path("sessions.h5")
         scans = 20 * 7  # of three rounds
-        limit_s = 0.5
+        limit_s = 0.3
         for sessions in range(1, 40):
             self.direct(request, others["sessions"], "--time-limit", f"{limit_s:.2f}s")
             limit_s *= 1.1  # so that a slow machine gets on, too

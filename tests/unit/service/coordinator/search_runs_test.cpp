@@ -128,9 +128,11 @@ TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
   ASSERT_LT(straight.scans, 1000U);
   EXPECT_EQ(session(request, {.output = path("t.h5")}, 3).digest, straight.digest);
   RunSummary last{.end = DriveEnd::stop_requested};
-  for (int i = 0; last.end != DriveEnd::finished && i < 1000; ++i)
+  int sessions = 0;
+  for (; last.end != DriveEnd::finished && sessions < 1000; ++sessions)
     last = session(request, {.output = path("p.h5"),
                              .stop_requested = stop_before_writing(20 * k_rarer, last)});
+  EXPECT_GT(sessions, 1);  // it was stopped
   EXPECT_EQ(last.digest, straight.digest);
   const archive::Summary summary = checked(path("s.h5"));
   const std::string rules = "scans = " + std::to_string(straight.scans) + "\nodds = 1.0\n";
@@ -191,9 +193,11 @@ TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
   EXPECT_GE(straight.progress.solutions, 4U);
   EXPECT_EQ(session(four, {.output = path("t.h5")}, 3).digest, straight.digest);
   RunSummary last{.end = DriveEnd::stop_requested};
-  for (int i = 0; last.end != DriveEnd::finished && i < 1000; ++i)
+  int sessions = 0;
+  for (; last.end != DriveEnd::finished && sessions < 1000; ++sessions)
     last = session(
         four, {.output = path("p.h5"), .stop_requested = stop_before_writing(40 * k_rarer, last)});
+  EXPECT_GT(sessions, 1);
   EXPECT_EQ(last.digest, straight.digest);
   const archive::Summary summary = checked(path("s.h5"));
   EXPECT_LT(summary.scans, straight.scans);
