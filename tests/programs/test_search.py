@@ -75,6 +75,7 @@ tolerance_mm = 10
 [sampler]
 method = "parallel_tempering"
 start = "search"
+seed = 2  # by which both chains have forgotten their search within five rounds
 chains = 2
 round_scans = 20
 [stop]

@@ -46,6 +46,22 @@ Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) 
   return tick_after(flight.begin, leaves_s);
 }
 
+/// Friction is asked for again no sooner than after so long: a sphere that is driven to a border
+/// from both sides, as one that spins up a slope to where it is slippery, would meet it ever
+/// faster.
+constexpr TickCount k_border_ticks = 256;
+
+/// When a sphere on a plane comes to where friction is another one. Its centre is over the contact.
+Tick meets_border(const FreeFlight& flight, const FrictionMap& map, Tick end) {
+  const double most_s = seconds(std::min(end, k_tick_max) - flight.begin);
+  const double border_s = map.border_s({.place_m = flight.position_m,
+                                        .velocity_mps = flight.velocity_mps,
+                                        .acceleration_mps2 = flight.acceleration_mps2},
+                                       most_s);
+  if (!(border_s < most_s)) return k_never;
+  return std::max(tick_after(flight.begin, border_s), flight.begin + k_border_ticks);
+}
+
 /// When a sphere that goes straight on from an edge or a vertex has left that.
 Tick leaves_edge(const FreeFlight& flight, const SphereFeature& feature, double radius_m,
                  const SlowContacts& slow, const Vec3& gravity_mps2) {
@@ -187,6 +203,13 @@ std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const F
   for (std::size_t i = 0; i < on.features.size(); ++i) {
     if ((stay.subset >> i & 1U) == 0) continue;
     const SphereFeature& feature = scene.statics.feature(on.features[i]);
+    if (const FrictionMap* map = scene.statics.friction_map(on.features[i])) {
+      const Tick border = meets_border(flight, *map, stay.end);
+      if (border < stay.end) {
+        stay.end = border;
+        stay.leaves = Stay::k_none;
+      }
+    }
     if (feature.kind != FeatureKind::face) {
       // Straight on from an edge, it leaves that.
       const Tick rises =

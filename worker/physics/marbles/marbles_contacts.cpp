@@ -79,15 +79,17 @@ class Marbles::AtEvent {
     const SurfaceLaw& law = marbles_.scene_->contacts.between(
         marbles_.material_, statics().material_of_feature(feature));
     return {.normal = normal_at(statics().feature(feature), place_m(ball)),
-            .friction = law.friction,
+            .friction = statics().friction_at(feature, place_m(ball), law.friction),
             .rolling_friction = law.rolling_friction};
   }
-  /// How it would move from rest hangs on the normals alone, and those of faces stay as they are.
+  /// How it would move from rest hangs on normals and friction, and those of faces stay as they
+  /// are.
   bool stands(std::uint32_t ball, std::span<const LastingContact> contacts) {
     Marble& own = marbles_.balls_[ball];
     const bool same = own.stance_tick == tick_ ||
                       std::ranges::all_of(own.supports.all(), [&](std::uint32_t feature) {
-                        return statics().feature(feature).kind == FeatureKind::face;
+                        return statics().feature(feature).kind == FeatureKind::face &&
+                               statics().friction_map(feature) == nullptr;
                       });
     if (own.stance == Marble::Stance::unknown || !same) {
       own.stance_tick = tick_;
@@ -187,7 +189,8 @@ void Marbles::collide_static(std::uint32_t ball, std::uint32_t feature, Tick tic
   AtEvent at(*this, tick);
   contact::collide_static(
       at, ball, feature, {.normal = normal, .point_m = place_m - radius_m_ * normal},
-      contact::law_of_impact(law.restitution, law.friction, scene_->slow, plastic),
+      contact::law_of_impact(law.restitution, statics_->friction_at(feature, place_m, law.friction),
+                             scene_->slow, plastic),
       resting_.enabled());
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "common/math/rotation.h"
 #include "common/math/vector.h"
@@ -197,6 +198,29 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
   const double r33 = std::max(std::sqrt(dot(e3, e3)), r_least);
   scale(e3, 1 / r33);
   const double z3 = dot(e3, y);
+
+  // Against the slip, if that keeps its sense: V = R^T z, K = R^T R.
+  const double v2_mps = r12 * z1 + r22 * z2;
+  const double v3_mps = r13 * z1 + r23 * z2 + r33 * z3;
+  const double slip_mps = std::sqrt(v2_mps * v2_mps + v3_mps * v3_mps);
+  if (slip_mps > 0) {
+    const double d2 = v2_mps / slip_mps;
+    const double d3 = v3_mps / slip_mps;
+    // R d, whose first part couples slip and normal.
+    const double a1 = r12 * d2 + r13 * d3;
+    const double a2 = r22 * d2 + r23 * d3;
+    const double a3 = r33 * d3;
+    const SlipSplit slip{
+        .approach_speed_mps = split.approach_speed_mps,
+        .slip_speed_mps = slip_mps,
+        .normal_inverse_mass = r11 * (r11 - law.friction * a1),
+        .slip_inverse_mass = r11 * a1 - law.friction * (a1 * a1 + a2 * a2 + a3 * a3)};
+    if (const std::optional<double> normal_ns = impulse_against_slip(slip, law)) {
+      const double friction_ns = law.friction * *normal_ns;
+      return {*normal_ns * n - friction_ns * d2 * t.first - friction_ns * d3 * t.second, *normal_ns,
+              ImpactRegime::sliding};
+    }
+  }
 
   // Q solves R Q = (0, -z2, -z3).
   const double q3_ns = -z3 / r33;

@@ -1,11 +1,11 @@
 // Impact of two rigid bodies at a point, with friction, that gains no energy for any inertia.
 //
-// Idea. The law is that of restitution.h, Chatterjee and Ruina's. It is computed in whitened
-// coordinates: a body's velocity times the root of its mass, and its angular velocity, in the
-// body's own frame, times the roots of its principal moments. In these coordinates y (six for each
-// moving body) the kinetic energy is |y|^2 / 2, an impulse adds G P with a column of G for the
-// normal and two for tangents, and K = G^T G. The QR decomposition G = E R makes the law a
-// statement about an orthonormal frame e_1, e_2, e_3 (symbols as in restitution.h):
+// Idea. The law is that of restitution.h: against the slip, else Chatterjee and Ruina's. It is
+// computed in whitened coordinates: a body's velocity times the root of its mass, and its angular
+// velocity, in the body's own frame, times the roots of its principal moments. In these coordinates
+// y (six for each moving body) the kinetic energy is |y|^2 / 2, an impulse adds G P with a column
+// of G for the normal and two for tangents, and K = G^T G. The QR decomposition G = E R makes the
+// law a statement about an orthonormal frame e_1, e_2, e_3 (symbols as in restitution.h):
 //   y' = y - (1 + w/u) (e_1.y) e_1 - kappa ((e_2.y) e_2 + (e_3.y) e_3),
 // that is: reflect and shrink the part along e_1, shrink the parts along e_2 and e_3. No inverse of
 // the ill-conditioned K is formed.

@@ -52,6 +52,10 @@ bool same(const Control& a, const Control& b) {
          same(a.angular_velocity_change_radps, b.angular_velocity_change_radps);
 }
 
+bool same(const FrictionMap* a, const FrictionMap* b) {
+  return a == b || (a != nullptr && b != nullptr && a->same_as(*b));
+}
+
 bool same_laws(const Scene& a, const Scene& b) {
   const bool plain = a.bodies.size() == b.bodies.size() && same(a.gravity_mps2, b.gravity_mps2) &&
                      a.period_m == b.period_m &&
@@ -73,7 +77,8 @@ bool same_laws(const Scene& a, const Scene& b) {
 /// Whether all of it is the same object, so that nothing need be looked at.
 bool same_statics(const Scene& a, const Scene& b) {
   const auto same_plane = [](const StaticPlane& p, const StaticPlane& q) {
-    return same(p.outside, q.outside) && p.material == q.material;
+    return same(p.outside, q.outside) && p.material == q.material &&
+           same(p.friction_map.get(), q.friction_map.get());
   };
   const auto same_convex = [](const StaticConvex& p, const StaticConvex& q) {
     return p.polyhedron == q.polyhedron && p.material == q.material;
@@ -205,7 +210,7 @@ class PlaceFinder {
     for (std::uint32_t i = 0; i < count; ++i) {
       const bool in_both = i < before_.feature_count() && i < after_.feature_count();
       if (in_both && is_plane(before_, i) == is_plane(after_, i) &&
-          same_feature(before_, after_, i))
+          same_feature(before_, after_, i) && same(before_.friction_map(i), after_.friction_map(i)))
         continue;
       add_feature(before_, i);
       add_feature(after_, i);
@@ -217,7 +222,8 @@ class PlaceFinder {
       const bool in_both = i < before_.piece_count() && i < after_.piece_count();
       if (in_both && is_plane(before_, i) && is_plane(after_, i)) {
         if (same(before_.plane(i), after_.plane(i)) &&
-            before_.material_of_piece(i) == after_.material_of_piece(i))
+            before_.material_of_piece(i) == after_.material_of_piece(i) &&
+            same(before_.friction_map(i), after_.friction_map(i)))
           continue;
       } else if (in_both && !is_plane(before_, i) && !is_plane(after_, i) &&
                  same_piece(before_, after_, i)) {

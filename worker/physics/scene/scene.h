@@ -18,6 +18,7 @@
 #include "worker/physics/collision/sphere_search.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/scene/friction_map.h"
 #include "worker/physics/scene/surface_law.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/shapes.h"
@@ -61,6 +62,9 @@ struct StaticPlane {
   std::string name;
   HalfSpace outside;
   MaterialId material{};
+  /// Its friction from place to place, in the place of the table's; shared, so that scenes of one
+  /// plane keep it once.
+  std::shared_ptr<const FrictionMap> friction_map{};
 };
 
 /// A convex body that doesn't move.

@@ -66,6 +66,7 @@ void StaticGeometry::clear() {
   radius_m_max_ = 0;
   plane_count_ = 0;
   planes_.clear();
+  friction_maps_.clear();
   features_.clear();
   sides_.clear();
   feature_owners_.clear();
@@ -173,6 +174,10 @@ StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertice
 void StaticGeometry::add_plane(const StaticPlane& plane) {
   const StaticOwner owner{static_cast<std::uint32_t>(names_.size()), plane.material};
   names_.push_back(name_of_static("plane", plane.name, planes_.size()));
+  if (plane.friction_map) {
+    friction_maps_.resize(planes_.size() + 1);
+    friction_maps_.back() = plane.friction_map;
+  }
   planes_.push_back(plane.outside);
   features_.push_back({.kind = FeatureKind::face,
                        .point_m = plane.outside.offset_m * plane.outside.normal,

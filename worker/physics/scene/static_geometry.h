@@ -127,6 +127,16 @@ class StaticGeometry {
   /// REQUIRES: plane_count() <= index < piece_count().
   const MovingPiece& piece(std::uint32_t index) const { return pieces_[index - plane_count_]; }
 
+  /// A plane's, or null. Of features and pieces alike, as planes come first in both.
+  const FrictionMap* friction_map(std::uint32_t index) const {
+    return index < friction_maps_.size() ? friction_maps_[index].get() : nullptr;
+  }
+  /// Friction where something touches a feature or a piece; `otherwise` is the table's.
+  double friction_at(std::uint32_t index, const Vec3& point_m, double otherwise) const {
+    const FrictionMap* map = friction_map(index);
+    return map == nullptr ? otherwise : map->friction_at(point_m).value_or(otherwise);
+  }
+
   MaterialId material_of_feature(std::uint32_t index) const {
     return feature_owners_[index].material;
   }
@@ -241,6 +251,7 @@ class StaticGeometry {
   double radius_m_max_ = 0;  ///< of the scene's spheres
   std::size_t plane_count_ = 0;
   std::vector<HalfSpace> planes_;
+  std::vector<std::shared_ptr<const FrictionMap>> friction_maps_;  ///< none if no plane has one
   std::vector<SphereFeature> features_;
   std::vector<RegionSide> sides_;
   std::vector<StaticOwner> feature_owners_;

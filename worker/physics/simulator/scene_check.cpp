@@ -193,6 +193,13 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
                                                 name, k_coordinate_m_max));
     }
     if (auto wrong = error_of_material(scene, plane.material, name)) return wrong;
+    if (!plane.friction_map) continue;
+    const MapFrame& frame = plane.friction_map->frame();
+    if (std::fabs(math::dot(frame.u, plane.outside.normal)) > 1e-9 ||
+        std::fabs(math::dot(frame.v, plane.outside.normal)) > 1e-9) {
+      return error(Kind::bad_shape,
+                   fmt::format("{}: the axes of its friction must lie in the plane", name));
+    }
   }
   for (std::size_t i = 0; i < scene.convexes.size(); ++i) {
     const StaticConvex& convex = scene.convexes[i];

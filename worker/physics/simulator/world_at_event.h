@@ -47,7 +47,7 @@ class World::AtEvent {
     const SurfaceLaw& law = world_.scene_.contacts.between(constants(body).material,
                                                            statics().material_of_feature(feature));
     return {.normal = normal_at(statics().feature(feature), place_m(body)),
-            .friction = law.friction,
+            .friction = statics().friction_at(feature, place_m(body), law.friction),
             .rolling_friction = law.rolling_friction};
   }
   bool stands(std::uint32_t body, std::span<const LastingContact> contacts) const {

@@ -13,7 +13,9 @@ SurfaceLaw World::law_of_static(std::uint32_t body, std::uint32_t index,
   }
   const MaterialId material = constants_[body].is_sphere ? statics_.material_of_feature(index)
                                                          : statics_.material_of_piece(index);
-  return scene_.contacts.between(constants_[body].material, material);
+  SurfaceLaw law = scene_.contacts.between(constants_[body].material, material);
+  law.friction = statics_.friction_at(index, point_m, law.friction);
+  return law;
 }
 
 void World::note_too_much(std::uint32_t body, Tick tick) {

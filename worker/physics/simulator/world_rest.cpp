@@ -65,12 +65,15 @@ void World::note_near_corners(std::uint32_t body, Tick tick) {
 void World::note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick) {
   const double near_m = k_near_corner * constants_[body].reach_m;
   const Vec3 centre_m = position_at(segments_[body].flight, tick);
+  const bool has_map = touch.partner == k_static_partner && !is_surface(body, touch.feature) &&
+                       statics_.friction_map(touch.feature) != nullptr;
   const auto note = [&](const Vec3& at_m, const Vec3& normal) {
     if (math::dot(normal, touch.normal) < k_same_face_cosine) return;
     TouchRecord near = touch;
     near.tick = tick;
     near.normal = normal;
     near.arm_m = at_m - centre_m;
+    if (has_map) near.friction = law_of_static(body, touch.feature, at_m).friction;
     resting_.still_touches(body, near);
   };
   const auto note_both = [&](const MovingPiece& own, const MovingPiece& other) {

@@ -10,14 +10,22 @@
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/marbles/equal_marbles.h"
 #include "tests/unit/worker/physics/marbles/same_balls.h"
+#include "tests/unit/worker/physics/scene/random_friction.h"
 #include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics {
 namespace {
 
-/// Those of every other seed start at once.
+/// Those of every other seed start at once. The floor of one in three has friction from place to
+/// place.
 scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
-  return testing::equal_marbles(balls, seed, seed % 2 == 0 ? 0 : 40'000'000);
+  scenes::Setting setting = testing::equal_marbles(balls, seed, seed % 2 == 0 ? 0 : 40'000'000);
+  if (seed % 3 == 0) {
+    random::Stream stream({.seed = seed, .purpose = random::Purpose::prior}, 0);
+    StaticPlane& floor = setting.scene.planes.front();
+    floor.friction_map = testing::random_friction(stream, floor.outside, 30, 0.1);
+  }
+  return setting;
 }
 
 std::uint64_t scene_count() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 namespace sleight::physics::response_reference {
@@ -217,11 +218,50 @@ Real relative_gain(const Case& made, const ImpactOutput& out) {
   return (kinetic_energy(made, out.a, out.b) - before) / before;
 }
 
+namespace {
+
+/// Against the slip; none where that turns.
+std::optional<Real3> slow_impulse_against_slip(const Case& made, Fault fault) {
+  const Real3 n = real(made.normal);
+  const Real3 v = contact_velocity(made, made.a.twist, made.b.twist);
+  const Real u = -dot(v, n);
+  const Real s = norm(across(v, n));
+  if (s == 0 || made.law.friction == 0) return std::nullopt;
+  const Real3 direction = n - made.law.friction / s * across(v, n);
+  const Real k = dot(n, response(made, direction));
+  if (k <= 0) return std::nullopt;
+  const auto impulse_at = [&](Real w) { return (u + w) / k * direction; };
+  const auto gain_at = [&](Real w) {
+    const Real3 p = impulse_at(w);
+    return dot(v, p) + dot(p, response(made, p)) / 2;
+  };
+  Real w = made.law.restitution * u;
+  const Real floor = made.law.separation_speed_floor_mps;
+  if (w < floor) {
+    w = floor;
+    if (w > u && fault != Fault::slip_unpaid && gain_at(w) > 0) {
+      Real low = u;
+      Real high = w;
+      for (int i = 0; i < 80; ++i) {
+        const Real middle = (low + high) / 2;
+        (gain_at(middle) <= 0 ? low : high) = middle;
+      }
+      w = low;
+    }
+  }
+  const Real3 after = v + response(made, impulse_at(w));
+  if (dot(after, across(v, n)) < 0 && fault != Fault::turned) return std::nullopt;
+  return impulse_at(w);
+}
+
+}  // namespace
+
 ImpactOutput slow_impact(const Case& made, Fault fault) {
   const Real3 n = real(made.normal);
   const Real3 v = contact_velocity(made, made.a.twist, made.b.twist);
   const Real u = -dot(v, n);
   if (u <= 0) return output_of(made, {});
+  if (const auto against = slow_impulse_against_slip(made, fault)) return output_of(made, *against);
   const Real3 p1 = u / dot(n, response(made, n)) * n;
   Real3 q = solved(made, -1 * v) - p1;
   if (fault == Fault::uncoupled) q = across(q, n);

@@ -80,12 +80,15 @@ Real contact_speed_scale(const Case& made, const Twist& a, const Twist& b);
 /// (energy after - energy before) / energy before.
 Real relative_gain(const Case& made, const ImpactOutput& out);
 
-/// Chatterjee and Ruina's law from its definition: P_I, P_II by solving with K, kappa and the
-/// raised separation speed by bisection. Deliberate errors can be put in.
+/// The law of restitution.h from its definition: against the slip where that keeps its sense, else
+/// Chatterjee and Ruina's, P_I, P_II by solving with K; kappa and the raised separation speeds by
+/// bisection. Deliberate errors can be put in.
 enum class Fault : std::uint8_t {
   none,
-  uncoupled,  ///< Q is taken to be tangential: its normal component is left out
-  unpaid      ///< the floor of the separation speed is granted without regard to energy
+  uncoupled,   ///< Q is taken to be tangential: its normal component is left out
+  unpaid,      ///< the floor of the separation speed is granted without regard to energy
+  turned,      ///< friction acts against the slip before the impact even if the slip turns
+  slip_unpaid  ///< the floor is granted without regard to energy where friction is against the slip
 };
 ImpactOutput slow_impact(const Case& made, Fault fault = Fault::none);
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/unit/worker/physics/scene/random_friction.h"
 #include "tests/unit/worker/physics/simulator/dice.h"
 #include "worker/physics/scene/scene.h"
 #include "worker/physics/scenes/scenes.h"
@@ -55,7 +56,7 @@ inline void change_body(Scene& scene, const Subject& subject, Dice& dice) {
   }
 }
 
-/// A vertex of a mesh, a polyhedron or a plane is moved.
+/// A vertex of a mesh, a polyhedron or a plane is moved, or a plane's friction is another one.
 inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
   const double way_m = (dice.one_in(2) ? 0.05 : 0.4) * subject.size_m;
   const auto kind = dice.below(3);
@@ -84,6 +85,11 @@ inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
   } else if (!scene.planes.empty()) {
     // Away from the bodies, mostly: else those that start beside it overlap it.
     StaticPlane& plane = scene.planes[dice.below(scene.planes.size())];
+    if (dice.one_in(2)) {
+      random::Stream stream({.seed = dice.below(1000), .purpose = random::Purpose::prior}, 0);
+      plane.friction_map = random_friction(stream, plane.outside, 12, 8 * subject.size_m);
+      return;
+    }
     plane.outside.offset_m += dice.within(way_m) - 0.5 * way_m;
   }
 }
