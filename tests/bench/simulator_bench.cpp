@@ -103,6 +103,9 @@ constexpr Experiment k_experiments[] = {
     {"hourglass", scenes::hourglass, 80, 0, 1.5, true, true, 0x6eb1dcf2077950a4U},
     {"hourglass", scenes::hourglass, 90, 0, 1.5, true, true, 0x598b092987f98e7cU},
     {"hourglass", scenes::hourglass, 100, 0, 1.5, true, true, 0x45bafd747c4270adU},
+    // Round bodies.
+    {"round_solids", scenes::round_solids, 12, 0, 1, false, true, 0x345ea07062dad958U},
+    {"bowling", scenes::bowling, 11, 0, 1, false, true, 0xa3976c81df83b530U},
     // All grains have started, and the last ones fall on the heap: the whole of it takes the
     // asynchronous algorithm minutes, and the synchronous one an hour.
     {"hourglass", scenes::hourglass, 1000, 0.05, 1.5, true, true, 0xa4b58a9adfcaad23U, 50},

@@ -164,6 +164,11 @@ struct MovingPiece {
   double reach_m = 0;
 };
 
+/// Whether it is one of round_piece.h.
+inline bool is_round(const MovingPiece& piece) {
+  return piece.view->round != nullptr;
+}
+
 inline Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
   return piece.velocity_mps +
          math::cross(piece.angular_velocity_radps, point_m - piece.pose.position_m);

@@ -8,6 +8,8 @@
 
 #include "worker/physics/collision/envelope.h"
 #include "worker/physics/collision/first_collision.h"
+#include "worker/physics/collision/piece_motion.h"
+#include "worker/physics/collision/round_search.h"
 
 namespace sleight::physics {
 namespace {
@@ -20,12 +22,6 @@ constexpr int k_corners_max = 12;
 /// A gap that was found with the help of earlier looks differs from the cold one by less than this:
 /// rounding at coordinates of 100 m.
 constexpr double k_warm_error_m = 1e-12;
-/// Pieces are well apart when a guessed axis shows a gap above this part of the smaller one's
-/// radius; below, the true line of the closest points is worth its price.
-constexpr double k_well_apart = 0.02;
-/// A skip this long is not made longer by a second axis: in heaps, where speed matters most, bodies
-/// mostly change their motion before.
-constexpr double k_long_enough_s = 5e-4;
 
 /// Of a pair that touches: beyond this nothing is said.
 constexpr double k_touching_s = 1;
@@ -137,36 +133,6 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   const double left_mps = falls_mps + 0.5 * k_approach_mps;
   const double falls_s = left_mps <= 0 ? 0 : fall > 0 ? left_mps / fall : k_forever_s;
   return std::min(until_s, std::max(takes_over, falls_s));
-}
-
-/// What the places of a piece's points are rounded by.
-double size_m(const MovingPiece& piece) {
-  return std::max(size_of(piece.pose.position_m), piece.coordinates_m) + piece.view->r_outer_m +
-         piece.radius_m;
-}
-/// What rounding does to a gap at the ticks that are skipped, against what is said of it here.
-double rounding_m(const MovingPiece& a, const MovingPiece& b) {
-  return k_rounding_ulps * std::max(size_m(a), size_m(b));
-}
-double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
-  return k_rounding_ulps * (std::fabs(solid_below.offset_m) + size_m(b));
-}
-
-/// How long no gap falls fast enough, since no points of the two move past each other so fast. That
-/// is long for those that hover, even where a gap can't be told from a touch.
-double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
-  const auto turning_mps = [](const MovingPiece& piece) {
-    return math::norm(piece.angular_velocity_radps) * (piece.view->r_outer_m + piece.radius_m);
-  };
-  const double rounding_mps =
-      k_rounding_ulps * (math::norm(a.velocity_mps) + math::norm(b.velocity_mps));
-  const double left_mps =
-      k_approach_mps - rounding_mps -
-      (math::norm(b.velocity_mps - a.velocity_mps) + turning_mps(a) + turning_mps(b));
-  if (left_mps <= 0) return 0;
-  const double gains_mps2 = math::norm(b.acceleration_mps2 - a.acceleration_mps2) +
-                            a.turning_acceleration_mps2 + b.turning_acceleration_mps2;
-  return gains_mps2 > 0 ? left_mps / gains_mps2 : k_forever_s;
 }
 
 /// How far below its centre a piece may come along the axis of its envelope, as a negative number.
@@ -414,6 +380,7 @@ bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double rad
 
 Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                         SeparationCache& cache, PieceContact& contact) {
+  if (is_round(a) || is_round(b)) return examine_round(a, b, tick, touch_m, cache, contact);
   if (!cache.filled) {
     // An axis that is cheap to guess, if it shows them well apart.
     Shadows guess(a, b, guessed_axis(a, b));
@@ -447,7 +414,8 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
   Shadows shadows(a, b, closest.normal);
   double span_s = 0;
   if (touches(gap_m, touch_m)) {
-    span_s = touching_for_s(a, b, shadows, touch_m, turn_with_features());
+    span_s = std::min(touching_for_s(a, b, shadows, touch_m, turn_with_features()),
+                      comes_deeper_s(a, b, closest.normal));
   } else {
     span_s = open_for_s(a, b, shadows, touch_m, {});
     if (span_s < k_long_enough_s) {
@@ -464,6 +432,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
 
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
                        double touch_m, PieceContact& contact) {
+  if (is_round(b)) return examine_round_plane(solid_below, b, tick, touch_m, contact);
   const Vec3& axis = solid_below.normal;
   const Line base{math::dot(axis, b.pose.position_m) - solid_below.offset_m - b.radius_m +
                       (k_touch_m - touch_m) - rounding_m(solid_below, b),

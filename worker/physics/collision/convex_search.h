@@ -31,7 +31,8 @@
 //      face, whichever vertices touch, or the same two edges, if these cross at a sine of 0.01 or
 //      more. It doesn't cover what turns the normal of edges that are more nearly parallel, of two
 //      vertices, or of a vertex and an edge, about the edge, while they are within k_touch_m of
-//      each other; spheres' normals it covers.
+//      each other; spheres' normals it covers. There a collision may be late, by no more than
+//      comes_deeper_s (piece_motion.h).
 // Thread safety: pure functions, but for the cache that they are given.
 #pragma once
 

@@ -27,6 +27,8 @@
 //   touches(b, record, slowly)     a body's part in a collision, for the decision about rest
 //   impact(a, b, contact, law, a_fixed, b_fixed)
 //   impact_on_static(b, twist, contact, law)
+//   leaving(b, contact, twist)     as it leaves what doesn't move: what is round and rolls hops, as
+//                                  it has no slip to pay its bounces from
 //   notes_corners(b)               corners that carry beside those that touched
 // and says what happened to whoever keeps a history:
 //   learns(b)                      its contact state changes, beyond what it touches
@@ -92,6 +94,7 @@ concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const S
   at.touches(body, touch, bool{});
   { at.impact(body, body, contact, law, bool{}, bool{}) } -> std::same_as<ImpactOutput>;
   { at.impact_on_static(body, twist, contact, law) } -> std::same_as<Twist>;
+  { at.leaving(body, contact, twist) } -> std::same_as<Twist>;
   at.notes_corners(body);
   at.learns(body);
   at.is_asked(body, body);
@@ -277,14 +280,11 @@ bool collide(At& at, std::uint32_t a, std::uint32_t b, const PieceContact& conta
       wake_dependents(at, sleeper);
     }
   }
-  // What rolls along a resting body has no slip to pay its bounces from.
   if (a_rests != b_rests) {
-    const std::uint32_t mover = a_rests ? b : a;
+    PieceContact of_mover = contact;
+    if (b_rests) of_mover.normal = -contact.normal;
     Twist& twist = a_rests ? after.b : after.a;
-    if (at.is_round(mover)) {
-      const Vec3 normal = a_rests ? contact.normal : Vec3(-contact.normal);
-      twist = hop(at.round_body(mover), normal, twist, hop_speed_mps(at.slow()));
-    }
+    twist = at.leaving(a_rests ? b : a, of_mover, twist);
   }
   if (at.resting().enabled()) {
     const Vec3 arm_a_m = contact.point_m - at.place_m(a);
@@ -321,8 +321,7 @@ void collide_static(At& at, std::uint32_t body, std::uint32_t index, const Piece
   const bool caught = is_caught(at, body, index, approach_mps, law.restitution, before);
   if (caught) law = {.restitution = 0, .friction = law.friction};
   Twist after = at.impact_on_static(body, before, contact, law);
-  if (!caught && at.is_round(body) && at.slow().separation_speed_mps > 0)
-    after = hop(at.round_body(body), contact.normal, after, hop_speed_mps(at.slow()));
+  if (!caught && at.slow().separation_speed_mps > 0) after = at.leaving(body, contact, after);
   if (touched) {
     const Vec3 arm_m = contact.point_m - at.place_m(body);
     at.touches(

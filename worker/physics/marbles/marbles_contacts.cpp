@@ -150,6 +150,9 @@ class Marbles::AtEvent {
                           .law = law})
         .b;
   }
+  Twist leaving(std::uint32_t /*ball*/, const PieceContact& contact, const Twist& twist) const {
+    return hop(marbles_.round_, contact.normal, twist, contact::hop_speed_mps(slow()));
+  }
 
   void notes_corners(std::uint32_t /*ball*/) {}
   void learns(std::uint32_t /*ball*/) {}

@@ -307,6 +307,33 @@ ImpactOutput rigid_impact(const RigidImpactInput& input) {
   return rigid_impact_of<true>(input);
 }
 
+Twist rigid_hop(const RigidImpactBody& body, const Vec3& contact_m, const Vec3& normal,
+                double speed_mps) {
+  const Sides<1> sides{side_of(body, 1, contact_m)};
+  Whitened<1> y = whitened<1>(sides, {body.twist});
+  Whitened<1> e1 = column(sides, normal);
+  const double r11 = std::sqrt(dot(e1, e1));
+  scale(e1, 1 / r11);
+  const double parts = dot(e1, y);
+  const double wanted = speed_mps / r11;
+  if (!(parts < wanted)) return body.twist;
+  subtract(y, parts, e1);
+  const double other = dot(y, y);
+  const double paid = std::min(wanted * wanted - parts * parts, 0.5 * other);
+  if (!(paid > 0)) return body.twist;
+  scale(y, std::sqrt(1 - paid / other));
+  subtract(y, -std::sqrt(parts * parts + paid), e1);
+  Twist twist;
+  Vec3 spin;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    twist.velocity_mps[i] = body.mass.inverse_root_mass * y[at];
+    spin[i] = body.mass.inverse_root_moments[i] * y[at + 3];
+  }
+  twist.angular_velocity_radps = math::product(sides[0].axes, spin);
+  return twist;
+}
+
 ImpactOutput rigid_impact_unguarded(const RigidImpactInput& input) {
   return rigid_impact_of<false>(input);
 }

@@ -75,6 +75,13 @@ struct RigidImpactInput {
 /// REQUIRES: one of the two is not static; squares of all magnitudes neither over- nor underflow.
 ImpactOutput rigid_impact(const RigidImpactInput& input);
 
+/// What leaves static geometry at a contact, at least with a speed: paid from all its other motion,
+/// of at most half of that's energy; all of that slows down by the same share, so what rolled
+/// rolls. Keeps the kinetic energy but for rounding. `normal` points to the body, whose twist is
+/// that after the impact. REQUIRES: it isn't static, and doesn't approach.
+Twist rigid_hop(const RigidImpactBody& body, const Vec3& contact_m, const Vec3& normal,
+                double speed_mps);
+
 /// Without the scaling of invariant 1. For the test that shows the scaling to be needed.
 ImpactOutput rigid_impact_unguarded(const RigidImpactInput& input);
 

@@ -17,6 +17,7 @@ constexpr std::array k_scenes{
     SceneEntry{"boxed_polyhedra", "elastic polyhedra of 42 vertices between six walls",
                &boxed_polyhedra, 64},
     SceneEntry{"boxed_spheres", "elastic spheres between six walls", &boxed_spheres, 64},
+    SceneEntry{"bowling", "a ball that rolls at ten pins", &bowling, 11},
     SceneEntry{"bumpy_floor", "spheres and cubes that fall on a random height field", &bumpy_floor,
                40},
     SceneEntry{"cube_drop", "cubes that fall on a floor", &cube_drop, 1},
@@ -28,6 +29,8 @@ constexpr std::array k_scenes{
     SceneEntry{"marbles", "spheres that slide and roll over slopes, a ridge and a pedestal",
                &marbles, 15},
     SceneEntry{"rain", "spheres of all sorts that fall into a box and bounce", &rain, 20},
+    SceneEntry{"round_solids", "cylinders, coins, cones and other round bodies that fall and roll",
+               &round_solids, 12},
     SceneEntry{"tray", "spheres and cubes thrown at a tray with a raised rim", &tray, 40},
 };
 

@@ -70,6 +70,14 @@ Setting tray(std::uint32_t bodies, std::uint64_t seed);
 /// with a ridge and a furrow. Restitution, friction and rolling friction are drawn.
 Setting marbles(std::uint32_t bodies, std::uint64_t seed);
 
+/// Cylinders, coins, capsules, cones and rounded boxes, and some balls and cubes, of one or two
+/// centimetres, that fall between four leaning walls on a floor with a block in the middle.
+Setting round_solids(std::uint32_t bodies, std::uint64_t seed);
+
+/// Ten bowling pins that stand as in the sport, and a ball that rolls at them: the last body. With
+/// fewer bodies, fewer pins.
+Setting bowling(std::uint32_t bodies, std::uint64_t seed);
+
 /// What ends slow contacts of bodies of a size in the earth's gravity: separation at 1/100 and rest
 /// below 8/100 of the speed that a body has after falling half its size, for a tenth of the time
 /// that it takes to fall so far.

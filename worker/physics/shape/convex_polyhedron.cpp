@@ -1,4 +1,5 @@
 #include "worker/physics/shape/convex_polyhedron.h"
+#include "worker/physics/shape/round_piece.h"
 
 #include <fmt/format.h>
 
@@ -215,6 +216,11 @@ std::string describe(const ShapeError& error) {
     case Kind::dimension_not_positive:
       return fmt::format("size, density or count number {} must be positive and finite",
                          error.index);
+    case Kind::sharp:
+      return fmt::format(
+          "the radius of ring or ball {} is {:.3g} of the piece's size, at least {:g} "
+          "needed",
+          error.index, error.measured, k_round_edge_min);
   }
   return "unknown shape error";
 }

@@ -70,8 +70,12 @@ struct Edge {
   std::array<std::uint16_t, 2> side{};  ///< this edge as a side of face[0] and of face[1]
 };
 
-/// Borrowed arrays of a convex piece. REQUIRES: the owner stays where it is while the view is used.
+class RoundPiece;
+
+/// Borrowed arrays of a convex piece; of a round one none but that piece itself. REQUIRES: the
+/// owner stays where it is while the view is used.
 struct ConvexView {
+  const RoundPiece* round = nullptr;  ///< round_piece.h; null: a polyhedron, a triangle, a point
   const Vec3* vertices_m = nullptr;
   const double* xs_m = nullptr;  ///< x of all vertices, padded with vertex 0 to a multiple of four
   const double* ys_m = nullptr;

@@ -12,15 +12,16 @@ namespace sleight::physics {
 
 struct ShapeError {
   enum class Kind : std::uint8_t {
-    too_few_points,         ///< fewer than four
-    too_many_points,        ///< more than k_hull_points_max
-    not_finite,             ///< a coordinate is NaN or infinite; `index` says of which point
-    flat,                   ///< thinner than k_hull_flat of the extent; `measured` is that ratio
-    degenerate,             ///< features as small as the tolerance: no consistent polyhedron
-    not_spherical,          ///< declared spherical, but the moments differ; `measured`: relative
-    not_axial,              ///< declared axial, but no two moments agree; `measured`: relative
-    no_parts,               ///< a body without any part
-    dimension_not_positive  ///< a size, radius, density or count that must be positive
+    too_few_points,          ///< fewer than four
+    too_many_points,         ///< more than k_hull_points_max
+    not_finite,              ///< a coordinate is NaN or infinite; `index` says of which point
+    flat,                    ///< thinner than k_hull_flat of the extent; `measured` is that ratio
+    degenerate,              ///< features as small as the tolerance: no consistent polyhedron
+    not_spherical,           ///< declared spherical, but the moments differ; `measured`: relative
+    not_axial,               ///< declared axial, but no two moments agree; `measured`: relative
+    no_parts,                ///< a body without any part
+    dimension_not_positive,  ///< a size, radius, density or count that must be positive
+    sharp  ///< a round piece's edge: `measured` is its radius as a part of the piece's size
   };
   Kind kind{};
   std::size_t index = 0;

@@ -78,7 +78,34 @@ double Compound::r_outer_m() const {
   double r_m = 0;
   for (const ConvexPolyhedron& part : parts)
     r_m = std::max(r_m, part.r_outer_m());
+  for (const RoundPiece& part : round_parts)
+    r_m = std::max(r_m, part.r_outer_m());
   return r_m;
+}
+
+ConvexView Compound::view(std::size_t part) const {
+  return part < parts.size() ? parts[part].view() : round_parts[part - parts.size()].view();
+}
+
+std::optional<RoundPiece> hull_of(const Compound& compound) {
+  if (!compound.parts.empty() || compound.round_parts.size() < 2) return std::nullopt;
+  const RoundPiece& first = compound.round_parts.front();
+  RoundDescription all{
+      .origin_m = first.origin_m(), .axis = first.axis(), .rings = {}, .balls = {}};
+  for (const RoundPiece& part : compound.round_parts) {
+    const bool on_axis = part.of_revolution() && part.axis() == first.axis() &&
+                         length_across(first.axis(), part.origin_m() - first.origin_m()) == 0;
+    if (!on_axis) return std::nullopt;
+    const double up_m = math::dot(first.axis(), part.origin_m() - first.origin_m());
+    for (const RoundFeature& feature : part.features()) {
+      all.rings.push_back({.height_m = up_m + feature.height_m,
+                           .circle_m = feature.circle_m,
+                           .radius_m = feature.radius_m});
+    }
+  }
+  auto hull = RoundPiece::make(all);
+  if (!hull) return std::nullopt;
+  return std::move(hull).value();
 }
 
 ShapeResult box(const Vec3& sides_m) {

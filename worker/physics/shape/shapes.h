@@ -5,19 +5,31 @@
 // which argument it was. Thread safety: pure functions and values.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/base/result.h"
 #include "worker/physics/shape/convex_polyhedron.h"
+#include "worker/physics/shape/round_piece.h"
 
 namespace sleight::physics {
 
-/// A body of convex parts, all in the body's frame; distances and impacts are per part.
+/// A body of convex parts, all in the body's frame; distances and impacts are per part. They are
+/// numbered through, polyhedra first.
 struct Compound {
   std::vector<ConvexPolyhedron> parts;
+  std::vector<RoundPiece> round_parts{};
+  std::size_t size() const { return parts.size() + round_parts.size(); }
+  /// Of any part. Valid until the compound is changed, moved or destroyed.
+  ConvexView view(std::size_t part) const;
   /// Every point of every part is this close to the frame's origin.
   double r_outer_m() const;
 };
+
+/// The hull of all parts of a compound, if these are round pieces about one axis, several of them,
+/// and of no more features than a piece may have; for first looks, which then needn't ask each
+/// part.
+std::optional<RoundPiece> hull_of(const Compound& compound);
 
 using ShapeResult = base::Result<ConvexPolyhedron, ShapeError>;
 

@@ -45,7 +45,7 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
   const auto* sphere = std::get_if<Sphere>(&body.shape);
   if (sphere == nullptr) {
     const auto& compound = std::get<std::shared_ptr<const Compound>>(body.shape);
-    if (!compound || compound->parts.empty()) {
+    if (!compound || compound->size() == 0) {
       return error(Kind::bad_shape, fmt::format("{}: it has no convex parts", name));
     }
     for (std::size_t part = 0; part < compound->parts.size(); ++part) {
@@ -242,7 +242,7 @@ std::optional<SceneError> error_of_surfaces(const Scene& scene) {
     }
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
       const auto* compound = std::get_if<std::shared_ptr<const Compound>>(&scene.bodies[b].shape);
-      const bool boxes = compound != nullptr &&
+      const bool boxes = compound != nullptr && (*compound)->round_parts.empty() &&
                          std::ranges::all_of((*compound)->parts, [&](const ConvexPolyhedron& part) {
                            return BoxLattice::of(part.view(), surface.point_spacing_m).has_value();
                          });

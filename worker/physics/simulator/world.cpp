@@ -42,6 +42,7 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     alone_for_ = ticks_after(k_bounces_alone * 2 * scene_.slow.separation_speed_mps / pull_mps2);
   constants_.reserve(count);
   points_.reserve(count);
+  std::vector<std::pair<const Compound*, std::uint32_t>> hull_of_shape;
   for (const BodyDescription& body : scene_.bodies) {
     BodyConstants constants{.material = body.material,
                             .first_part = static_cast<std::uint32_t>(parts_.size()),
@@ -58,9 +59,26 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
       constants.is_sphere = false;
       only_spheres_ = false;
       constants.reach_m = compound.r_outer_m();
-      constants.part_count = static_cast<std::uint32_t>(compound.parts.size());
-      for (const ConvexPolyhedron& part : compound.parts)
-        parts_.push_back(part.view());
+      constants.part_count = static_cast<std::uint32_t>(compound.size());
+      constants.has_round_parts = !compound.round_parts.empty();
+      for (std::size_t part = 0; part < compound.size(); ++part)
+        parts_.push_back(compound.view(part));
+      // Bodies of one shape share its hull.
+      const auto known = std::ranges::find(hull_of_shape, &compound,
+                                           &std::pair<const Compound*, std::uint32_t>::first);
+      if (known != hull_of_shape.end()) {
+        constants.hull = known->second;
+      } else {
+        if (auto hull = hull_of(compound)) {
+          made_hulls_.push_back(std::make_unique<const RoundPiece>(*std::move(hull)));
+          constants.hull = static_cast<std::uint32_t>(hulls_.size());
+          hulls_.push_back(made_hulls_.back()->view());
+        } else if (compound.size() == 1) {
+          constants.hull = static_cast<std::uint32_t>(hulls_.size());
+          hulls_.push_back(parts_.back());
+        }
+        hull_of_shape.emplace_back(&compound, constants.hull);
+      }
     }
     // What a track of a general body needs is allocated now rather than when the body starts.
     if (constants.inertia.symmetry == InertiaSymmetry::general) {
@@ -128,6 +146,7 @@ Vec3 World::wrapped_m(const Vec3& place_m) const {
 
 void World::place(std::uint32_t body, const Segment& segment) {
   found_.tick = Tick{-1};
+  hull_look_.tick = Tick{-1};
   Segment& now = segments_[body];
   now = segment;
   now.flight.position_m = wrapped_m(now.flight.position_m);

@@ -58,8 +58,12 @@ struct alignas(64) BodyConstants {
   double reach_m = 0;        ///< radius of a sphere about the centre that holds the body
   MaterialId material{};
   bool is_sphere = true;
+  bool has_round_parts = false;  ///< balls and rings (round_piece.h)
   std::uint32_t first_part = 0;  ///< its convex parts in the table of all; a sphere has one point
   std::uint32_t part_count = 1;
+  /// One view for all parts (hull_of), in the table of these; of one part, that. k_no_hull: none.
+  std::uint32_t hull = k_no_hull;
+  static constexpr std::uint32_t k_no_hull = UINT32_MAX;
   Inertia inertia;
   RigidMass rigid_mass{};
 };
@@ -330,6 +334,10 @@ class World {
   }
   void note_too_much(std::uint32_t body, Tick tick);
   /// Until when two spheres don't collide again, unless they come faster or closer (tolerances.h).
+  /// Whether the hulls of two bodies of several parts are apart; `examined` is then the look's
+  /// result for each pair of parts.
+  bool hulls_apart(std::uint32_t a, std::uint32_t b, Tick tick, double touch_m,
+                   SeparationCache& cache, Examined& examined);
   Refractory refractory_of_parts(std::uint32_t a, std::uint32_t b);
   Refractory refractory_of_spheres(std::uint32_t a, std::uint32_t b) const;
   Prediction predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) const;
@@ -401,6 +409,18 @@ class World {
   TickCount alone_for_ = 0;         ///< a sphere stays only if it has met no body for so long
   std::vector<PointPiece> points_;  ///< of spheres
   std::vector<ConvexView> parts_;   ///< of all bodies
+  std::vector<ConvexView> hulls_;   ///< of bodies that have one
+  std::vector<std::unique_ptr<const RoundPiece>> made_hulls_;
+  /// The last look at two hulls: each pair of parts asks for it.
+  struct HullLook {
+    Tick tick{-1};
+    std::uint32_t a = 0;
+    std::uint32_t b = 0;
+    double touch_m = 0;
+    bool apart = false;
+    Examined examined;
+  };
+  HullLook hull_look_;
   PieceSearches searches_;
   Resting resting_;
   RecentContacts recent_;

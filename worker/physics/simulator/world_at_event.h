@@ -119,6 +119,15 @@ class World::AtEvent {
         .b;
   }
 
+  Twist leaving(std::uint32_t body, const PieceContact& contact, const Twist& twist) {
+    const double speed_mps = contact::hop_speed_mps(slow());
+    if (is_round(body)) return hop(round_body(body), contact.normal, twist, speed_mps);
+    if (!constants(body).has_round_parts) return twist;
+    RigidImpactBody leaver = world_.rigid_body(body, tick());
+    leaver.twist = twist;
+    return rigid_hop(leaver, contact.point_m, contact.normal, speed_mps);
+  }
+
   void notes_corners(std::uint32_t body) {
     if (!is_round(body)) world_.note_near_corners(body, tick());
   }

@@ -112,16 +112,25 @@ Prediction World::predict(std::uint32_t a, std::uint32_t b, Tick now, std::uint3
 Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t search) {
   if (constants_[a].is_sphere && constants_[b].is_sphere) return predict_spheres(a, b, now);
   const std::uint32_t of_b = constants_[b].part_count;
-  const Refractory refractory = refractory_of_parts(a, b);
+  // Most looks come after it.
+  Refractory refractory = recent_.of(a, b);
+  bool asked = false;
+  const bool several = searches_.of(search).size() > 1;
   const double reach_a_m = constants_[a].reach_m;
   const double reach_b_m = constants_[b].reach_m;
   const Prediction prediction = advanced(
       searches_.of(search), now, [&](std::uint32_t i, Tick tick, PieceSearch& search_of_parts) {
         PieceContact contact;
+        if (tick <= refractory.until && !asked) {
+          refractory = refractory_of_parts(a, b);
+          asked = true;
+        }
         const Examined examined = examined_at(tick, refractory, [&](double touch_m) {
           Examined apart;
           if (spheres_apart(centre_at(a, tick), centre_at(b, tick), reach_a_m + reach_b_m,
                             std::min(reach_a_m, reach_b_m), tick, apart))
+            return apart;
+          if (several && hulls_apart(a, b, tick, touch_m, search_of_parts.cache, apart))
             return apart;
           return examine_pieces(part_at(a, i / of_b, tick), part_at(b, i % of_b, tick), tick,
                                 touch_m, search_of_parts.cache, contact);
@@ -137,6 +146,30 @@ Prediction World::look(std::uint32_t a, std::uint32_t b, Tick now, std::uint32_t
       });
   if (prediction.feature == k_gave_up) note_search_gave_up(a, now);
   return prediction;
+}
+
+bool World::hulls_apart(std::uint32_t a, std::uint32_t b, Tick tick, double touch_m,
+                        SeparationCache& cache, Examined& examined) {
+  HullLook& look = hull_look_;
+  if (look.tick != tick || look.a != a || look.b != b || look.touch_m != touch_m) {
+    const auto hull_at = [&](std::uint32_t body, MovingPiece& piece) {
+      piece = part_at(body, 0, tick);
+      if (constants_[body].is_sphere) return true;
+      if (constants_[body].hull == BodyConstants::k_no_hull) return false;
+      piece.view = &hulls_[constants_[body].hull];
+      return true;
+    };
+    look = {.tick = tick, .a = a, .b = b, .touch_m = touch_m, .apart = false, .examined = {}};
+    MovingPiece first;
+    MovingPiece second;
+    if (hull_at(a, first) && hull_at(b, second) && (is_round(first) || is_round(second))) {
+      PieceContact contact;
+      look.examined = examine_pieces(first, second, tick, touch_m, cache, contact);
+      look.apart = !look.examined.collides && look.examined.gap_m > touch_m;
+    }
+  }
+  examined = look.examined;
+  return look.apart;
 }
 
 Refractory World::refractory_of_parts(std::uint32_t a, std::uint32_t b) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "worker/physics/contact/contact_events.h"
+#include "worker/physics/distance/round_distance.h"
 #include "worker/physics/simulator/world.h"
 #include "worker/physics/simulator/world_at_event.h"
 
@@ -14,13 +15,32 @@ namespace {
 /// much alike.
 constexpr double k_same_face_cosine = 0.98;
 
-/// Calls found(corner, normal of the face) for the corners of a piece that are near a face of
-/// another one; the normal points out of that.
+/// Calls found(point, in the world) for the corners of a polyhedron, or for the points of a round
+/// piece that reach about as far as it does along a direction.
 template <class Found>
-void corners_near(const MovingPiece& of, const MovingPiece& near, double near_m,
-                  const Found& found) {
-  for (std::size_t i = 0; i < of.view->vertex_count; ++i) {
-    const Vec3 corner_m = to_world(of.pose, of.view->vertices_m[i]);
+void for_each_corner(const MovingPiece& of, const Vec3& direction, double near_m,
+                     const Found& found) {
+  if (is_round(of)) {
+    for_each_point_near(*of.view, of.pose, direction, near_m, found);
+    return;
+  }
+  for (std::size_t i = 0; i < of.view->vertex_count; ++i)
+    found(to_world(of.pose, of.view->vertices_m[i]));
+}
+
+/// Calls found(corner, normal) for the corners of a piece that are near a face of another one, or
+/// near a round one; the normal points out of that. `direction`: from the piece towards the other.
+template <class Found>
+void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& direction,
+                  double near_m, const Found& found) {
+  for_each_corner(of, direction, near_m, [&](const Vec3& corner_m) {
+    if (is_round(near)) {
+      const PointPiece point(corner_m);
+      const ConvexView view = point.view();
+      const Closest closest = closest_round(*near.view, near.pose, view, {});
+      if (closest.gap_m <= near_m) found(corner_m, closest.normal);
+      return;
+    }
     const Vec3 local_m = transposed_product(near.pose.rotation, corner_m - near.pose.position_m);
     double above_m = -std::numeric_limits<double>::infinity();
     std::size_t face = 0;
@@ -33,7 +53,7 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, double near_m,
     }
     if (above_m <= near_m)
       found(corner_m, math::product(near.pose.rotation, near.view->faces[face].normal));
-  }
+  });
 }
 
 }  // namespace
@@ -77,8 +97,8 @@ void World::note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick
     resting_.still_touches(body, near);
   };
   const auto note_both = [&](const MovingPiece& own, const MovingPiece& other) {
-    corners_near(own, other, near_m, note);
-    corners_near(other, own, near_m,
+    corners_near(own, other, -touch.normal, near_m, note);
+    corners_near(other, own, touch.normal, near_m,
                  [&](const Vec3& at_m, const Vec3& normal) { note(at_m, -normal); });
   };
   for (std::uint32_t part = 0; part < constants_[body].part_count; ++part) {
@@ -94,11 +114,10 @@ void World::note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick
       note_both(own, statics_.piece(touch.feature));
     } else {
       const HalfSpace& solid = statics_.plane(touch.feature);
-      for (std::size_t i = 0; i < own.view->vertex_count; ++i) {
-        const Vec3 corner_m = to_world(own.pose, own.view->vertices_m[i]);
+      for_each_corner(own, -solid.normal, near_m, [&](const Vec3& corner_m) {
         if (math::dot(solid.normal, corner_m) - solid.offset_m <= near_m)
           note(corner_m, solid.normal);
-      }
+      });
     }
   }
 }

@@ -291,6 +291,38 @@ TEST(RigidImpact, SaysWhenItHasNoAnswer) {
   EXPECT_EQ(out.impulse_ns, Vec3::Zero());
 }
 
+TEST(RigidImpact, HopsArePaidFromOtherMotion) {
+  // Goal: rigid_hop parts at least as fast as asked, or as half of the other motion's energy pays,
+  // keeps the energy, and leaves alone what parts faster. Method: random bodies that leave a
+  // contact.
+  Dice dice(11);
+  int paid = 0;
+  int poor = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    Case made = random_case(dice, {});
+    if (made.b.inertia.mass_kg == 0) continue;
+    made.a = {};
+    const Real3 v = contact_velocity(made, {}, made.b.twist);
+    if (dot(v, real(made.normal)) < 0) made.normal = -made.normal;
+    const double speed_mps = dice.spread(1e-4, 1);
+    const Twist after = rigid_hop(input_of(made).b, made.contact_m, made.normal, speed_mps);
+    const auto before_mps = static_cast<double>(dot(v, real(made.normal)));
+    const auto after_mps =
+        static_cast<double>(dot(contact_velocity(made, {}, after), real(made.normal)));
+    const auto scale_mps = static_cast<double>(contact_speed_scale(made, {}, made.b.twist));
+    if (before_mps >= speed_mps) {
+      EXPECT_NEAR(after_mps, before_mps, 1e-12 * scale_mps);
+      continue;
+    }
+    EXPECT_LT(std::abs(relative_gain(made, {.b = after})), 1e-12L);
+    EXPECT_GE(after_mps, before_mps - 1e-12 * scale_mps);
+    EXPECT_LE(after_mps, speed_mps + 1e-9 * scale_mps);
+    ++(after_mps > speed_mps - 1e-9 * scale_mps ? paid : poor);
+  }
+  EXPECT_GT(paid, 1000);
+  EXPECT_GT(poor, 100);
+}
+
 TEST(RigidImpact, LeavesSeparatingBodiesAlone) {
   // Goal: no impulse without approach. Method: reverse the normal of random cases.
   Dice dice(9);

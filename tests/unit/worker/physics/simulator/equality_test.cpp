@@ -70,7 +70,7 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
   const SimulationOptions reference =
       way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::tournament);
   for (const std::uint64_t n : property::cases(scene_count())) {
-    const TestScene scene = testing::test_scene(n);
+    const TestScene scene = testing::any_scene(n);
     const Outcome expected = outcome_of(scene, reference);
     EXPECT_EQ(expected.error, "") << "scene " << n << ": " << scene.name;
     collisions += expected.collisions;
@@ -92,7 +92,7 @@ TEST(Equality, OneWayMayTakeOverFromAnother) {
   // Goal: go_on_with changes no bit either, in the middle of flights, contacts, rest and waiting
   // starts. Method: scenes of every kind run in portions of random length, each in another way.
   for (const std::uint64_t n : property::cases(90)) {
-    const TestScene scene = testing::test_scene(n);
+    const TestScene scene = testing::any_scene(n);
     const Outcome expected = outcome_of(scene, {});
     auto started = Simulation::start(scene.setting.scene, {});
     ASSERT_TRUE(started.ok());
@@ -161,7 +161,7 @@ TEST(Equality, ShiftedScenesGiveShiftedTicks) {
   // Goal: time is exact (simulation.h, invariant 3). Method: start everything n ticks later and
   // compare every segment.
   for (const std::uint64_t n : property::cases(60)) {
-    const TestScene scene = testing::test_scene(n);
+    const TestScene scene = testing::any_scene(n);
     TestScene shifted = scene;
     const TickCount shift = 123'456'789 + static_cast<TickCount>(n);
     for (BodyDescription& body : shifted.setting.scene.bodies)

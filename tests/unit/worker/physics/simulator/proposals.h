@@ -130,6 +130,11 @@ inline void change(Scene& scene, const Subject& subject, Dice& dice) {
 /// The n-th of an endless list of subjects: box of spheres, hourglass, heaps that rest and wake.
 inline Subject subject_of(std::uint64_t n) {
   const std::uint64_t seed = n / 8 + 1;
+  if (n % 9 == 8) {
+    const auto bodies = static_cast<std::uint32_t>(2 + seed % 7);
+    return {"round_solids " + std::to_string(bodies), scenes::round_solids(bodies, seed).scene, 0.4,
+            0.02, 0.3};
+  }
   const auto from_to = [&](std::uint64_t low, std::uint64_t high) {
     return static_cast<std::uint32_t>(low + seed * 7 % (high - low + 1));
   };

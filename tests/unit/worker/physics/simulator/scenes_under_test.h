@@ -13,7 +13,7 @@ struct TestScene {
   scenes::Setting setting;
 };
 
-/// The n-th of an endless list: kinds alternate, sizes and seeds vary.
+/// The n-th of an endless list: kinds alternate, sizes and seeds vary. Without round bodies.
 inline TestScene test_scene(std::uint64_t n) {
   const std::uint64_t seed = n / 9 + 1;
   switch (n % 9) {
@@ -75,6 +75,21 @@ inline TestScene test_scene(std::uint64_t n) {
       return scene;
     }
   }
+}
+
+/// The same, but one in eleven of round bodies.
+inline TestScene any_scene(std::uint64_t n) {
+  if (n % 11 != 10) return test_scene(n);
+  const std::uint64_t seed = n / 11 + 1;
+  if (seed % 7 == 0) {
+    TestScene scene{"bowling", scenes::bowling(static_cast<std::uint32_t>(2 + seed % 6), seed)};
+    scene.setting.duration_s = 0.25;
+    return scene;
+  }
+  const auto bodies = static_cast<std::uint32_t>(1 + seed * 3 % 10);
+  TestScene scene{"round_solids " + std::to_string(bodies), scenes::round_solids(bodies, seed)};
+  scene.setting.duration_s = 0.3;
+  return scene;
 }
 
 }  // namespace sleight::physics::testing

@@ -1,0 +1,250 @@
+// Round bodies: how they roll, slide and topple, in closed form; energy, overlaps.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common/math/rotation.h"
+#include "common/math/vector.h"
+#include "tests/support/property.h"
+#include "tests/unit/worker/physics/distance/round_oracle.h"
+#include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "worker/physics/distance/round_distance.h"
+#include "worker/physics/motion/invariants.h"
+#include "worker/physics/scenes/random_starts.h"
+#include "worker/physics/scenes/scenes.h"
+#include "worker/physics/shape/round_solids.h"
+
+namespace sleight::physics {
+namespace {
+
+using std::numbers::pi;
+using testing::RecordedRun;
+
+constexpr double k_g_mps2 = 9.81;
+
+BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
+  return {
+      .name = {},
+      .shape = std::make_shared<const Compound>(Compound{.parts = {}, .round_parts = solid.parts}),
+      .inertia = solid.inertia,
+      .start = start};
+}
+
+Scene floor_scene(double size_m, const SurfaceLaw& law) {
+  Scene scene;
+  scene.gravity_mps2 = {0, 0, -k_g_mps2};
+  scene.contacts = ContactTable(1, law);
+  scene.slow = slow_contacts_of(size_m, k_g_mps2);
+  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+  return scene;
+}
+
+/// The axis z of a body along y.
+Quat lying() {
+  return math::quaternion_of_rotation_vector({-pi / 2, 0, 0});
+}
+
+const Segment& segment_at(const RecordedRun& run, std::uint32_t body, Tick tick) {
+  return *run.recording.segment_at({body}, tick);
+}
+Vec3 place_after(const RecordedRun& run, double span_s) {
+  const Tick tick = Tick{} + ticks_after(span_s);
+  return testing::place_at(segment_at(run, 0, tick), tick);
+}
+Vec3 velocity_after(const RecordedRun& run, double span_s) {
+  const Tick tick = Tick{} + ticks_after(span_s);
+  return velocity_at(segment_at(run, 0, tick).flight, tick);
+}
+
+TEST(RoundBodies, AThrownCylinderRollsAtTwoThirdsOfItsSpeed) {
+  // Goal: a cylinder thrown across its axis without spin ends sliding when it rolls, with
+  // v / (1 + k), k = I / (m r^2), one half for a solid one. Method: closed form, to 1%.
+  const RoundSolid solid = cylinder(0.04, 0.1, 0.001, 1000).value();
+  Scene scene = floor_scene(0.08, {.restitution = 0.3, .friction = 0.3});
+  scene.bodies.push_back(
+      body_of(solid, {.pose = {.position_m = {0, 0, 0.04 + 1e-6}, .orientation = lying()},
+                      .twist = {.velocity_mps = {1.5, 0, 0}}}));
+  const RecordedRun run = testing::recorded(scene, 0.6);
+  ASSERT_EQ(run.error, "");
+  const double k = solid.inertia.principal_kgm2.z() / (solid.inertia.mass_kg * 0.04 * 0.04);
+  EXPECT_NEAR(velocity_after(run, 0.5).x() / (1.5 / (1 + k)), 1, 0.01);
+  EXPECT_NEAR(velocity_after(run, 0.5).y(), 0, 0.01);
+  // Meanwhile it has slid with mu g.
+  EXPECT_NEAR(velocity_after(run, 0.05).x(), 1.5 - 0.3 * k_g_mps2 * 0.05, 0.02);
+}
+
+TEST(RoundBodies, ACylinderRollsDownASlopeAsItsInertiaSays) {
+  // Goal: rolling acceleration g sin / (1 + k). Method: closed form, to 2%.
+  const RoundSolid solid = cylinder(0.04, 0.1, 0.001, 1000).value();
+  const double lean = 0.1;
+  Scene scene = floor_scene(0.08, {.restitution = 0.3, .friction = 0.5});
+  scene.gravity_mps2 = k_g_mps2 * Vec3(std::sin(lean), 0, -std::cos(lean));
+  scene.bodies.push_back(body_of(
+      solid, {.pose = {.position_m = {0, 0, 0.04 + 1e-6}, .orientation = lying()}, .twist = {}}));
+  const RecordedRun run = testing::recorded(scene, 1);
+  ASSERT_EQ(run.error, "");
+  const double k = solid.inertia.principal_kgm2.z() / (solid.inertia.mass_kg * 0.04 * 0.04);
+  const double expected_m = 0.5 * k_g_mps2 * std::sin(lean) / (1 + k) * 0.64;
+  EXPECT_NEAR(place_after(run, 0.8).x() / expected_m, 1, 0.02);
+}
+
+TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
+  // Goal: let go at a tilt below that at which its centre of mass is above the rim's circle, a pin
+  // falls back on its foot, above it falls over, to 0.1 degree. Method: tilts on both sides.
+  const RoundSolid pin = bowling_pin(1.55).value();
+  // The rim is the ring with the lowest centre.
+  double circle_m = 0;
+  double rim_m = 0;
+  double depth_m = 0;
+  for (const RoundFeature& feature : pin.parts.front().features()) {
+    if (-feature.centre_m.z() < depth_m) continue;
+    depth_m = -feature.centre_m.z();
+    circle_m = feature.circle_m;
+    rim_m = feature.radius_m;
+  }
+  const double balance = std::atan2(circle_m, depth_m);
+  for (const double off : {-0.1, 0.1}) {
+    const double tilt = balance + off * pi / 180;
+    Scene scene = floor_scene(0.12, {.restitution = 0.4, .friction = 0.5});
+    // Its centre over the rim's circle's lowest point.
+    const double height_m = depth_m * std::cos(tilt) + circle_m * std::sin(tilt) + rim_m + 1e-6;
+    scene.bodies.push_back(
+        body_of(pin, {.pose = {.position_m = {0, 0, height_m},
+                               .orientation = math::quaternion_of_rotation_vector({0, tilt, 0})},
+                      .twist = {}}));
+    const RecordedRun run = testing::recorded(scene, 4);
+    ASSERT_EQ(run.error, "");
+    EXPECT_EQ(place_after(run, 4).z() < 0.1, off > 0) << "tilt " << tilt * 180 / pi;
+  }
+}
+
+TEST(RoundBodies, FlatOnesStayAndComeToRest) {
+  // Goal: a cylinder put down on its end, a coin on its face and a rounded box come to rest where
+  // they stand. Method: drops by a tenth of a millimetre.
+  const RoundSolid solids[] = {
+      cylinder(0.03, 0.08, 0.001, 1000).value(), coin(0.012, 0.002, 8000).value(),
+      rounded_box({0.05, 0.04, 0.03}, 0.003, 1000).value(), bowling_pin(1.55).value()};
+  for (const RoundSolid& solid : solids) {
+    Scene scene = floor_scene(2 * solid.foot_m, {.restitution = 0.4, .friction = 0.5});
+    scene.bodies.push_back(
+        body_of(solid, {.pose = {.position_m = {0, 0, solid.foot_m + 1e-4}}, .twist = {}}));
+    const RecordedRun run = testing::recorded(scene, 3);
+    ASSERT_EQ(run.error, "");
+    const Segment& last = run.recording.segments({0}).back().segment;
+    EXPECT_EQ(last.mode, MotionMode::resting) << solid.foot_m;
+    EXPECT_NEAR(last.flight.position_m.z(), solid.foot_m, 2e-5);
+  }
+}
+
+TEST(RoundBodies, KeepEnergyWithoutLoss) {
+  // Goal: elastic and smooth bodies keep their energy, to 1e-9 of it. Method: some of each kind
+  // between six walls, without gravity, for thousands of collisions.
+  Scene scene = scenes::round_solids(12, 3).scene;
+  scene.gravity_mps2 = Vec3::Zero();
+  scene.slow = {};
+  scene.contacts = ContactTable(1, {.restitution = 1, .friction = 0});
+  scene.planes.push_back({.name = "lid", .outside = {.normal = {0, 0, -1}, .offset_m = -0.25}});
+  const RecordedRun run = testing::recorded(scene, property::long_run() ? 200 : 20);
+  ASSERT_EQ(run.error, "");
+  const auto energy_at = [&](Tick tick) {
+    double sum_j = 0;
+    for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) {
+      const Segment& segment = segment_at(run, body, tick);
+      const Inertia& inertia = scene.bodies[body].inertia;
+      sum_j += kinetic_energy_j(inertia, testing::turn_at(segment, inertia, tick),
+                                twist_of(segment, inertia, tick));
+    }
+    return sum_j;
+  };
+  const double first_j = energy_at(Tick{});
+  const double last_j = energy_at(Tick{} + ticks_after(property::long_run() ? 200 : 20));
+  EXPECT_GT(run.counts.collisions + run.counts.static_collisions, 400U);
+  EXPECT_NEAR(last_j / first_j, 1, 1e-9);
+}
+
+TEST(RoundBodies, NeverGainEnergy) {
+  // Goal: with friction and loss nothing gains energy, slow contacts included. Method: scenes of
+  // all kinds; the sum of kinetic and potential energy at each look.
+  for (const std::uint64_t seed : property::cases(property::long_run() ? 100 : 6)) {
+    const Scene scene = scenes::round_solids(10, seed + 1).scene;
+    auto started = Simulation::start(scene, {});
+    ASSERT_TRUE(started.ok());
+    Simulation simulation = std::move(started).value();
+    double before_j = 1e300;
+    for (int look = 1; look <= 60; ++look) {
+      const auto error = simulation.run_until(Tick{} + ticks_after(0.02 * look));
+      ASSERT_FALSE(error) << error->message;
+      double now_j = 0;
+      for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) {
+        const Inertia& inertia = scene.bodies[body].inertia;
+        const Pose pose = simulation.pose({body}, simulation.now());
+        now_j += kinetic_energy_j(inertia, pose.orientation,
+                                  simulation.twist({body}, simulation.now())) +
+                 inertia.mass_kg * k_g_mps2 * pose.position_m.z();
+      }
+      ASSERT_LT(now_j, before_j + 1e-12) << seed << ", look " << look;
+      before_j = now_j;
+    }
+  }
+}
+
+TEST(RoundBodies, DontOverlapByMoreThanTwoMicrometres) {
+  // Goal: penetration. Method: scenes of all kinds, looked at at random ticks; each pair, and
+  // each body and plane, is apart along some axis, by a plain computation of how far it reaches.
+  double deepest_m = 0;
+  int near = 0;
+  for (const std::uint64_t seed : property::cases(property::long_run() ? 100 : 4)) {
+    scenes::Setting setting = scenes::round_solids(8, seed + 11);
+    const RecordedRun run = testing::recorded(setting.scene, 0.8);
+    ASSERT_EQ(run.error, "");
+    random::Stream stream = scenes::stream_of_scene(seed, 7);
+    for (int look = 0; look < 150; ++look) {
+      const Tick tick = Tick{} + ticks_after(scenes::between(stream, 0.05, 0.8));
+      std::vector<PlacedPose> places;
+      for (std::uint32_t body = 0; body < setting.scene.bodies.size(); ++body) {
+        const Segment& segment = segment_at(run, body, tick);
+        places.push_back(
+            placed({testing::place_at(segment, tick),
+                    testing::turn_at(segment, setting.scene.bodies[body].inertia, tick)}));
+      }
+      const auto compound_of = [&](std::uint32_t body) {
+        const auto* shape =
+            std::get_if<std::shared_ptr<const Compound>>(&setting.scene.bodies[body].shape);
+        return shape != nullptr ? shape->get() : nullptr;
+      };
+      for (std::uint32_t a = 0; a < places.size(); ++a) {
+        const Compound* first = compound_of(a);
+        if (first == nullptr) continue;
+        for (const StaticPlane& plane : setting.scene.planes) {
+          const double gap_m =
+              -testing::plain_reach_m(first->view(0), places[a], -plane.outside.normal) -
+              plane.outside.offset_m;
+          near += gap_m < 1e-5 ? 1 : 0;
+          deepest_m = std::max(deepest_m, -gap_m);
+        }
+        for (std::uint32_t b = a + 1; b < places.size(); ++b) {
+          const Compound* second = compound_of(b);
+          if (second == nullptr) continue;
+          const ConvexView of_a = first->view(0);
+          const ConvexView of_b = second->view(0);
+          if (of_a.round == nullptr && of_b.round == nullptr) continue;
+          const Vec3 axis = closest_round(of_a, places[a], of_b, places[b]).normal;
+          const double gap_m = -testing::plain_reach_m(of_a, places[a], axis) -
+                               testing::plain_reach_m(of_b, places[b], -axis);
+          near += gap_m < 1e-5 ? 1 : 0;
+          deepest_m = std::max(deepest_m, -gap_m);
+        }
+      }
+    }
+  }
+  fmt::print("deepest: {:.2e} m; {} within 10 micrometres\n", deepest_m, near);
+  EXPECT_LT(deepest_m, 2e-6);
+  if (property::all_cases()) {
+    EXPECT_GT(near, 100);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::physics

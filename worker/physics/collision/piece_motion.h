@@ -1,0 +1,69 @@
+// What the searches of convex and of round pieces share: rounding, and how fast points move.
+//
+// Internal to worker/physics/collision. Thread safety: pure functions.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/physics/collision/collision_rule.h"
+#include "worker/physics/collision/first_collision.h"
+#include "worker/physics/collision/sphere_search.h"
+
+namespace sleight::physics {
+
+/// Pieces are well apart when a guessed axis shows a gap above this part of the smaller one's
+/// radius; below, the true line of the closest points is worth its price.
+inline constexpr double k_well_apart = 0.02;
+
+/// A skip this long is not made longer by a second axis: in heaps, where speed matters most, bodies
+/// mostly change their motion before.
+inline constexpr double k_long_enough_s = 5e-4;
+
+/// What the places of a piece's points are rounded by.
+inline double size_m(const MovingPiece& piece) {
+  return std::max(size_of(piece.pose.position_m), piece.coordinates_m) + piece.view->r_outer_m +
+         piece.radius_m;
+}
+/// What rounding does to a gap at the ticks that are skipped, against what is said of it here.
+inline double rounding_m(const MovingPiece& a, const MovingPiece& b) {
+  return k_rounding_ulps * std::max(size_m(a), size_m(b));
+}
+inline double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
+  return k_rounding_ulps * (std::fabs(solid_below.offset_m) + size_m(b));
+}
+
+/// How long no gap falls fast enough, since no points of the two move past each other so fast. That
+/// is long for those that hover, even where a gap can't be told from a touch.
+inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
+  const auto turning_mps = [](const MovingPiece& piece) {
+    return math::norm(piece.angular_velocity_radps) * (piece.view->r_outer_m + piece.radius_m);
+  };
+  const double rounding_mps =
+      k_rounding_ulps * (math::norm(a.velocity_mps) + math::norm(b.velocity_mps));
+  const double left_mps =
+      k_approach_mps - rounding_mps -
+      (math::norm(b.velocity_mps - a.velocity_mps) + turning_mps(a) + turning_mps(b));
+  if (left_mps <= 0) return 0;
+  const double gains_mps2 = math::norm(b.acceleration_mps2 - a.acceleration_mps2) +
+                            a.turning_acceleration_mps2 + b.turning_acceleration_mps2;
+  return gains_mps2 > 0 ? left_mps / gains_mps2 : k_forever_s;
+}
+
+/// Two that touch are looked at again before any of their points can have come so much nearer along
+/// the normal, at the speed that it has now: whatever takes over from what touches now, a collision
+/// is late by no more.
+inline constexpr double k_touching_depth_m = 1e-6;
+
+/// When that is.
+inline double comes_deeper_s(const MovingPiece& a, const MovingPiece& b, const Vec3& normal) {
+  const auto turning_mps = [&](const MovingPiece& piece) {
+    return math::norm(math::cross(piece.angular_velocity_radps, normal)) *
+           (piece.view->r_outer_m + piece.radius_m);
+  };
+  const double fastest_mps = std::max(0.0, -math::dot(normal, b.velocity_mps - a.velocity_mps)) +
+                             turning_mps(a) + turning_mps(b);
+  return k_touching_depth_m / fastest_mps;
+}
+
+}  // namespace sleight::physics

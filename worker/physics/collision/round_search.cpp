@@ -1,0 +1,190 @@
+#include "worker/physics/collision/round_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/physics/collision/first_collision.h"
+#include "worker/physics/collision/piece_motion.h"
+#include "worker/physics/distance/round_distance.h"
+
+namespace sleight::physics {
+namespace {
+
+/// Chords on the way to the touch; then the span is good enough.
+constexpr int k_chords_max = 8;
+/// The first span that is tried, and by what it grows.
+constexpr double k_first_span_s = 0x1p-9;
+constexpr double k_span_growth = 4;
+
+/// How far a piece reaches along an axis while it turns, but for its points' acceleration.
+class TurningReach {
+ public:
+  TurningReach(const MovingPiece& piece, const Vec3& axis)
+      : piece_(piece),
+        now_(transposed_product(piece.pose.rotation, axis)),
+        rate_(transposed_product(piece.pose.rotation,
+                                 math::cross(axis, piece.angular_velocity_radps))) {}
+  double at_m(double h) const {
+    return reach_of_m(*piece_.view, now_ + h * rate_) + piece_.radius_m;
+  }
+
+ private:
+  const MovingPiece& piece_;
+  Vec3 now_;
+  Vec3 rate_;
+};
+
+/// What gaps computed cold may be above the true one, or the true one above these.
+double error_m(const MovingPiece& a, const MovingPiece& b) {
+  return rounding_m(a, b) + k_round_gap_error * (a.view->r_outer_m + b.view->r_outer_m +
+                                                 math::norm(b.pose.position_m - a.pose.position_m));
+}
+
+/// The bound of the separation of two pieces, less the touch.
+class Bound {
+ public:
+  Bound(const MovingPiece& a, const MovingPiece& b, const Vec3& axis, double touch_m)
+      : place_m_(math::dot(axis, b.pose.position_m - a.pose.position_m) - touch_m - error_m(a, b)),
+        rate_mps_(math::dot(axis, b.velocity_mps - a.velocity_mps)),
+        bends_mps2_(std::min(0.0, math::dot(axis, b.acceleration_mps2 - a.acceleration_mps2) -
+                                      (a.turning_acceleration_mps2 + b.turning_acceleration_mps2))),
+        of_a_(a, axis),
+        of_b_(b, -axis) {}
+  double at_m(double h) const {
+    return place_m_ + h * (rate_mps_ + 0.5 * h * bends_mps2_) - (of_a_.at_m(h) + of_b_.at_m(h));
+  }
+
+ private:
+  double place_m_;
+  double rate_mps_;
+  double bends_mps2_;
+  TurningReach of_a_;
+  TurningReach of_b_;
+};
+
+/// The same of a piece above a half-space.
+class PlaneBound {
+ public:
+  PlaneBound(const HalfSpace& below, const MovingPiece& b, double touch_m)
+      : place_m_(math::dot(below.normal, b.pose.position_m) - below.offset_m - touch_m -
+                 rounding_m(below, b)),
+        rate_mps_(math::dot(below.normal, b.velocity_mps)),
+        bends_mps2_(std::min(
+            0.0, math::dot(below.normal, b.acceleration_mps2) - b.turning_acceleration_mps2)),
+        of_b_(b, -below.normal) {}
+  double at_m(double h) const {
+    return place_m_ + h * (rate_mps_ + 0.5 * h * bends_mps2_) - of_b_.at_m(h);
+  }
+
+ private:
+  double place_m_;
+  double rate_mps_;
+  double bends_mps2_;
+  TurningReach of_b_;
+};
+
+/// How long a concave bound stays above 0, at least.
+template <class BoundOfGap>
+double stays_above_for_s(const BoundOfGap& bound) {
+  double low_s = 0;
+  double low_m = bound.at_m(0);
+  if (!(low_m > 0)) return 0;
+  const double first_m = low_m;
+  double high_s = k_first_span_s;
+  double high_m = bound.at_m(high_s);
+  while (high_m > 0) {
+    low_s = high_s;
+    low_m = high_m;
+    high_s *= k_span_growth;
+    if (high_s > seconds(k_tick_max.value)) return k_forever_s;
+    high_m = bound.at_m(high_s);
+  }
+  for (int i = 0; i < k_chords_max && low_m > 1e-3 * first_m; ++i) {
+    // A chord's zero lies before the bound's; a little less, for its rounding.
+    constexpr double k_less = 1 - 0x1p-12;
+    const double chord_s = low_s + k_less * (high_s - low_s) * (low_m / (low_m - high_m));
+    const double chord_m = bound.at_m(chord_s);
+    if (!(chord_m > 0)) return low_s;
+    low_s = chord_s;
+    low_m = chord_m;
+    // And the middle, to come nearer from above.
+    const double middle_s = 0.5 * (low_s + high_s);
+    const double middle_m = bound.at_m(middle_s);
+    if (middle_m > 0) {
+      low_s = middle_s;
+      low_m = middle_m;
+    } else {
+      high_s = middle_s;
+      high_m = middle_m;
+    }
+  }
+  return low_s;
+}
+
+/// Two that touch and don't collide.
+Examined touching(const MovingPiece& a, const MovingPiece& b, const PieceContact& contact,
+                  Tick tick) {
+  const double soon_s = std::min(comes_deeper_s(a, b, contact.normal), k_touching_s_max);
+  Examined later = look_after(tick, std::max(soon_s, too_slow_for_s(a, b)));
+  later.gap_m = contact.gap_m;
+  return later;
+}
+
+Vec3 middle_of(const MovingPiece& piece) {
+  return to_world(piece.pose, piece.view->centre_m);
+}
+
+}  // namespace
+
+Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
+                       SeparationCache& cache, PieceContact& contact) {
+  // Along the axis of an earlier look, if that shows them apart for long enough,
+  if (cache.filled) {
+    const Bound earlier(a, b, math::product(a.pose.rotation, cache.axis), touch_m);
+    const double span_s = stays_above_for_s(earlier);
+    if (span_s > k_long_enough_s) {
+      Examined apart = look_after(tick, span_s);
+      apart.gap_m = earlier.at_m(0) + touch_m;
+      return apart;
+    }
+  }
+  // or along the line of their middles, if they are well apart.
+  const Vec3 between_m = middle_of(b) - middle_of(a);
+  const double distance_m = math::norm(between_m);
+  if (distance_m > 0) {
+    const Bound guess(a, b, between_m / distance_m, touch_m);
+    const double smaller_m =
+        std::min(a.view->r_outer_m + a.radius_m, b.view->r_outer_m + b.radius_m);
+    const double gap_m = guess.at_m(0);
+    if (gap_m > k_well_apart * smaller_m) {
+      Examined apart = look_after(tick, stays_above_for_s(guess));
+      apart.gap_m = gap_m + touch_m;
+      return apart;
+    }
+  }
+  contact = contact_of(a, b);
+  cache = {.axis = transposed_product(a.pose.rotation, contact.normal),
+           .a = {},
+           .b = {},
+           .filled = true};
+  if (collides(contact, touch_m)) return {.collides = true, .next = tick};
+  if (touches(contact.gap_m, touch_m)) return touching(a, b, contact, tick);
+  Examined apart = look_after(
+      tick,
+      std::max(stays_above_for_s(Bound(a, b, contact.normal, touch_m)), too_slow_for_s(a, b)));
+  apart.gap_m = contact.gap_m - error_m(a, b);
+  return apart;
+}
+
+Examined examine_round_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
+                             double touch_m, PieceContact& contact) {
+  MovingPiece still;
+  still.view = b.view;
+  contact = contact_of(solid_below, b);
+  if (collides(contact, touch_m)) return {.collides = true, .next = tick};
+  if (touches(contact.gap_m, touch_m)) return touching(still, b, contact, tick);
+  return look_after(tick, std::max(stays_above_for_s(PlaneBound(solid_below, b, touch_m)),
+                                   too_slow_for_s(still, b)));
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,178 @@
+#include "worker/physics/shape/round_piece.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace sleight::physics {
+namespace {
+
+using math::dot;
+using math::norm;
+
+bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+}
+
+/// Distance of a feature's furthest point from a point.
+double furthest_m(const RoundFeature& feature, const Vec3& axis, const Vec3& point_m) {
+  const Vec3 from = feature.centre_m - point_m;
+  const double along = dot(axis, from);
+  const double across = length_across(axis, from) + feature.circle_m;
+  return std::sqrt(along * along + across * across) + feature.radius_m;
+}
+
+}  // namespace
+
+base::Result<RoundPiece, ShapeError> RoundPiece::make(const RoundDescription& description) {
+  using Kind = ShapeError::Kind;
+  const std::size_t count = description.rings.size() + description.balls.size();
+  if (count == 0) return ShapeError{.kind = Kind::no_parts};
+  if (count > k_round_features_max)
+    return ShapeError{.kind = Kind::too_many_points, .index = count};
+  if (!is_finite(description.origin_m) || !(std::fabs(norm(description.axis) - 1) < 1e-12))
+    return ShapeError{.kind = Kind::not_finite};
+  RoundPiece piece;
+  piece.axis_ = description.axis;
+  piece.origin_m_ = description.origin_m;
+  for (const RoundRing& ring : description.rings) {
+    piece.features_.push_back({.centre_m = description.origin_m + ring.height_m * description.axis,
+                               .height_m = ring.height_m,
+                               .circle_m = ring.circle_m,
+                               .radius_m = ring.radius_m});
+  }
+  for (const RoundBall& ball : description.balls)
+    piece.features_.push_back(
+        {.centre_m = ball.centre_m,
+         .height_m = dot(description.axis, ball.centre_m - description.origin_m),
+         .radius_m = ball.radius_m});
+  Vec3 sum = Vec3::Zero();
+  piece.margin_m_ = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < count; ++i) {
+    const RoundFeature& feature = piece.features_[i];
+    if (!is_finite(feature.centre_m) || !std::isfinite(feature.circle_m))
+      return ShapeError{.kind = Kind::not_finite, .index = i};
+    if (!(feature.radius_m > 0 && feature.circle_m >= 0 && std::isfinite(feature.radius_m)))
+      return ShapeError{
+          .kind = Kind::dimension_not_positive, .index = i, .measured = feature.radius_m};
+    piece.margin_m_ = std::min(piece.margin_m_, feature.radius_m);
+    piece.r_outer_m_ = std::max(piece.r_outer_m_, furthest_m(feature, piece.axis_, Vec3::Zero()));
+    sum += feature.centre_m;
+  }
+  piece.centre_m_ = sum / static_cast<double>(count);
+  for (const RoundFeature& feature : piece.features_) {
+    piece.around_centre_m_ =
+        std::max(piece.around_centre_m_, furthest_m(feature, piece.axis_, piece.centre_m_));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = piece.features_[i].radius_m / piece.r_outer_m_;
+    if (share < k_round_edge_min)
+      return ShapeError{.kind = Kind::sharp, .index = i, .measured = share};
+  }
+  piece.find_profile();
+  return piece;
+}
+
+double RoundPiece::reach_m(const Vec3& direction) const {
+  const double across = length_across(axis_, direction);
+  double most_m = -std::numeric_limits<double>::infinity();
+  for_each_reach(direction, across,
+                 [&](const RoundFeature&, double reach_m) { most_m = std::max(most_m, reach_m); });
+  return most_m;
+}
+
+ConvexView RoundPiece::view() const {
+  ConvexView view;
+  view.round = this;
+  view.r_outer_m = r_outer_m_;
+  view.centre_m = centre_m_;
+  return view;
+}
+
+// ---- the profile --------------------------------------------------------------------------------
+
+/// From where a feature's arc begins down to where another feature reaches further: that of which
+/// the common tangent comes first. `next` is the feature itself if its arc is the last.
+ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from,
+                                std::uint32_t& next) const {
+  ProfileArc arc{.feature = feature, .from = from, .to = {0, -1}};
+  const RoundFeature& own = features_[feature];
+  next = feature;
+  double way_m = 0;
+  // Normals go down from (0, 1) to (0, -1), so a later one has the smaller part along the axis.
+  constexpr double k_alike = 1e-12;
+  for (std::uint32_t i = 0; i < features_.size(); ++i) {
+    if (i == feature) continue;
+    // Discs are tangent to one line with normal e where e.D = own.r - other.r.
+    const double across_m = features_[i].circle_m - own.circle_m;
+    const double along_m = features_[i].height_m - own.height_m;
+    const double square = across_m * across_m + along_m * along_m;
+    const double less_m = own.radius_m - features_[i].radius_m;
+    if (!(square > less_m * less_m)) continue;  // one holds the other
+    const double root = std::sqrt(square - less_m * less_m);
+    const ProfileNormal normal{(less_m * across_m - root * along_m) / square,
+                               (less_m * along_m + root * across_m) / square};
+    if (normal.across < 0 || normal.along > from.along + k_alike) continue;
+    const bool first = normal.along > arc.to.along + k_alike;
+    const bool further = normal.along > arc.to.along - k_alike && square > way_m * way_m;
+    if (!first && !(next != feature && further)) continue;
+    arc.to = normal;
+    next = i;
+    way_m = std::sqrt(square);
+  }
+  return arc;
+}
+
+void RoundPiece::find_profile() {
+  const auto off_axis = [&](const RoundFeature& one) {
+    return length_across(axis_, one.centre_m - origin_m_) > 1e-12 * r_outer_m_;
+  };
+  if (std::ranges::any_of(features_, off_axis)) return;
+  // The highest; of those the widest.
+  std::uint32_t now = 0;
+  for (std::uint32_t i = 1; i < features_.size(); ++i) {
+    const double top_m = features_[i].height_m + features_[i].radius_m;
+    const double best_m = features_[now].height_m + features_[now].radius_m;
+    if (top_m > best_m || (top_m == best_m && features_[i].circle_m > features_[now].circle_m))
+      now = i;
+  }
+  ProfileNormal from{0, 1};
+  if (features_[now].circle_m > 0) flats_.push_back(from);
+  for (std::size_t n = 0; n < 2 * features_.size(); ++n) {
+    std::uint32_t next = now;
+    arcs_.push_back(arc_from(now, from, next));
+    from = arcs_.back().to;
+    if (next == now) break;
+    flats_.push_back(from);
+    now = next;
+  }
+  if (features_[arcs_.back().feature].circle_m > 0) flats_.push_back({0, -1});
+}
+
+double RoundPiece::radius_at_m(double height_m) const {
+  // A convex profile: the least of what its lines and arcs allow at that height.
+  double widest_m = 0;
+  const auto point_of = [&](const RoundFeature& one, const ProfileNormal& normal) {
+    return ProfileNormal{one.circle_m + one.radius_m * normal.across,
+                         one.height_m + one.radius_m * normal.along};
+  };
+  for (std::size_t i = 0; i < arcs_.size(); ++i) {
+    const RoundFeature& one = features_[arcs_[i].feature];
+    const ProfileNormal top = point_of(one, arcs_[i].from);
+    const ProfileNormal bottom = point_of(one, arcs_[i].to);
+    if (height_m <= top.along && height_m >= bottom.along) {
+      const double above_m = height_m - one.height_m;
+      widest_m = std::max(
+          widest_m,
+          one.circle_m + std::sqrt(std::max(0.0, one.radius_m * one.radius_m - above_m * above_m)));
+    }
+    if (i + 1 == arcs_.size()) break;
+    const ProfileNormal end = point_of(features_[arcs_[i + 1].feature], arcs_[i + 1].from);
+    if (height_m < bottom.along && height_m > end.along) {
+      const double share = (bottom.along - height_m) / (bottom.along - end.along);
+      widest_m = std::max(widest_m, bottom.across + share * (end.across - bottom.across));
+    }
+  }
+  return widest_m;
+}
+
+}  // namespace sleight::physics

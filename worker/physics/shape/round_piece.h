@@ -1,0 +1,144 @@
+// Convex hulls of balls and of rings about one axis: capsules, cylinders, cones, parts of pins.
+//
+// A ball has a centre and a radius. A ring is a circle about the piece's axis with a radius of its
+// own around it, so a torus; a ring whose circle has radius 0 is a ball on the axis. The piece is
+// the convex hull of all of them. Its support, how far it reaches in a direction u of length 1, is
+//   h(u) = max over its features of c.u + R |u across the axis| + r,
+// with c the centre, R the circle's radius (0 for a ball) and r the radius around it.
+//
+// No edge is quite sharp: each r is at least k_round_edge_min of the piece's size, as the edges of
+// real things are. So two pieces less their margin (the least r of each) are apart when they touch,
+// and the line between them says which way they touch (distance/round_distance.h).
+//
+// A piece of revolution has all its features on the axis. Seen in the half-plane of an axial and a
+// radial coordinate it is the hull of discs; its profile is a chain of arcs and straight lines,
+// which are kept: the arcs in order, and the normals of the lines between them.
+//
+// Thread safety: values; const access from several threads is safe.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/result.h"
+#include "worker/physics/shape/convex_polyhedron.h"
+#include "worker/physics/shape/shape_error.h"
+
+namespace sleight::physics {
+
+inline constexpr std::size_t k_round_features_max = 64;
+/// The least radius of a ball or around a ring, as a part of the distance of the piece's furthest
+/// point from its frame's origin.
+inline constexpr double k_round_edge_min = 1e-4;
+
+struct RoundBall {
+  Vec3 centre_m = Vec3::Zero();
+  double radius_m = 0;
+};
+/// Its circle lies across the axis.
+struct RoundRing {
+  double height_m = 0;  ///< of its centre along the axis, from the piece's origin
+  double circle_m = 0;  ///< radius of the circle; 0: a ball
+  double radius_m = 0;  ///< around the circle
+};
+struct RoundDescription {
+  Vec3 origin_m = Vec3::Zero();  ///< a point of the axis
+  Vec3 axis = Vec3::UnitZ();     ///< unit
+  std::vector<RoundRing> rings;
+  std::vector<RoundBall> balls;
+};
+
+/// A ball or a ring as supports need it.
+struct RoundFeature {
+  Vec3 centre_m = Vec3::Zero();
+  double height_m = 0;  ///< of its centre along the axis, from the piece's origin
+  double circle_m = 0;
+  double radius_m = 0;
+};
+
+/// A direction of the half-plane through the axis: away from it, and along it.
+struct ProfileNormal {
+  double across = 0;  ///< >= 0
+  double along = 0;
+};
+/// A feature's part of the profile: from one normal to the next, from the top downwards.
+struct ProfileArc {
+  std::uint32_t feature = 0;
+  ProfileNormal from;
+  ProfileNormal to;
+};
+
+class RoundPiece {
+ public:
+  /// Fails with no_parts, too_many_points, not_finite, dimension_not_positive (a radius; `index`
+  /// counts the rings, then the balls), or sharp (r below k_round_edge_min of the size).
+  static base::Result<RoundPiece, ShapeError> make(const RoundDescription& description);
+
+  std::span<const RoundFeature> features() const { return features_; }
+  const Vec3& axis() const { return axis_; }
+  /// A point of the axis.
+  const Vec3& origin_m() const { return origin_m_; }
+  /// The least r.
+  double margin_m() const { return margin_m_; }
+  /// Every point of the piece is this close to the frame's origin.
+  double r_outer_m() const { return r_outer_m_; }
+  /// The ball of this radius about centre_m() holds the piece.
+  double around_centre_m() const { return around_centre_m_; }
+  const Vec3& centre_m() const { return centre_m_; }
+
+  /// Whether all features lie on the axis.
+  bool of_revolution() const { return !arcs_.empty(); }
+  /// Of a piece of revolution, else none: the arcs of its profile, from the top downwards.
+  std::span<const ProfileArc> arcs() const { return arcs_; }
+  /// Outward normals of the straight parts, flat ends included.
+  std::span<const ProfileNormal> flats() const { return flats_; }
+  /// Radius of a piece of revolution at a height of its axis, 0 above and below it.
+  double radius_at_m(double height_m) const;
+
+  /// Calls offer(feature, reach) with how far each feature reaches along a direction u of any
+  /// length: c.u + R |u across| + r. `across` is that length. Inline, as searches ask little else.
+  template <class Offer>
+  void for_each_reach(const Vec3& direction, double across, const Offer& offer) const {
+    if (of_revolution()) {
+      const double along = math::dot(axis_, direction);
+      const double origin_m = math::dot(origin_m_, direction);
+      for (const RoundFeature& feature : features_)
+        offer(feature, origin_m + ((feature.height_m * along + feature.circle_m * across) +
+                                   feature.radius_m));
+      return;
+    }
+    for (const RoundFeature& feature : features_)
+      offer(feature, (math::dot(feature.centre_m, direction) + feature.circle_m * across) +
+                         feature.radius_m);
+  }
+  /// The greatest of these.
+  double reach_m(const Vec3& direction) const;
+
+  /// Without vertices. Valid until this piece is changed, moved or destroyed.
+  ConvexView view() const;
+
+ private:
+  RoundPiece() = default;
+  void find_profile();
+  ProfileArc arc_from(std::uint32_t feature, const ProfileNormal& from, std::uint32_t& next) const;
+
+  std::vector<RoundFeature> features_;
+  std::vector<ProfileArc> arcs_;
+  std::vector<ProfileNormal> flats_;
+  Vec3 axis_ = Vec3::UnitZ();
+  Vec3 origin_m_ = Vec3::Zero();
+  Vec3 centre_m_ = Vec3::Zero();
+  double margin_m_ = 0;
+  double r_outer_m_ = 0;
+  double around_centre_m_ = 0;
+};
+
+/// Length of the part of a vector across a unit axis.
+inline double length_across(const Vec3& axis, const Vec3& v) {
+  const Vec3 part = v - math::dot(axis, v) * axis;
+  return math::norm(part);
+}
+
+}  // namespace sleight::physics
