@@ -96,7 +96,9 @@ double stays_above_for_s(const BoundOfGap& bound) {
     low_s = high_s;
     low_m = high_m;
     high_s *= k_span_growth;
-    if (high_s > seconds(k_tick_max.value)) return k_forever_s;
+    const double last_s = seconds(k_tick_max.value);
+    if (low_s >= last_s) return k_forever_s;
+    high_s = std::min(high_s, last_s);
     high_m = bound.at_m(high_s);
   }
   for (int i = 0; i < k_chords_max && low_m > 1e-3 * first_m; ++i) {

@@ -11,8 +11,8 @@
 //   separation(h) >= n.(place + h velocity + h^2/2 pull) - reach_a(h) - reach_b(h) - bend h^2/2
 //
 // Pieces that touch and don't collide are looked at again before any of their points can have come
-// k_touching_depth_m nearer at the speed that it has now, and at least after k_touching_s_max. A
-// bounce leaves the touch within some ticks, so that is rare; it bounds how late a pair that
+// k_touching_depth_m nearer at the speed that it has now, and after k_touching_s_max at the latest.
+// A bounce leaves the touch within some ticks, so that is rare; it bounds how late a pair that
 // touches may be, where that of polyhedra has no bound.
 //
 // Invariants

@@ -41,7 +41,8 @@ Vec3 support_of(const RoundPiece& piece, const Vec3& u, double margin_m) {
     best = &feature;
   });
   Vec3 point = best->centre_m + (best->radius_m - margin_m) * u;
-  if (across > 0) point += (best->circle_m / across) * part;
+  // A shorter part is rounding: the ring lies flat.
+  if (across > 1e-14) point += (best->circle_m / across) * part;
   return point;
 }
 

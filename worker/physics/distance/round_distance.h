@@ -21,7 +21,7 @@
 //      that less k_round_gap_error of the coordinates involved while the pieces less their margins
 //      are apart. Where these overlap, which is deeper than any contact comes, gap_m is minus the
 //      margins, and the normal is some direction.
-//   3. No allocation; at most k_gjk_iterations_max iterations.
+//   3. No allocation; at most four descents of k_gjk_iterations_max iterations, and short climbs.
 // `Closest::feature_a` and `feature_b` name nothing. Thread safety: pure functions.
 #pragma once
 

@@ -216,6 +216,11 @@ std::string describe(const ShapeError& error) {
     case Kind::dimension_not_positive:
       return fmt::format("size, density or count number {} must be positive and finite",
                          error.index);
+    case Kind::too_many_features:
+      return fmt::format("at most {} rings and balls are allowed, {} given", k_round_features_max,
+                         error.index);
+    case Kind::no_axis:
+      return "the axis of a round piece must have length 1, and its origin be finite";
     case Kind::sharp:
       return fmt::format(
           "the radius of ring or ball {} is {:.3g} of the piece's size, at least {:g} "

@@ -1,10 +1,15 @@
 #include "worker/physics/shape/round_piece.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace sleight::physics {
 namespace {
+
+/// Lengths, as parts of a piece's size, and normals that differ by less are the same.
+constexpr double k_alike = 1e-12;
 
 using math::dot;
 using math::norm;
@@ -28,23 +33,22 @@ base::Result<RoundPiece, ShapeError> RoundPiece::make(const RoundDescription& de
   const std::size_t count = description.rings.size() + description.balls.size();
   if (count == 0) return ShapeError{.kind = Kind::no_parts};
   if (count > k_round_features_max)
-    return ShapeError{.kind = Kind::too_many_points, .index = count};
+    return ShapeError{.kind = Kind::too_many_features, .index = count};
   if (!is_finite(description.origin_m) || !(std::fabs(norm(description.axis) - 1) < 1e-12))
-    return ShapeError{.kind = Kind::not_finite};
+    return ShapeError{.kind = Kind::no_axis};
   RoundPiece piece;
-  piece.axis_ = description.axis;
+  piece.axis_ = math::normalized(description.axis);
   piece.origin_m_ = description.origin_m;
   for (const RoundRing& ring : description.rings) {
-    piece.features_.push_back({.centre_m = description.origin_m + ring.height_m * description.axis,
+    piece.features_.push_back({.centre_m = description.origin_m + ring.height_m * piece.axis_,
                                .height_m = ring.height_m,
                                .circle_m = ring.circle_m,
                                .radius_m = ring.radius_m});
   }
   for (const RoundBall& ball : description.balls)
-    piece.features_.push_back(
-        {.centre_m = ball.centre_m,
-         .height_m = dot(description.axis, ball.centre_m - description.origin_m),
-         .radius_m = ball.radius_m});
+    piece.features_.push_back({.centre_m = ball.centre_m,
+                               .height_m = dot(piece.axis_, ball.centre_m - description.origin_m),
+                               .radius_m = ball.radius_m});
   Vec3 sum = Vec3::Zero();
   piece.margin_m_ = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < count; ++i) {
@@ -68,6 +72,7 @@ base::Result<RoundPiece, ShapeError> RoundPiece::make(const RoundDescription& de
     if (share < k_round_edge_min)
       return ShapeError{.kind = Kind::sharp, .index = i, .measured = share};
   }
+  piece.drop_held();
   piece.find_profile();
   return piece;
 }
@@ -99,7 +104,6 @@ ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from
   next = feature;
   double way_m = 0;
   // Normals go down from (0, 1) to (0, -1), so a later one has the smaller part along the axis.
-  constexpr double k_alike = 1e-12;
   for (std::uint32_t i = 0; i < features_.size(); ++i) {
     if (i == feature) continue;
     // Discs are tangent to one line with normal e where e.D = own.r - other.r.
@@ -109,8 +113,9 @@ ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from
     const double less_m = own.radius_m - features_[i].radius_m;
     if (!(square > less_m * less_m)) continue;  // one holds the other
     const double root = std::sqrt(square - less_m * less_m);
-    const ProfileNormal normal{(less_m * across_m - root * along_m) / square,
-                               (less_m * along_m + root * across_m) / square};
+    ProfileNormal normal{(less_m * across_m - root * along_m) / square,
+                         (less_m * along_m + root * across_m) / square};
+    if (normal.across < 0 && normal.across > -k_alike) normal.across = 0;
     if (normal.across < 0 || normal.along > from.along + k_alike) continue;
     const bool first = normal.along > arc.to.along + k_alike;
     const bool further = normal.along > arc.to.along - k_alike && square > way_m * way_m;
@@ -122,18 +127,42 @@ ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from
   return arc;
 }
 
+/// Leaves out what another feature holds, which adds nothing, and of equal ones all but one.
+void RoundPiece::drop_held() {
+  const auto holds = [&](const RoundFeature& big, const RoundFeature& small) {
+    const bool on_axis = big.circle_m > 0 || small.circle_m > 0;
+    const double apart_m =
+        on_axis ? std::hypot(big.circle_m - small.circle_m, big.height_m - small.height_m) +
+                      length_across(axis_, big.centre_m - small.centre_m)
+                : norm(big.centre_m - small.centre_m);
+    return apart_m <= big.radius_m - small.radius_m + k_alike * r_outer_m_;
+  };
+  std::vector<RoundFeature> kept;
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    bool is_held = false;
+    for (std::size_t j = 0; j < features_.size() && !is_held; ++j) {
+      if (i == j || !holds(features_[j], features_[i])) continue;
+      is_held = j < i || !holds(features_[i], features_[j]);
+    }
+    if (!is_held) kept.push_back(features_[i]);
+  }
+  features_ = std::move(kept);
+}
+
 void RoundPiece::find_profile() {
   const auto off_axis = [&](const RoundFeature& one) {
-    return length_across(axis_, one.centre_m - origin_m_) > 1e-12 * r_outer_m_;
+    return length_across(axis_, one.centre_m - origin_m_) > k_alike * r_outer_m_;
   };
   if (std::ranges::any_of(features_, off_axis)) return;
+  for (RoundFeature& feature : features_)
+    feature.centre_m = origin_m_ + feature.height_m * axis_;
   // The highest; of those the widest.
   std::uint32_t now = 0;
   for (std::uint32_t i = 1; i < features_.size(); ++i) {
     const double top_m = features_[i].height_m + features_[i].radius_m;
     const double best_m = features_[now].height_m + features_[now].radius_m;
-    if (top_m > best_m || (top_m == best_m && features_[i].circle_m > features_[now].circle_m))
-      now = i;
+    const bool same = std::fabs(top_m - best_m) <= k_alike * r_outer_m_;
+    if (same ? features_[i].circle_m > features_[now].circle_m : top_m > best_m) now = i;
   }
   ProfileNormal from{0, 1};
   if (features_[now].circle_m > 0) flats_.push_back(from);

@@ -72,8 +72,9 @@ struct ProfileArc {
 
 class RoundPiece {
  public:
-  /// Fails with no_parts, too_many_points, not_finite, dimension_not_positive (a radius; `index`
-  /// counts the rings, then the balls), or sharp (r below k_round_edge_min of the size).
+  /// What another feature holds is left out.
+  /// Fails with no_parts, too_many_features, no_axis, not_finite, dimension_not_positive (a radius;
+  /// `index` counts the rings, then the balls), or sharp (r below k_round_edge_min of the size).
   static base::Result<RoundPiece, ShapeError> make(const RoundDescription& description);
 
   std::span<const RoundFeature> features() const { return features_; }
@@ -121,6 +122,7 @@ class RoundPiece {
 
  private:
   RoundPiece() = default;
+  void drop_held();
   void find_profile();
   ProfileArc arc_from(std::uint32_t feature, const ProfileNormal& from, std::uint32_t& next) const;
 

@@ -9,7 +9,9 @@
 // Mass and moments are integrals over the profile r(z): dm = density pi r^2 dz,
 //   about the axis r^2/2 dm, across it (r^2/4 + (z - centre)^2) dm,
 // by Gauss and Legendre's rule between the profile's corners, in an angle, since a profile begins
-// and ends like a root. Errors are below 1e-9 of them. Thread safety: pure functions and values.
+// and ends like a root. Errors are below 1e-9 of
+// them, or 1e-4 where pieces overlap whose profiles cross between corners. Thread safety: pure
+// functions and values.
 #pragma once
 
 #include <span>

@@ -21,6 +21,8 @@ struct ShapeError {
     not_axial,               ///< declared axial, but no two moments agree; `measured`: relative
     no_parts,                ///< a body without any part
     dimension_not_positive,  ///< a size, radius, density or count that must be positive
+    too_many_features,       ///< of a round piece: more than k_round_features_max
+    no_axis,                 ///< a round piece's axis isn't of length 1, or its origin not finite
     sharp  ///< a round piece's edge: `measured` is its radius as a part of the piece's size
   };
   Kind kind{};

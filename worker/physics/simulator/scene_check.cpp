@@ -53,6 +53,11 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
       return error(Kind::bad_shape, fmt::format("{}: part {} has no vertices", name, part));
     }
   }
+  if (sphere == nullptr) {
+    const auto& round = std::get<std::shared_ptr<const Compound>>(body.shape)->round_parts;
+    if (std::ranges::any_of(round, [](const RoundPiece& part) { return part.features().empty(); }))
+      return error(Kind::bad_shape, fmt::format("{}: a part has no rings and no balls", name));
+  }
   const double radius_m = radius_m_of(body.shape);
   if (!(radius_m > 10 * k_touch_m && radius_m <= k_coordinate_m_max)) {
     return error(Kind::bad_shape, fmt::format("{}: radius {} m; give one from {} to {} m", name,

@@ -333,11 +333,11 @@ class World {
     return count;
   }
   void note_too_much(std::uint32_t body, Tick tick);
-  /// Until when two spheres don't collide again, unless they come faster or closer (tolerances.h).
   /// Whether the hulls of two bodies of several parts are apart; `examined` is then the look's
   /// result for each pair of parts.
   bool hulls_apart(std::uint32_t a, std::uint32_t b, Tick tick, double touch_m,
                    SeparationCache& cache, Examined& examined);
+  /// Until when two bodies don't collide again, unless they come faster or closer (tolerances.h).
   Refractory refractory_of_parts(std::uint32_t a, std::uint32_t b);
   Refractory refractory_of_spheres(std::uint32_t a, std::uint32_t b) const;
   Prediction predict_spheres(std::uint32_t a, std::uint32_t b, Tick from) const;
