@@ -131,10 +131,11 @@ ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from
 void RoundPiece::drop_held() {
   const auto holds = [&](const RoundFeature& big, const RoundFeature& small) {
     const bool on_axis = big.circle_m > 0 || small.circle_m > 0;
-    const double apart_m =
-        on_axis ? std::hypot(big.circle_m - small.circle_m, big.height_m - small.height_m) +
-                      length_across(axis_, big.centre_m - small.centre_m)
-                : norm(big.centre_m - small.centre_m);
+    const double out_m = big.circle_m - small.circle_m;
+    const double up_m = big.height_m - small.height_m;
+    const double apart_m = on_axis ? std::sqrt(out_m * out_m + up_m * up_m) +
+                                         length_across(axis_, big.centre_m - small.centre_m)
+                                   : norm(big.centre_m - small.centre_m);
     return apart_m <= big.radius_m - small.radius_m + k_alike * r_outer_m_;
   };
   std::vector<RoundFeature> kept;
