@@ -63,10 +63,6 @@ base::Result<RoundPiece, ShapeError> RoundPiece::make(const RoundDescription& de
     sum += feature.centre_m;
   }
   piece.centre_m_ = sum / static_cast<double>(count);
-  for (const RoundFeature& feature : piece.features_) {
-    piece.around_centre_m_ =
-        std::max(piece.around_centre_m_, furthest_m(feature, piece.axis_, piece.centre_m_));
-  }
   for (std::size_t i = 0; i < count; ++i) {
     const double share = piece.features_[i].radius_m / piece.r_outer_m_;
     if (share < k_round_edge_min)

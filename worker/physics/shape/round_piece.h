@@ -85,8 +85,6 @@ class RoundPiece {
   double margin_m() const { return margin_m_; }
   /// Every point of the piece is this close to the frame's origin.
   double r_outer_m() const { return r_outer_m_; }
-  /// The ball of this radius about centre_m() holds the piece.
-  double around_centre_m() const { return around_centre_m_; }
   const Vec3& centre_m() const { return centre_m_; }
 
   /// Whether all features lie on the axis.
@@ -134,7 +132,6 @@ class RoundPiece {
   Vec3 centre_m_ = Vec3::Zero();
   double margin_m_ = 0;
   double r_outer_m_ = 0;
-  double around_centre_m_ = 0;
 };
 
 /// Length of the part of a vector across a unit axis.

@@ -52,11 +52,11 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
       if (!compound->parts[part].vertices_m().empty()) continue;
       return error(Kind::bad_shape, fmt::format("{}: part {} has no vertices", name, part));
     }
-  }
-  if (sphere == nullptr) {
-    const auto& round = std::get<std::shared_ptr<const Compound>>(body.shape)->round_parts;
-    if (std::ranges::any_of(round, [](const RoundPiece& part) { return part.features().empty(); }))
-      return error(Kind::bad_shape, fmt::format("{}: a part has no rings and no balls", name));
+    for (std::size_t part = 0; part < compound->round_parts.size(); ++part) {
+      if (!compound->round_parts[part].features().empty()) continue;
+      return error(Kind::bad_shape, fmt::format("{}: part {} has no rings and no balls", name,
+                                                compound->parts.size() + part));
+    }
   }
   const double radius_m = radius_m_of(body.shape);
   if (!(radius_m > 10 * k_touch_m && radius_m <= k_coordinate_m_max)) {

@@ -42,7 +42,7 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     alone_for_ = ticks_after(k_bounces_alone * 2 * scene_.slow.separation_speed_mps / pull_mps2);
   constants_.reserve(count);
   points_.reserve(count);
-  std::vector<std::pair<const Compound*, std::uint32_t>> hull_of_shape;
+  HullOfShape hull_of_shape;
   for (const BodyDescription& body : scene_.bodies) {
     BodyConstants constants{.material = body.material,
                             .first_part = static_cast<std::uint32_t>(parts_.size()),
@@ -63,22 +63,7 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
       constants.has_round_parts = !compound.round_parts.empty();
       for (std::size_t part = 0; part < compound.size(); ++part)
         parts_.push_back(compound.view(part));
-      // Bodies of one shape share its hull.
-      const auto known = std::ranges::find(hull_of_shape, &compound,
-                                           &std::pair<const Compound*, std::uint32_t>::first);
-      if (known != hull_of_shape.end()) {
-        constants.hull = known->second;
-      } else {
-        if (auto hull = hull_of(compound)) {
-          made_hulls_.push_back(std::make_unique<const RoundPiece>(*std::move(hull)));
-          constants.hull = static_cast<std::uint32_t>(hulls_.size());
-          hulls_.push_back(made_hulls_.back()->view());
-        } else if (compound.size() == 1) {
-          constants.hull = static_cast<std::uint32_t>(hulls_.size());
-          hulls_.push_back(parts_.back());
-        }
-        hull_of_shape.emplace_back(&compound, constants.hull);
-      }
+      if (compound.round_parts.size() > 1) constants.hull = hull_index(compound, hull_of_shape);
     }
     // What a track of a general body needs is allocated now rather than when the body starts.
     if (constants.inertia.symmetry == InertiaSymmetry::general) {
@@ -119,6 +104,19 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
                    scene_.contacts.materials() == 1 &&
                    scene_.contacts.between({}, {}).friction == 0;
   turns_.assign(count, 0);
+}
+
+std::uint32_t World::hull_index(const Compound& compound, HullOfShape& known) {
+  const auto found = std::ranges::find(known, &compound, &HullOfShape::value_type::first);
+  if (found != known.end()) return found->second;
+  std::uint32_t index = BodyConstants::k_no_hull;
+  if (auto hull = hull_of(compound)) {
+    index = static_cast<std::uint32_t>(hulls_.size());
+    made_hulls_.push_back(std::make_unique<const RoundPiece>(*std::move(hull)));
+    hulls_.push_back(made_hulls_.back()->view());
+  }
+  known.emplace_back(&compound, index);
+  return index;
 }
 
 std::string World::name(std::uint32_t body) const {

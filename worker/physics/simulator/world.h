@@ -17,6 +17,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "worker/physics/collision/near_places.h"
@@ -61,7 +62,7 @@ struct alignas(64) BodyConstants {
   bool has_round_parts = false;  ///< balls and rings (round_piece.h)
   std::uint32_t first_part = 0;  ///< its convex parts in the table of all; a sphere has one point
   std::uint32_t part_count = 1;
-  /// One view for all parts (hull_of), in the table of these; of one part, that. k_no_hull: none.
+  /// One view for several parts (hull_of), in the table of these. k_no_hull: none.
   std::uint32_t hull = k_no_hull;
   static constexpr std::uint32_t k_no_hull = UINT32_MAX;
   Inertia inertia;
@@ -333,6 +334,9 @@ class World {
     return count;
   }
   void note_too_much(std::uint32_t body, Tick tick);
+  /// Of bodies of several round parts, as the world is made: those of one shape share its hull.
+  using HullOfShape = std::vector<std::pair<const Compound*, std::uint32_t>>;
+  std::uint32_t hull_index(const Compound& compound, HullOfShape& known);
   /// Whether the hulls of two bodies of several parts are apart; `examined` is then the look's
   /// result for each pair of parts.
   bool hulls_apart(std::uint32_t a, std::uint32_t b, Tick tick, double touch_m,

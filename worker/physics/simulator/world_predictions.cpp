@@ -154,7 +154,7 @@ bool World::hulls_apart(std::uint32_t a, std::uint32_t b, Tick tick, double touc
   if (look.tick != tick || look.a != a || look.b != b || look.touch_m != touch_m) {
     const auto hull_at = [&](std::uint32_t body, MovingPiece& piece) {
       piece = part_at(body, 0, tick);
-      if (constants_[body].is_sphere) return true;
+      if (constants_[body].part_count == 1) return true;
       if (constants_[body].hull == BodyConstants::k_no_hull) return false;
       piece.view = &hulls_[constants_[body].hull];
       return true;

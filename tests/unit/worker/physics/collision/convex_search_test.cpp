@@ -152,11 +152,7 @@ class Approach {
     if (other_ == Other::stays) {
       second = testing::standing(second_.at(begin, second_view_));
     } else if (other_ == Other::sphere) {
-      second.view = &centre_;
-      second.radius_m = second_.reach_m();
-      second.angular_velocity_radps = Vec3::Zero();
-      second.turning_acceleration_mps2 = 0;
-      second.reach_m = 0;
+      second = testing::ball_of(second, second_.reach_m(), centre_);
     }
     return second;
   }

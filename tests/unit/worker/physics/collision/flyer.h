@@ -41,4 +41,15 @@ inline MovingPiece standing(const MovingPiece& piece) {
   return still;
 }
 
+/// The same, as a ball of a radius about its centre. `centre`: a view of a point at the origin.
+inline MovingPiece ball_of(const MovingPiece& piece, double radius_m, const ConvexView& centre) {
+  MovingPiece ball = piece;
+  ball.view = &centre;
+  ball.radius_m = radius_m;
+  ball.angular_velocity_radps = Vec3::Zero();
+  ball.turning_acceleration_mps2 = 0;
+  ball.reach_m = 0;
+  return ball;
+}
+
 }  // namespace sleight::physics::testing

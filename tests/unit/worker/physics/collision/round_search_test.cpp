@@ -10,6 +10,7 @@
 
 #include "common/math/rotation.h"
 #include "tests/support/property.h"
+#include "tests/unit/worker/physics/collision/flyer.h"
 #include "tests/unit/worker/physics/collision/surface_tables.h"
 #include "worker/physics/collision/convex_search.h"
 #include "worker/physics/motion/motion_bounds.h"
@@ -150,16 +151,9 @@ class Approach {
   MovingPiece second_at(Tick tick) const {
     MovingPiece second = second_.at(tick, second_view_);
     if (other_ == Other::stays) {
-      second = {};
-      second.view = &second_view_;
-      second.pose = second_.at(begin, second_view_).pose;
-      second.reach_m = std::numeric_limits<double>::infinity();
+      second = testing::standing(second_.at(begin, second_view_));
     } else if (other_ == Other::sphere) {
-      second.view = &centre_;
-      second.radius_m = second_.compound.r_outer_m();
-      second.angular_velocity_radps = zero();
-      second.turning_acceleration_mps2 = 0;
-      second.reach_m = 0;
+      second = testing::ball_of(second, second_.compound.r_outer_m(), centre_);
     }
     return second;
   }

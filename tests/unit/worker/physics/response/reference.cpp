@@ -220,6 +220,23 @@ Real relative_gain(const Case& made, const ImpactOutput& out) {
 
 namespace {
 
+/// The separation speed of an approach at u: raised to the floor, or, unless that is granted
+/// without regard to energy, as far as gain_at(w) is no gain.
+template <class Gain>
+Real separation_speed(const ContactLaw& law, Real u, bool is_granted, const Gain& gain_at) {
+  const Real slow = law.restitution * u;
+  const Real floor = law.separation_speed_floor_mps;
+  if (slow >= floor) return slow;
+  if (floor <= u || is_granted || gain_at(floor) <= 0) return floor;
+  Real low = u;
+  Real high = floor;
+  for (int i = 0; i < 80; ++i) {
+    const Real middle = (low + high) / 2;
+    (gain_at(middle) <= 0 ? low : high) = middle;
+  }
+  return low;
+}
+
 /// Against the slip; none where that turns.
 std::optional<Real3> slow_impulse_against_slip(const Case& made, Fault fault) {
   const Real3 n = real(made.normal);
@@ -235,20 +252,7 @@ std::optional<Real3> slow_impulse_against_slip(const Case& made, Fault fault) {
     const Real3 p = impulse_at(w);
     return dot(v, p) + dot(p, response(made, p)) / 2;
   };
-  Real w = made.law.restitution * u;
-  const Real floor = made.law.separation_speed_floor_mps;
-  if (w < floor) {
-    w = floor;
-    if (w > u && fault != Fault::slip_unpaid && gain_at(w) > 0) {
-      Real low = u;
-      Real high = w;
-      for (int i = 0; i < 80; ++i) {
-        const Real middle = (low + high) / 2;
-        (gain_at(middle) <= 0 ? low : high) = middle;
-      }
-      w = low;
-    }
-  }
+  const Real w = separation_speed(made.law, u, fault == Fault::slip_unpaid, gain_at);
   const Real3 after = v + response(made, impulse_at(w));
   if (dot(after, across(v, n)) < 0 && fault != Fault::turned) return std::nullopt;
   return impulse_at(w);
@@ -281,20 +285,7 @@ ImpactOutput slow_impact(const Case& made, Fault fault) {
     const Real3 p = impulse_at(w);
     return dot(v, p) + dot(p, response(made, p)) / 2;
   };
-  Real w = made.law.restitution * u;
-  const Real floor = made.law.separation_speed_floor_mps;
-  if (w < floor) {
-    w = floor;
-    if (w > u && fault != Fault::unpaid && gain_at(w) > 0) {
-      Real low = u;
-      Real high = w;
-      for (int i = 0; i < 80; ++i) {
-        const Real middle = (low + high) / 2;
-        (gain_at(middle) <= 0 ? low : high) = middle;
-      }
-      w = low;
-    }
-  }
+  const Real w = separation_speed(made.law, u, fault == Fault::unpaid, gain_at);
   return output_of(made, impulse_at(w));
 }
 

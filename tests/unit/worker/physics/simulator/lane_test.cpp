@@ -230,6 +230,17 @@ TEST(Lane, ABowlingBallHooksIntoThePocket) {
   FAIL() << "it didn't come there";
 }
 
+TEST(Lane, AMapMustLieInItsPlane) {
+  // Goal: a map whose axes leave the plane is refused, by name. Method: one on a leaning plane.
+  Scene scene = lane({}, {}, {}, 0.1);
+  EXPECT_TRUE(Simulation::start(scene, {}).ok());
+  scene.planes[0].outside.normal = Vec3(0.6, 0, 0.8);
+  const auto started = Simulation::start(scene, {});
+  ASSERT_FALSE(started.ok());
+  EXPECT_EQ(started.error().message,
+            "plane 'lane': the axes of its friction must lie in the plane");
+}
+
 TEST(Lane, AnUphillBorderTakesABoundedNumberOfEvents) {
   // Goal: a ball that spins up a slope on rough ground and comes to smooth ground above falls back
   // to the border again and again, and neither hangs there for ever nor gains energy. Method: the
