@@ -1,0 +1,25 @@
+// A strip of pictures of a scene: some moments of its simulation, side by side.
+//
+// Thread safety: pure functions.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "worker/physics/scenes/scenes.h"
+
+namespace sleight::scene_pictures {
+
+inline constexpr std::size_t k_moments = 5;
+
+struct Strip {
+  std::string svg;
+  std::size_t bodies_drawn = 0;  ///< of all moments together
+  std::string error;             ///< what ended the simulation early, if anything did
+  bool refused = false;          ///< that is the scene's fault
+};
+
+/// The first moment is the start, the last one the setting's duration.
+Strip strip_of(const physics::scenes::Setting& setting, const std::string& title);
+
+}  // namespace sleight::scene_pictures
